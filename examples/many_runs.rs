@@ -10,7 +10,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use ieap::pipeline::{Context, Ingest, RenderReport, Silent, status::status};
+use ieap::pipeline::show::status::status;
+use ieap::pipeline::{Context, Ingest, RenderReport, Silent};
 
 /// Files of one folder.
 const A_FOLDER: usize = 1000;

@@ -7,9 +7,9 @@ use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch,
 use ieap::analysis::plain_columns::{PlainCells, PlainColumn};
 use ieap::domain::Issue;
 use ieap::ingest::campaign_file;
-use ieap::pipeline::diagnosis_document::{GroupEntry, diagnosis_document};
-use ieap::pipeline::fits_document::fits_document;
-use ieap::pipeline::plain_tables::{plain_table, stored_readings};
+use ieap::pipeline::documents::diagnosis::{GroupEntry, diagnosis_document};
+use ieap::pipeline::documents::fits::fits_document;
+use ieap::pipeline::show::plain_tables::{plain_table, stored_readings};
 use ieap::pipeline::{Context, DiagnoseChoice, PipelineError};
 use pyo3::prelude::*;
 

@@ -7,7 +7,7 @@ use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
 use ieap::domain::{self, Level, Quantity};
 use ieap::model::fit_model;
-use ieap::pipeline::at_hand::{self, FitAtHand, RunAtHand};
+use ieap::pipeline::apart::at_hand::{self, FitAtHand, RunAtHand};
 use ieap::pipeline::{DiagnoseChoice, FitChoice};
 use pyo3::prelude::*;
 

@@ -1,7 +1,7 @@
 //! Many runs at once, as tables with one run a row.
 
 use ieap::domain::Issue;
-use ieap::pipeline::at_hand::{self, RunAtHand};
+use ieap::pipeline::apart::at_hand::{self, RunAtHand};
 use ieap::pipeline::{DiagnoseChoice, PipelineError};
 use pyo3::prelude::*;
 use rayon::prelude::*;

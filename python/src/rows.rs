@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use arrow_array::{Array, RecordBatch};
 use ieap::domain::Issue;
-use ieap::pipeline::at_hand::{self, CampaignRow, RunAtHand, Stated};
+use ieap::pipeline::apart::at_hand::{self, CampaignRow, RunAtHand, Stated};
 
 use crate::campaign_rows;
 use crate::columns::{is_list, is_text, list_at, numbers, text_at};

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use ieap::pipeline::apart::at_hand::{self, CurvesAsked};
+use ieap::pipeline::apart::simulate::Noise;
 use ieap::truth::HiddenEffect;
-use ieap::pipeline::at_hand::{self, CurvesAsked};
-use ieap::pipeline::simulate::Noise;
 use pyo3::prelude::*;
 
 use crate::error::refused;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use ieap::domain::tag::keys;
-use ieap::pipeline::at_hand;
+use ieap::pipeline::apart::at_hand;
 use pyo3::prelude::*;
 
 /// What a caller states of readings.

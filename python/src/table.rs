@@ -9,7 +9,7 @@ use arrow_buffer::{Buffer, ScalarBuffer};
 use arrow_schema::{ArrowError, DataType, Field, Schema};
 use bytes::Bytes;
 use ieap::domain::{Channel, Issue, Quantity};
-use ieap::pipeline::at_hand::{self, ReadTable};
+use ieap::pipeline::apart::at_hand::{self, ReadTable};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule};
 

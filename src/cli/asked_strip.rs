@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::typed;
 use crate::domain::typed_value::Measured;
-use crate::pipeline::forward::AskedStrip;
+use crate::pipeline::apart::forward::AskedStrip;
 
 /// A strip of the laminate of a sample.
 #[derive(Debug, Args)]

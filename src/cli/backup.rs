@@ -9,8 +9,8 @@ use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::domain::Issue;
-use crate::pipeline::backup::manifest::LeftOut;
-use crate::pipeline::backup::{Backup, KEEP, Restore};
+use crate::pipeline::upkeep::backup::manifest::LeftOut;
+use crate::pipeline::upkeep::backup::{Backup, KEEP, Restore};
 
 /// Copy the campaign into a folder elsewhere, while everything runs; the next time only what is new is copied
 #[derive(Debug, Args)]

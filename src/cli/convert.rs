@@ -9,9 +9,9 @@ use super::output::Output;
 use super::typed;
 use crate::domain::typed_value::Measured;
 use crate::pipeline::Context;
-use crate::pipeline::convert::{MeasuredStrip, convert};
-use crate::pipeline::estimate_words::{in_words, interval_in_words};
-use crate::pipeline::strip_modulus::strip_modulus;
+use crate::pipeline::apart::convert::{MeasuredStrip, convert};
+use crate::pipeline::documents::estimate_words::{in_words, interval_in_words};
+use crate::pipeline::findings::strip_modulus::strip_modulus;
 
 /// Convert a measure of bending into all others: displacement, curvature, angle, strains, moment, energy
 ///

@@ -7,8 +7,8 @@ use super::output::{Output, counted};
 use super::{CampaignArg, Global, ingest};
 use crate::domain::{Gain, Verdict};
 use crate::model::effects;
-use crate::pipeline::diagnosis_document::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
-use crate::pipeline::estimate_words::{in_words, interval_in_words};
+use crate::pipeline::documents::diagnosis::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
+use crate::pipeline::documents::estimate_words::{in_words, interval_in_words};
 use crate::pipeline::{
     Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest, stands_in,
 };

@@ -6,8 +6,8 @@ use super::exit::{self, CliError};
 use super::output::Output;
 use super::{CampaignArg, Global, ingest};
 use crate::domain::seconds::seconds;
-use crate::pipeline::dma_document::{LogEntry, dma_document};
-use crate::pipeline::estimate_words::in_words;
+use crate::pipeline::documents::dma::{LogEntry, dma_document};
+use crate::pipeline::documents::estimate_words::in_words;
 use crate::pipeline::{AnalyseModulus, Ingest};
 
 /// Find the humidity steps in the modulus logs under dma/ and what the modulus does at each, after taking in new files

@@ -12,8 +12,8 @@ use super::table::write;
 use super::{CampaignArg, typed};
 use crate::domain::typed_value::Measured;
 use crate::pipeline::Context;
-use crate::pipeline::forward::drive_file::{read_course, write_drive};
-use crate::pipeline::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
+use crate::pipeline::apart::forward::drive_file::{read_course, write_drive};
+use crate::pipeline::apart::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
 
 /// Find the voltage that brings the tip to a wanted course within limits, open loop, from the stored fits
 ///

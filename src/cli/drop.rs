@@ -10,7 +10,7 @@ use super::output::{Output, counted};
 use super::tag::{place, user_name};
 use super::{Global, folder};
 use crate::ingest::campaign_file;
-use crate::pipeline::standing::SetAside;
+use crate::pipeline::campaign::standing::SetAside;
 use crate::pipeline::{Context, SpeakOfRuns};
 
 /// Take runs out of all results; they stay in the lists of runs with the reason, and `undrop` takes it back

@@ -8,8 +8,8 @@ use serde_json::json;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use crate::pipeline::Context;
-use crate::pipeline::estimate_words::{ends, in_words};
-use crate::pipeline::explain::{Evidence, Explanation, explain, rows_and_columns};
+use crate::pipeline::documents::estimate_words::{ends, in_words};
+use crate::pipeline::show::explain::{Evidence, Explanation, explain, rows_and_columns};
 
 /// Say which runs, files, fits and versions stand behind a cell of a table
 ///

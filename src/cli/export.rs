@@ -8,10 +8,10 @@ use serde_json::json;
 use super::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::{Output, counted};
-use crate::pipeline::export::{Export, Table, TableFormat};
-use crate::pipeline::fits_document::fits_document;
-use crate::pipeline::partitioned::ExportPartitioned;
-use crate::pipeline::research_crate::ExportCrate;
+use crate::pipeline::documents::fits::fits_document;
+use crate::pipeline::show::export::{Export, Table, TableFormat};
+use crate::pipeline::show::partitioned::ExportPartitioned;
+use crate::pipeline::show::research_crate::ExportCrate;
 use crate::pipeline::{Context, PipelineError};
 
 /// Write runs, tags, fits, conditions, traces or modulus logs as CSV, Parquet or JSON, units in the column names

@@ -10,7 +10,7 @@ use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::table::write;
 use crate::pipeline::Context;
-use crate::pipeline::figures::{MakeFigure, formats, listed, needs_no_campaign};
+use crate::pipeline::show::figures::{MakeFigure, formats, listed, needs_no_campaign};
 
 /// Draw a figure of the thesis, or of the campaign, for print: SVG, PNG or PDF at the width it will have
 ///

@@ -11,9 +11,9 @@ use super::fit_group::{self, GroupArgs};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global, ingest};
 use crate::domain::FileState;
-use crate::pipeline::estimate_words::in_words;
-use crate::pipeline::fit_shard::{FitShard, Part};
-use crate::pipeline::fits_document::{FitEntry, fits_document};
+use crate::pipeline::documents::estimate_words::in_words;
+use crate::pipeline::documents::fits::{FitEntry, fits_document};
+use crate::pipeline::fits::shard::{FitShard, Part};
 use crate::pipeline::{Context, FAULT, FitRuns, FitSummary, Ingest, PipelineError, files_due};
 
 /// Fit every run that has no fit yet or whose data, tags or model changed, after taking in new files

@@ -6,8 +6,10 @@ use clap::Args;
 use super::exit::CliError;
 use super::output::Output;
 use crate::domain::Estimate;
-use crate::pipeline::estimate_words::{ends, in_words, interval_in_words, spread as in_two_digits};
-use crate::pipeline::groups_document::{GroupEntry, GroupRunEntry};
+use crate::pipeline::documents::estimate_words::{
+    ends, in_words, interval_in_words, spread as in_two_digits,
+};
+use crate::pipeline::documents::groups::{GroupEntry, GroupRunEntry};
 use crate::pipeline::{FitChoice, FitGroups, FitTogether, Sharing};
 
 /// Refits below which a bootstrap tells nothing of the ends of a 95 % interval.

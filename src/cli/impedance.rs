@@ -7,9 +7,9 @@ use super::output::Output;
 use super::{CampaignArg, Global, ingest};
 use crate::domain::Consistency;
 use crate::pipeline::Ingest;
-use crate::pipeline::estimate_words::in_words;
-use crate::pipeline::impedance::spectra;
-use crate::pipeline::impedance_document::{BesideEntry, SpectrumEntry, impedance_document};
+use crate::pipeline::documents::estimate_words::in_words;
+use crate::pipeline::documents::impedance::{BesideEntry, SpectrumEntry, impedance_document};
+use crate::pipeline::findings::impedance::spectra;
 
 /// Test the impedance spectra of a campaign, fit circuits to them, and set them beside the steps of the same samples,
 /// after taking in new files

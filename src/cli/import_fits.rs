@@ -9,7 +9,7 @@ use super::exit::{self, CliError};
 use super::output::{Output, counted};
 use super::{Global, folder, say_what_is_not_understood};
 use crate::pipeline::Context;
-use crate::pipeline::import_fits::{ImportFits, ImportSummary};
+use crate::pipeline::upkeep::import_fits::{ImportFits, ImportSummary};
 
 /// Bring fits that were computed elsewhere into the campaign: by `ieap fit --shard`, or on a cluster
 ///

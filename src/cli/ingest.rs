@@ -10,7 +10,7 @@ use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::domain::Issue;
 use crate::ingest::name_pattern::ProposedPattern;
-use crate::pipeline::mends::{Together, together};
+use crate::pipeline::ground::mends::{Together, together};
 use crate::pipeline::{Ingest, IngestSummary};
 
 /// Take in new files: recognise, read, tag, archive and store them

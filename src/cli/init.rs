@@ -9,7 +9,8 @@ use super::exit::{CliError, DONE};
 use super::output::{Output, counted};
 use crate::domain::safe_text::one_line;
 use crate::domain::tag::keys;
-use crate::pipeline::{InitFrom, PlannedFile, Proposed, Taken, init};
+use crate::pipeline::init;
+use crate::pipeline::{InitFrom, PlannedFile, Proposed, Taken};
 
 /// Make a folder a campaign: writes a commented campaign.toml and the folders runs/, dma/ and ambient/
 ///

@@ -9,7 +9,9 @@ use super::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::{Output, counted};
 use crate::pipeline::Context;
-use crate::pipeline::next_runs::{NextRunEntry, SheetSummary, entries, plan, untying_entries, write_sheet};
+use crate::pipeline::findings::next_runs::{
+    NextRunEntry, SheetSummary, entries, plan, untying_entries, write_sheet,
+};
 
 /// Which runs to make next, and what each would tell apart; as a run sheet for the bench with --sheet
 #[derive(Debug, Args)]

@@ -12,10 +12,10 @@ use super::{CampaignArg, typed};
 use crate::domain::Drive;
 use crate::domain::typed_value::Measured;
 use crate::pipeline::Context;
-use crate::pipeline::estimate_words::in_words;
-use crate::pipeline::forward::document::Predicted;
-use crate::pipeline::forward::drive_file::read_drive;
-use crate::pipeline::forward::{Predict, PredictedRow, PredictionDocument, prediction_figure};
+use crate::pipeline::apart::forward::document::Predicted;
+use crate::pipeline::apart::forward::drive_file::read_drive;
+use crate::pipeline::apart::forward::{Predict, PredictedRow, PredictionDocument, prediction_figure};
+use crate::pipeline::documents::estimate_words::in_words;
 
 /// Predict from the stored fits what a strip will do: another size, voltage or drive, with intervals
 ///
@@ -111,6 +111,6 @@ fn print(document: &PredictionDocument, output: &Output) {
 /// `0.123 ± 0.011  (95 %: 0.101 to 0.145)`.
 pub(super) fn words(predicted: &Predicted, scale: f64) -> String {
     let estimate = predicted.estimate(scale);
-    let interval = crate::pipeline::estimate_words::interval_in_words(&estimate);
+    let interval = crate::pipeline::documents::estimate_words::interval_in_words(&estimate);
     format!("{}{interval}", in_words(&estimate))
 }

@@ -8,7 +8,7 @@ use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::Output;
 use super::{folder, inspect};
 use crate::ingest::campaign_file;
-use crate::pipeline::profile::{ProposedProfile, propose};
+use crate::pipeline::apart::profile::{ProposedProfile, propose};
 
 /// Propose a profile for a file that no reader understands, and show what it would read
 ///

@@ -8,9 +8,10 @@ use super::fit_choice::FitChoiceArgs;
 use super::output::{Output, counted};
 use super::{CampaignArg, Global, diagnose, ingest, report, signals};
 use crate::domain::Fault;
-use crate::pipeline::status::raw_files_lost;
-use crate::pipeline::verify::missed;
-use crate::pipeline::{Context, DiagnoseSummary, Made, Observer, Run, RunSummary, left};
+use crate::pipeline::left;
+use crate::pipeline::show::status::raw_files_lost;
+use crate::pipeline::upkeep::verify::missed;
+use crate::pipeline::{Context, DiagnoseSummary, Made, Observer, Run, RunSummary};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
 #[derive(Debug, Args)]

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::Global;
 use super::exit::{CliError, DONE};
 use super::output::Output;
-use crate::pipeline::simulate::Simulate;
+use crate::pipeline::apart::simulate::Simulate;
 
 /// Write run files of a model with noise and sampling, seeded: the same spec gives the same bytes
 #[derive(Debug, Args)]

@@ -9,11 +9,11 @@ use super::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::printable::printable;
-use crate::pipeline::tables::{
+use crate::pipeline::ground::whole_file::put_bytes;
+use crate::pipeline::show::tables::{
     MovedDocument, chosen_columns, compared_by, find_format, find_table, listed, moment, moved_since, table,
     write_with_decimal_comma, write_within,
 };
-use crate::pipeline::whole_file::put_bytes;
 use crate::pipeline::{Context, Earlier};
 
 /// Print a table of the thesis, or of the campaign, with uncertainties: as text, CSV, Markdown, LaTeX, Typst, HTML

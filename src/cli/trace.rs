@@ -7,7 +7,7 @@ use clap::Args;
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::{Output, counted};
 use crate::ingest::frames::{FrameSettings, Numbers};
-use crate::pipeline::trace::{TraceFrames, TraceSummary};
+use crate::pipeline::intake::trace::{TraceFrames, TraceSummary};
 use crate::strip::{Side, Tone};
 
 /// Trace frames of a strip seen from its side: curvature along it and displacement of its tip

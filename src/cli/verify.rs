@@ -6,7 +6,7 @@ use serde_json::json;
 use super::CampaignArg;
 use super::exit::{CliError, DONE, STORAGE};
 use super::output::Output;
-use crate::pipeline::verify::{Part, Verified, Verify};
+use crate::pipeline::upkeep::verify::{Part, Verified, Verify};
 
 /// Check that nothing is lost or damaged: database, raw files, journal, report; with --deep that every number can be derived again
 ///

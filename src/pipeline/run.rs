@@ -2,14 +2,14 @@
 
 use serde::Serialize;
 
-use super::fault::{or_nothing, step};
-use super::standing::{self, SetAside};
 use super::{
     AlarmSummary, AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns,
     FitSummary, Ingest, IngestSummary, ModulusSummary, Observer, PipelineError, RaiseAlarms, RenderReport,
     ReportSummary,
 };
 use crate::domain::Fault;
+use crate::pipeline::campaign::standing::{self, SetAside};
+use crate::pipeline::ground::fault::{or_nothing, step};
 
 /// The verb `run`.
 #[derive(Debug, Clone, Default)]

@@ -4,17 +4,18 @@
 use std::path::Path;
 
 use ieap::domain::Fault;
-use ieap::pipeline::diagnosis_document::diagnosis_document;
-use ieap::pipeline::dma_document::dma_document;
-use ieap::pipeline::explain::explain;
-use ieap::pipeline::export::{Export, Table};
-use ieap::pipeline::figures::{self, MakeFigure};
-use ieap::pipeline::fits_document::fits_document;
-use ieap::pipeline::next_runs::{entries, plan, write_sheet};
-use ieap::pipeline::status::status;
+use ieap::pipeline::documents::diagnosis::diagnosis_document;
+use ieap::pipeline::documents::dma::dma_document;
+use ieap::pipeline::documents::fits::fits_document;
+use ieap::pipeline::findings::next_runs::{entries, plan, write_sheet};
+use ieap::pipeline::show::explain::explain;
+use ieap::pipeline::show::export::{Export, Table};
+use ieap::pipeline::show::figures::{self, MakeFigure};
+use ieap::pipeline::show::status::status;
+use ieap::pipeline::show::tables;
 use ieap::pipeline::{
     AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, FitRuns, Ingest, PipelineError, RaiseAlarms,
-    RenderReport, Silent, tables,
+    RenderReport, Silent,
 };
 use ieap::report::tables::FORMATS;
 use proptest::prelude::*;

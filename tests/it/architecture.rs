@@ -179,9 +179,9 @@ fn results_and_files_go_through_one_door_each() {
         (
             "fs::write(",
             &[
-                "src/pipeline/own_folder.rs",
-                "src/pipeline/report.rs",
-                "src/pipeline/trace",
+                "src/pipeline/ground/own_folder.rs",
+                "src/pipeline/show/report.rs",
+                "src/pipeline/intake/trace",
                 "crates/report/src/render.rs",
             ],
         ),
@@ -215,7 +215,7 @@ fn results_and_files_go_through_one_door_each() {
 #[test]
 fn what_is_kept_of_a_campaign_goes_through_one_seam() {
     // They read what lies outside of campaigns, or write what no campaign is made of yet.
-    let beside = ["init", "simulate", "serve", "command.rs"];
+    let beside = ["apart/init", "apart/simulate", "serve", "ground/command.rs"];
     let pipeline = house().join("src/pipeline");
     let folders = [
         house().join("crates/store/src"),
@@ -254,16 +254,16 @@ fn what_is_kept_of_a_campaign_goes_through_one_seam() {
 fn what_a_campaign_consists_of_is_opened_only_where_a_regular_file_is() {
     // They read what a user names, or write where a user says: there a pipe or a device may be meant.
     let named_by_a_user = [
-        "at_hand/read.rs",
-        "fit_shard.rs",
-        "forward/drive_file.rs",
-        "import_fits/part.rs",
-        "inspect.rs",
-        "profile.rs",
-        "research_crate/mod.rs",
-        "whole_file.rs",
+        "apart/at_hand/read.rs",
+        "fits/shard.rs",
+        "apart/forward/drive_file.rs",
+        "upkeep/import_fits/part.rs",
+        "apart/inspect.rs",
+        "apart/profile.rs",
+        "show/research_crate/mod.rs",
+        "ground/whole_file.rs",
         // Its own temporary file.
-        "export.rs",
+        "show/export.rs",
     ];
     // They open folders, to bring names to the disk.
     let of_folders = ["own_folder.rs", "backup/restore.rs", "archive/durability.rs"];
@@ -274,7 +274,7 @@ fn what_a_campaign_consists_of_is_opened_only_where_a_regular_file_is() {
         house().join("crates/report/src"),
         pipeline.clone(),
     ];
-    let beside = ["init", "simulate", "serve", "command.rs"];
+    let beside = ["apart/init", "apart/simulate", "serve", "ground/command.rs"];
     for file in folders.iter().flat_map(|folder| rust_files(folder)) {
         let is_beside = beside.iter().any(|name| file.starts_with(pipeline.join(name)));
         if is_beside || file.ends_with("tests.rs") || file.to_string_lossy().contains("_tests") {
@@ -308,13 +308,13 @@ fn every_file_begins_with_what_it_is() {
 #[test]
 fn results_are_made_from_runs_that_speak() {
     let may = [
-        "standing.rs",
-        "tag.rs",
-        "ingest/retag.rs",
+        "campaign/standing.rs",
+        "upkeep/tag.rs",
+        "intake/ingest/retag.rs",
         // Exposure is what a strip went through, whatever became of the run.
-        "climate/assess.rs",
+        "intake/climate/assess.rs",
         // Whether readings are as they were is asked of every run.
-        "verify/deep.rs",
+        "upkeep/verify/deep.rs",
     ];
     let pipeline = house().join("src/pipeline");
     for file in rust_files(&pipeline) {

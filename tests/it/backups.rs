@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use ieap::pipeline::backup::{Backup, KEEP};
+use ieap::pipeline::upkeep::backup::{Backup, KEEP};
 use ieap::pipeline::{Context, Silent};
 
 use crate::campaign::{CampaignFolder, command, counted, ieap, run_table};
@@ -360,7 +360,7 @@ impl ieap::system::World for RefusesFrom {
 /// Also where only one is kept, and every backup has something new.
 #[test]
 fn whatever_call_the_system_refuses_a_backup_can_be_restored() {
-    use ieap::pipeline::backup::Restore;
+    use ieap::pipeline::upkeep::backup::Restore;
     let folder = campaign();
     let elsewhere = tempfile::tempdir().unwrap();
     let backup = elsewhere.path().join("backup");

@@ -1,6 +1,6 @@
 //! Fits made elsewhere: in parts, on other computers, and brought back.
 
-use ieap::pipeline::fit_result::{End, FitResult};
+use ieap::pipeline::fits::result::{End, FitResult};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use ieap::pipeline::export::{Export, Table};
-use ieap::pipeline::fits_document::fits_document;
-use ieap::pipeline::tables::{find_format, listed, table};
+use ieap::pipeline::documents::fits::fits_document;
+use ieap::pipeline::show::export::{Export, Table};
+use ieap::pipeline::show::tables::{find_format, listed, table};
 use ieap::pipeline::{
     Context, DiagnoseChoice, DiagnoseRuns, FitChoice, FitRuns, Ingest, PipelineError, Rebuild, Silent,
 };

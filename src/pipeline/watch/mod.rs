@@ -12,14 +12,14 @@ mod sightings;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use super::context::moment;
 use super::run::render;
-use super::verify::Weekly;
 use super::{
     Context, DiagnoseSummary, IngestSummary, Interrupt, Made, Observer, PipelineError, ReportSummary, Run,
 };
 use crate::domain::Issue;
 use crate::ingest::watch::{Wake, WatchOptions, Watcher};
+use crate::pipeline::campaign::context::moment;
+use crate::pipeline::upkeep::verify::Weekly;
 use bell::Bell;
 use refusals::{AFTER_REFUSAL, Refusals};
 

@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use ieap::domain::FileState;
-use ieap::pipeline::verify::Verify;
+use ieap::pipeline::upkeep::verify::Verify;
 use ieap::pipeline::{Context, Ingest, PipelineError, Rebuild, RenderReport, SetTags, Silent};
 use ieap::store::Store;
 use ieap::system::within;

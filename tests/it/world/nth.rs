@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use ieap::pipeline::verify::Verify;
+use ieap::pipeline::upkeep::verify::Verify;
 use ieap::pipeline::{
     Context, FitRuns, Ingest, PipelineError, Rebuild, RenderReport, SetTags, Silent, SpeakOfRuns,
 };

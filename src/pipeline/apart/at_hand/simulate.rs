@@ -1,0 +1,128 @@
+//! Curves of a model under a drive, with effects and noise, as `ieap simulate` writes them into run files.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use super::Strip;
+use crate::domain::{Drive, Issue, Level};
+use crate::pipeline::apart::simulate::{Noise, RunSpec, SegmentSpec, checked_run, exact_responses};
+use crate::truth::noise::NoisyChannel;
+use crate::truth::{HiddenEffect, noise};
+
+/// What is to be simulated.
+#[derive(Debug, Clone)]
+pub struct CurvesAsked {
+    /// Parameters by their stored keys; those left out are 0, or absent branches.
+    pub parameters: BTreeMap<String, f64>,
+    /// The strip; some effects need its length.
+    pub strip: Strip,
+    /// Voltage held before the drive, V.
+    pub baseline_v: f64,
+    /// Start (s) and voltage (V, none: open circuit) of each segment.
+    pub drive: Vec<(f64, Option<f64>)>,
+    /// Effects that act in the run.
+    pub effects: Vec<HiddenEffect>,
+    /// Noise of the readings; none by default.
+    pub noise: Noise,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Times of the readings, s, rising.
+    pub time_s: Vec<f64>,
+}
+
+/// Simulated readings, one for each time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curves {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Applied voltage, V; NaN in an open circuit.
+    pub voltage_v: Vec<f64>,
+    /// Whether the circuit is open.
+    pub is_open: Vec<bool>,
+    /// Current, A.
+    pub current_a: Vec<f64>,
+    /// Curvature, 1/cm.
+    pub curvature_per_cm: Vec<f64>,
+}
+
+/// Simulates readings. The same request gives the same bytes.
+///
+/// # Errors
+/// A parameter, the drive, an effect or the noise makes no sense, or the equations have no solution.
+pub fn simulate(asked: &CurvesAsked) -> Result<Curves, Issue> {
+    if asked.time_s.is_empty() || !asked.time_s.is_sorted_by(|a, b| a < b) {
+        let issue = Issue::error(
+            "bad-value",
+            "the times of the readings do not rise, or there are none",
+        );
+        return Err(issue
+            .at("time_s")
+            .mend("give finite times in s, each later than the one before"));
+    }
+    let run = run_spec(asked)?;
+    checked_run(&run, &asked.noise, &asked.effects)?;
+    let exact = exact_responses(&run, &asked.effects, (&asked.time_s, &asked.time_s), 0)
+        .map_err(|error| Issue::error("not-solved", error.to_string()).at("effects"))?;
+    let noisy = |signal: &[f64], channel, own: crate::truth::ChannelNoise, stream| {
+        noise(
+            signal,
+            &own.with_effects(channel, &asked.effects),
+            asked.seed,
+            stream,
+        )
+    };
+    let drive = run.drive();
+    let applied: Vec<Level> = asked.time_s.iter().map(|&time_s| level(&drive, time_s)).collect();
+    Ok(Curves {
+        time_s: asked.time_s.clone(),
+        voltage_v: applied
+            .iter()
+            .map(|level| match level {
+                Level::Voltage(voltage_v) => *voltage_v,
+                Level::OpenCircuit => f64::NAN,
+            })
+            .collect(),
+        is_open: applied.iter().map(|level| *level == Level::OpenCircuit).collect(),
+        current_a: noisy(&exact.current_a, NoisyChannel::Current, asked.noise.current(), 0),
+        curvature_per_cm: noisy(
+            &exact.curvature_per_cm,
+            NoisyChannel::Curvature,
+            asked.noise.curvature(),
+            1,
+        ),
+    })
+}
+
+fn run_spec(asked: &CurvesAsked) -> Result<RunSpec, Issue> {
+    let strip = asked.strip;
+    let centimetres = |millimetres: Option<f64>| millimetres.map(|length| length / 10.0);
+    let (length_cm, width_cm) = (centimetres(strip.length_mm), centimetres(strip.width_mm));
+    let area_cm2 = super::sample(&strip).active_area_cm2().ok_or_else(|| {
+        let issue = Issue::error(super::NO_AREA, "the active area of the strip is not stated").at("area_cm2");
+        issue.mend("state area_cm2, or length_mm and width_mm")
+    })?;
+    let segment = |&(start_s, voltage_v): &(f64, Option<f64>)| SegmentSpec { start_s, voltage_v };
+    Ok(RunSpec {
+        file: PathBuf::from("simulated"),
+        area_cm2,
+        length_cm,
+        width_cm,
+        baseline_v: asked.baseline_v,
+        voltage_v: None,
+        drive: asked.drive.iter().map(segment).collect(),
+        pulses: None,
+        wave: None,
+        parameters: asked.parameters.clone(),
+        effect: Vec::new(),
+        tags: toml::Table::new(),
+    })
+}
+
+fn level(drive: &Drive, time_s: f64) -> Level {
+    let held = drive
+        .segments
+        .iter()
+        .rev()
+        .find(|segment| segment.start_s <= time_s);
+    held.map_or(Level::Voltage(drive.baseline_v), |segment| segment.level)
+}

@@ -1,0 +1,348 @@
+//! The verb `convert`: one measure of bending into all others, with the errors of what is given.
+
+use serde::Serialize;
+
+use crate::domain::Estimate;
+use crate::domain::quantiles::NORMAL_95;
+use crate::domain::typed_value::{Measured, ValueKind};
+use crate::model::geometry::conversion::{Bending, ConversionError, FURTHEST_TURN_RAD, KnownStrip};
+use crate::pipeline::PipelineError;
+use crate::pipeline::documents::fits::as_object;
+
+/// Thickness times curvature from which a strip is no thin beam: strains over the thickness are then beyond 5 %.
+const THIN: f64 = 0.1;
+
+/// A measure by the name that it is typed under.
+struct Measure {
+    name: &'static str,
+    bending: Bending,
+    kind: ValueKind,
+    /// Key in documents, with the unit.
+    key: &'static str,
+    /// Canonical value times this is the value under the key.
+    scale: f64,
+}
+
+const MEASURES: [Measure; 9] = [
+    measure(
+        "curvature",
+        Bending::Curvature,
+        ValueKind::Curvature,
+        "curvature_per_cm",
+        1.0,
+    ),
+    measure("radius", Bending::Radius, ValueKind::Length, "radius_mm", 1.0),
+    measure(
+        "displacement",
+        Bending::Displacement,
+        ValueKind::Length,
+        "displacement_mm",
+        1.0,
+    ),
+    measure(
+        "tip-displacement",
+        Bending::TipDisplacement,
+        ValueKind::Length,
+        "tip_displacement_mm",
+        1.0,
+    ),
+    measure(
+        "tangent-angle",
+        Bending::TangentAngle,
+        ValueKind::Angle,
+        "tangent_angle_deg",
+        DEG,
+    ),
+    measure(
+        "strain-difference",
+        Bending::StrainDifference,
+        ValueKind::Strain,
+        "strain_difference_percent",
+        100.0,
+    ),
+    measure(
+        "bending-strain",
+        Bending::BendingStrain,
+        ValueKind::Strain,
+        "bending_strain_percent",
+        100.0,
+    ),
+    measure(
+        "moment",
+        Bending::Moment,
+        ValueKind::Moment,
+        "bending_moment_mn_mm",
+        1.0,
+    ),
+    measure(
+        "energy",
+        Bending::Energy,
+        ValueKind::Energy,
+        "strain_energy_uj",
+        1.0,
+    ),
+];
+
+const DEG: f64 = 180.0 / std::f64::consts::PI;
+
+const fn measure(
+    name: &'static str,
+    bending: Bending,
+    kind: ValueKind,
+    key: &'static str,
+    scale: f64,
+) -> Measure {
+    Measure {
+        name,
+        bending,
+        kind,
+        key,
+        scale,
+    }
+}
+
+/// A strip with the errors of its dimensions.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MeasuredStrip {
+    /// Free length, mm.
+    pub length_mm: Option<Measured>,
+    /// Where a displacement is seen, mm ahead of the clamp.
+    pub seen_at_mm: Option<Measured>,
+    /// Width, mm.
+    pub width_mm: Option<Measured>,
+    /// Thickness, mm.
+    pub thickness_mm: Option<Measured>,
+    /// Modulus, MPa.
+    pub modulus_mpa: Option<Measured>,
+    /// Distance of the neutral layer from the centroid, mm.
+    pub neutral_layer_shift_mm: Option<Measured>,
+    /// Mean elongation, a share.
+    pub mean_elongation: Option<Measured>,
+}
+
+impl MeasuredStrip {
+    fn inputs(&mut self) -> [&mut Option<Measured>; 7] {
+        [
+            &mut self.length_mm,
+            &mut self.seen_at_mm,
+            &mut self.width_mm,
+            &mut self.thickness_mm,
+            &mut self.modulus_mpa,
+            &mut self.neutral_layer_shift_mm,
+            &mut self.mean_elongation,
+        ]
+    }
+
+    fn known(&self) -> KnownStrip {
+        let value = |measured: Option<Measured>| measured.map(|m| m.value);
+        KnownStrip {
+            length_mm: value(self.length_mm),
+            seen_at_mm: value(self.seen_at_mm),
+            width_mm: value(self.width_mm),
+            thickness_mm: value(self.thickness_mm),
+            modulus_mpa: value(self.modulus_mpa),
+            neutral_layer_shift_mm: value(self.neutral_layer_shift_mm).unwrap_or(0.0),
+            mean_elongation: value(self.mean_elongation).unwrap_or(0.0),
+        }
+    }
+
+    fn check(&self) -> Result<(), PipelineError> {
+        let lengths = [
+            ("--length", self.length_mm),
+            ("--at", self.seen_at_mm),
+            ("--width", self.width_mm),
+            ("--thickness", self.thickness_mm),
+            ("--modulus", self.modulus_mpa),
+        ];
+        for (what, measured) in lengths {
+            if let Some(measured) = measured.filter(|m| m.value <= 0.0) {
+                return Err(bad(what, measured.value.to_string(), "a positive number"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a conversion gives.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConversionDocument {
+    /// Always `ieap/convert/1`.
+    pub schema: &'static str,
+    /// Key of the measure that was given.
+    pub given: &'static str,
+    /// Its value, in the unit of its key.
+    pub value: f64,
+    /// Its standard error; null where none was stated.
+    pub standard_error: Option<f64>,
+    /// Every measure by its key.
+    #[serde(serialize_with = "as_object")]
+    pub values: Vec<(String, Estimate)>,
+    /// What the formulas do not hold for, and how near that is here.
+    pub remarks: Vec<String>,
+}
+
+/// Converts `NAME=VALUE`, the value with its unit, on that strip.
+///
+/// # Errors
+/// The measure or its value cannot be read, or no circle has such a bending.
+pub fn convert(given: &str, strip: &MeasuredStrip) -> Result<ConversionDocument, PipelineError> {
+    strip.check()?;
+    let names = MEASURES.map(|measure| measure.name).join(", ");
+    let parts = given.split_once('=');
+    let found = parts.and_then(|(name, text)| {
+        let name = name.trim().replace('_', "-");
+        MEASURES.iter().find(|m| m.name == name).map(|m| (m, text))
+    });
+    let Some((measure, text)) = found else {
+        let needed = format!("one of {names}, then = and the value with its unit: displacement=1.2mm");
+        return Err(bad("what is converted", format!("{given:?}"), &needed));
+    };
+    let typed = measure.kind.parse(text).map_err(|error| PipelineError::Typed {
+        what: measure.name,
+        error,
+    })?;
+    let curvature = |strip: &MeasuredStrip, value| strip.known().to_curvature(measure.bending, value);
+    let curvature_per_cm =
+        curvature(strip, typed.value).map_err(|error| bad(measure.name, text.to_owned(), &needed(error)))?;
+    let values = MEASURES.iter().map(|wanted| {
+        let at = |strip: &MeasuredStrip, value| {
+            let curvature_per_cm = curvature(strip, value)?;
+            let number = strip.known().from_curvature(wanted.bending, curvature_per_cm)?;
+            Ok(number * wanted.scale)
+        };
+        (wanted.key.to_owned(), estimate(strip, typed, at))
+    });
+    let mut document = ConversionDocument {
+        schema: "ieap/convert/1",
+        given: measure.key,
+        value: typed.value * measure.scale,
+        standard_error: (typed.standard_error > 0.0).then_some(typed.standard_error * measure.scale),
+        values: values.collect(),
+        remarks: remarks(&strip.known(), curvature_per_cm),
+    };
+    small(strip, curvature_per_cm, &mut document.values);
+    Ok(document)
+}
+
+fn needed(error: ConversionError) -> String {
+    match error {
+        ConversionError::Needs(what) => format!("{what} beside it, as an option"),
+        other => other.to_string(),
+    }
+}
+
+fn bad(what: &'static str, found: String, needed: &str) -> PipelineError {
+    PipelineError::BadArgument {
+        what,
+        found,
+        needed: needed.to_owned(),
+    }
+}
+
+/// The number with the errors of the value and of every dimension, to first order and independent of each other.
+fn estimate(
+    strip: &MeasuredStrip,
+    typed: Measured,
+    at: impl Fn(&MeasuredStrip, f64) -> Result<f64, ConversionError>,
+) -> Estimate {
+    let value = match at(strip, typed.value) {
+        Ok(value) if value.is_finite() => value,
+        Ok(_) => return Estimate::not_determined("the strip is straight"),
+        Err(error) => return Estimate::not_determined(error.to_string()),
+    };
+    let half = |up: Result<f64, ConversionError>, down: Result<f64, ConversionError>| match (up, down) {
+        (Ok(up), Ok(down)) => 0.5 * (up - down),
+        // At an end of what a formula holds for, one side is all there is.
+        (Ok(one), Err(_)) | (Err(_), Ok(one)) => one - value,
+        (Err(_), Err(_)) => 0.0,
+    };
+    let error = typed.standard_error;
+    let mut variance = half(at(strip, typed.value + error), at(strip, typed.value - error)).powi(2);
+    let mut changed = *strip;
+    for k in 0..changed.inputs().len() {
+        let Some(dimension) = *changed.inputs()[k] else {
+            continue;
+        };
+        let mut with = |sign: f64| {
+            *changed.inputs()[k] = Some(Measured::exact(dimension.value + sign * dimension.standard_error));
+            let found = at(&changed, typed.value);
+            *changed.inputs()[k] = Some(dimension);
+            found
+        };
+        variance += half(with(1.0), with(-1.0)).powi(2);
+    }
+    if variance == 0.0 {
+        return Estimate {
+            value: Some(value),
+            reason: None,
+            ..Estimate::not_determined("")
+        };
+    }
+    let error = variance.sqrt();
+    Estimate::determined(value, error, value - NORMAL_95 * error, value + NORMAL_95 * error)
+}
+
+/// The approximation for small bending beside the exact strain difference, where the two differ.
+fn small(strip: &MeasuredStrip, curvature_per_cm: f64, values: &mut Vec<(String, Estimate)>) {
+    let known = strip.known();
+    let without = KnownStrip {
+        mean_elongation: 0.0,
+        ..known
+    };
+    if known.mean_elongation == 0.0 {
+        return;
+    }
+    let number = without.from_curvature(Bending::StrainDifference, curvature_per_cm);
+    let estimate = match number {
+        Ok(number) => Estimate {
+            value: Some(100.0 * number),
+            reason: None,
+            ..Estimate::not_determined("")
+        },
+        Err(error) => Estimate::not_determined(error.to_string()),
+    };
+    let after = values
+        .iter()
+        .position(|(key, _)| key == "strain_difference_percent");
+    let place = after.map_or(values.len(), |at| at + 1);
+    values.insert(place, ("strain_difference_small_percent".to_owned(), estimate));
+}
+
+fn remarks(strip: &KnownStrip, curvature_per_cm: f64) -> Vec<String> {
+    let mut remarks = vec![
+        "All measures take the strip as one circle: a strip that bends unevenly along its length has no one curvature."
+            .to_owned(),
+    ];
+    let turn = strip
+        .length_mm
+        .map(|length| (curvature_per_cm / 10.0 * length).abs());
+    if let Some(turn) = turn.filter(|turn| *turn > FURTHEST_TURN_RAD) {
+        remarks.push(format!(
+            "The tip has turned by {:.0} degrees and comes back: this tip displacement belongs to a smaller curvature too.",
+            turn * DEG
+        ));
+    }
+    let thin = strip
+        .thickness_mm
+        .map(|thickness| (curvature_per_cm / 10.0 * thickness).abs());
+    if let Some(share) = thin.filter(|share| *share > THIN) {
+        remarks.push(format!(
+            "Thickness times curvature is {share:.2}: moment, energy and strains are those of a thin strip, below {THIN}."
+        ));
+    }
+    if strip.mean_elongation == 0.0 && strip.thickness_mm.is_some() {
+        remarks.push(
+            "No mean elongation is given (--elongation): exact and small strain difference are then the same.".to_owned(),
+        );
+    }
+    if strip.modulus_mpa.is_some() && strip.neutral_layer_shift_mm == 0.0 {
+        remarks.push(
+            "The neutral layer is taken in the middle (--neutral-shift); at the surface moment and energy are four times as large."
+                .to_owned(),
+        );
+    }
+    remarks
+}
+
+#[cfg(test)]
+mod tests;

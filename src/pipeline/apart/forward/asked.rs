@@ -1,0 +1,72 @@
+//! Which strip is asked for, and in which surroundings.
+
+use crate::domain::Sample;
+use crate::domain::typed_value::Measured;
+use crate::model::scaling::{Dimension, StripSize};
+use crate::pipeline::PipelineError;
+
+/// A strip of the laminate of a sample.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct AskedStrip {
+    /// Sample whose fits tell.
+    pub sample: String,
+    /// Environment of the runs; none where the sample was measured in one only.
+    pub environment: Option<String>,
+    /// Relative humidity of the runs, percent; none: all.
+    pub relative_humidity_percent: Option<f64>,
+    /// Length, where it is another.
+    pub length_mm: Option<Measured>,
+    /// Width, where it is another.
+    pub width_mm: Option<Measured>,
+    /// Thickness, where it is another.
+    pub thickness_mm: Option<Measured>,
+    /// Modulus; none: from the modulus logs.
+    pub modulus_mpa: Option<Measured>,
+    /// Resistance of both electrodes along the strip, Ohm per square; none: what campaign.toml or the fits say.
+    pub electrode_resistance_ohm_per_sq: Option<f64>,
+}
+
+impl AskedStrip {
+    /// Whether it is another strip than the sample itself.
+    pub fn is_another(&self) -> bool {
+        self.length_mm.is_some() || self.width_mm.is_some() || self.thickness_mm.is_some()
+    }
+
+    /// Its size; what is not asked for is the sample's.
+    pub(super) fn size(&self, of: &StripSize) -> StripSize {
+        let or = |asked: Option<Measured>, else_take: Dimension| asked.map_or(else_take, dimension);
+        StripSize {
+            length: or(self.length_mm, of.length),
+            width: or(self.width_mm, of.width),
+            thickness: self.thickness_mm.map(dimension).or(of.thickness),
+        }
+    }
+}
+
+fn dimension(measured: Measured) -> Dimension {
+    Dimension {
+        value_mm: measured.value,
+        standard_error_mm: measured.standard_error,
+    }
+}
+
+/// The size of a sample, as campaign.toml states it; its width is that of its active area.
+///
+/// # Errors
+/// Its length or area is not stated.
+pub(super) fn size_of(sample: &Sample) -> Result<StripSize, PipelineError> {
+    let known = sample.length_mm.zip(sample.active_area_cm2());
+    let (length_mm, area_cm2) = known.ok_or_else(|| PipelineError::BadArgument {
+        what: "--sample",
+        found: format!(
+            "{:?}, whose length or width campaign.toml does not state",
+            sample.id
+        ),
+        needed: "length_mm and width_mm of the sample in campaign.toml".to_owned(),
+    })?;
+    Ok(StripSize {
+        length: Dimension::exact(length_mm),
+        width: Dimension::exact(100.0 * area_cm2 / length_mm),
+        thickness: sample.thickness_mm.map(Dimension::exact),
+    })
+}

@@ -1,0 +1,9 @@
+//! Verbs that need no campaign: readings at hand, simulations, forecasts, looks at files.
+
+pub mod at_hand;
+pub mod convert;
+pub mod forward;
+pub(super) mod init;
+pub mod inspect;
+pub mod profile;
+pub mod simulate;

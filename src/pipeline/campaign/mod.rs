@@ -1,0 +1,7 @@
+//! A campaign at work: its folder, its database, and which of its runs speak.
+
+pub(super) mod context;
+pub(super) mod group_tags;
+pub(super) mod grouping;
+pub mod planned;
+pub mod standing;

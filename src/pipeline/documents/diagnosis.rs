@@ -1,0 +1,398 @@
+//! The document that `ieap diagnose --json` prints: the current findings of a campaign.
+
+use crate::domain::Estimate;
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+
+use super::campaign::{self, CampaignEntry, CampaignTest, ConfoundedEntry, DoubtedEntry};
+use super::fits::{as_object, parameter_entries};
+use super::lengthwise::LumpedOrDistributedEntry;
+use super::shared_effects::{SharedEffectEntry, shared_effect_entries};
+use crate::analysis::false_discovery::judge_together;
+use crate::analysis::laws::{CampaignLaws, contrast};
+use crate::analysis::online::{Turn, turns};
+use crate::domain::{
+    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis,
+    Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterScatter, ParameterShift, RunAlone,
+    RunRecord, StrengthProfile, VaryingParameter, Verdict, Whereabouts,
+};
+use crate::pipeline::campaign::standing;
+use crate::pipeline::findings::across_runs::campaign_laws;
+use crate::pipeline::findings::diagnose::library_hash;
+use crate::pipeline::findings::next_runs::{self, NextRunEntry, Plan, UntyingEntry};
+use crate::pipeline::ground::fault::{or_nothing, step};
+use crate::pipeline::{Context, DiagnoseChoice, PipelineError};
+use crate::store::{DiagnosisKind, StoredDiagnosis};
+
+/// Every current finding.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DiagnosisDocument {
+    /// Always `ieap/diagnosis/2`.
+    pub schema: &'static str,
+    /// Hash of the library of effects.
+    pub library: String,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// Draws of what chance does.
+    pub draws: usize,
+    /// Id of the base model.
+    pub base_model: &'static str,
+    /// Every run alone, by name.
+    pub runs: Vec<RunEntry>,
+    /// Every group, by name.
+    pub groups: Vec<GroupEntry>,
+    /// Causes that several samples of a material share.
+    pub campaign_effects: Vec<SharedEffectEntry>,
+    /// Effects that only a comparison of runs shows, as far as they may be claimed.
+    pub campaign: Vec<CampaignEntry>,
+    /// Covariates that the design lets nobody tell apart.
+    pub campaign_confounded: Vec<ConfoundedEntry>,
+    /// Groups whose fits are in doubt, and what that does to the questions across runs.
+    pub campaign_doubted: Vec<DoubtedEntry>,
+    /// Every question that was asked across runs.
+    pub campaign_tests: Vec<CampaignTest>,
+    /// What it takes to tell the confounded covariates apart.
+    pub campaign_untying: Vec<UntyingEntry>,
+    /// Runs to make next, the first first.
+    pub campaign_next_runs: Vec<NextRunEntry>,
+    /// Environments and voltages compared, in words.
+    pub campaign_contrasts: Vec<String>,
+    /// Steps that a fault of the program stopped: what they would have given is missing.
+    pub faults: Vec<Fault>,
+}
+
+/// One run alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunEntry {
+    /// Path relative to the campaign.
+    pub run: String,
+    /// What is said.
+    pub verdict: Verdict,
+    /// The finding in one plain sentence.
+    pub sentence: String,
+    /// Probability of residuals at least as bad by chance.
+    pub p_misfit: Option<f64>,
+    /// The same over all runs of the campaign.
+    pub q_misfit: Option<f64>,
+    /// What could be claimed of it when it came.
+    pub online: Option<Turn>,
+    /// Accepted effects.
+    pub effects: Vec<EffectEntry>,
+    /// Ids of the effects that may be the cause.
+    pub set: Vec<String>,
+    /// Whether the run needs the distributed model; null where its fit does not say.
+    pub lumped_or_distributed: Option<LumpedOrDistributedEntry>,
+}
+
+/// One group.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GroupEntry {
+    /// Name of the group.
+    pub group: String,
+    /// Runs in it.
+    pub runs: Vec<String>,
+    /// Runs of it whose readings are wrong, with the reason; they take no part.
+    pub condemned: Vec<CondemnedRun>,
+    /// Id of the base model.
+    pub base_model: String,
+    /// What is said.
+    pub verdict: Verdict,
+    /// The finding in one plain sentence.
+    pub sentence: String,
+    /// Probability of residuals at least as bad by chance.
+    pub p_misfit: Option<f64>,
+    /// The same over all groups of the campaign.
+    pub q_misfit: Option<f64>,
+    /// Probability of what the extended model leaves.
+    pub p_leftover: Option<f64>,
+    /// Accepted effects.
+    pub effects: Vec<EffectEntry>,
+    /// Ids of the effects that may be the cause.
+    pub set: Vec<String>,
+    /// Candidates, the most promising first.
+    pub candidates: Vec<Candidate>,
+    /// Gain of the extended model.
+    pub gain: Option<Gain>,
+    /// Whether that is clearly a gain: the 95 % interval of the fall of the deviance does not reach zero.
+    pub gain_is_clear: Option<bool>,
+    /// Where the base model is wrong.
+    #[serde(rename = "where")]
+    pub whereabouts: Option<Whereabouts>,
+    /// What to measure next.
+    pub next_run: Option<NextRun>,
+    /// Base parameters that the extension moves.
+    pub shifts: Vec<ParameterShift>,
+    /// Gain that chance passes in 5 % of groups in which nothing is wrong.
+    pub gain_at_5_percent: Option<f64>,
+    /// How alike the traces of the leading candidates are.
+    pub confusable: Confusable,
+    /// How the sum of squares rises with the strength of every accepted effect.
+    pub profiles: Vec<StrengthProfile>,
+    /// Noise of every channel.
+    pub noise: Vec<DiagnosisNoise>,
+    /// What a reader must know of the readings.
+    pub remarks: Vec<String>,
+    /// Each run by itself, where no cause is found for all of them together.
+    pub alone: Vec<RunAlone>,
+    /// What may be behind the misfit, the most probable first.
+    pub posterior: Vec<PosteriorEntry>,
+    /// How large the misfit of the base model is.
+    pub misfit_percent: MisfitPercent,
+    /// The least error of the base model that would have been seen.
+    pub visible_percent: MisfitPercent,
+    /// Parameters that differ between the runs, run by run.
+    pub differs: Vec<VaryingParameter>,
+    /// By how much each parameter scatters from run to run; empty of fewer than three runs.
+    pub scatter: Vec<ParameterScatter>,
+    /// Whether that scatter was taken as noise in everything else that is said.
+    pub scatter_is_noise: bool,
+    /// Which of its runs need the distributed model, as far as their fits say.
+    pub lumped_or_distributed: Vec<LumpedOrDistributedEntry>,
+}
+
+/// What may be behind a misfit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PosteriorEntry {
+    /// Kind.
+    pub kind: HypothesisKind,
+    /// Id of the effect; of several with plus signs between.
+    pub effect: Option<String>,
+    /// Form of the first effect, where it has several.
+    pub form: Option<String>,
+    /// Whether something without a name is there beside the effect.
+    pub with_unnamed: bool,
+    /// Keys of the parameters that differ between the runs.
+    pub parameters_that_differ: Vec<String>,
+    /// What they follow: `voltage_v`, the id of a tag's effect, or `run` where they differ freely.
+    pub with: Option<String>,
+    /// Posterior probability.
+    pub mass: f64,
+}
+
+/// An accepted effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectEntry {
+    /// Id of the effect.
+    pub effect: String,
+    /// Form that it takes, where it has several.
+    pub variant: Option<String>,
+    /// Parameters by key; an object in JSON.
+    #[serde(serialize_with = "as_object")]
+    pub parameters: Vec<(String, Estimate)>,
+    /// Probability of such a gain by chance, over all candidates.
+    pub p: f64,
+    /// The same over all groups of the campaign.
+    pub q: Option<f64>,
+    /// Ids of effects that explain the readings as well.
+    pub twins: Vec<String>,
+}
+
+/// The current findings, with what holds over the whole campaign: of groups, and of single runs.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CurrentFindings {
+    /// Of groups, by name.
+    pub groups: Vec<GroupDiagnosis>,
+    /// Of single runs, by name.
+    pub runs: Vec<GroupDiagnosis>,
+    /// What could be claimed of every single run when it came, by name.
+    pub turns: BTreeMap<String, Turn>,
+}
+
+/// Reads the current findings and judges each kind together.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn current_findings(context: &Context) -> Result<CurrentFindings, PipelineError> {
+    let (groups, runs): (Vec<_>, Vec<_>) = context
+        .store
+        .diagnoses()?
+        .into_iter()
+        .partition(|stored| stored.kind == DiagnosisKind::Group);
+    let known = standing::all(context)?;
+    let silent: BTreeSet<&str> = (known.iter().filter(|run| !run.standing.speaks()))
+        .map(|run| run.path.as_str())
+        .collect();
+    // What was found in readings that are set aside since is no finding any more; that they allow none remains true.
+    let holds = |found: &GroupDiagnosis| {
+        found.verdict == Verdict::DataProblem || !found.runs.iter().any(|run| silent.contains(run.as_str()))
+    };
+    let found = |stored: Vec<StoredDiagnosis>| -> Vec<GroupDiagnosis> {
+        stored
+            .into_iter()
+            .map(|stored| stored.found)
+            .filter(holds)
+            .collect()
+    };
+    let mut findings = CurrentFindings {
+        groups: found(groups),
+        runs: found(runs),
+        turns: BTreeMap::new(),
+    };
+    findings.turns = turns_of(known, &findings.runs);
+    judge_together(&mut findings.groups);
+    judge_together(&mut findings.runs);
+    Ok(findings)
+}
+
+/// Tests the runs in the order in which they were stored. Runs that were stored again count as new.
+fn turns_of(mut runs: Vec<RunRecord>, found: &[GroupDiagnosis]) -> BTreeMap<String, Turn> {
+    let p: BTreeMap<&str, f64> = found
+        .iter()
+        .filter_map(|found| Some((found.group.as_str(), found.p_misfit?)))
+        .collect();
+    runs.sort_by_key(|run| run.id);
+    let (paths, p): (Vec<String>, Vec<f64>) = runs
+        .into_iter()
+        .filter_map(|run| Some((p.get(run.path.as_str()).copied()?, run.path)))
+        .map(|(p, path)| (path, p))
+        .unzip();
+    paths.into_iter().zip(turns(&p)).collect()
+}
+
+/// The document of the current findings; of one group and its runs where one is named.
+///
+/// # Errors
+/// The model is not known, or the database cannot be read.
+pub fn diagnosis_document(
+    context: &Context,
+    choice: &DiagnoseChoice,
+    group: Option<&str>,
+) -> Result<DiagnosisDocument, PipelineError> {
+    let options = choice.options(&context.campaign)?;
+    let mut findings = current_findings(context)?;
+    if let Some(name) = group {
+        findings.groups.retain(|found| found.group == name);
+        let members: Vec<String> = findings
+            .groups
+            .iter()
+            .flat_map(|found| found.runs.clone())
+            .collect();
+        findings.runs.retain(|found| members.contains(&found.group));
+    }
+    let runs = standing::speaking(context)?;
+    let mut faults = Vec::new();
+    let across = match group {
+        Some(_) => CampaignLaws::default(),
+        None => or_nothing(campaign_laws(context, &runs, choice.seed), &mut faults)?,
+    };
+    let plan = || match group {
+        Some(_) => Ok(Plan::default()),
+        None => next_runs::plan_from(context, &runs, &across, &findings.groups),
+    };
+    let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
+    let compared = || {
+        Ok(contrast::contrasts(
+            &runs,
+            &context.campaign,
+            &across.facts,
+            &across.doubts,
+        ))
+    };
+    let compared = or_nothing(step("environments and voltages compared", compared), &mut faults)?;
+    let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
+    let told: Vec<_> = runs.iter().filter_map(LumpedOrDistributedEntry::of).collect();
+    Ok(DiagnosisDocument {
+        schema: "ieap/diagnosis/2",
+        library: library_hash(),
+        seed: options.seed,
+        draws: options.draws,
+        base_model: options.model.id,
+        faults,
+        runs: findings
+            .runs
+            .into_iter()
+            .map(|found| {
+                let online = findings.turns.get(&found.group).copied();
+                run_entry(found, online, &told)
+            })
+            .collect(),
+        groups: findings
+            .groups
+            .into_iter()
+            .map(|found| group_entry(found, &told))
+            .collect(),
+        campaign_effects,
+        campaign: campaign::entries(&across),
+        campaign_confounded: campaign::confounded(&across),
+        campaign_doubted: campaign::doubted(&across),
+        campaign_tests: campaign::tests(&across),
+        campaign_untying: next_runs::untying_entries(&plan),
+        campaign_next_runs: next_runs::entries(&plan),
+        campaign_contrasts: campaign::contrasts(&compared),
+    })
+}
+
+fn run_entry(found: GroupDiagnosis, online: Option<Turn>, told: &[LumpedOrDistributedEntry]) -> RunEntry {
+    RunEntry {
+        lumped_or_distributed: told.iter().find(|entry| entry.run == found.group).cloned(),
+        run: found.group,
+        online,
+        verdict: found.verdict,
+        sentence: found.sentence,
+        p_misfit: found.p_misfit,
+        q_misfit: found.q_misfit,
+        effects: found.effects.into_iter().map(effect_entry).collect(),
+        set: found.set,
+    }
+}
+
+/// A finding as the document states it.
+pub(crate) fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> GroupEntry {
+    let of_group = |entry: &&LumpedOrDistributedEntry| found.runs.contains(&entry.run);
+    GroupEntry {
+        lumped_or_distributed: told.iter().filter(of_group).cloned().collect(),
+        group: found.group,
+        runs: found.runs,
+        condemned: found.condemned,
+        base_model: found.base_model,
+        verdict: found.verdict,
+        sentence: found.sentence,
+        p_misfit: found.p_misfit,
+        q_misfit: found.q_misfit,
+        p_leftover: found.p_leftover,
+        effects: found.effects.into_iter().map(effect_entry).collect(),
+        set: found.set,
+        candidates: found.candidates,
+        gain_is_clear: found.gain.as_ref().map(|gain| gain.proof.is_clear()),
+        gain: found.gain,
+        whereabouts: found.whereabouts,
+        next_run: found.next_run,
+        shifts: found.shifts,
+        gain_at_5_percent: found.gain_at_5_percent,
+        confusable: found.confusable,
+        profiles: found.profiles,
+        noise: found.noise,
+        remarks: found.remarks,
+        alone: found.alone,
+        posterior: found.posterior.into_iter().map(posterior_entry).collect(),
+        misfit_percent: found.misfit_percent,
+        visible_percent: found.visible_percent,
+        differs: found.differs,
+        scatter: found.scatter,
+        scatter_is_noise: found.scatter_is_noise,
+    }
+}
+
+fn posterior_entry(own: Hypothesis) -> PosteriorEntry {
+    PosteriorEntry {
+        kind: own.kind,
+        effect: (!own.effects.is_empty()).then(|| own.effects.join(" + ")),
+        form: own.form,
+        with_unnamed: own.with_unnamed,
+        parameters_that_differ: own.parameters_that_differ,
+        with: own.with,
+        mass: own.mass,
+    }
+}
+
+fn effect_entry(finding: EffectFinding) -> EffectEntry {
+    EffectEntry {
+        effect: finding.effect,
+        variant: finding.variant,
+        parameters: parameter_entries(&finding.parameters),
+        p: finding.p,
+        q: finding.q,
+        twins: finding.twins,
+    }
+}

@@ -1,0 +1,11 @@
+//! What `--json` prints, from what is stored.
+
+pub mod campaign;
+pub mod diagnosis;
+pub mod dma;
+pub mod estimate_words;
+pub mod fits;
+pub mod groups;
+pub mod impedance;
+pub mod lengthwise;
+pub(super) mod shared_effects;

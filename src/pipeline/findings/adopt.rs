@@ -1,0 +1,118 @@
+//! Adopts the extended models that diagnoses found: their groups are fitted with them from then on.
+//!
+//! What is adopted stands in campaign.toml, at its end, where a person can read it and take it back: a database can be
+//! made anew from the files, and must come out the same.
+
+use std::fmt::Write as _;
+
+use crate::domain::GroupDiagnosis;
+use crate::domain::campaign::Adopted;
+use crate::ingest::campaign_file::FILE_NAME;
+use crate::pipeline::documents::diagnosis::current_findings;
+use crate::pipeline::ground::whole_file::put_stated;
+use crate::pipeline::{Context, PipelineError};
+use crate::system::fs;
+
+/// The verb `diagnose --adopt`.
+#[derive(Debug, Clone, Default)]
+pub struct Adopt {
+    /// Only the group of that name; none for every group whose finding names a cause.
+    pub group: Option<String>,
+}
+
+/// What was adopted.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+pub struct AdoptSummary {
+    /// Groups with their new model.
+    pub adopted: Vec<Adopted>,
+    /// Groups whose adopted model is what the finding asks for already.
+    pub unchanged: Vec<String>,
+    /// Groups whose finding names no cause.
+    pub without_cause: Vec<String>,
+}
+
+impl Adopt {
+    /// Writes what is adopted to the end of campaign.toml and reads it again.
+    ///
+    /// # Errors
+    /// The group named has no finding or none that names a cause; the file or the database cannot be read or written.
+    pub fn run(&self, context: &mut Context) -> Result<AdoptSummary, PipelineError> {
+        let findings = current_findings(context)?.groups;
+        let asked = |found: &&GroupDiagnosis| self.group.as_ref().is_none_or(|name| *name == found.group);
+        let mut summary = AdoptSummary::default();
+        for found in findings.iter().filter(asked) {
+            match wanted(found) {
+                None => summary.without_cause.push(found.group.clone()),
+                Some(wanted) if current(context, &found.group) == Some(wanted.model.as_str()) => {
+                    summary.unchanged.push(found.group.clone());
+                }
+                Some(wanted) => summary.adopted.push(wanted),
+            }
+        }
+        if let (Some(name), true) = (
+            &self.group,
+            summary.adopted.is_empty() && summary.unchanged.is_empty(),
+        ) {
+            return Err(PipelineError::BadArgument {
+                what: "--adopt with --group",
+                found: name.clone(),
+                needed: "a group whose finding names a cause (verdict named, set, partial or resembles)"
+                    .to_owned(),
+            });
+        }
+        if !summary.adopted.is_empty() {
+            append(context, &summary.adopted)?;
+            context.reload()?;
+        }
+        Ok(summary)
+    }
+}
+
+/// The model that a finding asks for: its base with the accepted effects, of a set the one that was fitted.
+fn wanted(found: &GroupDiagnosis) -> Option<Adopted> {
+    let is_extended = found.verdict.extends_the_model() && !found.effects.is_empty();
+    is_extended.then(|| Adopted {
+        group: found.group.clone(),
+        model: found
+            .effects
+            .iter()
+            .fold(found.base_model.clone(), |model, effect| {
+                format!("{model} + {}", effect.effect)
+            }),
+    })
+}
+
+/// The model adopted for the group, if any.
+fn current<'a>(context: &'a Context, group: &str) -> Option<&'a str> {
+    let of_group = context
+        .campaign
+        .adopted
+        .iter()
+        .rev()
+        .find(|entry| entry.group == group);
+    of_group.map(|entry| entry.model.as_str())
+}
+
+/// Adds entries at the end of campaign.toml; the file is exchanged whole.
+fn append(context: &Context, adopted: &[Adopted]) -> Result<(), PipelineError> {
+    let path = context.folder.join(FILE_NAME);
+    let mut text = fs::read_stated_text(&path).map_err(|source| PipelineError::File {
+        path: path.clone(),
+        doing: "reading",
+        source,
+    })?;
+    if !text.ends_with('\n') {
+        text.push('\n');
+    }
+    for entry in adopted {
+        let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
+        let (group, model) = (quoted(&entry.group), quoted(&entry.model));
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
+            "\n# Adopted from the group's finding. Take the entry away to fit the group with the campaign's model again.\n\
+             [[adopted]]\ngroup = {group}\nmodel = {model}\n"
+        );
+    }
+    put_stated(&path, text.as_bytes())
+}

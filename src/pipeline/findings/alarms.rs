@@ -1,0 +1,173 @@
+//! Alarms of long-term monitoring: found from the current fits, each told once, and none because of readings that the
+//! diagnosis of their group is about to condemn.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::time::Duration;
+
+use super::diagnose::condemned_ahead;
+use crate::analysis::laws::CampaignLaws;
+use crate::analysis::laws::facts::facts;
+use crate::analysis::monitoring::{Monitoring, monitor};
+use crate::domain::{Alarm, AlarmSign, Campaign, RunRecord};
+use crate::numerics::interrupt;
+use crate::pipeline::campaign::context::now;
+use crate::pipeline::campaign::standing::{self, SetAside};
+use crate::pipeline::ground::command::{self, Ended};
+use crate::pipeline::ground::fault::step;
+use crate::pipeline::{Context, DiagnoseChoice, Observer, PipelineError};
+
+/// The verb that `run` and `watch` end with.
+#[derive(Debug, Clone, Default)]
+pub struct RaiseAlarms {
+    /// The diagnosis that follows, if one does: a new alarm waits until it is known which runs of its series that will
+    /// condemn, and for no more of it.
+    pub diagnosis: Option<DiagnoseChoice>,
+}
+
+/// What was told.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+pub struct AlarmSummary {
+    /// Messages of alarms that are new.
+    pub new: Vec<String>,
+    /// Alarms that stand and are not acknowledged, new ones counted.
+    pub standing: usize,
+    /// Commands that could not be run or ended badly, with the reason.
+    pub failed_commands: Vec<String>,
+}
+
+/// Monitoring of a campaign as it is now, without what only questions across all runs can say.
+///
+/// # Errors
+/// The database cannot be read, or a fault of the program stops it.
+pub fn monitoring(context: &Context) -> Result<Monitoring, PipelineError> {
+    watched(context, &standing::speaking(context)?)
+}
+
+fn watched(context: &Context, runs: &[RunRecord]) -> Result<Monitoring, PipelineError> {
+    // The charge that passed is one axis among several and no alarm depends on it.
+    let laws = || CampaignLaws {
+        facts: facts(runs, &context.campaign, &vec![None; runs.len()]),
+        ..CampaignLaws::default()
+    };
+    step("monitoring", || Ok(monitor(runs, &context.campaign, &laws())))
+}
+
+/// An alarm that was told and is taken back, because its run was set aside later.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct TakenBack {
+    /// Id of the alarm.
+    pub id: String,
+    /// What it said.
+    pub message: String,
+    /// Its run, and why no result is made from that.
+    pub set_aside: SetAside,
+}
+
+/// The alarms that were told of runs that are among `set_aside` now.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn taken_back(context: &Context, set_aside: &[RunRecord]) -> Result<Vec<TakenBack>, PipelineError> {
+    let told = context.store.told_of_runs()?.into_iter();
+    let of_one = |[id, run, message]: [String; 3]| {
+        let run = set_aside.iter().find(|aside| aside.path == run)?;
+        let set_aside = SetAside::of(run);
+        Some(TakenBack {
+            id,
+            message,
+            set_aside,
+        })
+    };
+    Ok(told.filter_map(of_one).collect())
+}
+
+impl RaiseAlarms {
+    /// Records every alarm that is new and then runs the campaign's command for it. A command that fails is told and
+    /// not run again.
+    ///
+    /// # Errors
+    /// The database fails.
+    pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<AlarmSummary, PipelineError> {
+        let told = context.store.told_alarms()?;
+        // A change is told once, whichever of its signs came first then.
+        let is_new = |alarm: &&Alarm| !alarm.shown_by.iter().any(|sign| told.contains(&sign.id));
+        let standing = self.alarms(context, &is_new)?;
+        let mut summary = AlarmSummary {
+            standing: standing.len(),
+            ..AlarmSummary::default()
+        };
+        for alarm in standing.iter().filter(is_new) {
+            context.store.save_alarm(&now(), alarm)?;
+            observer.warn(&format!("alarm: {}", alarm.message));
+            summary.new.push(alarm.message.clone());
+            let Some(ended) = tell(&context.campaign, &context.folder, alarm) else {
+                continue;
+            };
+            let words = ended.words(&context.campaign.monitoring.command[0]);
+            if !ended.is_well() {
+                observer.warn(&format!("the command of [monitoring] {words}"));
+                summary.failed_commands.push(words.clone());
+            }
+            context.store.save_alarm_command(&now(), &alarm.id, &words)?;
+            interrupt::check();
+        }
+        Ok(summary)
+    }
+
+    /// Alarms that are not acknowledged. Where one is new they are those without the runs that diagnoses will condemn.
+    fn alarms(
+        &self,
+        context: &Context,
+        is_new: &dyn Fn(&&Alarm) -> bool,
+    ) -> Result<Vec<Alarm>, PipelineError> {
+        let runs = standing::speaking(context)?;
+        let mut found = watched(context, &runs)?;
+        let open = |alarm: &&Alarm| !alarm.acknowledged;
+        let new: Vec<&Alarm> = found.alarms.iter().filter(open).filter(is_new).collect();
+        if let Some(choice) = self.diagnosis.as_ref().filter(|_| !new.is_empty()) {
+            let samples: BTreeSet<&str> = new.iter().map(|alarm| alarm.sample.as_str()).collect();
+            let of_new = found
+                .watched
+                .iter()
+                .filter(|one| samples.contains(one.sample.as_str()));
+            let asked = of_new
+                .flat_map(|one| &one.runs)
+                .map(|&run| runs[run].path.clone());
+            let ahead = condemned_ahead(context, choice, &asked.collect())?;
+            if !ahead.is_empty() {
+                found = watched(context, &standing::speaking_without(context, ahead)?)?;
+            }
+        }
+        found.alarms.retain(|alarm| !alarm.acknowledged);
+        Ok(found.alarms)
+    }
+}
+
+/// Runs the campaign's command in its folder, and says how it ended; none where there is no command.
+fn tell(campaign: &Campaign, folder: &Path, alarm: &Alarm) -> Option<Ended> {
+    let rules = &campaign.monitoring;
+    let listed = |of: fn(&AlarmSign) -> &String| {
+        let mut names: Vec<&str> = Vec::new();
+        for sign in &alarm.shown_by {
+            if !names.contains(&of(sign).as_str()) {
+                names.push(of(sign));
+            }
+        }
+        names.join(" ")
+    };
+    let (parameters, charts) = (listed(|sign| &sign.parameter), listed(|sign| &sign.chart));
+    let variables = [
+        ("IEAP_CAMPAIGN", campaign.id.as_str()),
+        ("IEAP_ALARM_ID", alarm.id.as_str()),
+        ("IEAP_ALARM_SAMPLE", alarm.sample.as_str()),
+        ("IEAP_ALARM_PARAMETER", alarm.parameter.as_str()),
+        ("IEAP_ALARM_CHART", alarm.chart.as_str()),
+        ("IEAP_ALARM_PARAMETERS", parameters.as_str()),
+        ("IEAP_ALARM_CHARTS", charts.as_str()),
+        ("IEAP_ALARM_RUN", alarm.run.as_str()),
+        ("IEAP_ALARM_MESSAGE", alarm.message.as_str()),
+    ];
+    let limit = Duration::from_secs_f64(rules.command_time_limit_s);
+    (!rules.command.is_empty()).then(|| command::run(&rules.command, folder, &variables, limit))
+}

@@ -1,0 +1,57 @@
+//! What the diagnoses that are due will condemn: an alarm waits for that, and for nothing else of them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::input_hash::{input_hash, library_hash};
+use super::subject::{Subject, subjects};
+use super::{DiagnoseChoice, with_inputs};
+use crate::diagnose::condemned;
+use crate::domain::fault::caught;
+use crate::numerics::interrupt;
+use crate::pipeline::{Context, PipelineError};
+use crate::store::DiagnosisKind;
+
+/// The runs that diagnoses will condemn of the groups of `runs` (by path) whose findings are not up to date: row id and
+/// reason. Where a fault of the program stops the question nothing is known; the diagnosis tells of the fault.
+///
+/// # Errors
+/// The model of campaign.toml is not known, or the database cannot be read.
+pub(crate) fn condemned_ahead(
+    context: &Context,
+    choice: &DiagnoseChoice,
+    runs: &BTreeSet<String>,
+) -> Result<BTreeMap<i64, String>, PipelineError> {
+    let options = choice.options(&context.campaign)?;
+    let tasks = context.store.fit_tasks()?;
+    let (all, _) = subjects(context, &tasks)?;
+    let (stored, library) = (context.store.diagnoses()?, library_hash());
+    let is_due = |subject: &&Subject| {
+        let found = stored
+            .iter()
+            .find(|found| found.kind == subject.kind && found.name == subject.name);
+        found.is_none_or(|found| found.input_hash != input_hash(subject, &tasks, &options, &library))
+    };
+    let is_asked = |subject: &&Subject| {
+        let mut paths = subject.members.iter().map(|&member| &tasks[member].path);
+        subject.kind == DiagnosisKind::Group
+            && subject.set_apart.is_none()
+            && paths.any(|path| runs.contains(path))
+    };
+    let mut found = BTreeMap::new();
+    for subject in all.iter().filter(is_asked).filter(is_due) {
+        interrupt::check();
+        let channels = subject.members.iter();
+        let channels = channels.map(|&member| context.store.channels(tasks[member].run_id));
+        let channels = channels.collect::<Result<Vec<_>, _>>()?;
+        let odd = caught(|| {
+            with_inputs(subject, &tasks, &channels, |inputs| {
+                condemned(inputs, options.model)
+            })
+        });
+        for odd in odd.unwrap_or_default() {
+            let task = tasks.iter().find(|task| task.path == odd.run);
+            found.extend(task.map(|task| (task.run_id, odd.reason)));
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,162 @@
+//! Every sample held against what the other samples of its material say of a cause that they share.
+
+use rayon::prelude::*;
+
+use super::subject::Subject;
+use super::{BATCH, not_condemned, now, with_inputs};
+use crate::analysis::shared_effects::{shared_effects, values_without};
+use crate::diagnose::{DiagnoseOptions, fall_from_others};
+use crate::domain::fault::caught;
+use crate::domain::{Channel, FromOthers, GroupDiagnosis, InputHash};
+use crate::pipeline::campaign::standing;
+use crate::pipeline::{Context, Observer, PipelineError};
+use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask, StoredDiagnosis};
+
+/// What a group is to be held against.
+struct Due<'a> {
+    stored: StoredDiagnosis,
+    subject: &'a Subject,
+    /// Falls are not known yet.
+    wanted: Vec<FromOthers>,
+}
+
+/// Brings up to date what every group is held against. Groups whose own finding and whose others did not change are left
+/// as they are.
+pub(super) fn hold_against_others(
+    context: &mut Context,
+    subjects: &[Subject],
+    tasks: &[FitTask],
+    options: &DiagnoseOptions,
+    observer: &dyn Observer,
+) -> Result<(), PipelineError> {
+    let due = due(context, subjects)?;
+    if due.is_empty() {
+        return Ok(());
+    }
+    observer.begin("predicting samples from others", due.len() as u64);
+    for batch in due.chunks(BATCH) {
+        let load = |due: &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
+            let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
+            due.subject.members.iter().map(channels).collect()
+        };
+        let loaded = batch.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+        let rows: Vec<(DiagnosisStamp, GroupDiagnosis)> = batch
+            .par_iter()
+            .zip(loaded)
+            .map(|(due, channels)| {
+                let row = held(due, tasks, &channels, options);
+                observer.advance();
+                row
+            })
+            .collect();
+        context.store.save_diagnoses(&now(), &rows)?;
+    }
+    observer.end();
+    Ok(())
+}
+
+fn due<'a>(context: &Context, subjects: &'a [Subject]) -> Result<Vec<Due<'a>>, PipelineError> {
+    let stored: Vec<StoredDiagnosis> = context
+        .store
+        .diagnoses()?
+        .into_iter()
+        .filter(|stored| stored.kind == DiagnosisKind::Group)
+        .collect();
+    let found: Vec<GroupDiagnosis> = stored.iter().map(|stored| stored.found.clone()).collect();
+    let runs = standing::speaking(context)?;
+    let campaign = &context.campaign;
+    let shared = shared_effects(&found, &runs, campaign);
+    let mut due = Vec::new();
+    for stored in stored {
+        let is_it = |subject: &&Subject| subject.kind == DiagnosisKind::Group && subject.name == stored.name;
+        let Some(subject) = subjects.iter().find(is_it) else {
+            continue;
+        };
+        let mut wanted = Vec::new();
+        for effect in &shared {
+            let own = effect.groups.iter().find(|(group, _)| *group == stored.name);
+            let values = own.and_then(|(_, sample)| values_without(effect, sample, &found, &runs, campaign));
+            let Some(others) = values else {
+                continue;
+            };
+            let mut held = FromOthers {
+                effect: effect.effect.clone(),
+                variant: effect.variant.clone(),
+                samples: others.samples,
+                parameters: others.values,
+                fall: f64::NAN,
+                standard_error: f64::NAN,
+                fall_own_strength: f64::NAN,
+                made_of: String::new(),
+            };
+            held.made_of = made_of(&stored.input_hash, &held);
+            wanted.push(held);
+        }
+        let is_same = wanted.len() == stored.found.from_others.len()
+            && wanted
+                .iter()
+                .zip(&stored.found.from_others)
+                .all(|(wanted, known)| wanted.made_of == known.made_of);
+        if !is_same {
+            due.push(Due {
+                stored,
+                subject,
+                wanted,
+            });
+        }
+    }
+    Ok(due)
+}
+
+fn made_of(input_hash: &str, held: &FromOthers) -> String {
+    let mut hash = InputHash::new();
+    hash.text(input_hash)
+        .text(&held.effect)
+        .text_or_none(held.variant.as_deref());
+    hash.count(held.samples.len());
+    for sample in &held.samples {
+        hash.text(sample);
+    }
+    let values: Vec<f64> = held.parameters.iter().map(|(_, value)| *value).collect();
+    hash.numbers(&values).finished()
+}
+
+/// The group's row with what came out. An effect that cannot be held against the group is left without a fall.
+fn held(
+    due: &Due,
+    tasks: &[FitTask],
+    channels: &[Vec<Channel>],
+    options: &DiagnoseOptions,
+) -> (DiagnosisStamp, GroupDiagnosis) {
+    let members = &due.subject.members;
+    let mut found = due.stored.found.clone();
+    found.from_others = with_inputs(due.subject, tasks, channels, |inputs| {
+        let inputs = &not_condemned(inputs, &due.stored.found);
+        let fill = |wanted: &FromOthers| {
+            let values: Vec<f64> = wanted.parameters.iter().map(|(_, value)| *value).collect();
+            let variant = wanted.variant.as_deref();
+            // A fault in a kernel is that effect's failure, not the program's.
+            let fall = caught(|| fall_from_others(inputs, options, &wanted.effect, variant, &values));
+            let fall = fall.unwrap_or_default();
+            FromOthers {
+                fall: fall.map_or(f64::NAN, |found| found.fall),
+                standard_error: fall.map_or(f64::NAN, |found| found.standard_error),
+                fall_own_strength: fall.map_or(f64::NAN, |found| found.fall_own_strength),
+                ..wanted.clone()
+            }
+        };
+        due.wanted.iter().map(fill).collect()
+    });
+    let stored = &due.stored;
+    let stamp = DiagnosisStamp {
+        kind: stored.kind,
+        name: stored.name.clone(),
+        run_ids: members.iter().map(|&index| tasks[index].run_id).collect(),
+        input_hash: stored.input_hash.clone(),
+        library: stored.library.clone(),
+        seed: stored.seed,
+        draws: stored.draws,
+        code_version: stored.code_version.clone(),
+    };
+    (stamp, found)
+}

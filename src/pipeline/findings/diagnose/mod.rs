@@ -1,0 +1,460 @@
+//! Diagnoses every group of runs, and every run alone, that is new or whose input changed.
+
+mod ahead;
+mod from_others;
+mod input_hash;
+mod outdated;
+mod subject;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+
+use crate::diagnose::{DiagnoseOptions, RunInput, diagnose_group, with_places};
+use crate::domain::fault::caught;
+use crate::domain::{Campaign, Channel, GroupDiagnosis};
+use crate::fit::{FitError, FitInput};
+use crate::ingest::derived;
+use crate::model::{ModelChoice, fit_models};
+use crate::numerics::interrupt;
+use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::documents::diagnosis::current_findings;
+use crate::pipeline::fits::along;
+use crate::pipeline::{Context, Observer, PipelineError};
+use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
+pub(crate) use ahead::condemned_ahead;
+use input_hash::input_hash;
+pub(crate) use input_hash::{library_hash, take_task};
+pub(crate) use outdated::waiting;
+pub(crate) use subject::Subject;
+use subject::subjects;
+
+/// Subjects diagnosed between two commits: bounds memory, and what an interruption costs.
+const BATCH: usize = 8;
+
+/// How to diagnose.
+#[derive(Debug, Clone, Default)]
+pub struct DiagnoseChoice {
+    /// Base model; none takes the campaign's.
+    pub model: Option<String>,
+    /// Draws of what chance does; none takes the default.
+    pub draws: Option<usize>,
+    /// Seed of the draws; none takes the default.
+    pub seed: Option<u64>,
+}
+
+impl DiagnoseChoice {
+    /// As options of a diagnosis. Only lumped models have an extended form: another one that is asked for is refused; where
+    /// the campaign is fitted with one, the default model stands in ([`stands_in`] says so).
+    pub(crate) fn options(&self, campaign: &Campaign) -> Result<DiagnoseOptions, FitError> {
+        self.options_for(&campaign.model)
+    }
+
+    /// The same where `model` is what the campaign states.
+    pub(crate) fn options_for(&self, model: &str) -> Result<DiagnoseOptions, FitError> {
+        let default = DiagnoseOptions::default();
+        // What extends the campaign's model was found against its base, and is asked about against it again.
+        let stated = ModelChoice::parse(self.model.as_deref().unwrap_or(model))?.base;
+        if self.model.is_some() && !is_extended(stated.id) {
+            return Err(FitError::NotExtended {
+                found: stated.id,
+                known: extended_ids(),
+            });
+        }
+        Ok(DiagnoseOptions {
+            model: match is_extended(stated.id) {
+                true => stated,
+                false => default.model,
+            },
+            draws: self.draws.unwrap_or(default.draws),
+            seed: self.seed.unwrap_or(default.seed),
+            ..default
+        })
+    }
+}
+
+/// Whether effects extend the model of that id.
+fn is_extended(model: &str) -> bool {
+    model.starts_with("lumped")
+}
+
+fn extended_ids() -> String {
+    let ids = fit_models().iter().map(|model| model.id);
+    ids.filter(|id| is_extended(id)).collect::<Vec<_>>().join(", ")
+}
+
+/// That another model is diagnosed than the one that the campaign is fitted with, and why; none where it is the same.
+///
+/// # Errors
+/// The campaign's model is not known.
+pub fn stands_in(choice: &DiagnoseChoice, campaign: &Campaign) -> Result<Option<String>, PipelineError> {
+    let stated = ModelChoice::parse(&campaign.model)
+        .map_err(FitError::from)?
+        .base
+        .id;
+    let taken = choice.options(campaign)?.model.id;
+    Ok((choice.model.is_none() && taken != stated).then(|| {
+        format!(
+            "{stated} has no form that effects extend, so {taken} is diagnosed in its place; a diagnosis extends {}",
+            extended_ids()
+        )
+    }))
+}
+
+/// The verb `diagnose`.
+#[derive(Debug, Clone, Default)]
+pub struct DiagnoseRuns {
+    /// How to diagnose.
+    pub choice: DiagnoseChoice,
+    /// Diagnose again even where nothing changed.
+    pub again: bool,
+    /// Only the group of that name, and its runs.
+    pub group: Option<String>,
+}
+
+/// A run that the simulation may be said to be wrong about when it came.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ClaimedRun {
+    /// Path relative to the campaign.
+    pub run: String,
+    /// Probability of residuals at least as bad by chance.
+    pub p_misfit: f64,
+    /// Level at which it was tested.
+    pub level: f64,
+}
+
+/// What `diagnose` did.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
+pub struct DiagnoseSummary {
+    /// Groups and single runs diagnosed.
+    pub diagnosed: usize,
+    /// Groups and single runs whose diagnosis was up to date.
+    pub up_to_date: usize,
+    /// Groups and single runs left for the next turn.
+    pub left: usize,
+    /// Groups and single runs whose diagnosis stopped on an internal fault, now or before.
+    pub failed: Vec<String>,
+    /// Runs diagnosed now that may be claimed to be wrong as they came, with p and the level that they were tested at.
+    pub claimed: Vec<ClaimedRun>,
+    /// Keys of `group_by` that no run carries.
+    pub unknown_keys: Vec<String>,
+}
+
+impl DiagnoseSummary {
+    /// Whether a fault of the program stopped a diagnosis.
+    pub fn has_fault(&self) -> bool {
+        !self.failed.is_empty()
+    }
+}
+
+/// A finding to be made, with the hash of all that it depends on.
+type Due<'a> = (String, &'a [usize], Vec<&'a Subject>);
+
+impl DiagnoseRuns {
+    /// Diagnoses what is missing or out of date. The outcome does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// The model or the group is not known, or the database fails; a group that cannot be diagnosed is no error.
+    pub fn run(
+        &self,
+        context: &mut Context,
+        observer: &dyn Observer,
+    ) -> Result<DiagnoseSummary, PipelineError> {
+        self.run_while(context, observer, &|| true, &mut |_| Ok(()))
+    }
+
+    /// The same until `may_go_on` says no, which is asked before each group: what was begun until then is made and saved,
+    /// and the rest is counted in [`DiagnoseSummary::left`]. `begins` is called once before the first of them, where there
+    /// are any.
+    ///
+    /// # Errors
+    /// As of [`DiagnoseRuns::run`].
+    pub fn run_while(
+        &self,
+        context: &mut Context,
+        observer: &dyn Observer,
+        may_go_on: &(dyn Fn() -> bool + Sync),
+        begins: &mut dyn FnMut(&Context) -> Result<(), PipelineError>,
+    ) -> Result<DiagnoseSummary, PipelineError> {
+        let options = self.choice.options(&context.campaign)?;
+        let tasks = context.store.fit_tasks()?;
+        let (all, unknown_keys) = subjects(context, &tasks)?;
+        retire_gone(context, &all)?;
+        let asked = self.asked(&all)?;
+        let library = library_hash();
+        let known: BTreeMap<(DiagnosisKind, String), (String, bool)> = context
+            .store
+            .diagnoses()?
+            .into_iter()
+            .map(|stored| {
+                let is_fault = stored.found.is_fault;
+                ((stored.kind, stored.name), (stored.input_hash, is_fault))
+            })
+            .collect();
+        let mut summary = DiagnoseSummary {
+            unknown_keys,
+            ..DiagnoseSummary::default()
+        };
+        // A group of one run and that run alone are one question.
+        let mut due: Vec<Due> = Vec::new();
+        let mut places: BTreeMap<String, usize> = BTreeMap::new();
+        for subject in asked {
+            let hash = input_hash(subject, &tasks, &options, &library);
+            let stored = known.get(&(subject.kind, subject.name.clone()));
+            if let Some((_, is_fault)) = stored.filter(|(known, _)| *known == hash && !self.again) {
+                summary.up_to_date += 1;
+                // It stands until the input or the library changes, and is said until then.
+                summary.failed.extend(is_fault.then(|| subject.name.clone()));
+                continue;
+            }
+            summary.diagnosed += 1;
+            match places.get(&hash) {
+                Some(&place) => due[place].2.push(subject),
+                None => {
+                    places.insert(hash.clone(), due.len());
+                    due.push((hash, &subject.members, vec![subject]));
+                }
+            }
+        }
+        if !due.is_empty() {
+            begins(context)?;
+        }
+        observer.begin("diagnosing", due.len() as u64);
+        let mut made: Vec<Due> = Vec::new();
+        for batch in due.chunks(BATCH) {
+            if !may_go_on() {
+                break;
+            }
+            let found = diagnose_batch(context, batch, (&tasks, &options), observer, may_go_on)?;
+            let pairs = batch.iter().cloned().zip(found);
+            let (done, found): (Vec<Due>, Vec<GroupDiagnosis>) =
+                pairs.filter_map(|(due, found)| Some((due, found?))).unzip();
+            save_batch(context, &done, found, (&tasks, &options, &library), &mut summary)?;
+            made.extend(done);
+            interrupt::check();
+        }
+        observer.end();
+        let count = |due: &[Due]| due.iter().map(|(_, _, subjects)| subjects.len()).sum::<usize>();
+        summary.left = count(&due) - count(&made);
+        summary.diagnosed -= summary.left;
+        summary.claimed = claimed(context, &made)?;
+        if summary.left > 0 {
+            return Ok(summary);
+        }
+        from_others::hold_against_others(context, &all, &tasks, &options, observer)?;
+        Ok(summary)
+    }
+
+    /// The subjects that are asked for.
+    fn asked<'a>(&self, all: &'a [Subject]) -> Result<Vec<&'a Subject>, PipelineError> {
+        let Some(name) = &self.group else {
+            return Ok(all.iter().collect());
+        };
+        let is_it = |subject: &&Subject| subject.kind == DiagnosisKind::Group && subject.name == *name;
+        let Some(group) = all.iter().find(is_it) else {
+            let names: Vec<&str> = all
+                .iter()
+                .filter(|subject| subject.kind == DiagnosisKind::Group)
+                .map(|subject| subject.name.as_str())
+                .collect();
+            return Err(PipelineError::BadArgument {
+                what: "--group",
+                found: name.clone(),
+                needed: format!("one of the groups {}", names.join(" | ")),
+            });
+        };
+        let belongs = |subject: &&Subject| {
+            std::ptr::eq(*subject, group)
+                || (subject.kind == DiagnosisKind::Run && group.members.contains(&subject.members[0]))
+        };
+        Ok(all.iter().filter(belongs).collect())
+    }
+}
+
+/// Runs among those diagnosed that may be claimed as they came.
+fn claimed(context: &Context, due: &[Due]) -> Result<Vec<ClaimedRun>, PipelineError> {
+    let subjects = due.iter().flat_map(|(_, _, subjects)| subjects);
+    let new: BTreeSet<&str> = subjects
+        .filter(|subject| subject.kind == DiagnosisKind::Run)
+        .map(|subject| subject.name.as_str())
+        .collect();
+    if new.is_empty() {
+        return Ok(Vec::new());
+    }
+    let findings = current_findings(context)?;
+    let one = |found: &GroupDiagnosis| {
+        let turn = findings.turns.get(&found.group)?;
+        (turn.is_claimed && new.contains(found.group.as_str())).then_some(ClaimedRun {
+            run: found.group.clone(),
+            p_misfit: found.p_misfit?,
+            level: turn.level,
+        })
+    };
+    Ok(findings.runs.iter().filter_map(one).collect())
+}
+
+/// Retires diagnoses of groups and runs that are no more.
+fn retire_gone(context: &mut Context, all: &[Subject]) -> Result<(), PipelineError> {
+    let there: BTreeSet<(DiagnosisKind, &str)> = all
+        .iter()
+        .map(|subject| (subject.kind, subject.name.as_str()))
+        .collect();
+    let gone: Vec<(DiagnosisKind, String)> = context
+        .store
+        .diagnoses()?
+        .into_iter()
+        .filter(|stored| !there.contains(&(stored.kind, stored.name.as_str())))
+        .map(|stored| (stored.kind, stored.name))
+        .collect();
+    Ok(context.store.retire_diagnoses(&now(), &gone)?)
+}
+
+/// The diagnoses of a batch in its order; none for those before which `may_go_on` said no, and those that an interruption
+/// met.
+fn diagnose_batch(
+    context: &Context,
+    batch: &[Due],
+    (tasks, options): (&[FitTask], &DiagnoseOptions),
+    observer: &dyn Observer,
+    may_go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Vec<Option<GroupDiagnosis>>, PipelineError> {
+    let load = |(_, members, subjects): &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
+        if subjects[0].set_apart.is_some() {
+            return Ok(Vec::new());
+        }
+        let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
+        members.iter().map(channels).collect()
+    };
+    let loaded = batch.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+    Ok(batch
+        .par_iter()
+        .zip(loaded)
+        .map(|((_, members, subjects), channels)| {
+            let diagnose = || diagnose_one(subjects[0], members, tasks, &channels, options);
+            let found = may_go_on().then(|| interrupt::attempt(diagnose)).flatten();
+            observer.advance();
+            found
+        })
+        .collect())
+}
+
+/// Diagnoses one group; a panic in a kernel is that group's failure, not the program's.
+pub(crate) fn diagnose_one(
+    subject: &Subject,
+    members: &[usize],
+    tasks: &[FitTask],
+    channels: &[Vec<Channel>],
+    options: &DiagnoseOptions,
+) -> GroupDiagnosis {
+    let names = || members.iter().map(|&index| tasks[index].path.clone()).collect();
+    if let Some(issue) = &subject.set_apart {
+        let sentence = format!("Set apart, not diagnosed: {}.", issue.message);
+        let mut found = GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, sentence);
+        found
+            .remarks
+            .extend((!issue.mend.is_empty()).then(|| issue.mend.clone()));
+        return found;
+    }
+    let diagnosed = caught(|| {
+        let places = members.iter().zip(channels).filter_map(|(&index, channels)| {
+            let decision = along::decision(&tasks[index], channels)?;
+            Some((tasks[index].path.as_str(), decision))
+        });
+        let places: Vec<_> = places.collect();
+        with_inputs(subject, tasks, channels, |inputs| {
+            let options = subject.options(options);
+            let found = diagnose_group(&subject.name, inputs, &options);
+            let inputs = not_condemned(inputs, &found);
+            let mut places = places;
+            places.retain(|(name, _)| inputs.iter().any(|input| input.name == *name));
+            with_places(found, &places, &inputs, &options)
+        })
+    });
+    diagnosed.unwrap_or_else(|reason| {
+        let sentence = format!(
+            "The diagnosis stopped on an internal fault: {reason}. Report it with the runs' files; other groups are not affected."
+        );
+        GroupDiagnosis {
+            is_fault: true,
+            ..GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, sentence)
+        }
+    })
+}
+
+/// Calls `then` with the runs as a diagnosis takes them; `channels` are theirs as they are stored.
+fn with_inputs<R>(
+    subject: &Subject,
+    tasks: &[FitTask],
+    channels: &[Vec<Channel>],
+    then: impl FnOnce(&[RunInput]) -> R,
+) -> R {
+    let members = &subject.members;
+    let responses: Vec<Vec<Channel>> = members
+        .iter()
+        .zip(channels)
+        .map(|(&index, channels)| derived::responses(channels, tasks[index].length_cm))
+        .collect();
+    let inputs: Vec<RunInput> = members
+        .iter()
+        .zip(&responses)
+        .zip(&subject.tags)
+        .map(|((&index, channels), tags)| RunInput {
+            name: &tasks[index].path,
+            input: FitInput {
+                channels,
+                drive: &tasks[index].drive,
+                area_cm2: tasks[index].area_cm2,
+            },
+            length_cm: tasks[index].length_cm,
+            is_right: subject.right.contains(&index),
+            tags,
+        })
+        .collect();
+    then(&inputs)
+}
+
+/// The runs that a finding is about.
+fn not_condemned<'a>(inputs: &[RunInput<'a>], found: &GroupDiagnosis) -> Vec<RunInput<'a>> {
+    let is_condemned = |input: &&RunInput| found.condemned.iter().any(|odd| odd.run == input.name);
+    inputs
+        .iter()
+        .filter(|input| !is_condemned(input))
+        .copied()
+        .collect()
+}
+
+fn save_batch(
+    context: &mut Context,
+    batch: &[Due],
+    found: Vec<GroupDiagnosis>,
+    (tasks, options, library): (&[FitTask], &DiagnoseOptions, &str),
+    summary: &mut DiagnoseSummary,
+) -> Result<(), PipelineError> {
+    let mut rows = Vec::new();
+    for ((hash, members, subjects), found) in batch.iter().zip(found) {
+        for subject in subjects {
+            if found.is_fault {
+                summary.failed.push(subject.name.clone());
+            }
+            let stamp = DiagnosisStamp {
+                kind: subject.kind,
+                name: subject.name.clone(),
+                run_ids: members.iter().map(|&index| tasks[index].run_id).collect(),
+                input_hash: hash.clone(),
+                library: library.to_owned(),
+                seed: options.seed,
+                draws: options.draws,
+                code_version: CODE_VERSION.to_owned(),
+            };
+            let mut found = found.clone();
+            found.group.clone_from(&subject.name);
+            if subject.kind == DiagnosisKind::Run {
+                // Residuals are drawn on the pages of groups only.
+                found.residuals.clear();
+                found.held_out_residuals.clear();
+            }
+            rows.push((stamp, found));
+        }
+    }
+    Ok(context.store.save_diagnoses(&now(), &rows)?)
+}

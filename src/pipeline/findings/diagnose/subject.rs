@@ -1,0 +1,98 @@
+//! What is diagnosed: every group of runs, and every run alone.
+
+use std::collections::BTreeMap;
+
+use crate::analysis::groups::groups;
+use crate::diagnose::DiagnoseOptions;
+use crate::domain::{Issue, RunRecord};
+use crate::model::effects::TagAt;
+use crate::pipeline::campaign::group_tags::group_tags;
+use crate::pipeline::campaign::standing;
+use crate::pipeline::{Context, PipelineError};
+use crate::store::{DiagnosisKind, FitTask};
+
+/// A group of runs, or one run alone.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Subject {
+    pub(crate) kind: DiagnosisKind,
+    /// Name of the group or the run.
+    pub(crate) name: String,
+    /// Indices of its tasks; never empty.
+    pub(crate) members: Vec<usize>,
+    /// Why it is set apart, where it is.
+    pub(crate) set_apart: Option<Issue>,
+    /// Those of its tasks of which a person said that the readings are right.
+    pub(crate) right: Vec<usize>,
+    /// Whether it is a run of a group of several.
+    pub(crate) of_several: bool,
+    /// Where each task lies among the values of tags that differ, in the order of the tasks.
+    pub(crate) tags: Vec<Vec<TagAt>>,
+}
+
+impl Subject {
+    /// How it is diagnosed.
+    pub(super) fn options(&self, options: &DiagnoseOptions) -> DiagnoseOptions {
+        DiagnoseOptions {
+            of_several: self.of_several,
+            ..*options
+        }
+    }
+}
+
+/// All groups, then all runs; and the keys of `group_by` that no run carries.
+pub(super) fn subjects(
+    context: &Context,
+    tasks: &[FitTask],
+) -> Result<(Vec<Subject>, Vec<String>), PipelineError> {
+    let runs = standing::to_diagnose(context)?;
+    // What is sought after edges of the drive is not to be found where the voltage moves all the time.
+    let places: BTreeMap<i64, usize> = tasks
+        .iter()
+        .enumerate()
+        .filter(|(_, task)| !task.drive.moves())
+        .map(|(place, task)| (task.run_id, place))
+        .collect();
+    let group_by = &context.campaign.group_by;
+    let ready = |run: &RunRecord| places.contains_key(&run.id);
+    let tasks_of = |members: &[usize], wanted: &dyn Fn(&RunRecord) -> bool| -> Vec<usize> {
+        let members = members
+            .iter()
+            .map(|&index| &runs[index])
+            .filter(|run| wanted(run));
+        members.filter_map(|run| places.get(&run.id).copied()).collect()
+    };
+    let tags_of = |members: &[usize]| -> Vec<Vec<TagAt>> {
+        let members = members.iter().map(|&index| &runs[index]).filter(|run| ready(run));
+        group_tags(&members.collect::<Vec<_>>(), &context.campaign.extra_tags)
+    };
+    let mut found: Vec<Subject> = groups(&runs, group_by, &ready)
+        .into_iter()
+        .map(|group| Subject {
+            kind: DiagnosisKind::Group,
+            name: group.name,
+            members: tasks_of(&group.runs, &|_| true),
+            right: tasks_of(&group.runs, &|run| run.standing.is_vouched()),
+            tags: tags_of(&group.runs),
+            set_apart: group.set_apart,
+            of_several: false,
+        })
+        .collect();
+    let alone: Vec<Subject> = found
+        .iter()
+        .flat_map(|group| {
+            group.members.iter().map(|&member| Subject {
+                kind: DiagnosisKind::Run,
+                name: tasks[member].path.clone(),
+                members: vec![member],
+                // A run alone is held against no others.
+                right: Vec::new(),
+                tags: vec![Vec::new()],
+                set_apart: group.set_apart.clone(),
+                of_several: group.members.len() > 1,
+            })
+        })
+        .collect();
+    found.extend(alone);
+    let unknown = |key: &&String| !runs.is_empty() && runs.iter().all(|run| run.tag(key).is_none());
+    Ok((found, group_by.iter().filter(unknown).cloned().collect()))
+}

@@ -1,0 +1,68 @@
+//! What runs under a sine or a chirp say of current and bending against frequency. Nothing of it is stored: it follows from
+//! the readings and the current fits whenever it is read.
+
+use rayon::prelude::*;
+
+use crate::analysis::frequency::{FrequencyPoint, FrequencyRun, PerVolt, frequency_run};
+use crate::domain::tag::keys;
+use crate::domain::{Channel, Drive, Fit, RunRecord};
+use crate::ingest::derived;
+use crate::model::{Branch, LumpedModel};
+use crate::numerics::complex::Complex;
+use crate::pipeline::{Context, PipelineError};
+
+/// Those of the runs whose voltage is a sine or a chirp, in their order.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn frequency_runs(context: &Context, runs: &[RunRecord]) -> Result<Vec<FrequencyRun>, PipelineError> {
+    let moves = |run: &&RunRecord| run.drive.as_ref().is_some_and(Drive::moves);
+    let read = runs.iter().filter(moves).map(|run| {
+        let sample = run.tag(keys::SAMPLE).and_then(|id| context.campaign.sample(id));
+        let length_cm = sample
+            .and_then(|sample| sample.length_mm)
+            .map(|length_mm| length_mm / 10.0);
+        let channels = context.store.channels(run.id)?;
+        Ok((run, derived::responses(&channels, length_cm)))
+    });
+    let read: Vec<(&RunRecord, Vec<Channel>)> = read.collect::<Result<_, PipelineError>>()?;
+    let of_run = |(run, channels): &(&RunRecord, Vec<Channel>)| {
+        let model = run
+            .fit
+            .as_ref()
+            .zip(run.area_cm2)
+            .and_then(|(fit, area_cm2)| modelled(fit, area_cm2));
+        match &model {
+            Some(model) => frequency_run(run, channels, Some(model)),
+            None => frequency_run(run, channels, None),
+        }
+    };
+    Ok(read.par_iter().filter_map(of_run).collect())
+}
+
+/// The transfer functions of a fit with a lumped model; none where it leaves a branch open.
+fn modelled(fit: &Fit, area_cm2: f64) -> Option<impl Fn(f64) -> FrequencyPoint> {
+    let value = |key: &str| fit.parameter(key).and_then(|estimate| estimate.value);
+    let branch = |k: usize| {
+        Some(Branch {
+            resistance_ohm_cm2: value(&format!("r{k}_ohm_cm2"))?,
+            capacitance_f_per_cm2: value(&format!("c{k}_f_per_cm2"))?,
+        })
+    };
+    let stated = |k: &usize| fit.parameter(&format!("r{k}_ohm_cm2")).is_some();
+    let branches: Vec<Branch> = (1..).take_while(stated).map(branch).collect::<Option<_>>()?;
+    let model = LumpedModel {
+        // A steady current that is too small to be seen is none.
+        steady_state_resistance_ohm_cm2: value("rss_ohm_cm2").unwrap_or(f64::INFINITY),
+        charge_to_curvature_per_c_cm: value("alpha_per_c_cm").unwrap_or(0.0),
+        relaxation_rate_per_s: value("lambda_per_s").unwrap_or(0.0),
+        branches,
+    };
+    let exact = |value: Complex| Some(PerVolt { value, half_95: 0.0 });
+    (!model.branches.is_empty()).then_some(move |frequency_hz: f64| FrequencyPoint {
+        frequency_hz,
+        current: exact(model.admittance_a_per_v(area_cm2, frequency_hz)),
+        curvature: exact(model.curvature_per_cm_v(area_cm2, frequency_hz))
+            .filter(|_| model.charge_to_curvature_per_c_cm != 0.0),
+    })
+}

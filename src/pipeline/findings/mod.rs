@@ -1,0 +1,13 @@
+//! From readings and fits to what is found: misfits and causes, models compared, moduli, spectra, what holds across runs.
+
+pub(super) mod across_runs;
+pub(super) mod adopt;
+pub mod alarms;
+pub mod blocked;
+pub(super) mod compare;
+pub(super) mod diagnose;
+pub(super) mod frequency;
+pub mod impedance;
+pub(super) mod modulus;
+pub mod next_runs;
+pub mod strip_modulus;

@@ -1,0 +1,161 @@
+//! Analyses every modulus log that is not analysed yet, or whose readings or column tags changed.
+
+use rayon::prelude::*;
+
+use crate::analysis::dma;
+use crate::domain::fault::caught;
+use crate::domain::tag::keys;
+use crate::domain::{Channel, InputHash, Issue, ModulusAnalysis, RunRecord, RunState};
+use crate::ingest::named_columns::named_columns;
+use crate::numerics::interrupt;
+use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::{Context, Observer, PipelineError};
+use crate::store::ModulusStamp;
+
+/// Logs whose readings are in memory at once.
+const BATCH: usize = 8;
+
+/// The verb `dma`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct AnalyseModulus {
+    /// Analyse again even where nothing changed.
+    pub again: bool,
+}
+
+/// What `dma` did.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+pub struct ModulusSummary {
+    /// Logs analysed.
+    pub analysed: usize,
+    /// Logs whose analysis was up to date.
+    pub up_to_date: usize,
+    /// Logs that could not be analysed, now or before, with the reason.
+    pub failed: Vec<(String, Issue)>,
+}
+
+impl ModulusSummary {
+    /// Whether a fault of the program stopped an analysis, now or before.
+    pub fn has_fault(&self) -> bool {
+        self.failed.iter().any(|(_, issue)| issue.code == FAULT)
+    }
+}
+
+/// Code of what is said of a log whose analysis a fault of the program stopped.
+const FAULT: &str = "analysis-fault";
+
+/// A log to be analysed.
+struct Task {
+    log: RunRecord,
+    input_hash: String,
+    channels: Vec<Channel>,
+}
+
+impl AnalyseModulus {
+    /// Analyses what is missing or out of date. The outcome does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// The database fails; a log that cannot be analysed is no error.
+    pub fn run(
+        &self,
+        context: &mut Context,
+        observer: &dyn Observer,
+    ) -> Result<ModulusSummary, PipelineError> {
+        let logs = context.store.dma_logs()?;
+        let ready: Vec<RunRecord> = (logs.into_iter())
+            .filter(|log| log.state == RunState::Ready)
+            .collect();
+        let (mut summary, count) = (ModulusSummary::default(), ready.len());
+        let mut due = Vec::new();
+        for log in ready {
+            let hash = input_hash(&log);
+            if self.again || context.store.modulus_input_hash(log.id)?.as_ref() != Some(&hash) {
+                due.push((log, hash));
+            }
+        }
+        observer.begin("analysing modulus logs", due.len() as u64);
+        let mut due = due.into_iter().peekable();
+        while due.peek().is_some() {
+            interrupt::check();
+            let tasks: Vec<Task> = due
+                .by_ref()
+                .take(BATCH)
+                .map(|(log, input_hash)| {
+                    Ok(Task {
+                        channels: context.store.channels(log.id)?,
+                        log,
+                        input_hash,
+                    })
+                })
+                .collect::<Result<_, PipelineError>>()?;
+            let found: Vec<_> = tasks.par_iter().map(analyse).collect();
+            for (task, found) in tasks.iter().zip(found) {
+                summary.analysed += usize::from(found.is_ok());
+                store(context, task, found)?;
+                observer.say(&format!("analysed {}", task.log.path));
+                observer.advance();
+            }
+        }
+        observer.end();
+        summary.failed = failed(context)?;
+        summary.up_to_date = count - summary.analysed - summary.failed.len();
+        Ok(summary)
+    }
+}
+
+/// BLAKE3 over everything that an analysis depends on.
+fn input_hash(log: &RunRecord) -> String {
+    let mut hash = InputHash::new();
+    hash.whole(dma::VERSION.into()).text(&log.data_hash);
+    let counts = |key: &str| key.ends_with(keys::COLUMN) || key == keys::LEAVE_OUT;
+    for tag in log.tags.iter().filter(|tag| counts(&tag.key)) {
+        hash.text(&tag.key).text(&tag.value);
+    }
+    hash.finished()
+}
+
+/// A fault of the analysis stops its log only.
+fn analyse(task: &Task) -> Result<ModulusAnalysis, Issue> {
+    let chosen = chosen_tags(&task.log);
+    let (channels, _) = named_columns(&task.channels, &chosen);
+    caught(|| dma::analyse(&channels)).unwrap_or_else(|reason| {
+        let issue = Issue::error(
+            FAULT,
+            format!("the analysis stopped on an internal fault: {reason}"),
+        );
+        Err(issue.mend("report it with this log; the other logs are not affected"))
+    })
+}
+
+/// The chosen tag of each key: the first of it.
+fn chosen_tags(log: &RunRecord) -> Vec<crate::domain::Tag> {
+    let mut seen = std::collections::BTreeSet::new();
+    let tags = log.tags.iter();
+    tags.filter(|tag| seen.insert(tag.key.clone())).cloned().collect()
+}
+
+fn store(
+    context: &mut Context,
+    task: &Task,
+    found: Result<ModulusAnalysis, Issue>,
+) -> Result<(), PipelineError> {
+    let stamp = ModulusStamp {
+        run_id: task.log.id,
+        input_hash: task.input_hash.clone(),
+        code_version: CODE_VERSION.to_owned(),
+    };
+    Ok(context
+        .store
+        .save_modulus_analysis(&now(), &stamp, found.as_ref())?)
+}
+
+/// Ready logs without an analysis, with the reason.
+fn failed(context: &Context) -> Result<Vec<(String, Issue)>, PipelineError> {
+    let logs = context.store.modulus_logs()?.into_iter();
+    let failed = logs.filter(|log| log.analysis.is_none() && log.run.state == RunState::Ready);
+    Ok(failed
+        .filter_map(|log| {
+            let worst = log.run.issues.iter().max_by_key(|issue| issue.severity)?;
+            Some((log.run.path.clone(), worst.clone()))
+        })
+        .collect())
+}

@@ -1,0 +1,407 @@
+//! The runs to make next, as a list and as a run sheet.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::across_runs::campaign_laws;
+use crate::analysis::laws::CampaignLaws;
+use crate::analysis::laws::covariate::Covariate;
+use crate::analysis::laws::design::Level;
+use crate::analysis::plan::list::{Grounds, RowOfSheet};
+use crate::analysis::plan::{PlannedRun, Untying, next_runs, untie, words};
+use crate::domain::safe_text::csv_text;
+use crate::domain::tag::keys;
+use crate::domain::{GroupDiagnosis, RunRecord};
+use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
+use crate::ingest::run_sheet::{self, COLUMNS, SheetRow};
+use crate::pipeline::campaign::planned::planned;
+use crate::pipeline::campaign::standing;
+use crate::pipeline::documents::diagnosis::current_findings;
+use crate::pipeline::ground::whole_file::put_bytes;
+use crate::pipeline::{Context, PipelineError};
+use crate::system::fs;
+
+/// What is planned.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Plan {
+    /// A plan for every tied set.
+    pub untying: Vec<Untying>,
+    /// Runs to make, the first first.
+    pub runs: Vec<PlannedRun>,
+}
+
+/// A run of the list, as documents state it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NextRunEntry {
+    /// Place in the list, from 1.
+    pub rank: usize,
+    /// Planned id.
+    pub planned: String,
+    /// Name to save the file under, without its ending.
+    pub file: String,
+    /// Sample id.
+    pub sample: String,
+    /// Material.
+    pub material: String,
+    /// Environment id.
+    pub environment: Option<String>,
+    /// Relative humidity, percent.
+    pub relative_humidity_percent: Option<f64>,
+    /// Temperature, degrees Celsius.
+    pub temperature_c: Option<f64>,
+    /// Nominal voltage, V.
+    pub voltage_v: Option<f64>,
+    /// Instrument, where it must be a certain one.
+    pub instrument: Option<String>,
+    /// Calibration, likewise.
+    pub calibration: Option<String>,
+    /// Who measures, likewise.
+    pub operator: Option<String>,
+    /// The drive in words.
+    pub drive: String,
+    /// Rest before it, s.
+    pub rest_before_s: Option<f64>,
+    /// Cycle number, where the sample's runs have one.
+    pub cycle: Option<u32>,
+    /// Keys of the covariates, or ids of the effects, that it tells apart.
+    pub splits: Vec<String>,
+    /// Causes that explain the group as well, now; null for a run that splits no set.
+    pub set_size: Option<f64>,
+    /// The same after it.
+    pub expected_set_size: Option<f64>,
+    /// Largest variance inflation before it; null where that has no bound, or the run unties nothing.
+    pub inflation_before: Option<f64>,
+    /// The same after it.
+    pub inflation_after: Option<f64>,
+    /// Part of what is open that it closes: what the list is ranked by.
+    pub closes: f64,
+    /// Run sheet that it stands on already.
+    pub on_sheet: Option<String>,
+    /// Why, in words.
+    pub why: String,
+}
+
+/// A plan for a tied set, as documents state it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UntyingEntry {
+    /// Material.
+    pub material: String,
+    /// Whether runs within samples, or samples, are compared.
+    pub compared: &'static str,
+    /// Covariates that are tied.
+    pub covariates: Vec<&'static str>,
+    /// Largest variance inflation now, of what can be untied; null where it has no bound.
+    pub inflation_before: Option<f64>,
+    /// The same after the runs of the plan.
+    pub inflation_after: Option<f64>,
+    /// Number of runs.
+    pub runs: usize,
+    /// Whether these untie all that runs in conditions of the design can untie.
+    pub reached: bool,
+    /// Pairs that they cannot.
+    pub left: Vec<[&'static str; 2]>,
+    /// In words.
+    pub sentences: Vec<String>,
+}
+
+/// Plans from what the campaign says now.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn plan(context: &Context) -> Result<Plan, PipelineError> {
+    let runs = standing::speaking(context)?;
+    let laws = campaign_laws(context, &runs, None)?;
+    plan_from(context, &runs, &laws, &current_findings(context)?.groups)
+}
+
+/// Plans from laws and findings that are known already.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn plan_from(
+    context: &Context,
+    runs: &[RunRecord],
+    laws: &CampaignLaws,
+    groups: &[GroupDiagnosis],
+) -> Result<Plan, PipelineError> {
+    let untying = untie(laws, runs, &context.campaign);
+    let made = standing::all(context)?;
+    let sheets = planned(context, &made)?;
+    let open: Vec<RowOfSheet> = sheets.open.iter().map(|row| row.row.clone()).collect();
+    let ids = sheets
+        .done
+        .iter()
+        .chain(&sheets.open)
+        .map(|row| row.row.planned.as_str());
+    let tagged = made.iter().filter_map(|run| run.tag(keys::PLANNED));
+    let number = |id: &str| id.strip_prefix('P')?.parse::<u32>().ok();
+    let last_number = ids.chain(tagged).filter_map(number).max().unwrap_or(0);
+    let mut planned_runs = next_runs(&Grounds {
+        runs,
+        campaign: &context.campaign,
+        laws,
+        plans: &untying,
+        groups,
+        open: &open,
+        last_number,
+    });
+    shorten_misread(context, &mut planned_runs);
+    Ok(Plan {
+        untying,
+        runs: planned_runs,
+    })
+}
+
+/// Names that `name_pattern` would read tags from become the bare id, so that a name says nothing beside the sheet.
+fn shorten_misread(context: &Context, runs: &mut [PlannedRun]) {
+    let campaign = &context.campaign;
+    let pattern = campaign.name_pattern.as_deref();
+    let Some(pattern) = pattern.and_then(|text| NamePattern::compile(text).ok()) else {
+        return;
+    };
+    let samples: Vec<&str> = campaign.samples.iter().map(|sample| sample.id.as_str()).collect();
+    let environments = campaign.environments.iter().map(|known| known.id.as_str());
+    let environments: Vec<&str> = environments.collect();
+    let known = KnownIds {
+        samples: &samples,
+        environments: &environments,
+    };
+    for run in runs.iter_mut().filter(|run| run.on_sheet.is_none()) {
+        if pattern.match_stem(&run.file, known) != NameMatch::None {
+            run.file.clone_from(&run.planned);
+        }
+    }
+}
+
+/// The list as documents state it.
+pub fn entries(plan: &Plan) -> Vec<NextRunEntry> {
+    let entry = |(place, planned): (usize, &PlannedRun)| {
+        let run = &planned.run;
+        let (set, inflation) = (run.expected.set_size.unzip(), run.expected.inflation.unzip());
+        NextRunEntry {
+            rank: place + 1,
+            planned: planned.planned.clone(),
+            file: planned.file.clone(),
+            sample: run.sample.clone(),
+            material: run.material.clone(),
+            environment: run.environment.clone(),
+            relative_humidity_percent: run.relative_humidity_percent,
+            temperature_c: run.temperature_c,
+            voltage_v: run.voltage_v,
+            instrument: run.names.get(&Covariate::Instrument).cloned(),
+            calibration: run.names.get(&Covariate::Calibration).cloned(),
+            operator: run.names.get(&Covariate::Operator).cloned(),
+            drive: run.drive.clone(),
+            rest_before_s: run.rest_before_s,
+            cycle: planned.cycle,
+            splits: run.splits.clone(),
+            set_size: set.0,
+            expected_set_size: set.1,
+            inflation_before: inflation.0.filter(|value| value.is_finite()),
+            inflation_after: inflation.1.filter(|value| value.is_finite()),
+            closes: run.closes,
+            on_sheet: planned.on_sheet.clone(),
+            why: run.why.join("; "),
+        }
+    };
+    plan.runs.iter().enumerate().map(entry).collect()
+}
+
+/// The plans of tied sets as documents state them.
+pub fn untying_entries(plan: &Plan) -> Vec<UntyingEntry> {
+    // A set of names of use alone has nothing that runs untie, and no inflation to state.
+    let finite = |value: f64| (value.is_finite() && value > 1.0).then_some(value);
+    let entry = |plan: &Untying| UntyingEntry {
+        material: plan.material.clone(),
+        compared: match plan.level {
+            Level::Within => "runs",
+            Level::Between => "samples",
+        },
+        covariates: plan.covariates.iter().map(|covariate| covariate.key()).collect(),
+        inflation_before: finite(plan.inflation_before),
+        inflation_after: finite(plan.inflation_after),
+        runs: plan.steps.len(),
+        reached: plan.is_reached() && plan.would.is_empty(),
+        left: plan
+            .left
+            .iter()
+            .map(|(one, other)| [one.key(), other.key()])
+            .collect(),
+        sentences: words::reached(plan),
+    };
+    plan.untying.iter().map(entry).collect()
+}
+
+/// What writing a run sheet did.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SheetSummary {
+    /// The sheet.
+    pub sheet: PathBuf,
+    /// Rows that plan a run which has not been made.
+    pub open: usize,
+    /// Rows of runs that have been made, kept for their tags.
+    pub kept: usize,
+    /// Ids of rows that were open on it and are needed no more.
+    pub dropped: Vec<String>,
+    /// Ids of runs left out, for they stand on another sheet.
+    pub elsewhere: Vec<String>,
+    /// Whether it lies where `ieap run` looks for runs.
+    pub among_runs: bool,
+}
+
+/// Writes the list as a run sheet. Rows of a sheet that is there already stay where their runs have been made, for
+/// these have their tags from them.
+///
+/// # Errors
+/// The file is there and no run sheet, or it cannot be written.
+pub fn write_sheet(context: &Context, plan: &Plan, file: &Path) -> Result<SheetSummary, PipelineError> {
+    let before = earlier_rows(file)?;
+    // A run that was set aside was made all the same, and has its tags from its row.
+    let runs = standing::all(context)?;
+    let made: BTreeSet<&str> = runs.iter().filter_map(|run| run.tag(keys::PLANNED)).collect();
+    let (kept, open): (Vec<&SheetRow>, Vec<&SheetRow>) =
+        before.iter().partition(|row| made.contains(row.planned.as_str()));
+    let absolute = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+        Some(folder.join(path.file_name()?))
+    };
+    let here = absolute(file);
+    let is_here = |sheet: &str| {
+        let path = context
+            .folder
+            .join(crate::ingest::scan::parse_display_path(sheet));
+        here.is_some() && absolute(&path) == here
+    };
+    let (own, elsewhere): (Vec<&PlannedRun>, Vec<&PlannedRun>) = plan
+        .runs
+        .iter()
+        .partition(|run| run.on_sheet.as_deref().is_none_or(is_here));
+    let dropped = open
+        .iter()
+        .filter(|row| !own.iter().any(|run| run.planned == row.planned))
+        .map(|row| row.planned.clone())
+        .collect();
+    let mut rows: Vec<Vec<(String, String)>> = kept.iter().map(|row| cells_of_row(row)).collect();
+    rows.extend(own.iter().map(|run| cells(run)));
+    write(file, &rows)?;
+    let runs_folder = context.folder.join(&context.campaign.runs_folder);
+    let among_runs = here.is_some_and(|here| {
+        runs_folder
+            .canonicalize()
+            .is_ok_and(|folder| here.starts_with(folder))
+    });
+    Ok(SheetSummary {
+        sheet: file.to_owned(),
+        open: own.len(),
+        kept: kept.len(),
+        dropped,
+        elsewhere: elsewhere.iter().map(|run| run.planned.clone()).collect(),
+        among_runs,
+    })
+}
+
+/// Rows of the sheet that is there already.
+fn earlier_rows(file: &Path) -> Result<Vec<SheetRow>, PipelineError> {
+    let bytes = match fs::read_stated(file) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(source) => {
+            return Err(PipelineError::File {
+                path: file.to_owned(),
+                doing: "reading the run sheet that is there",
+                source,
+            });
+        }
+    };
+    run_sheet::read(&bytes).map_err(|issue| PipelineError::BadArgument {
+        what: "--sheet",
+        found: format!("{}, {}: {}", file.display(), issue.place, issue.message),
+        needed: "a name that is free, or that of a run sheet without a fault".to_owned(),
+    })
+}
+
+fn cells_of_row(row: &SheetRow) -> Vec<(String, String)> {
+    let mut cells = row.tags.clone();
+    cells.push(("file".to_owned(), row.file.clone()));
+    cells.extend(row.said.iter().cloned());
+    cells
+}
+
+fn cells(planned: &PlannedRun) -> Vec<(String, String)> {
+    let run = &planned.run;
+    let number = |value: Option<f64>| value.map(|value| value.to_string());
+    let given = [
+        (keys::PLANNED, Some(planned.planned.clone())),
+        ("file", Some(planned.file.clone())),
+        (keys::SAMPLE, Some(run.sample.clone())),
+        (keys::ENVIRONMENT, run.environment.clone()),
+        (
+            keys::RELATIVE_HUMIDITY_PERCENT,
+            number(run.relative_humidity_percent),
+        ),
+        (keys::TEMPERATURE_C, number(run.temperature_c)),
+        (keys::VOLTAGE_V, number(run.voltage_v)),
+        ("drive", Some(run.drive.clone())),
+        (keys::REST_BEFORE_S, number(run.rest_before_s)),
+        (keys::CYCLE, planned.cycle.map(|cycle| cycle.to_string())),
+        // Spreadsheets guess the encoding of a CSV: an arrow would not survive everywhere.
+        ("why", Some(run.why.join("; ").replace('→', "to"))),
+    ];
+    let mut cells: Vec<(String, String)> = given
+        .into_iter()
+        .filter_map(|(column, value)| Some((column.to_owned(), value?)))
+        .collect();
+    let names = [
+        (Covariate::Instrument, keys::INSTRUMENT),
+        (Covariate::Operator, keys::OPERATOR),
+        (Covariate::Calibration, Covariate::Calibration.key()),
+    ];
+    for (covariate, key) in names {
+        cells.extend(
+            run.names
+                .get(&covariate)
+                .map(|name| (key.to_owned(), name.clone())),
+        );
+    }
+    cells
+}
+
+/// Writes rows under the columns of a sheet and whatever else they state; the file is exchanged whole.
+fn write(file: &Path, rows: &[Vec<(String, String)>]) -> Result<(), PipelineError> {
+    let failed = |source: std::io::Error| PipelineError::File {
+        path: file.to_owned(),
+        doing: "writing the run sheet",
+        source,
+    };
+    let mut columns: Vec<&str> = COLUMNS.to_vec();
+    for (column, _) in rows.iter().flatten() {
+        if !columns.contains(&column.as_str()) {
+            columns.push(column);
+        }
+    }
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let of_row = |row: &Vec<(String, String)>| -> Vec<String> {
+        let cell = |column: &&str| {
+            let known = row.iter().find(|(key, _)| key == column);
+            // The reader of sheets takes off what keeps a spreadsheet from calculating.
+            known.map_or_else(String::new, |(_, value)| csv_text(value).into_owned())
+        };
+        columns.iter().map(cell).collect()
+    };
+    let as_io = |error: csv::Error| failed(std::io::Error::other(error));
+    let names = columns.iter().map(|column| csv_text(column).into_owned());
+    writer.write_record(names).map_err(as_io)?;
+    for row in rows {
+        writer.write_record(of_row(row)).map_err(as_io)?;
+    }
+    let bytes = writer
+        .into_inner()
+        .map_err(|error| failed(std::io::Error::other(error.to_string())))?;
+    if let Some(folder) = file.parent() {
+        fs::create_dir_all(folder).map_err(failed)?;
+    }
+    put_bytes(file, true, &bytes)
+}

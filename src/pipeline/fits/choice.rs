@@ -1,0 +1,227 @@
+//! How runs are fitted, and who said so: the caller, campaign.toml, or an earlier call that asked for it by hand.
+
+use serde::Serialize;
+
+use crate::domain::{AskedFit, Campaign};
+use crate::fit::{FitError, FitOptions, Steps};
+use crate::model::ModelChoice;
+
+/// How runs are fitted.
+#[derive(Debug, Clone, Default)]
+pub struct FitChoice {
+    /// Model to fit with; none takes the campaign's.
+    pub model: Option<String>,
+    /// Id of the method that searches minima; none takes the campaign's.
+    pub method: Option<String>,
+    /// Whether current and curvature are fitted together instead of one after the other; false takes the campaign's.
+    pub simultaneous: bool,
+    /// Seed of a random method; none takes the default.
+    pub seed: Option<u64>,
+}
+
+impl FitChoice {
+    /// As options of a fit with the base model; what is left open is the campaign's.
+    pub(crate) fn options(&self, campaign: &Campaign) -> Result<FitOptions, FitError> {
+        Ok(choose(&self.asked(), campaign, &AskedFit::default())?.options)
+    }
+
+    /// What is asked for.
+    pub(crate) fn asked(&self) -> AskedFit {
+        AskedFit {
+            model: self.model.clone(),
+            method: self.method.clone(),
+            simultaneous: self.simultaneous.then_some(true),
+            seed: self.seed,
+        }
+    }
+}
+
+/// Who chose how a run is fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ChosenBy {
+    /// The caller.
+    Asked,
+    /// An earlier caller, and nothing that was said since stands against it.
+    Kept,
+    /// campaign.toml.
+    Campaign,
+    /// Nobody.
+    Default,
+}
+
+/// How one run is fitted.
+#[derive(Debug, Clone)]
+pub(crate) struct Chosen {
+    /// The base of `model`, method and steps.
+    pub(crate) options: FitOptions,
+    pub(crate) model: ModelChoice,
+    /// What was asked for by hand, to be stored with the fit.
+    pub(crate) asked: AskedFit,
+    /// What of the choice was said at all.
+    pub(crate) said: AskedFit,
+    pub(crate) by: ChosenBy,
+}
+
+/// How a run is fitted: as `asked`; else as campaign.toml states; and what that leaves open as it was `last_asked`.
+pub(crate) fn choose(
+    asked: &AskedFit,
+    campaign: &Campaign,
+    last_asked: &AskedFit,
+) -> Result<Chosen, FitError> {
+    let stated = &campaign.fit;
+    let adds = |last: &AskedFit| {
+        last.model.is_some() && stated.model.is_none()
+            || last.method.is_some() && stated.method.is_none()
+            || last.simultaneous.is_some() && stated.simultaneous.is_none()
+    };
+    let (said, held, by) = if !asked.is_open() {
+        (asked.or(stated), asked.clone(), ChosenBy::Asked)
+    } else if adds(last_asked) {
+        let said = stated.or(last_asked);
+        let seed = asked.seed.or(said.seed);
+        (AskedFit { seed, ..said }, last_asked.clone(), ChosenBy::Kept)
+    } else if stated.is_open() {
+        (asked.clone(), AskedFit::default(), ChosenBy::Default)
+    } else {
+        (asked.or(stated), AskedFit::default(), ChosenBy::Campaign)
+    };
+    let model = ModelChoice::parse(said.model.as_deref().unwrap_or(&campaign.model))?;
+    Ok(Chosen {
+        options: options_of(&said, &model)?,
+        model,
+        asked: held,
+        said,
+        by,
+    })
+}
+
+/// What was said, as options of a fit with the base of `model`.
+pub(crate) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOptions, FitError> {
+    let mut options = FitOptions::for_model(model.base.id)?;
+    if let Some(method) = &said.method {
+        options = options.with_method(method)?;
+    }
+    if said.simultaneous == Some(true) {
+        options.steps = Steps::Simultaneous;
+    }
+    options.describes_noise = true;
+    options.seed = said.seed.unwrap_or(options.seed);
+    Ok(options)
+}
+
+/// A choice with the number of runs that it holds for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct HeldChoice {
+    /// What of it was said.
+    pub said: AskedFit,
+    /// By whom.
+    pub by: ChosenBy,
+    /// Runs.
+    pub runs: usize,
+    /// Whether campaign.toml states something else, which holds again from the next `run` on.
+    pub against_campaign: bool,
+}
+
+/// The choices that hold and that somebody made, each with its runs; what only repeats the defaults is left out.
+pub(crate) fn held<'a>(chosen: impl Iterator<Item = &'a Chosen>, campaign: &Campaign) -> Vec<HeldChoice> {
+    let defaults = FitOptions::default();
+    let mut held: Vec<HeldChoice> = Vec::new();
+    for one in chosen.filter(|one| one.by != ChosenBy::Default) {
+        let differs = one.options.method.id() != defaults.method.id() || one.options.steps != defaults.steps;
+        if one.by == ChosenBy::Campaign && !differs {
+            // The model stands with every fit.
+            continue;
+        }
+        match held
+            .iter_mut()
+            .find(|own| own.said == one.said && own.by == one.by)
+        {
+            Some(own) => own.runs += 1,
+            None => held.push(HeldChoice {
+                said: one.said.clone(),
+                by: one.by,
+                runs: 1,
+                against_campaign: campaign.fit.or(&one.said) != one.said.or(&campaign.fit),
+            }),
+        }
+    }
+    held
+}
+
+impl HeldChoice {
+    /// In words: what holds for which runs, where it comes from, and how it is changed.
+    pub fn words(&self) -> String {
+        let runs = match self.runs {
+            1 => "1 run".to_owned(),
+            n => format!("{n} runs"),
+        };
+        let said = &self.said;
+        let lasting = "`[fit]` (and `model`) in campaign.toml sets it for all runs, those to come as well";
+        match self.by {
+            ChosenBy::Asked if self.against_campaign => format!(
+                "{runs}: {said}, as asked; campaign.toml states another choice, which holds again at the next `ieap run`"
+            ),
+            ChosenBy::Asked => {
+                format!(
+                    "{runs}: {said}, as asked; later calls of `ieap run` keep it for these runs; {lasting}"
+                )
+            }
+            ChosenBy::Kept => format!(
+                "{runs}: {said}, kept as it was asked for by hand where campaign.toml states nothing; `ieap fit` with other options changes it; {lasting}"
+            ),
+            ChosenBy::Campaign | ChosenBy::Default => format!("{runs}: {said}, as campaign.toml states"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::sample_campaign::campaign;
+
+    fn asked(method: Option<&str>, simultaneous: Option<bool>) -> AskedFit {
+        AskedFit {
+            method: method.map(str::to_owned),
+            simultaneous,
+            ..AskedFit::default()
+        }
+    }
+
+    #[test]
+    fn the_caller_goes_before_campaign_toml_and_that_before_an_earlier_caller() {
+        let (open, de) = (AskedFit::default(), asked(Some("differential-evolution"), None));
+        let mut campaign = campaign();
+        let found = |now: &AskedFit, campaign: &Campaign, last: &AskedFit| {
+            let chosen = choose(now, campaign, last).unwrap();
+            (
+                chosen.options.method.id(),
+                chosen.options.steps,
+                chosen.by,
+                chosen.asked,
+            )
+        };
+        let plain = ("variable-projection", Steps::TwoStep);
+        assert_eq!(
+            found(&open, &campaign, &open),
+            (plain.0, plain.1, ChosenBy::Default, open.clone())
+        );
+        let kept = found(&open, &campaign, &de);
+        assert_eq!(
+            kept,
+            (de.method.as_deref().unwrap(), plain.1, ChosenBy::Kept, de.clone())
+        );
+        let anew = found(&asked(None, Some(true)), &campaign, &de);
+        assert_eq!(
+            (anew.0, anew.1, anew.2),
+            (plain.0, Steps::Simultaneous, ChosenBy::Asked)
+        );
+        campaign.fit.method = Some("variable-projection".to_owned());
+        let stated = found(&open, &campaign, &de);
+        assert_eq!((stated.0, stated.2), (plain.0, ChosenBy::Campaign));
+        assert_eq!(
+            stated.3, open,
+            "what campaign.toml overrules is not kept for later"
+        );
+    }
+}

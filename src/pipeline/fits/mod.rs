@@ -1,0 +1,10 @@
+//! From stored readings to fits.
+
+pub(super) mod along;
+pub(super) mod choice;
+pub(super) mod extended;
+pub(super) mod groups;
+pub(super) mod plan;
+pub mod result;
+pub(super) mod runs;
+pub mod shard;

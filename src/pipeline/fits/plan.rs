@@ -1,0 +1,145 @@
+//! How every run is fitted: as asked for now, as campaign.toml states, or as it was asked for before; with the model
+//! adopted for its group where none is asked for; and which runs are fitted together, since effects are shared by a group.
+
+use std::collections::BTreeMap;
+
+use super::choice::{Chosen, choose};
+use crate::analysis::groups::groups;
+use crate::domain::{AskedFit, RunRecord};
+use crate::fit::{FitError, FitOptions};
+use crate::model::ModelChoice;
+use crate::model::effects::TagAt;
+use crate::pipeline::campaign::group_tags::group_tags;
+use crate::pipeline::campaign::standing;
+use crate::pipeline::{Context, PipelineError};
+use crate::store::FitTask;
+
+/// A run to be fitted, and how.
+#[derive(Debug, Clone)]
+pub(crate) struct Planned {
+    pub(crate) task: FitTask,
+    pub(crate) chosen: Chosen,
+}
+
+/// Runs of a group that are fitted with one parameter set of an extended model.
+pub(crate) struct ExtendedGroup {
+    pub(crate) choice: ModelChoice,
+    pub(crate) runs: Vec<Planned>,
+    /// Where each run lies among the values of tags that differ in the group.
+    pub(crate) tags: Vec<Vec<TagAt>>,
+}
+
+/// What is fitted with what.
+pub(crate) struct FitPlan {
+    /// Runs fitted one by one.
+    pub(crate) single: Vec<Planned>,
+    pub(crate) extended: Vec<ExtendedGroup>,
+    /// Groups that campaign.toml adopts a model for and that are not there.
+    pub(crate) unknown_groups: Vec<String>,
+}
+
+/// The plan for all runs that can be fitted; `asked` goes before everything that campaign.toml says.
+///
+/// `kept` says how runs were asked to be fitted where no fit of theirs holds it, by the runs' names.
+pub(crate) fn fit_plan(
+    context: &Context,
+    asked: &AskedFit,
+    kept: &BTreeMap<String, AskedFit>,
+) -> Result<FitPlan, PipelineError> {
+    let campaign = &context.campaign;
+    // A choice that is wrong is refused though there is no run yet that it holds for.
+    choose(asked, campaign, &AskedFit::default())?;
+    // The last entry of a group holds: adopting again adds one.
+    let mut adopted: BTreeMap<&str, ModelChoice> = BTreeMap::new();
+    for entry in campaign.adopted.iter().filter(|_| asked.model.is_none()) {
+        adopted.insert(
+            &entry.group,
+            ModelChoice::parse(&entry.model).map_err(FitError::Choice)?,
+        );
+    }
+    let planned = |task: FitTask| -> Result<Planned, PipelineError> {
+        let last_asked = kept.get(&task.path).unwrap_or(&task.last_asked);
+        let chosen = choose(asked, campaign, last_asked)?;
+        Ok(Planned { task, chosen })
+    };
+    let tasks = context.store.fit_tasks()?.into_iter().map(planned);
+    let planned = tasks.collect::<Result<Vec<Planned>, _>>()?;
+    if adopted.is_empty() && !planned.iter().any(|run| run.chosen.model.is_extended()) {
+        return Ok(FitPlan {
+            single: planned,
+            extended: Vec::new(),
+            unknown_groups: Vec::new(),
+        });
+    }
+    grouped(context, planned, &adopted)
+}
+
+fn grouped(
+    context: &Context,
+    planned: Vec<Planned>,
+    adopted: &BTreeMap<&str, ModelChoice>,
+) -> Result<FitPlan, PipelineError> {
+    // A run that is set aside takes no part in the one parameter set of its group; it is fitted by itself.
+    let runs = standing::speaking(context)?;
+    let mut by_id: BTreeMap<i64, Planned> = planned.into_iter().map(|run| (run.task.run_id, run)).collect();
+    let ready: Vec<i64> = by_id.keys().copied().collect();
+    let among = |run: &RunRecord| ready.binary_search(&run.id).is_ok();
+    let found = groups(&runs, &context.campaign.group_by, &among);
+    let is_there = |name: &&&str| found.iter().any(|group| group.name == **name);
+    let unknown_groups = adopted
+        .keys()
+        .filter(|name| !is_there(name))
+        .map(|name| (*name).to_owned())
+        .collect();
+    let mut plan = FitPlan {
+        single: Vec::new(),
+        extended: Vec::new(),
+        unknown_groups,
+    };
+    for group in &found {
+        let of_group = group.runs.iter().map(|&index| &runs[index]);
+        let (records, of_group): (Vec<&RunRecord>, Vec<Planned>) = of_group
+            .filter_map(|run| Some((run, by_id.remove(&run.id)?)))
+            .unzip();
+        let own = adopted.get(group.name.as_str());
+        let choice = own.cloned().or_else(|| common(&of_group));
+        // Runs that are set apart share nothing with others.
+        match choice.filter(|choice| choice.is_extended() && group.set_apart.is_none()) {
+            Some(choice) => plan.extended.push(ExtendedGroup {
+                choice,
+                runs: of_group,
+                tags: group_tags(&records, &context.campaign.extra_tags),
+            }),
+            None => plan
+                .single
+                .extend(of_group.into_iter().map(|run| with_base(run, own))),
+        }
+    }
+    plan.single.extend(by_id.into_values());
+    plan.single.sort_by(|a, b| a.task.path.cmp(&b.task.path));
+    Ok(plan)
+}
+
+/// The model that all runs of a group are to be fitted with; none where they differ.
+fn common(runs: &[Planned]) -> Option<ModelChoice> {
+    let first = &runs.first()?.chosen.model;
+    runs.iter()
+        .all(|run| run.chosen.model.to_string() == first.to_string())
+        .then(|| first.clone())
+}
+
+/// A run fitted by itself with the base of the model adopted for its group, if any.
+fn with_base(run: Planned, adopted: Option<&ModelChoice>) -> Planned {
+    let Some(adopted) = adopted else { return run };
+    let options = FitOptions {
+        model: adopted.base,
+        ..run.chosen.options
+    };
+    Planned {
+        chosen: Chosen {
+            options,
+            ..run.chosen
+        },
+        ..run
+    }
+}

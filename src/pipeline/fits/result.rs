@@ -1,0 +1,184 @@
+//! What the fit of one run came to, as a line of JSON: how results travel between computers. Each carries a checksum, and so does
+//! the file: a disk, a cable and a copy that was cut short change what they carry.
+
+use serde::{Deserialize, Serialize};
+
+use crate::domain::{AskedFit, Fit, Issue};
+use crate::pipeline::campaign::context::CODE_VERSION;
+
+/// Schema of a line.
+pub const SCHEMA: &str = "ieap/fit-result/1";
+/// Schema of the line that ends a file.
+pub const END_SCHEMA: &str = "ieap/fit-results-end/1";
+
+/// The fit of a run, or why it could not be made; with what it was made from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitResult {
+    /// Always [`SCHEMA`].
+    pub schema: String,
+    /// The run's name.
+    pub run: String,
+    /// Hash of its readings.
+    pub data_hash: String,
+    /// Hash of everything that the fit depends on.
+    pub input_hash: String,
+    /// Version of the program that fitted.
+    pub code_version: String,
+    /// How the fit was asked for by hand.
+    #[serde(default)]
+    pub asked: AskedFit,
+    /// The fit; none where it could not be made.
+    pub fit: Option<Fit>,
+    /// Why it could not be made.
+    pub issue: Option<Issue>,
+    /// BLAKE3 of all the others, hexadecimal: see [`FitResult::sum`]. Empty where there is none.
+    #[serde(default)]
+    pub checksum: String,
+}
+
+impl FitResult {
+    /// What the fit of that run came to, here and now, with its checksum.
+    pub fn of(
+        run: &str,
+        data_hash: &str,
+        input_hash: &str,
+        asked: &AskedFit,
+        outcome: Result<Fit, Issue>,
+    ) -> FitResult {
+        let (fit, issue) = match outcome {
+            Ok(fit) => (Some(fit), None),
+            Err(issue) => (None, Some(issue)),
+        };
+        let result = FitResult {
+            schema: SCHEMA.to_owned(),
+            run: run.to_owned(),
+            data_hash: data_hash.to_owned(),
+            input_hash: input_hash.to_owned(),
+            code_version: CODE_VERSION.to_owned(),
+            asked: asked.clone(),
+            fit,
+            issue,
+            checksum: String::new(),
+        };
+        FitResult {
+            checksum: result.sum(),
+            ..result
+        }
+    }
+
+    /// What the fit came to; none where the line says neither.
+    pub fn outcome(&self) -> Option<Result<&Fit, &Issue>> {
+        match (&self.fit, &self.issue) {
+            (Some(fit), None) => Some(Ok(fit)),
+            (None, Some(issue)) => Some(Err(issue)),
+            _ => None,
+        }
+    }
+
+    /// BLAKE3 of its JSON with an empty checksum: the same however it travelled, as a line or as columns of a table, for numbers
+    /// come back to the bit.
+    pub fn sum(&self) -> String {
+        let open = FitResult {
+            checksum: String::new(),
+            ..self.clone()
+        };
+        // What could not be written as JSON has no sum, and none that fits it either.
+        let text = serde_json::to_string(&open).unwrap_or_default();
+        blake3::hash(text.as_bytes()).to_hex().to_string()
+    }
+}
+
+/// The line that ends a file of results: how many there are, and the checksum of their bytes.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct End {
+    /// Always [`END_SCHEMA`].
+    pub schema: String,
+    /// Number of results.
+    pub rows: usize,
+    /// BLAKE3 of the bytes of their lines, hexadecimal.
+    pub checksum: String,
+}
+
+impl End {
+    /// Of so many results with that sum.
+    pub fn of(rows: usize, sum: &blake3::Hasher) -> End {
+        End {
+            schema: END_SCHEMA.to_owned(),
+            rows,
+            checksum: sum.finalize().to_hex().to_string(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::sample_campaign::{fit, known};
+    use crate::domain::{AlongCurve, Quantity, RunCurve};
+
+    #[test]
+    fn a_fit_comes_back_to_the_bit() {
+        // Numbers whose shortest decimals a careless reader misses by the last bit.
+        let hard = [
+            0.1 + 0.2,
+            1.0 / 3.0,
+            5e-324,
+            f64::MIN_POSITIVE - f64::from_bits(1),
+            123456789.12345679,
+            8.41e21,
+        ];
+        let mut made = fit(&[("r1_ohm_cm2", known(hard[1], hard[0]))]);
+        made.curves = vec![RunCurve {
+            quantity: Quantity::Current,
+            time_s: hard.to_vec(),
+            measured: hard.to_vec(),
+            fitted: hard.iter().map(|number| -number).collect(),
+            residual_sigma: vec![],
+            readings: 6,
+        }];
+        made.along = vec![AlongCurve {
+            quantity: Quantity::Curvature,
+            position_mm: vec![1.0],
+            noise: vec![f64::NAN],
+            time_s: vec![0.0],
+            measured: vec![f64::NAN],
+            fitted: vec![hard[4]],
+            frames: 1,
+        }];
+        let asked = AskedFit::default();
+        let result = FitResult::of("runs/a.csv", "d", "i", &asked, Ok(made.clone()));
+        let text = serde_json::to_string(&result).unwrap();
+        let back: FitResult = serde_json::from_str(&text).unwrap();
+        let read = back.fit.clone().unwrap();
+        let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&read.curves[0].measured), bits(&hard));
+        assert_eq!(bits(&read.curves[0].fitted), bits(&made.curves[0].fitted));
+        assert_eq!(read.parameters, made.parameters);
+        assert!(read.along[0].noise[0].is_nan() && read.along[0].measured[0].is_nan());
+        assert!(matches!(back.outcome(), Some(Ok(_))));
+        assert_eq!(back.sum(), result.checksum);
+        let neither = FitResult { fit: None, ..back };
+        assert!(neither.outcome().is_none());
+    }
+
+    /// One that leaves what is said as it is, such as another spelling of a number, changes nothing.
+    #[test]
+    fn a_flipped_bit_is_noticed_or_changes_nothing() {
+        let made = fit(&[("r1_ohm_cm2", known(1.0 / 3.0, 0.1))]);
+        let result = FitResult::of("runs/a.csv", "d", "i", &AskedFit::default(), Ok(made));
+        let text = serde_json::to_string(&result).unwrap();
+        let mut noticed = 0;
+        for (at, bit) in (0..text.len()).flat_map(|at| (0..8).map(move |bit| (at, bit))) {
+            let mut flipped = text.clone().into_bytes();
+            flipped[at] ^= 1 << bit;
+            let Ok(read) = serde_json::from_slice::<FitResult>(&flipped) else {
+                continue;
+            };
+            match read.sum() == read.checksum {
+                true => assert_eq!(read, result, "byte {at}, bit {bit}"),
+                false => noticed += 1,
+            }
+        }
+        assert!(noticed > 1000, "{noticed} were noticed by the checksum");
+    }
+}

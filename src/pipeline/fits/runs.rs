@@ -1,0 +1,255 @@
+//! Fits every run that has no fit yet, or whose readings, tags or model changed.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::along;
+use super::choice::{FitChoice, HeldChoice, held};
+use super::extended;
+use super::plan::{Planned, fit_plan};
+use crate::domain::fault::caught;
+use crate::domain::{AskedFit, Channel, Fit, InputHash, Issue};
+use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
+use crate::ingest::derived;
+use crate::numerics::interrupt;
+use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::{Context, Observer, PipelineError};
+use crate::store::{FitStamp, FitTask};
+
+/// Runs fitted between two commits: bounds memory, and what an interruption costs.
+const BATCH: usize = 32;
+
+/// The verb `fit`.
+#[derive(Debug, Clone, Default)]
+pub struct FitRuns {
+    /// How to fit.
+    pub choice: FitChoice,
+    /// Fit again even where nothing changed.
+    pub again: bool,
+}
+
+/// What `fit` did.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+pub struct FitSummary {
+    /// Runs fitted.
+    pub fitted: usize,
+    /// Runs whose fit was up to date.
+    pub up_to_date: usize,
+    /// Runs that could not be fitted, with the reason.
+    pub failed: Vec<(String, Issue)>,
+    /// Runs whose search did not converge.
+    pub not_converged: Vec<String>,
+    /// Groups that campaign.toml adopts a model for and that are not there.
+    pub unknown_groups: Vec<String>,
+    /// Choices of method, steps and model that hold for runs because somebody made them.
+    pub choices: Vec<HeldChoice>,
+}
+
+impl FitSummary {
+    /// Whether a fault of the program stopped a fit.
+    pub fn has_fault(&self) -> bool {
+        self.failed.iter().any(|(_, issue)| issue.code == FAULT)
+    }
+}
+
+impl FitRuns {
+    /// Fits what is missing or out of date. The outcome does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// The model is not known, or the database fails; a run that cannot be fitted is no error.
+    pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
+        self.run_as_kept(context, &BTreeMap::new(), observer)
+    }
+
+    /// The same for a database without earlier fits: `kept` says how runs were asked to be fitted, by their names.
+    ///
+    /// # Errors
+    /// As of [`FitRuns::run`].
+    pub(crate) fn run_as_kept(
+        &self,
+        context: &mut Context,
+        kept: &BTreeMap<String, AskedFit>,
+        observer: &dyn Observer,
+    ) -> Result<FitSummary, PipelineError> {
+        let plan = fit_plan(context, &self.choice.asked(), kept)?;
+        let in_groups = plan.extended.iter().flat_map(|group| &group.runs);
+        let chosen = plan.single.iter().chain(in_groups).map(|run| &run.chosen);
+        let choices = held(chosen, &context.campaign);
+        let (done, due) = self.sorted(plan.single);
+        let mut summary = FitSummary {
+            up_to_date: done.len(),
+            unknown_groups: plan.unknown_groups,
+            choices,
+            ..FitSummary::default()
+        };
+        observer.begin("fitting", due.len() as u64);
+        for batch in due.chunks(BATCH) {
+            let outcomes = fit_batch(context, batch, observer)?;
+            let stamped = batch.iter().map(|(hash, run)| (hash.as_str(), run)).zip(outcomes);
+            // What was fitted before an interruption is kept.
+            let made = stamped.filter_map(|(run, outcome)| Some((run, outcome?)));
+            save(context, made.collect(), &mut summary)?;
+            interrupt::check();
+        }
+        observer.end();
+        extended::fit_groups(context, &plan.extended, self.again, observer, &mut summary)?;
+        Ok(summary)
+    }
+}
+
+impl FitRuns {
+    /// Number of runs that would be fitted.
+    ///
+    /// # Errors
+    /// The model is not known, or the database fails.
+    pub fn due(&self, context: &Context) -> Result<usize, PipelineError> {
+        let plan = fit_plan(context, &self.choice.asked(), &BTreeMap::new())?;
+        let (_, due) = self.sorted(plan.single);
+        Ok(due.len() + extended::due(&plan.extended, self.again))
+    }
+
+    /// The runs of a plan whose fit is up to date, and the others.
+    pub(crate) fn sorted(&self, single: Vec<Planned>) -> (Vec<Due>, Vec<Due>) {
+        let hashed = single
+            .into_iter()
+            .map(|run| (input_hash(&run.task, &run.chosen.options), run));
+        hashed.partition(|due| self.is_done(due))
+    }
+
+    /// Whether a run's fit is up to date.
+    pub(crate) fn is_done(&self, (hash, run): &Due) -> bool {
+        !self.again && run.task.done_input_hash.as_ref() == Some(hash)
+    }
+}
+
+/// A run to fit with the hash of all that its fit depends on.
+pub(crate) type Due = (String, Planned);
+
+pub(crate) type Outcome = Result<Fit, Issue>;
+
+/// The fits of a batch in its order; none for those that an interruption met.
+pub(crate) fn fit_batch(
+    context: &Context,
+    batch: &[Due],
+    observer: &dyn Observer,
+) -> Result<Vec<Option<Outcome>>, PipelineError> {
+    let loaded = batch
+        .iter()
+        .map(|(_, run)| context.store.channels(run.task.run_id))
+        .collect::<Result<Vec<Vec<Channel>>, _>>()?;
+    Ok(batch
+        .par_iter()
+        .zip(loaded)
+        .map(|((_, run), channels)| {
+            let outcome = interrupt::attempt(|| fit_one(&run.task, &channels, &run.chosen.options));
+            observer.advance();
+            outcome
+        })
+        .collect())
+}
+
+/// Fits one run; a panic in a kernel is that run's failure, not the program's.
+pub(crate) fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
+    let fitted = caught(|| match options.model.id {
+        distributed::MODEL_ID => along::fit(task, channels, options),
+        _ => fit_whole(task, channels, options),
+    });
+    fitted.unwrap_or_else(|reason| Err(fit_fault("the fit", &reason)))
+}
+
+/// What is said of a run whose fit a fault of the program stopped.
+pub(crate) fn fit_fault(what: &str, reason: &str) -> Issue {
+    Issue::error(FAULT, format!("{what} stopped on an internal fault: {reason}"))
+        .mend("report it with the runs' files; all others are not affected")
+}
+
+/// The strip as a whole, with a lumped model.
+fn fit_whole(task: &FitTask, measured: &[Channel], options: &FitOptions) -> Outcome {
+    let channels = derived::responses(measured, task.length_cm);
+    let input = FitInput {
+        channels: &channels,
+        drive: &task.drive,
+        area_cm2: task.area_cm2,
+    };
+    let mut fit = fit_run(&input, options).map_err(not_fitted)?;
+    fit.issues
+        .extend(along::lumped_or_distributed(task, measured, &fit));
+    Ok(fit)
+}
+
+/// Code of what is said of a run whose fit failed by its readings.
+pub(crate) const NOT_FITTED: &str = "not-fitted";
+/// Code of what is said of a run whose fit a fault of the program stopped.
+pub const FAULT: &str = "fit-fault";
+
+pub(crate) fn not_fitted(error: FitError) -> Issue {
+    Issue::warning(NOT_FITTED, error.to_string())
+}
+
+/// Whether that is said of a run whose fit was tried and failed.
+pub(crate) fn is_of_failed_fit(issue: &Issue) -> bool {
+    [NOT_FITTED, FAULT].iter().any(|code| issue.code == *code)
+}
+
+/// Stores outcomes, each with the hash of what it depends on.
+pub(crate) fn save(
+    context: &mut Context,
+    outcomes: Vec<((&str, &Planned), Outcome)>,
+    summary: &mut FitSummary,
+) -> Result<(), PipelineError> {
+    let now = now();
+    let mut fits = Vec::new();
+    for ((input_hash, Planned { task, chosen }), outcome) in outcomes {
+        // A fault says nothing of the run: it is tried again, and said again, every time.
+        let is_fault = matches!(&outcome, Err(issue) if issue.code == FAULT);
+        let stamp = FitStamp {
+            run_id: task.run_id,
+            input_hash: if is_fault {
+                String::new()
+            } else {
+                input_hash.to_owned()
+            },
+            code_version: CODE_VERSION.to_owned(),
+            asked: chosen.asked.clone(),
+        };
+        match outcome {
+            Ok(fit) => {
+                summary.fitted += 1;
+                if !fit.converged {
+                    summary.not_converged.push(task.path.clone());
+                }
+                fits.push((stamp, fit));
+            }
+            Err(issue) => {
+                context.store.save_fit_failure(&now, &stamp, &issue)?;
+                summary.failed.push((task.path.clone(), issue));
+            }
+        }
+    }
+    Ok(context.store.save_fits(&now, &fits)?)
+}
+
+/// Hash of everything that a fit depends on.
+pub(crate) fn input_hash(task: &FitTask, options: &FitOptions) -> String {
+    let mut hash = InputHash::new();
+    hash.text(&task.data_hash).drive(&task.drive);
+    hash.number(task.area_cm2).number_or_none(task.length_cm);
+    let along = task.electrode_resistance_ohm_per_sq;
+    if options.model.id == distributed::MODEL_ID || along.is_some() {
+        hash.number_or_none(along);
+        // Where none is known the form is that of fits before it could be.
+        if let Some(error) = task.electrode_resistance_error_ohm_per_sq {
+            hash.number(error);
+        }
+    }
+    let (model, method) = (options.model, options.method);
+    hash.text(model.id)
+        .whole(model.version.into())
+        .text(method.id())
+        .flag(options.steps == Steps::Simultaneous);
+    if method.is_random() {
+        hash.whole(options.seed);
+    }
+    hash.finished()
+}

@@ -1,0 +1,379 @@
+//! Takes in what is new in the campaign folder: scan, read, tag, archive, store. Idempotent.
+
+mod batch;
+mod copies;
+pub(crate) mod frame_folder;
+mod groups;
+mod known;
+mod left_out;
+mod places;
+mod prepare;
+mod readers;
+mod retag;
+mod settle;
+mod start;
+pub(crate) mod tagging;
+pub(crate) mod unread;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::climate::{self, LogSummary, Shelf, holds_logs, is_below, log_folders};
+use crate::domain::{FileState, Issue, RunKind};
+use crate::ingest::name_pattern::ProposedPattern;
+use crate::ingest::scan::{self, Changes, Scan, SeenFile};
+use crate::pipeline::campaign::context::now;
+use crate::pipeline::campaign::{planned, standing};
+use crate::pipeline::ground::mends::Together;
+use crate::pipeline::show::status;
+use crate::pipeline::{Context, Observer, PipelineError};
+use crate::store::FileRow;
+use batch::in_batches;
+use known::{Orphans, known, note_change_times};
+use prepare::Group;
+pub(crate) use readers::Readers;
+
+pub(crate) use batch::together;
+pub use known::files_due;
+pub use prepare::ReadFile;
+pub(crate) use prepare::{Outcome, PreparedFile, RunPart, With, joined, prepare_bytes, run_parts};
+pub use retag::{retag_runs, run_window};
+pub(crate) use settle::{content_of, files_of_runs, runs_of, set_aside};
+
+/// The verb `ingest`.
+pub struct Ingest<'a> {
+    /// Says whether a file may be read now; one that may not waits for the next time.
+    pub ready: &'a mut dyn FnMut(&SeenFile) -> bool,
+}
+
+/// What `ingest` did.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct IngestSummary {
+    /// Files in the folders with data.
+    pub files: usize,
+    /// Runs that came in for the first time.
+    pub new: Vec<String>,
+    /// Runs whose file has new content: a new revision.
+    pub revised: Vec<String>,
+    /// Runs that took the name of a moved file: old and new.
+    pub renamed: Vec<(String, String)>,
+    /// Files that hold the same bytes as a run's file, found now.
+    pub aliases: Vec<String>,
+    /// Pairs of runs that hold the same readings, found now.
+    pub copies: usize,
+    /// Files refused, now or before, with the reason.
+    pub refused: Vec<(String, Issue)>,
+    /// Files that the system could not give, with what it said: nothing is decided about them, and every scan tries again.
+    pub unread: Vec<(String, Issue)>,
+    /// What cannot be read of tag files, now: the runs that they speak for wait.
+    pub unreadable_tags: Vec<UnreadableTags>,
+    /// Files that wait: empty, header only, or still growing.
+    pub waiting: Vec<String>,
+    /// Raw files that the archive had lost, or held with other bytes, and that are whole again.
+    pub mended: Vec<String>,
+    /// Files that are no longer there, found now.
+    pub gone: Vec<String>,
+    /// Runs whose tags changed.
+    pub retagged: Vec<String>,
+    /// Runs that lack tags, now.
+    pub untagged: Vec<String>,
+    /// What runs wait for before they can be fitted, now: each mend with all runs that need it.
+    pub waiting_for: Vec<Together>,
+    /// The name pattern that would tag the most of the runs that lack tags; none where none would tag two.
+    pub proposed_pattern: Option<ProposedPattern>,
+    /// Runs whose voltage does not go in steps, such as sweeps, now: kept, not fitted, waiting for nothing.
+    pub no_steps: Vec<String>,
+    /// Tag keys that are neither known nor declared, now.
+    pub undeclared_tags: Vec<Together>,
+    /// Climate logs.
+    pub logs: LogSummary,
+}
+
+/// A tag file, or a statement in it, that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct UnreadableTags {
+    /// Where, why, and how to mend it.
+    pub issue: Issue,
+    /// Runs that it speaks for: those that had tags keep them, the others wait.
+    pub runs: usize,
+}
+
+/// What cannot be read of the tag files of a campaign.
+///
+/// # Errors
+/// The database cannot be read.
+pub(crate) fn unreadable_tags(context: &Context) -> Result<Vec<UnreadableTags>, PipelineError> {
+    let found = context.store.unreadable_tag_files()?.into_iter();
+    Ok(found
+        .map(|(issue, runs)| UnreadableTags { issue, runs })
+        .collect())
+}
+
+impl IngestSummary {
+    /// Whether some inputs could not be used: refused, not to be had from the system, or tags that cannot be read.
+    pub fn left_out_inputs(&self) -> bool {
+        !self.refused.is_empty() || !self.unread.is_empty() || !self.unreadable_tags.is_empty()
+    }
+
+    /// Whether the database changed.
+    pub fn changed(&self) -> bool {
+        let lists = [
+            &self.new,
+            &self.revised,
+            &self.aliases,
+            &self.gone,
+            &self.retagged,
+        ];
+        lists.iter().any(|list| !list.is_empty()) || !self.renamed.is_empty() || self.logs.changed()
+    }
+}
+
+impl Ingest<'_> {
+    /// Takes in what is new; what cannot be read is refused and listed, and the rest goes on.
+    ///
+    /// # Errors
+    /// The folder cannot be listed, the archive or the database refuses.
+    pub fn run(
+        &mut self,
+        context: &mut Context,
+        observer: &dyn Observer,
+    ) -> Result<IngestSummary, PipelineError> {
+        let runs_folder = context.campaign.runs_folder.clone();
+        let mut seen = scan::scan(
+            &context.folder,
+            &runs_folder,
+            &context.campaign.optional_folders(),
+            scan::ScanLimits::default(),
+        )?;
+        let of_logs = |path: &str| holds_logs(path, &runs_folder);
+        // Where the runs folder is the whole campaign, the logs lie in it.
+        seen.files.retain(|file| !of_logs(&file.display));
+        let (logs, stored): (Vec<FileRow>, Vec<FileRow>) = context
+            .store
+            .files()?
+            .into_iter()
+            .partition(|file| of_logs(&file.path));
+        let changes = scan::diff(&known(&stored), &seen);
+        note_change_times(context, &stored, &changes)?;
+        let mut summary = IngestSummary {
+            files: seen.files.len(),
+            ..IngestSummary::default()
+        };
+        let readers = Readers::of(&context.profiles, context.campaign.date_order, &stored);
+        // Logs first, so that runs are tagged with them at once.
+        for folder in log_folders(&runs_folder) {
+            let (logs, _): (Vec<FileRow>, Vec<FileRow>) = logs
+                .iter()
+                .cloned()
+                .partition(|file| is_below(&file.path, folder));
+            self.take_logs(context, (folder, &logs), &mut summary, observer)?;
+        }
+        let shelf = Shelf::open(&context.store)?;
+        let kind_of = |path: &str| context.campaign.kind_of(path);
+        context.sheets = planned::sheets_now(context, &stored, &seen, &changes);
+        let mut groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
+        let mut orphans = Orphans::default();
+        loop {
+            observer.begin("reading", groups.len() as u64);
+            let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+                let with = (&readers, &shelf);
+                settle::settle(context, with, prepared, &changes, &mut summary, observer)
+            })?;
+            summary.mended.extend(mended);
+            observer.end();
+            // Where a run has new content, another file that held the old one is a run by itself now.
+            let orphans = orphans.next(context, |path| !of_logs(path))?;
+            if orphans.is_empty() {
+                break;
+            }
+            let kind_of = |path: &str| context.campaign.kind_of(path);
+            groups = groups_with(&|path| orphans.contains(path), &seen, kind_of, &summary);
+        }
+        settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
+        // The lists of a large folder do not stand beside those that tagging needs.
+        drop((groups, changes, seen, stored));
+        // What runs of the same readings are tagged with is known together.
+        summary.copies = copies::find_copies(context, observer)?;
+        // A run sheet that could not be read is in doubt when runs are tagged.
+        keep_unread(context, &mut summary)?;
+        retag::retag_runs(context, &mut summary, observer)?;
+        climate::assess(context, &shelf)?;
+        list_states(context, &mut summary)?;
+        Ok(summary)
+    }
+
+    /// Takes in what is new among the logs of a folder. One that cannot be looked through costs the logs, not the
+    /// runs.
+    fn take_logs(
+        &mut self,
+        context: &mut Context,
+        (folder, stored): (&str, &[FileRow]),
+        summary: &mut IngestSummary,
+        observer: &dyn Observer,
+    ) -> Result<(), PipelineError> {
+        let seen = match scan::scan(&context.folder, folder, &[], scan::ScanLimits::default()) {
+            Ok(seen) => seen,
+            Err(scan::ScanError::FolderMissing { .. }) if stored.is_empty() => return Ok(()),
+            Err(scan::ScanError::FolderMissing { path }) => {
+                let path = path.display();
+                observer.warn(&format!(
+                    "{path} is not there; the climate logs known from it stay"
+                ));
+                return Ok(());
+            }
+            Err(error) => {
+                observer.warn(&format!("climate logs are not looked at: {error}"));
+                return Ok(());
+            }
+        };
+        let changes = scan::diff(&known(stored), &seen);
+        note_change_times(context, stored, &changes)?;
+        summary.logs.files += seen.files.len();
+        let readers = Readers::of(&context.profiles, context.campaign.date_order, stored);
+        let ready = self.ready_files(&readers, stored, &changes, summary);
+        let group = |file: &Arc<SeenFile>| Group {
+            run_name: file.display.clone(),
+            kind: RunKind::Actuation,
+            files: vec![Arc::clone(file)],
+        };
+        let mut groups: Vec<Group> = ready.into_iter().map(group).collect();
+        let mut orphans = Orphans::default();
+        loop {
+            observer.begin("reading climate logs", groups.len() as u64);
+            let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+                prepared.files.iter().try_for_each(|file| {
+                    climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)
+                })
+            })?;
+            summary.mended.extend(mended);
+            observer.end();
+            let orphans = orphans.next(context, |path| is_below(path, folder))?;
+            if orphans.is_empty() {
+                break;
+            }
+            let found = seen.files.iter().filter(|file| orphans.contains(&file.display));
+            groups = found.map(group).collect();
+        }
+        settle::gone(context, &readers, stored, &changes, &seen, summary)
+    }
+
+    /// Files that may be read now: new or changed ones, and those that another version of a reader read. The others
+    /// of these wait.
+    fn ready_files<'c>(
+        &mut self,
+        readers: &Readers,
+        stored: &[FileRow],
+        changes: &'c Changes,
+        summary: &mut IngestSummary,
+    ) -> Vec<&'c Arc<SeenFile>> {
+        let outdated = readers.outdated(stored);
+        let unchanged = changes.unchanged.iter();
+        let retry = unchanged.filter(|file| outdated.contains(file.display.as_str()));
+        let found = changes.new.iter().chain(&changes.changed).chain(retry);
+        let (ready, waiting): (Vec<_>, Vec<_>) = found.partition(|file| (self.ready)(file));
+        summary
+            .waiting
+            .extend(waiting.into_iter().map(|file| file.display.clone()));
+        ready
+    }
+
+    /// The groups of files with one to be read and none that waits.
+    fn due(
+        &mut self,
+        readers: &Readers,
+        stored: &[FileRow],
+        seen: &Scan,
+        changes: &Changes,
+        kind_of: impl Fn(&str) -> RunKind,
+        summary: &mut IngestSummary,
+    ) -> Vec<Group> {
+        let ready = self.ready_files(readers, stored, changes, summary);
+        let due: BTreeSet<&str> = ready.into_iter().map(|file| file.display.as_str()).collect();
+        groups_with(&|path| due.contains(path), seen, kind_of, summary)
+    }
+}
+
+/// The groups of files with one that is `due` and none that waits.
+fn groups_with(
+    due: &dyn Fn(&str) -> bool,
+    seen: &Scan,
+    kind_of: impl Fn(&str) -> RunKind,
+    summary: &IngestSummary,
+) -> Vec<Group> {
+    let waiting: BTreeSet<&str> = summary.waiting.iter().map(String::as_str).collect();
+    let by_path: BTreeMap<&str, &Arc<SeenFile>> =
+        seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
+    groups::grouped(by_path.keys().copied())
+        .into_iter()
+        .filter(|(_, paths)| paths.iter().any(|path| due(path)))
+        .filter(|(_, paths)| !paths.iter().any(|path| waiting.contains(path)))
+        .map(|(run_name, paths)| Group {
+            kind: kind_of(&run_name),
+            run_name,
+            files: paths.iter().map(|path| Arc::clone(by_path[path])).collect(),
+        })
+        .collect()
+}
+
+/// Records what the system could not give: what failed now, and what failed before and was not tried again yet.
+fn keep_unread(context: &mut Context, summary: &mut IngestSummary) -> Result<(), PipelineError> {
+    summary.unread.append(&mut summary.logs.unread);
+    let waiting: BTreeSet<String> = summary.waiting.drain(..).collect();
+    let mut unread: BTreeMap<String, Issue> = summary.unread.drain(..).collect();
+    let before = context.store.unread_files()?;
+    unread.extend(before.into_iter().filter(|(path, _)| waiting.contains(path)));
+    summary.waiting = waiting
+        .into_iter()
+        .filter(|path| !unread.contains_key(path))
+        .collect();
+    summary.unread = unread.into_iter().collect();
+    Ok(context.store.save_unread_files(&now(), &summary.unread)?)
+}
+
+/// Lists what stands refused, waits or lacks tags after this round.
+fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), PipelineError> {
+    for file in context.store.unsettled_files()? {
+        match (file.state, file.issue) {
+            (FileState::Refused, Some(issue)) => summary.refused.push((file.path, issue)),
+            (FileState::Pending, _) => summary.waiting.push(file.path),
+            _ => {}
+        }
+    }
+    summary.waiting.sort();
+    summary.waiting.dedup();
+    summary.untagged = context.store.untagged_runs()?;
+    summary.unreadable_tags = unreadable_tags(context)?;
+    let aside = standing::runs(context)?.set_aside;
+    let aside: BTreeSet<&str> = aside.iter().map(|run| run.path.as_str()).collect();
+    summary.untagged.retain(|name| !aside.contains(name.as_str()));
+    summary.waiting_for = status::waiting_for(context)?;
+    let untagged = summary.untagged.iter().map(String::as_str);
+    summary.proposed_pattern = status::proposed_pattern(context, untagged);
+    summary.no_steps = context.store.runs_without_steps()?;
+    summary.undeclared_tags = status::undeclared_tags(context)?;
+    Ok(())
+}
+
+/// A row for a file that holds no new run.
+pub(crate) fn file_row(
+    file: &SeenFile,
+    hash: Option<String>,
+    state: FileState,
+    reader: String,
+    issue: Option<Issue>,
+) -> FileRow {
+    FileRow {
+        path: file.display.clone(),
+        size_bytes: file.size_bytes,
+        modified_ns: file.modified_ns,
+        inode: file.inode,
+        changed_ns: file.changed_ns,
+        hash,
+        state,
+        reader,
+        issue,
+        missing_since: None,
+    }
+}

@@ -1,0 +1,214 @@
+//! Tags runs again whose tag files, hand tags, climate logs or campaign.toml changed. The readings are not touched.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use jiff::Timestamp as Moment;
+
+use super::batch::{MOST_FILES, together};
+use super::start;
+use super::tagging::{TaggingInput, digest, tag_files, tagging, unreadable};
+use super::{IngestSummary, now};
+use crate::analysis::climate::Window;
+use crate::domain::tag::{UNREADABLE, keys};
+use crate::domain::{Issue, RunRecord, RunState, TagSource};
+use crate::ingest::formats::date::DATE_UNCERTAIN;
+use crate::ingest::tags::is_unreadable;
+use crate::ingest::{StartedAt, Timestamp};
+use crate::numerics::interrupt;
+use crate::pipeline::campaign::planned::known_sheets;
+use crate::pipeline::intake::climate::Shelf;
+use crate::pipeline::{Context, Observer, PipelineError};
+
+/// Tags again every current run whose tag sources changed, and lists their names. A run keeps its tags while
+/// something that states some of them cannot be read.
+///
+/// # Errors
+/// The database refuses.
+pub fn retag_runs(
+    context: &mut Context,
+    summary: &mut IngestSummary,
+    observer: &dyn Observer,
+) -> Result<(), PipelineError> {
+    let shelf = Shelf::open(&context.store)?;
+    context.sheets = known_sheets(context)?;
+    let windows: BTreeMap<i64, Option<Window>> = context
+        .store
+        .run_times()?
+        .into_iter()
+        .map(|(run_id, started_at, times)| (run_id, window(started_at.as_deref(), times)))
+        .collect();
+    let open_dates: BTreeSet<String> = context
+        .store
+        .issues_of_code(DATE_UNCERTAIN)?
+        .into_iter()
+        .filter(|(_, issue)| issue.place == keys::STARTED_AT)
+        .map(|(path, _)| path)
+        .collect();
+    let other_names = context.store.other_names()?;
+    let others_of = |run_id: i64| other_names.get(&run_id).map_or(&[][..], Vec::as_slice);
+    let held = with_unreadable(context)?;
+    let mut due: BTreeMap<i64, Due> = BTreeMap::new();
+    for (run_id, path, stored) in context.store.tag_digests()? {
+        let files = context.store.file_paths(run_id)?;
+        let files: Vec<&str> = files.iter().map(String::as_str).collect();
+        let window = windows.get(&run_id).copied().flatten();
+        let files = tag_files(&path, &files);
+        let digest = digest(context, &shelf, (&path, &files), others_of(run_id), window)?;
+        // The digest may be of another moment than the reading that failed: that is over when all can be read.
+        let is_over =
+            || held.contains(&path) && unreadable(context, &path, &files, others_of(run_id)).is_empty();
+        let changed = digest != stored || is_over();
+        if changed || (open_dates.contains(&path) && is_decided_beside(context, run_id, &files)?) {
+            due.insert(run_id, Due { digest, changed });
+        }
+    }
+    if due.is_empty() {
+        return Ok(());
+    }
+    let others = context
+        .store
+        .dma_logs()?
+        .into_iter()
+        .chain(context.store.spectra()?);
+    let all = context.store.runs()?.into_iter().chain(others);
+    let runs: Vec<RunRecord> = all.filter(|run| due.contains_key(&run.id)).collect();
+    let mut retagged = Vec::new();
+    for batch in runs.chunks(MOST_FILES) {
+        interrupt::check();
+        let before = retagged.len();
+        together(context, |context| {
+            for run in batch {
+                let (due, others) = (&due[&run.id], others_of(run.id));
+                match held_by(context, run, others) {
+                    Some(issues) if due.changed => {
+                        context.store.hold_tags(&now(), run.id, &due.digest, &issues)?;
+                    }
+                    // Only its date could be told now: that waits for what cannot be read, too.
+                    Some(_) => {}
+                    None if retag(context, &shelf, run, others)? => retagged.push(run.path.clone()),
+                    None => {}
+                }
+            }
+            Ok(())
+        })?;
+        retagged[before..]
+            .iter()
+            .for_each(|path| observer.say(&format!("tagged {path} again")));
+    }
+    summary.retagged = retagged;
+    Ok(())
+}
+
+/// Current runs of which it was stored that something which states their tags cannot be read.
+fn with_unreadable(context: &Context) -> Result<BTreeSet<String>, PipelineError> {
+    let mut held = BTreeSet::new();
+    for code in UNREADABLE {
+        let found = context.store.issues_of_code(code)?;
+        held.extend(found.into_iter().map(|(path, _)| path));
+    }
+    Ok(held)
+}
+
+/// Why a run is looked at again.
+struct Due {
+    /// Of its tag sources as they are now.
+    digest: String,
+    /// Whether the digest is another one than before, or what could not be read then can be read.
+    changed: bool,
+}
+
+/// Why a run keeps the tags that it has until something is mended: what they came from cannot be read now, and the next
+/// source would give other tags. One that waits for tags is not held.
+fn held_by(context: &Context, run: &RunRecord, other_names: &[String]) -> Option<Vec<Issue>> {
+    let files: Vec<&str> = run.files.iter().map(|file| file.path.as_str()).collect();
+    let mut issues = unreadable(context, &run.path, &tag_files(&run.path, &files), other_names);
+    let is_lost = run.tags.iter().any(|tag| context.sheets.is_from_damaged(tag));
+    if run.state == RunState::Untagged || issues.is_empty() && !is_lost {
+        return None;
+    }
+    for issue in &mut issues {
+        issue.message += "; the run keeps the tags that it had";
+    }
+    Some(issues)
+}
+
+/// Whether the files beside a run, whose date leaves day and month open, show their order now.
+fn is_decided_beside(context: &Context, run_id: i64, files: &[PathBuf]) -> Result<bool, PipelineError> {
+    let origin = context.store.origin(run_id)?;
+    let stamps = origin.clocks.iter().filter_map(|clock| clock.stamp.as_ref());
+    let Some(file) = files.first() else {
+        return Ok(false);
+    };
+    let beside = context.folder.join(file);
+    Ok(stamps
+        .filter(|stamp| start::is_open(stamp))
+        .any(|stamp| start::settled(stamp, None, &beside).1.is_none()))
+}
+
+/// Tags a run anew; says whether that is news: a file that was mended to what it said before is none.
+fn retag(
+    context: &mut Context,
+    shelf: &Shelf,
+    run: &RunRecord,
+    other_names: &[String],
+) -> Result<bool, PipelineError> {
+    let (time_zero_is_step, is_step_response) = context.store.reading_facts(run.id)?;
+    let channels = context.store.channels_as_read(run.id)?;
+    let header = run.tags.iter().filter(|tag| tag.source == TagSource::Header);
+    let (starts, others): (Vec<_>, Vec<_>) = header.partition(|tag| tag.key == keys::STARTED_AT);
+    // The stored start carries its offset already.
+    let stated = starts.first().map(|tag| StartedAt {
+        raw: tag.detail.clone(),
+        kind: Timestamp::Start,
+        local: Some(tag.value.clone()),
+        offset: None,
+        basis: String::new(),
+    });
+    // A date that the file leaves open is read anew, for what decides it may have changed.
+    let mut stamps = run.origin.clocks.iter().filter_map(|clock| clock.stamp.as_ref());
+    let open = stamps.find(|stamp| start::is_open(stamp)).cloned();
+    let started_at = open.or(stated);
+    let input = TaggingInput {
+        run_path: &run.path,
+        kind: run.kind,
+        file_paths: run.files.iter().map(|file| file.path.as_str()).collect(),
+        other_names,
+        origin: &run.origin,
+        channels: &channels,
+        time_zero_is_step,
+        is_step_response,
+        header_tags: others
+            .iter()
+            .map(|tag| (tag.key.clone(), tag.value.clone(), tag.detail.clone()))
+            .collect(),
+        started_at,
+    };
+    let tagging = tagging(context, shelf, &input)?;
+    let was_held = run.state != RunState::Untagged && run.issues.iter().any(is_unreadable);
+    let is_news = !was_held || tagging.tags != run.tags;
+    context.store.retag(&now(), run.id, &tagging)?;
+    Ok(is_news)
+}
+
+/// A run on UTC: from its start, for as long as its readings last; none without a start.
+pub fn run_window(run: &RunRecord) -> Option<Window> {
+    let firsts = run.channels.iter().filter_map(|channel| channel.first_time_s);
+    let lasts = run.channels.iter().filter_map(|channel| channel.last_time_s);
+    let times = (
+        firsts.fold(f64::INFINITY, f64::min),
+        lasts.fold(f64::NEG_INFINITY, f64::max),
+    );
+    window(run.tag(keys::STARTED_AT), Some(times))
+}
+
+/// The window of a run that started then and whose readings have these first and last times, s.
+pub(super) fn window(started_at: Option<&str>, times: Option<(f64, f64)>) -> Option<Window> {
+    let start = started_at?.parse::<Moment>().ok()?.as_millisecond() as f64 / 1000.0;
+    let (first_s, last_s) = times?;
+    let length_s = last_s - first_s;
+    (length_s.is_finite() && length_s >= 0.0).then_some(Window {
+        from_s: start,
+        to_s: start + length_s,
+    })
+}

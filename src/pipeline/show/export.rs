@@ -1,0 +1,184 @@
+//! Writes tables for other programs.
+
+use std::path::{Path, PathBuf};
+
+pub use crate::analysis::TableFormat;
+use crate::analysis::{self, About, ExportError};
+use crate::domain::RunRecord;
+use crate::pipeline::campaign::context::CODE_VERSION;
+use crate::pipeline::campaign::standing;
+use crate::pipeline::ground::whole_file::put_file;
+use crate::pipeline::{Context, PipelineError};
+
+/// What can be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Table {
+    /// One row a run.
+    Runs,
+    /// One row a run and tag.
+    Tags,
+    /// One row a run and parameter.
+    Fits,
+    /// One row a run, parameters side by side.
+    FitsWide,
+    /// One row a condition.
+    Conditions,
+    /// One row a reading.
+    Traces,
+    /// One row a number of a modulus log.
+    Dma,
+}
+
+impl Table {
+    /// Every table.
+    pub const ALL: [Table; 7] = [
+        Table::Runs,
+        Table::Tags,
+        Table::Fits,
+        Table::FitsWide,
+        Table::Conditions,
+        Table::Traces,
+        Table::Dma,
+    ];
+
+    /// Name of its file, without ending.
+    pub fn name(self) -> &'static str {
+        match self {
+            Table::Runs => "runs",
+            Table::Tags => "tags",
+            Table::Fits => "fits",
+            Table::FitsWide => "fits-wide",
+            Table::Conditions => "conditions",
+            Table::Traces => "traces",
+            Table::Dma => "dma",
+        }
+    }
+}
+
+/// The verb `export`.
+#[derive(Debug, Clone)]
+pub struct Export {
+    /// What to write.
+    pub table: Table,
+    /// Where to; the ending tells the format.
+    pub path: PathBuf,
+    /// How; by the ending of the file where nothing is said.
+    pub format: Option<TableFormat>,
+    /// Whether a file that is there may be written over.
+    pub overwrite: bool,
+}
+
+impl Export {
+    /// Writes the table; gives the number of rows. The file appears whole or not at all.
+    ///
+    /// # Errors
+    /// The ending is not known, a file is there already, or the disk refuses.
+    pub fn run(&self, context: &Context) -> Result<usize, PipelineError> {
+        let format = self.format.map_or_else(|| format_of(&self.path), Ok)?;
+        if self.path.exists() && !self.overwrite {
+            return Err(PipelineError::FileExists {
+                path: self.path.clone(),
+            });
+        }
+        if (self.table, format) == (Table::Traces, TableFormat::Json) {
+            return Err(PipelineError::BadArgument {
+                what: "--output",
+                found: self.path.display().to_string(),
+                needed: "a file that ends in .parquet or .csv: readings are too many for JSON".to_owned(),
+            });
+        }
+        put_file(&self.path, self.overwrite, |part| {
+            self.write(context, format, part)
+                .map_err(|error| self.of_target(error))
+        })
+    }
+
+    /// The file that a user knows in place of the temporary.
+    fn of_target(&self, error: PipelineError) -> PipelineError {
+        match error {
+            PipelineError::Export(ExportError::Write { source, .. }) => PipelineError::File {
+                path: self.path.clone(),
+                doing: "writing",
+                source,
+            },
+            error => error,
+        }
+    }
+
+    /// The table as bytes, for who hands it on.
+    ///
+    /// # Errors
+    /// As of [`Export::run`].
+    pub fn bytes(
+        context: &Context,
+        table: Table,
+        format: TableFormat,
+    ) -> Result<(Vec<u8>, usize), PipelineError> {
+        let failed = |source: std::io::Error| PipelineError::File {
+            path: std::env::temp_dir(),
+            doing: "writing what goes to stdout",
+            source,
+        };
+        let folder = tempfile::tempdir().map_err(failed)?;
+        let export = Export {
+            table,
+            path: folder.path().join(table.name()),
+            format: Some(format),
+            overwrite: false,
+        };
+        let rows = export.run(context)?;
+        Ok((crate::system::fs::read(&export.path).map_err(failed)?, rows))
+    }
+
+    fn write(&self, context: &Context, format: TableFormat, path: &Path) -> Result<usize, PipelineError> {
+        // The list of runs and their tags hold every run, results only those that speak.
+        let all = standing::all(context)?;
+        let runs: Vec<RunRecord> = (all.iter().filter(|run| run.standing.speaks()).cloned()).collect();
+        let campaign = &context.campaign;
+        let about = about(context, self.table.name());
+        let table = match self.table {
+            Table::Runs => analysis::run_tables::runs_table(&all, campaign)?,
+            Table::Tags => analysis::run_tables::tags_table(&all)?,
+            Table::Fits => analysis::fits_long(&runs, campaign)?,
+            Table::FitsWide => analysis::fits_wide(&runs, campaign)?,
+            Table::Conditions => analysis::conditions_table(&runs, campaign)?,
+            Table::Dma => analysis::dma::table::modulus_table(&standing::modulus_logs(context)?.0, campaign)?,
+            Table::Traces => {
+                let mut writer = analysis::TraceWriter::create(path, format, &about)?;
+                for run in &runs {
+                    writer.write(&run.path, &context.store.channels(run.id)?)?;
+                }
+                return Ok(writer.finish()?);
+            }
+        };
+        analysis::write_table(&table, format, &about, path)?;
+        Ok(table.height())
+    }
+}
+
+/// What a Parquet file says of itself.
+pub(crate) fn about(context: &Context, table: &str) -> About {
+    let campaign = &context.campaign;
+    let mut about = About::from([
+        ("ieap.table".to_owned(), table.to_owned()),
+        ("ieap.campaign".to_owned(), campaign.id.clone()),
+        ("ieap.title".to_owned(), campaign.title.clone()),
+        ("ieap.program".to_owned(), format!("ieap {CODE_VERSION}")),
+    ]);
+    let notice = campaign.notice.iter().cloned();
+    about.extend(notice.map(|notice| ("ieap.notice".to_owned(), notice)));
+    about
+}
+
+fn format_of(path: &Path) -> Result<TableFormat, PipelineError> {
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("csv") => Ok(TableFormat::Csv),
+        Some("parquet") => Ok(TableFormat::Parquet),
+        Some("json") => Ok(TableFormat::Json),
+        _ => Err(PipelineError::BadArgument {
+            what: "--output",
+            found: path.display().to_string(),
+            needed: "a file that ends in .csv, .parquet or .json".to_owned(),
+        }),
+    }
+}

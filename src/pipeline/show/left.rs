@@ -1,0 +1,37 @@
+//! What is left to be made in a campaign, after work that was cut short.
+
+use super::report::is_current;
+use crate::domain::RunState;
+use crate::pipeline::campaign::standing;
+use crate::pipeline::findings::diagnose;
+use crate::pipeline::fits::runs::is_of_failed_fit;
+use crate::pipeline::{Context, PipelineError};
+
+/// What is left to be made. New files are not looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Left {
+    /// Runs without a fit that may have one.
+    pub fits: usize,
+    /// Groups without a finding, or with one that is out of date.
+    pub diagnoses: usize,
+    /// Whether the report does not show all that is known.
+    pub report: bool,
+}
+
+/// Counts what is left.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn left(context: &Context) -> Result<Left, PipelineError> {
+    let runs = standing::all(context)?;
+    let waits = |issues: &[_]| !issues.iter().any(is_of_failed_fit);
+    let waiting = diagnose::waiting(context)?;
+    Ok(Left {
+        fits: runs
+            .iter()
+            .filter(|run| run.state == RunState::Ready && run.fit.is_none() && waits(&run.issues))
+            .count(),
+        diagnoses: waiting.missing.len() + waiting.outdated.len(),
+        report: !is_current(context)?,
+    })
+}

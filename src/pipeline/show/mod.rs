@@ -1,0 +1,14 @@
+//! What people look at: the report, tables, figures, exports, the state of a campaign.
+
+pub(super) mod along;
+pub mod explain;
+pub mod export;
+pub mod figures;
+pub(super) mod left;
+pub mod partitioned;
+pub mod plain_tables;
+pub(super) mod report;
+pub mod research_crate;
+pub(super) mod simulated_figures;
+pub mod status;
+pub mod tables;

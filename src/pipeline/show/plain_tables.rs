@@ -1,0 +1,111 @@
+//! What a campaign holds, as plain columns and tables of readings: for programs that hold no data frames of ours.
+
+use std::collections::BTreeMap;
+
+use crate::analysis::{self, plain_columns::PlainColumn, plain_columns::plain_columns};
+use crate::domain::tag::keys;
+use crate::domain::{Level, RunRecord};
+use crate::pipeline::apart::at_hand::{ReadTable, Stated, Strip};
+use crate::pipeline::campaign::standing;
+use crate::pipeline::{Context, PipelineError};
+
+/// The tables that are made of runs, by the names that `ieap export` knows.
+pub const PLAIN_TABLES: [&str; 5] = ["runs", "tags", "fits", "fits-wide", "conditions"];
+
+/// One of [`PLAIN_TABLES`], as `ieap export` writes it.
+///
+/// # Errors
+/// There is none of that name, or the database cannot be read.
+pub fn plain_table(context: &Context, name: &str) -> Result<Vec<PlainColumn>, PipelineError> {
+    // The list of runs and their tags hold every run, results only those that speak.
+    let all = standing::all(context)?;
+    let speaking: Vec<RunRecord> = (all.iter().filter(|run| run.standing.speaks()).cloned()).collect();
+    let campaign = &context.campaign;
+    let table = match name {
+        "runs" => analysis::run_tables::runs_table(&all, campaign)?,
+        "tags" => analysis::run_tables::tags_table(&all)?,
+        "fits" => analysis::fits_long(&speaking, campaign)?,
+        "fits-wide" => analysis::fits_wide(&speaking, campaign)?,
+        "conditions" => analysis::conditions_table(&speaking, campaign)?,
+        _ => {
+            return Err(PipelineError::BadArgument {
+                what: "table",
+                found: format!("{name:?}"),
+                needed: format!("one of {}", PLAIN_TABLES.join(", ")),
+            });
+        }
+    };
+    Ok(plain_columns(&table))
+}
+
+/// The readings of a stored run as a fit takes them, with what the campaign states of it.
+///
+/// # Errors
+/// There is no such run, or the database cannot be read.
+pub fn stored_readings(context: &Context, path: &str) -> Result<(ReadTable, Stated), PipelineError> {
+    let runs = standing::all(context)?;
+    let Some(run) = runs.iter().find(|run| run.path == path) else {
+        let near = runs.iter().find(|run| run.path.ends_with(path));
+        return Err(PipelineError::UnknownRun {
+            found: path.to_owned(),
+            nearest: near.map_or_else(String::new, |run| format!(" There is {:?}.", run.path)),
+        });
+    };
+    let sample = run.tag(keys::SAMPLE).and_then(|id| context.campaign.sample(id));
+    let stated = Stated {
+        strip: Strip {
+            area_cm2: run.area_cm2,
+            length_mm: sample.and_then(|sample| sample.length_mm),
+            width_mm: sample.and_then(|sample| sample.width_mm),
+            electrode_resistance_ohm_per_sq: sample.and_then(|sample| sample.electrode_resistance_ohm_per_sq),
+        },
+        baseline_v: run.drive.as_ref().map_or(0.0, |drive| drive.baseline_v),
+        drive: run
+            .drive
+            .iter()
+            .flat_map(|drive| &drive.segments)
+            .map(segment)
+            .collect(),
+        tags: chosen_tags(run),
+    };
+    let read = ReadTable {
+        name: run.path.clone(),
+        rows: run
+            .channels
+            .iter()
+            .map(|channel| channel.readings)
+            .max()
+            .unwrap_or(0),
+        channels: context.store.channels(run.id)?,
+        format: run.format.clone(),
+        reader_version: run.reader_version,
+        technique: run.technique.clone(),
+        // The drive is stated: what the technique is was decided when the run was taken in.
+        is_step_response: true,
+        time_zero_is_step: true,
+        status: run.status.key().to_owned(),
+        started_at: None,
+        header_tags: Vec::new(),
+        flags: run.origin.flags.clone(),
+        original_metadata: Vec::new(),
+        issues: Vec::new(),
+    };
+    Ok((read, stated))
+}
+
+fn segment(segment: &crate::domain::Segment) -> (f64, Option<f64>) {
+    let voltage_v = match segment.level {
+        Level::Voltage(voltage_v) => Some(voltage_v),
+        Level::OpenCircuit => None,
+    };
+    (segment.start_s, voltage_v)
+}
+
+/// The first tag of each key, which is the chosen one.
+fn chosen_tags(run: &RunRecord) -> BTreeMap<String, String> {
+    let mut chosen = BTreeMap::new();
+    for tag in &run.tags {
+        chosen.entry(tag.key.clone()).or_insert_with(|| tag.value.clone());
+    }
+    chosen
+}

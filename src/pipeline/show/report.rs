@@ -1,0 +1,417 @@
+//! Renders the report, where it is out of date, and puts it in place as a whole.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::along::PageCurves;
+use crate::analysis::laws::contrast;
+use crate::analysis::laws::facts::facts;
+use crate::analysis::laws::matrix::confounding_maps;
+use crate::analysis::shared_effects::{sentence, shared_effects};
+use crate::analysis::{monitoring, same_tags, sequence};
+use crate::domain::diagnosis::follows_a_tag;
+use crate::domain::{Fault, GroupDiagnosis, RunRecord, SourceFile};
+use crate::model::effects::{self, Effect};
+use crate::numerics::interrupt;
+use crate::pipeline::campaign::context::CODE_VERSION;
+use crate::pipeline::campaign::standing::{self, Runs};
+use crate::pipeline::documents::diagnosis::current_findings;
+use crate::pipeline::findings::across_runs::campaign_laws;
+use crate::pipeline::findings::blocked::blocked_runs;
+use crate::pipeline::findings::compare::current_comparisons;
+use crate::pipeline::findings::frequency::frequency_runs;
+use crate::pipeline::findings::{impedance, next_runs};
+use crate::pipeline::ground::fault::{or_nothing, step};
+use crate::pipeline::ground::own_folder::{self, Fresh};
+use crate::pipeline::intake::climate::electrode_courses;
+use crate::pipeline::intake::ingest::run_window;
+use crate::pipeline::{Context, Observer, PipelineError};
+use crate::report;
+use crate::system::fs;
+
+/// Folder of the report inside a campaign.
+pub const REPORT_FOLDER: &str = "report";
+/// Says what a report was made from, so that an unchanged one is not made again. One with faults says it beside them.
+pub(crate) const STAMP: &str = ".made-from";
+/// What a fault of the program left out of the report; there where something is.
+pub(crate) const FAULTS: &str = ".faults.json";
+
+/// The verb `report`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct RenderReport {
+    /// Render even where nothing changed.
+    pub again: bool,
+}
+
+/// What `report` did.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+pub struct ReportSummary {
+    /// The page to open.
+    pub index: PathBuf,
+    /// Whether it was made anew.
+    pub rendered: bool,
+    /// Number of pages written.
+    pub pages: usize,
+    /// Why it was not made: the folder holds what the program did not write.
+    pub refused: Option<String>,
+    /// What a fault of the program left out of it.
+    pub faults: Vec<Fault>,
+    /// Files that were not as they had been written, and were made anew with the others.
+    pub altered: Vec<String>,
+}
+
+/// What stands in [`FAULTS`].
+#[derive(Debug, Default, serde::Serialize, serde::Deserialize)]
+struct Faulty {
+    /// The stamp that the report would have without them: the same input would only bring the same faults again.
+    made_from: String,
+    faults: Vec<Fault>,
+}
+
+fn faulty(folder: &Path) -> Option<Faulty> {
+    let text = fs::read_own_text(folder.join(REPORT_FOLDER).join(FAULTS)).ok()?;
+    serde_json::from_str(&text).ok()
+}
+
+/// What a fault of the program left out of the report that stands.
+pub fn report_faults(folder: &Path) -> Vec<Fault> {
+    faulty(folder).map_or_else(Vec::new, |faulty| faulty.faults)
+}
+
+impl RenderReport {
+    /// Renders into a folder beside the report and exchanges the two; the last good report stays until then. Where the
+    /// folder holds a file that the program did not write nothing is touched, and the summary says so.
+    ///
+    /// # Errors
+    /// The database cannot be read, or the report cannot be written.
+    pub fn run(&self, context: &Context, observer: &dyn Observer) -> Result<ReportSummary, PipelineError> {
+        let target = context.folder.join(REPORT_FOLDER);
+        let index = target.join("index.html");
+        // Also where nothing is to be rendered: what was cut short would stay until something changes.
+        let kept = own_folder::remove_leftovers(&context.folder, FRESH);
+        // What others write meanwhile is shown the next time, whole.
+        let _snapshot = context.store.snapshot()?;
+        let (changes, changed_at) = context.store.changes()?;
+        let stamp = stamp(context, changes, &changed_at);
+        let altered = own_folder::altered(&target)
+            .map_err(failed(&target, "looking whether it is as it was written"))?;
+        let current = stands(context, &stamp) && altered.is_empty();
+        let unchanged = |refused| ReportSummary {
+            index: index.clone(),
+            rendered: false,
+            pages: 0,
+            refused,
+            faults: Vec::new(),
+            altered: Vec::new(),
+        };
+        if current && !self.again {
+            return Ok(ReportSummary {
+                faults: report_faults(&context.folder),
+                ..unchanged(None)
+            });
+        }
+        if let Some(refused) = not_ours(&context.folder)? {
+            return Ok(unchanged(Some(refused)));
+        }
+        let input = input(context, changes, &changed_at)?;
+        for kept in kept {
+            observer.warn(&format!(
+                "{}: looks like what a rendering left that was cut short, but carries no mark of ours; it stays. Remove it if it is not yours.",
+                kept.display()
+            ));
+        }
+        let fresh = Fresh::begin(&context.folder, FRESH)
+            .map_err(failed(&context.folder, "making the report's folder"))?;
+        let rendered = write_fresh(context, &input, &fresh, &stamp, observer)?;
+        match fresh.put(&target, &is_of_earlier_version) {
+            Ok(()) => {}
+            // Somebody's file came in while it was rendered.
+            Err(error @ PipelineError::NotOurs { .. }) => return Ok(unchanged(Some(error.to_string()))),
+            Err(error) => return Err(error),
+        }
+        Ok(ReportSummary {
+            index,
+            rendered: true,
+            pages: rendered.pages,
+            refused: None,
+            faults: rendered.faults,
+            altered: altered.into_iter().map(|(name, _)| name).collect(),
+        })
+    }
+}
+
+/// What a report of the campaign as it is would say that it was made from.
+fn stamp(context: &Context, changes: u64, changed_at: &str) -> String {
+    format!(
+        "{CODE_VERSION} {changes} {changed_at} {}\n",
+        context.campaign_digest
+    )
+}
+
+/// Whether a report with that stamp is there.
+fn stands(context: &Context, stamp: &str) -> bool {
+    let folder = context.folder.join(REPORT_FOLDER);
+    let made_from = fs::read_own_text(folder.join(STAMP)).ok();
+    let made_from = made_from.or_else(|| Some(faulty(&context.folder)?.made_from));
+    let is_whole = folder.join("index.html").exists() && own_folder::is_hashed(&folder);
+    is_whole && made_from.is_some_and(|found| found == stamp)
+}
+
+/// Whether the report shows the campaign as it is.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn is_current(context: &Context) -> Result<bool, PipelineError> {
+    let (changes, changed_at) = context.store.changes()?;
+    Ok(stands(context, &stamp(context, changes, &changed_at)))
+}
+
+/// How the name of a report in the making begins.
+const FRESH: &str = ".report-";
+
+/// Why the report of a campaign cannot be exchanged: its folder holds what the program did not write.
+///
+/// # Errors
+/// The folder cannot be looked through.
+pub fn not_ours(campaign: &Path) -> Result<Option<String>, PipelineError> {
+    match own_folder::check(&campaign.join(REPORT_FOLDER), &is_of_earlier_version) {
+        Ok(()) => Ok(None),
+        Err(error @ PipelineError::NotOurs { .. }) => Ok(Some(error.to_string())),
+        Err(error) => Err(error),
+    }
+}
+
+/// Whether a report without a list of its files is one that an earlier version wrote: it carries the stamp, has the
+/// names that reports ever had and nothing else, and every page begins as the layout does.
+fn is_of_earlier_version(folder: &Path) -> bool {
+    const BESIDE_PAGES: [&str; 7] = [
+        STAMP,
+        "style.css",
+        "site.js",
+        "runs.js",
+        "table5.csv",
+        "conditions.csv",
+        "dma.csv",
+    ];
+    const FOLDERS: [&str; 3] = ["runs", "findings", "along"];
+    let is_page = |path: &Path| path.extension().is_some_and(|end| end == "html") && begins_as_page(path);
+    let names = |folder: &Path| -> Option<Vec<(String, PathBuf)>> {
+        let entries = fs::read_dir(folder).ok()?;
+        let named = entries.map(|entry| {
+            let entry = entry.ok()?;
+            Some((entry.file_name().into_string().ok()?, entry.path()))
+        });
+        named.collect()
+    };
+    let pages_only =
+        |folder: &Path| names(folder).is_some_and(|all| all.iter().all(|(_, path)| is_page(path)));
+    folder.join(STAMP).is_file()
+        && names(folder).is_some_and(|all| {
+            all.iter().all(|(name, path)| match path.is_dir() {
+                true => FOLDERS.contains(&name.as_str()) && pages_only(path),
+                false => BESIDE_PAGES.contains(&name.as_str()) || is_page(path),
+            })
+        })
+}
+
+/// Whether a file begins with what every version of the layout began with.
+fn begins_as_page(path: &Path) -> bool {
+    /// Bytes within which the layout names its style sheet: the title is the only part before it that grows.
+    const HEAD_BYTES: u64 = 4096;
+    let mut head = Vec::new();
+    let read = fs::File::open_own(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
+    let text = String::from_utf8_lossy(&head);
+    read.is_ok() && text.starts_with("<!DOCTYPE html>") && text.contains("style.css") && text.contains(" · ")
+}
+
+fn write_fresh(
+    context: &Context,
+    input: &report::Input,
+    fresh: &Fresh,
+    stamp: &str,
+    observer: &dyn Observer,
+) -> Result<report::Rendered, PipelineError> {
+    observer.begin("rendering", input.runs.len() as u64);
+    let curves = PageCurves::new(&context.store, &input.runs, &context.campaign);
+    // Several runs share a page; progress is told in runs.
+    let reach = |done: usize, pages: usize| {
+        interrupt::check();
+        observer.reach((done * input.runs.len() / pages.max(1)) as u64);
+    };
+    let folder = fresh.path();
+    let rendered = report::render(input, &curves, folder, &reach);
+    observer.end();
+    let rendered = rendered?;
+    let (name, text) = match rendered.faults.is_empty() {
+        true => (STAMP, stamp.to_owned()),
+        false => (FAULTS, faults_text(stamp, &rendered.faults)),
+    };
+    fs::write(folder.join(name), text).map_err(failed(folder, "stamping the report"))?;
+    fresh
+        .finish()
+        .map_err(failed(folder, "bringing the report to the disk"))?;
+    Ok(rendered)
+}
+
+fn faults_text(stamp: &str, faults: &[Fault]) -> String {
+    let faulty = Faulty {
+        made_from: stamp.to_owned(),
+        faults: faults.to_vec(),
+    };
+    serde_json::json!(faulty).to_string()
+}
+
+pub(crate) fn input(
+    context: &Context,
+    changes: u64,
+    changed_at: &str,
+) -> Result<report::Input, PipelineError> {
+    let Runs {
+        speaking: mut runs,
+        set_aside,
+    } = standing::runs(context)?;
+    same_tags::annotate(&mut runs);
+    sequence::annotate(&mut runs);
+    // Each of these may fail by itself: the report then lacks it, and says so.
+    let mut faults = Vec::new();
+    let mut laws = or_nothing(campaign_laws(context, &runs, None), &mut faults)?;
+    if laws.facts.len() != runs.len() {
+        laws.facts = facts(&runs, &context.campaign, &vec![None; runs.len()]);
+    }
+    let contrasts = || {
+        Ok(contrast::contrasts(
+            &runs,
+            &context.campaign,
+            &laws.facts,
+            &laws.doubts,
+        ))
+    };
+    let contrasts = or_nothing(step("environments and voltages compared", contrasts), &mut faults)?;
+    let findings = or_nothing(step("findings", || findings(context, &runs)), &mut faults)?;
+    let compared = step("models compared", || current_comparisons(context, &runs));
+    let (comparisons, outdated_comparisons) = or_nothing(compared, &mut faults)?;
+    let plan = || next_runs::plan_from(context, &runs, &laws, &findings.groups);
+    let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
+    let spectra = step("impedance spectra", || impedance::spectra(context));
+    let spectra = or_nothing(spectra, &mut faults)?;
+    let blocked = or_nothing(
+        step("blocking forces", || blocked_runs(context, &runs)),
+        &mut faults,
+    )?;
+    let frequency = step("responses against frequency", || frequency_runs(context, &runs));
+    let frequency = or_nothing(frequency, &mut faults)?;
+    let electrodes = step("electrode resistance", || electrode_courses(context));
+    let electrodes = or_nothing(electrodes, &mut faults)?;
+    let monitoring = || Ok(monitoring::monitor(&runs, &context.campaign, &laws));
+    let monitoring = or_nothing(step("monitoring", monitoring), &mut faults)?;
+    let confounding = step("confounding", || Ok(confounding_maps(&laws, &runs)));
+    Ok(report::Input {
+        confounding: or_nothing(confounding, &mut faults)?,
+        faults,
+        untying: plan.untying,
+        next_runs: plan.runs,
+        laws,
+        contrasts,
+        monitoring,
+        campaign: context.campaign.clone(),
+        modulus_logs: standing::modulus_logs(context)?.0,
+        spectra: spectra.runs,
+        spectra_beside: spectra.beside,
+        blocked,
+        frequency,
+        electrodes,
+        set_aside,
+        superseded: context.store.superseded_runs()?,
+        files: source_files(context)?,
+        origin: report::Origin {
+            program: format!("ieap {CODE_VERSION}"),
+            database: format!(
+                "change {changes} of {}",
+                report::zone::Zone::of(&context.campaign).moment(changed_at)
+            ),
+        },
+        climate: context
+            .store
+            .climate_assessment()?
+            .map(|(_, climate)| climate)
+            .unwrap_or_default(),
+        run_spans_s: runs
+            .iter()
+            .filter_map(run_window)
+            .map(|window| (window.from_s, window.to_s))
+            .collect(),
+        findings,
+        runs,
+        comparisons,
+        outdated_comparisons,
+    })
+}
+
+/// The files as they are known, with those that the system could not give among the refused ones.
+fn source_files(context: &Context) -> Result<Vec<SourceFile>, PipelineError> {
+    let stored = context.store.files()?;
+    let mut files: BTreeMap<String, SourceFile> = stored
+        .iter()
+        .map(|file| (file.path.clone(), file.source_file()))
+        .collect();
+    for (path, issue) in context.store.unread_files()? {
+        let unread = SourceFile::not_read(&path, issue);
+        files.insert(path, unread);
+    }
+    Ok(files.into_values().collect())
+}
+
+fn findings(context: &Context, runs: &[RunRecord]) -> Result<report::Findings, PipelineError> {
+    let found = current_findings(context)?;
+    let of_effect = |effect: &&dyn Effect| {
+        let about = effect.about();
+        report::EffectText {
+            id: about.id.to_owned(),
+            summary: about.summary.to_owned(),
+            equation: about.equation.to_owned(),
+            signature: about.signature.to_owned(),
+            separated_by: about.separated_by.to_owned(),
+            parameters: about
+                .parameters
+                .iter()
+                .map(|parameter| report::EffectParameterText {
+                    key: parameter.key.to_owned(),
+                    symbol: parameter.symbol.to_owned(),
+                    unit: parameter.unit.to_owned(),
+                    meaning: parameter.meaning.to_owned(),
+                })
+                .collect(),
+        }
+    };
+    // What follows a tag stands in no list.
+    let named = |one: &GroupDiagnosis| {
+        let candidates = one.candidates.iter().map(|candidate| candidate.effect.clone());
+        candidates.chain(one.set.iter().cloned()).collect::<Vec<_>>()
+    };
+    let ids: BTreeSet<String> = found.groups.iter().flat_map(named).collect();
+    let of_tags = ids
+        .iter()
+        .filter(|id| follows_a_tag(id))
+        .filter_map(|id| effects::effect(id));
+    let of_tags: Vec<&'static dyn Effect> = of_tags.collect();
+    let shared = shared_effects(&found.groups, runs, &context.campaign)
+        .into_iter()
+        .map(|effect| {
+            let said = sentence(&effect, &found.groups);
+            (effect, said)
+        })
+        .collect();
+    Ok(report::Findings {
+        shared,
+        groups: found.groups,
+        runs: found.runs,
+        turns: found.turns,
+        effects: effects::ALL.iter().chain(&of_tags).map(of_effect).collect(),
+    })
+}
+
+fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::Error) -> PipelineError {
+    let path = path.to_owned();
+    move |source| PipelineError::File { path, doing, source }
+}

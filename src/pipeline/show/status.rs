@@ -1,0 +1,477 @@
+//! Counts: runs by state, refused files with reasons, gaps in the condition matrix, what is out of date.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::report::report_faults;
+use crate::domain::tag::keys;
+use crate::domain::{
+    Alarm, ClimateAssessment, Fault, FileState, Issue, RunKind, RunRecord, RunState, Severity,
+};
+use crate::ingest::archive::{Archive, Archived, BlobFinding};
+use crate::ingest::campaign_file::UNKNOWN_KEY;
+use crate::ingest::name_pattern::{self, ProposedPattern};
+use crate::ingest::tags::{self, MISSING, MISSPELT, NAMES_CONTRADICT, UNDECLARED, UNKNOWN_SAMPLE};
+use crate::pipeline::campaign::context::CODE_VERSION;
+use crate::pipeline::campaign::planned::{Planned, planned};
+use crate::pipeline::campaign::standing::{self, Runs, SetAside};
+use crate::pipeline::documents::lengthwise::LumpedOrDistributedEntry;
+use crate::pipeline::findings::alarms::TakenBack;
+use crate::pipeline::fits::runs::is_of_failed_fit;
+use crate::pipeline::ground::fault::or_nothing;
+use crate::pipeline::ground::mends::{Together, together};
+use crate::pipeline::intake::ingest::tagging::NO_AREA;
+use crate::pipeline::intake::ingest::unread::RESPONSE_MISSING;
+use crate::pipeline::intake::ingest::{UnreadableTags, unreadable_tags};
+use crate::pipeline::upkeep::verify;
+use crate::pipeline::{Context, PipelineError};
+use crate::store::RunContent;
+
+/// The state of a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Status {
+    /// Campaign id.
+    pub campaign: String,
+    /// What is odd in campaign.toml: keys that are not known, which a slip makes of others.
+    pub campaign_file: Vec<Issue>,
+    /// Number of current runs.
+    pub runs: usize,
+    /// Current runs by state; fitted ones counted as `fitted`, those that no result is made from as `dropped`, `condemned` or
+    /// `copy`.
+    pub runs_by_state: BTreeMap<&'static str, usize>,
+    /// Current modulus logs by state; analysed ones counted as `analysed`.
+    pub modulus_logs_by_state: BTreeMap<&'static str, usize>,
+    /// Runs and modulus logs that no result is made from, with the reason.
+    pub set_aside: Vec<SetAside>,
+    /// Modulus logs that are not analysed, with the reason.
+    pub modulus_logs_not_analysed: Vec<Reasoned>,
+    /// Impedance spectra that speak.
+    pub spectra: usize,
+    /// Those of them of which no sample is known.
+    pub spectra_untagged: Vec<Reasoned>,
+    /// Runs that wait for tags, with what is missing.
+    pub untagged: Vec<Reasoned>,
+    /// The name pattern that would tag the most of them; none where none would tag two.
+    pub proposed_pattern: Option<ProposedPattern>,
+    /// Runs that are tagged and have no fit: those that could not be fitted, with the reason, and those that wait.
+    pub not_fitted: Vec<Reasoned>,
+    /// Runs whose voltage does not go in steps, such as sweeps: kept, not fitted, waiting for nothing.
+    pub no_steps: Vec<Reasoned>,
+    /// Tag keys that are neither known nor declared, with the runs that have them and the mend.
+    pub undeclared_tags: Vec<Together>,
+    /// Fitted runs whose files hold a response that was not read, with the reason.
+    pub fitted_without_response: Vec<Reasoned>,
+    /// Runs whose readings lie under several names that are tagged differently.
+    pub names_contradict: Vec<Reasoned>,
+    /// Files that were refused.
+    pub refused: Vec<Reasoned>,
+    /// Files that the system could not give when they were last tried.
+    pub unread: Vec<Reasoned>,
+    /// What cannot be read of tag files: the runs that they speak for wait.
+    pub unreadable_tags: Vec<UnreadableTags>,
+    /// Files that wait: empty, header only, still growing.
+    pub pending: Vec<Reasoned>,
+    /// Raw files that the archive lacks or holds with another size, by a file of the run or log that they are of.
+    pub raw_files_lost: Vec<Reasoned>,
+    /// Words that may be lost since a rebuilding, until a person answers.
+    pub words_missed: Vec<Issue>,
+    /// Number of files that hold the same bytes as a run's file.
+    pub aliases: usize,
+    /// These files, each with the run.
+    pub alias_files: Vec<AliasFile>,
+    /// Files of runs and logs that are no longer in the folder.
+    pub missing_files: Vec<String>,
+    /// Conditions without a run, among all combinations of the materials, environments and voltages measured.
+    pub gaps: Vec<Gap>,
+    /// Runs whose fit an older program made.
+    pub fitted_by_older_program: Vec<String>,
+    /// Groups that were never diagnosed.
+    pub groups_not_diagnosed: Vec<String>,
+    /// Groups whose finding is out of date: runs, tags, base model or the library of effects changed since.
+    pub findings_out_of_date: Vec<String>,
+    /// Climate logs and what they come to.
+    pub climate: ClimateStatus,
+    /// Rows of run sheets, made and not.
+    pub planned: Planned,
+    /// Whether fitted runs need the distributed model, as far as their fits say.
+    pub lumped_or_distributed: Vec<LumpedOrDistributedEntry>,
+    /// Alarms of long-term monitoring.
+    pub alarms: Vec<Alarm>,
+    /// Alarms that were told of runs that were set aside later.
+    pub alarms_taken_back: Vec<TakenBack>,
+    /// Why nothing is watched; none where something is.
+    pub monitoring: Option<String>,
+    /// Why the report cannot be written anew: its folder holds what the program did not write.
+    pub report_refused: Option<String>,
+    /// What a fault of the program left out: of the report that stands, and of what is said here.
+    pub faults: Vec<Fault>,
+}
+
+impl Status {
+    /// Whether campaign.toml says something that is not understood: what somebody wanted is not done.
+    pub fn has_slip(&self) -> bool {
+        self.campaign_file.iter().any(|issue| issue.code == UNKNOWN_KEY)
+    }
+}
+
+/// Climate logs and what they come to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct ClimateStatus {
+    /// Files that hold a log.
+    pub logs: usize,
+    /// Sensors with their quantities, comparisons, exposure of samples, problems found. Curves are left out.
+    pub assessment: ClimateAssessment,
+    /// Runs that a log covers.
+    pub runs_covered: usize,
+    /// Runs whose climate left the tolerance while they ran.
+    pub runs_left_tolerance: Vec<String>,
+    /// Runs whose label differs from what was measured.
+    pub runs_label_differs: Vec<String>,
+    /// Runs that no log covers although there are logs, or whose start is not known.
+    pub runs_not_covered: Vec<String>,
+}
+
+/// Code of what is said of a run that only waits for its fit.
+pub const WAITS: &str = "not-fitted-yet";
+
+/// A file or run with the reasons for its state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reasoned {
+    /// Path relative to the campaign.
+    pub path: String,
+    /// Why.
+    pub issues: Vec<Issue>,
+}
+
+/// A file that holds the bytes of a run's file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AliasFile {
+    /// Path relative to the campaign.
+    pub path: String,
+    /// The run.
+    pub run: String,
+}
+
+/// A condition that nothing was measured in.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Gap {
+    /// Material id.
+    pub material: String,
+    /// Environment id.
+    pub environment: String,
+    /// Nominal voltage, V, as tagged.
+    pub voltage_v: String,
+}
+
+/// Reads the state of a campaign.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn status(context: &Context) -> Result<Status, PipelineError> {
+    let Runs {
+        speaking: runs,
+        set_aside,
+    } = standing::runs(context)?;
+    let (logs, logs_aside) = standing::modulus_logs(context)?;
+    let spectra = standing::spectra(context)?;
+    let files = context.store.files()?;
+    let file_list = |state: FileState| {
+        let of_state = files
+            .iter()
+            .filter(move |file| file.state == state && file.missing_since.is_none());
+        of_state
+            .map(|file| Reasoned {
+                path: file.path.clone(),
+                issues: file.issue.iter().cloned().collect(),
+            })
+            .collect::<Vec<_>>()
+    };
+    let mut runs_by_state = BTreeMap::new();
+    for run in &runs {
+        let state = if run.fit.is_some() {
+            "fitted"
+        } else {
+            run.state.key()
+        };
+        *runs_by_state.entry(state).or_insert(0) += 1;
+    }
+    for run in &set_aside {
+        *runs_by_state.entry(run.standing.key()).or_insert(0) += 1;
+    }
+    let mut modulus_logs_by_state = BTreeMap::new();
+    for log in &logs {
+        let state = match (&log.analysis, log.run.state) {
+            (Some(_), _) => "analysed",
+            (None, RunState::Untagged) => "untagged",
+            (None, _) => "not_analysed",
+        };
+        *modulus_logs_by_state.entry(state).or_insert(0) += 1;
+    }
+    let not_analysed = logs.iter().filter(|log| log.analysis.is_none());
+    let modulus_logs_not_analysed = not_analysed
+        .map(|log| Reasoned {
+            path: log.run.path.clone(),
+            issues: log.run.issues.clone(),
+        })
+        .collect();
+    let waiting = crate::pipeline::findings::diagnose::waiting(context)?;
+    let mut faults = report_faults(&context.folder);
+    let watched = or_nothing(
+        crate::pipeline::findings::alarms::monitoring(context),
+        &mut faults,
+    )?;
+    let missing = files
+        .iter()
+        .filter(|file| matches!(file.state, FileState::Run | FileState::Log) && file.missing_since.is_some());
+    let untagged = reasoned(&runs, |run| run.state == RunState::Untagged);
+    Ok(Status {
+        proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
+        campaign: context.campaign.id.clone(),
+        campaign_file: context.warnings.clone(),
+        runs: runs.len() + set_aside.len(),
+        runs_by_state,
+        modulus_logs_by_state,
+        modulus_logs_not_analysed,
+        spectra: spectra.speaking.len(),
+        spectra_untagged: reasoned(&spectra.speaking, |run| run.state == RunState::Untagged),
+        untagged,
+        not_fitted: without_fit(&runs),
+        no_steps: reasoned(&runs, |run| run.state == RunState::NoSteps),
+        undeclared_tags: undeclared_tags(context)?,
+        fitted_without_response: fitted_without_response(&runs),
+        set_aside: (set_aside.iter())
+            .chain(logs_aside.iter().map(|log| &log.run))
+            .chain(&spectra.set_aside)
+            .map(SetAside::of)
+            .collect(),
+        names_contradict: contradicting(&runs),
+        refused: file_list(FileState::Refused),
+        unread: unread(context)?,
+        unreadable_tags: unreadable_tags(context)?,
+        pending: file_list(FileState::Pending),
+        raw_files_lost: raw_files_lost(context)?,
+        words_missed: verify::missed(context)?,
+        aliases: file_list(FileState::Alias).len(),
+        alias_files: (runs.iter().chain(&set_aside)).flat_map(aliases_of).collect(),
+        missing_files: missing.map(|file| file.path.clone()).collect(),
+        groups_not_diagnosed: waiting.missing,
+        findings_out_of_date: waiting.outdated,
+        climate: climate(context, &runs)?,
+        monitoring: watched.reference.is_none().then_some(watched.why_not),
+        alarms: watched.alarms,
+        alarms_taken_back: crate::pipeline::findings::alarms::taken_back(context, &set_aside)?,
+        report_refused: super::report::not_ours(&context.folder)?,
+        faults,
+        planned: planned(context, &standing::all(context)?)?,
+        lumped_or_distributed: runs.iter().filter_map(LumpedOrDistributedEntry::of).collect(),
+        gaps: gaps(context, &runs),
+        fitted_by_older_program: runs
+            .iter()
+            .filter(|run| {
+                run.fit_code_version
+                    .as_deref()
+                    .is_some_and(|version| version != CODE_VERSION)
+            })
+            .map(|run| run.path.clone())
+            .collect(),
+    })
+}
+
+/// Raw files that the archive lacks, by names and sizes.
+///
+/// # Errors
+/// The database or the archive cannot be read.
+pub fn raw_files_lost(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
+    let contents = context.store.contents()?;
+    let of = |content: &RunContent| Archived {
+        hash: content.hash.clone(),
+        path: content.archive_path.clone(),
+        size_bytes: content.size_bytes,
+    };
+    let wanted: Vec<Archived> = contents.iter().map(of).collect();
+    let path_of = |hash: &str| {
+        let at = contents.binary_search_by(|content| content.hash.as_str().cmp(hash));
+        at.map_or_else(|_| String::new(), |at| contents[at].path.clone())
+    };
+    let lost = Archive::new(&context.folder).missing(&wanted)?;
+    let reasoned = |finding: BlobFinding| Reasoned {
+        path: path_of(&finding.wanted.hash),
+        issues: vec![finding.issue()],
+    };
+    Ok(lost.into_iter().map(reasoned).collect())
+}
+
+fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, PipelineError> {
+    let stored = context.store.climate_assessment()?;
+    let mut assessment = stored.map(|(_, assessment)| assessment).unwrap_or_default();
+    for sensor in &mut assessment.sensors {
+        sensor.curve = Default::default();
+    }
+    let with = |wanted: &dyn Fn(&Issue) -> bool| -> Vec<String> {
+        let found = runs.iter().filter(|run| run.issues.iter().any(wanted));
+        found.map(|run| run.path.clone()).collect()
+    };
+    let of_climate = [keys::RELATIVE_HUMIDITY_PERCENT, keys::TEMPERATURE_C];
+    let differs =
+        |issue: &Issue| issue.code == "tag-disagreement" && of_climate.contains(&issue.place.as_str());
+    Ok(ClimateStatus {
+        logs: context.store.logs()?.len(),
+        assessment,
+        runs_covered: runs.iter().filter(|run| !run.climate.is_empty()).count(),
+        runs_left_tolerance: with(&|issue| issue.code == "climate-left-tolerance"),
+        runs_label_differs: with(&differs),
+        runs_not_covered: with(&|issue| {
+            ["climate-not-covered", "climate-no-start"].contains(&issue.code.as_str())
+        }),
+    })
+}
+
+fn unread(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
+    let files = context.store.unread_files()?.into_iter();
+    let reasoned = files.map(|(path, issue)| Reasoned {
+        path,
+        issues: vec![issue],
+    });
+    Ok(reasoned.collect())
+}
+
+/// Tag keys that are neither known nor declared, each with the runs that have it.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn undeclared_tags(context: &Context) -> Result<Vec<Together>, PipelineError> {
+    let mut found = context.store.issues_of_code(MISSPELT)?;
+    found.extend(context.store.issues_of_code(UNDECLARED)?);
+    let entries = found
+        .iter()
+        .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));
+    Ok(together(entries))
+}
+
+/// What runs wait for before they can be fitted, each mend with all runs that need it: tags, samples, their sizes.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn waiting_for(context: &Context) -> Result<Vec<Together>, PipelineError> {
+    let mut found = Vec::new();
+    for code in [MISSING, UNKNOWN_SAMPLE, NO_AREA] {
+        found.extend(context.store.issues_of_code(code)?);
+    }
+    found.retain(|(_, issue)| issue.severity == Severity::Error);
+    let entries = found
+        .iter()
+        .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));
+    Ok(together(entries))
+}
+
+/// The name pattern that would tag the most of these runs, where it tags two or more and is not the campaign's.
+pub fn proposed_pattern<'a>(
+    context: &Context,
+    untagged: impl Iterator<Item = &'a str>,
+) -> Option<ProposedPattern> {
+    let runs = untagged.filter(|path| context.campaign.kind_of(path) == RunKind::Actuation);
+    let stems: Vec<String> = runs.map(|path| tags::stem(Path::new(path))).collect();
+    let stems: Vec<&str> = stems.iter().map(String::as_str).collect();
+    let found = name_pattern::propose(&stems)?;
+    let is_new = context.campaign.name_pattern.as_ref() != Some(&found.pattern);
+    (found.explains >= 2 && is_new).then_some(found)
+}
+
+fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reasoned> {
+    runs.iter()
+        .filter(|run| wanted(run))
+        .map(|run| Reasoned {
+            path: run.path.clone(),
+            issues: run.issues.clone(),
+        })
+        .collect()
+}
+
+/// Fitted runs that lack a response, with the issue that says which and why.
+fn fitted_without_response(runs: &[RunRecord]) -> Vec<Reasoned> {
+    let of = |run: &RunRecord| {
+        let issues = run.issues.iter();
+        let issues: Vec<Issue> = issues
+            .filter(|issue| issue.code == RESPONSE_MISSING)
+            .cloned()
+            .collect();
+        (run.fit.is_some() && !issues.is_empty()).then(|| Reasoned {
+            path: run.path.clone(),
+            issues,
+        })
+    };
+    runs.iter().filter_map(of).collect()
+}
+
+fn aliases_of(run: &RunRecord) -> impl Iterator<Item = AliasFile> {
+    let aliases = run.files.iter().flat_map(|file| &file.aliases);
+    aliases.map(|path| AliasFile {
+        path: path.clone(),
+        run: run.path.clone(),
+    })
+}
+
+fn contradicting(runs: &[RunRecord]) -> Vec<Reasoned> {
+    let issues = |run: &RunRecord| -> Vec<Issue> {
+        let found = run.issues.iter().filter(|issue| issue.code == NAMES_CONTRADICT);
+        found.cloned().collect()
+    };
+    let of = |run: &RunRecord| Reasoned {
+        path: run.path.clone(),
+        issues: issues(run),
+    };
+    runs.iter().map(of).filter(|run| !run.issues.is_empty()).collect()
+}
+
+/// Runs without a fit: those that cannot have one, and those that wait for it, as diagnoses need no fits of single runs.
+fn without_fit(runs: &[RunRecord]) -> Vec<Reasoned> {
+    let of = |run: &RunRecord| {
+        let mut issues = run.issues.clone();
+        if run.state == RunState::Ready && !issues.iter().any(is_of_failed_fit) {
+            let waits = Issue::note(WAITS, "it waits for its fit");
+            issues.push(waits.mend("`ieap fit` or `ieap run` makes it"));
+        }
+        Reasoned {
+            path: run.path.clone(),
+            issues,
+        }
+    };
+    let is_set_apart = |run: &RunRecord| matches!(run.state, RunState::Untagged | RunState::NoSteps);
+    let wanted = |run: &&RunRecord| !is_set_apart(run) && run.fit.is_none();
+    runs.iter().filter(wanted).map(of).collect()
+}
+
+fn gaps(context: &Context, runs: &[RunRecord]) -> Vec<Gap> {
+    let condition = |run: &RunRecord| {
+        let material = context.campaign.sample(run.tag(keys::SAMPLE)?)?.material.clone();
+        Some((
+            material,
+            run.tag(keys::ENVIRONMENT)?.to_owned(),
+            run.tag(keys::VOLTAGE_V)?.to_owned(),
+        ))
+    };
+    let measured: BTreeSet<_> = runs.iter().filter_map(condition).collect();
+    let axis = |pick: fn(&(String, String, String)) -> &String| -> BTreeSet<String> {
+        measured.iter().map(|condition| pick(condition).clone()).collect()
+    };
+    let (materials, environments, voltages) = (axis(|c| &c.0), axis(|c| &c.1), axis(|c| &c.2));
+    let mut gaps = Vec::new();
+    for material in &materials {
+        for environment in &environments {
+            for voltage_v in &voltages {
+                let condition = (material.clone(), environment.clone(), voltage_v.clone());
+                if !measured.contains(&condition) {
+                    let (material, environment, voltage_v) = condition;
+                    gaps.push(Gap {
+                        material,
+                        environment,
+                        voltage_v,
+                    });
+                }
+            }
+        }
+    }
+    gaps
+}

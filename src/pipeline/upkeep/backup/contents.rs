@@ -1,0 +1,196 @@
+//! Which files of a campaign a backup holds: raw files of the archive, what people wrote, and the data files themselves.
+//!
+//! Left out are the report, which is made from the rest, and pictures of frames, which are a thousand times larger than
+//! what was traced from them; these are told.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::manifest::{LeftOut, Manifest, StoredFile};
+use super::shelf::Shelf;
+use crate::ingest::campaign_file;
+use crate::ingest::profiles;
+use crate::ingest::scan::{self, SeenFile, display_path, is_passing_name, is_statement};
+use crate::pipeline::intake::climate::log_folders;
+use crate::pipeline::{Context, PipelineError};
+use crate::store::{FileRow, Store};
+use crate::system::fs;
+
+/// What is said of a file of which an earlier copy is at hand.
+pub const IN_ITS_PLACE: &str = "an earlier copy of it is in the backup in its place";
+
+/// What is said of a folder that need not be there. Where the earlier list has files of it, it is out of sight and not gone.
+const NOT_THERE: &str = "the folder is not there; make an empty one if its files are not wanted any more";
+
+/// What is not in a backup.
+#[derive(Debug, Default)]
+pub struct Omitted {
+    /// What is never backed up.
+    pub never: Vec<LeftOut>,
+    /// What could not be read now: files, and folders with all in them.
+    pub unread: Vec<LeftOut>,
+}
+
+impl Omitted {
+    /// The files of the earlier list that could not be read now: a copy of yesterday is better than none.
+    pub fn of_earlier(
+        &mut self,
+        earlier: Option<&Manifest>,
+        now: &[StoredFile],
+        shelf: &Shelf,
+    ) -> Vec<StoredFile> {
+        let known: BTreeSet<&str> = now.iter().map(|file| file.path.as_str()).collect();
+        let at_hand = |file: &&StoredFile| {
+            !known.contains(file.path.as_str()) && shelf.holds(&file.blake3, file.size_bytes)
+        };
+        let mut taken = Vec::new();
+        for file in earlier.iter().flat_map(|list| &list.files).filter(at_hand) {
+            let holds = |left: &&mut LeftOut| {
+                file.path
+                    .strip_prefix(left.path.as_str())
+                    .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+            };
+            let Some(left) = self.unread.iter_mut().find(holds) else {
+                continue;
+            };
+            if !left.reason.ends_with(IN_ITS_PLACE) {
+                left.reason = format!("{}; {IN_ITS_PLACE}", left.reason);
+            }
+            taken.push(file.clone());
+        }
+        self.unread.retain(|left| left.reason != NOT_THERE);
+        taken
+    }
+
+    /// All of it, by path.
+    pub fn sorted(self) -> Vec<LeftOut> {
+        let mut all = [self.never, self.unread].concat();
+        all.sort();
+        all
+    }
+}
+
+/// A file that belongs to a backup.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Wanted {
+    /// Path as the scan displays it.
+    pub path: String,
+    /// Where its bytes lie.
+    pub location: PathBuf,
+    /// Size, bytes, where the hash is known.
+    pub size_bytes: u64,
+    /// BLAKE3 of its bytes where that is known without reading it.
+    pub hash: Option<String>,
+    /// Modification time, ns since 1970.
+    pub modified_ns: i64,
+}
+
+/// What people wrote and measured, by path, but for raw files of the archive.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<Vec<Wanted>, PipelineError> {
+    let stored: BTreeMap<String, FileRow> = (copy.files()?.into_iter())
+        .map(|row| (row.path.clone(), row))
+        .collect();
+    let mut found = BTreeMap::new();
+    let mut add = |wanted: Wanted| {
+        found.insert(wanted.path.clone(), wanted);
+    };
+    let root = &context.folder;
+    add(statement(root, Path::new(campaign_file::FILE_NAME)));
+    for folder in ["", profiles::FOLDER] {
+        statements(root, Path::new(folder), &mut omitted.unread)
+            .into_iter()
+            .for_each(&mut add);
+    }
+    let runs_folder = &context.campaign.runs_folder;
+    let mut optional = context.campaign.optional_folders().to_vec();
+    optional.extend(log_folders(runs_folder));
+    match scan::scan(root, runs_folder, &optional, scan::ScanLimits::default()) {
+        Ok(seen) => {
+            for folder in &seen.folders {
+                let stated = statements(root, folder, &mut omitted.unread);
+                stated.into_iter().for_each(&mut add);
+            }
+            for path in &seen.unreadable {
+                match root.join(path).exists() {
+                    true => omitted.unread.push(reason(path, "it cannot be looked into")),
+                    false => omitted.unread.push(reason(path, NOT_THERE)),
+                }
+            }
+            for file in &seen.files {
+                match file.location(root).is_dir() {
+                    true => omitted.never.push(reason(
+                        &file.display,
+                        "pictures of frames are not backed up, what was traced from them is; copy the folder by hand",
+                    )),
+                    false => add(data_file(root, file, stored.get(&file.display))),
+                }
+            }
+        }
+        // The database and the archive are worth a copy without them.
+        Err(error) => omitted.unread.push(reason(runs_folder, &error.to_string())),
+    }
+    Ok(found.into_values().collect())
+}
+
+pub(super) fn reason(path: &str, reason: &str) -> LeftOut {
+    LeftOut {
+        path: path.to_owned(),
+        reason: reason.to_owned(),
+    }
+}
+
+/// A data file; its hash is that of the database where the file is as the database knows it.
+fn data_file(root: &Path, file: &SeenFile, row: Option<&FileRow>) -> Wanted {
+    let is_known = |row: &&FileRow| {
+        row.size_bytes == file.size_bytes
+            && row.modified_ns == file.modified_ns
+            && row.inode == file.inode
+            && row.changed_ns == file.changed_ns
+    };
+    Wanted {
+        path: file.display.clone(),
+        location: file.location(root),
+        size_bytes: file.size_bytes,
+        hash: row.filter(is_known).and_then(|row| row.hash.clone()),
+        modified_ns: file.modified_ns,
+    }
+}
+
+/// Files of a folder that state tags, profiles, views of frames.
+fn statements(root: &Path, folder: &Path, unread: &mut Vec<LeftOut>) -> Vec<Wanted> {
+    let entries = match fs::read_dir(root.join(folder)) {
+        Ok(entries) => entries.flatten().collect::<Vec<_>>(),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+        Err(error) => {
+            unread.push(reason(
+                &display_path(folder),
+                &format!("it cannot be listed: {error}"),
+            ));
+            Vec::new()
+        }
+    };
+    let named = entries.into_iter().filter(|entry| {
+        let name = entry.file_name();
+        // What is no file, and a link that leads nowhere, is told when it is read.
+        is_statement(&name) && !is_passing_name(&name) && !entry.path().is_dir()
+    });
+    named
+        .map(|entry| statement(root, &folder.join(entry.file_name())))
+        .collect()
+}
+
+fn statement(root: &Path, relative: &Path) -> Wanted {
+    // A link keeps no meaning elsewhere: what it leads to is kept.
+    let location = root.join(relative);
+    Wanted {
+        path: display_path(relative),
+        location: fs::canonicalize(&location).unwrap_or(location),
+        size_bytes: 0,
+        hash: None,
+        modified_ns: 0,
+    }
+}

@@ -1,0 +1,298 @@
+//! Brings results that were computed elsewhere into the campaign: each is held against its checksum and against the run that it
+//! is of, a share of them is fitted again, and what holds is stored as if it had been computed here.
+
+mod again;
+mod part;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::domain::{AskedFit, Fit, Issue};
+use crate::pipeline::campaign::context::now;
+use crate::pipeline::fits::plan::fit_plan;
+use crate::pipeline::fits::result::FitResult;
+use crate::pipeline::fits::runs::{Due, FitRuns, NOT_FITTED, input_hash};
+use crate::pipeline::{Context, Observer, PipelineError};
+use crate::store::FitStamp;
+use crate::system::fs;
+use again::Again;
+use part::{Part, has_ending};
+
+/// Rows stored in one step.
+const BATCH: usize = 256;
+
+/// The verb `import-fits`.
+#[derive(Debug, Clone)]
+pub struct ImportFits {
+    /// Files (`.jsonl`, `.parquet`), or folders of them.
+    pub files: Vec<PathBuf>,
+}
+
+/// What came in, and what did not.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct ImportSummary {
+    /// Files read.
+    pub files: usize,
+    /// Rows in them.
+    pub rows: usize,
+    /// Fits stored.
+    pub imported: usize,
+    /// Rows whose result is in the campaign already.
+    pub up_to_date: usize,
+    /// Runs that could not be fitted elsewhere, with the reason, which is stored.
+    pub failed: Vec<(String, Issue)>,
+    /// Rows that were fitted again here before they were taken.
+    pub fitted_again: usize,
+    /// Rows that were not taken, with the reason.
+    pub refused: Vec<RefusedRow>,
+    /// Files that lack rows, or may, with the reason.
+    pub damaged_files: Vec<DamagedFile>,
+}
+
+impl ImportSummary {
+    /// Whether everything was taken.
+    pub fn is_whole(&self) -> bool {
+        self.refused.is_empty() && self.damaged_files.is_empty()
+    }
+}
+
+/// A file that is not as it was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct DamagedFile {
+    /// The file.
+    pub file: PathBuf,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
+impl ImportSummary {
+    fn refuse(&mut self, file: &Path, row: usize, run: Option<String>, reason: String) {
+        let file = file.to_owned();
+        self.refused.push(RefusedRow {
+            file,
+            row,
+            run,
+            reason,
+        });
+    }
+}
+
+/// A row that was not taken.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct RefusedRow {
+    /// The file.
+    pub file: PathBuf,
+    /// Its row, from 1.
+    pub row: usize,
+    /// The run that it names; none where it names none.
+    pub run: Option<String>,
+    /// Why.
+    pub reason: String,
+}
+
+/// A row that was read.
+struct Row<'a> {
+    file: &'a Path,
+    row: usize,
+    result: FitResult,
+}
+
+impl ImportFits {
+    /// Reads every file and stores what fits the campaign's runs. A row that cannot be used stops no other.
+    ///
+    /// # Errors
+    /// A file cannot be read at all, or the database fails.
+    pub fn run(
+        &self,
+        context: &mut Context,
+        observer: &dyn Observer,
+    ) -> Result<ImportSummary, PipelineError> {
+        let mut summary = ImportSummary::default();
+        let (mut known, mut again) = (Known::default(), Again::default());
+        for file in self.listed()? {
+            let part = Part::read(&file)?;
+            summary.files += 1;
+            summary.rows += part.rows.len();
+            let damage = part.damage.into_iter();
+            summary.damaged_files.extend(damage.map(|reason| DamagedFile {
+                file: file.clone(),
+                reason,
+            }));
+            let mut rows = Vec::new();
+            for (row, read) in (1..).zip(part.rows) {
+                let file = file.as_path();
+                match read {
+                    Ok(result) => rows.push(Row { file, row, result }),
+                    Err((run, reason)) => summary.refuse(file, row, run, reason),
+                }
+            }
+            let rows = of_campaign(context, rows, &mut known, &mut summary)?;
+            let rows = again.held(context, rows, &mut known, &mut summary, observer)?;
+            for batch in rows.chunks(BATCH) {
+                take(context, batch, &mut known, &mut summary)?;
+            }
+        }
+        Ok(summary)
+    }
+
+    /// The files, those in folders by name.
+    fn listed(&self) -> Result<Vec<PathBuf>, PipelineError> {
+        let mut listed = Vec::new();
+        for given in &self.files {
+            if !given.is_dir() {
+                listed.push(given.clone());
+                continue;
+            }
+            let failed = |source| PipelineError::File {
+                path: given.clone(),
+                doing: "looking for results in it",
+                source,
+            };
+            let mut inside = Vec::new();
+            for entry in fs::read_dir(given).map_err(failed)? {
+                let path = entry.map_err(failed)?.path();
+                inside.extend(
+                    Some(path)
+                        .filter(|path| ["jsonl", "parquet"].iter().any(|ending| has_ending(path, ending))),
+                );
+            }
+            inside.sort();
+            if inside.is_empty() {
+                return Err(PipelineError::BadArgument {
+                    what: "FILES",
+                    found: format!("{} without results", given.display()),
+                    needed: "a folder with files that end in .jsonl or .parquet".to_owned(),
+                });
+            }
+            listed.extend(inside);
+        }
+        Ok(listed)
+    }
+}
+
+/// What the campaign would fit, by how it is asked for; and what came in already.
+#[derive(Default)]
+struct Known {
+    plans: Vec<(AskedFit, BTreeMap<String, Due>)>,
+    taken: BTreeSet<String>,
+}
+
+impl Known {
+    /// How the campaign would fit that run where it is asked for like this.
+    fn due(&mut self, context: &Context, asked: &AskedFit, run: &str) -> Result<Option<&Due>, PipelineError> {
+        let at = match self.plans.iter().position(|(known, _)| known == asked) {
+            Some(at) => at,
+            None => {
+                let plan = fit_plan(context, asked, &BTreeMap::new())?;
+                let hashed = plan.single.into_iter().map(|planned| {
+                    let hash = input_hash(&planned.task, &planned.chosen.options);
+                    (planned.task.path.clone(), (hash, planned))
+                });
+                self.plans.push((asked.clone(), hashed.collect()));
+                self.plans.len() - 1
+            }
+        };
+        Ok(self.plans[at].1.get(run))
+    }
+}
+
+/// The rows that are of runs of this campaign, as they are now, and whose results it does not have yet.
+fn of_campaign<'a>(
+    context: &Context,
+    rows: Vec<Row<'a>>,
+    known: &mut Known,
+    summary: &mut ImportSummary,
+) -> Result<Vec<Row<'a>>, PipelineError> {
+    let mut of_campaign = Vec::new();
+    for row in rows {
+        let reason = match known.due(context, &row.result.asked, &row.result.run) {
+            Ok(Some(due)) => match is_of(due, &row.result) {
+                Ok(()) if FitRuns::default().is_done(due) || !known.taken.insert(row.result.run.clone()) => {
+                    summary.up_to_date += 1;
+                    continue;
+                }
+                Ok(()) => {
+                    of_campaign.push(row);
+                    continue;
+                }
+                Err(reason) => reason,
+            },
+            Ok(None) => "the campaign has no run of that name that is fitted by itself; needed the name as `ieap fit --json` has it".to_owned(),
+            // How it was asked for makes no sense here: an unknown model is that row's fault alone.
+            Err(error) if !error.is_storage() => error.to_string(),
+            Err(error) => return Err(error),
+        };
+        summary.refuse(row.file, row.row, Some(row.result.run), reason);
+    }
+    Ok(of_campaign)
+}
+
+/// Stores a batch.
+fn take(
+    context: &mut Context,
+    batch: &[Row<'_>],
+    known: &mut Known,
+    summary: &mut ImportSummary,
+) -> Result<(), PipelineError> {
+    let now = now();
+    let mut fits: Vec<(FitStamp, Fit)> = Vec::new();
+    for Row { result, .. } in batch {
+        let Some(due) = known.due(context, &result.asked, &result.run)? else {
+            continue;
+        };
+        let stamp = FitStamp {
+            run_id: due.1.task.run_id,
+            input_hash: result.input_hash.clone(),
+            code_version: result.code_version.clone(),
+            asked: due.1.chosen.asked.clone(),
+        };
+        match (&result.fit, &result.issue) {
+            (Some(fit), _) => fits.push((stamp, fit.clone())),
+            (None, Some(issue)) => {
+                context.store.save_fit_failure(&now, &stamp, issue)?;
+                summary.failed.push((result.run.clone(), issue.clone()));
+            }
+            (None, None) => {}
+        }
+    }
+    summary.imported += fits.len();
+    Ok(context.store.save_fits(&now, &fits)?)
+}
+
+/// Whether a result is of that run as it is now, fitted as the campaign would fit it.
+fn is_of((hash, planned): &Due, result: &FitResult) -> Result<(), String> {
+    if result.data_hash != planned.task.data_hash {
+        return Err("the run's readings are others now (data_hash differs); fit it again".to_owned());
+    }
+    if result.input_hash != *hash {
+        return Err(
+            "the run's drive, dimensions, model or method are others now (input_hash differs); fit it again"
+                .to_owned(),
+        );
+    }
+    // A fault of the program elsewhere says nothing of the run.
+    if let Some(issue) = result.issue.as_ref().filter(|issue| issue.code != NOT_FITTED) {
+        return Err(format!("not fitted there: {}", issue.message));
+    }
+    let Some(fit) = &result.fit else { return Ok(()) };
+    let model = planned.chosen.options.model;
+    if (fit.model.as_str(), fit.model_version) != (model.id, model.version) {
+        return Err(format!(
+            "found a fit of {} version {}, needed {} version {}",
+            fit.model, fit.model_version, model.id, model.version
+        ));
+    }
+    if fit.parameters.is_empty() {
+        return Err("found a fit without parameters".to_owned());
+    }
+    let unknown = |key: &str| !model.parameters.iter().any(|known| known.key == key);
+    match fit.parameters.iter().find(|parameter| unknown(&parameter.key)) {
+        Some(parameter) => Err(format!(
+            "found the parameter {:?}, which {} has not",
+            parameter.key, model.id
+        )),
+        None => Ok(()),
+    }
+}

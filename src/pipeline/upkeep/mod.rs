@@ -1,0 +1,12 @@
+//! What keeps a campaign true: tags and drops, agreement of its two stores, verification, rebuilding, backups, imports.
+
+pub(super) mod agreement;
+pub(super) mod answer;
+pub mod backup;
+pub(super) mod drop;
+pub(super) mod holdings;
+pub mod import_fits;
+pub(super) mod rebuild;
+pub(super) mod tag;
+pub(super) mod told;
+pub mod verify;

@@ -1,0 +1,139 @@
+//! The journal: its lines, and whether it says what the database says.
+
+use std::path::Path;
+
+use super::{Part, counted};
+use crate::domain::Issue;
+use crate::pipeline::upkeep::rebuild::what_is_wrong;
+use crate::pipeline::upkeep::told::Told;
+use crate::pipeline::{Context, PipelineError};
+use crate::store::journal::{self, Found};
+use crate::store::{Store, StoreError};
+
+/// Name of the part.
+const NAME: &str = "journal";
+
+/// Looks at its lines alone.
+///
+/// # Errors
+/// It cannot be read.
+pub fn alone(folder: &Path) -> Result<Part, PipelineError> {
+    let found = journal::read(folder)?;
+    Ok(of_lines(found.as_ref()))
+}
+
+/// Looks at its lines and holds them against the database.
+///
+/// # Errors
+/// It or the database cannot be read.
+pub fn part(context: &Context) -> Result<Part, PipelineError> {
+    let found = journal::read(&context.folder)?;
+    if found.is_none() && context.store.journal_entries()?.is_empty() {
+        return Ok(Part {
+            part: NAME,
+            looked_at: "nothing was said yet".to_owned(),
+            findings: Vec::new(),
+        });
+    }
+    let mut part = of_lines(found.as_ref());
+    part.findings.extend(missed(context)?);
+    part.findings.extend(course(context)?);
+    Ok(part)
+}
+
+fn of_lines(found: Option<&Found>) -> Part {
+    let mut findings = what_is_wrong(found);
+    if found.is_some_and(|found| found.is_torn) {
+        let torn = "the last line is cut off: a program was ended while it wrote it, and nobody was told of what it says";
+        findings.push(
+            Issue::note("journal-torn", torn).mend("nothing needs to be done: the next line takes its place"),
+        );
+    }
+    Part {
+        part: NAME,
+        looked_at: counted(found.map_or(0, |found| found.lines.len()), "line"),
+        findings,
+    }
+}
+
+/// Where what is stored is not what the journal says though their courses agree.
+fn differences(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+    let now = || {
+        against(
+            || Ok(journal::read(&context.folder)?.unwrap_or_default()),
+            &context.store,
+        )
+    };
+    let mut found = now()?;
+    if !found.is_empty() {
+        // Somebody may have said something between the two readings: what differs twice differs.
+        let again = now()?;
+        found.retain(|issue| again.contains(issue));
+    }
+    Ok(found)
+}
+
+/// Where what a database says is not what a journal says, which is read after it: there it is said first.
+///
+/// # Errors
+/// One of them cannot be read.
+pub fn against(
+    found: impl FnOnce() -> Result<Found, PipelineError>,
+    store: &Store,
+) -> Result<Vec<Issue>, PipelineError> {
+    let stored = store.journal_entries()?;
+    let stored = Told::of(stored.iter().map(|(_, entry)| entry));
+    let lines = found()?.lines;
+    let told = Told::of(lines.iter().map(|line| &line.entry));
+    let issue = |(what, of): (String, String)| {
+        let message = format!("{what} of {of} in the database is not as in the journal");
+        Issue::error("journal-differs", message).mend("`ieap rebuild` makes it anew as the journal says")
+    };
+    Ok(told.differences(&stored).into_iter().map(issue).collect())
+}
+
+/// What one of them lacks, or what is not the same in both though none lacks anything.
+fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+    let mut found = Vec::new();
+    let compared = match context.store.compared(&context.folder) {
+        Ok(compared) => compared,
+        Err(error @ StoreError::Parted { .. }) => {
+            found.push(Issue::error("journal-parted", error.to_string()));
+            return Ok(found);
+        }
+        Err(error) => return Err(error.into()),
+    };
+    if context.store.is_agreed(&context.folder)? {
+        return differences(context);
+    }
+    if !compared.is_database_whole() {
+        let message = format!("the database lacks what the journal says: {}", compared.lacks());
+        let mend = match compared.can_be_said_again() {
+            true => "the next `ieap run` takes it up",
+            false => "`ieap rebuild` makes a database of all that either has",
+        };
+        found.push(Issue::error("database-lags", message).mend(mend));
+    }
+    let lacking = compared.of_database.len();
+    if lacking > 0 && journal::path_in(&context.folder).exists() {
+        let message = format!(
+            "the journal lacks {} that the database has",
+            counted(lacking, "line")
+        );
+        found.push(
+            Issue::error("journal-lags", message).mend("the next `ieap run` writes them from the database"),
+        );
+    }
+    Ok(found)
+}
+
+/// What may be lost since a rebuilding, until a person answers.
+pub fn missed(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+    let issue = |lost: String| {
+        Issue::error("words-may-be-lost", lost).mend(
+            "look which run, tag, dropped run or wish how to fit is missing, put it back or say it again, then \
+             `ieap answer --why ...`",
+        )
+    };
+    Ok(context.store.words_missed()?.into_iter().map(issue).collect())
+}

@@ -1,0 +1,144 @@
+//! Whether what a campaign rests on is as it was stored: the database, the raw files, the journal, the report; and, asked for
+//! deeply, whether every current number can be derived again from the raw bytes, to the same bits.
+
+mod archive;
+mod database;
+mod deep;
+mod journal;
+mod report;
+mod weekly;
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::domain::{Issue, Severity};
+use crate::pipeline::{Context, Observer, PipelineError};
+pub(crate) use journal::against as journal_against;
+pub use journal::missed;
+pub(crate) use weekly::Weekly;
+
+/// The verb `verify`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Verify {
+    /// Whether raw bytes are read and runs are fitted again.
+    pub deep: bool,
+    /// Whether groups are diagnosed again, too.
+    pub diagnoses: bool,
+}
+
+/// What was looked at of a campaign, and what was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verified {
+    /// Part by part.
+    pub parts: Vec<Part>,
+    /// Hash of all that the database says, times and row ids left out; none where it cannot be read.
+    pub content_hash: Option<String>,
+}
+
+/// A part of a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Part {
+    /// `database`, `archive`, `journal`, `report`, `readings` or `results`.
+    pub part: &'static str,
+    /// What was looked at, in words.
+    pub looked_at: String,
+    /// What was found: errors are damage or loss, notes are worth knowing.
+    pub findings: Vec<Issue>,
+}
+
+impl Part {
+    /// Whether nothing is lost or damaged.
+    pub fn is_sound(&self) -> bool {
+        self.findings
+            .iter()
+            .all(|issue| issue.severity != Severity::Error)
+    }
+}
+
+impl Verified {
+    /// Whether nothing is lost or damaged.
+    pub fn is_sound(&self) -> bool {
+        self.parts.iter().all(Part::is_sound)
+    }
+}
+
+impl Verify {
+    /// Looks at the campaign in `folder`; nothing in it is changed. Another instance may work on it meanwhile.
+    ///
+    /// # Errors
+    /// campaign.toml is wrong, or there was never a database; the archive or the report cannot be looked through.
+    pub fn run(&self, folder: &Path, observer: &dyn Observer) -> Result<Verified, PipelineError> {
+        let context = match Context::open_as_it_is(folder) {
+            Ok(context) => context,
+            Err(error) if error.is_storage() => return without_database(folder, &error),
+            Err(error) => return Err(error),
+        };
+        let database = database::part(&context, observer)?;
+        let can_be_read = database.is_sound();
+        let mut parts = vec![database, archive::part(&context, observer)?];
+        if can_be_read {
+            parts.push(journal::part(&context)?);
+            parts.push(report::part(&context)?);
+        } else {
+            parts.push(journal::alone(folder)?);
+        }
+        if self.deep && can_be_read {
+            parts.push(deep::readings(&context, observer)?);
+            parts.push(deep::results(&context, self.diagnoses, observer)?);
+        }
+        let content = can_be_read.then(|| context.store.content()).transpose()?;
+        Ok(Verified {
+            parts,
+            content_hash: content.map(|content| content.hash()),
+        })
+    }
+}
+
+/// What can be said where the database cannot be opened.
+fn without_database(folder: &Path, error: &PipelineError) -> Result<Verified, PipelineError> {
+    let database = Part {
+        part: database::NAME,
+        looked_at: "it cannot be opened".to_owned(),
+        // The error says how to mend it.
+        findings: vec![Issue::error("database-not-opened", error.to_string())],
+    };
+    Ok(Verified {
+        parts: vec![database, archive::alone(folder)?, journal::alone(folder)?],
+        content_hash: None,
+    })
+}
+
+/// The short form: the structure of the database, names and sizes of raw files, the lines of the journal. Checksums of rows
+/// are looked at whenever these are read.
+///
+/// # Errors
+/// The archive cannot be looked through, or the journal cannot be read.
+pub(crate) fn quick(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+    match context.store.check_structure() {
+        Err(error) => Ok(vec![Issue::error("database-damaged", error.to_string())]),
+        Ok(()) => of_archive(context),
+    }
+}
+
+/// The short form of what lies in `archive/`.
+///
+/// # Errors
+/// As of [`quick`].
+pub(crate) fn of_archive(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+    let mut findings = Vec::new();
+    for lost in crate::pipeline::show::status::raw_files_lost(context)? {
+        findings.extend(lost.issues);
+    }
+    if crate::store::journal::path_in(&context.folder).exists() {
+        findings.extend(journal::alone(&context.folder)?.findings);
+    }
+    findings.retain(|issue| issue.severity == Severity::Error);
+    Ok(findings)
+}
+
+/// `1 run`, `3 runs`.
+fn counted(count: usize, thing: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{plural}")
+}
