@@ -13,6 +13,7 @@ use super::{CampaignArg, Global, ingest};
 use crate::domain::FileState;
 use crate::pipeline::documents::estimate_words::in_words;
 use crate::pipeline::documents::fits::{FitEntry, fits_document};
+use crate::pipeline::documents::groups::entry;
 use crate::pipeline::fits::shard::{FitShard, Part};
 use crate::pipeline::{Context, FAULT, FitRuns, FitSummary, Ingest, PipelineError, files_due};
 
@@ -136,7 +137,8 @@ fn tell(args: &FitArgs, global: &Global, context: &Context, output: &Output) -> 
     match args.group.groups(args.fit.choice(global))? {
         None => document.fits.iter().for_each(|fit| print(fit, output)),
         Some(groups) => {
-            let groups = groups.run(context, output)?;
+            let fitted = groups.run(context, output)?.into_iter();
+            let groups: Vec<_> = fitted.map(entry).collect();
             groups.iter().for_each(|group| fit_group::print(group, output));
             document.groups = Some(groups);
         }

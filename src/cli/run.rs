@@ -9,7 +9,7 @@ use super::output::{Output, counted};
 use super::{CampaignArg, Global, diagnose, ingest, report, signals};
 use crate::domain::Fault;
 use crate::pipeline::left;
-use crate::pipeline::show::status::raw_files_lost;
+use crate::pipeline::upkeep::verify::archive::raw_files_lost;
 use crate::pipeline::upkeep::verify::missed;
 use crate::pipeline::{Context, DiagnoseSummary, Made, Observer, Run, RunSummary};
 

@@ -8,8 +8,9 @@ use super::output::{Output, counted};
 use super::{CampaignArg, ingest, say_what_is_not_understood, say_what_opening_found};
 use crate::domain::{Fault, Issue};
 use crate::pipeline::Context;
+use crate::pipeline::ground::mends::Reasoned;
 use crate::pipeline::ground::mends::together;
-use crate::pipeline::show::status::{Reasoned, Status, WAITS, status};
+use crate::pipeline::upkeep::status::{Status, WAITS, status};
 
 /// Count runs by state; list refused files with reasons, gaps in the condition matrix, and what is out of date
 #[derive(Debug, Args)]

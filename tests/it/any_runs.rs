@@ -11,8 +11,8 @@ use ieap::pipeline::findings::next_runs::{entries, plan, write_sheet};
 use ieap::pipeline::show::explain::explain;
 use ieap::pipeline::show::export::{Export, Table};
 use ieap::pipeline::show::figures::{self, MakeFigure};
-use ieap::pipeline::show::status::status;
 use ieap::pipeline::show::tables;
+use ieap::pipeline::upkeep::status::status;
 use ieap::pipeline::{
     AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, FitRuns, Ingest, PipelineError, RaiseAlarms,
     RenderReport, Silent,

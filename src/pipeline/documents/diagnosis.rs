@@ -1,7 +1,6 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
 use crate::domain::Estimate;
-use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
@@ -9,21 +8,20 @@ use super::campaign::{self, CampaignEntry, CampaignTest, ConfoundedEntry, Doubte
 use super::fits::{as_object, parameter_entries};
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::shared_effects::{SharedEffectEntry, shared_effect_entries};
-use crate::analysis::false_discovery::judge_together;
 use crate::analysis::laws::{CampaignLaws, contrast};
-use crate::analysis::online::{Turn, turns};
+use crate::analysis::online::Turn;
 use crate::domain::{
     Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis,
     Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterScatter, ParameterShift, RunAlone,
-    RunRecord, StrengthProfile, VaryingParameter, Verdict, Whereabouts,
+    StrengthProfile, VaryingParameter, Verdict, Whereabouts,
 };
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::across_runs::campaign_laws;
-use crate::pipeline::findings::diagnose::library_hash;
+use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::next_runs::{self, NextRunEntry, Plan, UntyingEntry};
+use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::ground::fault::{or_nothing, step};
 use crate::pipeline::{Context, DiagnoseChoice, PipelineError};
-use crate::store::{DiagnosisKind, StoredDiagnosis};
 
 /// Every current finding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -186,68 +184,6 @@ pub struct EffectEntry {
     pub q: Option<f64>,
     /// Ids of effects that explain the readings as well.
     pub twins: Vec<String>,
-}
-
-/// The current findings, with what holds over the whole campaign: of groups, and of single runs.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct CurrentFindings {
-    /// Of groups, by name.
-    pub groups: Vec<GroupDiagnosis>,
-    /// Of single runs, by name.
-    pub runs: Vec<GroupDiagnosis>,
-    /// What could be claimed of every single run when it came, by name.
-    pub turns: BTreeMap<String, Turn>,
-}
-
-/// Reads the current findings and judges each kind together.
-///
-/// # Errors
-/// The database cannot be read.
-pub fn current_findings(context: &Context) -> Result<CurrentFindings, PipelineError> {
-    let (groups, runs): (Vec<_>, Vec<_>) = context
-        .store
-        .diagnoses()?
-        .into_iter()
-        .partition(|stored| stored.kind == DiagnosisKind::Group);
-    let known = standing::all(context)?;
-    let silent: BTreeSet<&str> = (known.iter().filter(|run| !run.standing.speaks()))
-        .map(|run| run.path.as_str())
-        .collect();
-    // What was found in readings that are set aside since is no finding any more; that they allow none remains true.
-    let holds = |found: &GroupDiagnosis| {
-        found.verdict == Verdict::DataProblem || !found.runs.iter().any(|run| silent.contains(run.as_str()))
-    };
-    let found = |stored: Vec<StoredDiagnosis>| -> Vec<GroupDiagnosis> {
-        stored
-            .into_iter()
-            .map(|stored| stored.found)
-            .filter(holds)
-            .collect()
-    };
-    let mut findings = CurrentFindings {
-        groups: found(groups),
-        runs: found(runs),
-        turns: BTreeMap::new(),
-    };
-    findings.turns = turns_of(known, &findings.runs);
-    judge_together(&mut findings.groups);
-    judge_together(&mut findings.runs);
-    Ok(findings)
-}
-
-/// Tests the runs in the order in which they were stored. Runs that were stored again count as new.
-fn turns_of(mut runs: Vec<RunRecord>, found: &[GroupDiagnosis]) -> BTreeMap<String, Turn> {
-    let p: BTreeMap<&str, f64> = found
-        .iter()
-        .filter_map(|found| Some((found.group.as_str(), found.p_misfit?)))
-        .collect();
-    runs.sort_by_key(|run| run.id);
-    let (paths, p): (Vec<String>, Vec<f64>) = runs
-        .into_iter()
-        .filter_map(|run| Some((p.get(run.path.as_str()).copied()?, run.path)))
-        .map(|(p, path)| (path, p))
-        .unzip();
-    paths.into_iter().zip(turns(&p)).collect()
 }
 
 /// The document of the current findings; of one group and its runs where one is named.

@@ -5,8 +5,9 @@ use serde::{Serialize, Serializer};
 
 use super::fits::parameter_entries;
 use crate::domain::{ChannelNoise, Issue};
-use crate::fit::{GroupFit, GroupOptions, Resampled};
-use crate::store::FitTask;
+use crate::fit::{GroupFit, Resampled};
+use crate::model::FitModel;
+use crate::pipeline::fits::groups::FittedGroup;
 
 /// Chance below which runs that share parameters are said to differ in them.
 const CHANCE: f64 = 1e-3;
@@ -103,20 +104,15 @@ fn as_object<T: Serialize, S: Serializer>(entries: &[(String, T)], serializer: S
     serializer.collect_map(entries.iter().map(|(key, entry)| (key, entry)))
 }
 
-/// The entry of a group whose fit came out so.
-pub(crate) fn entry(
-    name: &str,
-    tasks: &[&FitTask],
-    left_out: Vec<LeftOut>,
-    options: &GroupOptions,
-    outcome: Result<GroupFit, Issue>,
-) -> GroupEntry {
+/// The entry of a group that was fitted.
+pub fn entry(fitted: FittedGroup) -> GroupEntry {
+    let left_out = fitted.left_out.into_iter();
     let mut entry = GroupEntry {
-        group: name.to_owned(),
-        runs: tasks.iter().map(|task| task.path.clone()).collect(),
-        left_out,
-        model: options.model.id,
-        shared: options.shared.clone(),
+        group: fitted.name,
+        runs: fitted.runs,
+        left_out: left_out.map(|(run, issue)| LeftOut { run, issue }).collect(),
+        model: fitted.options.model.id,
+        shared: fitted.options.shared.clone(),
         converged: false,
         why_stopped: "not fitted".to_owned(),
         chi_square: None,
@@ -126,32 +122,28 @@ pub(crate) fn entry(
         fits: Vec::new(),
         issues: Vec::new(),
     };
-    match outcome {
-        Ok(fit) => fill(&mut entry, tasks, options, &fit),
+    match fitted.outcome {
+        Ok(fit) => fill(&mut entry, fitted.options.model, &fit),
         Err(issue) => entry.issues.push(issue),
     }
     entry
 }
 
-fn fill(entry: &mut GroupEntry, tasks: &[&FitTask], options: &GroupOptions, fit: &GroupFit) {
+fn fill(entry: &mut GroupEntry, model: &FitModel, fit: &GroupFit) {
     entry.converged = fit.converged;
     entry.why_stopped.clone_from(&fit.why_stopped);
     entry.chi_square = Some(fit.chi_square);
     entry.degrees_of_freedom = Some(fit.degrees_of_freedom);
-    let common: Vec<_> = fit
-        .common_parameters(options.model)
-        .into_iter()
-        .cloned()
-        .collect();
+    let common: Vec<_> = fit.common_parameters(model).into_iter().cloned().collect();
     entry.parameters = parameter_entries(&common);
     entry.sharing = fit.sharing.as_ref().map(|sharing| SharingCost {
         chi_square_rise: sharing.chi_square_rise,
         parameters_saved: sharing.parameters_saved,
         p: sharing.p,
     });
-    entry.fits = (fit.runs.iter().zip(tasks).enumerate())
-        .map(|(index, (run, task))| GroupRunEntry {
-            run: task.path.clone(),
+    entry.fits = (fit.runs.iter().zip(&entry.runs).enumerate())
+        .map(|(index, (run, name))| GroupRunEntry {
+            run: name.clone(),
             n_samples: run.n_samples,
             parameters: parameter_entries(&run.parameters),
             bootstrap: fit

@@ -8,7 +8,7 @@ use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::pipeline::PipelineError;
 use crate::pipeline::campaign::context::Context;
 use crate::pipeline::campaign::planned::{PlannedRow, planned};
-use crate::pipeline::documents::diagnosis::current_findings;
+use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::ground::fault::step;
 
 /// Seed of the draws where none is asked for.

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use crate::domain::GroupDiagnosis;
 use crate::domain::campaign::Adopted;
 use crate::ingest::campaign_file::FILE_NAME;
-use crate::pipeline::documents::diagnosis::current_findings;
+use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::ground::whole_file::put_stated;
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;

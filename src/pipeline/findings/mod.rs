@@ -5,6 +5,7 @@ pub(super) mod adopt;
 pub mod alarms;
 pub mod blocked;
 pub(super) mod compare;
+pub mod current;
 pub(super) mod diagnose;
 pub(super) mod frequency;
 pub mod impedance;

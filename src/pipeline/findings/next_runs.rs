@@ -18,7 +18,7 @@ use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::ingest::run_sheet::{self, COLUMNS, SheetRow};
 use crate::pipeline::campaign::planned::planned;
 use crate::pipeline::campaign::standing;
-use crate::pipeline::documents::diagnosis::current_findings;
+use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::ground::whole_file::put_bytes;
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;

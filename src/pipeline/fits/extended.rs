@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::input_hash::{library_hash, take_task};
 use super::plan::{ExtendedGroup, Planned};
 use super::runs::{FitSummary, Outcome, fit_fault, save};
 use crate::diagnose::{RunInput, fit_extended, model_version};
@@ -11,7 +12,6 @@ use crate::domain::{Channel, InputHash, Issue};
 use crate::fit::FitInput;
 use crate::ingest::derived;
 use crate::pipeline::campaign::group_tags::take_tags;
-use crate::pipeline::findings::diagnose::{library_hash, take_task};
 use crate::pipeline::{Context, Observer, PipelineError};
 
 /// Groups fitted between two commits.

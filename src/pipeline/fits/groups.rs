@@ -10,13 +10,12 @@ use super::runs::fit_fault;
 use crate::domain::fault::caught;
 use crate::domain::{Channel, Issue};
 use crate::fit::{
-    Bootstrap, FitError, FitInput, GroupOptions, Intervals, can_join_group, fit_group, shareable,
+    Bootstrap, FitError, FitInput, GroupFit, GroupOptions, Intervals, can_join_group, fit_group, shareable,
 };
 use crate::ingest::derived;
 use crate::model::FitModel;
 use crate::pipeline::campaign::grouping::{Group, groups, singles};
 use crate::pipeline::campaign::standing;
-use crate::pipeline::documents::groups::{GroupEntry, LeftOut, entry};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FitTask;
 
@@ -70,6 +69,21 @@ pub enum FitTogether {
     SingleRuns,
 }
 
+/// A group that was fitted, or why it was not.
+#[derive(Debug)]
+pub struct FittedGroup {
+    /// What its runs have in common.
+    pub name: String,
+    /// The runs fitted, by name, in the order of the fit's runs.
+    pub runs: Vec<String>,
+    /// Runs that could not be part of it, by name, with the reasons.
+    pub left_out: Vec<(String, Issue)>,
+    /// What was asked for.
+    pub options: GroupOptions,
+    /// The fit.
+    pub outcome: Result<GroupFit, Issue>,
+}
+
 /// The verb `fit --group`.
 #[derive(Debug, Clone, Default)]
 pub struct FitGroups {
@@ -90,7 +104,7 @@ impl FitGroups {
     ///
     /// # Errors
     /// The model or a key is not known, or the database fails; a group that cannot be fitted says why in its entry.
-    pub fn run(&self, context: &Context, observer: &dyn Observer) -> Result<Vec<GroupEntry>, PipelineError> {
+    pub fn run(&self, context: &Context, observer: &dyn Observer) -> Result<Vec<FittedGroup>, PipelineError> {
         let model = self.choice.options(&context.campaign)?.model;
         if !model.id.starts_with("lumped") {
             return Err(FitError::GroupModel { found: model.id }.into());
@@ -142,8 +156,8 @@ fn readings(context: &Context, group: &Group) -> Result<Vec<Vec<Channel>>, Pipel
 }
 
 /// Fits one group, without the runs that cannot be part of it; a panic in a kernel is that group's failure.
-fn fit_one(group: &Group, channels: &[Vec<Channel>], options: &GroupOptions) -> GroupEntry {
-    let (mut tasks, mut inputs, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
+fn fit_one(group: &Group, channels: &[Vec<Channel>], options: &GroupOptions) -> FittedGroup {
+    let (mut runs, mut inputs, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
     for (task, channels) in group.tasks.iter().zip(channels) {
         let input = FitInput {
             channels,
@@ -152,13 +166,13 @@ fn fit_one(group: &Group, channels: &[Vec<Channel>], options: &GroupOptions) -> 
         };
         match can_join_group(&input, options.model) {
             Ok(()) => {
-                tasks.push(task);
+                runs.push(task.path.clone());
                 inputs.push(input);
             }
-            Err(error) => left_out.push(LeftOut {
-                run: task.path.clone(),
-                issue: Issue::warning("not-in-group", error.to_string()),
-            }),
+            Err(error) => left_out.push((
+                task.path.clone(),
+                Issue::warning("not-in-group", error.to_string()),
+            )),
         }
     }
     let fitted = caught(|| fit_group(&inputs, options));
@@ -172,5 +186,11 @@ fn fit_one(group: &Group, channels: &[Vec<Channel>], options: &GroupOptions) -> 
         Ok(Err(error)) => Err(Issue::warning("group-not-fitted", error.to_string())),
         Err(reason) => Err(fit_fault("the fit of the group", &reason)),
     };
-    entry(&group.name, &tasks, left_out, options, outcome)
+    FittedGroup {
+        name: group.name.clone(),
+        runs,
+        left_out,
+        options: options.clone(),
+        outcome,
+    }
 }

@@ -9,6 +9,15 @@ use crate::domain::Issue;
 /// Stands for the file's name where issues of several files differ by nothing else.
 const NAME: &str = "RUN";
 
+/// A file or run with the reasons for its state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reasoned {
+    /// Path relative to the campaign.
+    pub path: String,
+    /// Why.
+    pub issues: Vec<Issue>,
+}
+
 /// Issues with everything that they are said of.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Together {

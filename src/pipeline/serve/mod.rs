@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-use crate::pipeline::show::report::REPORT_FOLDER;
+use crate::pipeline::campaign::places::REPORT_FOLDER;
 use answer::Answer;
 use deadline::Timed;
 

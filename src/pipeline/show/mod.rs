@@ -10,5 +10,4 @@ pub mod plain_tables;
 pub(super) mod report;
 pub mod research_crate;
 pub(super) mod simulated_figures;
-pub mod status;
 pub mod tables;

@@ -15,11 +15,12 @@ use crate::domain::{Fault, GroupDiagnosis, RunRecord, SourceFile};
 use crate::model::effects::{self, Effect};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::CODE_VERSION;
+use crate::pipeline::campaign::places::{FAULTS, REPORT_FOLDER, STAMP};
 use crate::pipeline::campaign::standing::{self, Runs};
-use crate::pipeline::documents::diagnosis::current_findings;
 use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
+use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::frequency::frequency_runs;
 use crate::pipeline::findings::{impedance, next_runs};
 use crate::pipeline::ground::fault::{or_nothing, step};
@@ -29,13 +30,6 @@ use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::report;
 use crate::system::fs;
-
-/// Folder of the report inside a campaign.
-pub const REPORT_FOLDER: &str = "report";
-/// Says what a report was made from, so that an unchanged one is not made again. One with faults says it beside them.
-pub(crate) const STAMP: &str = ".made-from";
-/// What a fault of the program left out of the report; there where something is.
-pub(crate) const FAULTS: &str = ".faults.json";
 
 /// The verb `report`.
 #[derive(Debug, Clone, Copy, Default)]

@@ -11,9 +11,9 @@ use crate::domain::{
 };
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing::{self, Runs};
-use crate::pipeline::documents::diagnosis::current_findings;
 use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
+use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::frequency::frequency_runs;
 use crate::pipeline::intake::climate::electrode_courses;
 use crate::pipeline::{Context, PipelineError};

@@ -9,7 +9,7 @@ use crate::domain::{Drive, Estimate, Quantity, RunRecord, Sample, range_of};
 use crate::model::scaling::prediction::LINKS;
 use crate::model::scaling::{CarriedBy, Prediction, Series, StripSize, predict};
 use crate::pipeline::campaign::standing;
-use crate::pipeline::documents::diagnosis::current_findings;
+use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::strip_modulus::{StripModulus, strip_modulus};
 use crate::pipeline::{Context, PipelineError};
 

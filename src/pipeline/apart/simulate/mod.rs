@@ -24,7 +24,7 @@ pub use dma_spec::{DmaNoise, DmaSpec, Hold, LogSpec};
 pub use effect_spec::{EffectSpec, hidden_effects};
 pub use noise_spec::Noise;
 pub use run_spec::{Pulses, RunSpec, SegmentSpec, checked_run};
-pub use spec::{FolderTags, Sampling, Simulation, Spec, SpecError};
+pub use spec::{FolderTags, Sampling, Simulation, Spec};
 pub use strip_spec::{StripParameters, StripSpec};
 pub use strip_table::strip_table;
 pub use table::{exact_responses, run_table};

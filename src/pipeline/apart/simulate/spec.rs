@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use thiserror::Error;
 
 use super::dma_spec::DmaSpec;
 use super::effect_spec::{EffectSpec, hidden_effects};
 use super::noise_spec::Noise;
 use super::run_spec::RunSpec;
 use super::strip_spec::{NO_EFFECTS, StripSpec};
+use crate::pipeline::ground::error::SpecError;
 use crate::truth::TruthError;
 
 /// A file that says which runs to write.
@@ -89,39 +89,6 @@ pub struct FolderTags {
     pub path: PathBuf,
     /// Its tags.
     pub tags: toml::Table,
-}
-
-/// Why a spec cannot be simulated.
-#[derive(Debug, Error)]
-pub enum SpecError {
-    /// The file cannot be read.
-    #[error("{path}: the simulation spec cannot be read: {source}")]
-    Unreadable {
-        /// The spec.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// The file is not a spec.
-    #[error("{path}: {detail}")]
-    Malformed {
-        /// The spec.
-        path: PathBuf,
-        /// Where and what.
-        detail: String,
-    },
-    /// A value makes no sense.
-    #[error("{path}: {place}: found {found}, needed {needed}")]
-    BadValue {
-        /// The spec.
-        path: PathBuf,
-        /// Which value.
-        place: String,
-        /// What stands there.
-        found: String,
-        /// What may stand there.
-        needed: String,
-    },
 }
 
 impl Spec {

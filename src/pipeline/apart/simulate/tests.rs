@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::*;
 use crate::pipeline::Silent;
+use crate::pipeline::ground::error::SpecError;
 
 const HEAD: &str = r#"
 [simulation]

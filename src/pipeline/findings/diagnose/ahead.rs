@@ -2,12 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::input_hash::{input_hash, library_hash};
+use super::input_hash::input_hash;
 use super::subject::{Subject, subjects};
 use super::{DiagnoseChoice, with_inputs};
 use crate::diagnose::condemned;
 use crate::domain::fault::caught;
 use crate::numerics::interrupt;
+use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::DiagnosisKind;
 

@@ -3,39 +3,9 @@
 use super::subject::Subject;
 use crate::diagnose::{self, DiagnoseOptions};
 use crate::domain::InputHash;
-use crate::model::effects;
 use crate::pipeline::campaign::group_tags::take_tags;
+use crate::pipeline::fits::input_hash::take_task;
 use crate::store::FitTask;
-
-/// Hash of the library of effects: ids, forms, parameters with units, equations, limits.
-pub(crate) fn library_hash() -> String {
-    let mut hash = InputHash::new();
-    for effect in effects::ALL {
-        let about = effect.about();
-        for text in [about.id, about.code, about.equation, about.vanishes] {
-            hash.text(text);
-        }
-        hash.count(about.variants.len());
-        for variant in about.variants {
-            hash.text(variant);
-        }
-        hash.count(about.parameters.len());
-        for parameter in about.parameters {
-            hash.text(parameter.key).text(parameter.unit);
-        }
-    }
-    hash.finished()
-}
-
-/// Adds what a run of a group is known by: name, readings, drive, dimensions.
-pub(crate) fn take_task(hash: &mut InputHash, task: &FitTask) {
-    hash.text(&task.path)
-        .text(&task.data_hash)
-        .drive(&task.drive)
-        .number(task.area_cm2)
-        .number_or_none(task.length_cm)
-        .number_or_none(task.electrode_resistance_ohm_per_sq);
-}
 
 /// Hash of readings, drives, dimensions, names, tags that differ, base model, library, seed, draws, versions, and of whether a run is alone.
 pub(super) fn input_hash(

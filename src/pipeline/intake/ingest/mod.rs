@@ -14,6 +14,7 @@ mod settle;
 mod start;
 pub(crate) mod tagging;
 pub(crate) mod unread;
+pub(crate) mod waiting;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -27,7 +28,6 @@ use crate::ingest::scan::{self, Changes, Scan, SeenFile};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::{planned, standing};
 use crate::pipeline::ground::mends::Together;
-use crate::pipeline::show::status;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FileRow;
 use batch::in_batches;
@@ -37,7 +37,6 @@ pub(crate) use readers::Readers;
 
 pub(crate) use batch::together;
 pub use known::files_due;
-pub use prepare::ReadFile;
 pub(crate) use prepare::{Outcome, PreparedFile, RunPart, With, joined, prepare_bytes, run_parts};
 pub use retag::{retag_runs, run_window};
 pub(crate) use settle::{content_of, files_of_runs, runs_of, set_aside};
@@ -348,11 +347,11 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     let aside = standing::runs(context)?.set_aside;
     let aside: BTreeSet<&str> = aside.iter().map(|run| run.path.as_str()).collect();
     summary.untagged.retain(|name| !aside.contains(name.as_str()));
-    summary.waiting_for = status::waiting_for(context)?;
+    summary.waiting_for = waiting::waiting_for(context)?;
     let untagged = summary.untagged.iter().map(String::as_str);
-    summary.proposed_pattern = status::proposed_pattern(context, untagged);
+    summary.proposed_pattern = waiting::proposed_pattern(context, untagged);
     summary.no_steps = context.store.runs_without_steps()?;
-    summary.undeclared_tags = status::undeclared_tags(context)?;
+    summary.undeclared_tags = waiting::undeclared_tags(context)?;
     Ok(())
 }
 

@@ -13,6 +13,7 @@ use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet;
 use crate::ingest::scan::{ReadFileError, SeenFile};
 use crate::ingest::{Reading, RunTable};
+use crate::pipeline::campaign::context::ReadFile;
 
 /// Largest file that is read, bytes.
 const LARGEST_FILE_BYTES: u64 = 1 << 30;
@@ -93,9 +94,6 @@ pub struct Prepared {
     /// Its files.
     pub files: Vec<PreparedFile>,
 }
-
-/// Gives the bytes of a file that is not larger than the limit, bytes: `read_stable` of the scan, or what stands in for a disk.
-pub type ReadFile = fn(&Path, u64) -> Result<Vec<u8>, ReadFileError>;
 
 /// An error of the system about a file, which says nothing of the file itself.
 pub fn not_read_now(message: &str) -> Issue {

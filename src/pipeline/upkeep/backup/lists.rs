@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::contents::reason;
-use super::error::BackupError;
 use super::manifest::{FILE_NAME, LeftOut, Manifest, StoredFile};
 use super::shelf::{Shelf, failed};
 use crate::pipeline::PipelineError;
+use crate::pipeline::ground::error::BackupError;
 use crate::pipeline::ground::whole_file::put_own;
 use crate::system::fs;
 

@@ -7,13 +7,13 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::error::BackupError;
 use super::journal::JOURNAL;
 use crate::pipeline::PipelineError;
+use crate::pipeline::ground::error::BackupError;
 use crate::system::fs;
 
-/// Name of the newest list inside the backup.
-pub const FILE_NAME: &str = "backup.json";
+/// Name of the list that is a backup.
+pub use crate::pipeline::ground::error::BACKUP_LIST as FILE_NAME;
 /// Schema of the document.
 const SCHEMA: &str = "ieap/backup-contents/1";
 

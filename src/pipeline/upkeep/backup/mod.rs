@@ -6,7 +6,6 @@
 //! archive holds whatever it names, since raw files are archived before the database names them.
 
 mod contents;
-mod error;
 mod journal;
 mod lists;
 mod making;
@@ -32,7 +31,7 @@ use manifest::{Head, LeftOut, Manifest, StoredFile};
 use place::place;
 use shelf::{DATABASE, Shelf, UNFINISHED, failed};
 
-pub use error::BackupError;
+pub use crate::pipeline::ground::error::BackupError;
 pub use restore::{Restore, Restored};
 
 /// Lists that stay unless the user says otherwise, the new one counted: a week of evenings. Each costs a copy of the database.

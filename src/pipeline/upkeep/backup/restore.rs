@@ -8,7 +8,6 @@ use std::time::{Duration, SystemTime};
 use serde::Serialize;
 
 use super::contents::reason;
-use super::error::BackupError;
 #[cfg(unix)]
 use super::journal::JOURNAL;
 use super::lists;
@@ -17,7 +16,8 @@ use super::manifest::{LeftOut, Manifest, StoredFile};
 use super::place::place;
 use super::shelf::{DATABASE, failed, is_database};
 use crate::ingest::archive::{Archive, hash_of_file};
-use crate::pipeline::show::status::{self, Status};
+use crate::pipeline::ground::error::BackupError;
+use crate::pipeline::upkeep::status::{self, Status};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FILE_NAME as DATABASE_NAME;
 use crate::system::fs;

@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::error::BackupError;
 use super::lists;
 use super::manifest::{self, StoredFile};
 use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming, hash_of_file, is_hash};
 use crate::pipeline::PipelineError;
+use crate::pipeline::ground::error::BackupError;
 use crate::store::InstanceLock;
 use crate::system::fs;
 

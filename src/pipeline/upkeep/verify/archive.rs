@@ -5,8 +5,10 @@ use std::path::Path;
 
 use super::{Part, counted};
 use crate::domain::Issue;
-use crate::ingest::archive::{Archive, Archived};
+use crate::ingest::archive::{Archive, Archived, BlobFinding};
+use crate::pipeline::ground::mends::Reasoned;
 use crate::pipeline::{Context, Observer, PipelineError};
+use crate::store::RunContent;
 
 /// Name of the part.
 const NAME: &str = "archive";
@@ -73,4 +75,28 @@ pub fn alone(folder: &Path) -> Result<Part, PipelineError> {
             .map(|found| found.issue())
             .collect(),
     })
+}
+
+/// Raw files that the archive lacks, by names and sizes.
+///
+/// # Errors
+/// The database or the archive cannot be read.
+pub fn raw_files_lost(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
+    let contents = context.store.contents()?;
+    let of = |content: &RunContent| Archived {
+        hash: content.hash.clone(),
+        path: content.archive_path.clone(),
+        size_bytes: content.size_bytes,
+    };
+    let wanted: Vec<Archived> = contents.iter().map(of).collect();
+    let path_of = |hash: &str| {
+        let at = contents.binary_search_by(|content| content.hash.as_str().cmp(hash));
+        at.map_or_else(|_| String::new(), |at| contents[at].path.clone())
+    };
+    let lost = Archive::new(&context.folder).missing(&wanted)?;
+    let reasoned = |finding: BlobFinding| Reasoned {
+        path: path_of(&finding.wanted.hash),
+        issues: vec![finding.issue()],
+    };
+    Ok(lost.into_iter().map(reasoned).collect())
 }

@@ -2,7 +2,7 @@
 
 use super::Part;
 use crate::domain::Issue;
-use crate::pipeline::upkeep::holdings;
+use crate::pipeline::campaign::holdings;
 use crate::pipeline::{Context, Observer, PipelineError};
 
 /// Name of the part.

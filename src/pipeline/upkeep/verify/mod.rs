@@ -1,7 +1,7 @@
 //! Whether what a campaign rests on is as it was stored: the database, the raw files, the journal, the report; and, asked for
 //! deeply, whether every current number can be derived again from the raw bytes, to the same bits.
 
-mod archive;
+pub mod archive;
 mod database;
 mod deep;
 mod journal;
@@ -127,7 +127,7 @@ pub(crate) fn quick(context: &Context) -> Result<Vec<Issue>, PipelineError> {
 /// As of [`quick`].
 pub(crate) fn of_archive(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     let mut findings = Vec::new();
-    for lost in crate::pipeline::show::status::raw_files_lost(context)? {
+    for lost in archive::raw_files_lost(context)? {
         findings.extend(lost.issues);
     }
     if crate::store::journal::path_in(&context.folder).exists() {

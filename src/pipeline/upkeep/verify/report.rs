@@ -2,8 +2,9 @@
 
 use super::Part;
 use crate::domain::Issue;
+use crate::pipeline::campaign::places::REPORT_FOLDER;
 use crate::pipeline::ground::own_folder::{self, Altered};
-use crate::pipeline::show::report::{REPORT_FOLDER, is_current, not_ours, report_faults};
+use crate::pipeline::show::report::{is_current, not_ours, report_faults};
 use crate::pipeline::{Context, PipelineError};
 
 /// Holds it against the hashes of its files and its stamp.

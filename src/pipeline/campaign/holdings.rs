@@ -3,51 +3,13 @@
 //! The archive says in `archive/database-id` which database it belongs to. A campaign that had a database and has none
 //! now is refused: made anew without a word it would lose what only the database held, and the report would follow.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use thiserror::Error;
-
+use super::places::{FAULTS, REPORT_FOLDER, STAMP};
 use crate::ingest::archive::{Archive, FOLDER};
 use crate::pipeline::PipelineError;
-use crate::pipeline::show::report::{FAULTS, REPORT_FOLDER, STAMP};
+use crate::pipeline::ground::error::HoldingsError;
 use crate::store::{self, FILE_NAME, Found, Store, journal};
-
-/// Why a campaign is not worked on as it stands.
-#[derive(Debug, Error)]
-pub enum HoldingsError {
-    /// There was a database.
-    #[error(
-        "{}: {found}, but {evidence}, so this campaign had a database. `ieap rebuild` makes it anew from archive and journal, with tags set by hand, dropped runs and deleted files; or put a backup of it back. Without archive and journal, `ieap run --new-database` makes one from the files in the campaign alone.", path.display()
-    )]
-    DatabaseLost {
-        /// Where it should be.
-        path: PathBuf,
-        /// What is there.
-        found: String,
-        /// What says that there was one.
-        evidence: String,
-    },
-    /// There was an archive.
-    #[error(
-        "{}: the archive with the raw files is not there, but the database names raw files. Put the archive back from a backup. If there is none, `ieap run --new-archive` makes a new one from the files that still lie in the campaign.", path.display()
-    )]
-    ArchiveLost {
-        /// Where it should be.
-        path: PathBuf,
-    },
-    /// Database and archive are of two campaigns.
-    #[error(
-        "{}: the database has the id {found}, the archive beside it belongs to the database {needed} (archive/database-id). Put the database and the archive back that belong together. If these two are meant to be one campaign from now on, delete archive/database-id and move archive/journal.jsonl away.", path.display()
-    )]
-    Foreign {
-        /// The database file.
-        path: PathBuf,
-        /// Its id.
-        found: String,
-        /// The id that the archive states.
-        needed: String,
-    },
-}
 
 /// Refuses a campaign whose database is gone or empty although something says that there was one.
 ///

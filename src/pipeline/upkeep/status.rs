@@ -1,33 +1,30 @@
 //! Counts: runs by state, refused files with reasons, gaps in the condition matrix, what is out of date.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 use serde::Serialize;
 
-use super::report::report_faults;
+use super::verify;
+use super::verify::archive::raw_files_lost;
 use crate::domain::tag::keys;
-use crate::domain::{
-    Alarm, ClimateAssessment, Fault, FileState, Issue, RunKind, RunRecord, RunState, Severity,
-};
-use crate::ingest::archive::{Archive, Archived, BlobFinding};
+use crate::domain::{Alarm, ClimateAssessment, Fault, FileState, Issue, RunRecord, RunState};
 use crate::ingest::campaign_file::UNKNOWN_KEY;
-use crate::ingest::name_pattern::{self, ProposedPattern};
-use crate::ingest::tags::{self, MISSING, MISSPELT, NAMES_CONTRADICT, UNDECLARED, UNKNOWN_SAMPLE};
+use crate::ingest::name_pattern::ProposedPattern;
+use crate::ingest::tags::NAMES_CONTRADICT;
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::planned::{Planned, planned};
 use crate::pipeline::campaign::standing::{self, Runs, SetAside};
 use crate::pipeline::documents::lengthwise::LumpedOrDistributedEntry;
-use crate::pipeline::findings::alarms::TakenBack;
+use crate::pipeline::findings::alarms::{self, TakenBack};
+use crate::pipeline::findings::diagnose;
 use crate::pipeline::fits::runs::is_of_failed_fit;
 use crate::pipeline::ground::fault::or_nothing;
-use crate::pipeline::ground::mends::{Together, together};
-use crate::pipeline::intake::ingest::tagging::NO_AREA;
+use crate::pipeline::ground::mends::{Reasoned, Together};
 use crate::pipeline::intake::ingest::unread::RESPONSE_MISSING;
+use crate::pipeline::intake::ingest::waiting::{proposed_pattern, undeclared_tags};
 use crate::pipeline::intake::ingest::{UnreadableTags, unreadable_tags};
-use crate::pipeline::upkeep::verify;
+use crate::pipeline::show::report::{not_ours, report_faults};
 use crate::pipeline::{Context, PipelineError};
-use crate::store::RunContent;
 
 /// The state of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -136,15 +133,6 @@ pub struct ClimateStatus {
 /// Code of what is said of a run that only waits for its fit.
 pub const WAITS: &str = "not-fitted-yet";
 
-/// A file or run with the reasons for its state.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Reasoned {
-    /// Path relative to the campaign.
-    pub path: String,
-    /// Why.
-    pub issues: Vec<Issue>,
-}
-
 /// A file that holds the bytes of a run's file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AliasFile {
@@ -216,12 +204,9 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
             issues: log.run.issues.clone(),
         })
         .collect();
-    let waiting = crate::pipeline::findings::diagnose::waiting(context)?;
+    let waiting = diagnose::waiting(context)?;
     let mut faults = report_faults(&context.folder);
-    let watched = or_nothing(
-        crate::pipeline::findings::alarms::monitoring(context),
-        &mut faults,
-    )?;
+    let watched = or_nothing(alarms::monitoring(context), &mut faults)?;
     let missing = files
         .iter()
         .filter(|file| matches!(file.state, FileState::Run | FileState::Log) && file.missing_since.is_some());
@@ -261,8 +246,8 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),
         alarms: watched.alarms,
-        alarms_taken_back: crate::pipeline::findings::alarms::taken_back(context, &set_aside)?,
-        report_refused: super::report::not_ours(&context.folder)?,
+        alarms_taken_back: alarms::taken_back(context, &set_aside)?,
+        report_refused: not_ours(&context.folder)?,
         faults,
         planned: planned(context, &standing::all(context)?)?,
         lumped_or_distributed: runs.iter().filter_map(LumpedOrDistributedEntry::of).collect(),
@@ -277,30 +262,6 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
             .map(|run| run.path.clone())
             .collect(),
     })
-}
-
-/// Raw files that the archive lacks, by names and sizes.
-///
-/// # Errors
-/// The database or the archive cannot be read.
-pub fn raw_files_lost(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
-    let contents = context.store.contents()?;
-    let of = |content: &RunContent| Archived {
-        hash: content.hash.clone(),
-        path: content.archive_path.clone(),
-        size_bytes: content.size_bytes,
-    };
-    let wanted: Vec<Archived> = contents.iter().map(of).collect();
-    let path_of = |hash: &str| {
-        let at = contents.binary_search_by(|content| content.hash.as_str().cmp(hash));
-        at.map_or_else(|_| String::new(), |at| contents[at].path.clone())
-    };
-    let lost = Archive::new(&context.folder).missing(&wanted)?;
-    let reasoned = |finding: BlobFinding| Reasoned {
-        path: path_of(&finding.wanted.hash),
-        issues: vec![finding.issue()],
-    };
-    Ok(lost.into_iter().map(reasoned).collect())
 }
 
 fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, PipelineError> {
@@ -335,48 +296,6 @@ fn unread(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
         issues: vec![issue],
     });
     Ok(reasoned.collect())
-}
-
-/// Tag keys that are neither known nor declared, each with the runs that have it.
-///
-/// # Errors
-/// The database cannot be read.
-pub fn undeclared_tags(context: &Context) -> Result<Vec<Together>, PipelineError> {
-    let mut found = context.store.issues_of_code(MISSPELT)?;
-    found.extend(context.store.issues_of_code(UNDECLARED)?);
-    let entries = found
-        .iter()
-        .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));
-    Ok(together(entries))
-}
-
-/// What runs wait for before they can be fitted, each mend with all runs that need it: tags, samples, their sizes.
-///
-/// # Errors
-/// The database cannot be read.
-pub fn waiting_for(context: &Context) -> Result<Vec<Together>, PipelineError> {
-    let mut found = Vec::new();
-    for code in [MISSING, UNKNOWN_SAMPLE, NO_AREA] {
-        found.extend(context.store.issues_of_code(code)?);
-    }
-    found.retain(|(_, issue)| issue.severity == Severity::Error);
-    let entries = found
-        .iter()
-        .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));
-    Ok(together(entries))
-}
-
-/// The name pattern that would tag the most of these runs, where it tags two or more and is not the campaign's.
-pub fn proposed_pattern<'a>(
-    context: &Context,
-    untagged: impl Iterator<Item = &'a str>,
-) -> Option<ProposedPattern> {
-    let runs = untagged.filter(|path| context.campaign.kind_of(path) == RunKind::Actuation);
-    let stems: Vec<String> = runs.map(|path| tags::stem(Path::new(path))).collect();
-    let stems: Vec<&str> = stems.iter().map(String::as_str).collect();
-    let found = name_pattern::propose(&stems)?;
-    let is_new = context.campaign.name_pattern.as_ref() != Some(&found.pattern);
-    (found.explains >= 2 && is_new).then_some(found)
 }
 
 fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reasoned> {

@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+/// Name of the list that is a backup.
+pub const FILE_NAME: &str = "backup.json";
+
 /// Why a campaign is not backed up or restored. Every text says what to do.
 #[derive(Debug, Error)]
 pub enum BackupError {
@@ -54,7 +57,7 @@ pub enum BackupError {
         path: String,
     },
     /// There is no backup in the folder.
-    #[error("{}: there is no finished backup ({}) in it. Name the folder that was given to `ieap backup`.{others}", folder.display(), super::manifest::FILE_NAME)]
+    #[error("{}: there is no finished backup ({}) in it. Name the folder that was given to `ieap backup`.{others}", folder.display(), FILE_NAME)]
     NoBackup {
         /// The folder named.
         folder: PathBuf,
@@ -113,7 +116,7 @@ pub enum BackupError {
 
 impl BackupError {
     /// The same with what else can be restored.
-    pub(super) fn with_others(mut self, said: String) -> BackupError {
+    pub(crate) fn with_others(mut self, said: String) -> BackupError {
         use BackupError as E;
         if let E::NoBackup { others, .. }
         | E::DamagedManifest { others, .. }

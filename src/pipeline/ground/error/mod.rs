@@ -1,5 +1,9 @@
 //! Why a verb could not do its work.
 
+mod backup;
+mod holdings;
+mod spec;
+
 use std::path::PathBuf;
 
 use thiserror::Error;
@@ -13,11 +17,12 @@ use crate::ingest::profiles::ProfileError;
 use crate::ingest::scan::ScanError;
 use crate::ingest::watch::WatchError;
 use crate::model::scaling::ScalingError;
-use crate::pipeline::apart::simulate::SpecError;
-use crate::pipeline::upkeep::backup::BackupError;
-use crate::pipeline::upkeep::holdings::HoldingsError;
 use crate::report::ReportError;
 use crate::store::StoreError;
+
+pub use backup::{BackupError, FILE_NAME as BACKUP_LIST};
+pub use holdings::HoldingsError;
+pub use spec::SpecError;
 
 /// A failure of a verb. Files that cannot be read are no failure: they are refused, and the work goes on.
 #[derive(Debug, Error)]

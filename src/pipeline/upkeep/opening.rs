@@ -1,0 +1,224 @@
+//! A campaign is opened: the lock is taken, and what was left behind, lost or altered since it was last open is seen and
+//! made good or refused.
+
+use std::path::{Path, PathBuf};
+
+use super::rebuild::aside;
+use super::{agreement, verify};
+use crate::ingest::archive::Archive;
+use crate::ingest::{campaign_file, filesystem};
+use crate::pipeline::campaign::context::now;
+use crate::pipeline::campaign::holdings;
+use crate::pipeline::{Context, PipelineError};
+use crate::store::{self, InstanceLock, Store, StoreError};
+
+impl Context {
+    /// Opens a campaign to work on it; takes the lock that keeps a second instance out.
+    ///
+    /// # Errors
+    /// campaign.toml or a profile is wrong or missing; another instance works; the database cannot be used.
+    pub fn open(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let mut lock = InstanceLock::take(folder)?;
+        // Whoever was killed while it archived left these; with the lock held nobody writes them now.
+        Archive::new(folder).remove_partial()?;
+        holdings::refuse_lost_database(folder)?;
+        let store = open_locked(folder, &lock)?;
+        holdings::check_and_mark(folder, &store)?;
+        let ended_in_order = lock.last_ended_in_order();
+        let mut context = Context::with(folder, loaded, store, None)?;
+        context.agreed = agreement::agree(&mut context, !ended_in_order)?;
+        lock.found_sound();
+        context.lock = Some(lock);
+        context.agreed.extend(verify::missed(&context)?);
+        if !ended_in_order {
+            context.damage = verify::of_archive(&context)?;
+        }
+        Ok(context)
+    }
+
+    /// The same with a new database; what lies in its place is moved aside, and its new name given.
+    ///
+    /// # Errors
+    /// As [`Context::open`].
+    pub fn open_with_new_database(
+        folder: &Path,
+        allow_network: bool,
+    ) -> Result<(Context, Option<PathBuf>), PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let mut lock = InstanceLock::take(folder)?;
+        let archive = Archive::new(folder);
+        archive.remove_partial()?;
+        let mark = now().replace([':', '-'], "");
+        let aside = store::set_aside(folder, &mark)?;
+        store::journal::set_aside(folder, &mark)?;
+        let store = Store::open(folder)?;
+        archive.set_owner(&store.identity()?)?;
+        lock.found_sound();
+        Ok((Context::with(folder, loaded, store, Some(lock))?, aside))
+    }
+
+    /// The same with a new archive, or what is left of the old one; every file is read again, so that its bytes are
+    /// archived.
+    ///
+    /// # Errors
+    /// As [`Context::open`].
+    pub fn open_with_new_archive(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let mut lock = InstanceLock::take(folder)?;
+        holdings::refuse_lost_database(folder)?;
+        let mut store = open_locked(folder, &lock)?;
+        store.read_again(&now())?;
+        Archive::new(folder).set_owner(&store.identity()?)?;
+        let mut context = Context::with(folder, loaded, store, None)?;
+        context.agreed = agreement::agree(&mut context, !lock.last_ended_in_order())?;
+        lock.found_sound();
+        context.lock = Some(lock);
+        Ok(context)
+    }
+
+    /// Begins a new database of a campaign beside the one that it has, in a folder of its own; nothing that is done with it
+    /// goes to the journal. Whatever lies in the place of the old one is not looked at.
+    ///
+    /// # Errors
+    /// As [`Context::open`]; the folder cannot be made, or holds what the program did not write.
+    pub fn open_aside(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let lock = InstanceLock::take(folder)?;
+        Archive::new(folder).remove_partial()?;
+        let aside = aside::emptied(folder)?;
+        let mut store = Store::open(&aside)?;
+        store.keep_journal_in(None);
+        Context::with(folder, loaded, store, Some(lock))
+    }
+
+    /// Puts the database that was begun so in the place of the old one, which is moved aside; gives its new name.
+    ///
+    /// # Errors
+    /// The new database does not read back from its file as it was made, or a file cannot be renamed; the new database then
+    /// stays where it was made.
+    pub fn put_in_place(self) -> Result<Option<PathBuf>, PipelineError> {
+        let Context {
+            folder,
+            store,
+            mut lock,
+            ..
+        } = self;
+        store.close_whole()?;
+        let mark = now().replace([':', '-'], "");
+        let old = store::put_in_place(&aside::path_in(&folder), &folder, &mark)?;
+        aside::remove(&folder)?;
+        if let Some(lock) = lock.as_mut() {
+            lock.found_sound();
+        }
+        Ok(old)
+    }
+
+    /// The same campaign with another database.
+    pub(crate) fn with_store(&self, store: Store) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(&self.folder)?;
+        Context::with(&self.folder, loaded, store, None)
+    }
+
+    /// Opens a campaign beside a working instance, for changes that do not read files or fit.
+    ///
+    /// # Errors
+    /// As [`Context::open`]; the lock is needed only where the database is to be brought up to date, or it and the journal do
+    /// not say the same.
+    pub fn open_beside(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        holdings::refuse_lost_database(folder)?;
+        let is_ready = match Store::open_read_only(folder) {
+            Ok(Some(store)) => store.has_course()? && store.is_agreed(folder)?,
+            Ok(None) => true,
+            Err(StoreError::Older { .. }) => false,
+            Err(error) => return Err(error.into()),
+        };
+        let agreed = match is_ready {
+            true => Vec::new(),
+            // Only who holds the lock brings a database up to date, and it and its journal together.
+            false => Context::open(folder, allow_network)?.agreed,
+        };
+        let store = Store::open(folder)?;
+        holdings::check(folder, &store)?;
+        let context = Context::with(folder, loaded, store, None)?;
+        Ok(Context { agreed, ..context })
+    }
+
+    /// Opens a campaign to read from it. Where there is no database yet an empty one in memory stands in. Where the database
+    /// and the journal do not say the same, that is made good first.
+    ///
+    /// # Errors
+    /// campaign.toml or a profile is wrong or missing; the database is gone or cannot be read, or lacks what the journal says
+    /// and cannot be told it now.
+    pub fn open_read_only(folder: &Path) -> Result<Context, PipelineError> {
+        let context = Context::open_as_it_is(folder)?;
+        // An empty one in memory has no file.
+        if !context.store.path().exists() || context.store.is_agreed(folder)? {
+            return Ok(context);
+        }
+        match Context::open(folder, false) {
+            Ok(Context { agreed, .. }) => {
+                let context = Context::open_as_it_is(folder)?;
+                Ok(Context { agreed, ..context })
+            }
+            Err(error) => {
+                let compared = context.store.compared(folder)?;
+                match compared.is_database_whole() {
+                    // The journal lacks something: who writes next makes it good.
+                    true => Ok(context),
+                    false => Err(StoreError::Lags {
+                        path: context.store.path().to_owned(),
+                        lacks: compared.lacks(),
+                        why: error.to_string(),
+                    }
+                    .into()),
+                }
+            }
+        }
+    }
+
+    /// The same, but nothing is made good.
+    ///
+    /// # Errors
+    /// campaign.toml or a profile is wrong or missing; the database is gone or cannot be read.
+    pub fn open_as_it_is(folder: &Path) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        holdings::refuse_lost_database(folder)?;
+        let store = match Store::open_read_only(folder)? {
+            Some(store) => store,
+            None => Store::in_memory()?,
+        };
+        Context::with(folder, loaded, store, None)
+    }
+}
+
+/// Opens the database for whoever holds the lock; after a disorderly end its structure is looked at first.
+fn open_locked(folder: &Path, lock: &InstanceLock) -> Result<Store, StoreError> {
+    let store = Store::open(folder)?;
+    if !lock.last_ended_in_order() {
+        store.check_structure()?;
+    }
+    Ok(store)
+}
+
+/// SQLite's write-ahead log needs shared memory, which network file systems do not give.
+fn refuse_network(folder: &Path, allow_network: bool) -> Result<(), PipelineError> {
+    // Where the system cannot tell, the file system is taken as local.
+    match filesystem::network_kind(folder).ok().flatten() {
+        Some(kind) if !allow_network => {
+            let path = folder.join(crate::store::FILE_NAME);
+            Err(StoreError::NetworkShare {
+                path,
+                kind: kind.to_owned(),
+            }
+            .into())
+        }
+        _ => Ok(()),
+    }
+}
