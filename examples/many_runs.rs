@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use ieap::pipeline::show::status::status;
+use ieap::pipeline::upkeep::status::status;
 use ieap::pipeline::{Context, Ingest, RenderReport, Silent};
 
 /// Files of one folder.

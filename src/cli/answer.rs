@@ -3,10 +3,11 @@
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::{CampaignArg, say_what_was_agreed};
 use super::exit::{CliError, DONE};
+use super::global::Global;
 use super::output::Output;
 use super::tag::user_name;
-use super::{CampaignArg, Global, say_what_was_agreed};
 use crate::pipeline::{Answer, Context};
 
 /// Say that you looked after words that may be lost since a rebuilding: `status` and `run` then end as ever

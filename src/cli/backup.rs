@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::global::Global;
 use super::output::{Output, counted};
-use super::{CampaignArg, Global};
 use crate::domain::Issue;
 use crate::pipeline::upkeep::backup::manifest::LeftOut;
 use crate::pipeline::upkeep::backup::{Backup, KEEP, Restore};

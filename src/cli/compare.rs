@@ -5,9 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
+use super::global::Global;
+use super::ingest;
 use super::output::{Output, counted};
-use super::{CampaignArg, Global, ingest};
 use crate::pipeline::{CompareModels, CompareSummary, ComparedCondition, ComparedModel, Ingest};
 
 /// Hold several models against each other on the same runs: what each leaves in units of the noise, what it predicts of

@@ -86,7 +86,7 @@ pub fn run(args: &ConvertArgs, output: &Output) -> Result<u8, CliError> {
 
 /// Takes what is not given from a sample of the campaign; says where the modulus is from, or why there is none.
 fn fill(strip: &mut MeasuredStrip, id: &str, args: &ConvertArgs) -> Result<String, CliError> {
-    let context = Context::open_read_only(&super::folder(args.campaign.as_deref())?)?;
+    let context = Context::open_read_only(&super::campaign::folder(args.campaign.as_deref())?)?;
     let sample = context.campaign.sample(id).ok_or_else(|| {
         let known: Vec<&str> = context.campaign.samples.iter().map(|s| s.id.as_str()).collect();
         CliError::usage(&format!(

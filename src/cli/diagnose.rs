@@ -2,9 +2,11 @@
 
 use clap::Args;
 
+use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
+use super::global::Global;
+use super::ingest;
 use super::output::{Output, counted};
-use super::{CampaignArg, Global, ingest};
 use crate::domain::{Gain, Verdict};
 use crate::model::effects;
 use crate::pipeline::documents::diagnosis::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
@@ -67,7 +69,7 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
     if args.adopt {
         adopt(args, global, &mut context, output)?;
     }
-    super::run::say_faults(&document.faults, output);
+    super::faults::say_faults(&document.faults, output);
     output.document(&document)?;
     Ok(exit::after(
         summary.has_fault() || !document.faults.is_empty(),

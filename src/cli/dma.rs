@@ -2,9 +2,11 @@
 
 use clap::Args;
 
+use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
+use super::global::Global;
+use super::ingest;
 use super::output::Output;
-use super::{CampaignArg, Global, ingest};
 use crate::domain::seconds::seconds;
 use crate::pipeline::documents::dma::{LogEntry, dma_document};
 use crate::pipeline::documents::estimate_words::in_words;

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args};
 
 use super::asked_strip::{OutputFile, StripArgs};
+use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::predict::words;
 use super::table::write;
-use super::{CampaignArg, typed};
+use super::typed;
 use crate::domain::typed_value::Measured;
 use crate::pipeline::Context;
 use crate::pipeline::apart::forward::drive_file::{read_course, write_drive};

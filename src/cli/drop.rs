@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::folder;
 use super::exit::{CliError, DONE};
+use super::global::Global;
 use super::output::{Output, counted};
 use super::tag::{place, user_name};
-use super::{Global, folder};
 use crate::ingest::campaign_file;
 use crate::pipeline::campaign::standing::SetAside;
 use crate::pipeline::{Context, SpeakOfRuns};
@@ -69,7 +70,7 @@ pub fn run_undrop(args: &UndropArgs, global: &Global, output: &Output) -> Result
 fn speak(mut said: SpeakOfRuns, global: &Global, output: &Output) -> Result<u8, CliError> {
     let folder = take_places(&mut said.runs, said.deleted)?;
     let mut context = Context::open_beside(&folder, global.i_know)?;
-    super::say_what_was_agreed(&context, output);
+    super::campaign::say_what_was_agreed(&context, output);
     let spoken = said.run(&mut context)?;
     let list = |title: &str, runs: &[SetAside], with_mend: bool| {
         if !runs.is_empty() {

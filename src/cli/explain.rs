@@ -43,7 +43,7 @@ pub fn run(args: &ExplainArgs, output: &Output) -> Result<u8, CliError> {
         }
         (row, _) => (row.as_ref(), folder),
     };
-    let context = Context::open_read_only(&super::folder(folder)?)?;
+    let context = Context::open_read_only(&super::campaign::folder(folder)?)?;
     let (Some(row), Some(column)) = (row, &args.column) else {
         return list(args, &context, output);
     };

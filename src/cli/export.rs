@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::CampaignArg;
+use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::{Output, counted};
 use crate::pipeline::documents::fits::fits_document;

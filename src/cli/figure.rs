@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::CampaignArg;
+use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::table::write;
@@ -60,7 +60,9 @@ pub fn run(args: &FigureArgs, output: &Output) -> Result<u8, CliError> {
     };
     let bytes = match needs_no_campaign(name) {
         true => figure.simulated()?,
-        false => figure.run(&Context::open_read_only(&super::folder(folder.as_deref())?)?)?,
+        false => figure.run(&Context::open_read_only(&super::campaign::folder(
+            folder.as_deref(),
+        )?)?)?,
     };
     let path = args
         .output

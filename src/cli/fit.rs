@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
+use super::global::Global;
+use super::ingest;
 use super::output::{Output, counted};
-use super::{CampaignArg, Global, ingest};
 use crate::domain::FileState;
 use crate::pipeline::documents::estimate_words::in_words;
 use crate::pipeline::documents::fits::{FitEntry, fits_document};

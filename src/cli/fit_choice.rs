@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::Global;
+use super::global::Global;
 use crate::pipeline::FitChoice;
 
 /// How runs are fitted.

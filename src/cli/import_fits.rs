@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::{folder, say_what_is_not_understood};
 use super::exit::{self, CliError};
+use super::global::Global;
 use super::output::{Output, counted};
-use super::{Global, folder, say_what_is_not_understood};
 use crate::pipeline::Context;
 use crate::pipeline::upkeep::import_fits::{ImportFits, ImportSummary};
 

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
+use super::global::Global;
 use super::output::{Output, counted};
-use super::{CampaignArg, Global};
 use crate::domain::Issue;
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::pipeline::ground::mends::{Together, together};

@@ -3,6 +3,7 @@
 mod answer;
 mod asked_strip;
 mod backup;
+mod campaign;
 mod colour;
 mod compare;
 mod completions;
@@ -15,11 +16,13 @@ mod effects;
 mod exit;
 mod explain;
 mod export;
+mod faults;
 mod figure;
 mod fit;
 mod fit_choice;
 mod fit_group;
 mod formats;
+mod global;
 mod impedance;
 mod import_fits;
 mod ingest;
@@ -54,12 +57,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::domain::fault::caught;
-use crate::ingest::campaign_file;
-use crate::pipeline::Context;
 use exit::CliError;
+use global::Global;
 use output::Output;
 
 /// Database and report pipeline for step-response campaigns of ionic electroactive polymer actuators.
@@ -82,42 +84,6 @@ struct Cli {
     global: Global,
     #[command(subcommand)]
     verb: Verb,
-}
-
-/// Options of every verb.
-#[derive(Debug, Clone, Args)]
-struct Global {
-    /// Print one JSON document on stdout and nothing else there
-    #[arg(long, global = true)]
-    json: bool,
-    /// Print errors only
-    #[arg(long, short, global = true, conflicts_with = "verbose")]
-    quiet: bool,
-    /// Say more on stderr: every file and run that was touched
-    #[arg(long, short, global = true)]
-    verbose: bool,
-    /// Show no progress bars
-    #[arg(long, global = true)]
-    no_progress: bool,
-    /// Colour what people read: auto (on a terminal, unless NO_COLOR is set), always or never
-    #[arg(
-        long,
-        global = true,
-        value_name = "WHEN",
-        value_enum,
-        hide_possible_values = true,
-        default_value = "auto"
-    )]
-    color: ColorChoice,
-    /// Work on N threads; results do not depend on it [default: all cores]
-    #[arg(long, global = true, value_name = "N")]
-    threads: Option<usize>,
-    /// Seed of everything random, in place of the stated one
-    #[arg(long, global = true, value_name = "N")]
-    seed: Option<u64>,
-    /// Keep the database on a network file system at your own risk
-    #[arg(long, global = true, hide_short_help = true)]
-    i_know: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -161,101 +127,6 @@ enum Verb {
     Schema(schema::SchemaArgs),
     Man(man::ManArgs),
     Completions(completions::CompletionsArgs),
-}
-
-/// The campaign a verb works on.
-#[derive(Debug, Clone, Args)]
-struct CampaignArg {
-    /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
-    #[arg(value_name = "CAMPAIGN")]
-    campaign: Option<PathBuf>,
-    /// The same
-    #[arg(
-        long = "campaign",
-        short = 'C',
-        value_name = "CAMPAIGN",
-        conflicts_with = "campaign"
-    )]
-    at: Option<PathBuf>,
-}
-
-impl CampaignArg {
-    /// The folder meant.
-    fn folder(&self) -> Result<PathBuf, CliError> {
-        folder(self.given())
-    }
-
-    /// The folder named, if any.
-    fn given(&self) -> Option<&Path> {
-        self.campaign.as_deref().or(self.at.as_deref())
-    }
-
-    /// What a verb is asked for by name, and the folder named: `table table5`, `table table5 FOLDER`, `table FOLDER` and
-    /// `table FOLDER table5` mean what they seem to. A name that is known goes before a folder of that name.
-    fn with_name(
-        &self,
-        name: Option<&str>,
-        is_known: impl Fn(&str) -> bool,
-    ) -> (Option<String>, Option<PathBuf>) {
-        let folder = name.filter(|name| !is_known(name) && Path::new(name).is_dir());
-        match folder {
-            None => (name.map(str::to_owned), self.given().map(Path::to_owned)),
-            Some(folder) => {
-                let second = self.given().map(|second| second.to_string_lossy().into_owned());
-                (second, Some(folder.into()))
-            }
-        }
-    }
-
-    /// Opens that campaign for writing, and says what in its campaign.toml is not understood.
-    fn open(&self, global: &Global, output: &Output) -> Result<Context, CliError> {
-        let context = Context::open(&self.folder()?, global.i_know)?;
-        say_what_is_not_understood(&context, output);
-        Ok(context)
-    }
-
-    /// The same for reading only.
-    fn open_read_only(&self, output: &Output) -> Result<Context, CliError> {
-        let context = Context::open_read_only(&self.folder()?)?;
-        say_what_is_not_understood(&context, output);
-        Ok(context)
-    }
-}
-
-fn say_what_is_not_understood(context: &Context, output: &Output) {
-    let warnings = context.warnings.iter();
-    warnings.for_each(|issue| output.issue("campaign.toml", issue));
-    say_what_opening_found(context, output);
-}
-
-/// What opening the campaign found and put right.
-fn say_what_opening_found(context: &Context, output: &Output) {
-    say_what_was_agreed(context, output);
-    if !context.damage.is_empty() {
-        output.message(
-            "After the disorderly end of the last ieap, this was found (`ieap verify` looks at everything):",
-        );
-        let damage = context.damage.iter();
-        damage.for_each(|issue| output.issue("damage", issue));
-    }
-}
-
-/// What the database and the journal lacked of each other, and what may be lost.
-fn say_what_was_agreed(context: &Context, output: &Output) {
-    let agreed = context.agreed.iter();
-    agreed.for_each(|issue| output.issue("database and journal", issue));
-}
-
-/// The campaign folder meant by `given`, or found from the current folder upward.
-fn folder(given: Option<&Path>) -> Result<PathBuf, CliError> {
-    match given {
-        Some(folder) => Ok(folder.to_owned()),
-        None => campaign_file::find(Path::new(".")).ok_or_else(|| {
-            CliError::usage(
-                "there is no campaign.toml in this folder or above it. Name a campaign folder, or make one with `ieap init FOLDER`.",
-            )
-        }),
-    }
 }
 
 /// Parses the command line, runs the verb and gives its exit status.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::CampaignArg;
+use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::{Output, counted};
 use crate::pipeline::Context;

@@ -9,9 +9,9 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 use serde::Serialize;
 
-use super::Global;
 use super::colour::{self, Ink};
 use super::exit::{self, CliError};
+use super::global::Global;
 use super::printable::printable;
 use crate::domain::Issue;
 use crate::domain::safe_text::json_text;

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::asked_strip::{OutputFile, StripArgs};
+use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::table::write;
-use super::{CampaignArg, typed};
+use super::typed;
 use crate::domain::Drive;
 use crate::domain::typed_value::Measured;
 use crate::pipeline::Context;

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::campaign::folder;
 use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::inspect;
 use super::output::Output;
-use super::{folder, inspect};
 use crate::ingest::campaign_file;
 use crate::pipeline::apart::profile::{ProposedProfile, propose};
 

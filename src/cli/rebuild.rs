@@ -3,9 +3,11 @@
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
+use super::global::Global;
+use super::ingest;
 use super::output::{Output, counted};
-use super::{CampaignArg, Global, ingest};
 use crate::pipeline::{Rebuild, RebuildSummary};
 
 /// Make the database anew from archive and journal, where it is lost or damaged; the old one is kept under another name

@@ -3,9 +3,11 @@
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::CampaignArg;
 use super::exit::{self, CliError, STORAGE};
+use super::faults::say_faults;
+use super::global::Global;
 use super::output::{Output, counted};
-use super::{CampaignArg, Global, run};
 use crate::pipeline::{RenderReport, ReportSummary};
 
 /// Render the report from the database, without looking for new files
@@ -34,7 +36,7 @@ const NAMED: usize = 5;
 
 /// Where the report is and what it lacks, or why it was not made.
 pub fn print(summary: &ReportSummary, output: &Output) {
-    run::say_faults(&summary.faults, output);
+    say_faults(&summary.faults, output);
     if !summary.altered.is_empty() {
         let files = counted(summary.altered.len(), "file");
         let first: Vec<&str> = summary.altered.iter().map(String::as_str).take(NAMED).collect();

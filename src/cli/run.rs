@@ -3,11 +3,13 @@
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::CampaignArg;
 use super::exit::{self, CliError, INTERRUPTED, STORAGE};
+use super::faults::say_faults;
 use super::fit_choice::FitChoiceArgs;
+use super::global::Global;
 use super::output::{Output, counted};
-use super::{CampaignArg, Global, diagnose, ingest, report, signals};
-use crate::domain::Fault;
+use super::{diagnose, ingest, report, signals};
 use crate::pipeline::left;
 use crate::pipeline::upkeep::verify::archive::raw_files_lost;
 use crate::pipeline::upkeep::verify::missed;
@@ -117,7 +119,7 @@ fn open(args: &RunArgs, global: &Global, output: &Output) -> Result<Context, Cli
     } else {
         return args.campaign.open(global, output);
     };
-    super::say_what_is_not_understood(&context, output);
+    super::campaign::say_what_is_not_understood(&context, output);
     Ok(context)
 }
 
@@ -193,14 +195,4 @@ pub fn print_diagnosed(diagnosed: &DiagnoseSummary, output: &Output) {
         "diagnoses: {} new, {} up to date{left}",
         diagnosed.diagnosed, diagnosed.up_to_date
     ));
-}
-
-/// What a fault of the program left out.
-pub fn say_faults(faults: &[Fault], output: &Output) {
-    for fault in faults {
-        output.message(&format!(
-            "fault of the program, this is missing: {}",
-            fault.sentence()
-        ));
-    }
 }

@@ -7,9 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
+use super::global::Global;
 use super::output::Output;
-use super::{CampaignArg, Global};
 use crate::pipeline::Observer;
 use crate::pipeline::serve::{DEFAULT_BIND, DEFAULT_PORT, Limits, Server};
 

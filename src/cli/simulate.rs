@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::Global;
 use super::exit::{CliError, DONE};
+use super::global::Global;
 use super::output::Output;
 use crate::pipeline::apart::simulate::Simulate;
 

@@ -3,9 +3,10 @@
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::{CampaignArg, say_what_is_not_understood, say_what_opening_found};
 use super::exit::{self, ALARM, CliError, DONE};
+use super::ingest;
 use super::output::{Output, counted};
-use super::{CampaignArg, ingest, say_what_is_not_understood, say_what_opening_found};
 use crate::domain::{Fault, Issue};
 use crate::pipeline::Context;
 use crate::pipeline::ground::mends::Reasoned;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::CampaignArg;
+use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::printable::printable;
@@ -65,7 +65,7 @@ pub fn run(args: &TableArgs, output: &Output) -> Result<u8, CliError> {
         return list(output);
     };
     find_table(name)?;
-    let mut context = Context::open_read_only(&super::folder(folder.as_deref())?)?;
+    let mut context = Context::open_read_only(&super::campaign::folder(folder.as_deref())?)?;
     if let Some(class) = &args.by {
         compared_by(&mut context, name, class)?;
     }

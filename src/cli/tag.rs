@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
+use super::campaign::folder;
 use super::exit::{CliError, DONE};
+use super::global::Global;
 use super::output::Output;
-use super::{Global, folder};
 use crate::ingest::campaign_file;
 use crate::pipeline::{Context, SetTags};
 
@@ -33,7 +34,7 @@ pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let named = named.or_else(|| args.campaign.clone());
     let (folder, run) = place(&args.run, named.as_deref())?;
     let mut context = Context::open_beside(&folder, global.i_know)?;
-    super::say_what_was_agreed(&context, output);
+    super::campaign::say_what_was_agreed(&context, output);
     let set = SetTags {
         run,
         pairs,

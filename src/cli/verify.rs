@@ -3,7 +3,7 @@
 use clap::Args;
 use serde_json::json;
 
-use super::CampaignArg;
+use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE, STORAGE};
 use super::output::Output;
 use crate::pipeline::upkeep::verify::{Part, Verified, Verify};

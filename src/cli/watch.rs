@@ -4,10 +4,12 @@ use std::time::Duration;
 
 use clap::Args;
 
+use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::fit_choice::FitChoiceArgs;
+use super::global::Global;
 use super::output::Output;
-use super::{CampaignArg, Global, ingest, report, run, signals};
+use super::{ingest, report, run, signals};
 use crate::pipeline::{Run, Watch, WatchSettings, Watched};
 
 /// Do what `run` does, then the same for every file that arrives, until stopped (Ctrl-C)

@@ -30,7 +30,8 @@ pub use findings::diagnose::{DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, stan
 pub use findings::modulus::{AnalyseModulus, ModulusSummary};
 pub use fits::choice::{ChosenBy, FitChoice, HeldChoice};
 pub use fits::groups::{FitGroups, FitTogether, Sharing};
-pub use fits::runs::{FAULT, FitRuns, FitSummary};
+pub use fits::outcome::{FAULT, FitSummary};
+pub use fits::runs::FitRuns;
 pub use ground::error::HoldingsError;
 pub use ground::error::PipelineError;
 pub use ground::observer::{Observer, Silent};

@@ -1,6 +1,6 @@
 //! What a run's readings along the strip are asked: the distributed model, and whether it is needed.
 
-use super::runs::{Outcome, not_fitted};
+use super::outcome::{Outcome, not_fitted};
 use crate::domain::{Channel, Fit, Issue, Quantity};
 use crate::fit::FitOptions;
 use crate::fit::distributed::{Decision, DistributedInput, Strip, decide, fit_distributed, given_resistance};

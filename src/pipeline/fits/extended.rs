@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::input_hash::{library_hash, take_task};
+use super::outcome::{FitSummary, Outcome, fit_fault, save};
 use super::plan::{ExtendedGroup, Planned};
-use super::runs::{FitSummary, Outcome, fit_fault, save};
 use crate::diagnose::{RunInput, fit_extended, model_version};
 use crate::domain::diagnosis::follows_a_tag;
 use crate::domain::fault::caught;

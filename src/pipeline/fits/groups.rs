@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::choice::FitChoice;
-use super::runs::fit_fault;
+use super::outcome::fit_fault;
 use crate::domain::fault::caught;
 use crate::domain::{Channel, Issue};
 use crate::fit::{

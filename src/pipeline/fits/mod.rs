@@ -5,6 +5,7 @@ pub(super) mod choice;
 pub(super) mod extended;
 pub(super) mod groups;
 pub(super) mod input_hash;
+pub(super) mod outcome;
 pub(super) mod plan;
 pub mod result;
 pub(super) mod runs;

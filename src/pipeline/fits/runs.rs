@@ -5,17 +5,17 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::along;
-use super::choice::{FitChoice, HeldChoice, held};
+use super::choice::{FitChoice, held};
 use super::extended;
+use super::outcome::{FitSummary, Outcome, fit_fault, not_fitted, save};
 use super::plan::{Planned, fit_plan};
 use crate::domain::fault::caught;
-use crate::domain::{AskedFit, Channel, Fit, InputHash, Issue};
-use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
+use crate::domain::{AskedFit, Channel, InputHash};
+use crate::fit::{FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
 use crate::numerics::interrupt;
-use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{FitStamp, FitTask};
+use crate::store::FitTask;
 
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
 const BATCH: usize = 32;
@@ -27,30 +27,6 @@ pub struct FitRuns {
     pub choice: FitChoice,
     /// Fit again even where nothing changed.
     pub again: bool,
-}
-
-/// What `fit` did.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
-pub struct FitSummary {
-    /// Runs fitted.
-    pub fitted: usize,
-    /// Runs whose fit was up to date.
-    pub up_to_date: usize,
-    /// Runs that could not be fitted, with the reason.
-    pub failed: Vec<(String, Issue)>,
-    /// Runs whose search did not converge.
-    pub not_converged: Vec<String>,
-    /// Groups that campaign.toml adopts a model for and that are not there.
-    pub unknown_groups: Vec<String>,
-    /// Choices of method, steps and model that hold for runs because somebody made them.
-    pub choices: Vec<HeldChoice>,
-}
-
-impl FitSummary {
-    /// Whether a fault of the program stopped a fit.
-    pub fn has_fault(&self) -> bool {
-        self.failed.iter().any(|(_, issue)| issue.code == FAULT)
-    }
 }
 
 impl FitRuns {
@@ -126,8 +102,6 @@ impl FitRuns {
 /// A run to fit with the hash of all that its fit depends on.
 pub(crate) type Due = (String, Planned);
 
-pub(crate) type Outcome = Result<Fit, Issue>;
-
 /// The fits of a batch in its order; none for those that an interruption met.
 pub(crate) fn fit_batch(
     context: &Context,
@@ -158,12 +132,6 @@ pub(crate) fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions
     fitted.unwrap_or_else(|reason| Err(fit_fault("the fit", &reason)))
 }
 
-/// What is said of a run whose fit a fault of the program stopped.
-pub(crate) fn fit_fault(what: &str, reason: &str) -> Issue {
-    Issue::error(FAULT, format!("{what} stopped on an internal fault: {reason}"))
-        .mend("report it with the runs' files; all others are not affected")
-}
-
 /// The strip as a whole, with a lumped model.
 fn fit_whole(task: &FitTask, measured: &[Channel], options: &FitOptions) -> Outcome {
     let channels = derived::responses(measured, task.length_cm);
@@ -176,58 +144,6 @@ fn fit_whole(task: &FitTask, measured: &[Channel], options: &FitOptions) -> Outc
     fit.issues
         .extend(along::lumped_or_distributed(task, measured, &fit));
     Ok(fit)
-}
-
-/// Code of what is said of a run whose fit failed by its readings.
-pub(crate) const NOT_FITTED: &str = "not-fitted";
-/// Code of what is said of a run whose fit a fault of the program stopped.
-pub const FAULT: &str = "fit-fault";
-
-pub(crate) fn not_fitted(error: FitError) -> Issue {
-    Issue::warning(NOT_FITTED, error.to_string())
-}
-
-/// Whether that is said of a run whose fit was tried and failed.
-pub(crate) fn is_of_failed_fit(issue: &Issue) -> bool {
-    [NOT_FITTED, FAULT].iter().any(|code| issue.code == *code)
-}
-
-/// Stores outcomes, each with the hash of what it depends on.
-pub(crate) fn save(
-    context: &mut Context,
-    outcomes: Vec<((&str, &Planned), Outcome)>,
-    summary: &mut FitSummary,
-) -> Result<(), PipelineError> {
-    let now = now();
-    let mut fits = Vec::new();
-    for ((input_hash, Planned { task, chosen }), outcome) in outcomes {
-        // A fault says nothing of the run: it is tried again, and said again, every time.
-        let is_fault = matches!(&outcome, Err(issue) if issue.code == FAULT);
-        let stamp = FitStamp {
-            run_id: task.run_id,
-            input_hash: if is_fault {
-                String::new()
-            } else {
-                input_hash.to_owned()
-            },
-            code_version: CODE_VERSION.to_owned(),
-            asked: chosen.asked.clone(),
-        };
-        match outcome {
-            Ok(fit) => {
-                summary.fitted += 1;
-                if !fit.converged {
-                    summary.not_converged.push(task.path.clone());
-                }
-                fits.push((stamp, fit));
-            }
-            Err(issue) => {
-                context.store.save_fit_failure(&now, &stamp, &issue)?;
-                summary.failed.push((task.path.clone(), issue));
-            }
-        }
-    }
-    Ok(context.store.save_fits(&now, &fits)?)
 }
 
 /// Hash of everything that a fit depends on.

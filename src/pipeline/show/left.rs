@@ -4,7 +4,7 @@ use super::report::is_current;
 use crate::domain::RunState;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::diagnose;
-use crate::pipeline::fits::runs::is_of_failed_fit;
+use crate::pipeline::fits::outcome::is_of_failed_fit;
 use crate::pipeline::{Context, PipelineError};
 
 /// What is left to be made. New files are not looked for.

@@ -17,7 +17,7 @@ use crate::pipeline::campaign::standing::{self, Runs, SetAside};
 use crate::pipeline::documents::lengthwise::LumpedOrDistributedEntry;
 use crate::pipeline::findings::alarms::{self, TakenBack};
 use crate::pipeline::findings::diagnose;
-use crate::pipeline::fits::runs::is_of_failed_fit;
+use crate::pipeline::fits::outcome::is_of_failed_fit;
 use crate::pipeline::ground::fault::or_nothing;
 use crate::pipeline::ground::mends::{Reasoned, Together};
 use crate::pipeline::intake::ingest::unread::RESPONSE_MISSING;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use super::Strip;
+use super::run::{NO_AREA, Strip, sample};
 use crate::domain::{Drive, Issue, Level};
 use crate::pipeline::apart::simulate::{Noise, RunSpec, SegmentSpec, checked_run, exact_responses};
 use crate::truth::noise::NoisyChannel;
@@ -97,8 +97,8 @@ fn run_spec(asked: &CurvesAsked) -> Result<RunSpec, Issue> {
     let strip = asked.strip;
     let centimetres = |millimetres: Option<f64>| millimetres.map(|length| length / 10.0);
     let (length_cm, width_cm) = (centimetres(strip.length_mm), centimetres(strip.width_mm));
-    let area_cm2 = super::sample(&strip).active_area_cm2().ok_or_else(|| {
-        let issue = Issue::error(super::NO_AREA, "the active area of the strip is not stated").at("area_cm2");
+    let area_cm2 = sample(&strip).active_area_cm2().ok_or_else(|| {
+        let issue = Issue::error(NO_AREA, "the active area of the strip is not stated").at("area_cm2");
         issue.mend("state area_cm2, or length_mm and width_mm")
     })?;
     let segment = |&(start_s, voltage_v): &(f64, Option<f64>)| SegmentSpec { start_s, voltage_v };

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use super::*;
-use crate::domain::Issue;
+
+use crate::domain::{AskedFit, Issue, Level};
 use crate::pipeline::apart::simulate::{Noise, Simulate};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::documents::diagnosis::diagnosis_document;

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::effect_spec::hidden_effects;
 use super::run_spec::RunSpec;
 use super::spec::Spec;
+use super::spec::hidden_effects;
 use super::strip_spec::StripSpec;
 use crate::domain::{Drive, Level};
 use crate::truth::HiddenEffect;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::spec::Wrong;
+use super::wrong::Wrong;
 
 /// Modulus logs to write, and what holds for all of them.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -6,7 +6,7 @@ use glob::Pattern;
 use serde::Deserialize;
 
 use super::run_spec::RunSpec;
-use super::spec::{Spec, Wrong};
+use super::wrong::Wrong;
 use crate::truth::HiddenEffect;
 use crate::truth::catalogue::known;
 
@@ -103,10 +103,4 @@ impl EffectSpec {
         }
         Ok(())
     }
-}
-
-/// The effects hidden in a run: those of the spec that mean it, then its own.
-pub fn hidden_effects(spec: &Spec, run: &RunSpec) -> Vec<HiddenEffect> {
-    let meant = spec.effect.iter().filter(|effect| effect.meets(run));
-    meant.chain(&run.effect).map(EffectSpec::hidden).collect()
 }

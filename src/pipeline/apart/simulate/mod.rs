@@ -7,6 +7,7 @@ mod dma_spec;
 mod effect_spec;
 mod noise_spec;
 mod run_spec;
+mod sampling;
 mod spec;
 mod strength;
 mod strip_spec;
@@ -15,16 +16,18 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod wave;
+mod wrong;
 
 use std::path::{Path, PathBuf};
 
 pub use answer_key::answer_key;
 pub use dma_log::dma_log;
 pub use dma_spec::{DmaNoise, DmaSpec, Hold, LogSpec};
-pub use effect_spec::{EffectSpec, hidden_effects};
+pub use effect_spec::EffectSpec;
 pub use noise_spec::Noise;
 pub use run_spec::{Pulses, RunSpec, SegmentSpec, checked_run};
-pub use spec::{FolderTags, Sampling, Simulation, Spec};
+pub use sampling::Sampling;
+pub use spec::{FolderTags, Simulation, Spec, hidden_effects};
 pub use strip_spec::{StripParameters, StripSpec};
 pub use strip_table::strip_table;
 pub use table::{exact_responses, run_table};

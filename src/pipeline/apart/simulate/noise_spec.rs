@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::spec::Wrong;
+use super::wrong::Wrong;
 use crate::truth::ChannelNoise;
 
 /// Gaussian noise with a lag-1 correlation between neighbouring readings, and what else spoils readings.

@@ -7,8 +7,8 @@ use serde::Deserialize;
 
 use super::effect_spec::EffectSpec;
 use super::noise_spec::Noise;
-use super::spec::Wrong;
 use super::wave::Wave;
+use super::wrong::Wrong;
 use crate::domain::{Drive, Issue, Level, Segment};
 use crate::model::{Branch, LumpedModel};
 use crate::truth::{HiddenEffect, Truth, TruthError};

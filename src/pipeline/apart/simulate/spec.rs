@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::dma_spec::DmaSpec;
-use super::effect_spec::{EffectSpec, hidden_effects};
+use super::effect_spec::EffectSpec;
 use super::noise_spec::Noise;
 use super::run_spec::RunSpec;
+use super::sampling::Sampling;
 use super::strip_spec::{NO_EFFECTS, StripSpec};
+use super::wrong::Wrong;
 use crate::pipeline::ground::error::SpecError;
-use crate::truth::TruthError;
+use crate::truth::HiddenEffect;
 
 /// A file that says which runs to write.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -69,16 +71,6 @@ const MOST_ROWS: f64 = 1e7;
 
 fn one_second() -> f64 {
     1.0
-}
-
-/// Even sampling up to a time.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Sampling {
-    /// Last time sampled so, s.
-    pub until_s: f64,
-    /// Interval, s.
-    pub every_s: f64,
 }
 
 /// Tags for a folder.
@@ -238,25 +230,8 @@ impl Spec {
     }
 }
 
-/// A value of the spec that makes no sense.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Wrong {
-    pub place: String,
-    pub found: String,
-    pub needed: String,
-}
-
-impl Wrong {
-    pub fn new(place: &str, found: String, needed: &str) -> Wrong {
-        Wrong {
-            place: place.to_owned(),
-            found,
-            needed: needed.to_owned(),
-        }
-    }
-
-    /// What the truth simulator refuses, in its own words.
-    pub fn told(place: &str, error: &TruthError) -> Wrong {
-        Wrong::new(place, error.to_string(), "an effect that can act in the run")
-    }
+/// The effects hidden in a run: those of the spec that mean it, then its own.
+pub fn hidden_effects(spec: &Spec, run: &RunSpec) -> Vec<HiddenEffect> {
+    let meant = spec.effect.iter().filter(|effect| effect.meets(run));
+    meant.chain(&run.effect).map(EffectSpec::hidden).collect()
 }

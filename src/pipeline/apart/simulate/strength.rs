@@ -2,8 +2,9 @@
 
 use super::effect_spec::EffectSpec;
 use super::run_spec::RunSpec;
-use super::spec::{Spec, Wrong};
+use super::spec::Spec;
 use super::table::{camera_times, current_times};
+use super::wrong::Wrong;
 use crate::diagnose::{DesignRun, KnownNoise, sigmas_after_refit};
 use crate::model::extended::Responses;
 use crate::truth::{HiddenEffect, catalogue, simulate};

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use serde::Deserialize;
 
 use super::run_spec::{SegmentSpec, drive_of};
-use super::spec::{Sampling, Wrong};
+use super::sampling::Sampling;
+use super::wrong::Wrong;
 use crate::domain::{Drive, Level};
 use crate::model::Branch;
 use crate::model::coupling::{ActiveArea, CurvaturePerTotalCharge};

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use super::answer_key::told;
-use super::effect_spec::hidden_effects;
 use super::run_spec::RunSpec;
-use super::spec::{Sampling, Spec};
+use super::sampling::Sampling;
+use super::spec::{Spec, hidden_effects};
 use super::wave::Wave;
 use crate::domain::{Drive, Level};
 use crate::model::LumpedModel;

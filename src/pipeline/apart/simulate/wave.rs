@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::spec::Wrong;
+use super::wrong::Wrong;
 use crate::domain::{Drive, Level, Segment};
 
 /// Steps in a period of the staircase under which effects are simulated: a reading lies within a step that is 0.3 % of the

@@ -2,9 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::choice::DiagnoseChoice;
 use super::input_hash::input_hash;
+use super::inputs::with_inputs;
 use super::subject::{Subject, subjects};
-use super::{DiagnoseChoice, with_inputs};
 use crate::diagnose::condemned;
 use crate::domain::fault::caught;
 use crate::numerics::interrupt;

@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 
+use super::inputs::{BATCH, not_condemned, with_inputs};
 use super::subject::Subject;
-use super::{BATCH, not_condemned, now, with_inputs};
 use crate::analysis::shared_effects::{shared_effects, values_without};
 use crate::diagnose::{DiagnoseOptions, fall_from_others};
 use crate::domain::fault::caught;
 use crate::domain::{Channel, FromOthers, GroupDiagnosis, InputHash};
+use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask, StoredDiagnosis};

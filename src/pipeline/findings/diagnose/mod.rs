@@ -1,8 +1,10 @@
 //! Diagnoses every group of runs, and every run alone, that is new or whose input changed.
 
 mod ahead;
+mod choice;
 mod from_others;
 mod input_hash;
+mod inputs;
 mod outdated;
 mod subject;
 
@@ -10,12 +12,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
-use crate::diagnose::{DiagnoseOptions, RunInput, diagnose_group, with_places};
+use crate::diagnose::{DiagnoseOptions, diagnose_group, with_places};
 use crate::domain::fault::caught;
-use crate::domain::{Campaign, Channel, GroupDiagnosis};
-use crate::fit::{FitError, FitInput};
-use crate::ingest::derived;
-use crate::model::{ModelChoice, fit_models};
+use crate::domain::{Channel, GroupDiagnosis};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::findings::current::current_findings;
@@ -24,82 +23,12 @@ use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
 pub(crate) use ahead::condemned_ahead;
+pub use choice::{DiagnoseChoice, stands_in};
 use input_hash::input_hash;
+use inputs::{BATCH, not_condemned, with_inputs};
 pub(crate) use outdated::waiting;
 pub(crate) use subject::Subject;
 use subject::subjects;
-
-/// Subjects diagnosed between two commits: bounds memory, and what an interruption costs.
-const BATCH: usize = 8;
-
-/// How to diagnose.
-#[derive(Debug, Clone, Default)]
-pub struct DiagnoseChoice {
-    /// Base model; none takes the campaign's.
-    pub model: Option<String>,
-    /// Draws of what chance does; none takes the default.
-    pub draws: Option<usize>,
-    /// Seed of the draws; none takes the default.
-    pub seed: Option<u64>,
-}
-
-impl DiagnoseChoice {
-    /// As options of a diagnosis. Only lumped models have an extended form: another one that is asked for is refused; where
-    /// the campaign is fitted with one, the default model stands in ([`stands_in`] says so).
-    pub(crate) fn options(&self, campaign: &Campaign) -> Result<DiagnoseOptions, FitError> {
-        self.options_for(&campaign.model)
-    }
-
-    /// The same where `model` is what the campaign states.
-    pub(crate) fn options_for(&self, model: &str) -> Result<DiagnoseOptions, FitError> {
-        let default = DiagnoseOptions::default();
-        // What extends the campaign's model was found against its base, and is asked about against it again.
-        let stated = ModelChoice::parse(self.model.as_deref().unwrap_or(model))?.base;
-        if self.model.is_some() && !is_extended(stated.id) {
-            return Err(FitError::NotExtended {
-                found: stated.id,
-                known: extended_ids(),
-            });
-        }
-        Ok(DiagnoseOptions {
-            model: match is_extended(stated.id) {
-                true => stated,
-                false => default.model,
-            },
-            draws: self.draws.unwrap_or(default.draws),
-            seed: self.seed.unwrap_or(default.seed),
-            ..default
-        })
-    }
-}
-
-/// Whether effects extend the model of that id.
-fn is_extended(model: &str) -> bool {
-    model.starts_with("lumped")
-}
-
-fn extended_ids() -> String {
-    let ids = fit_models().iter().map(|model| model.id);
-    ids.filter(|id| is_extended(id)).collect::<Vec<_>>().join(", ")
-}
-
-/// That another model is diagnosed than the one that the campaign is fitted with, and why; none where it is the same.
-///
-/// # Errors
-/// The campaign's model is not known.
-pub fn stands_in(choice: &DiagnoseChoice, campaign: &Campaign) -> Result<Option<String>, PipelineError> {
-    let stated = ModelChoice::parse(&campaign.model)
-        .map_err(FitError::from)?
-        .base
-        .id;
-    let taken = choice.options(campaign)?.model.id;
-    Ok((choice.model.is_none() && taken != stated).then(|| {
-        format!(
-            "{stated} has no form that effects extend, so {taken} is diagnosed in its place; a diagnosis extends {}",
-            extended_ids()
-        )
-    }))
-}
 
 /// The verb `diagnose`.
 #[derive(Debug, Clone, Default)]
@@ -379,48 +308,6 @@ pub(crate) fn diagnose_one(
             ..GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, sentence)
         }
     })
-}
-
-/// Calls `then` with the runs as a diagnosis takes them; `channels` are theirs as they are stored.
-fn with_inputs<R>(
-    subject: &Subject,
-    tasks: &[FitTask],
-    channels: &[Vec<Channel>],
-    then: impl FnOnce(&[RunInput]) -> R,
-) -> R {
-    let members = &subject.members;
-    let responses: Vec<Vec<Channel>> = members
-        .iter()
-        .zip(channels)
-        .map(|(&index, channels)| derived::responses(channels, tasks[index].length_cm))
-        .collect();
-    let inputs: Vec<RunInput> = members
-        .iter()
-        .zip(&responses)
-        .zip(&subject.tags)
-        .map(|((&index, channels), tags)| RunInput {
-            name: &tasks[index].path,
-            input: FitInput {
-                channels,
-                drive: &tasks[index].drive,
-                area_cm2: tasks[index].area_cm2,
-            },
-            length_cm: tasks[index].length_cm,
-            is_right: subject.right.contains(&index),
-            tags,
-        })
-        .collect();
-    then(&inputs)
-}
-
-/// The runs that a finding is about.
-fn not_condemned<'a>(inputs: &[RunInput<'a>], found: &GroupDiagnosis) -> Vec<RunInput<'a>> {
-    let is_condemned = |input: &&RunInput| found.condemned.iter().any(|odd| odd.run == input.name);
-    inputs
-        .iter()
-        .filter(|input| !is_condemned(input))
-        .copied()
-        .collect()
 }
 
 fn save_batch(

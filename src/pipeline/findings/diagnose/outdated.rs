@@ -1,8 +1,9 @@
 //! Which groups wait for a diagnosis.
 
+use super::choice::DiagnoseChoice;
 use super::input_hash::input_hash;
 use super::subject::subjects;
-use super::{DiagnoseChoice, DiagnoseOptions};
+use crate::diagnose::DiagnoseOptions;
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::DiagnosisKind;

@@ -10,24 +10,23 @@ mod places;
 mod prepare;
 mod readers;
 mod retag;
+mod rows;
 mod settle;
 mod start;
+mod summary;
 pub(crate) mod tagging;
 pub(crate) mod unread;
 pub(crate) mod waiting;
+mod window;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use serde::Serialize;
-
-use super::climate::{self, LogSummary, Shelf, holds_logs, is_below, log_folders};
+use super::climate::{self, Shelf, holds_logs, is_below, log_folders};
 use crate::domain::{FileState, Issue, RunKind};
-use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::scan::{self, Changes, Scan, SeenFile};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::{planned, standing};
-use crate::pipeline::ground::mends::Together;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FileRow;
 use batch::in_batches;
@@ -38,65 +37,16 @@ pub(crate) use readers::Readers;
 pub(crate) use batch::together;
 pub use known::files_due;
 pub(crate) use prepare::{Outcome, PreparedFile, RunPart, With, joined, prepare_bytes, run_parts};
-pub use retag::{retag_runs, run_window};
-pub(crate) use settle::{content_of, files_of_runs, runs_of, set_aside};
+pub use retag::retag_runs;
+pub(crate) use rows::{content_of, file_row, set_aside};
+pub(crate) use settle::{files_of_runs, runs_of};
+pub use summary::{IngestSummary, UnreadableTags};
+pub use window::run_window;
 
 /// The verb `ingest`.
 pub struct Ingest<'a> {
     /// Says whether a file may be read now; one that may not waits for the next time.
     pub ready: &'a mut dyn FnMut(&SeenFile) -> bool,
-}
-
-/// What `ingest` did.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
-pub struct IngestSummary {
-    /// Files in the folders with data.
-    pub files: usize,
-    /// Runs that came in for the first time.
-    pub new: Vec<String>,
-    /// Runs whose file has new content: a new revision.
-    pub revised: Vec<String>,
-    /// Runs that took the name of a moved file: old and new.
-    pub renamed: Vec<(String, String)>,
-    /// Files that hold the same bytes as a run's file, found now.
-    pub aliases: Vec<String>,
-    /// Pairs of runs that hold the same readings, found now.
-    pub copies: usize,
-    /// Files refused, now or before, with the reason.
-    pub refused: Vec<(String, Issue)>,
-    /// Files that the system could not give, with what it said: nothing is decided about them, and every scan tries again.
-    pub unread: Vec<(String, Issue)>,
-    /// What cannot be read of tag files, now: the runs that they speak for wait.
-    pub unreadable_tags: Vec<UnreadableTags>,
-    /// Files that wait: empty, header only, or still growing.
-    pub waiting: Vec<String>,
-    /// Raw files that the archive had lost, or held with other bytes, and that are whole again.
-    pub mended: Vec<String>,
-    /// Files that are no longer there, found now.
-    pub gone: Vec<String>,
-    /// Runs whose tags changed.
-    pub retagged: Vec<String>,
-    /// Runs that lack tags, now.
-    pub untagged: Vec<String>,
-    /// What runs wait for before they can be fitted, now: each mend with all runs that need it.
-    pub waiting_for: Vec<Together>,
-    /// The name pattern that would tag the most of the runs that lack tags; none where none would tag two.
-    pub proposed_pattern: Option<ProposedPattern>,
-    /// Runs whose voltage does not go in steps, such as sweeps, now: kept, not fitted, waiting for nothing.
-    pub no_steps: Vec<String>,
-    /// Tag keys that are neither known nor declared, now.
-    pub undeclared_tags: Vec<Together>,
-    /// Climate logs.
-    pub logs: LogSummary,
-}
-
-/// A tag file, or a statement in it, that cannot be read.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct UnreadableTags {
-    /// Where, why, and how to mend it.
-    pub issue: Issue,
-    /// Runs that it speaks for: those that had tags keep them, the others wait.
-    pub runs: usize,
 }
 
 /// What cannot be read of the tag files of a campaign.
@@ -108,25 +58,6 @@ pub(crate) fn unreadable_tags(context: &Context) -> Result<Vec<UnreadableTags>, 
     Ok(found
         .map(|(issue, runs)| UnreadableTags { issue, runs })
         .collect())
-}
-
-impl IngestSummary {
-    /// Whether some inputs could not be used: refused, not to be had from the system, or tags that cannot be read.
-    pub fn left_out_inputs(&self) -> bool {
-        !self.refused.is_empty() || !self.unread.is_empty() || !self.unreadable_tags.is_empty()
-    }
-
-    /// Whether the database changed.
-    pub fn changed(&self) -> bool {
-        let lists = [
-            &self.new,
-            &self.revised,
-            &self.aliases,
-            &self.gone,
-            &self.retagged,
-        ];
-        lists.iter().any(|list| !list.is_empty()) || !self.renamed.is_empty() || self.logs.changed()
-    }
 }
 
 impl Ingest<'_> {
@@ -353,26 +284,4 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     summary.no_steps = context.store.runs_without_steps()?;
     summary.undeclared_tags = waiting::undeclared_tags(context)?;
     Ok(())
-}
-
-/// A row for a file that holds no new run.
-pub(crate) fn file_row(
-    file: &SeenFile,
-    hash: Option<String>,
-    state: FileState,
-    reader: String,
-    issue: Option<Issue>,
-) -> FileRow {
-    FileRow {
-        path: file.display.clone(),
-        size_bytes: file.size_bytes,
-        modified_ns: file.modified_ns,
-        inode: file.inode,
-        changed_ns: file.changed_ns,
-        hash,
-        state,
-        reader,
-        issue,
-        missing_since: None,
-    }
 }

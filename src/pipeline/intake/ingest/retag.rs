@@ -3,12 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use jiff::Timestamp as Moment;
-
 use super::batch::{MOST_FILES, together};
 use super::start;
+use super::summary::IngestSummary;
 use super::tagging::{TaggingInput, digest, tag_files, tagging, unreadable};
-use super::{IngestSummary, now};
+use super::window::window;
 use crate::analysis::climate::Window;
 use crate::domain::tag::{UNREADABLE, keys};
 use crate::domain::{Issue, RunRecord, RunState, TagSource};
@@ -16,6 +15,7 @@ use crate::ingest::formats::date::DATE_UNCERTAIN;
 use crate::ingest::tags::is_unreadable;
 use crate::ingest::{StartedAt, Timestamp};
 use crate::numerics::interrupt;
+use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::planned::known_sheets;
 use crate::pipeline::intake::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -189,26 +189,4 @@ fn retag(
     let is_news = !was_held || tagging.tags != run.tags;
     context.store.retag(&now(), run.id, &tagging)?;
     Ok(is_news)
-}
-
-/// A run on UTC: from its start, for as long as its readings last; none without a start.
-pub fn run_window(run: &RunRecord) -> Option<Window> {
-    let firsts = run.channels.iter().filter_map(|channel| channel.first_time_s);
-    let lasts = run.channels.iter().filter_map(|channel| channel.last_time_s);
-    let times = (
-        firsts.fold(f64::INFINITY, f64::min),
-        lasts.fold(f64::NEG_INFINITY, f64::max),
-    );
-    window(run.tag(keys::STARTED_AT), Some(times))
-}
-
-/// The window of a run that started then and whose readings have these first and last times, s.
-pub(super) fn window(started_at: Option<&str>, times: Option<(f64, f64)>) -> Option<Window> {
-    let start = started_at?.parse::<Moment>().ok()?.as_millisecond() as f64 / 1000.0;
-    let (first_s, last_s) = times?;
-    let length_s = last_s - first_s;
-    (length_s.is_finite() && length_s >= 0.0).then_some(Window {
-        from_s: start,
-        to_s: start + length_s,
-    })
 }

@@ -4,13 +4,15 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts};
 use super::readers::{Readers, format_of, reader_of};
+use super::rows::{content_of, file_row, set_aside};
 use super::start::without_open_dates;
+use super::summary::IngestSummary;
 use super::tagging::{TaggingInput, tagging};
-use super::{IngestSummary, file_row, now};
 use crate::domain::data_hash::data_hash;
 use crate::domain::{FileState, Issue, ProfileUse, RunClock, RunKind, RunOrigin, RunStatus};
 use crate::ingest::Reading;
 use crate::ingest::scan::{Changes, Scan};
+use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{FileRow, NewRun, RunContent, Store};
@@ -100,26 +102,6 @@ fn run_of_files(context: &Context, files: &[(String, String)]) -> Result<Option<
         }
     }
     Ok(None)
-}
-
-/// Records a file that was refused or waits. A run read from an earlier content of it stays.
-pub(crate) fn set_aside(
-    context: &mut Context,
-    readers: &Readers,
-    prepared: &PreparedFile,
-    state: FileState,
-    issue: &Issue,
-    observer: &dyn Observer,
-) -> Result<(), PipelineError> {
-    observer.say(&format!(
-        "{} {}: {}",
-        state.key(),
-        prepared.file.display,
-        issue.message
-    ));
-    let hash = prepared.hash.clone();
-    let row = file_row(&prepared.file, hash, state, readers.all(), Some(issue.clone()));
-    Ok(context.store.record_files(&now(), &[row])?)
 }
 
 /// Whether the bytes of a file are those of a current run: then the file is that run's, an alias of it, or
@@ -289,17 +271,6 @@ fn is_of_other_files(context: &Context, name: &str, contents: &[RunContent]) -> 
 /// What the archive holds of the files.
 fn contents_of(files: &[PreparedFile]) -> Vec<RunContent> {
     files.iter().filter_map(content_of).collect()
-}
-
-/// What the archive holds of a file.
-pub(crate) fn content_of(file: &PreparedFile) -> Option<RunContent> {
-    let archived = file.archived.clone()?;
-    Some(RunContent {
-        path: file.file.display.clone(),
-        hash: archived.hash,
-        size_bytes: archived.size_bytes,
-        archive_path: archived.path,
-    })
 }
 
 fn run_row(readers: &Readers, file: &PreparedFile) -> Option<FileRow> {

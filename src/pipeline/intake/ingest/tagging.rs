@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::left_out;
 use super::places::misplaced;
-use super::retag::window;
 use super::start;
 use super::unread::missing_responses;
+use super::window::window;
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
 use crate::domain::{

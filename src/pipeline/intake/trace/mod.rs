@@ -2,6 +2,7 @@
 
 mod stream;
 mod table;
+mod view;
 
 use std::path::{Path, PathBuf};
 
@@ -14,6 +15,8 @@ use crate::pipeline::{Observer, PipelineError};
 use crate::system::fs;
 
 pub use stream::{Source, Traced, trace_frames};
+use view::failed;
+pub use view::{RefusedFrame, ViewSummary};
 
 /// Name of the run table in the folder that is written.
 pub const TABLE: &str = "curvature.csv";
@@ -56,40 +59,6 @@ pub struct TraceSummary {
     pub refused: Vec<RefusedFrame>,
     /// The view as it was read.
     pub view: ViewSummary,
-}
-
-/// A frame that was not traced.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RefusedFrame {
-    /// Its name.
-    pub frame: String,
-    /// Why.
-    pub reason: String,
-}
-
-/// What holds for all frames.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ViewSummary {
-    /// Side of the clamp in the first frame.
-    pub clamp: &'static str,
-    /// Dark or bright.
-    pub strip: &'static str,
-    /// Scale.
-    pub px_per_mm: f64,
-    /// Where the scale comes from.
-    pub scale_from: String,
-    /// Free length of the initial shape, mm.
-    pub length_mm: f64,
-    /// Thickness of the strip in the first frame, mm.
-    pub thickness_mm: f64,
-    /// Which turn is positive.
-    pub positive: &'static str,
-    /// What bending is counted from.
-    pub initial: String,
-    /// Positions of the curvatures, mm from the clamp.
-    pub positions_mm: Vec<f64>,
-    /// Median of the edges' noise over the frames, pixels.
-    pub edge_noise_px: f64,
 }
 
 impl TraceFrames {
@@ -219,11 +188,6 @@ pub fn described(given: &[PathBuf], told: &FrameSettings) -> Result<Described, P
         settings: told.over(base),
         length_mm,
     })
-}
-
-pub(crate) fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::Error) -> PipelineError {
-    let path = path.to_owned();
-    move |source| PipelineError::File { path, doing, source }
 }
 
 /// Whether a folder without a list of its files is one that an earlier version wrote: its names and no others.

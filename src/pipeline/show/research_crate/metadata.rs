@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::Part;
+use super::part::Part;
 use crate::ingest::campaign_file::Publication;
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::{Context, PipelineError};

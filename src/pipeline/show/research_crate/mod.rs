@@ -3,6 +3,7 @@
 
 mod datacite;
 mod metadata;
+mod part;
 
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
@@ -18,6 +19,7 @@ use crate::ingest::campaign_file;
 use crate::pipeline::ground::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;
+use part::Part;
 
 /// Resolution of figures; they are drawn as SVG, where it does not count.
 const DOTS_PER_INCH: f64 = 300.0;
@@ -38,17 +40,6 @@ pub struct CrateSummary {
     pub files: usize,
     /// What is not in it, with the reason.
     pub left_out: Vec<(String, String)>,
-}
-
-/// A file of the crate.
-struct Part {
-    /// Path in the crate, with /.
-    path: String,
-    /// What it is, in words.
-    name: String,
-    media_type: &'static str,
-    bytes: u64,
-    blake3: String,
 }
 
 impl ExportCrate {

@@ -1,7 +1,7 @@
 //! The journal that goes into a backup: one that is damaged, cut or missing never takes the place of a good copy.
 
 use super::contents::{IN_ITS_PLACE, reason};
-use super::manifest::{LeftOut, Manifest, StoredFile};
+use super::manifest::{JOURNAL, LeftOut, Manifest, StoredFile};
 use super::shelf::Shelf;
 use crate::domain::Severity;
 use crate::ingest::archive;
@@ -10,9 +10,6 @@ use crate::pipeline::upkeep::verify;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{Store, journal};
 use crate::system::fs;
-
-/// What no file holds, one JSON document a line, inside the archive: it is only ever appended to.
-pub const JOURNAL: &str = "archive/journal.jsonl";
 
 /// Keeps the journal as far as its lines are whole: it is appended to meanwhile, and read after the database was copied, so
 /// that it holds whatever the database does. Where it cannot be trusted the earlier copy is what goes into the backup.

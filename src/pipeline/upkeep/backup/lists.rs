@@ -5,17 +5,12 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::contents::reason;
-use super::manifest::{FILE_NAME, LeftOut, Manifest, StoredFile};
+use super::manifest::{ENDING, FILE_NAME, LeftOut, Manifest, PREFIX, StoredFile, number_in};
 use super::shelf::{Shelf, failed};
 use crate::pipeline::PipelineError;
 use crate::pipeline::ground::error::BackupError;
 use crate::pipeline::ground::whole_file::put_own;
 use crate::system::fs;
-
-/// How the name of a list begins; its number follows.
-const PREFIX: &str = "backup-";
-/// How the name of a list ends.
-const ENDING: &str = ".json";
 
 /// The lists in the folder of a backup.
 #[derive(Debug, Default)]
@@ -191,10 +186,4 @@ fn name_of(manifest: &Manifest) -> String {
         .made_at
         .replace(|sign: char| !sign.is_ascii_alphanumeric(), "");
     format!("{PREFIX}{:05}-{made_at}{ENDING}", manifest.number)
-}
-
-/// The number in the name of a list; none in other names.
-pub fn number_in(name: &str) -> Option<u64> {
-    let (number, _) = name.strip_prefix(PREFIX)?.strip_suffix(ENDING)?.split_once('-')?;
-    number.parse().ok()
 }

@@ -7,11 +7,18 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::journal::JOURNAL;
 use crate::pipeline::PipelineError;
 use crate::pipeline::ground::error::BackupError;
 use crate::system::fs;
 
+/// How the name of a list begins; its number follows.
+pub const PREFIX: &str = "backup-";
+
+/// How the name of a list ends.
+pub const ENDING: &str = ".json";
+
+/// What no file holds, one JSON document a line, inside the archive: it is only ever appended to.
+pub const JOURNAL: &str = "archive/journal.jsonl";
 /// Name of the list that is a backup.
 pub use crate::pipeline::ground::error::BACKUP_LIST as FILE_NAME;
 /// Schema of the document.
@@ -168,6 +175,12 @@ fn parsed(text: &[u8]) -> Result<Manifest, String> {
 /// BLAKE3 of a document without its blanks.
 fn checksum(backup: &Value) -> String {
     blake3::hash(backup.to_string().as_bytes()).to_hex().to_string()
+}
+
+/// The number in the name of a list; none in other names.
+pub fn number_in(name: &str) -> Option<u64> {
+    let (number, _) = name.strip_prefix(PREFIX)?.strip_suffix(ENDING)?.split_once('-')?;
+    number.parse().ok()
 }
 
 #[cfg(test)]

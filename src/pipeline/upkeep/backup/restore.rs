@@ -8,10 +8,10 @@ use std::time::{Duration, SystemTime};
 use serde::Serialize;
 
 use super::contents::reason;
-#[cfg(unix)]
-use super::journal::JOURNAL;
 use super::lists;
 use super::making::Making;
+#[cfg(unix)]
+use super::manifest::JOURNAL;
 use super::manifest::{LeftOut, Manifest, StoredFile};
 use super::place::place;
 use super::shelf::{DATABASE, failed, is_database};

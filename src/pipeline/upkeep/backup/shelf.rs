@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::lists;
 use super::manifest::{self, StoredFile};
 use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming, hash_of_file, is_hash};
 use crate::pipeline::PipelineError;
@@ -203,7 +202,7 @@ fn refuse_other(folder: &Path, is_begun: bool) -> Result<(), PipelineError> {
         let entry = entry.map_err(failed(folder, "looking into it"))?;
         let name = entry.file_name().to_string_lossy().into_owned();
         let ours = is_database(&name)
-            || lists::number_in(&name).is_some()
+            || manifest::number_in(&name).is_some()
             || [FOLDER, manifest::FILE_NAME, InstanceLock::FILE_NAME].contains(&name.as_str())
             // Of a list that was cut short, or of a file manager.
             || name.starts_with('.');

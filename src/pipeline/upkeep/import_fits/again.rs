@@ -6,8 +6,9 @@ use std::collections::BTreeMap;
 use super::{ImportSummary, Known, Row};
 use crate::domain::{Estimate, Fit, RunCurve};
 use crate::numerics::interrupt;
+use crate::pipeline::fits::outcome::Outcome;
 use crate::pipeline::fits::result::FitResult;
-use crate::pipeline::fits::runs::{Due, Outcome, fit_batch};
+use crate::pipeline::fits::runs::{Due, fit_batch};
 use crate::pipeline::{Context, Observer, PipelineError};
 
 /// Share of the rows that is fitted again: what an import costs at most of what the fits cost.

@@ -11,9 +11,10 @@ use serde::Serialize;
 
 use crate::domain::{AskedFit, Fit, Issue};
 use crate::pipeline::campaign::context::now;
+use crate::pipeline::fits::outcome::NOT_FITTED;
 use crate::pipeline::fits::plan::fit_plan;
 use crate::pipeline::fits::result::FitResult;
-use crate::pipeline::fits::runs::{Due, FitRuns, NOT_FITTED, input_hash};
+use crate::pipeline::fits::runs::{Due, FitRuns, input_hash};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FitStamp;
 use crate::system::fs;

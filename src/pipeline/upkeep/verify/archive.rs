@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::{Part, counted};
+use super::part::{Part, counted};
 use crate::domain::Issue;
 use crate::ingest::archive::{Archive, Archived, BlobFinding};
 use crate::pipeline::ground::mends::Reasoned;

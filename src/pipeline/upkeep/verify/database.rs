@@ -1,6 +1,6 @@
 //! The database: its structure, references between its rows, every checksum.
 
-use super::Part;
+use super::part::Part;
 use crate::domain::Issue;
 use crate::pipeline::campaign::holdings;
 use crate::pipeline::{Context, Observer, PipelineError};

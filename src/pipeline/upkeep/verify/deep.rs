@@ -5,7 +5,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::{Part, counted};
+use super::part::{Part, counted};
 use crate::domain::data_hash::data_hash;
 use crate::domain::{FileState, Issue, RunKind, RunRecord};
 use crate::ingest::Reading;

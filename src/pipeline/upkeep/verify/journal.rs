@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Part, counted};
+use super::part::{Part, counted};
 use crate::domain::Issue;
 use crate::pipeline::upkeep::rebuild::what_is_wrong;
 use crate::pipeline::upkeep::told::Told;

@@ -5,17 +5,21 @@ pub mod archive;
 mod database;
 mod deep;
 mod journal;
+mod part;
 mod report;
+mod short;
 mod weekly;
 
 use std::path::Path;
 
 use serde::Serialize;
 
-use crate::domain::{Issue, Severity};
+use crate::domain::Issue;
 use crate::pipeline::{Context, Observer, PipelineError};
 pub(crate) use journal::against as journal_against;
 pub use journal::missed;
+pub use part::Part;
+pub(crate) use short::of_archive;
 pub(crate) use weekly::Weekly;
 
 /// The verb `verify`.
@@ -34,26 +38,6 @@ pub struct Verified {
     pub parts: Vec<Part>,
     /// Hash of all that the database says, times and row ids left out; none where it cannot be read.
     pub content_hash: Option<String>,
-}
-
-/// A part of a campaign.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Part {
-    /// `database`, `archive`, `journal`, `report`, `readings` or `results`.
-    pub part: &'static str,
-    /// What was looked at, in words.
-    pub looked_at: String,
-    /// What was found: errors are damage or loss, notes are worth knowing.
-    pub findings: Vec<Issue>,
-}
-
-impl Part {
-    /// Whether nothing is lost or damaged.
-    pub fn is_sound(&self) -> bool {
-        self.findings
-            .iter()
-            .all(|issue| issue.severity != Severity::Error)
-    }
 }
 
 impl Verified {
@@ -107,38 +91,4 @@ fn without_database(folder: &Path, error: &PipelineError) -> Result<Verified, Pi
         parts: vec![database, archive::alone(folder)?, journal::alone(folder)?],
         content_hash: None,
     })
-}
-
-/// The short form: the structure of the database, names and sizes of raw files, the lines of the journal. Checksums of rows
-/// are looked at whenever these are read.
-///
-/// # Errors
-/// The archive cannot be looked through, or the journal cannot be read.
-pub(crate) fn quick(context: &Context) -> Result<Vec<Issue>, PipelineError> {
-    match context.store.check_structure() {
-        Err(error) => Ok(vec![Issue::error("database-damaged", error.to_string())]),
-        Ok(()) => of_archive(context),
-    }
-}
-
-/// The short form of what lies in `archive/`.
-///
-/// # Errors
-/// As of [`quick`].
-pub(crate) fn of_archive(context: &Context) -> Result<Vec<Issue>, PipelineError> {
-    let mut findings = Vec::new();
-    for lost in archive::raw_files_lost(context)? {
-        findings.extend(lost.issues);
-    }
-    if crate::store::journal::path_in(&context.folder).exists() {
-        findings.extend(journal::alone(&context.folder)?.findings);
-    }
-    findings.retain(|issue| issue.severity == Severity::Error);
-    Ok(findings)
-}
-
-/// `1 run`, `3 runs`.
-fn counted(count: usize, thing: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {thing}{plural}")
 }

@@ -1,6 +1,6 @@
 //! The report: whether it is as it was written, and made from what the database says now.
 
-use super::Part;
+use super::part::Part;
 use crate::domain::Issue;
 use crate::pipeline::campaign::places::REPORT_FOLDER;
 use crate::pipeline::ground::own_folder::{self, Altered};

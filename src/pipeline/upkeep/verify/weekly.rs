@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::quick;
+use super::short::quick;
 use crate::domain::Issue;
 use crate::pipeline::ground::whole_file::put_own;
 use crate::pipeline::{Context, PipelineError};

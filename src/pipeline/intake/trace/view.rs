@@ -1,0 +1,46 @@
+//! What is said of the view of a camera and of frames that were refused.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::pipeline::PipelineError;
+
+/// A frame that was not traced.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RefusedFrame {
+    /// Its name.
+    pub frame: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// What holds for all frames.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ViewSummary {
+    /// Side of the clamp in the first frame.
+    pub clamp: &'static str,
+    /// Dark or bright.
+    pub strip: &'static str,
+    /// Scale.
+    pub px_per_mm: f64,
+    /// Where the scale comes from.
+    pub scale_from: String,
+    /// Free length of the initial shape, mm.
+    pub length_mm: f64,
+    /// Thickness of the strip in the first frame, mm.
+    pub thickness_mm: f64,
+    /// Which turn is positive.
+    pub positive: &'static str,
+    /// What bending is counted from.
+    pub initial: String,
+    /// Positions of the curvatures, mm from the clamp.
+    pub positions_mm: Vec<f64>,
+    /// Median of the edges' noise over the frames, pixels.
+    pub edge_noise_px: f64,
+}
+
+pub(crate) fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::Error) -> PipelineError {
+    let path = path.to_owned();
+    move |source| PipelineError::File { path, doing, source }
+}
