@@ -1,5 +1,7 @@
 //! What campaign.toml says: the campaign, its samples, materials and environments.
 
+use crate::closed_words;
+
 use serde::{Deserialize, Serialize};
 
 use super::climate::{ClimateRules, SensorStatement};
@@ -143,40 +145,20 @@ pub struct Campaign {
     pub extra_tags: Vec<String>,
 }
 
-/// What materials may be compared by, as their entries state it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MaterialClass {
-    /// Electrode material.
-    Electrode,
-    /// Membrane.
-    Membrane,
-    /// Electrolyte.
-    Electrolyte,
+closed_words! {
+    /// What materials may be compared by, as their entries state it.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum MaterialClass {
+        /// Electrode material.
+        Electrode = "electrode",
+        /// Membrane.
+        Membrane = "membrane",
+        /// Electrolyte.
+        Electrolyte = "electrolyte",
+    }
 }
 
 impl MaterialClass {
-    /// Every class.
-    pub const ALL: [MaterialClass; 3] = [
-        MaterialClass::Electrode,
-        MaterialClass::Membrane,
-        MaterialClass::Electrolyte,
-    ];
-
-    /// Its key in campaign.toml.
-    pub fn key(self) -> &'static str {
-        match self {
-            MaterialClass::Electrode => "electrode",
-            MaterialClass::Membrane => "membrane",
-            MaterialClass::Electrolyte => "electrolyte",
-        }
-    }
-
-    /// The class of that key.
-    pub fn from_key(key: &str) -> Option<MaterialClass> {
-        MaterialClass::ALL.into_iter().find(|class| class.key() == key)
-    }
-
     /// What a material states of it.
     pub fn of(self, material: &Material) -> Option<&str> {
         match self {

@@ -1,67 +1,43 @@
 //! The climate beside the samples: sensors, their series, what a run had of it, and what to know of the sensors.
 
+use crate::closed_words;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Issue, Quantity};
 
-/// What a log holds: the air, and what a four-point probe says of a sample's electrodes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum ClimateQuantity {
-    /// Relative humidity over water, percent.
-    #[serde(rename = "relative_humidity_percent")]
-    RelativeHumidity,
-    /// Temperature, °C.
-    #[serde(rename = "temperature_c")]
-    Temperature,
-    /// Pressure of the air, or in a chamber, Pa.
-    #[serde(rename = "pressure_pa")]
-    Pressure,
-    /// Oxygen in the gas of a chamber, ppm by volume.
-    #[serde(rename = "oxygen_ppm")]
-    Oxygen,
-    /// Water in the gas of a chamber, ppm by volume.
-    #[serde(rename = "water_ppm")]
-    Water,
-    /// Dew point over water, °C.
-    #[serde(rename = "dew_point_c")]
-    DewPoint,
-    /// Partial pressure of water vapour, Pa.
-    #[serde(rename = "vapour_pressure_pa")]
-    VapourPressure,
-    /// Mass of water vapour in a volume of air, g/m³.
-    #[serde(rename = "absolute_humidity_g_per_m3")]
-    AbsoluteHumidity,
-    /// Resistance of both electrodes along the strip, Ohm per square, by a probe.
-    #[serde(rename = "electrode_resistance_ohm_per_sq")]
-    ElectrodeResistance,
-    /// Its standard error, Ohm per square.
-    #[serde(rename = "electrode_resistance_error_ohm_per_sq")]
-    ElectrodeResistanceError,
-    /// Flexings of the strip so far.
-    #[serde(rename = "flexings")]
-    Flexings,
-    /// Relative humidity when the probe was read, percent.
-    #[serde(rename = "probe_humidity_percent")]
-    ProbeHumidity,
+closed_words! {
+    /// What a log holds: the air, and what a four-point probe says of a sample's electrodes.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum ClimateQuantity {
+        /// Relative humidity over water, percent.
+        RelativeHumidity = "relative_humidity_percent" => "Relative humidity",
+        /// Temperature, °C.
+        Temperature = "temperature_c" => "Temperature",
+        /// Pressure of the air, or in a chamber, Pa.
+        Pressure = "pressure_pa" => "Pressure",
+        /// Oxygen in the gas of a chamber, ppm by volume.
+        Oxygen = "oxygen_ppm" => "Oxygen",
+        /// Water in the gas of a chamber, ppm by volume.
+        Water = "water_ppm" => "Water",
+        /// Dew point over water, °C.
+        DewPoint = "dew_point_c" => "Dew point",
+        /// Partial pressure of water vapour, Pa.
+        VapourPressure = "vapour_pressure_pa" => "Vapour pressure",
+        /// Mass of water vapour in a volume of air, g/m³.
+        AbsoluteHumidity = "absolute_humidity_g_per_m3" => "Absolute humidity",
+        /// Resistance of both electrodes along the strip, Ohm per square, by a probe.
+        ElectrodeResistance = "electrode_resistance_ohm_per_sq" => "Electrode resistance",
+        /// Its standard error, Ohm per square.
+        ElectrodeResistanceError = "electrode_resistance_error_ohm_per_sq" => "Standard error of the electrode resistance",
+        /// Flexings of the strip so far.
+        Flexings = "flexings" => "Flexings",
+        /// Relative humidity when the probe was read, percent.
+        ProbeHumidity = "probe_humidity_percent" => "Relative humidity at the probe",
+    }
 }
 
 impl ClimateQuantity {
-    /// Every quantity: the measured ones, those computed from them, those of a probe.
-    pub const ALL: [ClimateQuantity; 12] = [
-        ClimateQuantity::RelativeHumidity,
-        ClimateQuantity::Temperature,
-        ClimateQuantity::Pressure,
-        ClimateQuantity::Oxygen,
-        ClimateQuantity::Water,
-        ClimateQuantity::DewPoint,
-        ClimateQuantity::VapourPressure,
-        ClimateQuantity::AbsoluteHumidity,
-        ClimateQuantity::ElectrodeResistance,
-        ClimateQuantity::ElectrodeResistanceError,
-        ClimateQuantity::Flexings,
-        ClimateQuantity::ProbeHumidity,
-    ];
-
     /// What sensors of the climate and of chambers measure, in the order in which pages show it.
     pub const MEASURED: [ClimateQuantity; 5] = [
         ClimateQuantity::RelativeHumidity,
@@ -88,49 +64,6 @@ impl ClimateQuantity {
                 | ClimateQuantity::Flexings
                 | ClimateQuantity::ProbeHumidity
         )
-    }
-
-    /// Stored name, with the unit: `relative_humidity_percent`.
-    pub fn key(self) -> &'static str {
-        match self {
-            ClimateQuantity::RelativeHumidity => "relative_humidity_percent",
-            ClimateQuantity::Temperature => "temperature_c",
-            ClimateQuantity::Pressure => "pressure_pa",
-            ClimateQuantity::Oxygen => "oxygen_ppm",
-            ClimateQuantity::Water => "water_ppm",
-            ClimateQuantity::DewPoint => "dew_point_c",
-            ClimateQuantity::VapourPressure => "vapour_pressure_pa",
-            ClimateQuantity::AbsoluteHumidity => "absolute_humidity_g_per_m3",
-            ClimateQuantity::ElectrodeResistance => "electrode_resistance_ohm_per_sq",
-            ClimateQuantity::ElectrodeResistanceError => "electrode_resistance_error_ohm_per_sq",
-            ClimateQuantity::Flexings => "flexings",
-            ClimateQuantity::ProbeHumidity => "probe_humidity_percent",
-        }
-    }
-
-    /// The quantity stored under `key`.
-    pub fn from_key(key: &str) -> Option<ClimateQuantity> {
-        ClimateQuantity::ALL
-            .into_iter()
-            .find(|quantity| quantity.key() == key)
-    }
-
-    /// The name a person reads.
-    pub fn label(self) -> &'static str {
-        match self {
-            ClimateQuantity::RelativeHumidity => "Relative humidity",
-            ClimateQuantity::Temperature => "Temperature",
-            ClimateQuantity::Pressure => "Pressure",
-            ClimateQuantity::Oxygen => "Oxygen",
-            ClimateQuantity::Water => "Water",
-            ClimateQuantity::DewPoint => "Dew point",
-            ClimateQuantity::VapourPressure => "Vapour pressure",
-            ClimateQuantity::AbsoluteHumidity => "Absolute humidity",
-            ClimateQuantity::ElectrodeResistance => "Electrode resistance",
-            ClimateQuantity::ElectrodeResistanceError => "Standard error of the electrode resistance",
-            ClimateQuantity::Flexings => "Flexings",
-            ClimateQuantity::ProbeHumidity => "Relative humidity at the probe",
-        }
     }
 
     /// Unit as printed.

@@ -1,5 +1,7 @@
 //! What a diagnosis found: what the simulation gets wrong, the cause, and the gain of the extended model.
 
+use crate::closed_words;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Gain, Parameter, number_or_null};
@@ -13,64 +15,32 @@ pub fn follows_a_tag(id: &str) -> bool {
     id.starts_with(FOLLOWS)
 }
 
-/// What is said of a run or a group of runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// The simulation is right to within the noise.
-    Consistent,
-    /// Too much to be called consistent, too little to be called wrong.
-    Undecided,
-    /// Wrong, and one cause explains it.
-    Named,
-    /// Wrong, and several causes explain it equally well.
-    Set,
-    /// Wrong; a cause explains most of it, and a misfit is left.
-    Partial,
-    /// Wrong, and no known cause explains it.
-    Unknown,
-    /// Each run is described by its own parameters, and all together are not by one set: what differs is told.
-    Varies,
-    /// Wrong; the trace is like that of one cause, and is not it.
-    Resembles,
-    /// The readings themselves do not allow a diagnosis.
-    DataProblem,
+closed_words! {
+    /// What is said of a run or a group of runs.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum Verdict {
+        /// The simulation is right to within the noise.
+        Consistent = "consistent",
+        /// Too much to be called consistent, too little to be called wrong.
+        Undecided = "undecided",
+        /// Wrong, and one cause explains it.
+        Named = "named",
+        /// Wrong, and several causes explain it equally well.
+        Set = "set",
+        /// Wrong; a cause explains most of it, and a misfit is left.
+        Partial = "partial",
+        /// Wrong, and no known cause explains it.
+        Unknown = "unknown",
+        /// Each run is described by its own parameters, and all together are not by one set: what differs is told.
+        Varies = "varies",
+        /// Wrong; the trace is like that of one cause, and is not it.
+        Resembles = "resembles",
+        /// The readings themselves do not allow a diagnosis.
+        DataProblem = "data-problem",
+    }
 }
 
 impl Verdict {
-    /// Every verdict.
-    pub const ALL: [Verdict; 9] = [
-        Verdict::Consistent,
-        Verdict::Undecided,
-        Verdict::Named,
-        Verdict::Set,
-        Verdict::Partial,
-        Verdict::Unknown,
-        Verdict::Varies,
-        Verdict::Resembles,
-        Verdict::DataProblem,
-    ];
-
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            Verdict::Consistent => "consistent",
-            Verdict::Undecided => "undecided",
-            Verdict::Named => "named",
-            Verdict::Set => "set",
-            Verdict::Partial => "partial",
-            Verdict::Unknown => "unknown",
-            Verdict::Varies => "varies",
-            Verdict::Resembles => "resembles",
-            Verdict::DataProblem => "data-problem",
-        }
-    }
-
-    /// The verdict stored under `key`.
-    pub fn from_key(key: &str) -> Option<Verdict> {
-        Verdict::ALL.into_iter().find(|verdict| verdict.key() == key)
-    }
-
     /// Whether it says that something is wrong with the simulation, and what.
     pub fn names_a_cause(self) -> bool {
         matches!(self, Verdict::Named | Verdict::Set | Verdict::Partial)

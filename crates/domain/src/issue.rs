@@ -1,34 +1,19 @@
 //! Something a reader must know of a file, a run or a fit.
 
+use crate::closed_words;
+
 use serde::{Deserialize, Serialize};
 
-/// How much an issue matters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Severity {
-    /// Good to know.
-    Note,
-    /// The numbers may not mean what they seem to.
-    Warning,
-    /// The input was refused, or a result could not be had.
-    Error,
-}
-
-impl Severity {
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            Severity::Note => "note",
-            Severity::Warning => "warning",
-            Severity::Error => "error",
-        }
-    }
-
-    /// The severity stored under `key`.
-    pub fn from_key(key: &str) -> Option<Severity> {
-        [Severity::Note, Severity::Warning, Severity::Error]
-            .into_iter()
-            .find(|s| s.key() == key)
+closed_words! {
+    /// How much an issue matters.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum Severity {
+        /// Good to know.
+        Note = "note",
+        /// The numbers may not mean what they seem to.
+        Warning = "warning",
+        /// The input was refused, or a result could not be had.
+        Error = "error",
     }
 }
 

@@ -8,6 +8,7 @@ pub mod branch;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
+mod closed_words;
 pub mod data_hash;
 pub mod date_order;
 pub mod diagnosis;

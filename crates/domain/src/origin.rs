@@ -1,34 +1,19 @@
 //! What the readings of a run rest on beside their files: profiles, clocks with their offsets, flags of instruments.
 
-use serde::{Deserialize, Serialize};
+use crate::closed_words;
 
-/// Which moment a time stamp of a file means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Timestamp {
-    /// Start of the measurement.
-    Start,
-    /// End of the measurement.
-    End,
-    /// Moment of the export.
-    Export,
-}
+use serde::Serialize;
 
-impl Timestamp {
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            Timestamp::Start => "start",
-            Timestamp::End => "end",
-            Timestamp::Export => "export",
-        }
-    }
-
-    /// The moment stored under `key`.
-    pub fn from_key(key: &str) -> Option<Timestamp> {
-        [Timestamp::Start, Timestamp::End, Timestamp::Export]
-            .into_iter()
-            .find(|kind| kind.key() == key)
+closed_words! {
+    /// Which moment a time stamp of a file means.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Timestamp {
+        /// Start of the measurement.
+        Start = "start",
+        /// End of the measurement.
+        End = "end",
+        /// Moment of the export.
+        Export = "export",
     }
 }
 
@@ -68,47 +53,16 @@ pub struct RunClock {
     pub stamp: Option<StartedAt>,
 }
 
-/// Where the offset of a clock comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum OffsetSource {
-    /// The tag `clock_offset_s`.
-    Stated,
-    /// The start moments of both files.
-    Header,
-    /// The onset of bending held against the edge of the voltage.
-    Estimated,
-}
-
-impl OffsetSource {
-    /// Every source, strongest first.
-    pub const ALL: [OffsetSource; 3] = [
-        OffsetSource::Stated,
-        OffsetSource::Header,
-        OffsetSource::Estimated,
-    ];
-
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            OffsetSource::Stated => "stated",
-            OffsetSource::Header => "header",
-            OffsetSource::Estimated => "estimated",
-        }
-    }
-
-    /// The source stored under `key`.
-    pub fn from_key(key: &str) -> Option<OffsetSource> {
-        OffsetSource::ALL.into_iter().find(|source| source.key() == key)
-    }
-
-    /// The source in words, for pages.
-    pub fn label(self) -> &'static str {
-        match self {
-            OffsetSource::Stated => "stated by tag",
-            OffsetSource::Header => "start moments of the files",
-            OffsetSource::Estimated => "onset of bending",
-        }
+closed_words! {
+    /// Where the offset of a clock comes from.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum OffsetSource {
+        /// The tag `clock_offset_s`.
+        Stated = "stated" => "stated by tag",
+        /// The start moments of both files.
+        Header = "header" => "start moments of the files",
+        /// The onset of bending held against the edge of the voltage.
+        Estimated = "estimated" => "onset of bending",
     }
 }
 

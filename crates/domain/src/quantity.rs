@@ -1,125 +1,63 @@
 //! Physical quantities a run table can hold, each with its one canonical unit.
 
-use serde::{Deserialize, Serialize};
+use crate::closed_words;
 
-/// What a column of a run table measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// Time since the voltage step, s.
-    Time,
-    /// Voltage across the electrodes, V.
-    Voltage,
-    /// Voltage that the source was told to apply, V: the drive, where a file states it beside what was measured.
-    ControlVoltage,
-    /// Current into the sample, A.
-    Current,
-    /// Current into the sample over its active area, A/cm2.
-    CurrentDensity,
-    /// Bending curvature, 1/cm.
-    Curvature,
-    /// Transverse tip displacement, mm.
-    TipDisplacement,
-    /// Blocking force, mN (millinewton).
-    BlockingForce,
-    /// 1 where the circuit is open, 0 where it is closed.
-    OpenCircuit,
-    /// Temperature beside the sample, degrees Celsius.
-    Temperature,
-    /// Relative humidity beside the sample, percent.
-    RelativeHumidity,
-    /// Pressure around the sample, Pa.
-    Pressure,
-    /// Oxygen in the gas around the sample, ppm by volume.
-    Oxygen,
-    /// Water in the gas around the sample, ppm by volume.
-    Water,
-    /// Storage modulus E', MPa.
-    StorageModulus,
-    /// Loss modulus E'', MPa.
-    LossModulus,
-    /// Magnitude of the complex modulus |E*|, MPa.
-    ComplexModulus,
-    /// Loss factor tan delta = E''/E', a pure number.
-    LossFactor,
-    /// Frequency of the oscillation, Hz.
-    Frequency,
-    /// Real part of the impedance, Ohm.
-    ImpedanceReal,
-    /// Imaginary part of the impedance, Ohm: negative where it is capacitive.
-    ImpedanceImaginary,
-    /// Magnitude of the impedance, Ohm.
-    ImpedanceMagnitude,
-    /// Phase of the impedance, degrees: negative where it is capacitive.
-    ImpedancePhase,
-    /// A column that is kept under its own name and not interpreted.
-    Other,
+closed_words! {
+    /// What a column of a run table measures.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum Quantity {
+        /// Time since the voltage step, s.
+        Time = "time" => "Time",
+        /// Voltage across the electrodes, V.
+        Voltage = "voltage" => "Voltage",
+        /// Voltage that the source was told to apply, V: the drive, where a file states it beside what was measured.
+        ControlVoltage = "control_voltage" => "Control voltage",
+        /// Current into the sample, A.
+        Current = "current" => "Current",
+        /// Current into the sample over its active area, A/cm2.
+        CurrentDensity = "current_density" => "Current density",
+        /// Bending curvature, 1/cm.
+        Curvature = "curvature" => "Curvature",
+        /// Transverse tip displacement, mm.
+        TipDisplacement = "tip_displacement" => "Tip displacement",
+        /// Blocking force, mN (millinewton).
+        BlockingForce = "blocking_force" => "Blocking force",
+        /// 1 where the circuit is open, 0 where it is closed.
+        OpenCircuit = "open_circuit" => "Open circuit",
+        /// Temperature beside the sample, degrees Celsius.
+        Temperature = "temperature" => "Temperature",
+        /// Relative humidity beside the sample, percent.
+        RelativeHumidity = "relative_humidity" => "Relative humidity",
+        /// Pressure around the sample, Pa.
+        Pressure = "pressure" => "Pressure",
+        /// Oxygen in the gas around the sample, ppm by volume.
+        Oxygen = "oxygen" => "Oxygen",
+        /// Water in the gas around the sample, ppm by volume.
+        Water = "water" => "Water",
+        /// Storage modulus E', MPa.
+        StorageModulus = "storage_modulus" => "Storage modulus",
+        /// Loss modulus E'', MPa.
+        LossModulus = "loss_modulus" => "Loss modulus",
+        /// Magnitude of the complex modulus |E*|, MPa.
+        ComplexModulus = "complex_modulus" => "Complex modulus",
+        /// Loss factor tan delta = E''/E', a pure number.
+        LossFactor = "loss_factor" => "Loss factor",
+        /// Frequency of the oscillation, Hz.
+        Frequency = "frequency" => "Frequency",
+        /// Real part of the impedance, Ohm.
+        ImpedanceReal = "impedance_real" => "Real part of the impedance",
+        /// Imaginary part of the impedance, Ohm: negative where it is capacitive.
+        ImpedanceImaginary = "impedance_imaginary" => "Imaginary part of the impedance",
+        /// Magnitude of the impedance, Ohm.
+        ImpedanceMagnitude = "impedance_magnitude" => "Magnitude of the impedance",
+        /// Phase of the impedance, degrees: negative where it is capacitive.
+        ImpedancePhase = "impedance_phase" => "Phase of the impedance",
+        /// A column that is kept under its own name and not interpreted.
+        Other = "other" => "Other",
+    }
 }
 
 impl Quantity {
-    /// Every quantity, in the order in which tables list them.
-    pub const ALL: [Quantity; 24] = [
-        Quantity::Time,
-        Quantity::Voltage,
-        Quantity::ControlVoltage,
-        Quantity::Current,
-        Quantity::CurrentDensity,
-        Quantity::Curvature,
-        Quantity::TipDisplacement,
-        Quantity::BlockingForce,
-        Quantity::OpenCircuit,
-        Quantity::Temperature,
-        Quantity::RelativeHumidity,
-        Quantity::Pressure,
-        Quantity::Oxygen,
-        Quantity::Water,
-        Quantity::StorageModulus,
-        Quantity::LossModulus,
-        Quantity::ComplexModulus,
-        Quantity::LossFactor,
-        Quantity::Frequency,
-        Quantity::ImpedanceReal,
-        Quantity::ImpedanceImaginary,
-        Quantity::ImpedanceMagnitude,
-        Quantity::ImpedancePhase,
-        Quantity::Other,
-    ];
-
-    /// Stored name: `current`, `tip_displacement`, ...
-    pub fn key(self) -> &'static str {
-        match self {
-            Quantity::Time => "time",
-            Quantity::Voltage => "voltage",
-            Quantity::ControlVoltage => "control_voltage",
-            Quantity::Current => "current",
-            Quantity::CurrentDensity => "current_density",
-            Quantity::Curvature => "curvature",
-            Quantity::TipDisplacement => "tip_displacement",
-            Quantity::BlockingForce => "blocking_force",
-            Quantity::OpenCircuit => "open_circuit",
-            Quantity::Temperature => "temperature",
-            Quantity::RelativeHumidity => "relative_humidity",
-            Quantity::Pressure => "pressure",
-            Quantity::Oxygen => "oxygen",
-            Quantity::Water => "water",
-            Quantity::StorageModulus => "storage_modulus",
-            Quantity::LossModulus => "loss_modulus",
-            Quantity::ComplexModulus => "complex_modulus",
-            Quantity::LossFactor => "loss_factor",
-            Quantity::Frequency => "frequency",
-            Quantity::ImpedanceReal => "impedance_real",
-            Quantity::ImpedanceImaginary => "impedance_imaginary",
-            Quantity::ImpedanceMagnitude => "impedance_magnitude",
-            Quantity::ImpedancePhase => "impedance_phase",
-            Quantity::Other => "other",
-        }
-    }
-
-    /// The quantity stored under `key`.
-    pub fn from_key(key: &str) -> Option<Quantity> {
-        Quantity::ALL.into_iter().find(|quantity| quantity.key() == key)
-    }
-
     /// Canonical unit as printed: `A`, `1/cm`, ...; empty where there is none.
     pub fn unit(self) -> &'static str {
         match self {
@@ -169,36 +107,6 @@ impl Quantity {
             Quantity::ImpedanceMagnitude => "impedance_magnitude_ohm",
             Quantity::ImpedancePhase => "impedance_phase_degree",
             Quantity::Other => "",
-        }
-    }
-
-    /// The name a person reads on an axis: `Current`, `Tip displacement`.
-    pub fn label(self) -> &'static str {
-        match self {
-            Quantity::Time => "Time",
-            Quantity::Voltage => "Voltage",
-            Quantity::ControlVoltage => "Control voltage",
-            Quantity::Current => "Current",
-            Quantity::CurrentDensity => "Current density",
-            Quantity::Curvature => "Curvature",
-            Quantity::TipDisplacement => "Tip displacement",
-            Quantity::BlockingForce => "Blocking force",
-            Quantity::OpenCircuit => "Open circuit",
-            Quantity::Temperature => "Temperature",
-            Quantity::RelativeHumidity => "Relative humidity",
-            Quantity::Pressure => "Pressure",
-            Quantity::Oxygen => "Oxygen",
-            Quantity::Water => "Water",
-            Quantity::StorageModulus => "Storage modulus",
-            Quantity::LossModulus => "Loss modulus",
-            Quantity::ComplexModulus => "Complex modulus",
-            Quantity::LossFactor => "Loss factor",
-            Quantity::Frequency => "Frequency",
-            Quantity::ImpedanceReal => "Real part of the impedance",
-            Quantity::ImpedanceImaginary => "Imaginary part of the impedance",
-            Quantity::ImpedanceMagnitude => "Magnitude of the impedance",
-            Quantity::ImpedancePhase => "Phase of the impedance",
-            Quantity::Other => "Other",
         }
     }
 

@@ -1,32 +1,26 @@
 //! A run as it is stored: files, tags, channels, issues and its current fit.
 
+use crate::closed_words;
+
 use serde::{Deserialize, Serialize};
 
 use super::tag::keys;
 use super::{ChannelSummary, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Standing, Tag};
 
-/// What is measured: a modulus log is told by the folder that the file lies in, the others by their columns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RunKind {
-    /// A drive and the responses of an actuator to it.
-    Actuation,
-    /// A modulus log: dynamic mechanical analysis of a sample.
-    Dma,
-    /// An impedance spectrum of a sample.
-    Impedance,
+closed_words! {
+    /// What is measured: a modulus log is told by the folder that the file lies in, the others by their columns.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum RunKind {
+        /// A drive and the responses of an actuator to it.
+        Actuation = "actuation",
+        /// A modulus log: dynamic mechanical analysis of a sample.
+        Dma = "dma",
+        /// An impedance spectrum of a sample.
+        Impedance = "impedance",
+    }
 }
 
 impl RunKind {
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            RunKind::Actuation => "actuation",
-            RunKind::Dma => "dma",
-            RunKind::Impedance => "impedance",
-        }
-    }
-
     /// Tags without which nothing can be made of such a measurement.
     pub fn needed_tags(self) -> &'static [&'static str] {
         match self {
@@ -34,96 +28,39 @@ impl RunKind {
             RunKind::Dma | RunKind::Impedance => &[keys::SAMPLE],
         }
     }
+}
 
-    /// The kind stored under `key`.
-    pub fn from_key(key: &str) -> Option<RunKind> {
-        [RunKind::Actuation, RunKind::Dma, RunKind::Impedance]
-            .into_iter()
-            .find(|kind| kind.key() == key)
+closed_words! {
+    /// Whether a run can be fitted.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum RunState {
+        /// Tagged and readable: fitted, or waiting for its fit.
+        Ready = "ready",
+        /// A needed tag is missing; the issues say which.
+        Untagged = "untagged",
+        /// Tagged, but the technique or the channels are not those of a step response.
+        NotFitted = "not_fitted",
+        /// The voltage does not go in steps, as in a sweep: it is kept, waits for nothing and is not fitted.
+        NoSteps = "no_steps",
     }
 }
 
-/// Whether a run can be fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RunState {
-    /// Tagged and readable: fitted, or waiting for its fit.
-    Ready,
-    /// A needed tag is missing; the issues say which.
-    Untagged,
-    /// Tagged, but the technique or the channels are not those of a step response.
-    NotFitted,
-    /// The voltage does not go in steps, as in a sweep: it is kept, waits for nothing and is not fitted.
-    NoSteps,
-}
-
-impl RunState {
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            RunState::Ready => "ready",
-            RunState::Untagged => "untagged",
-            RunState::NotFitted => "not_fitted",
-            RunState::NoSteps => "no_steps",
-        }
-    }
-
-    /// The state stored under `key`.
-    pub fn from_key(key: &str) -> Option<RunState> {
-        let all = [
-            RunState::Ready,
-            RunState::Untagged,
-            RunState::NotFitted,
-            RunState::NoSteps,
-        ];
-        all.into_iter().find(|s| s.key() == key)
-    }
-}
-
-/// How the measurement ended, as far as the file shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RunStatus {
-    /// The file is whole.
-    Complete,
-    /// The instrument says that the run was aborted.
-    Aborted,
-    /// The run ended before its plan, in order.
-    StoppedEarly,
-    /// The file ends in the middle of a line or a table.
-    Cut,
-    /// The instrument had not finished when the file was read.
-    StillRunning,
-    /// The format says nothing of it.
-    Unknown,
-}
-
-impl RunStatus {
-    /// Every status.
-    pub const ALL: [RunStatus; 6] = [
-        RunStatus::Complete,
-        RunStatus::Aborted,
-        RunStatus::StoppedEarly,
-        RunStatus::Cut,
-        RunStatus::StillRunning,
-        RunStatus::Unknown,
-    ];
-
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            RunStatus::Complete => "complete",
-            RunStatus::Aborted => "aborted",
-            RunStatus::StoppedEarly => "stopped_early",
-            RunStatus::Cut => "cut",
-            RunStatus::StillRunning => "still_running",
-            RunStatus::Unknown => "unknown",
-        }
-    }
-
-    /// The status stored under `key`.
-    pub fn from_key(key: &str) -> Option<RunStatus> {
-        RunStatus::ALL.into_iter().find(|status| status.key() == key)
+closed_words! {
+    /// How the measurement ended, as far as the file shows.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum RunStatus {
+        /// The file is whole.
+        Complete = "complete",
+        /// The instrument says that the run was aborted.
+        Aborted = "aborted",
+        /// The run ended before its plan, in order.
+        StoppedEarly = "stopped_early",
+        /// The file ends in the middle of a line or a table.
+        Cut = "cut",
+        /// The instrument had not finished when the file was read.
+        StillRunning = "still_running",
+        /// The format says nothing of it.
+        Unknown = "unknown",
     }
 }
 
@@ -221,50 +158,22 @@ impl RunRecord {
     }
 }
 
-/// What became of a file in the campaign folder.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FileState {
-    /// Holds a run, or a part of one.
-    Run,
-    /// The same bytes as a run's file.
-    Alias,
-    /// Could not be read; its reason is stored.
-    Refused,
-    /// Empty, header only or still growing: looked at again when it changes.
-    Pending,
-    /// Belongs to a run and holds none: a sidecar of the instrument.
-    Sidecar,
-    /// Holds readings of climate sensors.
-    Log,
-}
-
-impl FileState {
-    /// Every state.
-    pub const ALL: [FileState; 6] = [
-        FileState::Run,
-        FileState::Alias,
-        FileState::Refused,
-        FileState::Pending,
-        FileState::Sidecar,
-        FileState::Log,
-    ];
-
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            FileState::Run => "run",
-            FileState::Alias => "alias",
-            FileState::Refused => "refused",
-            FileState::Pending => "pending",
-            FileState::Sidecar => "sidecar",
-            FileState::Log => "log",
-        }
-    }
-
-    /// The state stored under `key`.
-    pub fn from_key(key: &str) -> Option<FileState> {
-        FileState::ALL.into_iter().find(|state| state.key() == key)
+closed_words! {
+    /// What became of a file in the campaign folder.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum FileState {
+        /// Holds a run, or a part of one.
+        Run = "run",
+        /// The same bytes as a run's file.
+        Alias = "alias",
+        /// Could not be read; its reason is stored.
+        Refused = "refused",
+        /// Empty, header only or still growing: looked at again when it changes.
+        Pending = "pending",
+        /// Belongs to a run and holds none: a sidecar of the instrument.
+        Sidecar = "sidecar",
+        /// Holds readings of climate sensors.
+        Log = "log",
     }
 }
 

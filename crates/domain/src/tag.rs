@@ -1,5 +1,7 @@
 //! Tags of a run and where each came from.
 
+use crate::closed_words;
+
 use serde::{Deserialize, Serialize};
 
 /// Tag keys with a meaning of their own; any other key is a free tag, which campaign.toml declares (`[tags] extra`).
@@ -108,82 +110,30 @@ pub const UNREADABLE: [&str; 4] = [
     "run-sheet-damaged",
 ];
 
-/// Where a tag came from, strongest first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TagSource {
-    /// Set by hand with `ieap tag`.
-    Hand,
-    /// `<file name>.toml` beside the data file.
-    Sidecar,
-    /// `tags.toml` in the file's folder or one above it.
-    Folder,
-    /// A row of a run sheet whose planned name is the file's.
-    RunSheet,
-    /// `name_pattern` matched against the file name.
-    FileName,
-    /// The file's own header.
-    Header,
-    /// The voltage channel of the file.
-    Channel,
-    /// Ambient logs, averaged over the run.
-    Ambient,
-    /// Readings of a four-point probe before and after the run.
-    Probe,
-    /// Defaults of the environment in campaign.toml.
-    EnvironmentDefault,
-}
-
-impl TagSource {
-    /// Every source, strongest first.
-    pub const ALL: [TagSource; 10] = [
-        TagSource::Hand,
-        TagSource::Sidecar,
-        TagSource::Folder,
-        TagSource::RunSheet,
-        TagSource::FileName,
-        TagSource::Header,
-        TagSource::Channel,
-        TagSource::Ambient,
-        TagSource::Probe,
-        TagSource::EnvironmentDefault,
-    ];
-
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            TagSource::Hand => "hand",
-            TagSource::Sidecar => "sidecar",
-            TagSource::Folder => "folder",
-            TagSource::RunSheet => "run_sheet",
-            TagSource::FileName => "file_name",
-            TagSource::Header => "header",
-            TagSource::Channel => "channel",
-            TagSource::Ambient => "ambient",
-            TagSource::Probe => "probe",
-            TagSource::EnvironmentDefault => "environment_default",
-        }
-    }
-
-    /// The source stored under `key`.
-    pub fn from_key(key: &str) -> Option<TagSource> {
-        TagSource::ALL.into_iter().find(|source| source.key() == key)
-    }
-
-    /// The source in words, for pages.
-    pub fn label(self) -> &'static str {
-        match self {
-            TagSource::Hand => "set by hand",
-            TagSource::Sidecar => "sidecar",
-            TagSource::Folder => "tags.toml",
-            TagSource::RunSheet => "run sheet",
-            TagSource::FileName => "file name",
-            TagSource::Header => "file header",
-            TagSource::Channel => "voltage channel",
-            TagSource::Ambient => "ambient log",
-            TagSource::Probe => "probe",
-            TagSource::EnvironmentDefault => "environment default",
-        }
+closed_words! {
+    /// Where a tag came from, strongest first.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum TagSource {
+        /// Set by hand with `ieap tag`.
+        Hand = "hand" => "set by hand",
+        /// `<file name>.toml` beside the data file.
+        Sidecar = "sidecar" => "sidecar",
+        /// `tags.toml` in the file's folder or one above it.
+        Folder = "folder" => "tags.toml",
+        /// A row of a run sheet whose planned name is the file's.
+        RunSheet = "run_sheet" => "run sheet",
+        /// `name_pattern` matched against the file name.
+        FileName = "file_name" => "file name",
+        /// The file's own header.
+        Header = "header" => "file header",
+        /// The voltage channel of the file.
+        Channel = "channel" => "voltage channel",
+        /// Ambient logs, averaged over the run.
+        Ambient = "ambient" => "ambient log",
+        /// Readings of a four-point probe before and after the run.
+        Probe = "probe" => "probe",
+        /// Defaults of the environment in campaign.toml.
+        EnvironmentDefault = "environment_default" => "environment default",
     }
 }
 

@@ -1,33 +1,20 @@
 //! Diagnoses: what is current, what is new. Old ones stay.
 
+use ieap_domain::closed_words;
+
 use rusqlite::{OptionalExtension, params};
 
 use super::{StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
 use ieap_domain::GroupDiagnosis;
 
-/// What a diagnosis is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum DiagnosisKind {
-    /// Runs that one parameter set describes.
-    Group,
-    /// One run alone.
-    Run,
-}
-
-impl DiagnosisKind {
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            DiagnosisKind::Group => "group",
-            DiagnosisKind::Run => "run",
-        }
-    }
-
-    /// The kind stored under `key`.
-    pub fn from_key(key: &str) -> Option<DiagnosisKind> {
-        [DiagnosisKind::Group, DiagnosisKind::Run]
-            .into_iter()
-            .find(|kind| kind.key() == key)
+closed_words! {
+    /// What a diagnosis is about.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum DiagnosisKind {
+        /// Runs that one parameter set describes.
+        Group = "group",
+        /// One run alone.
+        Run = "run",
     }
 }
 
