@@ -30,7 +30,7 @@ impl Default for ScanLimits {
 pub struct SeenFile {
     /// Path relative to the campaign, every byte kept.
     pub relative: PathBuf,
-    /// The path as text, see [`display_path`]: what is stored and shown.
+    /// The path as text, see [`super::display_path`]: what is stored and shown.
     pub display: String,
     /// Size, bytes.
     pub size_bytes: u64,
