@@ -96,7 +96,7 @@ fn module_of(path: &str) -> Module {
 /// Modules that only tests have.
 fn test_modules(of: &Module, text: &str) -> Vec<Module> {
     let lines: Vec<&str> = text.lines().collect();
-    let after = lines.windows(2).filter(|pair| pair[0].trim() == "#[cfg(test)]");
+    let after = lines.windows(2).filter(|pair| is_for_tests(pair[0]));
     let name = |pair: &[&str]| Some(pair[1].strip_prefix("mod ")?.strip_suffix(';')?.to_owned());
     after
         .filter_map(name)
@@ -104,11 +104,32 @@ fn test_modules(of: &Module, text: &str) -> Vec<Module> {
         .collect()
 }
 
+/// `#[cfg(test)]`, `#[cfg(all(test, unix))]`
+fn is_for_tests(line: &str) -> bool {
+    let line = line.trim();
+    line == "#[cfg(test)]" || line.starts_with("#[cfg(all(test,")
+}
+
+/// The lines of a file apart from its modules of tests.
+fn without_tests(text: &str) -> Vec<&str> {
+    let mut kept = Vec::new();
+    let mut lines = text.lines().peekable();
+    while let Some(line) = lines.next() {
+        let next = lines.peek().map_or("", |next| next.trim());
+        if is_for_tests(line) && next.starts_with("mod ") && next.ends_with('{') {
+            let indent = &line[..line.len() - line.trim_start().len()];
+            lines.by_ref().find(|line| line.strip_prefix(indent) == Some("}"));
+        } else {
+            kept.push(line);
+        }
+    }
+    kept
+}
+
 impl File {
     fn read(text: &str) -> File {
-        let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-        let code: Vec<&str> = text
-            .lines()
+        let code: Vec<&str> = without_tests(text)
+            .into_iter()
             .map(|line| line.split("//").next().unwrap_or_default())
             .collect();
         let (mut names, mut rest, mut statement) = (Vec::new(), String::new(), String::new());
@@ -257,7 +278,8 @@ fn a_circle_of_files_is_seen_through_nested_imports_and_names_that_are_handed_on
         file("room/two.rs", "fn f() { crate::room::Three::new(); }\n"),
         file(
             "room/three.rs",
-            "use crate::One;\n#[cfg(test)]\nmod tests {\n    use super::super::two::Two;\n}\n",
+            "mod unix {\n    #[cfg(all(test, unix))]\n    mod tests {\n        use crate::room::two::Two;\n    }\n}\n\
+             #[cfg(test)]\nmod tests {\n    use super::super::two::Two;\n}\nuse crate::One;\n",
         ),
         file("tests.rs", "use super::room::two::Two;\n"),
     ];
@@ -266,6 +288,13 @@ fn a_circle_of_files_is_seen_through_nested_imports_and_names_that_are_handed_on
     let circles = imports.circles();
     let found: Vec<Vec<String>> = circles.iter().map(|c| c.iter().map(names).collect()).collect();
     assert_eq!(found, [["room::one", "room::three", "room::two"]]);
+    let path = |names: [&str; 2]| names.map(str::to_owned).to_vec();
+    let of_three = &imports.of[&path(["room", "three"])];
+    assert_eq!(
+        *of_three,
+        BTreeSet::from([path(["room", "one"])]),
+        "not of its tests"
+    );
     assert!(!imports.of.contains_key(&vec!["tests".to_owned()]));
     let broken: Vec<(String, String)> = files
         .iter()

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use ieap::domain::{ClimateCurve, CurveSource, RunCurve, RunRecord};
-use ieap::report::pages::{PAGES, Page};
+use ieap::report::pages::{PAGES, Page, shown};
 use ieap::report::{Input, Site, render, render_site};
 
 use super::report_fixture::{MadeUpCurves, current_only_input, input, troubled_input};
@@ -305,7 +305,7 @@ fn progress_ends_with_everything_done() {
 /// Every page that a site has, and no other.
 fn every_page_is_there(folder: &Path, input: &Input) {
     let site = Site::new(input);
-    let once = site.pages.iter().map(|page| page.file.to_owned());
+    let once = shown(input).into_iter().map(|page| page.file.to_owned());
     let runs = (0..site.run_pages.len()).map(|page| site.run_page_href(page));
     for page in once.chain(runs) {
         let html = std::fs::read_to_string(folder.join(&page)).unwrap_or_default();
@@ -361,9 +361,10 @@ fn what_panics_is_a_box_and_the_rest_is_as_it_would_be() {
     let input = input(&["CNaf"], 2);
     let (folder, whole) = (tempfile::tempdir().expect("a folder"), site(&input));
     let curves = Broken(MadeUpCurves::of(&input), &input.runs[0]);
-    let mut broken = Site::new(&input);
-    broken.pages.push(&STOPS);
-    let rendered = render_site(broken, &curves, folder.path(), &|_, _| {}).expect("a site");
+    let mut pages = shown(&input);
+    pages.push(&STOPS);
+    let rendered =
+        render_site(Site::new(&input), &pages, &curves, folder.path(), &|_, _| {}).expect("a site");
     let reasons: Vec<&str> = rendered
         .faults
         .iter()

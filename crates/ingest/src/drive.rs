@@ -8,18 +8,6 @@ use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
 pub const VERSION: u32 = 6;
 
-/// Code of the issue of a voltage that does not go in steps.
-pub const NO_STEPS: &str = "not-piecewise-constant";
-
-/// Code of the note on a voltage that moves all the time.
-pub const MOVES: &str = "voltage-moves";
-
-/// Changes of the voltage below this are never a step, V: potentiostats hold a potential to about 1 mV.
-const LEAST_STEP_V: f64 = 2e-3;
-/// A step must also exceed this share of the voltage's range.
-const LEAST_STEP_SHARE: f64 = 0.02;
-/// A step must also exceed this many times the reading noise.
-const LEAST_STEP_NOISE: f64 = 8.0;
 /// More steps than this share of the readings is a sweep, not a piecewise-constant drive: between few levels ...
 const MOST_PULSES_SHARE: f64 = 0.34;
 /// ... as a pulse train has them, or between many.
@@ -33,19 +21,16 @@ const MANY_STRETCHES: usize = 20;
 /// Levels that are few: pulses go between two or three, a sweep passes all it can.
 const FEW_LEVELS: usize = 10;
 
+mod found;
 mod held_current;
 pub mod jumps;
 mod moving;
 mod stated;
+mod step;
 
-/// What is known of a run's drive.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FoundDrive {
-    /// The drive; none where it cannot be had, and an issue says why.
-    pub drive: Option<Drive>,
-    /// What a reader must know of it.
-    pub issues: Vec<Issue>,
-}
+pub use found::{FoundDrive, MOVES, NO_STEPS};
+
+use step::step_threshold;
 
 /// Finds the drive.
 ///
@@ -350,14 +335,6 @@ fn without_edges(stretches: Vec<Stretch>, threshold: f64) -> Vec<Stretch> {
         });
     }
     kept
-}
-
-/// Least change of the voltage that counts as a step, V.
-fn step_threshold(values: &[f64], closed: &[usize], noise_v: f64) -> f64 {
-    let (low, high) = range_of(closed.iter().map(|&i| values[i]));
-    LEAST_STEP_V
-        .max(LEAST_STEP_SHARE * (high - low))
-        .max(LEAST_STEP_NOISE * noise_v)
 }
 
 /// Noise as the changes from reading to reading have it, V.

@@ -5,17 +5,17 @@
 //! within the last digit that either export prints.
 
 mod alike;
+mod digits;
 mod marks;
 
-use ieap_domain::{Channel, Quantity};
+use ieap_domain::Channel;
 
 pub use alike::Alike;
 pub use marks::{VERSION, marks};
 
-/// Most digits of a number that are not the noise of a conversion.
-const MOST_DIGITS: i32 = 12;
-/// Numbers that the digits of a channel are told from.
-const LOOKED_AT: usize = 2000;
+use digits::Digits;
+use marks::responses;
+
 /// Readings that must step by more than the printed digits: a record that rests, or is printed with two digits, is like
 /// many others.
 const TELLING: usize = 8;
@@ -23,10 +23,6 @@ const TELLING: usize = 8;
 const ANCHOR: usize = 3;
 /// Places that are tried.
 const PLACES: usize = 16;
-
-fn exponent(value: f64) -> i32 {
-    value.abs().log10().floor() as i32
-}
 
 /// The responses of a record, made ready to be held against those of others.
 #[derive(Debug)]
@@ -77,12 +73,6 @@ impl Record {
         };
         !self.responses.is_empty() && self.responses.iter().all(stands)
     }
-}
-
-fn responses(channels: &[Channel]) -> impl Iterator<Item = &Channel> {
-    channels
-        .iter()
-        .filter(|channel| channel.is_response() && channel.quantity != Quantity::Other)
 }
 
 fn channel_stands_in(part: &Response, whole: &Response) -> bool {
@@ -145,67 +135,13 @@ fn shifts(part: &Channel, whole: &Channel, digits: Digits) -> Vec<f64> {
         .collect()
 }
 
-/// How finely numbers are printed: by a step that all have, by a number of digits, or both.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Digits {
-    step: f64,
-    most: i32,
-}
-
-impl Digits {
-    fn of(values: &[f64]) -> Digits {
-        let every = values.len().div_ceil(LOOKED_AT).max(1);
-        let mut digits = Digits {
-            step: f64::INFINITY,
-            most: 1,
-        };
-        for value in values
-            .iter()
-            .step_by(every)
-            .filter(|value| **value != 0.0 && value.is_finite())
-        {
-            let printed = format!("{value:.*e}", MOST_DIGITS as usize - 1);
-            let (mantissa, decade) = printed.split_once('e').unwrap_or((&printed, "0"));
-            let shown = mantissa
-                .trim_start_matches('-')
-                .trim_end_matches('0')
-                .trim_end_matches('.');
-            let count = shown.chars().filter(char::is_ascii_digit).count() as i32;
-            let decade: i32 = decade.parse().unwrap_or(0);
-            digits.most = digits.most.max(count);
-            digits.step = digits.step.min(10f64.powi(decade - count + 1));
-        }
-        digits
-    }
-
-    fn coarser(self, other: Digits) -> Digits {
-        Digits {
-            step: self.step.max(other.step),
-            most: self.most.min(other.most),
-        }
-    }
-
-    /// What the last printed digit of a number stands for: exports round or cut off.
-    fn last(self, value: f64) -> f64 {
-        let own = match value == 0.0 {
-            true => 0.0,
-            false => 10f64.powi(exponent(value) - self.most + 1),
-        };
-        let step = if self.step.is_finite() { self.step } else { 0.0 };
-        1.001 * step.max(own)
-    }
-
-    fn are_equal(self, one: f64, other: f64) -> bool {
-        (one - other).abs() <= self.last(one).max(self.last(other))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;
     use std::sync::Arc;
 
     use super::*;
+    use ieap_domain::Quantity;
 
     fn stands_in(part: &[Channel], whole: &[Channel]) -> bool {
         Record::of(part).stands_in(&Record::of(whole))

@@ -7,38 +7,13 @@ use serde::Serialize;
 
 use super::figures::aside::AsideMark;
 use super::figures::axis::Axis;
-use super::input::Input;
 use super::number::significant;
 use super::pages::wording::{RunLink, listed};
 use super::site::Site;
-use ieap_analysis::laws::facts::{RunFacts, facts_beside};
+use ieap_analysis::ParameterInfo;
 use ieap_analysis::parameters::usable;
-use ieap_analysis::{Conditions, ParameterInfo};
-use ieap_domain::{RunRecord, Standing};
 
-/// A run that is condemned, and where it would have stood.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Aside {
-    /// Its number among all that have a page.
-    pub run: usize,
-    /// What is known of it; none without a sample.
-    pub facts: Option<RunFacts>,
-    /// Material, surroundings and voltage; none where no other run has them.
-    pub condition: Option<(usize, usize, usize)>,
-}
-
-/// The condemned runs of `input`, whose other runs have those conditions and facts.
-pub fn aside(input: &Input, conditions: &Conditions, facts: &[RunFacts]) -> Vec<Aside> {
-    let is_condemned = |run: &RunRecord| matches!(run.standing, Standing::Condemned { .. });
-    let runs = input.set_aside.iter().enumerate();
-    let condemned = runs.filter(|(_, run)| is_condemned(run));
-    let aside = condemned.map(|(place, run)| Aside {
-        run: input.runs.len() + place,
-        facts: facts_beside(run, &input.runs, facts, &input.campaign),
-        condition: conditions.place_of(run, &input.campaign),
-    });
-    aside.collect()
-}
+pub use super::condemned::{Aside, aside};
 
 impl Aside {
     /// Its mark in a figure of a parameter, at `x`; none where its fit does not give a value.

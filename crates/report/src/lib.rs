@@ -3,6 +3,7 @@
 
 pub mod aside;
 mod compact;
+mod condemned;
 mod drawn_runs;
 pub mod error;
 mod fault;

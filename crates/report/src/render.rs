@@ -17,7 +17,7 @@ use super::fault::{REPORT_IT, guarded, reason_of};
 use super::figures::svg::dot_markers;
 use super::input::Input;
 use super::pages::{
-    Content, FINDING_TEMPLATE, Page, RUN_TEMPLATE, STRIP_TEMPLATE, finding_content, run_page_content,
+    Content, FINDING_TEMPLATE, Page, RUN_TEMPLATE, STRIP_TEMPLATE, finding_content, run_page_content, shown,
     strip_content,
 };
 use super::run_index::{self, run_index};
@@ -57,20 +57,21 @@ pub fn render(
     out_dir: &Path,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Rendered, ReportError> {
-    render_site(Site::new(input), curves, out_dir, progress)
+    render_site(Site::new(input), &shown(input), curves, out_dir, progress)
 }
 
-/// The same with the pages that `site` names.
+/// The same with these pages in place of those that a report of its input has.
 ///
 /// # Errors
 /// [`ReportError`]: what could not be written.
 pub fn render_site(
     mut site: Site,
+    pages: &[&Page],
     curves: &dyn CurveSource,
     out_dir: &Path,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Rendered, ReportError> {
-    let templates = templates(&site)?;
+    let templates = templates(pages)?;
     let groups = site.input.findings.groups.len();
     let strips: Vec<usize> = (0..site.input.runs.len())
         .filter(|&run| site.input.runs[run].is_along())
@@ -84,18 +85,19 @@ pub fn render_site(
             make_folder(&out_dir.join(folder))?;
         }
     }
-    let total = site.pages.len() + groups + site.run_pages.len() + strips.len();
+    let total = pages.len() + groups + site.run_pages.len() + strips.len();
     let mut bytes = write(&out_dir.join("style.css"), &without_comments(STYLE))?;
     bytes += write(&out_dir.join("site.js"), &without_comments(SCRIPT))?;
     bytes += write(&out_dir.join(run_index::FILE), &run_index(&site))?;
     let press = Press {
         templates: &templates,
         site: &site,
+        pages,
         out_dir,
         faults: Mutex::new(site.faults.clone()),
     };
     let (index, others): (Vec<&Page>, Vec<&Page>) =
-        site.pages.iter().copied().partition(|page| page.file == INDEX);
+        pages.iter().copied().partition(|page| page.file == INDEX);
     for (done, page) in others.iter().enumerate() {
         bytes += press.page(page)?;
         progress(done + 1, total);
@@ -133,6 +135,7 @@ pub fn render_site(
     let press = Press {
         templates: &templates,
         site: &site,
+        pages,
         out_dir,
         faults: Mutex::new(faults),
     };
@@ -163,6 +166,8 @@ struct Place {
 struct Press<'a> {
     templates: &'a Tera,
     site: &'a Site<'a>,
+    /// Pages that it has once, in the order of the navigation.
+    pages: &'a [&'a Page],
     out_dir: &'a Path,
     faults: Mutex<Vec<Fault>>,
 }
@@ -229,7 +234,7 @@ impl Press<'_> {
         let made = guarded(|| {
             let mut content = content()?;
             let faults = std::mem::take(&mut content.faults);
-            let html = filled(self.templates, self.site, place, place.kind, content)?;
+            let html = self.filled(place, place.kind, content)?;
             Ok((html, faults))
         });
         let (html, faults) = match made {
@@ -254,8 +259,67 @@ impl Press<'_> {
             runs: place.runs.iter().map(path).collect(),
             reason,
         };
-        let html = filled(self.templates, self.site, place, "fault.html", content)?;
+        let html = self.filled(place, "fault.html", content)?;
         Ok((html, vec![fault]))
+    }
+
+    /// A page filled into `template`, with what the layout needs.
+    fn filled(&self, place: &Place, template: &str, content: Content) -> Result<String, ReportError> {
+        let (site, file) = (self.site, place.kind);
+        let campaign = &site.input.campaign;
+        let entry =
+            |page: &&&Page| json!({ "href": page.file, "title": page.title, "current": page.file == file });
+        let nav: Vec<Value> = self
+            .pages
+            .iter()
+            .filter(|page| page.under.is_none())
+            .map(|page| entry(&page))
+            .collect();
+        // Pages that stand together: the one above and those under it.
+        let above = self
+            .pages
+            .iter()
+            .find(|page| page.file == file)
+            .map_or(above_of(file), |page| page.under.unwrap_or(page.file));
+        let family = self
+            .pages
+            .iter()
+            .filter(|page| page.under == Some(above) || page.file == above);
+        let family: Vec<Value> = family.map(|page| entry(&page)).collect();
+        // The overview is made last, and lists what is missing.
+        let faults: Vec<String> = match file {
+            INDEX => site.faults.iter().map(Fault::sentence).collect(),
+            _ => Vec::new(),
+        };
+        let dots = dot_markers(content.figures.values());
+        let figures: Map<String, Value> = content
+            .figures
+            .into_iter()
+            .map(|(id, svg)| (id, Value::String(svg)))
+            .collect();
+        let context = json!({
+            "root": if place.file.contains('/') { "../" } else { "" },
+            "page_title": place.title,
+            "campaign_title": campaign.title,
+            "campaign_id": campaign.id,
+            "is_home": file == INDEX,
+            "faults": faults,
+            "notice": campaign.notice,
+            "nav": nav,
+            "above": above,
+            "family": if family.len() > 1 { family } else { vec![] },
+            "origin": { "program": site.input.origin.program, "database": site.input.origin.database },
+            "dots": dots,
+            "figures": figures,
+            "page": content.context,
+        });
+        let context =
+            tera::Context::from_serialize(&context).map_err(|source| template_error(file, source))?;
+        let html = self
+            .templates
+            .render(template, &context)
+            .map_err(|source| template_error(file, source))?;
+        Ok(share(&compact(&html)))
     }
 }
 
@@ -268,11 +332,11 @@ const FAULT: &str = include_str!("../../../templates/fault.html");
 const INDEX: &str = "index.html";
 
 /// All templates of the site's pages with the escaping of [`write_escaped`].
-fn templates(site: &Site) -> Result<Tera, ReportError> {
+fn templates(pages: &[&Page]) -> Result<Tera, ReportError> {
     let mut tera = Tera::new();
     tera.set_escape_fn(write_escaped);
     tera.register_filter("indexed", |text: &str, _: Kwargs, _: &State| indexed(text));
-    let pages = site.pages.iter().map(|page| (page.file, page.template));
+    let pages = pages.iter().map(|page| (page.file, page.template));
     let all = [
         ("layout.html", LAYOUT),
         ("aside.html", ASIDE),
@@ -286,69 +350,6 @@ fn templates(site: &Site) -> Result<Tera, ReportError> {
     tera.add_raw_templates(all)
         .map_err(|source| template_error("templates", source))?;
     Ok(tera)
-}
-
-/// A page filled into `template`, with what the layout needs.
-fn filled(
-    templates: &Tera,
-    site: &Site,
-    place: &Place,
-    template: &str,
-    content: Content,
-) -> Result<String, ReportError> {
-    let file = place.kind;
-    let campaign = &site.input.campaign;
-    let entry =
-        |page: &&&Page| json!({ "href": page.file, "title": page.title, "current": page.file == file });
-    let nav: Vec<Value> = site
-        .pages
-        .iter()
-        .filter(|page| page.under.is_none())
-        .map(|page| entry(&page))
-        .collect();
-    // Pages that stand together: the one above and those under it.
-    let above = site
-        .pages
-        .iter()
-        .find(|page| page.file == file)
-        .map_or(above_of(file), |page| page.under.unwrap_or(page.file));
-    let family = site
-        .pages
-        .iter()
-        .filter(|page| page.under == Some(above) || page.file == above);
-    let family: Vec<Value> = family.map(|page| entry(&page)).collect();
-    // The overview is made last, and lists what is missing.
-    let faults: Vec<String> = match file {
-        INDEX => site.faults.iter().map(Fault::sentence).collect(),
-        _ => Vec::new(),
-    };
-    let dots = dot_markers(content.figures.values());
-    let figures: Map<String, Value> = content
-        .figures
-        .into_iter()
-        .map(|(id, svg)| (id, Value::String(svg)))
-        .collect();
-    let context = json!({
-        "root": if place.file.contains('/') { "../" } else { "" },
-        "page_title": place.title,
-        "campaign_title": campaign.title,
-        "campaign_id": campaign.id,
-        "is_home": file == INDEX,
-        "faults": faults,
-        "notice": campaign.notice,
-        "nav": nav,
-        "above": above,
-        "family": if family.len() > 1 { family } else { vec![] },
-        "origin": { "program": site.input.origin.program, "database": site.input.origin.database },
-        "dots": dots,
-        "figures": figures,
-        "page": content.context,
-    });
-    let context = tera::Context::from_serialize(&context).map_err(|source| template_error(file, source))?;
-    let html = templates
-        .render(template, &context)
-        .map_err(|source| template_error(file, source))?;
-    Ok(share(&compact(&html)))
 }
 
 /// The page of the navigation that leads to pages of that template; the template itself where there is none.

@@ -2,8 +2,6 @@
 //! and what they have in common is said once.
 
 use super::input::Input;
-use super::number::fixed;
-use super::site::Site;
 use super::slug::slugs;
 use ieap_analysis::conditions::{VOLTAGE_STEP_V, nominal_voltage_v};
 use ieap_analysis::groups::groups;
@@ -92,35 +90,6 @@ fn file_name(group: &str) -> String {
     };
     let values: Vec<String> = group.split(',').map(value).collect();
     values.join(" ")
-}
-
-impl Site<'_> {
-    /// What a page of runs shows: the name of its only run, or what all its runs share, `CNaf-01 in air at 34–36 % RH`.
-    pub fn run_page_title(&self, page: usize) -> String {
-        let page = &self.run_pages[page];
-        if let [only] = page.runs[..] {
-            return self.run_name(only).to_owned();
-        }
-        let runs = || page.runs.iter().map(|&run| self.input.record(run));
-        let shared = |key: &str| {
-            let first = self.input.record(page.runs[0]).tag(key)?;
-            runs().all(|run| run.tag(key) == Some(first)).then_some(first)
-        };
-        let percents = || runs().filter_map(|run| run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT));
-        let humidity = percents().reduce(f64::min).zip(percents().reduce(f64::max));
-        let parts = [
-            shared(keys::SAMPLE).map(str::to_owned),
-            shared(keys::ENVIRONMENT).map(|environment| format!("in {environment}")),
-            humidity.map(|(low, high)| match (fixed(low, 0), fixed(high, 0)) {
-                (low, high) if low == high => format!("at {low} % RH"),
-                (low, high) => format!("at {low}–{high} % RH"),
-            }),
-        ];
-        match parts[0].is_some() {
-            true => parts.into_iter().flatten().collect::<Vec<_>>().join(" "),
-            false => page.group.clone(),
-        }
-    }
 }
 
 #[cfg(test)]

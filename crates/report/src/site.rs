@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::aside::{Aside, aside};
+use super::condemned::{Aside, aside};
 use super::input::Input;
-use super::pages::{PAGES, Page};
+use super::number::fixed;
 use super::run_pages::{RunPage, run_pages};
 use super::slug::slugs;
 use super::sparkline::Sparks;
@@ -12,7 +12,7 @@ use super::zone::Zone;
 use ieap_analysis::laws::facts::{RunFacts, facts};
 use ieap_analysis::{Conditions, conditions};
 use ieap_domain::Fault;
-use ieap_domain::fault::caught;
+use ieap_domain::tag::keys;
 
 /// What pages are made from: the input with the conditions and the names of the run pages.
 pub struct Site<'a> {
@@ -24,8 +24,6 @@ pub struct Site<'a> {
     pub facts: Vec<RunFacts>,
     /// Runs whose readings are known to be wrong, and where they would have stood.
     pub aside: Vec<Aside>,
-    /// Pages that the site has once, in the order of the navigation.
-    pub pages: Vec<&'static Page>,
     /// Pages of the runs.
     pub run_pages: Vec<RunPage>,
     /// What could not be made, for the overview, which is made last.
@@ -62,11 +60,6 @@ impl<'a> Site<'a> {
             aside: aside(input, &conditions, &facts),
             conditions,
             facts,
-            pages: PAGES
-                .iter()
-                // A page that cannot say so is shown: its box tells why.
-                .filter(|page| caught(|| (page.is_shown)(input)).unwrap_or(true))
-                .collect(),
             slugs: slugs(input.records().map(|run| run.path.as_str())),
             finding_slugs: slugs(input.findings.groups.iter().map(|found| found.group.as_str())),
         }
@@ -125,5 +118,32 @@ impl<'a> Site<'a> {
         path.strip_prefix(folder)
             .and_then(|rest| rest.strip_prefix('/'))
             .unwrap_or(path)
+    }
+
+    /// What a page of runs shows: the name of its only run, or what all its runs share, `CNaf-01 in air at 34–36 % RH`.
+    pub fn run_page_title(&self, page: usize) -> String {
+        let page = &self.run_pages[page];
+        if let [only] = page.runs[..] {
+            return self.run_name(only).to_owned();
+        }
+        let runs = || page.runs.iter().map(|&run| self.input.record(run));
+        let shared = |key: &str| {
+            let first = self.input.record(page.runs[0]).tag(key)?;
+            runs().all(|run| run.tag(key) == Some(first)).then_some(first)
+        };
+        let percents = || runs().filter_map(|run| run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT));
+        let humidity = percents().reduce(f64::min).zip(percents().reduce(f64::max));
+        let parts = [
+            shared(keys::SAMPLE).map(str::to_owned),
+            shared(keys::ENVIRONMENT).map(|environment| format!("in {environment}")),
+            humidity.map(|(low, high)| match (fixed(low, 0), fixed(high, 0)) {
+                (low, high) if low == high => format!("at {low} % RH"),
+                (low, high) => format!("at {low}–{high} % RH"),
+            }),
+        ];
+        match parts[0].is_some() {
+            true => parts.into_iter().flatten().collect::<Vec<_>>().join(" "),
+            false => page.group.clone(),
+        }
     }
 }

@@ -6,7 +6,9 @@ use std::path::Path;
 use rusqlite::backup::{Backup, StepResult};
 use rusqlite::{Connection, OpenFlags};
 
-use super::{Seals, Store, StoreError, as_uri, check_sqlite, in_place, migration, open_to_read};
+use super::place::Place;
+use super::store::{as_uri, check_sqlite, open_to_read};
+use super::{Seals, Store, StoreError, migration};
 
 /// Pages that are copied between two words of progress: 4 MB.
 const PAGES: std::ffi::c_int = 1024;
@@ -80,7 +82,7 @@ impl Store {
             seals: Seals::of(&connection).map_err(|e| StoreError::from_sql(path, "opening to read", e))?,
             connection,
             path: path.to_owned(),
-            place: in_place::Place::default(),
+            place: Place::default(),
             journal: Journal::default(),
         })
     }

@@ -307,6 +307,24 @@ fn is_full(_file: &std::path::Path) -> bool {
     false
 }
 
+/// A failure inside a transaction, before the step's name is added.
+pub(super) enum StepError {
+    Sql(rusqlite::Error),
+    Store(StoreError),
+}
+
+impl From<rusqlite::Error> for StepError {
+    fn from(error: rusqlite::Error) -> StepError {
+        StepError::Sql(error)
+    }
+}
+
+impl From<StoreError> for StepError {
+    fn from(error: StoreError) -> StepError {
+        StepError::Store(error)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,7 +7,7 @@ use rusqlite_migration::{M, Migrations};
 
 use super::StoreError;
 use super::error::plain;
-use super::in_place::has_no_tables;
+use super::place::has_no_tables;
 use super::views;
 
 /// Every migration in order. Append only: never change, remove or reorder one.

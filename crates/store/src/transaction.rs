@@ -5,7 +5,7 @@ use std::ops::Deref;
 use rusqlite::{Connection, ToSql, TransactionBehavior};
 
 use super::journal::{Entry, Intended, Journal};
-use super::{Seals, StepError, Store, StoreError, Subject};
+use super::{Seals, Snapshot, StepError, Store, StoreError, Subject};
 
 /// The transaction that a change is made in.
 pub(super) struct Transaction<'c> {
@@ -44,32 +44,6 @@ impl Transaction<'_> {
         self.prepare_cached(sql)?
             .query_map([key], |row| row.get(0))?
             .collect()
-    }
-}
-
-/// What the database holds at one moment, for as long as this lives: another program may change it between two queries.
-/// Within a transaction it is that of the transaction.
-#[derive(Debug)]
-pub struct Snapshot<'c>(Option<&'c Connection>);
-
-impl Snapshot<'_> {
-    /// Begins with the next query.
-    pub(super) fn of(connection: &Connection) -> rusqlite::Result<Snapshot<'_>> {
-        if !connection.is_autocommit() {
-            return Ok(Snapshot(None));
-        }
-        connection.prepare_cached("BEGIN")?.execute([])?;
-        Ok(Snapshot(Some(connection)))
-    }
-}
-
-impl Drop for Snapshot<'_> {
-    fn drop(&mut self) {
-        // Nothing was changed: what fails here leaves the snapshot to the end of the connection.
-        let end = self.0.map(|connection| connection.prepare_cached("COMMIT"));
-        if let Some(Ok(mut end)) = end {
-            let _ = end.execute([]);
-        }
     }
 }
 

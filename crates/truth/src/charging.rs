@@ -26,10 +26,11 @@
 //!   "uneven": both, branch 1 half as much; "fixed": f times 2 V in place of V.
 //! - `unequal-coupling`: b_2 = 1 + r. "fading": `1 + r exp(-|e|/20 V)`; "threshold": 1 + 2 r above 1 V ([`passed`]).
 
+use super::Truth;
 use super::effects::Effects;
 use super::error::TruthError;
 use super::forms::passed;
-use super::{Branch, Truth};
+use ieap_domain::Branch;
 
 /// Thermal voltage kT/e at 25 C, V.
 const THERMAL_V: f64 = 0.0257;

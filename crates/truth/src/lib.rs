@@ -31,12 +31,14 @@ mod source;
 mod states;
 #[cfg(test)]
 mod tests;
+mod truth;
 
 pub use effects::HiddenEffect;
 pub use error::TruthError;
 pub use noise::{ChannelNoise, noise};
+pub use truth::Truth;
 
-use ieap_domain::{Branch, Drive, Level};
+use ieap_domain::{Drive, Level};
 use ieap_numerics::rosenbrock::Rosenbrock;
 
 use effects::Effects;
@@ -48,27 +50,6 @@ const RELATIVE: f64 = 1e-8;
 const ABSOLUTE: f64 = 1e-14;
 /// First step after an edge, s.
 const FIRST_STEP_S: f64 = 1e-5;
-
-/// A sample with the effects that are hidden in its data.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Truth {
-    /// Branches of the base model, fastest first; at least one.
-    pub branches: Vec<Branch>,
-    /// Steady-state resistance R_ss, Ohm cm2; infinite where no steady current flows.
-    pub steady_state_resistance_ohm_cm2: f64,
-    /// Coupling alpha, 1/(C cm).
-    pub charge_to_curvature_per_c_cm: f64,
-    /// Rate lambda of back-relaxation, 1/s.
-    pub relaxation_rate_per_s: f64,
-    /// Active area A, cm2.
-    pub area_cm2: f64,
-    /// Free length L, cm; some effects need it.
-    pub length_cm: Option<f64>,
-    /// Width, cm; none: area over length.
-    pub width_cm: Option<f64>,
-    /// Effects; one of strength 0 is absent.
-    pub effects: Vec<HiddenEffect>,
-}
 
 /// What the instruments would read without noise.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,7 +9,10 @@ mod events;
 mod memory_tests;
 pub mod reference;
 pub mod series;
+mod watched;
 pub mod words;
+
+pub use watched::Watched;
 
 use std::collections::BTreeMap;
 
@@ -18,12 +21,11 @@ use rayon::prelude::*;
 use crate::laws::CampaignLaws;
 use crate::laws::covariate::Covariate;
 use crate::laws::facts::RunFacts;
-use crate::laws::fitted::Fitted;
 use crate::laws::values::{keys, values};
-use ieap_domain::{Alarm, Campaign, Limit, RunRecord};
+use ieap_domain::{Alarm, Campaign, RunRecord};
 use ieap_numerics::control_chart::Chart;
 use reference::Reference;
-use series::{Limits, Reaches, Series, Study};
+use series::{Limits, Reaches, Series};
 
 /// What monitoring says of a campaign.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -47,31 +49,6 @@ impl Monitoring {
     pub fn shifted_run_lengths(&self) -> [f64; 3] {
         Chart::ALL.map(|chart| chart.run_length(chart.limit(self.false_alarm_runs.max(2.0)), 1.0))
     }
-}
-
-/// One parameter of one sample in the reference condition.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Watched {
-    /// Material.
-    pub material: String,
-    /// Sample.
-    pub sample: String,
-    /// Stored key of the parameter.
-    pub parameter: String,
-    /// What the series goes over.
-    pub axis: Covariate,
-    /// Runs of the readings.
-    pub runs: Vec<usize>,
-    /// Readings.
-    pub series: Series,
-    /// What is made of them.
-    pub study: Study,
-    /// The best law over every other axis that is known and over which one is shown.
-    pub other_axes: Vec<(Covariate, Fitted)>,
-    /// The limit that holds for it, with when it is reached.
-    pub limit: Option<(Limit, Reaches)>,
-    /// Runs that give a bound or nothing.
-    pub left_out: usize,
 }
 
 /// Watches every parameter of every sample in the reference condition.

@@ -1,41 +1,16 @@
 //! What a four-point probe says of the electrodes of a strip: the resistance that a run had, and its course over time.
 
 mod course;
+mod reading;
 mod words;
 
 pub use course::{Course, course};
+pub use reading::{DAY_S, ProbeReading, ProbeSeries};
 pub use words::{cracks, life};
 
 /// A reading outside the others stands for a run as many days before or after it: within a week a strip that is kept and not
 /// used changes less than the probe sees; what a run itself does to it is seen by a reading after it.
 pub const HOLDS_DAYS: f64 = 7.0;
-/// Seconds in a day.
-pub const DAY_S: f64 = 86_400.0;
-
-/// One reading of a sample's electrodes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProbeReading {
-    /// When, s since 1970 UTC.
-    pub at_s: f64,
-    /// Resistance of both electrodes along the strip, Ohm per square.
-    pub ohm_per_sq: f64,
-    /// Its standard error; none where neither the table states one nor repeats show it.
-    pub error_ohm_per_sq: Option<f64>,
-    /// Flexings of the strip so far.
-    pub flexings: Option<f64>,
-    /// Relative humidity, percent.
-    pub humidity_percent: Option<f64>,
-}
-
-/// The readings of a sample, by date.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ProbeSeries {
-    /// The sample.
-    pub sample: String,
-    /// Readings at different moments.
-    pub readings: Vec<ProbeReading>,
-}
-
 /// What a run had.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AtRun {

@@ -6,7 +6,7 @@
 use ieap_domain::Estimate;
 use ieap_domain::quantiles::NORMAL_99_ROUNDED;
 
-use super::{of_logarithm, product};
+use super::estimates::{of_logarithm, product};
 
 /// Ratios to a reference.
 #[derive(Debug, Clone, PartialEq)]

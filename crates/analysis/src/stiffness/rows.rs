@@ -4,9 +4,8 @@ use ieap_domain::tag::keys;
 use ieap_domain::{BlockedRun, Estimate, Quantity, RunRecord, Sample};
 
 use super::both_ways::{Ratios, both_ways};
-use super::{
-    Cause, ModulusPoint, cause, modulus_at, modulus_points, product, scaled, second_moment_m4, size,
-};
+use super::estimates::{of_logarithm, product, scaled, size};
+use super::{Cause, ModulusPoint, cause, modulus_at, modulus_points, second_moment_m4};
 use crate::conditions::{Condition, Conditions, conditions_of_materials};
 use crate::tables::{Content, Measured, Notes, TableInput, alpha_of};
 
@@ -192,7 +191,7 @@ fn mean(repeats: &[&Estimate]) -> Estimate {
         .map(|(value, error)| ((value - logarithm) / error).powi(2))
         .sum();
     let freedom = known.len().saturating_sub(1).max(1) as f64;
-    super::of_logarithm(logarithm, (square / freedom).max(1.0).sqrt() / weight.sqrt())
+    of_logarithm(logarithm, (square / freedom).max(1.0).sqrt() / weight.sqrt())
 }
 
 /// What the charge that gave the largest force would have bent the free strip by, up to the sensor.

@@ -406,3 +406,18 @@ pub fn sample_ids<'a>(campaign: &'a Campaign, runs: &'a [RunRecord]) -> Vec<&'a 
     }
     ids
 }
+
+/// Alpha, as tables show it.
+pub(super) const ALPHA: Shown = Shown::new(
+    "alpha_per_c_cm",
+    "alpha_per_c_cm",
+    "α",
+    "charge-to-curvature coupling",
+    "C⁻¹ cm⁻¹",
+    1.0,
+);
+
+/// Alpha of some runs, as tables show it.
+pub(crate) fn alpha_of(input: &TableInput, runs: &[usize], notes: &mut Notes) -> Cell {
+    parameter_cell(input, runs, &ALPHA, notes)
+}

@@ -9,6 +9,7 @@ mod findings;
 mod fits;
 mod frequency;
 mod impedance;
+mod input;
 mod models;
 pub mod moved;
 mod refused;
@@ -22,46 +23,11 @@ mod table4;
 mod table5;
 mod table6;
 
-pub(crate) use cells::{surroundings_text, volts};
+pub(crate) use cells::{alpha_of, surroundings_text, volts};
 pub use chosen_columns::with_columns;
-pub(crate) use stiffness::alpha_of;
+pub use input::TableInput;
 pub use table::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use table6::rules;
-
-use crate::frequency::FrequencyRun;
-use crate::probe::Course;
-use ieap_domain::{
-    BlockedRun, Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun,
-};
-
-/// What tables are made from.
-#[derive(Debug, Clone, Copy)]
-pub struct TableInput<'a> {
-    /// The campaign.
-    pub campaign: &'a Campaign,
-    /// Current revision of every run that speaks.
-    pub runs: &'a [RunRecord],
-    /// The runs that do not: only the list of runs shows them.
-    pub set_aside: &'a [RunRecord],
-    /// Current modulus logs with what was found in them.
-    pub modulus_logs: &'a [ModulusLog],
-    /// Impedance spectra with what was found in them.
-    pub spectra: &'a [SpectrumRun],
-    /// What blocking forces of the runs say.
-    pub blocked: &'a [BlockedRun],
-    /// What runs under a sine or a chirp say against frequency.
-    pub frequency: &'a [FrequencyRun],
-    /// The electrodes' resistance over time, by the probe.
-    pub electrodes: &'a [Course],
-    /// Every file that the last scan saw.
-    pub files: &'a [SourceFile],
-    /// Diagnoses of groups.
-    pub groups: &'a [GroupDiagnosis],
-    /// Comparisons of models on single runs.
-    pub comparisons: &'a [RunComparison],
-    /// Program and state of the database, for the table's foot.
-    pub origin: &'a str,
-}
 
 /// A table that can be asked for.
 pub struct NamedTable {

@@ -1,26 +1,13 @@
 //! Alpha split into stiffness and coupling: alpha = mu / (E I), one row a sample, surroundings and voltage.
 
 use super::TableInput;
-use super::cells::{Shown, condition_columns, condition_stub, parameter_cell, run_sources};
+use super::cells::{ALPHA, condition_columns, condition_stub, run_sources};
 use super::table::{Cell, Column, Content, Measured, Notes, Row, Source, Table};
 use crate::stiffness::{SampleRow, sample_rows, scaled};
 use ieap_domain::Estimate;
 
-const ALPHA: Shown = Shown::new(
-    "alpha_per_c_cm",
-    "alpha_per_c_cm",
-    "α",
-    "charge-to-curvature coupling",
-    "C⁻¹ cm⁻¹",
-    1.0,
-);
 const MILLI: f64 = 1e3;
 const MICRO: f64 = 1e6;
-
-/// Alpha of some runs, as tables show it.
-pub(crate) fn alpha_of(input: &TableInput, runs: &[usize], notes: &mut Notes) -> Cell {
-    parameter_cell(input, runs, &ALPHA, notes)
-}
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {

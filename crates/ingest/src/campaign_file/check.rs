@@ -7,13 +7,16 @@ use toml::Spanned;
 
 use super::error::CampaignFileError as Error;
 use super::lines::Lines;
-use super::{DEFAULT_MODEL, raw, tags};
+use super::{raw, tags};
 use crate::name_pattern::NamePattern;
 use crate::scan::is_own_product;
 use ieap_domain::campaign::Adopted;
 use ieap_domain::campaign::BUILT_IN_ENVIRONMENTS;
 use ieap_domain::campaign::impedance_folder;
 use ieap_domain::{AskedFit, Campaign, DateOrder, Environment, Issue, Material, RunKind, Sample};
+
+/// The model that runs are fitted with where campaign.toml names none.
+pub const DEFAULT_MODEL: &str = "lumped-2";
 
 /// Absolute zero, degrees Celsius.
 const ABSOLUTE_ZERO_C: f64 = -273.15;

@@ -26,9 +26,16 @@ impl<'a> Lines<'a> {
     }
 }
 
+/// Line and column (from 1, in characters) of a byte offset in `text`.
+pub(crate) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
+    let before = text.get(..offset).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+    let line = before.matches('\n').count() + 1;
+    (line, before[line_start..].chars().count() + 1)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::line_and_column;
     use super::*;
 
     #[test]

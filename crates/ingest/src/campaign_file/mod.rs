@@ -18,17 +18,16 @@ use std::path::{Path, PathBuf};
 use ieap_domain::{Campaign, Issue};
 use ieap_system::fs;
 
+pub use check::DEFAULT_MODEL;
 pub use error::CampaignFileError;
 pub use keys::UNKNOWN_KEY;
+pub(crate) use lines::line_and_column;
 pub(crate) use nearest::nearest;
 pub use publication::{Author, Publication, publication};
 pub use template::template;
 
 /// Name of the file that makes a folder a campaign.
 pub const FILE_NAME: &str = "campaign.toml";
-
-/// The model that runs are fitted with where campaign.toml names none.
-pub const DEFAULT_MODEL: &str = "lumped-2";
 
 /// What reading campaign.toml gives.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,14 +59,6 @@ pub fn find(start: &Path) -> Option<PathBuf> {
     // Whatever has the name: one that cannot be read is told, not passed by.
     let holds_campaign = |folder: &&Path| fs::symlink_metadata(folder.join(FILE_NAME)).is_ok();
     start.ancestors().find(holds_campaign).map(Path::to_path_buf)
-}
-
-/// Line and column (from 1, in characters) of a byte offset in `text`.
-pub(crate) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
-    let before = text.get(..offset).unwrap_or(text);
-    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-    let line = before.matches('\n').count() + 1;
-    (line, before[line_start..].chars().count() + 1)
 }
 
 fn read_text(path: &Path) -> Result<String, CampaignFileError> {

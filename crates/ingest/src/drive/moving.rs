@@ -9,7 +9,8 @@ use ieap_domain::{Channel, Drive, Issue, Quantity, range_of};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 use ieap_numerics::waveform::{LEAST_TURN, Waveform, between, finer, recognise, turns};
 
-use super::{FoundDrive, LEAST_STEP_NOISE, LEAST_STEP_V, MOVES, NO_STEPS};
+use super::step::{LEAST_STEP_NOISE, LEAST_STEP_V};
+use super::{FoundDrive, MOVES, NO_STEPS};
 
 /// Readings of a record of a moving voltage: fewer tell no course.
 const FEWEST: usize = 60;

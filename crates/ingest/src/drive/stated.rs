@@ -1,6 +1,7 @@
 //! Which channel is the drive: what the source was told to apply goes before what was measured of it.
 
-use super::{FoundDrive, LEAST_STEP_V};
+use super::FoundDrive;
+use super::step::LEAST_STEP_V;
 use ieap_domain::{Channel, Issue, Quantity};
 
 /// A measured voltage that lies farther than this from the stated one is told, V: an offset or an ohmic drop in the

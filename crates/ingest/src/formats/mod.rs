@@ -1,7 +1,6 @@
 //! Reading instrument files. A new format is one file here and one row in [`ALL`].
 
 use crate::Reading;
-use ieap_domain::DateOrder;
 
 pub mod assemble;
 pub mod autolab_nova;
@@ -15,6 +14,7 @@ pub mod date;
 pub mod delimited;
 pub mod eplexor_xls;
 pub mod error;
+mod format;
 pub mod gamry_dta;
 pub mod gamry_objects;
 pub mod ivium;
@@ -44,52 +44,8 @@ pub mod versastat_par;
 mod xls_extent;
 
 pub use error::ReadError;
-pub use recognition::{Candidate, FileHead, Match, recognise};
-
-/// What a reader may need to know beside the bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ReadContext {
-    /// Most bytes that a zipped spreadsheet may unpack to.
-    pub max_unpacked_bytes: u64,
-    /// Whether a plain table must hold a response or a modulus, as a run does; a part of a run that is joined
-    /// from several files, such as the humidity of a modulus log, need not.
-    pub needs_response: bool,
-    /// The order of day, month and year that counts where dates leave several.
-    pub date_order: Option<DateOrder>,
-}
-
-impl Default for ReadContext {
-    fn default() -> ReadContext {
-        ReadContext {
-            max_unpacked_bytes: 512 << 20,
-            needs_response: true,
-            date_order: None,
-        }
-    }
-}
-
-/// One instrument format.
-pub trait Format: Sync {
-    /// Stable id, `gamry-dta`; stored with every run.
-    fn id(&self) -> &'static str;
-    /// What it is, in words, for `ieap formats`.
-    fn title(&self) -> &'static str;
-    /// Usual extensions, lower case without the dot; they break ties only.
-    fn extensions(&self) -> &'static [&'static str];
-    /// Version of the reader: raised when the same bytes would read differently.
-    fn version(&self) -> u32;
-    /// Whether it reads tables of any source by the names of their columns: a saved profile goes before it.
-    fn is_generic(&self) -> bool {
-        false
-    }
-    /// Whether a file is of this format, judged by how it begins.
-    fn recognise(&self, head: &FileHead<'_>) -> Match;
-    /// Reads a whole file.
-    ///
-    /// # Errors
-    /// No table can be had from the bytes; everything less is an issue of the reading.
-    fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError>;
-}
+pub use format::{FileHead, Format, Match, ReadContext};
+pub use recognition::{Candidate, recognise};
 
 /// Every format.
 pub static ALL: &[&dyn Format] = &[

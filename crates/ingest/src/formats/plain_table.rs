@@ -5,7 +5,7 @@ use super::delimited;
 use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext, ReadError};
 use crate::Reading;
-use crate::profiles;
+use crate::profiles::complete;
 use crate::text::grid::is_blank_or_comment;
 use crate::text::header::Header;
 use crate::text::{Delimiter, Lines, layout};
@@ -118,7 +118,7 @@ impl PlainTable {
     /// Reads a table whose rows are timed by dates or times of day, as the profile says that `ieap profile` proposes;
     /// none where that profile leaves something open. Lines above `from_line` are no part of the table.
     fn as_proposed(&self, bytes: &[u8], from_line: usize, context: &ReadContext) -> Option<Reading> {
-        let profile = profiles::complete(bytes, from_line)?;
+        let profile = complete(bytes, from_line)?;
         let reading = profile.read(bytes, context).ok()?;
         let message = "the names of the columns do not say how the rows are timed; the file is read as `ieap profile` \
                        proposes";

@@ -1,70 +1,18 @@
 //! Which format a file has: by its content; the extension only breaks a tie.
 
 use super::error::{ReadError, quoted};
-use super::{ALL, Format, sidecar, unread};
-use crate::profiles;
+use super::{ALL, sidecar, unread};
+use crate::profiles::propose;
 use crate::text::decode;
 
-/// Bytes of a file that recognition looks at.
-pub const HEAD_BYTES: usize = 64 << 10;
+pub use super::format::{FileHead, Format, HEAD_BYTES, Match};
+
 /// Score of a certain match.
 const CERTAIN: f64 = 1.0;
 /// By how much the best score must lead.
 const LEAD: f64 = 0.2;
 /// What the extension adds, less than a lead.
 const EXTENSION: f64 = 0.1;
-
-/// How a file begins.
-#[derive(Debug, Clone, Copy)]
-pub struct FileHead<'a> {
-    /// File name without its folder.
-    pub name: &'a str,
-    /// First bytes, at most [`HEAD_BYTES`].
-    pub bytes: &'a [u8],
-    /// Size of the whole file, bytes.
-    pub size: u64,
-}
-
-impl<'a> FileHead<'a> {
-    /// Head of a file that is held in memory.
-    pub fn of(name: &'a str, bytes: &'a [u8]) -> FileHead<'a> {
-        FileHead {
-            name,
-            bytes: &bytes[..bytes.len().min(HEAD_BYTES)],
-            size: bytes.len() as u64,
-        }
-    }
-
-    /// Extension in lower case; empty where there is none.
-    pub fn extension(&self) -> String {
-        match self.name.rsplit_once('.') {
-            Some((_, extension)) => extension.to_lowercase(),
-            None => String::new(),
-        }
-    }
-
-    /// The head as text; none where it holds NUL bytes and no UTF-16 mark, as binary files do.
-    pub fn text(&self) -> Option<String> {
-        let decoded = decode(self.bytes);
-        (!decoded.text.contains('\0')).then(|| decoded.text.into_owned())
-    }
-}
-
-/// How well a format fits.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Match {
-    /// A mark of the format that nothing else has.
-    Certain(&'static str),
-    /// Readable as this format, with a score between 0 and 1.
-    Possible {
-        /// How well, below 1.
-        score: f64,
-        /// What speaks for it.
-        reason: &'static str,
-    },
-    /// Not this format.
-    No,
-}
 
 /// A format that fits, with its score.
 #[derive(Clone, Copy)]
@@ -150,7 +98,7 @@ fn unknown(head: &FileHead<'_>) -> ReadError {
     ReadError::UnknownFormat {
         found: quoted(first_line),
         tried: tried.join(", "),
-        is_table: profiles::propose(head.name, head.bytes).is_ok(),
+        is_table: propose(head.name, head.bytes).is_ok(),
     }
 }
 

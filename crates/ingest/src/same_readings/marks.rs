@@ -7,9 +7,9 @@
 
 use std::collections::BTreeSet;
 
-use ieap_domain::Channel;
+use ieap_domain::{Channel, Quantity};
 
-use super::{Digits, exponent, responses};
+use super::digits::{Digits, exponent};
 
 /// Version of the rule that marks are made by; another one makes stored marks out of date.
 pub const VERSION: u32 = 2;
@@ -50,6 +50,13 @@ pub fn marks(channels: &[Channel]) -> Vec<u64> {
         }
     }
     kept.into_iter().flatten().collect()
+}
+
+/// The channels whose readings count: what a strip answers.
+pub(super) fn responses(channels: &[Channel]) -> impl Iterator<Item = &Channel> {
+    channels
+        .iter()
+        .filter(|channel| channel.is_response() && channel.quantity != Quantity::Other)
 }
 
 /// Whether at least half of the readings that are not zero are printed with as many digits as a fine mark has.

@@ -4,7 +4,8 @@ use std::io;
 use std::path::Path;
 use std::time::SystemTime;
 
-use super::{SeenFile, Walk, changed_ns, display_path, identity, is_passing_name, modified_ns};
+use super::walk::Walk;
+use super::{SeenFile, changed_ns, display_path, identity, is_passing_name, modified_ns};
 use crate::frames::FILE_NAME;
 use ieap_system::fs::{self, DirEntry};
 

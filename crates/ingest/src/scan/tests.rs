@@ -4,6 +4,11 @@ use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::symlink;
 
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+use ieap_system::fs;
+
 use super::*;
 
 /// A campaign folder with these files in it, each holding its own path.

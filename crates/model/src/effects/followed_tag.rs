@@ -5,18 +5,8 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
-use crate::extended::{RunContext, System};
+use crate::extended::{RunContext, System, TagAt};
 use ieap_domain::diagnosis::{FOLLOWS, follows_a_tag};
-
-/// Place of a run among the values of a tag, for the effect that follows it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TagAt {
-    /// Id of the effect: `follows:pre_charge_s` of numbers, `follows:operator=Ann` of a word.
-    pub id: &'static str,
-    /// Of a number its distance from the mean of the group in parts of the group's span; of a word 1 where the run has it.
-    /// 0 where nothing is stated.
-    pub at: f64,
-}
 
 /// See the module.
 struct FollowedTag {

@@ -1,6 +1,6 @@
 //! Candidate effects: what the lumped model may be missing. One file each, one list.
 //!
-//! An effect says where it acts in a [`System`], within which limits its parameters are sought, and at which
+//! An effect says where it acts in a [`System`](crate::extended::System), within which limits its parameters are sought, and at which
 //! shapes its signature is looked for. At strength 0 (the first parameter) it is absent.
 
 mod about;
@@ -22,6 +22,7 @@ mod current_offset;
 mod curvature_limit;
 mod diffusion_limited_leak;
 mod dispersion;
+mod effect;
 mod electrolytic_drying;
 mod even_bending;
 mod event;
@@ -70,38 +71,11 @@ mod water_exchange;
 mod water_redistribution;
 
 pub use about::{About, Class, EffectParameter};
-pub use followed_tag::{TagAt, tag_places};
+pub use effect::{Applied, Effect};
+pub use followed_tag::tag_places;
 pub use search::{Limits, Scale, Search};
 
-use super::extended::{RunContext, System};
-
-/// An effect that the model may be missing.
-pub trait Effect: Sync {
-    /// What is known of it.
-    fn about(&self) -> &'static About;
-
-    /// Where its parameters are sought in data of that scale, and the shapes at which its signature is looked for.
-    fn search(&self, variant: usize, scale: &Scale) -> Search;
-
-    /// Whether it changes the run at that place of its group.
-    fn acts_in(&self, _parameters: &[f64], _run: usize) -> bool {
-        true
-    }
-
-    /// Puts it into the system of a run. `parameters` are in the order of [`About::parameters`].
-    fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System);
-}
-
-/// An effect with its parameters.
-#[derive(Clone)]
-pub struct Applied {
-    /// The effect.
-    pub effect: &'static dyn Effect,
-    /// Place in [`About::variants`]; 0 where it has none.
-    pub variant: usize,
-    /// Parameters in the order of [`About::parameters`].
-    pub parameters: Vec<f64>,
-}
+pub use super::extended::TagAt;
 
 /// Every effect that can be simulated and fitted, in the order of the catalogue. What follows a tag from run to run is not
 /// among them: which tags there are a campaign says ([`tag_places`]).

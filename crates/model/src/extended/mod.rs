@@ -6,6 +6,7 @@
 
 mod grid;
 mod knots;
+mod model;
 mod node;
 mod source;
 mod stepper;
@@ -13,7 +14,9 @@ mod system;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use model::ExtendedModel;
+pub use stepper::Responses;
 pub use system::{
-    BranchLaw, CameraClock, Coefficients, ExtendedModel, Law, Now, Observation, RelaxationMode, Responses,
-    RunContext, System, Written,
+    BranchLaw, CameraClock, Coefficients, Law, Now, Observation, RelaxationMode, RunContext, System, TagAt,
+    Written,
 };

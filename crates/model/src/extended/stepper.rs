@@ -4,7 +4,16 @@ use ieap_domain::Level;
 
 use super::grid::Grid;
 use super::node::{Charging, LADDER, draw, draw_now, voltages};
-use super::system::{Coefficients, Now, Responses, RunContext, System};
+use super::system::{Coefficients, Now, RunContext, System};
+
+/// What the model gives at the times asked for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Responses {
+    /// Measured current, A.
+    pub current_a: Vec<f64>,
+    /// Measured curvature, 1/cm.
+    pub curvature_per_cm: Vec<f64>,
+}
 
 /// Everything that a run remembers.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,17 @@
 //! What an extended model is made of: the places where an effect may act.
 
 use crate::LumpedModel;
-use crate::effects::{Applied, TagAt};
 use ieap_domain::Drive;
 
-use super::grid::Grid;
-use super::stepper::Stepper;
+/// Place of a run among the values of a tag, for the effect that follows it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TagAt {
+    /// Id of the effect: `follows:pre_charge_s` of numbers, `follows:operator=Ann` of a word.
+    pub id: &'static str,
+    /// Of a number its distance from the mean of the group in parts of the group's span; of a word 1 where the run has it.
+    /// 0 where nothing is stated.
+    pub at: f64,
+}
 
 /// What an effect knows of the run it acts in.
 #[derive(Debug, Clone, Copy)]
@@ -267,13 +273,6 @@ pub struct System {
     pub written_curvature: Vec<Written>,
 }
 
-/// Readings as they are written down.
-fn write_down(values: &mut [f64], time_s: &[f64], start_s: f64, written: &[Written]) {
-    for (value, t) in values.iter_mut().zip(time_s) {
-        *value = written.iter().fold(*value, |value, map| map(t - start_s, value));
-    }
-}
-
 impl System {
     /// The base model without effects.
     pub fn of(base: &LumpedModel) -> System {
@@ -338,57 +337,5 @@ impl System {
             && self.electrode_resistance_ohm_per_sq == 0.0
             && self.source_rise_s == 0.0
             && self.current_limit_a.is_infinite()
-    }
-}
-
-/// A base model with effects.
-#[derive(Clone)]
-pub struct ExtendedModel {
-    /// The base.
-    pub base: LumpedModel,
-    /// Effects with their parameters, in order.
-    pub effects: Vec<Applied>,
-}
-
-/// What the model gives at the times asked for.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Responses {
-    /// Measured current, A.
-    pub current_a: Vec<f64>,
-    /// Measured curvature, 1/cm.
-    pub curvature_per_cm: Vec<f64>,
-}
-
-impl ExtendedModel {
-    /// The base with what every effect makes of it in that run.
-    pub fn system(&self, run: &RunContext) -> System {
-        let mut system = System::of(&self.base);
-        for applied in &self.effects {
-            applied
-                .effect
-                .apply(applied.variant, &applied.parameters, run, &mut system);
-        }
-        system
-    }
-
-    /// Current and curvature at increasing times, s.
-    pub fn responses(&self, run: &RunContext, current_time_s: &[f64], curvature_time_s: &[f64]) -> Responses {
-        let system = self.system(run);
-        let grid = Grid::new(run, &system, current_time_s, curvature_time_s);
-        let mut found = Stepper::new(&system, run).responses(&grid);
-        let start_s = run.start_s();
-        write_down(
-            &mut found.current_a,
-            current_time_s,
-            start_s,
-            &system.written_current,
-        );
-        write_down(
-            &mut found.curvature_per_cm,
-            curvature_time_s,
-            start_s,
-            &system.written_curvature,
-        );
-        found
     }
 }

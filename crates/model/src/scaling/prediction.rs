@@ -1,6 +1,6 @@
 //! What a strip of another size will do, with the uncertainty of the identified parameters and of both sizes.
 
-use super::propagation::{derivatives, deviations, values};
+use super::propagation::{Identified, derivatives, deviations, values};
 use super::{ScalingError, StripSize, lumped_model};
 use crate::coupling::CurvaturePerArealCharge;
 use crate::distributed::branched::{BranchedStrip, voltage_time_integral};
@@ -12,21 +12,6 @@ use ieap_domain::Drive;
 
 /// Links of the chain that a strip's shape is drawn with.
 pub const LINKS: usize = 40;
-
-/// What was identified, on which strip, how well.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Identified<'a> {
-    /// The model of the identified strip.
-    pub model: &'a LumpedModel,
-    /// Covariance of its parameters, row by row, in the order R_1, C_1, R_2, C_2, ..., R_ss, alpha, lambda and in
-    /// their units. Parameters given with their variances alone (a diagonal) are taken as uncorrelated, which
-    /// those of one fit seldom are.
-    pub covariance: &'a [f64],
-    /// Size of the strip.
-    pub size: &'a StripSize,
-    /// Resistance of both electrodes along the strip, Ohm per square, where it was measured.
-    pub electrode_resistance_ohm_per_sq: Option<f64>,
-}
 
 /// Which model says what the strip does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,12 +3,27 @@
 use ieap_domain::Drive;
 use ieap_numerics::symmetric::Symmetric;
 
-use super::Identified;
+use super::size::{StripSize, UNIT_SIZE};
 use crate::lumped::{Branch, LumpedModel};
 
 /// Information that every parameter has of itself beside the readings, in units of its standard error: it keeps those
 /// that no reading sees from hanging on others.
 const OWN_INFORMATION: f64 = 1e-8;
+
+/// What was identified, on which strip, how well.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Identified<'a> {
+    /// The model of the identified strip.
+    pub model: &'a LumpedModel,
+    /// Covariance of its parameters, row by row, in the order R_1, C_1, R_2, C_2, ..., R_ss, alpha, lambda and in
+    /// their units. Parameters given with their variances alone (a diagonal) are taken as uncorrelated, which
+    /// those of one fit seldom are.
+    pub covariance: &'a [f64],
+    /// Size of the strip.
+    pub size: &'a StripSize,
+    /// Resistance of both electrodes along the strip, Ohm per square, where it was measured.
+    pub electrode_resistance_ohm_per_sq: Option<f64>,
+}
 
 /// The parameters in the covariance's order: R_1, C_1, R_2, C_2, ..., R_ss, alpha, lambda.
 pub fn values(model: &LumpedModel) -> Vec<f64> {
@@ -120,7 +135,7 @@ pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -
     let identified = Identified {
         model,
         covariance: &diagonal,
-        size: &super::UNIT_SIZE,
+        size: &UNIT_SIZE,
         electrode_resistance_ohm_per_sq: None,
     };
     let at = respond(model).unwrap_or_default();

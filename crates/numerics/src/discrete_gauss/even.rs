@@ -1,6 +1,6 @@
 //! Sums of values times polynomials over evenly spaced readings; many readings are first reduced by parabolas.
 
-use super::NODES;
+use super::recurrence::NODES;
 use super::recurrence::Recurrence;
 use crate::sums;
 

@@ -11,9 +11,8 @@ mod recurrence;
 use even::even_sums;
 use recurrence::Recurrence;
 
-/// Nodes of a rule. With stretches that reach to twice the time at which they begin, e^(-rate t) differs from a
-/// polynomial of degree 11 by less than 2e-8 for every rate; only noise times that part is lost.
-pub const NODES: usize = 12;
+pub use recurrence::NODES;
+
 /// Readings below which compressing them gains nothing.
 pub const FEWEST: usize = 4 * NODES;
 

@@ -1,8 +1,10 @@
 //! The recurrence of polynomials orthonormal over readings, and the zeros of the last of them.
 
-use super::NODES;
 use crate::sums;
 
+/// Nodes of a rule. With stretches that reach to twice the time at which they begin, e^(-rate t) differs from a
+/// polynomial of degree 11 by less than 2e-8 for every rate; only noise times that part is lost.
+pub const NODES: usize = 12;
 /// Part of the norm to which the polynomials must stay orthogonal to the constant.
 const ORTHOGONAL: f64 = 1e-10;
 /// Steps of Newton's method; five reach rounding from the fewest readings on (see the test).

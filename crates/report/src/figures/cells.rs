@@ -3,8 +3,8 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-use super::canvas::TENTHS;
 use super::colors::Rgb;
+use super::shape::TENTHS;
 
 /// How far a patch reaches under its neighbours, tenths of a pixel: edges that meet would show as hair lines.
 const OVERLAP: i32 = 6;

@@ -4,65 +4,10 @@
 use plotters::element::{Drawable, PointCollection};
 use plotters_backend::{BackendCoord, DrawingErrorKind};
 
-use super::axis::{Axis, Scale};
-use super::canvas::{Canvas, Shape};
-use super::panel::Chart;
+use super::axis::Axis;
+use super::canvas::{Canvas, Chart, Shape};
 
-/// A group of shapes.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Group {
-    /// A panel: its plotting area and what its ends mean.
-    Panel {
-        /// Left, top, right and bottom of the plotting area, tenths of a pixel.
-        frame: [i32; 4],
-        /// Horizontal axis.
-        x: Span,
-        /// Vertical axis.
-        y: Span,
-    },
-    /// One axis, vertical or horizontal: grid or line, ticks, their labels and the title. Its lines and labels are drawn
-    /// anew when a panel shows another range.
-    Axes {
-        /// Whether it is the horizontal one.
-        level: bool,
-        /// The range that it shows.
-        span: Span,
-    },
-    /// One series.
-    Series {
-        /// What readouts call it; empty for what has no numbers to read, as a band or a limit.
-        name: String,
-        /// Index of the run that each point stands for; empty where points are readings of one run.
-        runs: Vec<usize>,
-        /// Which form its dots have, from round on: see [`super::svg::FORMS`].
-        form: usize,
-        /// Whether dots stand on whole pixels: for scatter, whose places nobody reads finer.
-        to_the_pixel: bool,
-        /// Whether no result is made from it: its dots are open, and a line is pale and dashed.
-        aside: bool,
-    },
-}
-
-/// The range that an axis shows.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Span {
-    /// How numbers become positions.
-    pub scale: Scale,
-    /// Number at the left or lower end, in the title's unit; its logarithm on a log axis.
-    pub low: f64,
-    /// Number at the other end.
-    pub high: f64,
-}
-
-impl From<&Axis> for Span {
-    fn from(axis: &Axis) -> Span {
-        Span {
-            scale: axis.scale,
-            low: axis.low * axis.shown_factor,
-            high: axis.high * axis.shown_factor,
-        }
-    }
-}
+pub use super::shape::{Group, Span};
 
 /// Opens the panel of `chart`.
 ///

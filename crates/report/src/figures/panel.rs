@@ -1,24 +1,21 @@
 //! A panel: grid, ticks, axis titles and a chart to draw series in.
 
-use plotters::prelude::{
-    Cartesian2d, ChartBuilder, ChartContext, EmptyElement, IntoFont, PathElement, Text, TextStyle,
-};
+use plotters::prelude::{ChartBuilder, EmptyElement, IntoFont, PathElement, Text, TextStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform};
 
 use super::axis::Axis;
-use super::canvas::{Area, Canvas, Ink, TENTHS};
+use super::canvas::{Area, Ink, TENTHS};
 use super::group::{Group, grouped, open_panel};
 use super::positions::Positions;
 use super::thin::Pixels;
+
+pub use super::canvas::Chart;
 
 /// Size of tick labels, px.
 pub const TICK_SIZE: i32 = 11;
 /// Size of axis titles, px.
 pub const TITLE_SIZE: i32 = 12;
-
-/// Chart with linear coordinates; positions on log axes are logarithms.
-pub type Chart<'a, 'b> = ChartContext<'a, Canvas<'b>, Cartesian2d<Positions, Positions>>;
 
 /// Room around the plotting area, px.
 #[derive(Debug, Clone, Copy)]

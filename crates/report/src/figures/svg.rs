@@ -12,8 +12,8 @@ use plotters_backend::{BackendColor, BackendCoord};
 use serde::Serialize;
 
 use super::axis::Scale;
-use super::canvas::{Drawing, Ink, Label, Shape, TENTHS};
-use super::group::{Group, Span};
+use super::ink::Ink;
+use super::shape::{Drawing, Group, Label, Shape, Span, TENTHS};
 use crate::visible::escaped;
 
 /// Start of the id of a marker; the ink's class and the form follow.

@@ -8,15 +8,16 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::run::condition;
+use super::along_words::{decision, places};
+use super::run_condition::condition;
 use super::strip::residual_ratio;
-use super::wording::{RunLink, counted, readable, why_unfitted};
+use super::wording::{RunLink, why_unfitted};
 use crate::error::ReportError;
 use crate::input::Input;
 use crate::site::Site;
 use crate::tables::{grid, note_letter, remarks};
 use ieap_analysis::tables::named;
-use ieap_domain::{Fit, Issue, Quantity, RunRecord};
+use ieap_domain::{Quantity, RunRecord};
 
 #[derive(Debug, Serialize)]
 struct Page {
@@ -112,34 +113,6 @@ fn row(site: &Site, run: usize) -> RunRow {
         voltage: residual(Quantity::Voltage),
         verdict: decision(record),
     }
-}
-
-/// What the fit says of lumped and distributed, as a sentence; empty where it says nothing.
-pub fn decision(run: &RunRecord) -> String {
-    let Some(issue) = decision_issue(run) else {
-        return String::new();
-    };
-    let mut said = readable(&issue.message);
-    if let Some(first) = said.get_mut(..1) {
-        first.make_ascii_uppercase();
-    }
-    said + "."
-}
-
-/// The issue of the fit that says it.
-pub fn decision_issue(run: &RunRecord) -> Option<&Issue> {
-    run.fit.as_ref().and_then(Fit::lumped_or_distributed)
-}
-
-/// `curvature at 19 places, voltage at 4 places`
-pub fn places(run: &RunRecord) -> String {
-    let of = |quantity: Quantity| {
-        let count = run.places(quantity);
-        let name = quantity.label().to_lowercase();
-        (count > 0).then(|| format!("{name} at {}", counted(count, "place")))
-    };
-    let both = [of(Quantity::Curvature), of(Quantity::Voltage)];
-    both.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn table3(site: &Site) -> Option<Table3> {

@@ -3,6 +3,7 @@
 pub mod across;
 pub mod against;
 pub mod along;
+mod along_words;
 mod cards;
 mod cards_wrong;
 pub mod climate;
@@ -29,11 +30,13 @@ pub mod index;
 mod law_cards;
 pub mod models;
 pub mod monitoring;
+mod page;
 mod parameter_section;
 pub mod ratios;
 pub mod run;
 pub mod run_climate;
 pub mod run_clocks;
+mod run_condition;
 mod run_evidence;
 pub mod run_figures;
 pub mod run_fit;
@@ -47,70 +50,15 @@ pub mod strip;
 pub mod table5;
 pub mod wording;
 
-use std::collections::BTreeMap;
-
-use serde::Serialize;
-use serde_json::Value;
-
-use super::error::ReportError;
 use super::input::Input;
-use super::site::Site;
 use ieap_analysis::comparison::against::Against;
-use ieap_domain::Fault;
+use ieap_domain::fault::caught;
 
 pub use finding::content as finding_content;
+pub use page::{Content, Page};
 pub use run::DrawnRun;
 pub use run_page::content as run_page_content;
 pub use strip::content as strip_content;
-
-/// What a page shows: formatted text, and figures apart, so that goldens of the text stay readable.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Content {
-    /// Text, ready to print; templates never calculate.
-    pub context: Value,
-    /// SVG by the id under which the context names it.
-    pub figures: BTreeMap<String, String>,
-    /// Sections that could not be made, each with its run; a box stands in their place.
-    pub faults: Vec<Fault>,
-}
-
-impl Content {
-    /// The content of `page` from its context struct.
-    ///
-    /// # Errors
-    /// [`ReportError::Context`]: a fault of the program.
-    pub fn new(
-        page: &str,
-        context: &impl Serialize,
-        figures: BTreeMap<String, String>,
-    ) -> Result<Content, ReportError> {
-        let context = serde_json::to_value(context).map_err(|source| ReportError::Context {
-            page: page.to_owned(),
-            source,
-        })?;
-        Ok(Content {
-            context,
-            figures,
-            faults: Vec::new(),
-        })
-    }
-}
-
-/// A page that the site has once.
-pub struct Page {
-    /// File name; also the name of its template.
-    pub file: &'static str,
-    /// Title in the navigation.
-    pub title: &'static str,
-    /// File of the page that it stands under; the navigation of the whole site names only pages under none.
-    pub under: Option<&'static str>,
-    /// Template text.
-    pub template: &'static str,
-    /// Whether a report of that input has the page.
-    pub is_shown: fn(&Input) -> bool,
-    /// Makes the content.
-    pub content: fn(&Site) -> Result<Content, ReportError>,
-}
 
 const COMPARISON: Option<&str> = Some("comparison.html");
 const AGAINST: &str = include_str!("../../../../templates/pages/against.html");
@@ -286,6 +234,13 @@ pub const PAGES: [Page; 21] = [
         content: climate::content,
     },
 ];
+
+/// The pages that a report of that input has, in the order of the navigation.
+pub fn shown(input: &Input) -> Vec<&'static Page> {
+    // A page that cannot say so is shown: its box tells why.
+    let is_shown = |page: &&Page| caught(|| (page.is_shown)(input)).unwrap_or(true);
+    PAGES.iter().filter(is_shown).collect()
+}
 
 /// Template of the pages of runs.
 pub const RUN_TEMPLATE: &str = include_str!("../../../../templates/pages/run.html");

@@ -4,19 +4,18 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::along_words;
 use super::run_climate::{ClimatePanel, climate_panel};
+use super::run_condition::condition;
 use super::run_evidence::{Evidence, Fact, evidence};
 use super::run_figures::{Response, Subject, responses};
 use super::run_fit::{self as fits, ParameterRow};
 use super::run_tags::TagGroup;
-use super::wording::{IssueText, RunLink, group_title, humidity_label, readable, voltage_label};
+use super::wording::{IssueText, RunLink, group_title, readable};
 use crate::error::ReportError;
 use crate::fault::REPORT_IT;
-use crate::number::significant;
 use crate::site::Site;
-use ieap_analysis::conditions::{material, nominal_voltage_v};
-use ieap_domain::tag::keys;
-use ieap_domain::{ClimateCurve, Drive, Issue, RunCurve, RunRecord, Severity};
+use ieap_domain::{ClimateCurve, Issue, RunCurve, RunRecord, Severity};
 
 /// A run with what is drawn of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -168,9 +167,9 @@ pub fn section(
         responses,
         drawn: words,
         along: (record.is_along() && record.standing.speaks()).then(|| AlongLine {
-            places: super::along::places(record),
+            places: along_words::places(record),
             href: site.strip_href(run),
-            decision: super::along::decision(record),
+            decision: along_words::decision(record),
         }),
         parameters: record.fit.as_ref().map_or_else(Vec::new, fits::parameters),
         remarks: Vec::new(),
@@ -202,64 +201,12 @@ fn summary(record: &RunRecord) -> Vec<String> {
     summary
 }
 
-/// `CNaf in air at 34 % RH stepped to 2.5 V`, as far as it is known.
-pub(super) fn condition(site: &Site, run: usize) -> String {
-    let material = material(site.input.record(run), &site.input.campaign);
-    let parts: Vec<String> = material
-        .map(str::to_owned)
-        .into_iter()
-        .chain(surroundings(site, run, true))
-        .chain([stepped(site, run)])
-        .collect();
-    parts.join(" ").trim().to_owned()
-}
-
-/// `at 34 % RH stepped to 2.5 V`: what runs of one sample in one environment differ by.
-pub(super) fn own_condition(site: &Site, run: usize) -> String {
-    let parts: Vec<String> = surroundings(site, run, false)
-        .into_iter()
-        .chain([stepped(site, run)])
-        .collect();
-    parts.join(" ").trim().to_owned()
-}
-
-fn surroundings(site: &Site, run: usize, named: bool) -> Vec<String> {
-    let conditions = &site.conditions;
-    let mut measured = conditions.measured.iter();
-    let Some(place) = measured.find(|condition| condition.runs.contains(&run)) else {
-        return Vec::new();
-    };
-    let surroundings = &conditions.surroundings[place.surroundings];
-    let mut parts: Vec<String> = Vec::new();
-    if named {
-        parts.push(format!("in {}", surroundings.environment));
-    }
-    let percent = site.input.record(run).tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
-    if let Some(percent) = percent {
-        parts.push(format!("at {} % RH", significant(percent, 3)));
-    } else if surroundings.humidity_varies {
-        parts.push(humidity_label(surroundings));
-    }
-    parts
-}
-
-fn stepped(site: &Site, run: usize) -> String {
-    let record = site.input.record(run);
-    if record.drive.as_ref().is_some_and(Drive::moves) {
-        return "under a moving voltage".to_owned();
-    }
-    let voltage = nominal_voltage_v(record);
-    voltage.map_or_else(String::new, |voltage| {
-        format!("stepped to {}", voltage_label(voltage))
-    })
-}
-
 /// Issues of the run and of its fit, errors first, each once; whether the strip is lumped stands with what was read along it.
 fn worst_first(record: &RunRecord) -> Vec<IssueText> {
     let of_fit = record.fit.iter().flat_map(|fit| &fit.issues);
     let mut issues: Vec<&Issue> = record.issues.iter().chain(of_fit).collect();
     issues.sort_by_key(|issue| std::cmp::Reverse(issue.severity));
-    let said = super::along::decision_issue(record).filter(|_| record.is_along() && record.standing.speaks());
+    let said = along_words::decision_issue(record).filter(|_| record.is_along() && record.standing.speaks());
     let is_new = |issue: &&Issue| said.is_none_or(|said| said.message != issue.message);
     let mut texts: Vec<IssueText> = issues.into_iter().filter(is_new).map(IssueText::from).collect();
     texts.dedup();

@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::run::{DrawnRun, RunSection, note_fact, own_condition, section};
+use super::run::{DrawnRun, RunSection, note_fact, section};
+use super::run_condition::own_condition;
 use super::run_evidence::{ChannelText, Fact, channels};
 use super::run_fit::r_squared;
 use super::run_overlay::{Overlay, overlay};

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::along::places;
-use super::run::condition;
+use super::along_words::places;
+use super::run_condition::condition;
 use super::wording::{RunLink, counted};
 use crate::error::ReportError;
 use crate::figures::along::map::{self, Shown, residual_end};

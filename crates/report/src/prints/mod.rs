@@ -5,6 +5,7 @@ mod along;
 mod bending;
 mod currents;
 pub mod family;
+mod figure;
 pub(crate) mod frequency;
 mod grid;
 pub(crate) mod models;
@@ -14,59 +15,12 @@ mod parameters;
 mod pdf;
 mod png;
 pub mod predicted;
+mod print;
 mod responses;
 mod svg;
 
-use crate::figures::canvas::Drawing;
-use crate::site::Site;
-use ieap_domain::CurveSource;
-
-/// Points (1/72 inch) per pixel of a drawing: tick labels of 11 px are 7.5 pt in print, titles of 12 px 8.2 pt, and
-/// the thinnest line, 0.8 px, 0.55 pt.
-pub const POINTS_PER_PIXEL: f64 = 7.5 / 11.0;
-/// Points per millimetre.
-const POINTS_PER_MM: f64 = 72.0 / 25.4;
-
-/// What figures are made from.
-pub struct FigureInput<'a> {
-    /// Campaign, runs and conditions, as the report has them.
-    pub site: &'a Site<'a>,
-    /// Measured and fitted curves of the runs.
-    pub curves: &'a dyn CurveSource,
-    /// The only run that a figure of strips shows; none: all of them.
-    pub run: Option<usize>,
-}
-
-/// A figure that can be asked for.
-pub struct NamedFigure {
-    /// Its name, after the thesis.
-    pub name: &'static str,
-    /// The same figure by what it shows.
-    pub alias: &'static str,
-    /// What it shows, one sentence.
-    pub about: &'static str,
-    /// Width for which it is laid out, mm.
-    pub width_mm: f64,
-    /// Whether it shows strips read at several places, so that one run can be asked for.
-    pub of_strips: bool,
-    /// Draws it, that many pixels wide; the message says what is missing, or what the drawing library says.
-    draw: fn(&FigureInput, u32) -> Result<Drawing, String>,
-}
-
-impl NamedFigure {
-    /// The figure of that campaign, `width_mm` wide.
-    ///
-    /// # Errors
-    /// What the campaign lacks, or the message of the drawing library.
-    pub fn print(&self, input: &FigureInput, width_mm: f64) -> Result<Print, String> {
-        Ok(Print {
-            title: self.about.to_owned(),
-            notice: input.site.input.campaign.notice.clone(),
-            drawing: (self.draw)(input, Print::pixels(width_mm))?,
-            width_mm,
-        })
-    }
-}
+pub use figure::{FigureInput, NamedFigure};
+pub use print::{POINTS_PER_PIXEL, Print};
 
 /// Every figure, in the order in which they are listed.
 pub const FIGURES: [NamedFigure; 11] = [
@@ -178,42 +132,6 @@ pub fn figure_named(name: &str) -> Option<&'static NamedFigure> {
     FIGURES
         .iter()
         .find(|figure| figure.name == name || figure.alias == name)
-}
-
-/// A drawing with what a file needs beside it.
-pub struct Print {
-    /// What it shows.
-    pub title: String,
-    /// The campaign's own statement, such as "simulated, not measured".
-    pub notice: Option<String>,
-    /// The drawing.
-    pub drawing: Drawing,
-    /// Its width, mm.
-    pub width_mm: f64,
-}
-
-impl Print {
-    /// Width of a drawing that is printed `width_mm` wide, px.
-    pub fn pixels(width_mm: f64) -> u32 {
-        (width_mm * POINTS_PER_MM / POINTS_PER_PIXEL).round() as u32
-    }
-
-    /// Width and height, mm; the height follows from the drawing.
-    pub fn size_mm(&self) -> (f64, f64) {
-        let (width, height) = self.drawing.size;
-        (
-            self.width_mm,
-            self.width_mm * f64::from(height) / f64::from(width),
-        )
-    }
-
-    /// Title and notice.
-    pub fn description(&self) -> String {
-        match &self.notice {
-            Some(notice) => format!("{}. {notice}", self.title),
-            None => self.title.clone(),
-        }
-    }
 }
 
 /// A file format of figures.

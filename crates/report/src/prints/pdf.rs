@@ -9,7 +9,7 @@ use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 
 use super::outlines::{Outline, Paint, Piece, outlines};
-use super::{POINTS_PER_MM, Print};
+use super::print::{POINTS_PER_MM, Print};
 
 /// Writes the print.
 ///

@@ -1,21 +1,14 @@
 //! Makes the journal and the database of a campaign say the same, as far as that needs no person.
 
-use std::collections::BTreeMap;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use rusqlite::Connection;
-
+use super::bring_up::{brought_up, parted};
 use super::entry::{Entry, Line};
-use super::write::locked;
-use super::{Compared, FILE_NAME, Found, PARTIAL, course, failed, opened, path_in, read, tail};
+use super::file::{failed, lock, locked, path_in, read};
+use super::{Compared, course, tail};
 use crate::seal::Subject;
 use crate::{FILE_NAME as DATABASE, StepError, Store, StoreError};
-use ieap_system::Temporary;
-use ieap_system::fs::{self, File};
-
-/// Digits of the hash that tells journals that were set aside from each other.
-const MARK_DIGITS: usize = 12;
+use ieap_system::fs::File;
 
 /// What it came to.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -54,7 +47,7 @@ impl Store {
             return Ok(true);
         }
         // Somebody may be between the two writings, and holds the journal for as long.
-        file.as_ref().map_or(Ok(()), |file| super::lock(file, &path))?;
+        file.as_ref().map_or(Ok(()), |file| lock(file, &path))?;
         same(file.as_mut())
     }
 
@@ -168,80 +161,3 @@ impl Store {
 
 /// What is being done here, for errors.
 const DOING: &str = "holding the database against the journal";
-
-/// Holds the lines of a database against the journal, which is `file`, and writes into the journal what it lacks; gives the
-/// journal as it is then.
-pub(super) fn brought_up(
-    connection: &Connection,
-    campaign: &Path,
-    file: File,
-) -> Result<(Compared, File), StepError> {
-    let stored = course::stored(connection, course::ALL)?;
-    let found = read(campaign)?.unwrap_or_default();
-    let compared = Compared::of(&stored, &found).map_err(|detail| parted(campaign, detail))?;
-    if compared.of_database.is_empty() {
-        return Ok((compared, file));
-    }
-    let file = completed(campaign, file, &found, &compared)?;
-    Ok((compared, file))
-}
-
-/// Writes into the journal what only the database has. One that lacks no more than its end gets it; any other is written
-/// anew, and kept under another name.
-pub(super) fn completed(
-    campaign: &Path,
-    mut file: File,
-    found: &Found,
-    compared: &Compared,
-) -> Result<File, StoreError> {
-    let path = path_in(campaign);
-    let follow = compared.of_database.iter().all(|line| line.n > found.last_number);
-    if follow && found.damaged.is_empty() && found.gaps.is_empty() {
-        let end = tail::mended(&mut file).map_err(|source| failed(&path, source))?;
-        let text = text_of(compared.of_database.iter());
-        let added = file.write_all(text.as_bytes()).and_then(|()| file.sync_all());
-        return match added {
-            Ok(()) => Ok(file),
-            Err(source) => {
-                let _ = file.set_len(end.bytes);
-                Err(failed(&path, source))
-            }
-        };
-    }
-    let lines = found.lines.iter().chain(&compared.of_database);
-    let lines: BTreeMap<u64, &Line> = lines.map(|line| (line.n, line)).collect();
-    let anew = written_anew(&path, &text_of(lines.into_values()));
-    anew.map_err(|source| failed(&path, source))?;
-    let gone = std::io::Error::from(std::io::ErrorKind::NotFound);
-    let file = opened(&path)?.ok_or_else(|| failed(&path, gone))?;
-    super::lock(&file, &path)?;
-    Ok(file)
-}
-
-/// Puts another text in the place of the journal; what it said is kept beside it.
-fn written_anew(path: &Path, text: &str) -> std::io::Result<()> {
-    let old = fs::read_own(path)?;
-    let mut mark = blake3::hash(&old).to_hex().to_string();
-    mark.truncate(MARK_DIGITS);
-    let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
-    let whole = |bytes: &[u8], name: &Path| -> std::io::Result<()> {
-        let mut file = Temporary::new_in(&folder, PARTIAL, "", 0o644)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        file.persist(name)
-    };
-    whole(&old, &folder.join(format!("{FILE_NAME}.set-aside-{mark}")))?;
-    whole(text.as_bytes(), path)?;
-    fs::sync_names(&folder)
-}
-
-fn text_of<'a>(lines: impl Iterator<Item = &'a Line>) -> String {
-    lines.map(|line| format!("{}\n", line.text)).collect()
-}
-
-pub(super) fn parted(campaign: &Path, detail: String) -> StoreError {
-    StoreError::Parted {
-        path: campaign.join(DATABASE),
-        detail,
-    }
-}

@@ -6,8 +6,10 @@
 //! a line, which has no line feed: the next one to write cuts it off.
 
 mod agree;
+mod bring_up;
 mod course;
 mod entry;
+mod file;
 mod from_database;
 mod line;
 mod salvage;
@@ -16,34 +18,17 @@ mod tail;
 mod tests;
 mod write;
 
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::path::Path;
 
 use super::{Store, StoreError};
-use ieap_system::Temporary;
-use ieap_system::fs::{self, File, OpenOptions, TryLockError};
 
 pub use agree::Agreed;
 pub use course::{Compared, in_words};
 pub use entry::{Entry, Line, NamedBytes, NamedRun, ToldAlarm};
+pub use file::{Found, HeldJournal, found, hold, path_in, read, set_aside};
 pub use salvage::{Union, union};
 pub use tail::without_torn_end;
 pub(super) use write::{Intended, Journal};
-
-/// Folder of the journal inside a campaign: that of the raw files.
-const FOLDER: &str = "archive";
-/// Its name there.
-const FILE_NAME: &str = "journal.jsonl";
-/// How names of files begin that are not written to their end yet; the archive removes what a crash left of them.
-const PARTIAL: &str = ".part-";
-/// How long a change waits for a rebuilding to end.
-const PATIENCE: Duration = Duration::from_secs(30);
-
-/// Where the journal of the campaign in `folder` is.
-pub fn path_in(folder: &Path) -> PathBuf {
-    folder.join(FOLDER).join(FILE_NAME)
-}
 
 impl Store {
     /// From here on, what is said goes to the journal of the campaign in `folder`; nowhere where there is none.
@@ -81,140 +66,5 @@ impl Store {
     /// See [`StoreError`].
     pub fn journal_entries(&self) -> Result<Vec<(String, Entry)>, StoreError> {
         from_database::entries(&self.connection).map_err(self.named("reading what no file holds"))
-    }
-}
-
-/// Moves the journal of the campaign in `folder` aside, with the database that it was kept for.
-///
-/// # Errors
-/// It cannot be renamed.
-pub fn set_aside(folder: &Path, mark: &str) -> Result<(), StoreError> {
-    let path = path_in(folder);
-    let aside = path.with_file_name(format!("{FILE_NAME}.set-aside-{mark}"));
-    match fs::rename(&path, aside) {
-        Err(source) if source.kind() != io::ErrorKind::NotFound => Err(failed(&path, source)),
-        _ => Ok(()),
-    }
-}
-
-/// A journal that nobody else can write as long as this lives.
-#[derive(Debug)]
-pub struct HeldJournal(Option<File>);
-
-/// Holds the journal of the campaign in `folder`, where there is one.
-///
-/// # Errors
-/// It cannot be opened, or somebody else holds it for long.
-pub fn hold(folder: &Path) -> Result<HeldJournal, StoreError> {
-    let path = path_in(folder);
-    let file = opened(&path)?;
-    file.as_ref().map_or(Ok(()), |file| lock(file, &path))?;
-    Ok(HeldJournal(file))
-}
-
-/// What a journal holds.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Found {
-    /// Lines that can be trusted, in order.
-    pub lines: Vec<Line>,
-    /// Lines that cannot: their place, from 1, and why.
-    pub damaged: Vec<(usize, String)>,
-    /// Numbers that should stand before the next line and do not: lines are missing there.
-    pub gaps: Vec<u64>,
-    /// Whether the last line is cut off: nobody was told of what it says.
-    pub is_torn: bool,
-    /// Number of the last line, a damaged one counted; 0 where there is none.
-    pub last_number: u64,
-}
-
-/// Reads the journal of the campaign in `folder`; `None` where there is none.
-///
-/// # Errors
-/// It cannot be read.
-pub fn read(folder: &Path) -> Result<Option<Found>, StoreError> {
-    let path = path_in(folder);
-    match fs::read_own(&path) {
-        Ok(bytes) => Ok(Some(found(&bytes))),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(source) => Err(failed(&path, source)),
-    }
-}
-
-/// What the bytes of a journal hold.
-pub fn found(bytes: &[u8]) -> Found {
-    let mut found = Found::default();
-    let whole = tail::without_torn_end(bytes);
-    found.is_torn = whole.len() < bytes.len();
-    let mut expected = 1;
-    for (index, text) in whole.split_inclusive(|&byte| byte == b'\n').enumerate() {
-        match line::read(text.strip_suffix(b"\n").unwrap_or(text)) {
-            Ok(line) => {
-                if line.n != expected {
-                    found.gaps.push(line.n.saturating_sub(1));
-                }
-                expected = line.n + 1;
-                found.lines.push(line);
-            }
-            Err(reason) => {
-                found.damaged.push((index + 1, reason));
-                expected += 1;
-            }
-        }
-    }
-    found.last_number = expected - 1;
-    found
-}
-
-/// The journal, open to be written; none where there is none.
-fn opened(path: &Path) -> Result<Option<File>, StoreError> {
-    match OpenOptions::own().read(true).write(true).open(path) {
-        Ok(file) => Ok(Some(file)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(source) => Err(failed(path, source)),
-    }
-}
-
-/// Puts a whole journal in place where there is none.
-fn put(campaign: &Path, text: &str) -> Result<(), StoreError> {
-    let path = path_in(campaign);
-    let folder = campaign.join(FOLDER);
-    let place = || -> io::Result<()> {
-        fs::create_dir_all(&folder)?;
-        let mut file = Temporary::new_in(&folder, PARTIAL, "", 0o644)?;
-        file.write_all(text.as_bytes())?;
-        file.sync_all()?;
-        file.persist_to_free(&path)?;
-        fs::sync_names(&folder)?;
-        fs::sync_names(campaign)
-    };
-    place().map_err(|source| failed(&path, source))
-}
-
-fn lock(file: &File, path: &Path) -> Result<(), StoreError> {
-    let begun = Instant::now();
-    loop {
-        match file.try_lock() {
-            Ok(()) => return Ok(()),
-            Err(TryLockError::WouldBlock) if begun.elapsed() < PATIENCE => {
-                std::thread::sleep(Duration::from_millis(50));
-            }
-            Err(TryLockError::WouldBlock) => {
-                return Err(StoreError::Locked {
-                    path: path.to_owned(),
-                    doing: "writing the journal",
-                });
-            }
-            Err(TryLockError::Error(source)) => return Err(failed(path, source)),
-        }
-    }
-}
-
-fn failed(path: &Path, source: io::Error) -> StoreError {
-    let (path, doing) = (path.to_owned(), "keeping the journal");
-    match source.kind() {
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
-            StoreError::DiskFull { path, doing }
-        }
-        _ => StoreError::File { path, doing, source },
     }
 }

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use rusqlite::{Connection, OpenFlags};
 
-use super::agree::{completed, parted};
+use super::bring_up::{completed, parted};
 use super::entry::Line;
-use super::write::locked;
+use super::file::locked;
 use super::{Compared, Found, line, path_in, read};
 use crate::{FILE_NAME, StoreError};
 

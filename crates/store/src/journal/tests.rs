@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use super::file::FOLDER;
 use super::*;
 use crate::HandTag;
 

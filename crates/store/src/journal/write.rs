@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 
 use rusqlite::Connection;
 
-use super::agree::brought_up;
+use super::bring_up::brought_up;
 use super::entry::{Entry, Line};
-use super::{HeldJournal, course, failed, lock, opened, path_in, put, tail};
+use super::file::{HeldJournal, failed, locked, path_in};
+use super::{course, tail};
 use crate::{StepError, StoreError};
 use ieap_system::fs::File;
 
@@ -175,21 +176,6 @@ impl Journal {
         }
         locked(campaign)
     }
-}
-
-/// The journal of a campaign, which nobody else can write then; an empty one where there is none.
-pub(super) fn locked(campaign: &Path) -> Result<File, StoreError> {
-    let path = path_in(campaign);
-    let file = match opened(&path)? {
-        Some(file) => file,
-        None => {
-            put(campaign, "")?;
-            let gone = std::io::Error::from(std::io::ErrorKind::NotFound);
-            opened(&path)?.ok_or_else(|| failed(&path, gone))?
-        }
-    };
-    lock(&file, &path)?;
-    Ok(file)
 }
 
 /// Entries as the lines that follow the one of that number and checksum.

@@ -1,7 +1,11 @@
 //! Rows that changed behind the back of the store are noticed when they are read.
 
-use super::super::{FileRow, HandTag};
+use std::collections::BTreeSet;
+
+use rusqlite::Connection;
+
 use super::*;
+use crate::{FileRow, HandTag, Store, StoreError};
 use ieap_domain::FileState;
 
 fn file(path: &str) -> FileRow {

@@ -8,7 +8,7 @@ mod mechanical;
 mod refusals;
 
 use super::*;
-use ieap_domain::Segment;
+use ieap_domain::{Branch, Segment};
 use ieap_model::LumpedModel;
 
 /// A sample of the size of the thesis's: taus of 51 s and 130 s, 1/lambda of 250 s.

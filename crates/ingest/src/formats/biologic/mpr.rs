@@ -274,9 +274,9 @@ fn table(ids: &[u16], rows: &[u8], width: usize, issues: &mut Vec<Issue>) -> (Ra
         }
         cells.end_row(number + 1, headers.len());
     }
-    super::judge_control(&mut headers, &cells);
+    super::mode_and_error::judge_control(&mut headers, &cells);
     let raw = Raw {
-        flags: super::marks(&headers, &cells),
+        flags: super::mode_and_error::marks(&headers, &cells),
         ..Raw::of_instrument(String::new(), headers, cells)
     };
     (raw, next)

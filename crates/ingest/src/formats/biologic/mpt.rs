@@ -111,9 +111,9 @@ fn raw(names: &Line<'_>, rows: &[Line<'_>], issues: &mut Vec<Issue>) -> Result<R
     if let Some(index) = headers.iter().position(|header| header.raw_name == "time/s") {
         read_dates(&mut cells, index, rows, issues);
     }
-    super::judge_control(&mut headers, &cells);
+    super::mode_and_error::judge_control(&mut headers, &cells);
     Ok(Raw {
-        flags: super::marks(&headers, &cells),
+        flags: super::mode_and_error::marks(&headers, &cells),
         ..Raw::of_instrument(String::new(), headers, cells)
     })
 }
@@ -148,7 +148,9 @@ fn is_step_response(technique: Option<&str>, raw: &Raw) -> bool {
     let mode = raw.headers.iter().position(|header| header.raw_name == "mode");
     mode.is_some_and(|index| {
         let modes = &raw.cells.columns[index].numbers;
-        modes.iter().all(|mode| *mode == super::POTENTIOSTATIC)
+        modes
+            .iter()
+            .all(|mode| *mode == super::mode_and_error::POTENTIOSTATIC)
     })
 }
 

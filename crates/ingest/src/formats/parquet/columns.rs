@@ -6,7 +6,7 @@ use parquet::data_type::DataType;
 use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::schema::types::ColumnDescriptor;
 
-use super::{broken, failed};
+use super::error::{broken, failed};
 use crate::formats::cells::CellColumn;
 use crate::formats::error::ReadError;
 use crate::text::Cell;

@@ -5,6 +5,7 @@
 //! what their heads declare is checked before it reserves memory by it (`pages`).
 
 mod columns;
+mod error;
 mod pages;
 #[cfg(test)]
 mod tests;
@@ -18,12 +19,13 @@ use parquet::file::serialized_reader::SerializedFileReader;
 
 use super::assemble::{Raw, assemble};
 use super::cells::CellTable;
-use super::error::{ReadError, escaped, quoted};
+use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext, plain_table};
 use crate::Reading;
 use crate::text::header::Header;
 use columns::Kind;
+use error::{broken, failed};
 use ieap_domain::{Issue, RunStatus};
 
 /// Reader of Parquet files.
@@ -234,15 +236,4 @@ fn kept(file: &SerializedFileReader<Bytes>, issues: &mut Vec<Issue>) -> Vec<(usi
         }
     }
     kept
-}
-
-fn failed(error: parquet::errors::ParquetError) -> ReadError {
-    broken(&error.to_string())
-}
-
-fn broken(found: &str) -> ReadError {
-    ReadError::BrokenContainer {
-        kind: "Parquet file",
-        found: escaped(found),
-    }
 }

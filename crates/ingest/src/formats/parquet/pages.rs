@@ -6,7 +6,8 @@
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
 
 use super::columns::Kind;
-use super::{ReadError, broken};
+use super::error::broken;
+use crate::formats::error::ReadError;
 
 /// Deepest nesting of records in a head; the format itself needs three.
 const DEEPEST: u32 = 8;

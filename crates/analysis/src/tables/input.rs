@@ -1,0 +1,36 @@
+//! What tables are made from.
+
+use crate::frequency::FrequencyRun;
+use crate::probe::Course;
+use ieap_domain::{
+    BlockedRun, Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun,
+};
+
+/// What tables are made from.
+#[derive(Debug, Clone, Copy)]
+pub struct TableInput<'a> {
+    /// The campaign.
+    pub campaign: &'a Campaign,
+    /// Current revision of every run that speaks.
+    pub runs: &'a [RunRecord],
+    /// The runs that do not: only the list of runs shows them.
+    pub set_aside: &'a [RunRecord],
+    /// Current modulus logs with what was found in them.
+    pub modulus_logs: &'a [ModulusLog],
+    /// Impedance spectra with what was found in them.
+    pub spectra: &'a [SpectrumRun],
+    /// What blocking forces of the runs say.
+    pub blocked: &'a [BlockedRun],
+    /// What runs under a sine or a chirp say against frequency.
+    pub frequency: &'a [FrequencyRun],
+    /// The electrodes' resistance over time, by the probe.
+    pub electrodes: &'a [Course],
+    /// Every file that the last scan saw.
+    pub files: &'a [SourceFile],
+    /// Diagnoses of groups.
+    pub groups: &'a [GroupDiagnosis],
+    /// Comparisons of models on single runs.
+    pub comparisons: &'a [RunComparison],
+    /// Program and state of the database, for the table's foot.
+    pub origin: &'a str,
+}

@@ -1,0 +1,106 @@
+//! What every format answers, and what it is asked.
+
+use super::error::ReadError;
+use crate::Reading;
+use crate::text::decode;
+use ieap_domain::DateOrder;
+
+/// Bytes of a file that recognition looks at.
+pub const HEAD_BYTES: usize = 64 << 10;
+
+/// How a file begins.
+#[derive(Debug, Clone, Copy)]
+pub struct FileHead<'a> {
+    /// File name without its folder.
+    pub name: &'a str,
+    /// First bytes, at most [`HEAD_BYTES`].
+    pub bytes: &'a [u8],
+    /// Size of the whole file, bytes.
+    pub size: u64,
+}
+
+impl<'a> FileHead<'a> {
+    /// Head of a file that is held in memory.
+    pub fn of(name: &'a str, bytes: &'a [u8]) -> FileHead<'a> {
+        FileHead {
+            name,
+            bytes: &bytes[..bytes.len().min(HEAD_BYTES)],
+            size: bytes.len() as u64,
+        }
+    }
+
+    /// Extension in lower case; empty where there is none.
+    pub fn extension(&self) -> String {
+        match self.name.rsplit_once('.') {
+            Some((_, extension)) => extension.to_lowercase(),
+            None => String::new(),
+        }
+    }
+
+    /// The head as text; none where it holds NUL bytes and no UTF-16 mark, as binary files do.
+    pub fn text(&self) -> Option<String> {
+        let decoded = decode(self.bytes);
+        (!decoded.text.contains('\0')).then(|| decoded.text.into_owned())
+    }
+}
+
+/// How well a format fits.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Match {
+    /// A mark of the format that nothing else has.
+    Certain(&'static str),
+    /// Readable as this format, with a score between 0 and 1.
+    Possible {
+        /// How well, below 1.
+        score: f64,
+        /// What speaks for it.
+        reason: &'static str,
+    },
+    /// Not this format.
+    No,
+}
+
+/// What a reader may need to know beside the bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ReadContext {
+    /// Most bytes that a zipped spreadsheet may unpack to.
+    pub max_unpacked_bytes: u64,
+    /// Whether a plain table must hold a response or a modulus, as a run does; a part of a run that is joined
+    /// from several files, such as the humidity of a modulus log, need not.
+    pub needs_response: bool,
+    /// The order of day, month and year that counts where dates leave several.
+    pub date_order: Option<DateOrder>,
+}
+
+impl Default for ReadContext {
+    fn default() -> ReadContext {
+        ReadContext {
+            max_unpacked_bytes: 512 << 20,
+            needs_response: true,
+            date_order: None,
+        }
+    }
+}
+
+/// One instrument format.
+pub trait Format: Sync {
+    /// Stable id, `gamry-dta`; stored with every run.
+    fn id(&self) -> &'static str;
+    /// What it is, in words, for `ieap formats`.
+    fn title(&self) -> &'static str;
+    /// Usual extensions, lower case without the dot; they break ties only.
+    fn extensions(&self) -> &'static [&'static str];
+    /// Version of the reader: raised when the same bytes would read differently.
+    fn version(&self) -> u32;
+    /// Whether it reads tables of any source by the names of their columns: a saved profile goes before it.
+    fn is_generic(&self) -> bool {
+        false
+    }
+    /// Whether a file is of this format, judged by how it begins.
+    fn recognise(&self, head: &FileHead<'_>) -> Match;
+    /// Reads a whole file.
+    ///
+    /// # Errors
+    /// No table can be had from the bytes; everything less is an issue of the reading.
+    fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError>;
+}

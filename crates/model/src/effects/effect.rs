@@ -1,0 +1,33 @@
+//! What every candidate effect answers.
+
+use super::about::About;
+use super::search::{Scale, Search};
+use crate::extended::{RunContext, System};
+
+/// An effect that the model may be missing.
+pub trait Effect: Sync {
+    /// What is known of it.
+    fn about(&self) -> &'static About;
+
+    /// Where its parameters are sought in data of that scale, and the shapes at which its signature is looked for.
+    fn search(&self, variant: usize, scale: &Scale) -> Search;
+
+    /// Whether it changes the run at that place of its group.
+    fn acts_in(&self, _parameters: &[f64], _run: usize) -> bool {
+        true
+    }
+
+    /// Puts it into the system of a run. `parameters` are in the order of [`About::parameters`].
+    fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System);
+}
+
+/// An effect with its parameters.
+#[derive(Clone)]
+pub struct Applied {
+    /// The effect.
+    pub effect: &'static dyn Effect,
+    /// Place in [`About::variants`]; 0 where it has none.
+    pub variant: usize,
+    /// Parameters in the order of [`About::parameters`].
+    pub parameters: Vec<f64>,
+}
