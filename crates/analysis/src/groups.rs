@@ -140,7 +140,7 @@ fn by_level(runs: &[RunRecord], name: &str, members: Vec<usize>, issue: Option<&
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{run, tag};
+    use ieap_domain::testing::{run, tag};
 
     fn named(runs: &[RunRecord], group_by: &[String]) -> Vec<(String, Vec<usize>)> {
         let found = groups(runs, group_by, &|_| true);

@@ -195,7 +195,7 @@ pub fn cause(alpha: &Estimate, stiffness: &Estimate, coupling: &Estimate) -> Cau
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{campaign, known};
+    use ieap_domain::testing::{campaign, known};
 
     fn point(humidity_percent: f64, modulus_mpa: f64) -> ModulusPoint {
         ModulusPoint {

@@ -3,49 +3,20 @@
 use std::fs;
 
 use super::*;
-use ieap_domain::{Environment, RunKind, Sample, Severity};
+use ieap_domain::testing::{self, environment};
+use ieap_domain::{RunKind, Sample, Severity};
 
 fn campaign(name_pattern: Option<&str>) -> Campaign {
     let sample = |id: &str| Sample {
-        electrode_resistance_ohm_per_sq: None,
-        id: id.to_owned(),
-        material: "CNaf".to_owned(),
-        length_mm: None,
-        width_mm: None,
-        thickness_mm: None,
         area_cm2: Some(0.1),
-        batch: None,
-    };
-    let environment = |id: &str, humidity| Environment {
-        id: id.to_owned(),
-        relative_humidity_percent: humidity,
-        temperature_c: None,
-        pressure_pa: None,
+        ..testing::sample(id, "CNaf")
     };
     Campaign {
-        id: "c".to_owned(),
-        title: "c".to_owned(),
         timezone: Some("Europe/Tallinn".to_owned()),
-        date_order: None,
-        notice: None,
         samples: vec![sample("CNaf-01"), sample("CNaf-02")],
-        materials: Vec::new(),
         environments: vec![environment("vacuum", None), environment("air", Some(34.0))],
-        runs_folder: "runs".to_owned(),
         name_pattern: name_pattern.map(str::to_owned),
-        dma_folder: "dma".to_owned(),
-        dma_name_pattern: None,
-        impedance_folder: "impedance".to_owned(),
-        impedance_name_pattern: None,
-        model: "lumped-2".to_owned(),
-        group_by: Vec::new(),
-        adopted: Vec::new(),
-        sensors: vec![],
-        climate: Default::default(),
-        monitoring: Default::default(),
-        compare: Default::default(),
-        extra_tags: Vec::new(),
-        fit: Default::default(),
+        ..testing::campaign()
     }
 }
 

@@ -1,15 +1,16 @@
-//! Runs made up for tests of this module and of the report.
+//! Values made up for the tests of every room, complete and the same wherever they are asked for: a test writes down
+//! only what it is about, `GroupDiagnosis { verdict, ..finding() }`.
 
-use ieap_domain::quantiles::NORMAL_95_ROUNDED;
-use ieap_domain::tag::keys;
-use ieap_domain::{
-    Campaign, Environment, Estimate, Fit, Parameter, RunFile, RunKind, RunRecord, RunState, RunStatus,
-    Sample, Tag, TagSource,
+use crate::quantiles::NORMAL_95_ROUNDED;
+use crate::tag::keys;
+use crate::{
+    Campaign, Candidate, Drive, EffectFinding, Environment, Estimate, Fit, Gain, GroupDiagnosis, HeldOutGain,
+    Parameter, ParameterShift, RunFile, RunKind, RunRecord, RunState, RunStatus, Sample, Tag, TagSource,
 };
 
-/// Two materials, the built-in environments.
-pub fn campaign() -> Campaign {
-    let sample = |id: &str, material: &str| Sample {
+/// A sample of 5 x 2 x 0.22 mm.
+pub fn sample(id: &str, material: &str) -> Sample {
+    Sample {
         id: id.to_owned(),
         material: material.to_owned(),
         length_mm: Some(5.0),
@@ -18,13 +19,21 @@ pub fn campaign() -> Campaign {
         area_cm2: None,
         electrode_resistance_ohm_per_sq: None,
         batch: None,
-    };
-    let environment = |id: &str| Environment {
+    }
+}
+
+/// Surroundings of which only the humidity is stated, percent, or nothing.
+pub fn environment(id: &str, relative_humidity_percent: Option<f64>) -> Environment {
+    Environment {
         id: id.to_owned(),
-        relative_humidity_percent: None,
+        relative_humidity_percent,
         temperature_c: None,
         pressure_pa: None,
-    };
+    }
+}
+
+/// Two materials, the built-in environments.
+pub fn campaign() -> Campaign {
     Campaign {
         id: "made-up".to_owned(),
         title: "Back-relaxation under humidity".to_owned(),
@@ -33,7 +42,9 @@ pub fn campaign() -> Campaign {
         notice: None,
         samples: vec![sample("CNaf-01", "CNaf"), sample("CPvf-01", "CPvf")],
         materials: vec![],
-        environments: ["vacuum", "inert", "air"].map(environment).to_vec(),
+        environments: ["vacuum", "inert", "air"]
+            .map(|id| environment(id, None))
+            .to_vec(),
         runs_folder: "runs".to_owned(),
         name_pattern: None,
         dma_folder: "dma".to_owned(),
@@ -80,7 +91,7 @@ pub fn run(name: &str, sample: &str, environment: &str, humidity: Option<f64>, v
         tags,
         channels: vec![],
         origin: Default::default(),
-        drive: Some(ieap_domain::Drive::step(voltage_v)),
+        drive: Some(Drive::step(voltage_v)),
         area_cm2: Some(0.1),
         data_hash: "0".repeat(64),
         ingested_at: "2026-11-20T06:00:00Z".to_owned(),
@@ -124,10 +135,7 @@ pub fn fit(parameters: &[(&str, Estimate)]) -> Fit {
         n_samples: 1200,
         parameters: parameters
             .iter()
-            .map(|(key, estimate)| Parameter {
-                key: (*key).to_owned(),
-                estimate: estimate.clone(),
-            })
+            .map(|(key, estimate)| parameter(key, estimate.clone()))
             .collect(),
         r_squared_current: Some(0.996),
         r_squared_curvature: Some(0.957),
@@ -136,5 +144,84 @@ pub fn fit(parameters: &[(&str, Estimate)]) -> Fit {
         along: vec![],
         issues: vec![],
         evaluations: 321,
+    }
+}
+
+/// The parameter of that key.
+pub fn parameter(key: &str, estimate: Estimate) -> Parameter {
+    Parameter {
+        key: key.to_owned(),
+        estimate,
+    }
+}
+
+/// A group `g` of one run `r`, of which nothing is said.
+pub fn finding() -> GroupDiagnosis {
+    GroupDiagnosis::data_problem("g", vec!["r".to_owned()], "lumped-2", String::new())
+}
+
+/// An accepted effect with p = 0.001 and these parameters.
+pub fn effect(id: &str, parameters: Vec<Parameter>) -> EffectFinding {
+    EffectFinding {
+        effect: id.to_owned(),
+        variant: None,
+        parameters,
+        p: 0.001,
+        q: None,
+        twins: Vec::new(),
+    }
+}
+
+/// A candidate, accepted where a fit gave a fall.
+pub fn candidate(id: &str, forecast_gain: f64, fitted_gain: Option<f64>) -> Candidate {
+    Candidate {
+        effect: id.to_owned(),
+        variant: None,
+        forecast_gain,
+        fitted_gain,
+        extra_parameters: 1,
+        held_out_gain: None,
+        left_after_refit: 0.2,
+        detectable_strength: 0.1,
+        likeness: 1.0,
+        accepted: fitted_gain.is_some(),
+    }
+}
+
+/// A fall of the deviance on what was held out, with its standard error and nothing else known.
+pub fn held_out(deviance: f64, standard_error: f64) -> HeldOutGain {
+    HeldOutGain {
+        deviance,
+        standard_error,
+        parts: Vec::new(),
+        nrmse_current_before: None,
+        nrmse_current_after: None,
+        nrmse_curvature_before: None,
+        nrmse_curvature_after: None,
+        coverage_before: None,
+        coverage_after: None,
+    }
+}
+
+/// The gain with that proof on a run that was held out.
+pub fn gain(proof: HeldOutGain) -> Gain {
+    Gain {
+        held_out: "run".to_owned(),
+        proof,
+        nameless_deviance: 0.0,
+        predictions: Vec::new(),
+        residual_rms_sigma_before: 20.0,
+        residual_rms_sigma_after: 10.0,
+        later: None,
+    }
+}
+
+/// What an extension did to a parameter.
+pub fn shift(key: &str, before: f64, after: f64, standard_error: f64) -> ParameterShift {
+    ParameterShift {
+        key: key.to_owned(),
+        before,
+        after,
+        standard_error,
     }
 }
