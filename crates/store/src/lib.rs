@@ -24,6 +24,8 @@ mod migration;
 mod modulus;
 mod new_run;
 mod origin;
+#[cfg(test)]
+mod renamed_tests;
 mod run_climate;
 mod runs;
 mod schema;
@@ -32,6 +34,8 @@ mod schema_page_tests;
 mod seal;
 mod standing;
 mod tags;
+#[cfg(test)]
+mod testing;
 mod transaction;
 mod unreadable_tags;
 mod views;
