@@ -1,5 +1,6 @@
 //! Time of one simulation of a run with effects: 700 readings of current and of curvature.
 
+use ieap::domain::testing::branch;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -11,10 +12,6 @@ use ieap::model::{Branch, LumpedModel};
 const END_S: f64 = 300.0;
 
 fn base() -> LumpedModel {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     LumpedModel {
         branches: vec![branch(3.0, 0.1), branch(15.0, 0.6)],
         steady_state_resistance_ohm_cm2: 300.0,

@@ -1,6 +1,7 @@
 //! Time of one fit with uncertainties: 3,600 and 36,000 samples of current and curvature, by each method, and of
 //! merely reading them.
 
+use ieap::domain::testing::branch;
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -15,10 +16,6 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// CNaf in air at 2 V (thesis, table 5) for an hour, with noise of 1 % of the peak.
 fn run(samples: usize) -> Vec<Channel> {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     let model = LumpedModel {
         branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
         steady_state_resistance_ohm_cm2: 5660.0,

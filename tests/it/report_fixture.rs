@@ -3,9 +3,8 @@
 use ieap::analysis::frequency::{FrequencyPoint, FrequencyRun, PerVolt};
 use ieap::domain::tag::keys;
 use ieap::domain::{
-    Campaign, ChannelNoise, ChannelSummary, CurveSource, Drive, Estimate, FileState, Fit, Issue, Parameter,
-    Quantity, RunCurve, RunFile, RunKind, RunRecord, RunState, RunStatus, SourceFile, Tag, TagSource,
-    testing,
+    Campaign, ChannelNoise, ChannelSummary, CurveSource, Estimate, FileState, Fit, Issue, Quantity, RunCurve,
+    RunFile, RunRecord, RunState, SourceFile, Tag, TagSource, testing,
 };
 use ieap::numerics::complex::Complex;
 use ieap::report::{Findings, Input, Origin};

@@ -4,8 +4,9 @@
 use crate::quantiles::NORMAL_95_ROUNDED;
 use crate::tag::keys;
 use crate::{
-    Campaign, Candidate, Drive, EffectFinding, Environment, Estimate, Fit, Gain, GroupDiagnosis, HeldOutGain,
-    Parameter, ParameterShift, RunFile, RunKind, RunRecord, RunState, RunStatus, Sample, Tag, TagSource,
+    Branch, Campaign, Candidate, Drive, EffectFinding, Environment, Estimate, Fit, Gain, GroupDiagnosis,
+    HeldOutGain, Level, Parameter, ParameterShift, RunFile, RunKind, RunRecord, RunState, RunStatus, Sample,
+    Segment, Tag, TagSource,
 };
 
 /// A sample of 5 x 2 x 0.22 mm.
@@ -223,5 +224,25 @@ pub fn shift(key: &str, before: f64, after: f64, standard_error: f64) -> Paramet
         before,
         after,
         standard_error,
+    }
+}
+
+/// A branch of a circuit.
+pub fn branch(resistance_ohm_cm2: f64, capacitance_f_per_cm2: f64) -> Branch {
+    Branch {
+        resistance_ohm_cm2,
+        capacitance_f_per_cm2,
+    }
+}
+
+/// A drive by the start of each segment, s, and its voltage; none of an open circuit.
+pub fn drive(baseline_v: f64, levels: &[(f64, Option<f64>)]) -> Drive {
+    let level = |voltage_v: Option<f64>| voltage_v.map_or(Level::OpenCircuit, Level::Voltage);
+    let segments = levels
+        .iter()
+        .map(|&(start_s, voltage_v)| Segment::at(start_s, level(voltage_v)));
+    Drive {
+        baseline_v,
+        segments: segments.collect(),
     }
 }
