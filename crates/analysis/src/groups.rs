@@ -217,6 +217,7 @@ mod tests {
         assert_eq!(found[1].runs, [2, 3]);
         assert_eq!(found[1].name, "sample=S,environment=air,started_at=2020-02-03");
         let issue = found[1].set_apart.as_ref().unwrap();
+        assert_eq!(issue.code, "series-broken");
         assert!(issue.message.contains("not the same series"), "{issue:?}");
     }
 }

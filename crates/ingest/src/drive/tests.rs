@@ -231,6 +231,8 @@ fn what_the_readings_do_not_carry_is_no_drive() {
         "a staircase of sixty steps"
     );
     assert_eq!(short.issues[0].code, NO_STEPS);
+    let unread = find(&[voltage(&[])], true, None, &[]);
+    assert_eq!(unread.issues[0].code, "no-voltage");
 }
 
 #[test]

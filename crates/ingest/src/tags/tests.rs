@@ -30,6 +30,7 @@ struct Given {
     header: Vec<(String, String, String)>,
     channel_voltage_v: Option<f64>,
     stem: Option<&'static str>,
+    name_pattern: Option<&'static str>,
     other_names: Vec<OtherName>,
 }
 
@@ -48,7 +49,7 @@ fn resolve_with(files: &[(&str, &str)], given: Given) -> Resolved {
         folder: folder.path(),
         data_files: &data_files,
         stem: given.stem.unwrap_or(&stem),
-        name_pattern: campaign.name_pattern.as_deref(),
+        name_pattern: given.name_pattern.or(campaign.name_pattern.as_deref()),
         needed: RunKind::Actuation.needed_tags(),
         hand: &given.hand,
         planned: &given.planned,
@@ -101,8 +102,7 @@ fn sources_are_chosen_in_the_order_of_the_contract_and_disagreements_are_said() 
             planned: vec![tag("4.5", TagSource::RunSheet, "runs/next.run-sheet.csv, P01")],
             header,
             channel_voltage_v: Some(3.0),
-            other_names: Vec::new(),
-            stem: None,
+            ..Given::default()
         },
     );
     let values: Vec<String> = from(&found, "voltage_v")
@@ -434,4 +434,25 @@ fn tags_of_another_name_are_joined_and_what_contradicts_is_an_issue() {
         "{message}"
     );
     assert_eq!(found.value("environment"), Some("air"));
+}
+
+#[test]
+fn a_name_that_a_pattern_cannot_split_in_one_way_gives_no_tag() {
+    for (name_pattern, code) in [
+        ("{sample}_{environment}_{note}_{operator}", "name-ambiguous"),
+        ("{sample", "name-pattern-bad"),
+    ] {
+        let given = Given {
+            stem: Some("CNaf-01_air_a_b_c"),
+            name_pattern: Some(name_pattern),
+            ..Given::default()
+        };
+        let found = resolve_with(&[], given);
+        assert!(
+            codes(&found).contains(&code),
+            "{name_pattern}: {:?}",
+            found.issues
+        );
+        assert_eq!(found.value("note"), None);
+    }
 }
