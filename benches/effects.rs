@@ -5,9 +5,9 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use ieap::domain::{Drive, Level, Segment};
+use ieap::model::LumpedModel;
 use ieap::model::effects::{Applied, effect};
 use ieap::model::extended::{ExtendedModel, RunContext};
-use ieap::model::{Branch, LumpedModel};
 
 const END_S: f64 = 300.0;
 

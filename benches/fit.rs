@@ -8,7 +8,7 @@ use std::sync::Arc;
 use criterion::{Criterion, criterion_group, criterion_main};
 use ieap::domain::{Channel, Drive, Quantity};
 use ieap::fit::{FitInput, FitOptions, fit_run};
-use ieap::model::{Branch, LumpedModel};
+use ieap::model::LumpedModel;
 use ieap::numerics::sums;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

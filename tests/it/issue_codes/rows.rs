@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::house;
 use crate::campaign::{CAMPAIGN_TOML, CampaignFolder};
+use crate::samples::xlsx;
 
 /// What shows that a code is told.
 pub enum Shown {
@@ -19,7 +20,7 @@ pub enum Shown {
 use Shown::{By, Campaign, Format, Open};
 
 /// Rows of [`Shown::Open`]: there may be fewer, never more.
-pub const OPEN: usize = 21;
+pub const OPEN: usize = 20;
 
 #[rustfmt::skip]
 pub const ROWS: &[(&str, Shown)] = &[
@@ -207,7 +208,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("still-growing", Open("a file that grows between two looks")),
     ("suspicious-range", Format("labview-lvm/step.cut.lvm")),
     ("table-not-found", Open("a reader of an earlier version")),
-    ("table-refused", Open("a workbook with a sheet that is a run and one that is none")),
+    ("table-refused", Campaign(|to| to.write("runs/a.xlsx", xlsx(&[("Run", &WHOLE), ("Other", &[&["Time (s)", "Current (mA)"], &["1", "2"], &["1", "2"], &["1", "3"]])])))),
     ("tag-disagreement", By("crates/ingest/src/tags/tests.rs", "sources_are_chosen_in_the_order_of_the_contract_and_disagreements_are_said")),
     ("tag-file-not-toml", By("crates/ingest/src/tags/tests.rs", "a_sidecar_that_cannot_be_read_makes_its_run_wait")),
     ("tag-file-unreadable", Campaign(|to| {
@@ -256,6 +257,14 @@ const SIZE: &str = "length_mm = 5.0\nwidth_mm = 2.0\n";
 
 const PROBED: &str = "# keithley\nDate;Sample;R (mΩ/sq);SD (mΩ/sq);Flexings;RH (%)\n\
     2026-01-10 10:00:00;S1;1200;10;0;40\n2026-01-10 11:00:00;S1;1210;10;0;40\n";
+
+const WHOLE: [&[&str]; 5] = [
+    &["Time (s)", "Voltage (V)", "Current (mA)"],
+    &["0", "2.5", "12.75"],
+    &["1", "2.5", "3.25"],
+    &["2", "2.5", "1.125"],
+    &["3", "2.5", "1.0"],
+];
 
 /// A decaying current under a step at `step_s`, a reading a second, with further columns of one content each.
 fn stepped(step_s: i32, columns: &str, cells: &str) -> String {
