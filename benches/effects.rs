@@ -1,20 +1,17 @@
 //! Time of one simulation of a run with effects: 700 readings of current and of curvature.
 
+use ieap::domain::testing::branch;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use ieap::domain::{Drive, Level, Segment};
+use ieap::model::LumpedModel;
 use ieap::model::effects::{Applied, effect};
 use ieap::model::extended::{ExtendedModel, RunContext};
-use ieap::model::{Branch, LumpedModel};
 
 const END_S: f64 = 300.0;
 
 fn base() -> LumpedModel {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     LumpedModel {
         branches: vec![branch(3.0, 0.1), branch(15.0, 0.6)],
         steady_state_resistance_ohm_cm2: 300.0,

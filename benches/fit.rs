@@ -1,13 +1,14 @@
 //! Time of one fit with uncertainties: 3,600 and 36,000 samples of current and curvature, by each method, and of
 //! merely reading them.
 
+use ieap::domain::testing::branch;
 use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use ieap::domain::{Channel, Drive, Quantity};
 use ieap::fit::{FitInput, FitOptions, fit_run};
-use ieap::model::{Branch, LumpedModel};
+use ieap::model::LumpedModel;
 use ieap::numerics::sums;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -15,10 +16,6 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// CNaf in air at 2 V (thesis, table 5) for an hour, with noise of 1 % of the peak.
 fn run(samples: usize) -> Vec<Channel> {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     let model = LumpedModel {
         branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
         steady_state_resistance_ohm_cm2: 5660.0,

@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release --example truth_timing`: 650 readings of two channels over 600 s, wall time in milliseconds.
 
+use ieap::domain::testing::branch;
 use std::time::Instant;
 
 use ieap::domain::{Drive, Level, Segment};
@@ -10,10 +11,6 @@ use ieap::truth::catalogue::{KNOWN, KnownEffect};
 use ieap::truth::{HiddenEffect, Truth, simulate};
 
 fn truth(effects: Vec<HiddenEffect>) -> Truth {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     Truth {
         branches: vec![branch(521.4, 0.098), branch(1000.0, 0.13)],
         steady_state_resistance_ohm_cm2: 5660.0,

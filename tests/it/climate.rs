@@ -338,6 +338,35 @@ fn clocks_of_every_kind_place_their_readings() {
 }
 
 #[test]
+fn logs_of_one_sensor_that_contradict_each_other_are_pointed_out_and_the_first_counts() {
+    let folder = with_run("2026-01-10T10:00:00+02:00");
+    folder.write(
+        "ambient/log 2026-01-10.csv",
+        log("2026-01-10 09:00:00", 60, 120, |_| (40.0, 21.0)),
+    );
+    // The same hour and a half again with another humidity and the same temperature.
+    folder.write(
+        "ambient/log 2026-01-11.csv",
+        log("2026-01-10 09:30:00", 60, 120, |_| (44.0, 21.0)),
+    );
+    ingest(&folder);
+    let assessment = climate(&folder)["assessment"].clone();
+    let issues = assessment["issues"].as_array().unwrap();
+    let told: Vec<(&str, &str)> = issues
+        .iter()
+        .map(|issue| (issue["code"].as_str().unwrap(), issue["place"].as_str().unwrap()))
+        .collect();
+    assert_eq!(told, [("logs-contradict", "relative_humidity_percent")]);
+    let message = issues[0]["message"].as_str().unwrap();
+    assert!(
+        message.starts_with("90 readings of log stand in two files"),
+        "{message}"
+    );
+    let run = runs(&folder).remove(0);
+    assert_eq!(of(&run, ClimateQuantity::RelativeHumidity).mean, 40.0);
+}
+
+#[test]
 fn the_run_s_own_record_shows_a_clock_that_is_off() {
     let folder = CampaignFolder::new();
     // A run of a day that records the temperature, beside a logger whose clock is 3 h behind.

@@ -1,9 +1,10 @@
 //! Models held against each other: the verb on files, what is stored, and what the report, the table and the figure show.
 
 use ieap::analysis::tables::named;
+use ieap::domain::testing::branch;
 use ieap::domain::{ComparedCurve, Drive, ModelScore, Quantity, ResponseScore, RunComparison};
 use ieap::model::bending::{ChargeCourse, curvature_per_cm};
-use ieap::model::{Branch, EquivalentCircuit, rival_law};
+use ieap::model::{EquivalentCircuit, rival_law};
 use ieap::report::pages::PAGES;
 use ieap::report::prints::{FigureInput, figure_format_named, figure_named};
 use ieap::report::tables::format_named;
@@ -14,10 +15,6 @@ use crate::report_fixture::{MadeUpCurves, input};
 
 /// Current and curvature of a strip that keeps a third of its bending, as a file with a little noise.
 fn keeping(step_v: f64, seed: u32) -> String {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     let circuit = EquivalentCircuit {
         branches: vec![branch(200.0, 0.05), branch(900.0, 0.1)],
         steady_state_resistance_ohm_cm2: 20_000.0,

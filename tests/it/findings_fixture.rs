@@ -1,9 +1,10 @@
 //! Made-up findings for the tests of the report: every verdict that a page words differently.
 
+use ieap::domain::testing::{self, held_out, parameter, shift};
 use ieap::domain::{
     Candidate, Confusable, EffectFinding, Estimate, Gain, GroupDiagnosis, HeldOutGain, Hypothesis,
-    HypothesisKind, MisfitPercent, MisfitStretch, NextRun, Parameter, ParameterShift, Prediction,
-    ResidualCurve, StrengthProfile, VaryingParameter, VaryingValue, Verdict, Whereabouts,
+    HypothesisKind, MisfitPercent, MisfitStretch, NextRun, Prediction, ResidualCurve, StrengthProfile,
+    VaryingParameter, VaryingValue, Verdict, Whereabouts,
 };
 use ieap::report::{EffectParameterText, EffectText, Findings, Input};
 
@@ -42,18 +43,15 @@ fn effects() -> Vec<EffectText> {
     ]
 }
 
-fn candidate(effect: &str, forecast_gain: f64, fitted_gain: Option<f64>, accepted: bool) -> Candidate {
+fn candidate(effect: &str, forecast_gain: f64, fitted_gain: Option<f64>) -> Candidate {
+    let accepted = fitted_gain.is_some();
     Candidate {
-        effect: effect.to_owned(),
-        variant: None,
-        forecast_gain,
-        fitted_gain,
         extra_parameters: 2,
         held_out_gain: accepted.then_some(150.1),
         left_after_refit: 0.314,
         detectable_strength: if accepted { 3.1e-7 } else { f64::NAN },
         likeness: if accepted { 1.0 } else { 0.42 },
-        accepted,
+        ..testing::candidate(effect, forecast_gain, fitted_gain)
     }
 }
 
@@ -77,57 +75,39 @@ fn residual(run: &str) -> ResidualCurve {
     }
 }
 
-fn shift(key: &str, before: f64, after: f64, standard_error: f64) -> ParameterShift {
-    ParameterShift {
-        key: key.to_owned(),
-        before,
-        after,
-        standard_error,
-    }
-}
-
 /// A cause with everything that is known of it, in the runs given.
 fn named(runs: &[&str]) -> GroupDiagnosis {
-    let parameter = |key: &str, estimate| Parameter {
-        key: key.to_owned(),
-        estimate,
-    };
+    let leak = vec![
+        parameter(
+            "leak_current_a_per_cm2",
+            Estimate::determined(2.13e-5, 1.2e-6, 1.9e-5, 2.4e-5),
+        ),
+        parameter("onset_v", Estimate::below(1.3, "no run stays below the onset")),
+    ];
     GroupDiagnosis {
         verdict: Verdict::Named,
         p_misfit: Some(0.001),
         q_misfit: Some(0.004),
         p_leftover: Some(0.62),
         effects: vec![EffectFinding {
-            effect: "faradaic-leak".to_owned(),
             variant: Some("terminal".to_owned()),
-            parameters: vec![
-                parameter(
-                    "leak_current_a_per_cm2",
-                    Estimate::determined(2.13e-5, 1.2e-6, 1.9e-5, 2.4e-5),
-                ),
-                parameter("onset_v", Estimate::below(1.3, "no run stays below the onset")),
-            ],
-            p: 0.001,
             q: Some(0.004),
-            twins: Vec::new(),
+            ..testing::effect("faradaic-leak", leak)
         }],
         set: vec!["faradaic-leak".to_owned()],
         candidates: vec![
-            candidate("faradaic-leak", 812.0, Some(790.2), true),
-            candidate("partial-relaxation", 12.4, None, false),
+            candidate("faradaic-leak", 812.0, Some(790.2)),
+            candidate("partial-relaxation", 12.4, None),
         ],
         gain: Some(Gain {
             held_out: "run".to_owned(),
             proof: HeldOutGain {
-                deviance: 150.1,
-                standard_error: 12.0,
                 parts: runs.iter().map(|run| ((*run).to_owned(), 75.05)).collect(),
                 nrmse_current_before: Some(0.0812),
                 nrmse_current_after: Some(0.0103),
-                nrmse_curvature_before: None,
-                nrmse_curvature_after: None,
                 coverage_before: Some(0.412),
                 coverage_after: Some(0.9514),
+                ..held_out(150.1, 12.0)
             },
             nameless_deviance: 40.0,
             predictions: vec![Prediction {
@@ -138,18 +118,15 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
             residual_rms_sigma_before: 6.12,
             residual_rms_sigma_after: 1.021,
             later: Some(HeldOutGain {
-                deviance: 61.3,
-                standard_error: 9.1,
                 parts: runs
                     .iter()
                     .map(|run| (format!("{run} after 360 s"), 30.65))
                     .collect(),
                 nrmse_current_before: Some(0.0412),
                 nrmse_current_after: Some(0.0151),
-                nrmse_curvature_before: None,
-                nrmse_curvature_after: None,
                 coverage_before: Some(0.512),
                 coverage_after: Some(0.948),
+                ..held_out(61.3, 9.1)
             }),
         }),
         whereabouts: Some(Whereabouts {
@@ -179,12 +156,10 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
         }],
         held_out_residuals: runs.iter().map(|run| residual(run)).collect(),
         residuals: runs.iter().map(|run| residual(run)).collect(),
-        ..GroupDiagnosis::data_problem(
-            "sample=CNaf-01,environment=air",
-            runs.iter().map(|run| (*run).to_owned()).collect(),
-            "lumped-2",
-            "The simulation misses faradaic-leak: current too small after 200 s.".to_owned(),
-        )
+        group: "sample=CNaf-01,environment=air".to_owned(),
+        runs: runs.iter().map(|run| (*run).to_owned()).collect(),
+        sentence: "The simulation misses faradaic-leak: current too small after 200 s.".to_owned(),
+        ..testing::finding()
     }
 }
 
@@ -231,12 +206,10 @@ fn varies(runs: &[&str]) -> GroupDiagnosis {
             key: "rss_ohm_cm2".to_owned(),
             values: values.map(value).to_vec(),
         }],
-        ..GroupDiagnosis::data_problem(
-            "sample=CNaf-02,environment=air",
-            runs.iter().map(|run| (*run).to_owned()).collect(),
-            "lumped-2",
-            "Each of the 2 runs is described to within the noise by its own parameters. Together they are not: R_ss falls from 17.9 to 1.90 kOhm cm2 (9.42-fold) from 1.2 to 2.5 V.".to_owned(),
-        )
+        group: "sample=CNaf-02,environment=air".to_owned(),
+        runs: runs.iter().map(|run| (*run).to_owned()).collect(),
+        sentence: "Each of the 2 runs is described to within the noise by its own parameters. Together they are not: R_ss falls from 17.9 to 1.90 kOhm cm2 (9.42-fold) from 1.2 to 2.5 V.".to_owned(),
+        ..testing::finding()
     }
 }
 
@@ -259,13 +232,11 @@ pub fn input_with_findings() -> Input {
         verdict: Verdict::Consistent,
         p_misfit: Some(0.31),
         q_misfit: Some(0.41),
-        candidates: vec![candidate("faradaic-leak", 3.0, None, false)],
-        ..GroupDiagnosis::data_problem(
-            "sample=CPvf-01,environment=air",
-            vec![c.clone()],
-            "lumped-2",
-            "The simulation is right to within the noise (p = 0.31).".to_owned(),
-        )
+        candidates: vec![candidate("faradaic-leak", 3.0, None)],
+        group: "sample=CPvf-01,environment=air".to_owned(),
+        runs: vec![c.clone()],
+        sentence: "The simulation is right to within the noise (p = 0.31).".to_owned(),
+        ..testing::finding()
     };
     let apart = GroupDiagnosis::data_problem(
         "sample=CPvf-01,environment=air,started_at=2020-02-03",

@@ -54,6 +54,8 @@ fn a_file_put_into_the_report_is_noticed_and_stays() {
     assert!(refused.stderr.contains("report/runs/notes.html"), "{refused:#?}");
     assert_eq!(folder.report("runs/notes.html"), "mine");
     assert_eq!(folder.report("index.html"), before);
+    let verified = folder.ieap(&["verify", "--json"]).json().to_string();
+    assert!(verified.contains("report-foreign-file"), "{verified}");
     fs::remove_file(folder.join("report/runs/notes.html")).unwrap();
     folder.ieap(&RUN).expect(0);
     assert_ne!(folder.report("index.html"), before);

@@ -1,10 +1,11 @@
 //! `predict`, `drive` and `convert` from the command line, against the strips that were simulated.
 
+use ieap::domain::testing::branch;
 use std::fmt::Write;
 
 use ieap::domain::{Drive, Level, Segment};
+use ieap::model::LumpedModel;
 use ieap::model::geometry::conversion::tip_displacement_mm;
-use ieap::model::{Branch, LumpedModel};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
@@ -24,10 +25,6 @@ impl Laminate {
     /// At that voltage, as a strip of that area: alpha belongs to the total charge.
     fn strip(&self, volts: f64, area_cm2: f64) -> LumpedModel {
         let [r1, c1, r2, c2, rss, coupling, lambda] = self.values;
-        let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-            resistance_ohm_cm2,
-            capacitance_f_per_cm2,
-        };
         LumpedModel {
             branches: vec![branch(r1, c1), branch(r2, c2)],
             steady_state_resistance_ohm_cm2: rss * (-self.per_volt[0] * (volts - 1.5)).exp(),

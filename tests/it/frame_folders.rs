@@ -5,6 +5,7 @@ use crate::needs_shared::shared;
 use ieap::model::Branch;
 use ieap::model::coupling::{ActiveArea, CurvaturePerTotalCharge};
 use ieap::model::distributed::{DistributedModel, Laminate};
+use ieap::store::Store;
 
 use crate::campaign::{CampaignFolder, counted};
 use crate::frames::png_bytes;
@@ -245,6 +246,9 @@ fn a_folder_of_frames_is_one_thing_that_is_taken_in_once() {
         "{first:#}"
     );
     assert_eq!(first["ingest"]["files"], 2);
+    let store = Store::open_read_only(folder.path()).unwrap().unwrap();
+    let told = &store.runs().unwrap()[0].issues;
+    assert!(told.iter().any(|issue| issue.code == "frames-traced"), "{told:?}");
     let again = folder.run_json();
     assert_eq!(again["ingest"]["new"], serde_json::json!([]), "{again:#}");
     assert_eq!(again["ingest"]["revised"], serde_json::json!([]));

@@ -40,6 +40,7 @@ mod holdings;
 mod impedance;
 mod imports;
 mod init_from;
+mod issue_codes;
 mod kill_loop;
 mod lab_origin;
 mod lumped_or_distributed;

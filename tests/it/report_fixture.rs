@@ -3,9 +3,8 @@
 use ieap::analysis::frequency::{FrequencyPoint, FrequencyRun, PerVolt};
 use ieap::domain::tag::keys;
 use ieap::domain::{
-    Campaign, ChannelNoise, ChannelSummary, CurveSource, Drive, Environment, Estimate, FileState, Fit, Issue,
-    Parameter, Quantity, RunCurve, RunFile, RunKind, RunRecord, RunState, RunStatus, Sample, SourceFile, Tag,
-    TagSource,
+    Campaign, ChannelNoise, ChannelSummary, CurveSource, Estimate, FileState, Fit, Issue, Quantity, RunCurve,
+    RunFile, RunRecord, RunState, SourceFile, Tag, TagSource, testing,
 };
 use ieap::numerics::complex::Complex;
 use ieap::report::{Findings, Input, Origin};
@@ -19,46 +18,13 @@ const VOLTAGES_V: [f64; 3] = [1.2, 2.0, 2.5];
 
 /// The campaign with these materials, one sample each.
 pub fn campaign(materials: &[&str]) -> Campaign {
-    let sample = |material: &&str| Sample {
-        id: format!("{material}-01"),
-        material: (*material).to_owned(),
-        length_mm: Some(5.0),
-        width_mm: Some(2.0),
-        thickness_mm: Some(0.22),
-        area_cm2: None,
-        electrode_resistance_ohm_per_sq: None,
-        batch: None,
-    };
-    let environment = |id: &str| Environment {
-        id: id.to_owned(),
-        relative_humidity_percent: None,
-        temperature_c: None,
-        pressure_pa: None,
-    };
+    let sample = |material: &&str| testing::sample(&format!("{material}-01"), material);
     Campaign {
-        id: "made-up".to_owned(),
         title: "CNaf and CPvf in vacuum, nitrogen and humid air".to_owned(),
         timezone: Some("Europe/Tallinn".to_owned()),
-        date_order: None,
         notice: Some("Simulated, not measured.".to_owned()),
         samples: materials.iter().map(sample).collect(),
-        materials: vec![],
-        environments: ["vacuum", "inert", "air"].map(environment).to_vec(),
-        runs_folder: "runs".to_owned(),
-        name_pattern: None,
-        dma_folder: "dma".to_owned(),
-        dma_name_pattern: None,
-        impedance_folder: "impedance".to_owned(),
-        impedance_name_pattern: None,
-        model: "lumped-2".to_owned(),
-        group_by: Vec::new(),
-        adopted: Vec::new(),
-        sensors: vec![],
-        climate: Default::default(),
-        monitoring: Default::default(),
-        compare: Default::default(),
-        extra_tags: Vec::new(),
-        fit: Default::default(),
+        ..testing::campaign()
     }
 }
 
@@ -137,37 +103,23 @@ pub fn run(index: usize, material: &str, surroundings: usize, voltage_v: f64, re
     let water = if humidity.is_some() { 1.0 } else { 0.0 };
     let truth = truth(material == "CNaf", water, voltage_v);
     RunRecord {
-        kind: RunKind::Actuation,
         id: index as i64 + 1,
-        path: path.clone(),
-        revision: 1,
-        state: RunState::Ready,
-        status: RunStatus::Complete,
-        status_evidence: "the last line ends with a line break".to_owned(),
-        format: "plain-csv".to_owned(),
-        reader_version: 1,
-        technique: None,
         files: vec![RunFile {
             hash: format!("{:064x}", index + 1),
-            path,
+            path: path.clone(),
             size_bytes: 48_213,
             aliases: vec![],
         }],
+        path,
         tags,
         channels: vec![
             channel(Quantity::Current, 2e-5),
             channel(Quantity::Curvature, 0.31),
         ],
-        origin: Default::default(),
-        drive: Some(Drive::step(voltage_v)),
-        area_cm2: Some(0.1),
         data_hash: "5f".repeat(32),
-        ingested_at: "2026-11-20T06:00:00Z".to_owned(),
-        issues: vec![],
         fit: Some(fit(truth, index as u64, material == "CNaf")),
-        climate: vec![],
         fit_code_version: Some("ieap 0.1.0".to_owned()),
-        standing: Default::default(),
+        ..testing::run("", "", environment, humidity, voltage_v)
     }
 }
 
@@ -203,44 +155,30 @@ fn fit(truth: Truth, seed: u64, ionic: bool) -> Fit {
         false => estimate(truth.lambda_per_s, 0.06, miss(7)),
     };
     let parallel = 1.0 / (1.0 / truth.r[0] + 1.0 / truth.r[1]);
-    let parameter = |(key, estimate): (&str, Estimate)| Parameter {
-        key: key.to_owned(),
-        estimate,
-    };
     let ratio = if ionic { 1.08 } else { 12.4 };
+    let parameters = [
+        ("r1_ohm_cm2", estimate(truth.r[0], 0.011, miss(1))),
+        ("c1_f_per_cm2", estimate(truth.c[0], 0.023, miss(2))),
+        ("r2_ohm_cm2", estimate(truth.r[1], 0.031, miss(3))),
+        ("c2_f_per_cm2", estimate(truth.c[1], 0.018, miss(4))),
+        ("rss_ohm_cm2", estimate(truth.rss_ohm_cm2, 0.027, miss(5))),
+        ("alpha_per_c_cm", estimate(truth.alpha_per_c_cm, 0.013, miss(6))),
+        ("lambda_per_s", lambda),
+        (
+            "c_total_f_per_cm2",
+            estimate(truth.c[0] + truth.c[1], 0.012, miss(8)),
+        ),
+        ("r_parallel_ohm_cm2", estimate(parallel, 0.02, miss(9))),
+    ];
     Fit {
-        model: "lumped-2".to_owned(),
-        model_version: 1,
-        method: "two-step variable projection".to_owned(),
-        converged: true,
-        why_stopped: "the cost changed by less than 1e-12".to_owned(),
         n_samples: 7214,
-        parameters: [
-            ("r1_ohm_cm2", estimate(truth.r[0], 0.011, miss(1))),
-            ("c1_f_per_cm2", estimate(truth.c[0], 0.023, miss(2))),
-            ("r2_ohm_cm2", estimate(truth.r[1], 0.031, miss(3))),
-            ("c2_f_per_cm2", estimate(truth.c[1], 0.018, miss(4))),
-            ("rss_ohm_cm2", estimate(truth.rss_ohm_cm2, 0.027, miss(5))),
-            ("alpha_per_c_cm", estimate(truth.alpha_per_c_cm, 0.013, miss(6))),
-            ("lambda_per_s", lambda),
-            (
-                "c_total_f_per_cm2",
-                estimate(truth.c[0] + truth.c[1], 0.012, miss(8)),
-            ),
-            ("r_parallel_ohm_cm2", estimate(parallel, 0.02, miss(9))),
-        ]
-        .map(parameter)
-        .to_vec(),
         r_squared_current: Some(if ionic { 0.9962 } else { 0.9731 }),
         r_squared_curvature: Some(0.9874),
         noise: vec![
             channel_noise(Quantity::Current, 1.4e-6, ratio, if ionic { 0.05 } else { 0.97 }),
             channel_noise(Quantity::Curvature, 4e-4, 1.1, 0.1),
         ],
-        curves: vec![],
-        along: vec![],
-        issues: vec![],
-        evaluations: 321,
+        ..testing::fit(&parameters)
     }
 }
 

@@ -193,6 +193,7 @@ fn two_courses_are_refused_until_a_person_takes_one_away() {
         }
         assert_eq!(&fs::read(journal(&folder)).unwrap(), said);
         folder.ieap(&["verify"]).expect(4);
+        assert!(errors(&folder).contains(&"journal-parted".to_owned()));
     }
     // The database is right.
     fs::rename(journal(&folder), folder.join("away")).unwrap();

@@ -148,6 +148,8 @@ fn a_page_of_the_report_that_is_gone_is_found() {
     is_sound(&folder);
     fs::remove_file(folder.join("report/index.html")).unwrap();
     assert_eq!(found(&folder, &[]), (4, vec!["report-file-missing".to_owned()]));
+    folder.write("report/index.html", "another page");
+    assert_eq!(found(&folder, &[]), (4, vec!["report-file-changed".to_owned()]));
     folder.ieap(&["report", "--again"]).expect(0);
     is_sound(&folder);
 }

@@ -277,7 +277,7 @@ fn position<T>(entries: &[T], fits: impl Fn(&T) -> bool) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{campaign, run};
+    use ieap_domain::testing::{campaign, run};
 
     #[test]
     fn runs_are_sorted_into_campaign_order() {

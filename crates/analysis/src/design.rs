@@ -68,7 +68,7 @@ fn rising(runs: &[&RunRecord]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{run, tag};
+    use ieap_domain::testing::{run, tag};
 
     fn in_order(order: &[(&str, f64)]) -> Vec<RunRecord> {
         let started = |(hour, &(environment, voltage_v)): (usize, &(&str, f64))| {

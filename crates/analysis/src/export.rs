@@ -345,7 +345,7 @@ pub(super) fn frame(table: &str, columns: Vec<Column>) -> Result<DataFrame, Expo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{campaign, fit, known, run};
+    use ieap_domain::testing::{campaign, fit, known, run};
 
     fn fitted(name: &str, alpha: Estimate) -> RunRecord {
         let mut fitted = run(name, "CNaf-01", "air", Some(34.0), 2.5);

@@ -91,23 +91,21 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use ieap_domain::EffectFinding;
+    use ieap_domain::testing::{self, candidate, finding, shift};
+    use ieap_domain::{EffectFinding, NextRun};
 
     fn group(verdict: Verdict, p: f64, effect_p: Option<f64>) -> GroupDiagnosis {
-        let finding = |p| EffectFinding {
-            effect: "faradaic-leak".into(),
-            variant: None,
-            parameters: Vec::new(),
+        let effect = |p| EffectFinding {
             p,
-            q: None,
-            twins: Vec::new(),
+            ..testing::effect("faradaic-leak", Vec::new())
         };
         GroupDiagnosis {
             verdict,
+            sentence: "said before".to_owned(),
             p_misfit: Some(p),
-            effects: effect_p.map(finding).into_iter().collect(),
+            effects: effect_p.map(effect).into_iter().collect(),
             set: effect_p.map(|_| "faradaic-leak".to_owned()).into_iter().collect(),
-            ..GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", "said before".into())
+            ..finding()
         }
     }
 
@@ -146,6 +144,36 @@ mod tests {
         );
         assert!(last.sentence.contains("31 groups"), "{}", last.sentence);
         assert_eq!(found[0].sentence, "said before");
+    }
+
+    #[test]
+    fn what_is_taken_back_claims_nothing_anywhere() {
+        let claimed = GroupDiagnosis {
+            candidates: vec![
+                candidate("faradaic-leak", 90.0, Some(80.0)),
+                candidate("creep", 1.0, None),
+            ],
+            next_run: Some(NextRun {
+                drive: "reverse the voltage for 600 s".to_owned(),
+                splits: vec!["faradaic-leak".to_owned(), "creep".to_owned()],
+                expected_set_size: 1.0,
+            }),
+            shifts: vec![shift("rss_ohm_cm2", 1.0, 2.0, 0.1)],
+            ..group(Verdict::Named, 0.008, Some(0.008))
+        };
+        let mut kept = [claimed.clone()];
+        judge_together(&mut kept);
+        assert_eq!((kept[0].next_run.is_some(), kept[0].shifts.len()), (true, 1));
+        assert!(kept[0].candidates[0].accepted);
+
+        let mut found = vec![group(Verdict::Consistent, 0.5, None); 30];
+        found.push(claimed);
+        judge_together(&mut found);
+        let last = &found[30];
+        assert_eq!((&last.next_run, last.shifts.len()), (&None, 0));
+        // What was tried stays in the list, and none of it as the cause.
+        assert_eq!(last.candidates.len(), 2);
+        assert!(last.candidates.iter().all(|candidate| !candidate.accepted));
     }
 
     #[test]

@@ -102,8 +102,8 @@ fn known(runs: &[RunRecord], condition: &Condition, key: &str, doubts: &Doubts) 
 mod tests {
     use super::*;
     use crate::conditions;
-    use crate::sample_campaign::{campaign, fit, known, run};
     use ieap_domain::Estimate;
+    use ieap_domain::testing::{campaign, fit, known, run};
 
     fn contrast_of(estimates: &[Estimate]) -> Contrast {
         let runs: Vec<RunRecord> = estimates

@@ -140,7 +140,7 @@ fn by_level(runs: &[RunRecord], name: &str, members: Vec<usize>, issue: Option<&
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{run, tag};
+    use ieap_domain::testing::{run, tag};
 
     fn named(runs: &[RunRecord], group_by: &[String]) -> Vec<(String, Vec<usize>)> {
         let found = groups(runs, group_by, &|_| true);
@@ -217,6 +217,7 @@ mod tests {
         assert_eq!(found[1].runs, [2, 3]);
         assert_eq!(found[1].name, "sample=S,environment=air,started_at=2020-02-03");
         let issue = found[1].set_apart.as_ref().unwrap();
+        assert_eq!(issue.code, "series-broken");
         assert!(issue.message.contains("not the same series"), "{issue:?}");
     }
 }

@@ -29,8 +29,6 @@ pub mod probe;
 pub mod run_rows;
 pub mod run_tables;
 pub mod same_tags;
-#[doc(hidden)]
-pub mod sample_campaign;
 pub mod sequence;
 pub mod shared_effects;
 pub mod standing;

@@ -381,7 +381,7 @@ fn unit(what: Misread, factor: f64) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{campaign, fit, known as estimate, run};
+    use ieap_domain::testing::{campaign, fit, known as estimate, run};
     use ieap_domain::{ChannelSummary, Quantity, RunWord, Standing};
 
     /// A run whose numbers are these times what they should be: current, bending, time.

@@ -31,7 +31,7 @@ impl SharedEstimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{fit, known, run};
+    use ieap_domain::testing::{fit, known, run};
 
     #[test]
     fn one_parameter_set_is_one_measurement() {

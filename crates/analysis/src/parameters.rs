@@ -167,6 +167,16 @@ mod tests {
 
     #[test]
     fn every_compared_parameter_is_known() {
+        for key in COMPARED {
+            assert!(ParameterInfo::of(key).is_some(), "{key}");
+        }
         assert!(ParameterInfo::of("mu_cm_per_c").is_none());
+    }
+
+    #[test]
+    fn no_parameter_is_listed_twice() {
+        let keys = || PARAMETERS.iter().chain(&FURTHER).map(|parameter| parameter.key);
+        let different: std::collections::BTreeSet<&str> = keys().collect();
+        assert_eq!(different.len(), keys().count());
     }
 }

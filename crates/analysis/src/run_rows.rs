@@ -214,8 +214,8 @@ fn named(name: &str, cells: Cells) -> (String, Cells) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::run;
     use ieap_domain::Drive;
+    use ieap_domain::testing::run;
     use parquet::file::reader::{FileReader, SerializedFileReader};
 
     #[test]

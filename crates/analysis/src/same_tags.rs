@@ -66,7 +66,7 @@ fn issue(runs: &[RunRecord], group: &[usize], index: usize) -> Issue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{run, tag};
+    use ieap_domain::testing::{run, tag};
 
     #[test]
     fn only_runs_that_nothing_tells_apart_are_named() {

@@ -152,11 +152,11 @@ impl Break {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign;
+    use ieap_domain::testing;
     use ieap_domain::{Tag, TagSource};
 
     fn run(path: &str, started_at: &str, instrument: &str) -> RunRecord {
-        let mut run = sample_campaign::run(path, "S", "air", None, 1.0);
+        let mut run = testing::run(path, "S", "air", None, 1.0);
         run.path = path.to_owned();
         for (key, value) in [(keys::STARTED_AT, started_at), (keys::INSTRUMENT, instrument)] {
             run.tags.retain(|tag| tag.key != key);

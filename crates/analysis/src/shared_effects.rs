@@ -307,33 +307,20 @@ fn p_equal(repeats: &[Repeat], is_log: bool) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{campaign, known, run};
-    use ieap_domain::{Parameter, Sample, Verdict};
+    use ieap_domain::Verdict;
+    use ieap_domain::testing::{campaign, effect, finding, known, parameter, run, sample};
 
     fn carrier(sample: &str, strength: f64, onset_v: f64) -> GroupDiagnosis {
-        let parameter = |key: &str, value: f64, relative: f64| Parameter {
-            key: key.to_owned(),
-            estimate: known(value, relative),
-        };
+        let parameters = vec![
+            parameter("exchange_current_a_per_cm2", known(strength, 0.02)),
+            parameter("onset_v", known(onset_v, 0.01)),
+        ];
         GroupDiagnosis {
+            group: format!("sample={sample},environment=air"),
+            runs: vec![format!("runs/{sample}.csv")],
             verdict: Verdict::Named,
-            effects: vec![EffectFinding {
-                effect: "faradaic-leak".to_owned(),
-                variant: None,
-                parameters: vec![
-                    parameter("exchange_current_a_per_cm2", strength, 0.02),
-                    parameter("onset_v", onset_v, 0.01),
-                ],
-                p: 0.001,
-                q: None,
-                twins: vec![],
-            }],
-            ..GroupDiagnosis::data_problem(
-                &format!("sample={sample},environment=air"),
-                vec![format!("runs/{sample}.csv")],
-                "lumped-2",
-                String::new(),
-            )
+            effects: vec![effect("faradaic-leak", parameters)],
+            ..finding()
         }
     }
 
@@ -345,13 +332,7 @@ mod tests {
         ];
         let runs = ["A", "B", "C"].map(|id| run(id, id, "air", None, 2.0)).to_vec();
         let mut campaign = campaign();
-        let template = campaign.samples[0].clone();
-        campaign.samples = ["A", "B", "C"]
-            .map(|id| Sample {
-                id: id.to_owned(),
-                ..template.clone()
-            })
-            .to_vec();
+        campaign.samples = ["A", "B", "C"].map(|id| sample(id, "CNaf")).to_vec();
         (found, runs, campaign)
     }
 
@@ -360,10 +341,7 @@ mod tests {
         let (mut found, runs, campaign) = three();
         for one in &mut found {
             one.effects[0].effect = "contact-break".to_owned();
-            one.effects[0].parameters.push(Parameter {
-                key: "run".to_owned(),
-                estimate: known(1.0, 0.0),
-            });
+            one.effects[0].parameters.push(parameter("run", known(1.0, 0.0)));
         }
         assert_eq!(shared_effects(&found, &runs, &campaign), []);
     }

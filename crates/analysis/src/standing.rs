@@ -113,7 +113,7 @@ fn condemn_misread(runs: &mut [RunRecord], campaign: &Campaign) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{campaign, run};
+    use ieap_domain::testing::{campaign, run};
 
     fn runs() -> Vec<RunRecord> {
         let named = ["a", "b", "c", "d"].map(|name| run(name, "CNaf-01", "air", None, 2.0));

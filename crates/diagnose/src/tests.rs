@@ -9,6 +9,7 @@ mod readings;
 mod tags;
 mod varies;
 
+use ieap_domain::testing::branch;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -59,10 +60,6 @@ fn base() -> LumpedModel {
 
 /// Resistances and capacitances of both branches in turn, the steady-state resistance, alpha and lambda.
 fn sample([r1, c1, r2, c2]: [f64; 4], rss: f64, alpha: f64, lambda: f64) -> LumpedModel {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     LumpedModel {
         branches: vec![branch(r1, c1), branch(r2, c2)],
         steady_state_resistance_ohm_cm2: rss,

@@ -100,23 +100,12 @@ pub struct Prediction {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::testing::held_out;
 
     #[test]
     fn a_gain_whose_interval_reaches_zero_is_none() {
-        let gain = |deviance: f64, standard_error: f64| HeldOutGain {
-            deviance,
-            standard_error,
-            parts: Vec::new(),
-            nrmse_current_before: None,
-            nrmse_current_after: None,
-            nrmse_curvature_before: None,
-            nrmse_curvature_after: None,
-            coverage_before: None,
-            coverage_after: None,
-        };
-        assert!(!gain(23_197.0, 23_250.0).is_clear());
-        assert!(gain(23_197.0, 11_000.0).is_clear());
-        assert!(!gain(-10.0, 1.0).is_clear() && !gain(f64::NAN, 1.0).is_clear());
+        assert!(!held_out(23_197.0, 23_250.0).is_clear());
+        assert!(held_out(23_197.0, 11_000.0).is_clear());
+        assert!(!held_out(-10.0, 1.0).is_clear() && !held_out(f64::NAN, 1.0).is_clear());
     }
 }

@@ -34,6 +34,8 @@ pub mod safe_text;
 pub mod seconds;
 pub mod standing;
 pub mod tag;
+#[doc(hidden)]
+pub mod testing;
 pub mod thinning;
 pub mod typed_value;
 pub mod unit;

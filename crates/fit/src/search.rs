@@ -324,19 +324,16 @@ fn products(coarse: &Circuit, log_time_constants: &[f64]) -> Products {
 
 #[cfg(test)]
 mod tests {
+    use ieap_domain::testing::branch;
     use std::sync::Arc;
 
     use super::*;
     use ieap_domain::{Channel, Drive, Level, Quantity, Segment};
-    use ieap_model::{Branch, LumpedModel};
+    use ieap_model::LumpedModel;
     use ieap_numerics::least_squares::Levenberg;
 
     /// A drive of three levels with a break in the sampling, noise included.
     fn measured(drive: &Drive, uneven: bool) -> Channel {
-        let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-            resistance_ohm_cm2,
-            capacitance_f_per_cm2,
-        };
         let model = LumpedModel {
             branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
             steady_state_resistance_ohm_cm2: 5660.0,

@@ -98,10 +98,10 @@ mod tests {
     #[test]
     fn a_tag_that_cannot_be_followed_changes_nothing_and_says_why() {
         let columns = [column("dL/um", "um", Quantity::Other)];
-        for value in ["dL/um", "E'"] {
+        for (value, code) in [("dL/um", "column-refused"), ("E'", "no-such-column")] {
             let (named, issues) = named_columns(&columns, &[tag("storage_modulus_column", value)]);
             assert_eq!(named, columns);
-            assert_eq!(issues.len(), 1, "{value}");
+            assert_eq!((issues.len(), issues[0].code.as_str()), (1, code), "{value}");
         }
     }
 }

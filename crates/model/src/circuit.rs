@@ -148,14 +148,8 @@ impl BridgedChain {
 mod tests {
     use super::*;
     use ieap_domain::Drive;
+    use ieap_domain::testing::branch;
     use ieap_numerics::ode::integrate;
-
-    fn branch(resistance_ohm_cm2: f64, capacitance_f_per_cm2: f64) -> Branch {
-        Branch {
-            resistance_ohm_cm2,
-            capacitance_f_per_cm2,
-        }
-    }
 
     fn three_branches() -> EquivalentCircuit {
         EquivalentCircuit {

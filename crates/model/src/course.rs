@@ -179,7 +179,8 @@ fn solve(factor: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Branch, LumpedModel};
+    use crate::LumpedModel;
+    use ieap_domain::testing::branch;
     use ieap_domain::{Drive, Level, Segment};
 
     const EVERY_S: f64 = 2.0;
@@ -192,10 +193,6 @@ mod tests {
 
     /// CNaf in air at 2 V, thesis table 5.
     fn cnaf() -> LumpedModel {
-        let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-            resistance_ohm_cm2,
-            capacitance_f_per_cm2,
-        };
         LumpedModel {
             branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
             steady_state_resistance_ohm_cm2: 5660.0,

@@ -40,15 +40,11 @@ impl LumpedModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Branch;
     use crate::ode::integrate_under;
+    use ieap_domain::testing::branch;
 
     #[test]
     fn a_sine_that_lasts_gives_what_the_differential_equation_settles_to() {
-        let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-            resistance_ohm_cm2,
-            capacitance_f_per_cm2,
-        };
         let model = LumpedModel {
             branches: vec![branch(23.4, 0.06), branch(43.1, 1.94)],
             steady_state_resistance_ohm_cm2: 1720.0,

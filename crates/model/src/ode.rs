@@ -139,15 +139,10 @@ fn outer_current(model: &LumpedModel, level: Level, state: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::lumped::Branch;
     use super::*;
-    use ieap_domain::Segment;
+    use ieap_domain::testing::{branch, drive};
 
     fn model(rss_ohm_cm2: f64, lambda_per_s: f64) -> LumpedModel {
-        let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-            resistance_ohm_cm2,
-            capacitance_f_per_cm2,
-        };
         LumpedModel {
             branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
             steady_state_resistance_ohm_cm2: rss_ohm_cm2,
@@ -170,15 +165,6 @@ mod tests {
             for (k, (a, b)) in integrated.iter().zip(&closed).enumerate() {
                 assert!((a - b).abs() < 1e-9 * scale, "{} s: {a} {b}", time_s[k]);
             }
-        }
-    }
-
-    fn drive(baseline_v: f64, levels: &[(f64, Option<f64>)]) -> Drive {
-        let level = |v: Option<f64>| v.map_or(Level::OpenCircuit, Level::Voltage);
-        let segments = levels.iter().map(|&(start_s, v)| Segment::at(start_s, level(v)));
-        Drive {
-            baseline_v,
-            segments: segments.collect(),
         }
     }
 

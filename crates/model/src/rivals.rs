@@ -153,15 +153,11 @@ impl TimeDependentModulus {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lumped::Branch;
+    use ieap_domain::testing::branch;
     use ieap_domain::{Level, Segment};
     use ieap_numerics::ode::integrate;
 
     fn circuit() -> EquivalentCircuit {
-        let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-            resistance_ohm_cm2,
-            capacitance_f_per_cm2,
-        };
         EquivalentCircuit {
             branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
             steady_state_resistance_ohm_cm2: 5660.0,

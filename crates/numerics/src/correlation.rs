@@ -224,6 +224,27 @@ mod tests {
     }
 
     #[test]
+    fn a_third_order_is_seen_with_its_coefficients() {
+        const LAGS: [f64; 3] = [0.3, 0.2, 0.3];
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        let mut last = [0.0; 3];
+        let third: Vec<f64> = (0..20_000)
+            .map(|_| {
+                let fresh: f64 = StandardNormal.sample(&mut rng);
+                let known: f64 = LAGS.iter().zip(last).map(|(a, value)| a * value).sum();
+                last = [known + fresh, last[0], last[1]];
+                last[0]
+            })
+            .collect();
+        let first = Autoregression::from_sums(sums::square(&third), sums::lagged(&third), 20_000.0, 5.0);
+        let found = HigherOrder::of(&third, 5.0, &first).unwrap();
+        assert_eq!(found.coefficients.len(), 3);
+        for (found, expected) in found.coefficients.iter().zip(LAGS) {
+            assert!((found - expected).abs() < 0.025, "{found} in place of {expected}");
+        }
+    }
+
+    #[test]
     fn slow_misfit_is_seen_and_white_noise_is_not_inflated() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         let white = autoregressive(&mut rng, 3200, 0.0);

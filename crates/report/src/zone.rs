@@ -83,7 +83,7 @@ pub fn seconds(rfc_3339: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ieap_analysis::sample_campaign::campaign;
+    use ieap_domain::testing::campaign;
 
     #[test]
     fn moments_are_shown_by_the_campaigns_clock() {

@@ -148,3 +148,117 @@ impl Store {
         Ok(found)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::new_run;
+    use crate::{FitStamp, ModulusStamp};
+    use ieap_domain::{AskedFit, Fit, ModulusAnalysis, RunKind, testing};
+
+    /// Hours of one day, RFC 3339 UTC.
+    fn at(hour: u32) -> String {
+        format!("2026-01-01T{hour:02}:00:00Z")
+    }
+
+    fn save_fit(store: &mut Store, hour: u32, run_id: i64, evaluations: u64) {
+        let stamp = FitStamp {
+            run_id,
+            input_hash: evaluations.to_string(),
+            code_version: format!("version {evaluations}"),
+            asked: AskedFit::default(),
+        };
+        let fit = Fit {
+            evaluations,
+            ..testing::fit(&[])
+        };
+        store.save_fits(&at(hour), &[(stamp, fit)]).unwrap();
+    }
+
+    /// A run read at 1 h and fitted at 2 and 4 h; new bytes of it at 6 h, fitted at 8 h.
+    fn refitted() -> Store {
+        let mut store = Store::in_memory().unwrap();
+        for (read, fits) in [(1, &[2, 4][..]), (6, &[8])] {
+            let run = new_run("runs/a.csv", RunKind::Actuation, &[f64::from(read), 2.0]);
+            store.save_runs(&at(read), &[], &[run]).unwrap();
+            let id = store.runs().unwrap()[0].id;
+            for &hour in fits {
+                save_fit(&mut store, hour, id, hour.into());
+            }
+        }
+        store
+    }
+
+    /// Revision, evaluations of the fit and version of the program of every run then.
+    fn then(store: &Store, earlier: &Earlier) -> Vec<(u32, Option<u64>, Option<String>)> {
+        let runs = store.runs_earlier(earlier).unwrap().into_iter();
+        runs.map(|run| {
+            (
+                run.revision,
+                run.fit.map(|fit| fit.evaluations),
+                run.fit_code_version,
+            )
+        })
+        .collect()
+    }
+
+    #[test]
+    fn at_a_moment_each_run_has_the_fit_that_was_current_then() {
+        let store = refitted();
+        let fitted = |revision, hour: u64| vec![(revision, Some(hour), Some(format!("version {hour}")))];
+        for (hour, expected) in [
+            (0, vec![]),
+            (1, vec![(1, None, None)]),
+            (2, fitted(1, 2)),
+            (3, fitted(1, 2)),
+            (4, fitted(1, 4)),
+            (5, fitted(1, 4)),
+            (6, vec![(2, None, None)]),
+            (8, fitted(2, 8)),
+            (9, fitted(2, 8)),
+        ] {
+            assert_eq!(then(&store, &Earlier::At(at(hour))), expected, "at {hour} h");
+        }
+        // The fit before the current one is that of the earlier bytes.
+        assert_eq!(
+            then(&store, &Earlier::BeforeRefit),
+            [(2, Some(4), Some("version 4".to_owned()))]
+        );
+    }
+
+    #[test]
+    fn at_a_moment_each_modulus_log_has_the_analysis_that_was_current_then() {
+        let mut store = Store::in_memory().unwrap();
+        let log = new_run("dma/a.csv", RunKind::Dma, &[1.0, 2.0]);
+        store.save_runs(&at(1), &[], &[log]).unwrap();
+        let run_id = store.dma_logs().unwrap()[0].id;
+        for hour in [2, 4] {
+            let stamp = ModulusStamp {
+                run_id,
+                input_hash: hour.to_string(),
+                code_version: String::new(),
+            };
+            let analysis = ModulusAnalysis {
+                version: hour,
+                modulus_source: String::new(),
+                frequency_hz: None,
+                temperature_c: None,
+                readings: 2,
+                steps: Vec::new(),
+                estimates: Vec::new(),
+                issues: Vec::new(),
+                curves: Vec::new(),
+            };
+            store
+                .save_modulus_analysis(&at(hour), &stamp, Ok(&analysis))
+                .unwrap();
+        }
+        let then = |earlier: &Earlier| {
+            let logs = store.modulus_logs_earlier(earlier).unwrap();
+            logs[0].analysis.as_ref().map(|analysis| analysis.version)
+        };
+        let found = [1, 2, 3, 4, 5].map(|hour| then(&Earlier::At(at(hour))));
+        assert_eq!(found, [None, Some(2), Some(2), Some(4), Some(4)]);
+        assert_eq!(then(&Earlier::BeforeRefit), Some(2));
+    }
+}

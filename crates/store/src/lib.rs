@@ -26,6 +26,8 @@ mod modulus;
 mod new_run;
 mod origin;
 mod place;
+#[cfg(test)]
+mod renamed_tests;
 mod run_climate;
 mod runs;
 mod schema;
@@ -36,6 +38,8 @@ mod snapshot;
 mod standing;
 mod store;
 mod tags;
+#[cfg(test)]
+mod testing;
 mod texts;
 mod transaction;
 mod unreadable_tags;

@@ -178,7 +178,7 @@ impl HeldChoice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::sample_campaign::campaign;
+    use crate::domain::testing::campaign;
 
     fn asked(method: Option<&str>, simultaneous: Option<bool>) -> AskedFit {
         AskedFit {

@@ -113,7 +113,7 @@ impl End {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::sample_campaign::{fit, known};
+    use crate::domain::testing::{fit, known};
     use crate::domain::{AlongCurve, Quantity, RunCurve};
 
     #[test]

@@ -157,7 +157,7 @@ fn start_s(run: &RunRecord) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::laws::facts::facts;
-    use crate::sample_campaign::{campaign, run};
+    use ieap_domain::testing::{campaign, run};
 
     #[test]
     fn runs_stand_by_number_and_by_name_and_what_does_not_differ_is_not_shown() {

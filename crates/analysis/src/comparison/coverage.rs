@@ -184,8 +184,8 @@ mod tests {
     use super::*;
     use crate::comparison::ratios::reference;
     use crate::conditions::conditions;
-    use crate::sample_campaign::{campaign, run, tag};
     use ieap_domain::CompareRules;
+    use ieap_domain::testing::{campaign, run, tag};
 
     fn runs(order: &[(&str, f64)]) -> Vec<RunRecord> {
         let started = |(hour, &(environment, voltage_v)): (usize, &(&str, f64))| {

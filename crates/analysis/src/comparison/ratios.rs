@@ -290,8 +290,8 @@ mod tests {
     use super::*;
     use crate::conditions::conditions;
     use crate::laws::facts::facts;
-    use crate::sample_campaign::{campaign, fit, known, run};
     use ieap_domain::Sample;
+    use ieap_domain::testing::{campaign, fit, known, run};
 
     /// A run whose lambda is `value`, known to 1 %.
     fn measured(name: &str, sample: &str, environment: &str, voltage_v: f64, value: f64) -> RunRecord {
@@ -321,9 +321,9 @@ mod tests {
     #[test]
     fn one_parameter_set_of_two_conditions_is_seen() {
         let of = |model: &str, volts: f64| {
-            let mut run = crate::sample_campaign::run("r", "CNaf-01", "air", None, volts);
-            let lambda = crate::sample_campaign::known(1e-3, 0.1);
-            let mut found = crate::sample_campaign::fit(&[("lambda_per_s", lambda)]);
+            let mut run = ieap_domain::testing::run("r", "CNaf-01", "air", None, volts);
+            let lambda = ieap_domain::testing::known(1e-3, 0.1);
+            let mut found = ieap_domain::testing::fit(&[("lambda_per_s", lambda)]);
             found.model = model.to_owned();
             run.fit = Some(found);
             run

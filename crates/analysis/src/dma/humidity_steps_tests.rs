@@ -136,7 +136,11 @@ fn drift_waves_doors_and_ramps_are_no_steps() {
     for (name, mut percent) in cases {
         let noise = noise(9, n, 0.2, 0.5);
         add(&mut percent, &noise);
-        assert_eq!(find(&time_s, &percent).steps, [], "{name}");
+        let found = find(&time_s, &percent);
+        assert_eq!(found.steps, [], "{name}");
+        if name == "ramp" {
+            assert_eq!(found.issue.unwrap().code, "humidity-drifts");
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::*;
-use crate::sample_campaign::run;
+use ieap_domain::testing::run;
 
 const AMPERE_PER_VOLT: f64 = 2e-4;
 const PER_CM_VOLT: f64 = 0.3;

@@ -434,7 +434,7 @@ fn said(ratio: &Ratio, over: &Over) -> String {
 mod tests {
     use super::*;
     use crate::laws::facts::facts;
-    use crate::sample_campaign::{campaign, fit, known, run};
+    use ieap_domain::testing::{campaign, fit, known, run};
 
     fn compared(values: &[(&str, &str, f64, Estimate)]) -> Vec<String> {
         let runs: Vec<RunRecord> = values

@@ -183,24 +183,20 @@ fn both_ways(shifts: &[ParameterShift], key: &str) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{fit, known, run};
+    use ieap_domain::testing::{self, fit, known, run};
 
     fn finding(group: &str, runs: &[&str], verdict: Verdict, q: f64) -> GroupDiagnosis {
-        let runs = runs.iter().map(|run| (*run).to_owned()).collect();
         GroupDiagnosis {
+            group: group.to_owned(),
+            runs: runs.iter().map(|run| (*run).to_owned()).collect(),
             verdict,
             q_misfit: Some(q),
-            ..GroupDiagnosis::data_problem(group, runs, "lumped-2", String::new())
+            ..testing::finding()
         }
     }
 
     fn shift(key: &str, before: f64, after: f64) -> ParameterShift {
-        ParameterShift {
-            key: key.to_owned(),
-            before,
-            after,
-            standard_error: 0.01,
-        }
+        testing::shift(key, before, after, 0.01)
     }
 
     #[test]

@@ -309,7 +309,7 @@ fn start_s(run: &RunRecord) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{campaign, run, tag};
+    use ieap_domain::testing::{campaign, run, tag};
 
     #[test]
     fn history_follows_from_starts_and_from_cycles() {

@@ -10,8 +10,8 @@ use super::covariate::Covariate;
 use super::find::{CampaignLaws, Evidence, find};
 use super::shape::Law;
 use super::words;
-use crate::sample_campaign::{campaign, fit, run, tag};
 use ieap_domain::tag::keys;
+use ieap_domain::testing::{campaign, fit, run, tag};
 use ieap_domain::{Campaign, Estimate, RunRecord};
 
 const PARAMETERS: [(&str, f64); 7] = [

@@ -170,8 +170,8 @@ fn log_error(value: f64, error: f64, low: Option<f64>, high: Option<f64>) -> f64
 mod tests {
     use super::*;
     use crate::laws::facts::facts;
-    use crate::sample_campaign::{campaign, fit, known, run};
     use ieap_domain::Estimate;
+    use ieap_domain::testing::{campaign, fit, known, run};
 
     #[test]
     fn bounds_are_left_out_and_counted() {

@@ -190,7 +190,7 @@ mod tests {
     use super::*;
     use crate::laws::covariate::Covariate;
     use crate::monitoring::series::{Limits, Series};
-    use crate::sample_campaign::{campaign, run};
+    use ieap_domain::testing::{campaign, run};
 
     /// A parameter that falls by so many standard deviations with that run, of 40; never, where there is none.
     fn falling(parameter: &str, falls_with: Option<usize>, by: f64, seed: u64) -> Watched {

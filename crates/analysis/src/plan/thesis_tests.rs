@@ -8,7 +8,7 @@ use crate::laws::covariate::Covariate;
 use crate::laws::design::{Level, rows};
 use crate::laws::facts::{Known, RunFacts};
 use crate::laws::find::TiedSet;
-use crate::sample_campaign::campaign;
+use ieap_domain::testing::campaign;
 use ieap_domain::{Campaign, Sample};
 
 fn fact(sample: &str, numbers: &[(Covariate, f64)], names: &[(Covariate, &str)]) -> RunFacts {

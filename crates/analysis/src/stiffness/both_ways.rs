@@ -69,8 +69,8 @@ fn weighed(a: &Estimate, b: &Estimate) -> Option<(Estimate, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::known;
     use crate::stiffness::{Cause, cause};
+    use ieap_domain::testing::known;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};

@@ -20,7 +20,7 @@ pub use words::{answer, sentences};
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{campaign, known};
+    use ieap_domain::testing::{campaign, known};
     use ieap_domain::{Estimate, Sample};
 
     fn point(humidity_percent: f64, modulus_mpa: f64) -> ModulusPoint {

@@ -79,8 +79,8 @@ fn identity(run: &RunRecord) -> Option<SharedEstimate> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{campaign, fit, known, run};
     use crate::tables::named;
+    use ieap_domain::testing::{campaign, fit, known, run};
 
     #[test]
     fn a_shared_fit_is_told_as_one_and_its_effect_stands_beside_it() {

@@ -122,7 +122,7 @@ fn started(run: &RunRecord, zone: Option<&str>) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample_campaign::{run, tag};
+    use ieap_domain::testing::{run, tag};
 
     #[test]
     fn a_start_is_shown_with_its_zone_on_both_sides_of_a_clock_change() {

@@ -214,13 +214,10 @@ fn apart(a: &LumpedModel, b: &LumpedModel) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ieap_domain::testing::branch;
 
     #[test]
     fn models_of_the_same_branches_in_another_order_are_one_place() {
-        let branch = |resistance_ohm_cm2: f64, capacitance_f_per_cm2: f64| Branch {
-            resistance_ohm_cm2,
-            capacitance_f_per_cm2,
-        };
         let model = |branches: Vec<Branch>| LumpedModel {
             branches,
             steady_state_resistance_ohm_cm2: 3000.0,

@@ -171,14 +171,16 @@ fn unseen(mut found: GroupDiagnosis, asked: &[(&PlacesOfRun, f64)]) -> GroupDiag
 mod tests {
     use super::*;
     use ieap_domain::Estimate;
+    use ieap_domain::testing::finding;
     use ieap_fit::distributed::Unevenness;
 
     fn group(verdict: Verdict, set: &[&str]) -> GroupDiagnosis {
-        let mut found = GroupDiagnosis::data_problem("g", vec!["a".to_owned()], "lumped-2", String::new());
-        found.verdict = verdict;
-        found.p_misfit = Some(0.001);
-        found.set = set.iter().map(|id| (*id).to_owned()).collect();
-        found
+        GroupDiagnosis {
+            verdict,
+            p_misfit: Some(0.001),
+            set: set.iter().map(|id| (*id).to_owned()).collect(),
+            ..finding()
+        }
     }
 
     fn places(p: f64, p_later: f64) -> Decision {

@@ -426,6 +426,8 @@ fn the_error_of_a_given_resistance_is_in_the_intervals() {
         assert_eq!(value(&with), value(&without));
     }
     assert!(holds(&with, "re_ohm_per_sq", read));
+    let says = |fit: &Fit| fit.issues.iter().any(|issue| issue.code == "given-uncertainty");
+    assert_eq!((says(&with), says(&without)), (true, false));
     assert!(without.parameter("re_ohm_per_sq").unwrap().low_95.is_none());
 }
 

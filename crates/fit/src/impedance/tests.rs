@@ -179,3 +179,25 @@ fn intervals_hold_the_truth_as_often_as_they_say_in_many_spectra() {
         assert!((367..=393).contains(&held), "{key}: {held} of 400");
     }
 }
+
+#[test]
+fn what_is_no_impedance_is_refused_and_what_no_circuit_describes_is_said() {
+    let spectrum = |impedance: fn(f64) -> (f64, f64)| {
+        let frequency_hz: Vec<f64> = (0..24).map(|k| 10f64.powf(f64::from(k) / 4.0)).collect();
+        let (real_ohm, imaginary_ohm) = (0..24).map(|k| impedance(f64::from(k))).unzip();
+        Spectrum {
+            frequency_hz,
+            real_ohm,
+            imaginary_ohm,
+        }
+    };
+    let short = spectrum(|k| if k == 3.0 { (0.0, 0.0) } else { (50.0, -1.0) });
+    assert_eq!(analyse(&short).unwrap_err().code, "no-impedance");
+    // A resonance: no resistors and capacitors make it.
+    let resonance = spectrum(|k| (50.0 + 2000.0 / (1.0 + (k - 12.0).powi(2)), -10.0 * (k - 12.0)));
+    let said = analyse(&resonance).unwrap().issues;
+    assert!(
+        said.iter().any(|issue| issue.code == "no-circuit-describes"),
+        "{said:?}"
+    );
+}

@@ -227,16 +227,12 @@ fn strain_modes(response: &SegmentResponse, rate_per_s: f64, scale: f64, modes: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ieap_domain::testing::branch;
     use ieap_domain::{Level, Segment};
-    use ieap_model::Branch;
     use std::sync::Arc;
 
     #[test]
     fn condensed_residuals_are_the_whole_ones_under_any_drive() {
-        let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-            resistance_ohm_cm2,
-            capacitance_f_per_cm2,
-        };
         let mut model = LumpedModel {
             branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
             steady_state_resistance_ohm_cm2: 5660.0,

@@ -1,5 +1,6 @@
 //! Fits of simulated runs that a rival law made, with known parameters.
 
+use ieap_domain::testing::branch;
 use std::sync::Arc;
 
 use rand::SeedableRng;
@@ -8,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use ieap_domain::{Channel, Drive, Fit, Level, Quantity, Segment};
 use ieap_model::bending::{ChargeCourse, curvature_per_cm};
-use ieap_model::{Branch, LumpedModel, rival_law};
+use ieap_model::{LumpedModel, rival_law};
 
 use crate::{FitInput, FitOptions, Readings, Steps, fit_run, identify};
 
@@ -70,10 +71,6 @@ const TRUTHS: [Truth; 5] = [
 ];
 
 fn circuit() -> LumpedModel {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     LumpedModel {
         branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
         steady_state_resistance_ohm_cm2: 5660.0,

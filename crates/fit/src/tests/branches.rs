@@ -1,13 +1,10 @@
 //! More than two branches: fitted where the current shows them, left out with the reason where it does not.
 
 use super::*;
+use ieap_domain::testing::branch;
 
 /// Three branches, a factor of ten apart in their time constants.
 fn three() -> LumpedModel {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     LumpedModel {
         branches: vec![branch(100.0, 0.05), branch(500.0, 0.1), branch(2000.0, 0.3)],
         steady_state_resistance_ohm_cm2: 4000.0,
@@ -167,10 +164,6 @@ fn a_group_may_have_three_branches() {
 /// Pulses with a second branch that decays within a few readings of every edge: parabolas follow none of it.
 #[test]
 fn what_parabolas_cannot_follow_is_no_noise_and_hides_no_branch() {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     let model = LumpedModel {
         branches: vec![branch(100.0, 0.02), branch(150.0, 0.05)],
         ..three()

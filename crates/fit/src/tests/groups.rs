@@ -1,16 +1,7 @@
 //! Groups of runs with shared parameters, simultaneous fits, and the opinions on their uncertainty.
 
 use super::*;
-
-fn drive(baseline_v: f64, levels: &[(f64, Option<f64>)]) -> Drive {
-    let segment = |&(start_s, level): &(f64, Option<f64>)| {
-        Segment::at(start_s, level.map_or(Level::OpenCircuit, Level::Voltage))
-    };
-    Drive {
-        baseline_v,
-        segments: levels.iter().map(segment).collect(),
-    }
-}
+use ieap_domain::testing::drive;
 
 /// Step, discharge, reversal, pulse train and an open circuit between two voltages.
 fn drives() -> Vec<Drive> {

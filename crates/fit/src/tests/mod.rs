@@ -9,6 +9,7 @@ mod memory;
 mod moving;
 mod one_fit;
 mod recovery;
+mod stopped;
 
 use std::sync::Arc;
 

@@ -231,6 +231,9 @@ fn what_the_readings_do_not_carry_is_no_drive() {
         "a staircase of sixty steps"
     );
     assert_eq!(short.issues[0].code, NO_STEPS);
+    // The circuit was open all the time.
+    let open = find(&[voltage(&[(0.0, 1.0), (1.0, 1.0)])], true, None, &[(-1.0, 9.0)]);
+    assert_eq!(open.issues[0].code, "no-voltage");
 }
 
 #[test]

@@ -450,3 +450,65 @@ fn no_response(raw: &Raw, meanings: &[Meaning]) -> ReadError {
         found: columns.join(", "),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn raw(columns: &[(&str, &[f64])]) -> Raw {
+        let headers = columns.iter().map(|(name, _)| Header::parse(name)).collect();
+        let cells = CellTable::of_numbers(columns.iter().map(|(_, numbers)| numbers.to_vec()).collect());
+        Raw::of_instrument(String::new(), headers, cells)
+    }
+
+    /// Imaginary parts as they are kept, and the codes of what is said of them.
+    fn imaginary_of(imaginary_ohm: &[f64; 4]) -> (Vec<f64>, Vec<String>) {
+        let mut issues = Vec::new();
+        let spectrum = raw(&[
+            ("Frequency (Hz)", &[1e3, 1e2, 1e1, 1.0]),
+            ("Z' (ohm)", &[50.0, 60.0, 80.0, 90.0]),
+            ("Z'' (ohm)", imaginary_ohm),
+        ]);
+        let table = assemble(spectrum, &mut issues).unwrap();
+        let is_imaginary = |channel: &&Channel| channel.quantity == Quantity::ImpedanceImaginary;
+        let channel = table.channels.iter().find(is_imaginary).unwrap();
+        (
+            channel.values.to_vec(),
+            issues.into_iter().map(|issue| issue.code).collect(),
+        )
+    }
+
+    #[test]
+    fn imaginary_parts_as_of_a_coil_are_turned_and_those_of_a_sample_are_not() {
+        let (values, codes) = imaginary_of(&[1.0, 5.0, 20.0, 40.0]);
+        assert_eq!(values, [-1.0, -5.0, -20.0, -40.0]);
+        assert_eq!(codes, ["imaginary-part-turned"]);
+        // The leads are a coil at high frequencies, whatever the sample is.
+        for as_measured in [[-1.0, -5.0, -20.0, -40.0], [3.0, 1.0, -20.0, -40.0]] {
+            let (values, codes) = imaginary_of(&as_measured);
+            assert_eq!((values.as_slice(), codes.len()), (&as_measured[..], 0));
+        }
+    }
+
+    #[test]
+    fn an_overload_stays_with_its_reading_where_a_row_before_it_is_dropped() {
+        let mut measured = raw(&[
+            ("Time (s)", &[0.0, f64::NAN, 2.0, 3.0, 4.0]),
+            ("Current (A)", &[1.0, 1.1, 1.2, 99.0, 1.4]),
+            ("Voltage (V)", &[2.0, 2.0, 2.0, 2.0, 2.0]),
+        ]);
+        measured.flags = vec![RowFlag {
+            row: 3,
+            column: "Over".to_owned(),
+            flag: "I".to_owned(),
+            excludes: true,
+        }];
+        let table = assemble(measured, &mut Vec::new()).unwrap();
+        let [current, voltage] = &table.channels[..] else {
+            panic!("{:#?}", table.channels)
+        };
+        assert_eq!(*current.values, [1.0, 1.2, 99.0, 1.4]);
+        assert_eq!((&*current.excluded, voltage.excluded.len()), (&[2][..], 0));
+        assert_eq!((table.flags[0].from_s, table.flags[0].to_s), (3.0, 3.0));
+    }
+}

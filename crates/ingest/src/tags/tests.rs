@@ -3,49 +3,20 @@
 use std::fs;
 
 use super::*;
-use ieap_domain::{Environment, RunKind, Sample, Severity};
+use ieap_domain::testing::{self, environment};
+use ieap_domain::{RunKind, Sample, Severity};
 
 fn campaign(name_pattern: Option<&str>) -> Campaign {
     let sample = |id: &str| Sample {
-        electrode_resistance_ohm_per_sq: None,
-        id: id.to_owned(),
-        material: "CNaf".to_owned(),
-        length_mm: None,
-        width_mm: None,
-        thickness_mm: None,
         area_cm2: Some(0.1),
-        batch: None,
-    };
-    let environment = |id: &str, humidity| Environment {
-        id: id.to_owned(),
-        relative_humidity_percent: humidity,
-        temperature_c: None,
-        pressure_pa: None,
+        ..testing::sample(id, "CNaf")
     };
     Campaign {
-        id: "c".to_owned(),
-        title: "c".to_owned(),
         timezone: Some("Europe/Tallinn".to_owned()),
-        date_order: None,
-        notice: None,
         samples: vec![sample("CNaf-01"), sample("CNaf-02")],
-        materials: Vec::new(),
         environments: vec![environment("vacuum", None), environment("air", Some(34.0))],
-        runs_folder: "runs".to_owned(),
         name_pattern: name_pattern.map(str::to_owned),
-        dma_folder: "dma".to_owned(),
-        dma_name_pattern: None,
-        impedance_folder: "impedance".to_owned(),
-        impedance_name_pattern: None,
-        model: "lumped-2".to_owned(),
-        group_by: Vec::new(),
-        adopted: Vec::new(),
-        sensors: vec![],
-        climate: Default::default(),
-        monitoring: Default::default(),
-        compare: Default::default(),
-        extra_tags: Vec::new(),
-        fit: Default::default(),
+        ..testing::campaign()
     }
 }
 
@@ -59,6 +30,7 @@ struct Given {
     header: Vec<(String, String, String)>,
     channel_voltage_v: Option<f64>,
     stem: Option<&'static str>,
+    name_pattern: Option<&'static str>,
     other_names: Vec<OtherName>,
 }
 
@@ -77,7 +49,7 @@ fn resolve_with(files: &[(&str, &str)], given: Given) -> Resolved {
         folder: folder.path(),
         data_files: &data_files,
         stem: given.stem.unwrap_or(&stem),
-        name_pattern: campaign.name_pattern.as_deref(),
+        name_pattern: given.name_pattern.or(campaign.name_pattern.as_deref()),
         needed: RunKind::Actuation.needed_tags(),
         hand: &given.hand,
         planned: &given.planned,
@@ -130,8 +102,7 @@ fn sources_are_chosen_in_the_order_of_the_contract_and_disagreements_are_said() 
             planned: vec![tag("4.5", TagSource::RunSheet, "runs/next.run-sheet.csv, P01")],
             header,
             channel_voltage_v: Some(3.0),
-            other_names: Vec::new(),
-            stem: None,
+            ..Given::default()
         },
     );
     let values: Vec<String> = from(&found, "voltage_v")
@@ -463,4 +434,25 @@ fn tags_of_another_name_are_joined_and_what_contradicts_is_an_issue() {
         "{message}"
     );
     assert_eq!(found.value("environment"), Some("air"));
+}
+
+#[test]
+fn a_name_that_a_pattern_cannot_split_in_one_way_gives_no_tag() {
+    for (name_pattern, code) in [
+        ("{sample}_{environment}_{note}_{operator}", "name-ambiguous"),
+        ("{sample", "name-pattern-bad"),
+    ] {
+        let given = Given {
+            stem: Some("CNaf-01_air_a_b_c"),
+            name_pattern: Some(name_pattern),
+            ..Given::default()
+        };
+        let found = resolve_with(&[], given);
+        assert!(
+            codes(&found).contains(&code),
+            "{name_pattern}: {:?}",
+            found.issues
+        );
+        assert_eq!(found.value("note"), None);
+    }
 }

@@ -1,5 +1,6 @@
 //! Every law against its differential equation, and against the closed forms of single steps.
 
+use ieap_domain::testing::branch;
 use ieap_domain::{Drive, Level, Segment};
 use ieap_numerics::ode::integrate;
 
@@ -13,10 +14,6 @@ use crate::rivals::{TimeDependentModulus, TwoWayTransport};
 const AREA_CM2: f64 = 0.1;
 
 fn circuit() -> EquivalentCircuit {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     EquivalentCircuit {
         branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
         steady_state_resistance_ohm_cm2: 5660.0,

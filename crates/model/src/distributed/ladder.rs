@@ -244,7 +244,7 @@ mod tests {
     use crate::LumpedModel;
     use crate::coupling::CurvaturePerLineCharge;
     use crate::lumped::Branch;
-    use ieap_domain::Segment;
+    use ieap_domain::testing::drive;
 
     fn strip(electrode_resistance_ohm_per_cm: f64, steady_state_resistance_ohm_cm: f64) -> DistributedModel {
         DistributedModel {
@@ -255,16 +255,6 @@ mod tests {
             length_cm: 2.0,
             coupling: CurvaturePerLineCharge(4.0),
             relaxation_rate_per_s: 0.1,
-        }
-    }
-
-    fn drive(baseline_v: f64, levels: &[(f64, Option<f64>)]) -> Drive {
-        let segment = |&(start_s, level): &(f64, Option<f64>)| {
-            Segment::at(start_s, level.map_or(Level::OpenCircuit, Level::Voltage))
-        };
-        Drive {
-            baseline_v,
-            segments: levels.iter().map(segment).collect(),
         }
     }
 

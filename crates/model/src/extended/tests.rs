@@ -1,15 +1,12 @@
 //! The extended model against the closed form of the base.
 
 use super::*;
+use crate::LumpedModel;
 use crate::effects::{ALL, Applied, effect};
-use crate::{Branch, LumpedModel};
-use ieap_domain::{Drive, Level, Segment};
+use ieap_domain::Drive;
+use ieap_domain::testing::{self, branch};
 
 pub(crate) fn base() -> LumpedModel {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     LumpedModel {
         branches: vec![branch(3.0, 0.1), branch(15.0, 0.6)],
         steady_state_resistance_ohm_cm2: 300.0,
@@ -19,13 +16,7 @@ pub(crate) fn base() -> LumpedModel {
 }
 
 pub(crate) fn drive(levels: &[(f64, Option<f64>)]) -> Drive {
-    let segment = |&(start_s, level): &(f64, Option<f64>)| {
-        Segment::at(start_s, level.map_or(Level::OpenCircuit, Level::Voltage))
-    };
-    Drive {
-        baseline_v: 0.0,
-        segments: levels.iter().map(segment).collect(),
-    }
+    testing::drive(0.0, levels)
 }
 
 pub(crate) fn context(drive: &Drive) -> RunContext<'_> {

@@ -115,21 +115,7 @@ fn rows(candidates: &[&Candidate]) -> Axis {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn candidate(effect: &str, forecast_gain: f64, fitted_gain: Option<f64>) -> Candidate {
-        Candidate {
-            effect: effect.into(),
-            variant: None,
-            forecast_gain,
-            fitted_gain,
-            extra_parameters: 1,
-            held_out_gain: None,
-            left_after_refit: 0.2,
-            detectable_strength: 0.1,
-            likeness: 1.0,
-            accepted: fitted_gain.is_some(),
-        }
-    }
+    use ieap_domain::testing::candidate;
 
     #[test]
     fn every_candidate_is_named_and_odd_gains_do_no_harm() {

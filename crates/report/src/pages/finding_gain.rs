@@ -210,18 +210,14 @@ fn in_words(quantity: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ieap_domain::testing::{self, held_out};
 
     fn gain(deviance: f64, falls: &[f64], errors: [f64; 2]) -> HeldOutGain {
         HeldOutGain {
-            deviance,
-            standard_error: 1.0,
             parts: falls.iter().map(|fall| ("run".to_owned(), *fall)).collect(),
             nrmse_current_before: Some(errors[0]),
             nrmse_current_after: Some(errors[1]),
-            nrmse_curvature_before: None,
-            nrmse_curvature_after: None,
-            coverage_before: None,
-            coverage_after: None,
+            ..held_out(deviance, 1.0)
         }
     }
 
@@ -247,17 +243,9 @@ mod tests {
             text.contains("not clearly so") && !text.contains("all better"),
             "{text}"
         );
-        let mut found = GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", String::new());
+        let mut found = testing::finding();
         found.verdict = Verdict::Partial;
-        found.gain = Some(Gain {
-            held_out: "run".to_owned(),
-            proof: unclear,
-            nameless_deviance: 0.0,
-            predictions: Vec::new(),
-            residual_rms_sigma_before: 2.0,
-            residual_rms_sigma_after: 1.0,
-            later: None,
-        });
+        found.gain = Some(testing::gain(unclear));
         let section = gain_section(&found).unwrap();
         assert!(section.heading.starts_with("Whether") && section.caution.contains("not clear"));
         assert!(!super::super::finding_words::verdict_of(&found).contains("found"));
@@ -265,16 +253,8 @@ mod tests {
 
     #[test]
     fn an_extension_that_was_not_accepted_is_not_called_the_model() {
-        let mut found = GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", String::new());
-        found.gain = Some(Gain {
-            held_out: "run".to_owned(),
-            proof: gain(8.0, &[8.0], [0.2, 0.1]),
-            nameless_deviance: 0.0,
-            predictions: Vec::new(),
-            residual_rms_sigma_before: 2.0,
-            residual_rms_sigma_after: 1.0,
-            later: None,
-        });
+        let mut found = testing::finding();
+        found.gain = Some(testing::gain(gain(8.0, &[8.0], [0.2, 0.1])));
         assert!(gain_section(&found).is_none());
         found.verdict = Verdict::Named;
         let section = gain_section(&found).unwrap();

@@ -266,34 +266,22 @@ fn all_of(n: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ieap_domain::{Gain, HeldOutGain};
-
-    fn shift(before: f64, after: f64, standard_error: f64) -> ParameterShift {
-        ParameterShift {
-            key: "alpha_per_c_cm".into(),
-            before,
-            after,
-            standard_error,
-        }
-    }
+    use ieap_domain::testing::{finding, gain, held_out, shift};
 
     #[test]
     fn shifts_say_how_wrong_the_base_was() {
-        let words = |shift| shift_words(&shift, "α");
+        let words = |before, after, error| shift_words(&shift("alpha_per_c_cm", before, after, error), "α");
         assert_eq!(
-            words(shift(0.86, 1.0, 0.028)).unwrap(),
+            words(0.86, 1.0, 0.028).unwrap(),
             "α was 14 % too small: 5.0 standard errors"
         );
         assert_eq!(
-            words(shift(5.0, 1.0, 0.1)).unwrap(),
+            words(5.0, 1.0, 0.1).unwrap(),
             "α was 5.0 times too large: 40 standard errors"
         );
-        assert_eq!(words(shift(1.01, 1.0, 0.02)), None);
-        assert_eq!(
-            words(shift(1.0, -1.0, 0.02)).unwrap(),
-            "α changes its sign or vanishes"
-        );
-        assert_eq!(words(shift(1.0, 2.0, 0.0)), None);
+        assert_eq!(words(1.01, 1.0, 0.02), None);
+        assert_eq!(words(1.0, -1.0, 0.02).unwrap(), "α changes its sign or vanishes");
+        assert_eq!(words(1.0, 2.0, 0.0), None);
     }
 
     #[test]
@@ -304,6 +292,30 @@ mod tests {
             ["0.001", "0.31", "0.045", "1", "0.004", "< 0.0001"]
         );
         assert_eq!(probability(Some(f64::NAN)), "–");
+    }
+
+    #[test]
+    fn a_chance_that_no_draw_reached_is_a_bound_and_so_is_its_q() {
+        let printed = |p, q| counted_from_draws(Some(p), Some(q));
+        let texts = |p: &str, q: &str| (p.to_owned(), q.to_owned());
+        // One of 1000 is the least that 999 draws can tell, 3 of 1000 are counted.
+        assert_eq!(printed(0.001, 0.004), texts("≤ 0.001", "≤ 0.004"));
+        assert_eq!(printed(0.003, 0.012), texts("0.003", "0.012"));
+        assert_eq!(counted_from_draws(Some(1e-5), None), texts("< 0.0001", "–"));
+        let said = |p| {
+            test_words(&GroupDiagnosis {
+                verdict: Verdict::Unknown,
+                p_misfit: Some(p),
+                ..finding()
+            })
+            .remove(0)
+        };
+        let (least, counted) = (said(0.001), said(0.003));
+        assert!(
+            least.ends_with("in at most 1 of 1000 cases (p ≤ 0.001)."),
+            "{least}"
+        );
+        assert!(counted.ends_with("in 1 of 330 cases (p = 0.003)."), "{counted}");
     }
 
     #[test]
@@ -318,30 +330,11 @@ mod tests {
     /// Two ceramic capacitors: one clear cause by the words, on a fall of 23,197 +- 23,250.
     #[test]
     fn a_fall_that_may_be_none_finds_no_cause_in_any_words() {
-        let proof = |standard_error| HeldOutGain {
-            deviance: 23_197.0,
-            standard_error,
-            parts: vec![("charge".into(), 23_000.0), ("discharge".into(), 197.0)],
-            nrmse_current_before: None,
-            nrmse_current_after: None,
-            nrmse_curvature_before: None,
-            nrmse_curvature_after: None,
-            coverage_before: None,
-            coverage_after: None,
-        };
         let found = |verdict, standard_error| GroupDiagnosis {
             verdict,
             set: vec!["pseudo-capacitance".into()],
-            gain: Some(Gain {
-                held_out: "run".to_owned(),
-                proof: proof(standard_error),
-                nameless_deviance: 0.0,
-                predictions: Vec::new(),
-                residual_rms_sigma_before: 20.0,
-                residual_rms_sigma_after: 10.0,
-                later: None,
-            }),
-            ..GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", String::new())
+            gain: Some(gain(held_out(23_197.0, standard_error))),
+            ..finding()
         };
         let said = |found: GroupDiagnosis| {
             [
@@ -372,10 +365,7 @@ mod tests {
 
     #[test]
     fn campaigns_in_one_sentence() {
-        let group = |verdict| GroupDiagnosis {
-            verdict,
-            ..GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", String::new())
-        };
+        let group = |verdict| GroupDiagnosis { verdict, ..finding() };
         assert_eq!(
             campaign_lead(&[group(Verdict::Consistent), group(Verdict::DataProblem)]),
             "In none of 1 group is the simulation shown to be wrong."

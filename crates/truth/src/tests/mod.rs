@@ -8,15 +8,13 @@ mod mechanical;
 mod refusals;
 
 use super::*;
-use ieap_domain::{Branch, Segment};
+use ieap_domain::Branch;
+use ieap_domain::testing::branch;
+pub(super) use ieap_domain::testing::drive;
 use ieap_model::LumpedModel;
 
 /// A sample of the size of the thesis's: taus of 51 s and 130 s, 1/lambda of 250 s.
 pub(super) fn truth() -> Truth {
-    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
-        resistance_ohm_cm2,
-        capacitance_f_per_cm2,
-    };
     Truth {
         branches: vec![branch(521.4, 0.098), branch(1000.0, 0.13)],
         steady_state_resistance_ohm_cm2: 5660.0,
@@ -53,16 +51,6 @@ pub(super) fn model(truth: &Truth) -> LumpedModel {
         steady_state_resistance_ohm_cm2: truth.steady_state_resistance_ohm_cm2,
         charge_to_curvature_per_c_cm: truth.charge_to_curvature_per_c_cm,
         relaxation_rate_per_s: truth.relaxation_rate_per_s,
-    }
-}
-
-pub(super) fn drive(baseline_v: f64, levels: &[(f64, Option<f64>)]) -> Drive {
-    let segments = levels
-        .iter()
-        .map(|&(start_s, v)| Segment::at(start_s, v.map_or(Level::OpenCircuit, Level::Voltage)));
-    Drive {
-        baseline_v,
-        segments: segments.collect(),
     }
 }
 

@@ -5,8 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use super::*;
-
-use crate::domain::{AskedFit, Issue, Level};
+use crate::domain::{AskedFit, Level};
 use crate::pipeline::apart::simulate::{Noise, Simulate};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::documents::diagnosis::diagnosis_document;
@@ -174,7 +173,8 @@ fn a_row_of_a_campaign_is_fitted_as_that_fits_it_or_refused() {
         ..row
     };
     let (refused, result) = changed.fit(&FitChoice::default());
-    assert_eq!(refused.unwrap_err().place, "input_hash");
+    let refused = refused.unwrap_err();
+    assert_eq!((&*refused.code, &*refused.place), ("other-input", "input_hash"));
     assert!(result.fit.is_none() && result.issue.is_some());
 }
 
@@ -262,7 +262,6 @@ fn asked(effects: Vec<HiddenEffect>) -> CurvesAsked {
 
 #[test]
 fn what_is_missing_or_wrong_is_said_with_its_remedy() {
-    let told = |issue: Issue| (issue.code, issue.place, issue.mend);
     let columns = |voltage_v: Option<f64>| {
         let time_s: Vec<f64> = (0..50).map(f64::from).collect();
         let mut columns = vec![
@@ -273,9 +272,12 @@ fn what_is_missing_or_wrong_is_said_with_its_remedy() {
         arrays(columns).unwrap()
     };
     let area = RunAtHand::new("a", &columns(Some(1.0)), &Stated::default()).unwrap_err();
-    assert_eq!(told(area).1, "area_cm2");
+    assert_eq!((&*area.code, &*area.place), ("no-area", "area_cm2"));
     let drive = RunAtHand::new("a", &columns(None), &strip()).unwrap_err();
-    assert!(drive.mend.contains("voltage_v"), "{drive:?}");
+    assert!(
+        drive.code == "no-drive" && drive.mend.contains("voltage_v"),
+        "{drive:?}"
+    );
     let stated = Stated {
         drive: vec![(0.0, Some(2.0)), (20.0, None)],
         ..strip()
@@ -297,7 +299,15 @@ fn what_is_missing_or_wrong_is_said_with_its_remedy() {
         time_s: vec![1.0, 1.0],
         ..asked(Vec::new())
     };
-    assert_eq!(simulate(&still).unwrap_err().place, "time_s");
+    let still = simulate(&still).unwrap_err();
+    assert_eq!((&*still.code, &*still.place), ("bad-value", "time_s"));
+    let unknown = FitChoice {
+        model: Some("no-such-model".to_owned()),
+        ..FitChoice::default()
+    };
+    assert_eq!(fit_options(&unknown).unwrap_err().code, "not-known");
+    let none = diagnose("none", &[], &DiagnoseChoice::default()).unwrap();
+    assert_eq!(none.unwrap_err().code, "no-runs");
 }
 
 #[test]

@@ -355,3 +355,55 @@ fn hold_clocks(part: &mut RunPart, zero_is_step: &[bool]) {
         clock.is_reference = index == reference;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ingest::formats;
+
+    fn read(name: &str, text: &str) -> Reading {
+        formats::read(name, text.as_bytes(), &ReadContext::default()).unwrap()
+    }
+
+    /// Quantity, first value and last value of each channel.
+    fn values(part: &RunPart) -> Vec<(Quantity, f64, f64)> {
+        let ends = |channel: &Channel| (channel.quantity, channel.values[0], channel.values[2]);
+        part.channels.iter().map(ends).collect()
+    }
+
+    #[test]
+    fn of_what_two_files_of_a_run_give_the_first_counts_and_it_is_said() {
+        let electrical = read("a.csv", "time_s,voltage_v,current_a\n0,2,0.1\n1,2,0.2\n2,2,0.3\n");
+        let camera = read(
+            "b.csv",
+            "time_s,current_a,curvature_per_cm\n0,7,0.4\n1,8,0.5\n2,9,0.6\n",
+        );
+        let (voltage, curvature) = ((Quantity::Voltage, 2.0, 2.0), (Quantity::Curvature, 0.4, 0.6));
+        for (files, expected, clocks) in [
+            (
+                [&electrical, &camera],
+                [voltage, (Quantity::Current, 0.1, 0.3), curvature],
+                [(0, 2), (2, 1)],
+            ),
+            (
+                [&camera, &electrical],
+                [(Quantity::Current, 7.0, 9.0), curvature, voltage],
+                [(0, 2), (2, 1)],
+            ),
+        ] {
+            let (part, issues) = joined(&files);
+            assert_eq!(values(&part), expected);
+            let timed = part
+                .origin
+                .clocks
+                .iter()
+                .map(|clock| (clock.first_channel, clock.channels));
+            assert_eq!(timed.collect::<Vec<_>>(), clocks);
+            let said: Vec<&str> = issues.iter().map(|issue| issue.code.as_str()).collect();
+            assert_eq!(
+                (said, issues[0].place.as_str()),
+                (vec!["joined-twice"], "column current_a")
+            );
+        }
+    }
+}

@@ -231,7 +231,7 @@ fn are_near(found: &RunCurve, own: &RunCurve) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::sample_campaign::{fit, known};
+    use crate::domain::testing::{fit, known};
     use crate::domain::{AskedFit, Issue};
 
     fn row(made: &Fit) -> FitResult {

@@ -133,33 +133,14 @@ fn is_beaten(found: &GroupDiagnosis) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ieap_domain::{Gain, HeldOutGain};
+    use ieap_domain::testing::{finding, gain, held_out};
 
     fn said(verdict: Verdict, standard_error: f64) -> String {
-        let proof = HeldOutGain {
-            deviance: 23_197.0,
-            standard_error,
-            parts: vec![("charge".into(), 23_000.0), ("discharge".into(), 197.0)],
-            nrmse_current_before: None,
-            nrmse_current_after: None,
-            nrmse_curvature_before: None,
-            nrmse_curvature_after: None,
-            coverage_before: None,
-            coverage_after: None,
-        };
         let found = GroupDiagnosis {
             verdict,
             set: vec!["warburg".into(), "slow-branch".into()],
-            gain: Some(Gain {
-                held_out: "run".to_owned(),
-                proof,
-                nameless_deviance: 0.0,
-                predictions: Vec::new(),
-                residual_rms_sigma_before: 20.0,
-                residual_rms_sigma_after: 10.0,
-                later: None,
-            }),
-            ..GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", String::new())
+            gain: Some(gain(held_out(23_197.0, standard_error))),
+            ..finding()
         };
         cause(
             &found,

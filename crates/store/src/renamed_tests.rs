@@ -1,0 +1,33 @@
+//! A run whose file has another name now: all that names the file follows.
+
+use crate::testing::new_run;
+use crate::{FileRow, Store};
+use ieap_domain::{FileState, RunKind};
+
+#[test]
+fn files_and_clocks_of_all_revisions_follow_the_new_name_and_other_runs_keep_theirs() {
+    let mut store = Store::in_memory().unwrap();
+    for (path, readings) in [
+        ("runs/a.csv", [1.0, 2.0]),
+        ("runs/a.csv", [1.0, 3.0]),
+        ("runs/other.csv", [1.0, 4.0]),
+    ] {
+        let run = new_run(path, RunKind::Actuation, &readings);
+        store.save_runs("2026-01-01T00:00:00Z", &[], &[run]).unwrap();
+    }
+    let file = FileRow::unseen("runs/b.csv".to_owned(), FileState::Run, String::new());
+    store
+        .rename_run("2026-01-02T00:00:00Z", "runs/a.csv", "runs/b.csv", &file)
+        .unwrap();
+    let mut runs = store.runs().unwrap();
+    runs.extend(store.superseded_runs().unwrap());
+    let named: Vec<[&str; 3]> = runs
+        .iter()
+        .map(|run| [&*run.path, &*run.files[0].path, &*run.origin.clocks[0].file])
+        .collect();
+    assert_eq!(
+        named,
+        [["runs/b.csv"; 3], ["runs/other.csv"; 3], ["runs/b.csv"; 3]]
+    );
+    assert_eq!(store.check_all().unwrap(), Vec::<String>::new());
+}
