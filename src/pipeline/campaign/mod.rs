@@ -4,6 +4,7 @@ pub(super) mod context;
 pub(super) mod group_tags;
 pub(super) mod grouping;
 pub(super) mod holdings;
+pub(super) mod making;
 pub(super) mod places;
 pub mod planned;
 pub mod standing;

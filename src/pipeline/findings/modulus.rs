@@ -1,14 +1,12 @@
 //! Analyses every modulus log that is not analysed yet, or whose readings or column tags changed.
 
-use rayon::prelude::*;
-
 use crate::analysis::dma;
 use crate::domain::fault::caught;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, InputHash, Issue, ModulusAnalysis, RunRecord, RunState};
 use crate::ingest::named_columns::named_columns;
-use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::ModulusStamp;
 
@@ -43,13 +41,6 @@ impl ModulusSummary {
 /// Code of what is said of a log whose analysis a fault of the program stopped.
 const FAULT: &str = "analysis-fault";
 
-/// A log to be analysed.
-struct Task {
-    log: RunRecord,
-    input_hash: String,
-    channels: Vec<Channel>,
-}
-
 impl AnalyseModulus {
     /// Analyses what is missing or out of date. The outcome does not depend on the number of threads.
     ///
@@ -72,30 +63,22 @@ impl AnalyseModulus {
                 due.push((log, hash));
             }
         }
-        observer.begin("analysing modulus logs", due.len() as u64);
-        let mut due = due.into_iter().peekable();
-        while due.peek().is_some() {
-            interrupt::check();
-            let tasks: Vec<Task> = due
-                .by_ref()
-                .take(BATCH)
-                .map(|(log, input_hash)| {
-                    Ok(Task {
-                        channels: context.store.channels(log.id)?,
-                        log,
-                        input_hash,
-                    })
-                })
-                .collect::<Result<_, PipelineError>>()?;
-            let found: Vec<_> = tasks.par_iter().map(analyse).collect();
-            for (task, found) in tasks.iter().zip(found) {
+        let making = Making {
+            doing: "analysing modulus logs",
+            at_once: BATCH,
+            observer,
+            may_go_on: TO_THE_END,
+        };
+        let load = |context: &Context, (log, _): &(RunRecord, String)| Ok(context.store.channels(log.id)?);
+        let make = |(log, _): &(RunRecord, String), channels: Vec<Channel>| analyse(log, &channels);
+        making.run(context, &due, load, make, |context, made| {
+            for ((log, input_hash), found) in made {
                 summary.analysed += usize::from(found.is_ok());
-                store(context, task, found)?;
-                observer.say(&format!("analysed {}", task.log.path));
-                observer.advance();
+                store(context, log, input_hash, found)?;
+                observer.say(&format!("analysed {}", log.path));
             }
-        }
-        observer.end();
+            Ok(())
+        })?;
         summary.failed = failed(context)?;
         summary.up_to_date = count - summary.analysed - summary.failed.len();
         Ok(summary)
@@ -114,9 +97,9 @@ fn input_hash(log: &RunRecord) -> String {
 }
 
 /// A fault of the analysis stops its log only.
-fn analyse(task: &Task) -> Result<ModulusAnalysis, Issue> {
-    let chosen = chosen_tags(&task.log);
-    let (channels, _) = named_columns(&task.channels, &chosen);
+fn analyse(log: &RunRecord, channels: &[Channel]) -> Result<ModulusAnalysis, Issue> {
+    let chosen = chosen_tags(log);
+    let (channels, _) = named_columns(channels, &chosen);
     caught(|| dma::analyse(&channels)).unwrap_or_else(|reason| {
         let issue = Issue::error(
             FAULT,
@@ -135,12 +118,13 @@ fn chosen_tags(log: &RunRecord) -> Vec<crate::domain::Tag> {
 
 fn store(
     context: &mut Context,
-    task: &Task,
+    log: &RunRecord,
+    input_hash: &str,
     found: Result<ModulusAnalysis, Issue>,
 ) -> Result<(), PipelineError> {
     let stamp = ModulusStamp {
-        run_id: task.log.id,
-        input_hash: task.input_hash.clone(),
+        run_id: log.id,
+        input_hash: input_hash.to_owned(),
         code_version: CODE_VERSION.to_owned(),
     };
     Ok(context

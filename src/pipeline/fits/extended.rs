@@ -1,7 +1,5 @@
 //! Fits groups of runs with an extended model; every run is stored with the parameters of its group.
 
-use rayon::prelude::*;
-
 use super::input_hash::{library_hash, take_task};
 use super::outcome::{FitSummary, Outcome, fit_fault, save};
 use super::plan::{ExtendedGroup, Planned};
@@ -12,6 +10,7 @@ use crate::domain::{Channel, InputHash, Issue};
 use crate::fit::FitInput;
 use crate::ingest::derived;
 use crate::pipeline::campaign::group_tags::take_tags;
+use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::{Context, Observer, PipelineError};
 
 /// Groups fitted between two commits.
@@ -27,29 +26,24 @@ pub(crate) fn fit_groups(
 ) -> Result<(), PipelineError> {
     let (done, due) = sorted(groups, again);
     summary.up_to_date += done.iter().map(|(_, group)| group.runs.len()).sum::<usize>();
-    if due.is_empty() {
-        return Ok(());
-    }
-    observer.begin("fitting extended models", due.len() as u64);
-    for batch in due.chunks(BATCH) {
-        let load = |(_, group): &(String, &ExtendedGroup)| -> Result<Vec<Vec<Channel>>, PipelineError> {
-            let channels = |run: &Planned| Ok(context.store.channels(run.task.run_id)?);
-            group.runs.iter().map(channels).collect()
-        };
-        let loaded = batch.iter().map(load).collect::<Result<Vec<_>, _>>()?;
-        let fitted = batch.par_iter().zip(loaded).map(|((_, group), channels)| {
-            let outcomes = fit_one(group, &channels);
-            observer.advance();
-            outcomes
-        });
-        let fitted: Vec<Vec<Outcome>> = fitted.collect();
-        for ((hash, group), outcomes) in batch.iter().zip(fitted) {
+    let making = Making {
+        doing: "fitting extended models",
+        at_once: BATCH,
+        observer,
+        may_go_on: TO_THE_END,
+    };
+    let load = |context: &Context, (_, group): &Hashed<'_>| -> Result<Vec<Vec<Channel>>, PipelineError> {
+        let channels = |run: &Planned| Ok(context.store.channels(run.task.run_id)?);
+        group.runs.iter().map(channels).collect()
+    };
+    let make = |(_, group): &Hashed<'_>, channels: Vec<Vec<Channel>>| fit_one(group, &channels);
+    making.run(context, &due, load, make, |context, made| {
+        for ((hash, group), outcomes) in made {
             let stamped = group.runs.iter().map(|run| (hash.as_str(), run)).zip(outcomes);
             save(context, stamped.collect(), summary)?;
         }
-    }
-    observer.end();
-    Ok(())
+        Ok(())
+    })
 }
 
 /// Number of runs in groups that would be fitted.

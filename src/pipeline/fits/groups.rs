@@ -3,8 +3,6 @@
 //! What comes out is printed and not stored: a stored fit belongs to one run and reports compare runs, while a
 //! group's fit is a further opinion on them that depends on which runs were there and what they were made to share.
 
-use rayon::prelude::*;
-
 use super::choice::FitChoice;
 use super::outcome::fit_fault;
 use crate::domain::fault::caught;
@@ -14,7 +12,9 @@ use crate::fit::{
 };
 use crate::ingest::derived;
 use crate::model::FitModel;
+use crate::numerics::interrupt;
 use crate::pipeline::campaign::grouping::{Group, groups, singles};
+use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FitTask;
@@ -127,19 +127,23 @@ impl FitGroups {
             FitTogether::Groups => groups(&standing::speaking(context)?, tasks, &context.campaign.group_by),
             FitTogether::SingleRuns => singles(tasks),
         };
-        observer.begin("fitting with intervals asked for", found.len() as u64);
+        let making = Making {
+            doing: "fitting with intervals asked for",
+            at_once: BATCH,
+            observer,
+            may_go_on: TO_THE_END,
+        };
+        let make = |group: &Group, channels: Vec<Vec<Channel>>| fit_one(group, &channels, &options);
         let mut entries = Vec::with_capacity(found.len());
+        observer.begin(making.doing, found.len() as u64);
         for batch in found.chunks(BATCH) {
-            let loaded = batch
-                .iter()
-                .map(|group| readings(context, group))
-                .collect::<Result<Vec<_>, _>>()?;
-            let fitted = batch.par_iter().zip(loaded).map(|(group, channels)| {
-                let entry = fit_one(group, &channels, &options);
-                observer.advance();
-                entry
-            });
-            entries.extend(fitted.collect::<Vec<_>>());
+            entries.extend(
+                making
+                    .batch(context, batch, readings, make)?
+                    .into_iter()
+                    .flatten(),
+            );
+            interrupt::check();
         }
         observer.end();
         Ok(entries)

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
-
 use super::along;
 use super::choice::{FitChoice, held};
 use super::extended;
@@ -13,7 +11,7 @@ use crate::domain::fault::caught;
 use crate::domain::{AskedFit, Channel, InputHash};
 use crate::fit::{FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
-use crate::numerics::interrupt;
+use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FitTask;
 
@@ -59,16 +57,12 @@ impl FitRuns {
             choices,
             ..FitSummary::default()
         };
-        observer.begin("fitting", due.len() as u64);
-        for batch in due.chunks(BATCH) {
-            let outcomes = fit_batch(context, batch, observer)?;
-            let stamped = batch.iter().map(|(hash, run)| (hash.as_str(), run)).zip(outcomes);
-            // What was fitted before an interruption is kept.
-            let made = stamped.filter_map(|(run, outcome)| Some((run, outcome?)));
-            save(context, made.collect(), &mut summary)?;
-            interrupt::check();
-        }
-        observer.end();
+        making(observer).run(context, &due, load, make, |context, made| {
+            let stamped = made
+                .into_iter()
+                .map(|((hash, run), fit)| ((hash.as_str(), run), fit));
+            save(context, stamped.collect(), &mut summary)
+        })?;
         extended::fit_groups(context, &plan.extended, self.again, observer, &mut summary)?;
         Ok(summary)
     }
@@ -102,25 +96,30 @@ impl FitRuns {
 /// A run to fit with the hash of all that its fit depends on.
 pub(crate) type Due = (String, Planned);
 
+fn making(observer: &dyn Observer) -> Making<'_> {
+    Making {
+        doing: "fitting",
+        at_once: BATCH,
+        observer,
+        may_go_on: TO_THE_END,
+    }
+}
+
+fn load(context: &Context, (_, run): &Due) -> Result<Vec<Channel>, PipelineError> {
+    Ok(context.store.channels(run.task.run_id)?)
+}
+
+fn make((_, run): &Due, channels: Vec<Channel>) -> Outcome {
+    fit_one(&run.task, &channels, &run.chosen.options)
+}
+
 /// The fits of a batch in its order; none for those that an interruption met.
 pub(crate) fn fit_batch(
     context: &Context,
     batch: &[Due],
     observer: &dyn Observer,
 ) -> Result<Vec<Option<Outcome>>, PipelineError> {
-    let loaded = batch
-        .iter()
-        .map(|(_, run)| context.store.channels(run.task.run_id))
-        .collect::<Result<Vec<Vec<Channel>>, _>>()?;
-    Ok(batch
-        .par_iter()
-        .zip(loaded)
-        .map(|((_, run), channels)| {
-            let outcome = interrupt::attempt(|| fit_one(&run.task, &channels, &run.chosen.options));
-            observer.advance();
-            outcome
-        })
-        .collect())
+    making(observer).batch(context, batch, load, make)
 }
 
 /// Fits one run; a panic in a kernel is that run's failure, not the program's.

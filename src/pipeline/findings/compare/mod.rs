@@ -5,8 +5,6 @@ mod scored;
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
-
 use crate::analysis::groups::groups;
 use crate::analysis::models_compared::{ComparedCondition, models_compared};
 use crate::domain::fault::caught;
@@ -14,8 +12,8 @@ use crate::domain::{Channel, RunComparison, RunRecord};
 use crate::fit::FitError;
 use crate::ingest::derived;
 use crate::model::{FitModel, bending_law, fit_models};
-use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{FitTask, StoredComparison};
@@ -98,12 +96,17 @@ impl CompareModels {
             up_to_date: done.iter().map(|group| group.tasks.len()).sum(),
             ..CompareSummary::default()
         };
-        observer.begin("comparing models", due.len() as u64);
-        for batch in due.chunks(BATCH) {
-            compare_batch(context, batch, &models, observer, &mut summary)?;
-            interrupt::check();
-        }
-        observer.end();
+        let making = Making {
+            doing: "comparing models",
+            at_once: BATCH,
+            observer,
+            may_go_on: TO_THE_END,
+        };
+        let make =
+            |group: &Group, channels: Vec<Vec<Channel>>| caught(|| scored(&group.tasks, &channels, &models));
+        making.run(context, &due, load, make, |context, made| {
+            save(context, made, &mut summary)
+        })?;
         let ids: Vec<&str> = models.iter().map(|model| model.id).collect();
         let is_asked = |found: &RunComparison| {
             found
@@ -240,35 +243,23 @@ fn grouped(
     Ok(found.into_iter().map(group).collect())
 }
 
-fn compare_batch(
-    context: &mut Context,
-    batch: &[Group],
-    models: &[&'static FitModel],
-    observer: &dyn Observer,
-    summary: &mut CompareSummary,
-) -> Result<(), PipelineError> {
-    let load = |group: &Group| -> Result<Vec<Vec<Channel>>, PipelineError> {
-        let channels = |task: &FitTask| {
-            let measured = context.store.channels(task.run_id)?;
-            Ok(derived::responses(&measured, task.length_cm))
-        };
-        group.tasks.iter().map(channels).collect()
+fn load(context: &Context, group: &Group) -> Result<Vec<Vec<Channel>>, PipelineError> {
+    let channels = |task: &FitTask| {
+        let measured = context.store.channels(task.run_id)?;
+        Ok(derived::responses(&measured, task.length_cm))
     };
-    let loaded = batch.iter().map(load).collect::<Result<Vec<_>, _>>()?;
-    let found = batch.par_iter().zip(loaded).map(|(group, channels)| {
-        let compare = || caught(|| scored(&group.tasks, &channels, models));
-        let found = interrupt::attempt(compare);
-        observer.advance();
-        found
-    });
-    let found: Vec<_> = found.collect();
+    group.tasks.iter().map(channels).collect()
+}
+
+/// Comparisons of a group's runs, or the fault that stopped them.
+type Made<'g> = (&'g Group, Result<Vec<RunComparison>, String>);
+
+fn save(context: &mut Context, made: Vec<Made>, summary: &mut CompareSummary) -> Result<(), PipelineError> {
     let mut rows = Vec::new();
-    for (group, found) in batch.iter().zip(found) {
+    for (group, found) in made {
         match found {
-            // What an interruption met is compared the next time.
-            None => {}
-            Some(Err(reason)) => summary.faults.push(format!("{}: {reason}", group.name)),
-            Some(Ok(found)) => {
+            Err(reason) => summary.faults.push(format!("{}: {reason}", group.name)),
+            Ok(found) => {
                 summary.compared += found.len();
                 let row = |(task, found): (&FitTask, RunComparison)| StoredComparison {
                     run_id: task.run_id,

@@ -1,7 +1,5 @@
 //! Every sample held against what the other samples of its material say of a cause that they share.
 
-use rayon::prelude::*;
-
 use super::inputs::{BATCH, not_condemned, with_inputs};
 use super::subject::Subject;
 use crate::analysis::shared_effects::{shared_effects, values_without};
@@ -9,6 +7,7 @@ use crate::diagnose::{DiagnoseOptions, fall_from_others};
 use crate::domain::fault::caught;
 use crate::domain::{Channel, FromOthers, GroupDiagnosis, InputHash};
 use crate::pipeline::campaign::context::now;
+use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask, StoredDiagnosis};
@@ -31,29 +30,21 @@ pub(super) fn hold_against_others(
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
     let due = due(context, subjects)?;
-    if due.is_empty() {
-        return Ok(());
-    }
-    observer.begin("predicting samples from others", due.len() as u64);
-    for batch in due.chunks(BATCH) {
-        let load = |due: &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
-            let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
-            due.subject.members.iter().map(channels).collect()
-        };
-        let loaded = batch.iter().map(load).collect::<Result<Vec<_>, _>>()?;
-        let rows: Vec<(DiagnosisStamp, GroupDiagnosis)> = batch
-            .par_iter()
-            .zip(loaded)
-            .map(|(due, channels)| {
-                let row = held(due, tasks, &channels, options);
-                observer.advance();
-                row
-            })
-            .collect();
-        context.store.save_diagnoses(&now(), &rows)?;
-    }
-    observer.end();
-    Ok(())
+    let making = Making {
+        doing: "predicting samples from others",
+        at_once: BATCH,
+        observer,
+        may_go_on: TO_THE_END,
+    };
+    let load = |context: &Context, due: &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
+        let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
+        due.subject.members.iter().map(channels).collect()
+    };
+    let make = |due: &Due, channels: Vec<Vec<Channel>>| held(due, tasks, &channels, options);
+    making.run(context, &due, load, make, |context, made| {
+        let rows: Vec<(DiagnosisStamp, GroupDiagnosis)> = made.into_iter().map(|(_, row)| row).collect();
+        Ok(context.store.save_diagnoses(&now(), &rows)?)
+    })
 }
 
 fn due<'a>(context: &Context, subjects: &'a [Subject]) -> Result<Vec<Due<'a>>, PipelineError> {

@@ -10,13 +10,11 @@ mod subject;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rayon::prelude::*;
-
 use crate::diagnose::{DiagnoseOptions, diagnose_group, with_places};
 use crate::domain::fault::caught;
 use crate::domain::{Channel, GroupDiagnosis};
-use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::campaign::making::Making;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::fits::along;
 use crate::pipeline::fits::input_hash::library_hash;
@@ -148,21 +146,31 @@ impl DiagnoseRuns {
         if !due.is_empty() {
             begins(context)?;
         }
-        observer.begin("diagnosing", due.len() as u64);
+        let making = Making {
+            doing: "diagnosing",
+            at_once: BATCH,
+            observer,
+            may_go_on,
+        };
+        let load =
+            |context: &Context, (_, members, subjects): &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
+                if subjects[0].set_apart.is_some() {
+                    return Ok(Vec::new());
+                }
+                let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
+                members.iter().map(channels).collect()
+            };
+        let make = |(_, members, subjects): &Due, channels: Vec<Vec<Channel>>| {
+            diagnose_one(subjects[0], members, &tasks, &channels, &options)
+        };
         let mut made: Vec<Due> = Vec::new();
-        for batch in due.chunks(BATCH) {
-            if !may_go_on() {
-                break;
-            }
-            let found = diagnose_batch(context, batch, (&tasks, &options), observer, may_go_on)?;
-            let pairs = batch.iter().cloned().zip(found);
+        making.run(context, &due, load, make, |context, found| {
             let (done, found): (Vec<Due>, Vec<GroupDiagnosis>) =
-                pairs.filter_map(|(due, found)| Some((due, found?))).unzip();
+                found.into_iter().map(|(due, found)| (due.clone(), found)).unzip();
             save_batch(context, &done, found, (&tasks, &options, &library), &mut summary)?;
             made.extend(done);
-            interrupt::check();
-        }
-        observer.end();
+            Ok(())
+        })?;
         let count = |due: &[Due]| due.iter().map(|(_, _, subjects)| subjects.len()).sum::<usize>();
         summary.left = count(&due) - count(&made);
         summary.diagnosed -= summary.left;
@@ -236,35 +244,6 @@ fn retire_gone(context: &mut Context, all: &[Subject]) -> Result<(), PipelineErr
         .map(|stored| (stored.kind, stored.name))
         .collect();
     Ok(context.store.retire_diagnoses(&now(), &gone)?)
-}
-
-/// The diagnoses of a batch in its order; none for those before which `may_go_on` said no, and those that an interruption
-/// met.
-fn diagnose_batch(
-    context: &Context,
-    batch: &[Due],
-    (tasks, options): (&[FitTask], &DiagnoseOptions),
-    observer: &dyn Observer,
-    may_go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<Vec<Option<GroupDiagnosis>>, PipelineError> {
-    let load = |(_, members, subjects): &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
-        if subjects[0].set_apart.is_some() {
-            return Ok(Vec::new());
-        }
-        let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
-        members.iter().map(channels).collect()
-    };
-    let loaded = batch.iter().map(load).collect::<Result<Vec<_>, _>>()?;
-    Ok(batch
-        .par_iter()
-        .zip(loaded)
-        .map(|((_, members, subjects), channels)| {
-            let diagnose = || diagnose_one(subjects[0], members, tasks, &channels, options);
-            let found = may_go_on().then(|| interrupt::attempt(diagnose)).flatten();
-            observer.advance();
-            found
-        })
-        .collect())
 }
 
 /// Diagnoses one group; a panic in a kernel is that group's failure, not the program's.
