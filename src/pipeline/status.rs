@@ -80,7 +80,7 @@ pub struct Status {
     pub aliases: usize,
     /// These files, each with the run.
     pub alias_files: Vec<AliasFile>,
-    /// Files of runs and logs that are no longer in the folder.
+    /// Files of runs and logs whose bytes no file of the folder holds any more.
     pub missing_files: Vec<String>,
     /// Conditions without a run, among all combinations of the materials, environments and voltages measured.
     pub gaps: Vec<Gap>,
@@ -218,9 +218,6 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
     let waiting = super::diagnose::waiting(context)?;
     let mut faults = report_faults(&context.folder);
     let watched = or_nothing(super::alarms::monitoring(context), &mut faults)?;
-    let missing = files
-        .iter()
-        .filter(|file| matches!(file.state, FileState::Run | FileState::Log) && file.missing_since.is_some());
     let untagged = reasoned(&runs, |run| run.state == RunState::Untagged);
     Ok(Status {
         proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
@@ -251,7 +248,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         words_missed: verify::missed(context)?,
         aliases: file_list(FileState::Alias).len(),
         alias_files: (runs.iter().chain(&set_aside)).flat_map(aliases_of).collect(),
-        missing_files: missing.map(|file| file.path.clone()).collect(),
+        missing_files: context.store.gone_files()?.into_iter().collect(),
         groups_not_diagnosed: waiting.missing,
         findings_out_of_date: waiting.outdated,
         climate: climate(context, &runs)?,

@@ -15,6 +15,7 @@ mod diagnoses;
 mod error;
 mod files;
 mod fits;
+mod gone;
 mod history;
 mod in_place;
 pub mod journal;
