@@ -24,6 +24,7 @@ use crate::domain::{
 };
 use crate::ingest::archive::{Archive, Archived, BlobFinding};
 use crate::ingest::campaign_file::UNKNOWN_KEY;
+use crate::ingest::formats::columns::{NOT_FINITE, TEXT_AMONG_NUMBERS};
 use crate::ingest::name_pattern::{self, ProposedPattern};
 use crate::ingest::tags::{self, MISSING, MISSPELT, NAMES_CONTRADICT, UNDECLARED, UNKNOWN_SAMPLE};
 use crate::store::RunContent;
@@ -62,6 +63,8 @@ pub struct Status {
     pub undeclared_tags: Vec<Together>,
     /// Fitted runs whose files hold a response that was not read, with the reason.
     pub fitted_without_response: Vec<Reasoned>,
+    /// Runs, modulus logs and spectra with cells that hold no number in columns that are read: these readings are left out.
+    pub readings_left_out: Vec<Reasoned>,
     /// Runs whose readings lie under several names that are tagged differently.
     pub names_contradict: Vec<Reasoned>,
     /// Files that were refused.
@@ -233,13 +236,21 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         not_fitted: without_fit(&runs),
         no_steps: reasoned(&runs, |run| run.state == RunState::NoSteps),
         undeclared_tags: undeclared_tags(context)?,
-        fitted_without_response: fitted_without_response(&runs),
+        fitted_without_response: with_issues(runs.iter().filter(|run| run.fit.is_some()), |issue| {
+            issue.code == RESPONSE_MISSING
+        }),
+        readings_left_out: with_issues(
+            (runs.iter())
+                .chain(logs.iter().map(|log| &log.run))
+                .chain(&spectra.speaking),
+            says_no_number,
+        ),
         set_aside: (set_aside.iter())
             .chain(logs_aside.iter().map(|log| &log.run))
             .chain(&spectra.set_aside)
             .map(SetAside::of)
             .collect(),
-        names_contradict: contradicting(&runs),
+        names_contradict: with_issues(&runs, |issue| issue.code == NAMES_CONTRADICT),
         refused: file_list(FileState::Refused),
         unread: unread(context)?,
         unreadable_tags: unreadable_tags(context)?,
@@ -382,20 +393,25 @@ fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reas
         .collect()
 }
 
-/// Fitted runs that lack a response, with the issue that says which and why.
-fn fitted_without_response(runs: &[RunRecord]) -> Vec<Reasoned> {
+/// Runs with issues that are wanted, each with these alone.
+fn with_issues<'a>(
+    runs: impl IntoIterator<Item = &'a RunRecord>,
+    wanted: impl Fn(&Issue) -> bool,
+) -> Vec<Reasoned> {
     let of = |run: &RunRecord| {
-        let issues = run.issues.iter();
-        let issues: Vec<Issue> = issues
-            .filter(|issue| issue.code == RESPONSE_MISSING)
-            .cloned()
-            .collect();
-        (run.fit.is_some() && !issues.is_empty()).then(|| Reasoned {
+        let issues = run.issues.iter().filter(|issue| wanted(issue));
+        let issues: Vec<Issue> = issues.cloned().collect();
+        (!issues.is_empty()).then(|| Reasoned {
             path: run.path.clone(),
             issues,
         })
     };
-    runs.iter().filter_map(of).collect()
+    runs.into_iter().filter_map(of).collect()
+}
+
+/// Whether an issue says that cells of a column that is read hold no number.
+fn says_no_number(issue: &Issue) -> bool {
+    issue.severity > Severity::Note && [NOT_FINITE, TEXT_AMONG_NUMBERS].contains(&issue.code.as_str())
 }
 
 fn aliases_of(run: &RunRecord) -> impl Iterator<Item = AliasFile> {
@@ -404,18 +420,6 @@ fn aliases_of(run: &RunRecord) -> impl Iterator<Item = AliasFile> {
         path: path.clone(),
         run: run.path.clone(),
     })
-}
-
-fn contradicting(runs: &[RunRecord]) -> Vec<Reasoned> {
-    let issues = |run: &RunRecord| -> Vec<Issue> {
-        let found = run.issues.iter().filter(|issue| issue.code == NAMES_CONTRADICT);
-        found.cloned().collect()
-    };
-    let of = |run: &RunRecord| Reasoned {
-        path: run.path.clone(),
-        issues: issues(run),
-    };
-    runs.iter().map(of).filter(|run| !run.issues.is_empty()).collect()
 }
 
 /// Runs without a fit: those that cannot have one, and those that wait for it, as diagnoses need no fits of single runs.

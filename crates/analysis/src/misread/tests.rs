@@ -1,4 +1,3 @@
-
 use super::*;
 use crate::sample_campaign::{campaign, fit, known as estimate, run};
 use ieap_domain::{ChannelSummary, Quantity, RunWord, Standing};
