@@ -158,6 +158,7 @@ impl Shared<'_> {
                 }
                 self.work.ring();
             }
+            context.store.release_memory();
             if waited(watcher, look.wait, self.stop, self.observer) {
                 return Ok(());
             }
@@ -188,6 +189,7 @@ impl Shared<'_> {
                 }
                 None => self.work.ring_after(AFTER_REFUSAL, self.stop),
             }
+            context.store.release_memory();
         }
         Ok(())
     }
@@ -237,6 +239,7 @@ impl Shared<'_> {
                 }
                 None => self.diagnosis.ring_after(AFTER_REFUSAL, self.stop),
             }
+            context.store.release_memory();
         }
         Ok(())
     }
