@@ -165,12 +165,6 @@ impl Store {
         self.place.check(&self.path)
     }
 
-    /// Gives back the memory in which pages of the database are kept. A program that waits needs none, and pages that stay
-    /// between what comes and goes hold the heap apart: a watch grew by 15 kB with each revision.
-    pub fn release_memory(&self) {
-        let _ = self.connection.execute_batch("PRAGMA shrink_memory");
-    }
-
     /// What tells this database from every other.
     ///
     /// # Errors

@@ -158,7 +158,6 @@ impl Shared<'_> {
                 }
                 self.work.ring();
             }
-            context.store.release_memory();
             if waited(watcher, look.wait, self.stop, self.observer) {
                 return Ok(());
             }
@@ -189,7 +188,6 @@ impl Shared<'_> {
                 }
                 None => self.work.ring_after(AFTER_REFUSAL, self.stop),
             }
-            context.store.release_memory();
         }
         Ok(())
     }
@@ -239,7 +237,6 @@ impl Shared<'_> {
                 }
                 None => self.diagnosis.ring_after(AFTER_REFUSAL, self.stop),
             }
-            context.store.release_memory();
         }
         Ok(())
     }
