@@ -1,3 +1,5 @@
+//! Tests of runs that were read in another unit.
+
 use super::*;
 use crate::sample_campaign::{campaign, fit, known as estimate, run};
 use ieap_domain::{ChannelSummary, Quantity, RunWord, Standing};
