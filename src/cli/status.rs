@@ -129,6 +129,8 @@ fn print(status: &Status, output: &Output) {
     section(output, "run", no_steps, &status.no_steps);
     let lacking = "fitted without a response that the file holds";
     section(output, "run", lacking, &status.fitted_without_response);
+    let left_out = "with readings that are no numbers: these are left out";
+    section(output, "run", left_out, &status.readings_left_out);
     undeclared_tags(status, output);
     let waits = |run: &&Reasoned| run.issues.iter().any(|issue| issue.code == WAITS);
     let failed = status.not_fitted.iter().filter(|run| !waits(run)).cloned();

@@ -191,6 +191,15 @@ fn odd_cells_are_left_out_and_counted() {
     assert!(issue_codes(&document, "runs/nan.csv").contains(&"not-finite".to_owned()));
     assert!(issue_codes(&document, "runs/inf.csv").contains(&"not-finite".to_owned()));
     assert!(issue_codes(&document, "runs/text.csv").contains(&"text-in-number-column".to_owned()));
+    let status = folder.ieap(&["status", "--json"]).expect(0).json();
+    let left_out = status["status"]["readings_left_out"].as_array().unwrap();
+    let said = ["inf", "nan", "text"].map(|name| format!("runs/{name}.csv"));
+    assert!(left_out.iter().map(|run| &run["path"]).eq(&said), "{left_out:#?}");
+    let text = folder.ieap(&["status"]).expect(0).stdout;
+    assert!(
+        text.contains("1 of 320 cells of column \"current_a\" hold no finite number"),
+        "{text}"
+    );
     let document = alone.ieap(&["fit", "--json"]).expect(0).json();
     assert!(issue_codes(&document, "runs/amperes.csv").contains(&"suspicious-range".to_owned()));
 }

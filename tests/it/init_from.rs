@@ -58,10 +58,16 @@ fn folder_of_files(folder: &Path) {
     write("CNaf-02_vaccum_2.0V_2.csv", &table(6));
     // Another spelling of the sample.
     write("cnaf02_air_2.0V_3.csv", &table(7));
-    // A current over the area.
+    // A current over the area, which is 0.1 cm².
+    let over_area = |row: &str| {
+        let cells: Vec<&str> = row.split(',').collect();
+        let current_a: f64 = cells[2].parse().unwrap();
+        format!("{},{},{:.5e},{}\n", cells[0], cells[1], current_a / 0.1, cells[3])
+    };
+    let rows: String = table(8).lines().skip(1).map(over_area).collect();
     write(
         "CNaf-02_air_2.0V_4.csv",
-        &headed(8, "time_s,voltage_v,current density (A/cm2),curvature_per_cm"),
+        &format!("time_s,voltage_v,current density (A/cm2),curvature_per_cm\n{rows}"),
     );
     // The environment in the folder's name.
     write("Argon/CPvf-01_2.0V_1.csv", &table(9));

@@ -206,7 +206,12 @@ fn a_rebuilding_that_was_cut_short_is_begun_again_and_a_file_of_somebody_stays()
     folder.write(".ieap-rebuild/campaign.db", "half of one");
     folder.ieap(&["rebuild"]).expect(0);
     assert!(!folder.join(".ieap-rebuild").exists());
+    // Whoever works next removes what one left that was killed.
+    folder.write(".ieap-rebuild/campaign.db", "half of one");
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    assert!(!folder.join(".ieap-rebuild").exists());
     folder.write(".ieap-rebuild/thesis.tex", "mine");
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
     let refused = folder.ieap(&["rebuild"]).expect(4);
     assert!(refused.stderr.contains("not written by ieap"), "{refused:?}");
     assert_eq!(

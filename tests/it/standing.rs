@@ -289,7 +289,8 @@ fn results_with_bad_runs_are_those_without_them() {
     assert!(export.contains(",dropped,") && export.contains(",condemned,") && export.contains(",copy,"));
 }
 
-/// Six runs of one condition with a limit, the last one with ten times the current: a diagnosis condemns it.
+/// Six runs of one condition with a limit, the last one with ten times the current, but not so exactly that it is known without
+/// a diagnosis: that condemns it.
 fn watched_with_an_odd_run() -> CampaignFolder {
     let folder = CampaignFolder::new();
     let monitoring = "[monitoring]\ncommand = [\"sh\", \"-c\", \"echo $IEAP_ALARM_RUN >> told.txt\"]\n\
@@ -297,7 +298,7 @@ fn watched_with_an_odd_run() -> CampaignFolder {
     folder.write("campaign.toml", format!("{CAMPAIGN_TOML}{monitoring}"));
     for cycle in 1..=6 {
         let written = Written {
-            current: if cycle == 6 { 10.0 } else { 1.0 },
+            current: if cycle == 6 { 10.4 } else { 1.0 },
             ..Written::of(cycle, 2.0)
         };
         folder.write(&format!("runs/{cycle}.csv.toml"), format!("cycle = {cycle}\n"));

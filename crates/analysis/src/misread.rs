@@ -9,7 +9,7 @@
 use ieap_numerics::robust::upper_median;
 use std::collections::{BTreeMap, HashMap};
 
-use super::conditions::material;
+use super::conditions::{HUMIDITY_GAP_PERCENT, VOLTAGE_STEP_V, material, nominal_voltage_v};
 use super::parameters::usable;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, RunRecord};
@@ -27,6 +27,13 @@ const OFF_CLOCK_RECORD: f64 = 0.05;
 /// Records whose times are a thousandfold wrong are a thousandfold as long, or sampled as much slower, within these decades:
 /// nobody measures each run for exactly as long.
 const OFF_PREFIX_RECORD: f64 = 0.7;
+/// Ten and a hundred lie between units as well (mm and cm, a range of the instrument, A/m² and mA/cm²), and a strip's own
+/// values may lie there. So these count only between runs of one condition, within this distance of the median, in decades
+/// (2 %), ...
+const OFF_TEN: f64 = 0.01;
+/// ... where each parameter moved as they say, or stayed, within these decades (26 %): more than what a strip changes by from
+/// run to run, and less than half of what lies between two factors.
+const OFF_TEN_EACH: f64 = 0.1;
 /// Largest power of a thousand between units of the same quantity that are mistaken for each other, nA and A.
 const MOST_PREFIXES: i32 = 3;
 /// Runs of a sample, or of a material, that can outvote one.
@@ -68,6 +75,24 @@ struct Known {
     is_vouched: bool,
     sample: Option<String>,
     material: Option<String>,
+    /// Environment, humidity in percent, nominal voltage in V.
+    measured_in: Option<(String, Option<f64>, f64)>,
+}
+
+impl Known {
+    /// Whether nothing tells the conditions of two runs of one material apart.
+    fn is_measured_as(&self, other: &Known) -> bool {
+        let (Some(own), Some(their)) = (&self.measured_in, &other.measured_in) else {
+            return false;
+        };
+        let is_near = |own: f64, their: f64, step: f64| (own - their).abs() <= step;
+        let humidities = own.1.zip(their.1);
+        self.material.is_some()
+            && self.material == other.material
+            && own.0 == their.0
+            && humidities.is_none_or(|(own, their)| is_near(own, their, HUMIDITY_GAP_PERCENT))
+            && is_near(own.2, their.2, VOLTAGE_STEP_V)
+    }
 }
 
 /// How a run compares with another one.
@@ -149,7 +174,14 @@ fn known(run: &RunRecord, campaign: &Campaign) -> Option<Known> {
         is_vouched: run.standing.is_vouched(),
         sample: run.tag(keys::SAMPLE).map(str::to_owned),
         material: material(run, campaign).map(str::to_owned),
+        measured_in: measured_in(run),
     })
+}
+
+fn measured_in(run: &RunRecord) -> Option<(String, Option<f64>, f64)> {
+    let environment = run.tag(keys::ENVIRONMENT)?.to_owned();
+    let humidity_percent = run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
+    Some((environment, humidity_percent, nominal_voltage_v(run)?))
 }
 
 /// Length and mean interval of the response with most readings.
@@ -182,10 +214,11 @@ fn likeness(own: &Known, other: &Known) -> Likeness {
     let record = own.record.zip(other.record);
     let record = record.map(|(own, other)| [own[0] - other[0], own[1] - other[1]]);
     let apart = Misread::ALL.into_iter().find_map(|what| {
-        let decades = factor(&moved, what, record)?;
+        let (decades, within) = factor(&moved, what, record)
+            .or_else(|| of_ten(&moved, what).filter(|_| own.is_measured_as(other)))?;
         // Everything else must be alike, and something must be there to be alike or to be moved along.
         let explained =
-            |(by, powers): &(f64, [i32; 3])| (by - f64::from(powers[what as usize]) * decades).abs() < alike;
+            |(by, powers): &(f64, [i32; 3])| (by - f64::from(powers[what as usize]) * decades).abs() < within;
         (moved.len() > 1 && moved.iter().all(explained)).then_some((what, decades))
     });
     match apart {
@@ -194,15 +227,29 @@ fn likeness(own: &Known, other: &Known) -> Likeness {
     }
 }
 
-/// The factor between units, in decades, that lies near what `what` seems to be off by.
-fn factor(moved: &[(f64, [i32; 3])], what: Misread, record: Option<[f64; 2]>) -> Option<f64> {
+/// By how many decades `what` seems to be off: the median of what it moves.
+fn off_by(moved: &[(f64, [i32; 3])], what: Misread) -> Option<f64> {
     let power = |powers: &[i32; 3]| f64::from(powers[what as usize]);
     let mut off: Vec<f64> = moved
         .iter()
         .filter(|(_, powers)| power(powers) != 0.0)
         .map(|(by, powers)| by / power(powers))
         .collect();
-    let median = upper_median(&mut off)?;
+    upper_median(&mut off)
+}
+
+/// Ten or a hundred times, in decades, and how near each parameter must come to what it says.
+fn of_ten(moved: &[(f64, [i32; 3])], what: Misread) -> Option<(f64, f64)> {
+    let median = off_by(moved, what).filter(|_| what != Misread::Time)?;
+    let mut tens = [1.0, -1.0, 2.0, -2.0].into_iter();
+    let decades = tens.find(|decades| (median - decades).abs() < OFF_TEN)?;
+    Some((decades, OFF_TEN_EACH))
+}
+
+/// The factor between units, in decades, that lies near what `what` seems to be off by, and how near each parameter must come
+/// to what it says.
+fn factor(moved: &[(f64, [i32; 3])], what: Misread, record: Option<[f64; 2]>) -> Option<(f64, f64)> {
+    let median = off_by(moved, what)?;
     let near = |decades: f64, within: f64| (median - decades).abs() < within;
     let record_is = |decades: f64, within: f64| {
         record.is_some_and(|record| record.iter().any(|by| (by - decades).abs() < within))
@@ -212,12 +259,13 @@ fn factor(moved: &[(f64, [i32; 3])], what: Misread, record: Option<[f64; 2]>) ->
     let is_prefix = |decades: &f64| {
         near(*decades, OFF_PREFIX) && (what != Misread::Time || record_is(*decades, OFF_PREFIX_RECORD))
     };
-    prefixes.find(is_prefix).or_else(|| {
+    let decades = prefixes.find(is_prefix).or_else(|| {
         let clock = CLOCK.iter().map(|factor| factor.log10());
         let mut clock = clock.flat_map(|decades| [decades, -decades]);
         let is_clock = |decades: &f64| near(*decades, OFF_CLOCK) && record_is(*decades, OFF_CLOCK_RECORD);
         clock.find(is_clock).filter(|_| what == Misread::Time)
-    })
+    });
+    Some((decades?, ALIKE.log10()))
 }
 
 /// The party of a run and the largest one against it.
@@ -379,174 +427,4 @@ fn unit(what: Misread, factor: f64) -> &'static str {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use ieap_domain::testing::{campaign, fit, known as estimate, run};
-    use ieap_domain::{ChannelSummary, Quantity, RunWord, Standing};
-
-    /// A run whose numbers are these times what they should be: current, bending, time.
-    fn read_as(name: &str, sample: &str, voltage_v: f64, off: [f64; 3]) -> RunRecord {
-        let mut made = run(name, sample, "air", None, voltage_v);
-        // Conditions differ as those of strips do.
-        let differ = 1.0 + 0.4 * (voltage_v - 1.0);
-        let truth = [
-            90.0 / differ,
-            f64::NAN,
-            9e4 / differ / differ,
-            0.02,
-            f64::NAN,
-            12.0 * differ,
-            f64::NAN,
-            0.004 * differ,
-        ];
-        let moved = |(value, (key, powers)): (f64, &(&'static str, [i32; 3]))| {
-            let factor: f64 = off
-                .iter()
-                .zip(powers)
-                .map(|(off, power)| off.powi(*power))
-                .product();
-            (value.is_finite()).then(|| (*key, estimate(value * factor, 0.02)))
-        };
-        let parameters: Vec<_> = truth.into_iter().zip(&PARAMETERS).filter_map(moved).collect();
-        made.fit = Some(fit(&parameters));
-        made.channels = vec![ChannelSummary {
-            quantity: Quantity::Current,
-            raw_name: "I".to_owned(),
-            raw_unit: "A".to_owned(),
-            position_mm: None,
-            readings: 301,
-            excluded: 0,
-            first_time_s: Some(0.0),
-            last_time_s: Some(300.0 * off[2]),
-            first: Some(0.0),
-            last: Some(0.0),
-        }];
-        made
-    }
-
-    fn condemned(runs: &[RunRecord]) -> Vec<(usize, String)> {
-        let all: Vec<&RunRecord> = runs.iter().collect();
-        let found = misread(&all, &campaign());
-        found.into_iter().map(|found| (found.run, found.reason)).collect()
-    }
-
-    #[test]
-    fn one_run_in_another_unit_is_found_and_named() {
-        for (off, said) in [
-            ([1e3, 1.0, 1.0], "its current is 1000 times"),
-            ([1e-3, 1.0, 1.0], "its current is a 1000th of"),
-            ([1.0, 1e3, 1.0], "its bending is 1000 times"),
-            ([1.0, 1.0, 1e3], "milliseconds were read as seconds"),
-            ([1.0, 1.0, 1e-3], "seconds were read as milliseconds"),
-            ([1.0, 1.0, 60.0], "seconds were read as minutes"),
-            ([1.0, 1.0, 1.0 / 3600.0], "hours were read as seconds"),
-        ] {
-            let runs = [
-                read_as("a", "CNaf-01", 1.0, [1.0; 3]),
-                read_as("b", "CNaf-01", 2.0, off),
-                read_as("c", "CNaf-01", 2.0, [1.0; 3]),
-                read_as("d", "CNaf-01", 3.0, [1.0; 3]),
-            ];
-            let found = condemned(&runs);
-            assert_eq!(found.len(), 1, "{off:?} {found:?}");
-            assert!(found[0].0 == 1 && found[0].1.contains(said), "{found:?}");
-        }
-    }
-
-    #[test]
-    fn what_strips_differ_by_is_no_unit() {
-        for off in [
-            [1.0; 3],
-            [3.0, 0.5, 2.0],
-            [30.0, 1.0, 1.0],
-            [1.0, 1.0, 300.0],
-            [1e3, 1.0, 20.0],
-        ] {
-            let runs = [
-                read_as("a", "CNaf-01", 1.0, [1.0; 3]),
-                read_as("b", "CNaf-01", 2.0, off),
-                read_as("c", "CNaf-01", 3.0, [1.0; 3]),
-            ];
-            assert_eq!(condemned(&runs), [], "{off:?}");
-        }
-        // A rate that is sixty times another's, in a record as long as the others: no clock does that.
-        let mut slow = read_as("b", "CNaf-01", 2.0, [1.0, 1.0, 60.0]);
-        slow.channels[0].last_time_s = Some(300.0);
-        let runs = [
-            read_as("a", "CNaf-01", 1.0, [1.0; 3]),
-            slow,
-            read_as("c", "CNaf-01", 2.0, [1.0; 3]),
-        ];
-        assert_eq!(condemned(&runs), []);
-    }
-
-    #[test]
-    fn two_runs_are_told_apart_by_their_material_and_else_neither_is_used() {
-        let mut runs = vec![
-            read_as("a", "CNaf-01", 1.0, [1.0; 3]),
-            read_as("b", "CNaf-01", 1.0, [1.0, 1.0, 1e3]),
-        ];
-        let found = condemned(&runs);
-        assert_eq!(found.len(), 2);
-        assert!(found[0].1.contains("no other run tells which"), "{found:?}");
-        runs.push(read_as("c", "CPvf-01", 2.0, [1.0; 3]));
-        let found = condemned(&runs);
-        assert_eq!(found.iter().map(|(run, _)| *run).collect::<Vec<_>>(), [1]);
-    }
-
-    #[test]
-    fn a_run_that_others_back_outvotes_one_that_none_backs() {
-        // The steady-state resistance of a strip goes over decades: d is too far from a for a vote against it.
-        let mut runs = vec![
-            read_as("a", "CNaf-01", 1.0, [1.0, 1e3, 1.0]),
-            read_as("b", "CNaf-01", 1.0, [1.0; 3]),
-            read_as("d", "CNaf-01", 1.0, [1.0; 3]),
-        ];
-        let scale_rss = |run: &mut RunRecord, factor: f64| {
-            let parameters = &mut run.fit.as_mut().unwrap().parameters;
-            let rss = parameters
-                .iter_mut()
-                .find(|known| known.key == "rss_ohm_cm2")
-                .unwrap();
-            rss.estimate = estimate(9e4 * factor, 0.02);
-        };
-        scale_rss(&mut runs[1], 4.0);
-        scale_rss(&mut runs[2], 16.0);
-        let found = condemned(&runs);
-        assert_eq!(found.len(), 1, "{found:?}");
-        let (run, reason) = &found[0];
-        assert!(
-            *run == 0 && reason.contains("its bending is 1000 times"),
-            "{found:?}"
-        );
-        assert!(
-            reason.contains("held against runs/b.csv: its unit is wrong"),
-            "{found:?}"
-        );
-    }
-
-    #[test]
-    fn a_person_s_word_decides() {
-        let word = RunWord {
-            run_path: String::new(),
-            drops: false,
-            why: Some("looked".to_owned()),
-            said_by: "a person".to_owned(),
-            said_at: String::new(),
-            data_hash: String::new(),
-        };
-        let mut runs = vec![
-            read_as("a", "CNaf-01", 1.0, [1.0; 3]),
-            read_as("b", "CNaf-01", 1.0, [1e3, 1.0, 1.0]),
-        ];
-        runs[1].standing = Standing::Vouched(word);
-        let found = condemned(&runs);
-        assert_eq!(found.iter().map(|(run, _)| *run).collect::<Vec<_>>(), [0]);
-        runs.push(read_as("c", "CNaf-01", 2.0, [1e3, 1.0, 1.0]));
-        assert_eq!(condemned(&runs).len(), 1);
-        // Against more runs it stands for itself alone.
-        runs.truncate(2);
-        runs.extend(["d", "e"].map(|name| read_as(name, "CNaf-01", 2.0, [1.0; 3])));
-        assert_eq!(condemned(&runs), []);
-    }
-}
+mod tests;

@@ -1,10 +1,12 @@
 //! What stood in the database earlier: runs with the fits, and modulus logs with the analyses, that they had then;
 //! and where a current result came from.
 
+use std::collections::BTreeMap;
+
 use rusqlite::{OptionalExtension, ToSql, params};
 
 use super::{Store, StoreError, Subject};
-use ieap_domain::{ModulusLog, RunRecord};
+use ieap_domain::{ModulusLog, RunKind, RunRecord};
 
 /// Which earlier state is meant.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,7 +38,31 @@ const ANALYSIS_BEFORE: &str = "run_id IN (SELECT id FROM run WHERE path = ?1)
 /// The result that was current at a moment.
 const THEN: &str = "run_id = ?1 AND made_at <= ?2 AND (superseded_at IS NULL OR superseded_at > ?2)";
 
+const SUPERSEDED: &str = "SELECT id FROM run WHERE superseded_at IS NOT NULL ORDER BY path, revision";
+
 impl Store {
+    /// Every superseded revision of an actuation run, by path and revision.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn superseded_runs(&self) -> Result<Vec<RunRecord>, StoreError> {
+        let aliases = self.aliases()?;
+        self.records(SUPERSEDED, RunKind::Actuation, |record| {
+            self.complete(record, &aliases)
+        })
+    }
+
+    /// The same with their files alone: of a run that is written anew all day there are thousands.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn earlier_revisions(&self) -> Result<Vec<RunRecord>, StoreError> {
+        self.records(SUPERSEDED, RunKind::Actuation, |record| {
+            record.files = self.run_files(record.id, &BTreeMap::new())?;
+            Ok(())
+        })
+    }
+
     /// Actuation runs as they were, by path.
     ///
     /// # Errors

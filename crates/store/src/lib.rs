@@ -15,6 +15,7 @@ mod diagnoses;
 mod error;
 mod files;
 mod fits;
+mod gone;
 mod hand_tag;
 mod history;
 mod in_place;

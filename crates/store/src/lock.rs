@@ -70,7 +70,7 @@ impl InstanceLock {
         })
     }
 
-    /// Whether the instance before this one ended in order, or there was none. One that was killed, or lost its power, may
+    /// Whether the instance before this one ended in order, by what is known: of the first nothing is. One that was killed, or lost its power, may
     /// have left the disk with less than it believed.
     pub fn last_ended_in_order(&self) -> bool {
         self.was_ended
@@ -109,8 +109,8 @@ fn options() -> OpenOptions {
     options
 }
 
-/// Whether the file says that the last instance ended in order, or that there was none. A file that no lock wrote, one that
-/// was copied or linked there, is refused.
+/// Whether the file says that the last instance ended in order. An empty one says nothing: it is new, or what was in it is
+/// lost. A file that no lock wrote, one that was copied or linked there, is refused.
 fn ended_in_order(file: &mut File, path: &Path) -> Result<bool, StoreError> {
     let mut head = Vec::new();
     let read = file.take(LONGEST).read_to_end(&mut head);
@@ -119,22 +119,25 @@ fn ended_in_order(file: &mut File, path: &Path) -> Result<bool, StoreError> {
         doing: "reading the lock file",
         source,
     })?;
-    // A disk that lost its power may keep the length of a file and a part of its content.
-    let zeros = head.iter().rev().take_while(|&&byte| byte == 0).count();
-    let part = &head[..head.len() - zeros];
-    let is_torn = (head.len() as u64) < LONGEST
-        && [ENDED, MARK]
-            .iter()
-            .any(|whole| whole.as_bytes().starts_with(part));
-    match head.as_slice() {
-        [] => Ok(true),
-        head if head == ENDED.as_bytes() => Ok(true),
-        head if is_torn || head.starts_with(MARK.as_bytes()) => Ok(false),
-        _ => Err(StoreError::NotALock {
+    match is_ours(&head) {
+        true => Ok(head == ENDED.as_bytes()),
+        false => Err(StoreError::NotALock {
             path: path.to_owned(),
             found: "it holds something else",
         }),
     }
+}
+
+/// Whether a lock wrote this. A disk that lost its power may keep the length of a file and any part of its content, of the
+/// word before as well: so each byte is that of one of the two words, or zero.
+fn is_ours(head: &[u8]) -> bool {
+    let of_a_word = |(at, byte): (usize, &u8)| {
+        *byte == 0
+            || [ENDED, MARK]
+                .iter()
+                .any(|word| word.as_bytes().get(at) == Some(byte))
+    };
+    (head.len() as u64) < LONGEST && head.iter().enumerate().take(MARK.len()).all(of_a_word)
 }
 
 #[cfg(unix)]
@@ -204,9 +207,15 @@ mod tests {
     fn a_disorderly_end_is_noticed_until_the_database_was_found_sound() {
         let folder = tempfile::tempdir().unwrap();
         let in_order = || InstanceLock::take(folder.path()).unwrap().last_ended_in_order();
+        // Of the first nothing is known.
+        assert!(!in_order());
+        InstanceLock::take(folder.path()).unwrap().found_sound();
         assert!(in_order() && in_order());
         for left in [
+            "",
             "process 1 on a",
+            "ended\ns 1 on a\n",
+            "\0\0oc\0ss 1 on a\n",
             "\0\0\0\0",
             "p",
             "process\0\0\0\0",

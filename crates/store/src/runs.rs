@@ -364,37 +364,31 @@ impl Store {
         self.current(RunKind::Impedance)
     }
 
-    /// Every superseded revision of an actuation run, by path and revision.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn superseded_runs(&self) -> Result<Vec<RunRecord>, StoreError> {
-        let sql = "SELECT id FROM run WHERE superseded_at IS NOT NULL ORDER BY path, revision";
-        self.records(sql, RunKind::Actuation)
-    }
-
     fn current(&self, kind: RunKind) -> Result<Vec<RunRecord>, StoreError> {
         let _moment = self.snapshot()?;
         self.check_seal(&Subject::Runs)?;
-        self.records(
-            "SELECT id FROM run WHERE superseded_at IS NULL ORDER BY path",
-            kind,
-        )
+        let aliases = self.aliases()?;
+        let sql = "SELECT id FROM run WHERE superseded_at IS NULL ORDER BY path";
+        self.records(sql, kind, |record| self.complete(record, &aliases))
     }
 
-    /// The runs of a kind among those whose ids a query gives.
-    fn records(&self, ids: &str, kind: RunKind) -> Result<Vec<RunRecord>, StoreError> {
+    /// The runs of a kind among those whose ids a query gives, with what `complete` fills in from other tables.
+    pub(super) fn records(
+        &self,
+        ids: &str,
+        kind: RunKind,
+        complete: impl Fn(&mut RunRecord) -> Result<(), StoreError>,
+    ) -> Result<Vec<RunRecord>, StoreError> {
         let doing = "reading runs";
         let ids: Vec<i64> = self.rows(doing, ids, [], |row| Ok(row.get(0)?))?;
         let sql = "SELECT id, path, revision, state, status, status_evidence, format, reader_version, technique, drive,
                           area_cm2, data_hash, ingested_at, kind, no_steps FROM run WHERE id = ?1";
-        let aliases = self.aliases()?;
         let mut records = Vec::new();
         for id in ids {
             self.check_seal(&Subject::Run(id))?;
             for mut record in self.rows(doing, sql, [id], read_record)? {
                 if record.kind == kind {
-                    self.complete(&mut record, &aliases)?;
+                    complete(&mut record)?;
                     records.push(record);
                 }
             }
@@ -403,7 +397,7 @@ impl Store {
     }
 
     /// Fills in what other tables hold of a run.
-    fn complete(
+    pub(super) fn complete(
         &self,
         record: &mut RunRecord,
         aliases: &BTreeMap<String, Vec<String>>,
@@ -422,7 +416,7 @@ impl Store {
         Ok(())
     }
 
-    fn run_files(
+    pub(super) fn run_files(
         &self,
         run_id: i64,
         aliases: &BTreeMap<String, Vec<String>>,

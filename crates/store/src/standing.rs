@@ -205,27 +205,6 @@ impl Store {
         Ok(names.into_iter().map(listed).collect())
     }
 
-    /// Names of current runs and modulus logs of which every file is gone.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn deleted_runs(&self) -> Result<BTreeSet<String>, StoreError> {
-        let doing = "looking for runs whose files are gone";
-        let sql = "SELECT id, path FROM run WHERE superseded_at IS NULL AND NOT EXISTS (
-                       SELECT 1 FROM run_file JOIN source_file ON source_file.path = run_file.path
-                       WHERE run_file.run_id = run.id AND source_file.missing_since IS NULL)";
-        let _moment = self.snapshot()?;
-        self.check_seal(&Subject::Runs)?;
-        let found: Vec<(i64, String)> = self.rows(doing, sql, [], |row| Ok((row.get(0)?, row.get(1)?)))?;
-        for (run_id, _) in &found {
-            self.check_seal(&Subject::Run(*run_id))?;
-            for path in self.file_paths(*run_id)? {
-                self.check_seal(&Subject::File(path))?;
-            }
-        }
-        Ok(found.into_iter().map(|(_, path)| path).collect())
-    }
-
     /// The place of each current run, by row id, in the order of their names.
     fn current_places(&self, doing: &'static str) -> Result<BTreeMap<i64, usize>, StoreError> {
         self.check_seal(&Subject::Runs)?;
@@ -259,7 +238,7 @@ mod tests {
         let words = store.run_words().unwrap();
         assert_eq!(words["a"], word("a", false, None));
         assert_eq!(words["b"], first[1]);
-        assert!(store.same_readings().unwrap().is_empty() && store.deleted_runs().unwrap().is_empty());
+        assert!(store.same_readings().unwrap().is_empty());
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+#[cfg(unix)]
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::numerics::interrupt;
@@ -79,18 +81,40 @@ const BY_UNKNOWN_SIGNAL: i32 = 129;
 /// A shell that runs its arguments beside a reader of a pipe whose other end this program holds. When the pipe ends,
 /// because the command has ended, took too long, or this program is no more, killed or not, the reader kills all of the
 /// group. A shell, because no other way that dies with a killed program is offered by the standard library.
+///
+/// What went into a group of its own (`setsid`) is known by the mark in its environment, where the system shows such
+/// (`/proc`), and killed before: looked for again until there is none, for it may be beginning others.
 #[cfg(unix)]
 const GUARD: &str = r#"exec 3<&0
 "$@" </dev/null 3<&- &
 command=$!
-{ read -r line <&3; kill -KILL 0; } >/dev/null 2>&1 &
+{
+    read -r line <&3
+    found=1 rounds=0
+    while [ -n "$found" ] && [ "$rounds" -lt 100 ]; do
+        found= rounds=$((rounds + 1))
+        for process in $(grep -Fls "IEAP_COMMAND=$IEAP_COMMAND" /proc/[0-9]*/environ); do
+            process=${process%/environ}
+            stat=$(cat "$process/stat") || continue
+            set -- ${stat##*) }
+            [ "$3" = "$$" ] || { found=1; kill -KILL "${process#/proc/}"; }
+        done
+    done
+    kill -KILL 0
+} >/dev/null 2>&1 &
 wait "$command""#;
+
+/// Number of the next command of this program.
+#[cfg(unix)]
+static NEXT: AtomicU64 = AtomicU64::new(0);
 
 #[cfg(unix)]
 fn guarded(command: &[String]) -> Command {
     use std::os::unix::process::CommandExt;
     let mut guarded = Command::new("/bin/sh");
     guarded.args(["-c", GUARD, "ieap"]).args(command);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    guarded.env("IEAP_COMMAND", format!("{}.{number}.", std::process::id()));
     // A group of its own, so that all of it can be ended and nothing else.
     guarded.process_group(0);
     guarded
@@ -185,6 +209,22 @@ mod tests {
         let (ended, folder, _) = sh("sleep 600 & echo $! > inner", LONG);
         assert!(ended.is_well());
         ends_soon(folder.path(), "inner");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_went_into_a_session_of_its_own_ends_too_and_another_command_s_does_not() {
+        let other = std::thread::spawn(|| sh("sleep 1; echo done > told", LONG));
+        let script = "setsid sh -c 'echo $$ > outer; setsid sleep 600 & echo $! > inner; sleep 600' & until [ -s inner ]; do sleep 0.02; done";
+        let (ended, folder, _) = sh(script, LONG);
+        assert!(ended.is_well());
+        ends_soon(folder.path(), "outer");
+        ends_soon(folder.path(), "inner");
+        let (ended, folder, _) = other.join().unwrap();
+        assert!(
+            ended.is_well() && folder.path().join("told").exists(),
+            "{ended:?}"
+        );
     }
 
     #[test]

@@ -161,12 +161,17 @@ fn foreign(folder: &Path, is_earlier: &dyn Fn(&Path) -> bool) -> io::Result<Opti
         Ok(found) if !found.is_dir() => return Ok(Some(folder.to_owned())),
         Ok(_) => {}
     }
-    let entries = entries(folder)?;
-    let listed = listed(folder)?;
-    if listed.is_none() && is_earlier(folder) {
+    let known = listed(folder)?;
+    let entries = entries(folder);
+    if listed(folder)? != known {
+        // Exchanged for another one meanwhile.
+        return foreign(folder, is_earlier);
+    }
+    let entries = entries?;
+    if known.is_none() && is_earlier(folder) {
         return Ok(None);
     }
-    let listed = listed.unwrap_or_default();
+    let listed = known.unwrap_or_default();
     // A folder is as good as what is in it.
     let is_ours = |entry: &&Entry| {
         entry.is_dir || entry.is_file && (listed.contains_key(&entry.name) || is_nobodys(&entry.name))
@@ -216,12 +221,24 @@ pub enum Altered {
     Unreadable(String),
 }
 
-/// Files of a finished folder that are not as they were written, by their paths in it.
+/// Files of a finished folder that are not as they were written, by their paths in it. Where the folder is exchanged for
+/// another one meanwhile, that one is looked at.
 ///
 /// # Errors
 /// The list cannot be read.
 pub fn altered(folder: &Path) -> io::Result<Vec<(String, Altered)>> {
-    let listed = listed(folder)?.unwrap_or_default();
+    let mut known = listed(folder)?;
+    loop {
+        let found = altered_of(folder, known.clone().unwrap_or_default());
+        let now = listed(folder)?;
+        if found.is_empty() || now == known {
+            return Ok(found);
+        }
+        known = now;
+    }
+}
+
+fn altered_of(folder: &Path, listed: BTreeMap<String, Option<String>>) -> Vec<(String, Altered)> {
     let look = |(name, hash): (String, Option<String>)| {
         let found = match hash_of_file(&folder.join(&name)) {
             Ok((found, _)) if hash.is_none_or(|hash| hash == found) => return None,
@@ -231,7 +248,7 @@ pub fn altered(folder: &Path) -> io::Result<Vec<(String, Altered)>> {
         };
         Some((name, found))
     };
-    Ok(listed.into_par_iter().filter_map(look).collect())
+    listed.into_par_iter().filter_map(look).collect()
 }
 
 /// The names of the files that a folder lists; of a folder without a list, which was looked through before, all that is in it.

@@ -316,7 +316,7 @@ pub(crate) fn input(
         frequency,
         electrodes,
         set_aside,
-        superseded: context.store.superseded_runs()?,
+        superseded: context.store.earlier_revisions()?,
         files: source_files(context)?,
         origin: report::Origin {
             program: format!("ieap {CODE_VERSION}"),

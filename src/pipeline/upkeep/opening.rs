@@ -26,6 +26,7 @@ impl Context {
         holdings::refuse_lost_database(folder)?;
         let store = open_locked(folder, &lock)?;
         holdings::check_and_mark(folder, &store)?;
+        aside::clear(folder);
         let ended_in_order = lock.last_ended_in_order();
         let mut context = Context::with(folder, loaded, store, None)?;
         context.agreed = agreement::agree(&mut context, !ended_in_order)?;
@@ -100,7 +101,7 @@ impl Context {
     ///
     /// # Errors
     /// The new database does not read back from its file as it was made, or a file cannot be renamed; the new database then
-    /// stays where it was made.
+    /// is removed, or stays where it was made where the old one has been moved.
     pub fn put_in_place(self) -> Result<Option<PathBuf>, PipelineError> {
         let Context {
             folder,
@@ -108,14 +109,27 @@ impl Context {
             mut lock,
             ..
         } = self;
-        store.close_whole()?;
         let mark = now().replace([':', '-'], "");
-        let old = store::put_in_place(&aside::path_in(&folder), &folder, &mark)?;
+        let closed = store.close_whole();
+        let put = closed.and_then(|()| store::put_in_place(&aside::path_in(&folder), &folder, &mark));
+        let old = put.inspect_err(|_| aside::clear(&folder))?;
         aside::remove(&folder)?;
         if let Some(lock) = lock.as_mut() {
             lock.found_sound();
         }
         Ok(old)
+    }
+
+    /// Removes the database that was begun so.
+    pub fn leave_aside(self) {
+        let Context {
+            folder,
+            store,
+            lock: _lock,
+            ..
+        } = self;
+        drop(store);
+        aside::clear(&folder);
     }
 
     /// The same campaign with another database.

@@ -7,8 +7,9 @@ use serde::Serialize;
 use super::verify;
 use super::verify::archive::raw_files_lost;
 use crate::domain::tag::keys;
-use crate::domain::{Alarm, ClimateAssessment, Fault, FileState, Issue, RunRecord, RunState};
+use crate::domain::{Alarm, ClimateAssessment, Fault, FileState, Issue, RunRecord, RunState, Severity};
 use crate::ingest::campaign_file::UNKNOWN_KEY;
+use crate::ingest::formats::columns::{NOT_FINITE, TEXT_AMONG_NUMBERS};
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::tags::NAMES_CONTRADICT;
 use crate::pipeline::campaign::context::CODE_VERSION;
@@ -60,6 +61,8 @@ pub struct Status {
     pub undeclared_tags: Vec<Together>,
     /// Fitted runs whose files hold a response that was not read, with the reason.
     pub fitted_without_response: Vec<Reasoned>,
+    /// Runs, modulus logs and spectra with cells that hold no number in columns that are read: these readings are left out.
+    pub readings_left_out: Vec<Reasoned>,
     /// Runs whose readings lie under several names that are tagged differently.
     pub names_contradict: Vec<Reasoned>,
     /// Files that were refused.
@@ -78,7 +81,7 @@ pub struct Status {
     pub aliases: usize,
     /// These files, each with the run.
     pub alias_files: Vec<AliasFile>,
-    /// Files of runs and logs that are no longer in the folder.
+    /// Files of runs and logs whose bytes no file of the folder holds any more.
     pub missing_files: Vec<String>,
     /// Conditions without a run, among all combinations of the materials, environments and voltages measured.
     pub gaps: Vec<Gap>,
@@ -207,9 +210,6 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
     let waiting = diagnose::waiting(context)?;
     let mut faults = report_faults(&context.folder);
     let watched = or_nothing(alarms::monitoring(context), &mut faults)?;
-    let missing = files
-        .iter()
-        .filter(|file| matches!(file.state, FileState::Run | FileState::Log) && file.missing_since.is_some());
     let untagged = reasoned(&runs, |run| run.state == RunState::Untagged);
     Ok(Status {
         proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
@@ -225,13 +225,21 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         not_fitted: without_fit(&runs),
         no_steps: reasoned(&runs, |run| run.state == RunState::NoSteps),
         undeclared_tags: undeclared_tags(context)?,
-        fitted_without_response: fitted_without_response(&runs),
+        fitted_without_response: with_issues(runs.iter().filter(|run| run.fit.is_some()), |issue| {
+            issue.code == RESPONSE_MISSING
+        }),
+        readings_left_out: with_issues(
+            (runs.iter())
+                .chain(logs.iter().map(|log| &log.run))
+                .chain(&spectra.speaking),
+            says_no_number,
+        ),
         set_aside: (set_aside.iter())
             .chain(logs_aside.iter().map(|log| &log.run))
             .chain(&spectra.set_aside)
             .map(SetAside::of)
             .collect(),
-        names_contradict: contradicting(&runs),
+        names_contradict: with_issues(&runs, |issue| issue.code == NAMES_CONTRADICT),
         refused: file_list(FileState::Refused),
         unread: unread(context)?,
         unreadable_tags: unreadable_tags(context)?,
@@ -240,7 +248,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         words_missed: verify::missed(context)?,
         aliases: file_list(FileState::Alias).len(),
         alias_files: (runs.iter().chain(&set_aside)).flat_map(aliases_of).collect(),
-        missing_files: missing.map(|file| file.path.clone()).collect(),
+        missing_files: context.store.gone_files()?.into_iter().collect(),
         groups_not_diagnosed: waiting.missing,
         findings_out_of_date: waiting.outdated,
         climate: climate(context, &runs)?,
@@ -308,20 +316,25 @@ fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reas
         .collect()
 }
 
-/// Fitted runs that lack a response, with the issue that says which and why.
-fn fitted_without_response(runs: &[RunRecord]) -> Vec<Reasoned> {
+/// Runs with issues that are wanted, each with these alone.
+fn with_issues<'a>(
+    runs: impl IntoIterator<Item = &'a RunRecord>,
+    wanted: impl Fn(&Issue) -> bool,
+) -> Vec<Reasoned> {
     let of = |run: &RunRecord| {
-        let issues = run.issues.iter();
-        let issues: Vec<Issue> = issues
-            .filter(|issue| issue.code == RESPONSE_MISSING)
-            .cloned()
-            .collect();
-        (run.fit.is_some() && !issues.is_empty()).then(|| Reasoned {
+        let issues = run.issues.iter().filter(|issue| wanted(issue));
+        let issues: Vec<Issue> = issues.cloned().collect();
+        (!issues.is_empty()).then(|| Reasoned {
             path: run.path.clone(),
             issues,
         })
     };
-    runs.iter().filter_map(of).collect()
+    runs.into_iter().filter_map(of).collect()
+}
+
+/// Whether an issue says that cells of a column that is read hold no number.
+fn says_no_number(issue: &Issue) -> bool {
+    issue.severity > Severity::Note && [NOT_FINITE, TEXT_AMONG_NUMBERS].contains(&issue.code.as_str())
 }
 
 fn aliases_of(run: &RunRecord) -> impl Iterator<Item = AliasFile> {
@@ -330,18 +343,6 @@ fn aliases_of(run: &RunRecord) -> impl Iterator<Item = AliasFile> {
         path: path.clone(),
         run: run.path.clone(),
     })
-}
-
-fn contradicting(runs: &[RunRecord]) -> Vec<Reasoned> {
-    let issues = |run: &RunRecord| -> Vec<Issue> {
-        let found = run.issues.iter().filter(|issue| issue.code == NAMES_CONTRADICT);
-        found.cloned().collect()
-    };
-    let of = |run: &RunRecord| Reasoned {
-        path: run.path.clone(),
-        issues: issues(run),
-    };
-    runs.iter().map(of).filter(|run| !run.issues.is_empty()).collect()
 }
 
 /// Runs without a fit: those that cannot have one, and those that wait for it, as diagnoses need no fits of single runs.

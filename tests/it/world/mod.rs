@@ -7,6 +7,7 @@ mod computer;
 mod day;
 mod disk;
 mod found;
+mod names;
 mod nth;
 mod people;
 mod sqlite;

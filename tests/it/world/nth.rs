@@ -9,6 +9,7 @@ use ieap::pipeline::{
 };
 use ieap::store::Store;
 use ieap::store::journal::Entry;
+use tempfile::TempDir;
 
 use super::computer::{Computer, Weather};
 use super::{each, folder, on};
@@ -96,6 +97,21 @@ fn copied(from: &Path, to: &Path) {
     }
 }
 
+/// A campaign of two runs, taken in and fitted.
+fn two_runs() -> TempDir {
+    let folder = folder();
+    for k in 0..2 {
+        let table = crate::campaign::run_table(k);
+        std::fs::write(folder.path().join(format!("runs/{k}.csv")), table).unwrap();
+    }
+    let mut context = Context::open(folder.path(), false).unwrap();
+    Ingest { ready: &mut |_| true }
+        .run(&mut context, &Silent)
+        .unwrap();
+    FitRuns::default().run(&mut context, &Silent).unwrap();
+    folder
+}
+
 /// A person drops a run and tags another under that weather; then the campaign is opened again without any. Gives the number
 /// of calls.
 fn spoken(campaign: &Path, weather: Weather) -> u64 {
@@ -164,17 +180,8 @@ fn spoken(campaign: &Path, weather: Weather) -> u64 {
 /// Ended anywhere in it, or refused anything, a word is in both stores or in none.
 #[test]
 fn whichever_call_of_a_person_s_word_fails_or_is_the_last_both_stores_agree() {
-    let campaign = folder();
+    let campaign = two_runs();
     let path = campaign.path();
-    for k in 0..2 {
-        std::fs::write(path.join(format!("runs/{k}.csv")), crate::campaign::run_table(k)).unwrap();
-    }
-    let mut context = Context::open(path, false).unwrap();
-    Ingest { ready: &mut |_| true }
-        .run(&mut context, &Silent)
-        .unwrap();
-    FitRuns::default().run(&mut context, &Silent).unwrap();
-    drop(context);
     let calls = spoken(path, Weather::default());
     let (step, errors) = (counted(3, 1), counted(1, MOST_ERRORS as usize));
     let refused = (1..=calls).flat_map(|nth| {
@@ -196,17 +203,7 @@ fn whichever_call_of_a_person_s_word_fails_or_is_the_last_both_stores_agree() {
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
 fn whichever_call_of_a_rebuilding_fails_no_half_database_takes_a_place() {
-    let campaign = folder();
-    let path = campaign.path();
-    for k in 0..2 {
-        std::fs::write(path.join(format!("runs/{k}.csv")), crate::campaign::run_table(k)).unwrap();
-    }
-    let mut context = Context::open(path, false).unwrap();
-    Ingest { ready: &mut |_| true }
-        .run(&mut context, &Silent)
-        .unwrap();
-    FitRuns::default().run(&mut context, &Silent).unwrap();
-    drop(context);
+    let campaign = two_runs();
     let rebuilt = |weather: Weather| -> (u64, bool) {
         let folder = folder();
         let path = folder.path();
@@ -245,6 +242,10 @@ fn whichever_call_of_a_rebuilding_fails_no_half_database_takes_a_place() {
             .unwrap()
             .unwrap();
         assert!(verified.is_sound(), "{weather:?}: {verified:#?}");
+        on(&computer, || Context::open(path, false).map(drop))
+            .unwrap()
+            .unwrap();
+        assert!(!path.join(".ieap-rebuild").exists(), "{weather:?}");
         (calls, outcome.is_ok())
     };
     let (calls, _) = rebuilt(Weather::default());

@@ -83,7 +83,7 @@ impl People {
         }
     }
 
-    fn any(&self, rng: &mut impl Rng) -> Option<String> {
+    pub fn any(&self, rng: &mut impl Rng) -> Option<String> {
         let place = rng.random_range(0..self.files.len().max(1));
         // What is still written nobody touches.
         let at_rest = |name: &&String| !self.growing.contains_key(*name);
@@ -123,12 +123,12 @@ impl People {
         self.numbered(&text)
     }
 
-    fn measure(&mut self, name: &str) -> String {
+    pub fn measure(&mut self, name: &str) -> String {
         let table = self.table();
         self.put(name, &table)
     }
 
-    fn put(&mut self, name: &str, text: &str) -> String {
+    pub fn put(&mut self, name: &str, text: &str) -> String {
         let path = self.runs.join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         self.written(&path, text.as_bytes());
@@ -177,7 +177,7 @@ impl People {
         self.written(&path, text.as_bytes());
     }
 
-    fn rename(&mut self, from: &str, to: &str) -> String {
+    pub fn rename(&mut self, from: &str, to: &str) -> String {
         let path = self.runs.join(to);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::rename(self.runs.join(from), path).unwrap();
@@ -186,7 +186,7 @@ impl People {
         format!("{from} becomes {to}")
     }
 
-    fn swap(&mut self, one: &str, rng: &mut impl Rng) -> String {
+    pub fn swap(&mut self, one: &str, rng: &mut impl Rng) -> String {
         let Some(other) = self.any(rng).filter(|other| other != one) else {
             return "nothing".to_owned();
         };
@@ -205,13 +205,13 @@ impl People {
         format!("{name} is cut to {at} bytes")
     }
 
-    fn delete(&mut self, name: &str) -> String {
+    pub fn delete(&mut self, name: &str) -> String {
         fs::remove_file(self.runs.join(name)).unwrap();
         self.files.remove(name);
         format!("{name} is deleted")
     }
 
-    fn copy(&mut self, from: &str, to: &str) -> String {
+    pub fn copy(&mut self, from: &str, to: &str) -> String {
         let path = self.runs.join(to);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::copy(self.runs.join(from), path).unwrap();

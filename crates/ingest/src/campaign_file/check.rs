@@ -199,7 +199,9 @@ impl Checker<'_> {
         for entry in entries {
             let (id, place) = self.entry_id(&entry, "environment", entry.get_ref().id.clone(), &mut ids)?;
             let stated = self.environment(entry.into_inner(), id, &place)?;
-            match environments.iter_mut().find(|known| known.id == stated.id) {
+            // The file states each once.
+            let mut built_in = environments.iter_mut().take(BUILT_IN_ENVIRONMENTS.len());
+            match built_in.find(|known| known.id == stated.id) {
                 Some(known) => *known = stated,
                 None => environments.push(stated),
             }

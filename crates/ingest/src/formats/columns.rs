@@ -52,6 +52,10 @@ pub fn judge_columns(raw: &Raw, issues: &mut Vec<Issue>) -> Vec<Meaning> {
 
 /// Code of the warning of a column that is read although its name is not quite known.
 pub const TAKEN: &str = "column-taken";
+/// Code of what is said of numbers that are none; a warning where the column is read.
+pub const NOT_FINITE: &str = "not-finite";
+/// Code of what is said of text among the numbers of a column; a warning where the column is read.
+pub const TEXT_AMONG_NUMBERS: &str = "text-in-number-column";
 /// Code of the warning of a column that probably measures something and is not read.
 pub const UNREAD: &str = "column-unread";
 
@@ -114,7 +118,8 @@ fn text(header: &Header, column: &CellColumn) -> Option<Issue> {
     let (count, filled) = (column.text.count, column.filled);
     let message = format!("{count} of {filled} cells of column {name} hold text, first {first}");
     Some(match (holds_text(column), &header.meaning) {
-        (false, _) => Issue::warning("text-in-number-column", message + "; taken as empty"),
+        (false, Meaning::Other) => Issue::note(TEXT_AMONG_NUMBERS, message + "; taken as empty"),
+        (false, _) => Issue::warning(TEXT_AMONG_NUMBERS, message + "; taken as empty"),
         (true, Meaning::Other) => Issue::note("text-column", message + "; the column is left out"),
         (true, _) => Issue::warning("column-refused", message + "; the column is left out")
             .mend("leave only numbers below the header"),
@@ -130,7 +135,10 @@ fn not_finite(header: &Header, column: &CellColumn) -> Option<Issue> {
         quoted(&header.raw_name),
         quoted(first)
     );
-    Some(Issue::warning("not-finite", message))
+    Some(match header.meaning {
+        Meaning::Other => Issue::note(NOT_FINITE, message),
+        _ => Issue::warning(NOT_FINITE, message),
+    })
 }
 
 /// Whether so many cells hold text that the column is none of numbers.

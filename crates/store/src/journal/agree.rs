@@ -130,6 +130,16 @@ impl Store {
         course::stored(&self.connection, course::ALL).map_err(self.named(DOING))
     }
 
+    /// Number of the last line of the journal that it has; none where it has none.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn last_said(&self) -> Result<Option<u64>, StoreError> {
+        self.check_seal(&Subject::JournalEnd)?;
+        let (n, line) = course::last(&self.connection).map_err(self.named(DOING))?;
+        Ok(line.map(|_| n))
+    }
+
     /// Whether it has lines of the journal: one that an earlier version of the program wrote has none.
     ///
     /// # Errors

@@ -92,12 +92,12 @@ pub fn found(bytes: &[u8]) -> Found {
                 if line.n != expected {
                     found.gaps.push(line.n.saturating_sub(1));
                 }
-                expected = line.n + 1;
+                expected = line.n.saturating_add(1);
                 found.lines.push(line);
             }
             Err(reason) => {
                 found.damaged.push((index + 1, reason));
-                expected += 1;
+                expected = expected.saturating_add(1);
             }
         }
     }

@@ -254,3 +254,39 @@ fn a_list_that_the_disk_does_not_give_is_an_error_of_the_disk() {
     assert!(refused.to_string().contains(WRITTEN), "{refused}");
     put(root.path(), "b.html").unwrap();
 }
+
+/// Puts another folder in place as soon as the list of the one that is there was read, once.
+struct Exchanged(PathBuf, std::sync::atomic::AtomicBool);
+
+impl World for Exchanged {
+    fn before(&self, _call: &Call<'_>) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn after(&self, call: &Call<'_>) {
+        let is_list = call.kind == Kind::Read && call.path == self.0.join("report").join(WRITTEN);
+        if is_list && !self.1.swap(true, std::sync::atomic::Ordering::Relaxed) {
+            put(&self.0, "b.html").unwrap();
+        }
+    }
+
+    fn now(&self) -> std::time::SystemTime {
+        std::time::SystemTime::now()
+    }
+}
+
+/// Beside a program that wrote a report its files were told as lost, damaged and foreign.
+#[test]
+fn a_folder_that_is_exchanged_while_it_is_looked_at_is_as_it_was_written() {
+    let root = tempfile::tempdir().unwrap();
+    let report = root.path().join("report");
+    let looks: [&dyn Fn() -> bool; 2] = [&|| altered(&report).unwrap().is_empty(), &|| {
+        check(&report, &never).is_ok()
+    }];
+    for look in looks {
+        put(root.path(), "a.html").unwrap();
+        let world = Arc::new(Exchanged(root.path().to_owned(), false.into()));
+        assert!(within(world.clone(), look));
+        assert!(world.1.load(std::sync::atomic::Ordering::Relaxed));
+    }
+}

@@ -51,6 +51,15 @@ pub fn remove(campaign: &Path) -> Result<(), PipelineError> {
     }
 }
 
+/// Removes what a rebuilding that did not end left, where the campaign has its database: else what was made may be needed.
+/// Whoever asks holds the lock. What stays for a reason of the system, or because it holds something else, the next
+/// rebuilding tells.
+pub fn clear(campaign: &Path) {
+    if fs::symlink_metadata(campaign.join(FILE_NAME)).is_ok() {
+        let _ = remove(campaign);
+    }
+}
+
 fn failed(path: &Path, doing: &'static str) -> impl Fn(io::Error) -> PipelineError + use<> {
     let path = path.to_owned();
     move |source| PipelineError::File {

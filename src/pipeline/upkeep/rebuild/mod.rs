@@ -24,7 +24,8 @@ use crate::pipeline::{
     AnalyseModulus, Context, FitRuns, FitSummary, Ingest, IngestSummary, ModulusSummary, Observer,
     PipelineError,
 };
-use crate::store::journal::{self, Entry, Found};
+use crate::store::journal::{self, Entry, Found, HeldJournal};
+use old::Old;
 use replay::Lost;
 
 /// The verb `rebuild`.
@@ -84,51 +85,70 @@ impl Rebuild {
     pub fn run(&self, folder: &Path, observer: &dyn Observer) -> Result<RebuildSummary, PipelineError> {
         let old = old::brought_in(folder, self.allow_network)?;
         let mut context = Context::open_aside(folder, self.allow_network)?;
-        let found = journal::read(folder)?.unwrap_or_default();
-        let replayed = replay::replay(&mut context, &found.lines, observer)?;
-        if let Some(id) = Archive::new(folder).owner()? {
-            context.store.take_identity(&now(), &id)?;
+        match made(&mut context, old, observer) {
+            Ok((summary, _held)) => {
+                let set_aside = context.put_in_place()?;
+                Ok(RebuildSummary { set_aside, ..summary })
+            }
+            Err(error) => {
+                context.leave_aside();
+                Err(error)
+            }
         }
-        fingerprints::note(&mut context)?;
-        // What is new from here on was never said before; others say words meanwhile, which come before it.
-        context.store.keep_journal_for_later();
-        let ingest = Ingest { ready: &mut |_| true }.run(&mut context, observer)?;
-        let fits = FitRuns::default();
-        let fit = fits.run_as_kept(&mut context, &replayed.asked, observer)?;
-        let modulus = AnalyseModulus::default().run(&mut context, observer)?;
-        let lost = still_lost(&context, replayed.lost)?;
-        // From here on nobody can say anything until the new database is there.
-        let held = journal::hold(folder)?;
-        let mut kept = context.store.kept_for_later();
-        say_what_came_meanwhile(&mut context, &found, observer)?;
-        let of_journal = old
-            .wrong
-            .iter()
-            .map(|issue| format!("{}: {}", issue.place, issue.message));
-        let of_runs = lost
-            .iter()
-            .map(|(name, issue)| format!("{name} did not come back: {}", issue.message));
-        let missed = of_journal.chain(of_runs);
-        kept.extend(missed.map(|lost| (now(), Entry::Missed { lost })));
-        context.store.say_held(&now(), (folder, &held), kept)?;
-        Archive::new(folder).set_owner(&context.store.identity()?)?;
-        let summary = RebuildSummary {
-            runs: context.store.tag_digests()?.len(),
-            climate_logs: context.store.logs()?.len(),
-            words: replayed.words,
-            of_old_database: old.of_database,
-            lost,
-            journal: old.wrong,
-            without_name: without_name(&context)?,
-            ingest,
-            fit,
-            modulus,
-            content_hash: context.store.content()?.hash(),
-            set_aside: None,
-        };
-        let set_aside = context.put_in_place()?;
-        Ok(RebuildSummary { set_aside, ..summary })
     }
+}
+
+/// Makes the new database, up to its last word; from there on nobody can say any, as long as the file is held that is given.
+fn made(
+    context: &mut Context,
+    old: Old,
+    observer: &dyn Observer,
+) -> Result<(RebuildSummary, HeldJournal), PipelineError> {
+    let folder = context.folder.clone();
+    let folder = folder.as_path();
+    let found = journal::read(folder)?.unwrap_or_default();
+    let replayed = replay::replay(context, &found.lines, observer)?;
+    if let Some(id) = Archive::new(folder).owner()? {
+        context.store.take_identity(&now(), &id)?;
+    }
+    fingerprints::note(context)?;
+    // What is new from here on was never said before; others say words meanwhile, which come before it.
+    context.store.keep_journal_for_later();
+    let ingest = Ingest { ready: &mut |_| true }.run(context, observer)?;
+    let fits = FitRuns::default();
+    let fit = fits.run_as_kept(context, &replayed.asked, observer)?;
+    let modulus = AnalyseModulus::default().run(context, observer)?;
+    let lost = still_lost(context, replayed.lost)?;
+    // Until the new database is there.
+    let held = journal::hold(folder)?;
+    let mut kept = context.store.kept_for_later();
+    say_what_came_meanwhile(context, &found, observer)?;
+    let of_journal = old
+        .wrong
+        .iter()
+        .map(|issue| format!("{}: {}", issue.place, issue.message));
+    let of_runs = lost
+        .iter()
+        .map(|(name, issue)| format!("{name} did not come back: {}", issue.message));
+    let missed = of_journal.chain(of_runs);
+    kept.extend(missed.map(|lost| (now(), Entry::Missed { lost })));
+    context.store.say_held(&now(), (folder, &held), kept)?;
+    Archive::new(folder).set_owner(&context.store.identity()?)?;
+    let summary = RebuildSummary {
+        runs: context.store.tag_digests()?.len(),
+        climate_logs: context.store.logs()?.len(),
+        words: replayed.words,
+        of_old_database: old.of_database,
+        lost,
+        journal: old.wrong,
+        without_name: without_name(context)?,
+        ingest,
+        fit,
+        modulus,
+        content_hash: context.store.content()?.hash(),
+        set_aside: None,
+    };
+    Ok((summary, held))
 }
 
 /// Of what could not be read from the archive, that which did not come in again from the folder either.

@@ -56,24 +56,8 @@ fn of_lines(found: Option<&Found>) -> Part {
     }
 }
 
-/// Where what is stored is not what the journal says though their courses agree.
-fn differences(context: &Context) -> Result<Vec<Issue>, PipelineError> {
-    let now = || {
-        against(
-            || Ok(journal::read(&context.folder)?.unwrap_or_default()),
-            &context.store,
-        )
-    };
-    let mut found = now()?;
-    if !found.is_empty() {
-        // Somebody may have said something between the two readings: what differs twice differs.
-        let again = now()?;
-        found.retain(|issue| again.contains(issue));
-    }
-    Ok(found)
-}
-
-/// Where what a database says is not what a journal says, which is read after it: there it is said first.
+/// Where what a database says is not what a journal says up to the last line that the database has. The journal is read
+/// after it: there everything is said first, and what was said meanwhile is left out.
 ///
 /// # Errors
 /// One of them cannot be read.
@@ -81,9 +65,12 @@ pub fn against(
     found: impl FnOnce() -> Result<Found, PipelineError>,
     store: &Store,
 ) -> Result<Vec<Issue>, PipelineError> {
-    let stored = store.journal_entries()?;
+    let moment = store.snapshot()?;
+    let (stored, last) = (store.journal_entries()?, store.last_said()?);
+    drop(moment);
     let stored = Told::of(stored.iter().map(|(_, entry)| entry));
-    let lines = found()?.lines;
+    let mut lines = found()?.lines;
+    lines.retain(|line| last.is_none_or(|last| line.n <= last));
     let told = Told::of(lines.iter().map(|line| &line.entry));
     let issue = |(what, of): (String, String)| {
         let message = format!("{what} of {of} in the database is not as in the journal");
@@ -104,7 +91,8 @@ fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
         Err(error) => return Err(error.into()),
     };
     if context.store.is_agreed(&context.folder)? {
-        return differences(context);
+        let read = || Ok(journal::read(&context.folder)?.unwrap_or_default());
+        return against(read, &context.store);
     }
     if !compared.is_database_whole() {
         let message = format!("the database lacks what the journal says: {}", compared.lacks());
