@@ -106,6 +106,25 @@ impl Drive {
         Drive { baseline_v, segments }
     }
 
+    /// The drive as a voltmeter tells it that is read at these times, in rising order: each start lies between the last reading
+    /// before it and the first one that saw it. Of starts between the same two readings the last level is seen.
+    pub fn as_seen(&self, time_s: &[f64]) -> Drive {
+        let mut seen = self.clone();
+        for segment in &mut seen.segments {
+            let first = time_s.partition_point(|&t| t < segment.start_s);
+            segment.last_before_s = first.checked_sub(1).map(|before| time_s[before]);
+            segment.start_s = time_s.get(first).copied().unwrap_or(segment.start_s);
+        }
+        seen.segments.dedup_by(|later, earlier| {
+            let same = later.start_s <= earlier.start_s;
+            if same {
+                earlier.level = later.level;
+            }
+            same
+        });
+        seen
+    }
+
     /// When segments start at which readings may jump, s: all of them, or of a voltage that [`Drive::moves`] the first one
     /// and those at which it jumps or the circuit opens or closes.
     pub fn edges_s(&self) -> Vec<f64> {
@@ -236,6 +255,22 @@ mod tests {
         let mut opened = wave.clone();
         opened.segments[50].level = Level::OpenCircuit;
         assert_eq!(opened.edges(), [0, 50, 51]);
+    }
+
+    #[test]
+    fn readings_see_an_edge_after_it_was_and_of_two_between_them_the_last() {
+        let mut drive = Drive::step(2.0);
+        drive.segments.push(Segment::at(4.2, Level::Voltage(0.0)));
+        drive.segments.push(Segment::at(4.6, Level::Voltage(1.0)));
+        let seen = drive.as_seen(&[-0.5, 0.5, 1.5, 4.0, 5.0]);
+        let told: Vec<_> = (seen.segments.iter())
+            .map(|segment| (segment.last_before_s, segment.start_s, segment.level))
+            .collect();
+        let expected = [
+            (Some(-0.5), 0.5, Level::Voltage(2.0)),
+            (Some(4.0), 5.0, Level::Voltage(1.0)),
+        ];
+        assert_eq!(told, expected);
     }
 
     #[test]

@@ -104,7 +104,7 @@ fn one(levels: &[(f64, f64)], beside: Beside, ratio: f64, seed: u64, held: &mut 
         _ => time_s.to_vec(),
     };
     let seen = match beside {
-        Beside::Between => as_seen(&drive, &time_s),
+        Beside::Between => drive.as_seen(&time_s),
         _ => drive.clone(),
     };
     let mut noisy = |values: Vec<f64>| -> Arc<[f64]> {
@@ -146,17 +146,6 @@ fn one(levels: &[(f64, f64)], beside: Beside, ratio: f64, seed: u64, held: &mut 
             }
         }
     }
-}
-
-/// The drive as a voltmeter tells it that is read with the rest.
-fn as_seen(drive: &Drive, times: &[f64]) -> Drive {
-    let mut seen = drive.clone();
-    for segment in &mut seen.segments {
-        let first = times.partition_point(|&t| t < segment.start_s);
-        segment.last_before_s = first.checked_sub(1).map(|before| times[before]);
-        segment.start_s = times.get(first).copied().unwrap_or(segment.start_s);
-    }
-    seen
 }
 
 fn truth_of(model: &LumpedModel, key: &str) -> Option<f64> {

@@ -147,8 +147,13 @@ fn judge(input: &FitInput, options: &FitOptions, identified: &mut Identified) ->
     let readings = RunReadings {
         drive: input.drive,
         area_cm2: input.area_cm2,
-        current: Some(Response::new(current.clone())),
-        curvature: bending.map(|(curvature, _)| Response::new(curvature.clone())),
+        current: Some(Response::beside_fit(
+            current.clone(),
+            &electrical.residuals.residuals,
+        )),
+        curvature: bending.map(|(curvature, bending)| {
+            Response::beside_fit(curvature.clone(), &bending.residuals.residuals)
+        }),
     };
     joint::single::judge(
         &readings,

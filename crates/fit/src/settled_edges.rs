@@ -5,7 +5,7 @@ use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::coupled::Current;
-use crate::edges::EdgeTimes;
+use crate::edges::{EdgeTimes, Shift};
 use crate::electrical::Electrical;
 use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};
@@ -16,10 +16,6 @@ use crate::two_steps::{Readings, identify};
 /// Evaluations of a search for edges, and the part of the sum of squares at which it settles.
 const LIMIT: u64 = 60;
 const SETTLE: f64 = 1e-9;
-/// Places in their ranges that all edges are begun at: the middle, soon after the reading before, shortly before the reading
-/// that saw them. A branch that charges between two readings makes one minimum of each.
-const BEGUN_AT: [f64; 3] = [0.0, -0.7, 0.7];
-
 /// Edges where the readings have them, with what is left open of them.
 pub(crate) struct Settled {
     pub(crate) edges: EdgeTimes,
@@ -76,22 +72,20 @@ fn searched(edges: &EdgeTimes, sampled: &Sampled, electrical: &Electrical) -> Op
     );
     let circuit = start.len() - edges.shifts().len();
     let rounding = 4.0 * f64::EPSILON * sampled.square();
-    let begun_at = |part: &f64| {
+    let begun_at = |place: usize| {
         let mut start = start.clone();
         for (own, shift) in start[circuit..].iter_mut().zip(edges.shifts()) {
-            let (low_s, high_s) = shift.limits_s();
-            *own = part * if *part < 0.0 { -low_s } else { high_s };
+            *own = shift.begun_at_s()[place];
         }
         Levenberg::by_region(LIMIT, SETTLE, rounding).search(&current, &start)
     };
     // One edge alone is as good anywhere: what it is off by the branches take up.
     let places = if edges.shifts().len() > 1 {
-        BEGUN_AT.len()
+        Shift::PLACES
     } else {
         1
     };
-    let best = BEGUN_AT[..places]
-        .iter()
+    let best = (0..places)
         .map(begun_at)
         .filter(|found| found.local.square.is_finite())
         .min_by(|a, b| a.local.square.total_cmp(&b.local.square))?;

@@ -6,7 +6,7 @@ use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 /// More steps than this share of the readings is a sweep, not a piecewise-constant drive: between few levels ...
 const MOST_PULSES_SHARE: f64 = 0.34;
@@ -27,8 +27,10 @@ pub mod jumps;
 mod moving;
 mod stated;
 mod step;
+mod unseen;
 
 pub use found::{FoundDrive, MOVES, NO_STEPS};
+pub use unseen::PAUSES;
 
 use step::step_threshold;
 
@@ -96,13 +98,12 @@ fn from_channel(
     open: &[(f64, f64)],
 ) -> FoundDrive {
     let (time_s, values) = voltage.included();
-    let closed: Vec<usize> = (0..values.len())
-        .filter(|&i| !open.iter().any(|&(from, to)| time_s[i] >= from && time_s[i] < to))
-        .collect();
+    let is_open = |t: f64| open.iter().any(|&(from, to)| t >= from && t < to);
+    let closed: Vec<usize> = (0..values.len()).filter(|&i| !is_open(time_s[i])).collect();
+    let readings = |values: &[f64]| -> Vec<f64> { closed.iter().map(|&i| values[i]).collect() };
     let levels = match levels(&time_s, &values, &closed) {
         Ok(levels) => levels,
         Err(NoLevels::Moves) => {
-            let readings = |values: &[f64]| -> Vec<f64> { closed.iter().map(|&i| values[i]).collect() };
             return moving::staircase(&readings(&time_s), &readings(&values), channels, open);
         }
         Err(NoLevels::Steps(issue)) => {
@@ -112,20 +113,27 @@ fn from_channel(
             };
         }
     };
-    let (first, rest) = match levels.split_first() {
-        Some(split) => split,
-        None => {
-            return FoundDrive {
-                drive: None,
-                issues: vec![no_readings()],
-            };
-        }
+    let Some((first, rest)) = levels.split_first() else {
+        return FoundDrive {
+            drive: None,
+            issues: vec![no_readings()],
+        };
     };
-    if rest.is_empty() {
-        held_from_start(*first, time_zero_is_step, &time_s)
-    } else {
-        stepped(*first, rest, time_zero_is_step)
+    if let Some(issue) = unseen::alternating(&readings(&time_s), &readings(&values)) {
+        return FoundDrive {
+            drive: None,
+            issues: vec![issue],
+        };
     }
+    let mut found = match rest.is_empty() {
+        true => held_from_start(*first, time_zero_is_step, &time_s),
+        false => stepped(*first, rest, time_zero_is_step),
+    };
+    if let Some(drive) = &found.drive {
+        let told = unseen::pauses((&time_s, &values), is_open, drive);
+        found.issues.extend(told);
+    }
+    found
 }
 
 /// A stretch of constant voltage: when the level before was last seen, when this one was first seen, its value.

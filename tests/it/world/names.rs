@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use ieap::pipeline::status::status;
+use ieap::pipeline::upkeep::status::status;
 use ieap::pipeline::{Context, Ingest, Rebuild, SetTags, Silent, SpeakOfRuns};
 use ieap::store::Store;
 use rand::{RngExt, SeedableRng};

@@ -233,7 +233,10 @@ pub fn case(seed: u64, plan: Plan) -> Case {
     }
     let seen = match plan.clock {
         Clock::OnEdges | Clock::IrregularOnEdges => design.iter().map(|run| run.drive.clone()).collect(),
-        Clock::Beside | Clock::Irregular => design.iter().map(as_seen).collect(),
+        Clock::Beside | Clock::Irregular => {
+            let seen = |run: &DesignRun| run.drive.as_seen(&run.current_time_s);
+            design.iter().map(seen).collect()
+        }
     };
     let mut scatter = ChaCha8Rng::seed_from_u64(seed ^ 0x5ca7_7e12);
     let own = design
@@ -295,26 +298,6 @@ fn clocked(even_s: &[f64], plan: Plan, drive: &Drive, clock: &mut ChaCha8Rng) ->
             times
         }
     }
-}
-
-/// The drive of a run as a voltmeter tells it that is read with the rest.
-fn as_seen(run: &DesignRun) -> Drive {
-    let mut seen = run.drive.clone();
-    let times = &run.current_time_s;
-    for segment in &mut seen.segments {
-        let first = times.partition_point(|&t| t < segment.start_s);
-        segment.last_before_s = first.checked_sub(1).map(|before| times[before]);
-        segment.start_s = times.get(first).copied().unwrap_or(segment.start_s);
-    }
-    // Edges between the same two readings are one.
-    seen.segments.dedup_by(|later, earlier| {
-        let same = later.start_s <= earlier.start_s;
-        if same {
-            earlier.level = later.level;
-        }
-        same
-    });
-    seen
 }
 
 /// What the library gives, without noise.

@@ -1,5 +1,6 @@
 //! Edges of the drives that only readings tell of, found with the base model of the group.
 
+use ieap_fit::Shift;
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Problem};
 use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
@@ -8,9 +9,6 @@ use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::ExtendedProblem;
 use crate::readings::group::RunGroup;
 
-/// Places in their ranges that all edges are begun at: the middle, soon after the reading before, shortly before the reading
-/// that saw them. A branch that charges between two readings makes one minimum of each.
-const BEGUN_AT: [f64; 3] = [0.0, -0.7, 0.7];
 /// Evaluations of a search, and the fall of the sum of squares that ends it.
 const LIMIT: u64 = 40;
 const SETTLE: f64 = 0.05;
@@ -30,14 +28,12 @@ pub(crate) fn settled<'a>(group: &RunGroup<'a>, base: &Fitted) -> Option<(RunGro
         group,
         open,
     };
-    let begun_at = |part: &f64| {
-        let ranges = searched.ranges_s();
-        let shifts = ranges.map(|(low_s, high_s)| part * if *part < 0.0 { -low_s } else { high_s });
+    let begun_at = |place: usize| {
+        let shifts = searched.shifts().map(|shift| shift.begun_at_s()[place]);
         let start: Vec<f64> = base.at.iter().copied().chain(shifts).collect();
         Levenberg::by_diagonal(LIMIT, SETTLE).search(&searched, &start)
     };
-    let best = BEGUN_AT
-        .iter()
+    let best = (0..Shift::PLACES)
         .map(begun_at)
         .filter(|found| found.local.square.is_finite())
         .min_by(|a, b| a.local.square.total_cmp(&b.local.square))?;
@@ -58,9 +54,13 @@ struct WithEdges<'p, 'g> {
 }
 
 impl WithEdges<'_, '_> {
-    fn ranges_s(&self) -> impl Iterator<Item = (f64, f64)> {
+    fn shifts(&self) -> impl Iterator<Item = &Shift> {
         let shift = |&(run, shift): &(usize, usize)| &self.group.runs[run].edges.shifts()[shift];
-        self.open.iter().map(move |place| shift(place).limits_s())
+        self.open.iter().map(shift)
+    }
+
+    fn ranges_s(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.shifts().map(Shift::limits_s)
     }
 
     /// The shifts of each run.

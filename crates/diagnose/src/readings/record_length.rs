@@ -1,44 +1,101 @@
-//! Time constants that grow with the length of the record: a sum of exponentials has none that do, a power law does.
+//! Time constants that grow with the length of the record, where a power law describes the current better than they do.
 
-use ieap_domain::Estimate;
 use ieap_domain::seconds::seconds;
+use ieap_domain::{Estimate, Fit, Quantity};
 use ieap_fit::{FitOptions, fit_run};
 use ieap_model::FitModel;
+use ieap_numerics::robust::median_step;
+use ieap_numerics::student::quantile_95;
 
-use crate::readings::group::RunGroup;
+use crate::readings::group::{GroupRun, RunGroup};
+use crate::readings::power_law::{self, PowerLaw};
 
 /// A record so many times as long as another is one of another length.
 const LONGER: f64 = 2.0;
 /// A time constant so many times as large has grown.
 const GROWN: f64 = 1.5;
 
-/// A sentence where the slowest determined time constant of every run alone grows with the length of its record.
+/// One run described both ways.
+struct Described {
+    duration_s: f64,
+    tau_s: f64,
+    /// The power law; none where the run has no current that one could describe.
+    law: Option<PowerLaw>,
+    /// Root mean square of what the exponentials leave of the current, A.
+    rms_a: f64,
+}
+
+/// A sentence where the slowest determined time constant of every run alone grows with the length of its record, and a power
+/// law leaves less of the currents than the exponentials do, which have more parameters.
 pub(crate) fn remark(group: &RunGroup, model: &'static FitModel) -> Option<String> {
     let options = FitOptions {
         model,
         ..FitOptions::default()
     };
-    let mut found: Vec<(f64, f64)> = Vec::new();
-    for run in &group.runs {
-        let fit = fit_run(&run.given.input, &options).ok();
-        let value = |k: usize| {
-            let estimate: Option<&Estimate> = fit.as_ref()?.parameter(&format!("tau{k}_s"));
-            estimate?.value
-        };
-        if let Some(tau_s) = (1..=model.branches).rev().find_map(value) {
-            found.push((run.duration_s, tau_s));
-        }
+    let fits = group.runs.iter().filter_map(|run| {
+        let fit = fit_run(&run.given.input, &options).ok()?;
+        described(run, &fit, model)
+    });
+    let mut found: Vec<Described> = fits.collect();
+    let lengths: Vec<(f64, f64)> = found.iter().map(|own| (own.duration_s, own.tau_s)).collect();
+    if !grows(&lengths) || !is_better(&found) {
+        return None;
     }
-    grows(&found).then(|| {
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let said = |&(duration_s, tau_s): &(f64, f64)| format!("{} s in {} s", seconds(tau_s), seconds(duration_s));
-        let ends = [found.first(), found.last()].into_iter().flatten().map(said);
-        format!(
-            "time constants grow with the length of the record ({}): that is a power law, such as diffusion, and no sum \
-             of exponentials",
-            ends.collect::<Vec<_>>().join(", ")
-        )
+    found.sort_by(|a, b| a.duration_s.total_cmp(&b.duration_s));
+    let said = |own: &Described| format!("{} s in {} s", seconds(own.tau_s), seconds(own.duration_s));
+    let ends = [found.first(), found.last()].into_iter().flatten().map(said);
+    Some(format!(
+        "time constants grow with the length of the record ({}), and a power law describes the currents better: the current \
+         falls as t to the power -{}, as by diffusion, and as no sum of exponentials",
+        ends.collect::<Vec<_>>().join(", "),
+        exponent(&found)
+    ))
+}
+
+fn described(run: &GroupRun, fit: &Fit, model: &FitModel) -> Option<Described> {
+    let value = |k: usize| {
+        let estimate: &Estimate = fit.parameter(&format!("tau{k}_s"))?;
+        estimate.value
+    };
+    let of_current = fit.noise.iter().find(|noise| noise.quantity == Quantity::Current);
+    let current = run.given.input.channels.iter();
+    let mut current = current.filter(|channel| channel.is_whole(Quantity::Current));
+    let law = current.next().and_then(|channel| {
+        let (time_s, current_a) = channel.included();
+        let step_s = median_step(&time_s)?;
+        power_law::fitted(&time_s, &current_a, run.drive(), step_s)
+    });
+    Some(Described {
+        duration_s: run.duration_s,
+        tau_s: (1..=model.branches).rev().find_map(value)?,
+        law,
+        rms_a: of_current.map_or(0.0, |noise| noise.residual_rms),
     })
+}
+
+/// Whether the power law leaves less than the exponentials, over all runs.
+fn is_better(found: &[Described]) -> bool {
+    let each = found.iter().map(|own| Some((own.law?.rms_a / own.rms_a).ln()));
+    each.sum::<Option<f64>>().is_some_and(|sum| sum < 0.0)
+}
+
+/// The exponent over the runs, with the 95 % interval that their scatter gives.
+fn exponent(found: &[Described]) -> String {
+    let each: Vec<f64> = found
+        .iter()
+        .filter_map(|own| own.law)
+        .map(|law| law.exponent)
+        .collect();
+    let count = each.len() as f64;
+    let mean = each.iter().sum::<f64>() / count;
+    let square: f64 = each.iter().map(|own| (own - mean).powi(2)).sum();
+    let off = quantile_95(count - 1.0) * (square / (count - 1.0) / count).sqrt();
+    format!(
+        "{mean:.2} (95 % interval {:.2} to {:.2}, from {} runs)",
+        mean - off,
+        mean + off,
+        each.len()
+    )
 }
 
 /// Whether every clearly longer record (duration, time constant) has a clearly larger time constant.
@@ -50,7 +107,33 @@ fn grows(found: &[(f64, f64)]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::grows;
+    use super::*;
+
+    fn described(duration_s: f64, exponent: f64, of_law_a: f64, of_exponentials_a: f64) -> Described {
+        Described {
+            duration_s,
+            tau_s: 0.3 * duration_s,
+            law: Some(PowerLaw {
+                exponent,
+                rms_a: of_law_a,
+            }),
+            rms_a: of_exponentials_a,
+        }
+    }
+
+    #[test]
+    fn a_power_law_is_said_only_where_it_leaves_less() {
+        let worse = [described(2.0, 0.4, 5e-6, 1e-6), described(50.0, 0.5, 2e-6, 1e-6)];
+        let better = [
+            described(2.0, 0.45, 1e-6, 3e-6),
+            described(50.0, 0.55, 2e-6, 1e-6),
+        ];
+        assert!(!is_better(&worse) && is_better(&better));
+        assert!(exponent(&better).starts_with("0.50 (95 % interval "));
+        let [first, mut other] = better;
+        other.law = None;
+        assert!(!is_better(&[first, other]));
+    }
 
     #[test]
     fn growth_needs_records_of_different_lengths_that_all_agree() {

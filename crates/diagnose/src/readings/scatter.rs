@@ -8,6 +8,7 @@ use ieap_model::LumpedModel;
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::least_squares::Local;
 use ieap_numerics::random_effects::{Form, Spread, log_likelihood, most_likely, spreads};
+use ieap_numerics::sums::dot;
 
 use crate::levels::{DIFFERENCE_EVIDENCE, SCATTER, SCATTER_EVIDENCE};
 use crate::readings::group::RunGroup;
@@ -19,6 +20,8 @@ const BEYOND: f64 = 3.0;
 const RUNS: usize = 3;
 /// Precision with which what the runs share is known before, relative: hardly.
 const KNOWN_BEFORE: f64 = 1e-4;
+/// Parts of a run's deviations that are tried, until one brings its residuals down.
+const PARTS: [f64; 6] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
 /// Relative step of the slopes.
 const STEP: f64 = 1e-4;
 
@@ -59,17 +62,28 @@ impl Scatter {
         }
     }
 
-    /// The model of each run: that of the group with the run's own deviations.
+    /// The model of each run: that of the group with the run's own deviations, as far as they bring its residuals down. What is
+    /// said of small deviations may be far off for large ones.
     pub(crate) fn own_models(&self, group: &RunGroup, model: &ExtendedModel) -> Vec<ExtendedModel> {
-        let of_run = |form: &Form| {
+        let of_run = |(run, form): (usize, &Form)| {
             let deviations = form.deviations(&self.likely);
-            let each = deviations.iter().enumerate();
-            ExtendedModel {
-                base: each.fold(model.base.clone(), |base, (k, by)| moved(&base, k, *by)),
-                effects: model.effects.clone(),
-            }
+            let with = |part: f64| {
+                let each = deviations.iter().enumerate();
+                ExtendedModel {
+                    base: each.fold(model.base.clone(), |base, (k, by)| moved(&base, k, part * by)),
+                    effects: model.effects.clone(),
+                }
+            };
+            let square = |model: &ExtendedModel| {
+                let rows = rows(group, model, run);
+                dot(&rows, &rows)
+            };
+            let before = square(model);
+            let tried = PARTS.iter().map(|part| with(*part));
+            let mut better = tried.filter(|own| square(own) <= before);
+            better.next().unwrap_or_else(|| model.clone())
         };
-        forms(group, model).iter().map(of_run).collect()
+        forms(group, model).iter().enumerate().map(of_run).collect()
     }
 }
 

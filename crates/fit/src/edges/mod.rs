@@ -20,6 +20,10 @@ const ALIKE: f64 = 0.75;
 /// Part of its range that a shift uses: an edge is never at the very reading before it, which would then lie behind it.
 const INSIDE: f64 = 1.0 - 1e-6;
 
+/// Parts of its range at which a search begins a shift: the middle, soon after the reading before, shortly before the reading
+/// that saw the edge. A branch that charges between two readings makes one minimum of each.
+const BEGUN_AT: [f64; Shift::PLACES] = [0.0, -0.7, 0.7];
+
 /// A drive whose edges are known to within the readings beside them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EdgeTimes {
@@ -40,6 +44,9 @@ pub struct Shift {
 }
 
 impl Shift {
+    /// Places that a search begins at.
+    pub const PLACES: usize = 3;
+
     fn of_one(segment: usize, segments: usize, reach_s: f64) -> Shift {
         Shift {
             moves: (0..segments).map(|k| f64::from(u8::from(k == segment))).collect(),
@@ -52,6 +59,11 @@ impl Shift {
     /// How far it may go, s.
     pub fn limits_s(&self) -> (f64, f64) {
         (self.low_s, self.high_s)
+    }
+
+    /// Where a search begins it, s; all shifts are begun at the same place of their ranges.
+    pub fn begun_at_s(&self) -> [f64; Shift::PLACES] {
+        BEGUN_AT.map(|part| part * if part < 0.0 { -self.low_s } else { self.high_s })
     }
 
     /// What is not known of it before the readings tell, s.

@@ -4,17 +4,6 @@ use ieap_domain::{Drive, Level, Segment};
 
 use super::EdgeTimes;
 
-/// A drive as readings at `times` see it.
-pub(crate) fn as_seen(drive: &Drive, times: &[f64]) -> Drive {
-    let mut seen = drive.clone();
-    for segment in &mut seen.segments {
-        let first = times.partition_point(|&t| t < segment.start_s);
-        segment.last_before_s = first.checked_sub(1).map(|before| times[before]);
-        segment.start_s = times.get(first).copied().unwrap_or(segment.start_s);
-    }
-    seen
-}
-
 fn pulses(count: usize, period_s: f64, first_s: f64) -> Drive {
     let level = |k: usize| Level::Voltage(if k.is_multiple_of(2) { 2.0 } else { 0.0 });
     let segments = (0..count).map(|k| Segment::at(first_s + 0.5 * period_s * k as f64, level(k)));
@@ -35,7 +24,7 @@ fn a_stated_drive_is_left_as_it_is() {
 #[test]
 fn an_edge_between_readings_is_taken_in_the_middle() {
     let times: Vec<f64> = (-5..100).map(|k| f64::from(k) + 0.3).collect();
-    let edges = EdgeTimes::of(&as_seen(&Drive::step(2.0), &times));
+    let edges = EdgeTimes::of(&Drive::step(2.0).as_seen(&times));
     assert!((edges.drive().segments[0].start_s - -0.2).abs() < 1e-12);
     assert!((edges.shifts()[0].standard_deviation_s() - 1.0 / 12.0_f64.sqrt()).abs() < 1e-5);
     let later = edges.shifted(&[0.25]);
@@ -48,7 +37,7 @@ fn an_edge_between_readings_is_taken_in_the_middle() {
 fn a_train_is_one_programme_that_its_edges_tell_together() {
     let times: Vec<f64> = (-5..1000).map(|k| 0.93 * f64::from(k)).collect();
     let truth = pulses(48, 40.0, 0.4);
-    let edges = EdgeTimes::of(&as_seen(&truth, &times));
+    let edges = EdgeTimes::of(&truth.as_seen(&times));
     assert_eq!(edges.shifts().len(), 3, "up, down, and the period");
     for (found, truth) in edges.drive().segments.iter().zip(&truth.segments) {
         assert!(
@@ -68,6 +57,6 @@ fn edges_without_a_programme_move_each_by_itself() {
     let times: Vec<f64> = (-5..1000).map(f64::from).collect();
     let mut drive = pulses(6, 41.0, 0.4);
     drive.segments[3].start_s += 7.0;
-    let edges = EdgeTimes::of(&as_seen(&drive, &times));
+    let edges = EdgeTimes::of(&drive.as_seen(&times));
     assert_eq!(edges.shifts().len(), 6);
 }

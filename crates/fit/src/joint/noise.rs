@@ -58,6 +58,28 @@ impl Noise {
         }
     }
 
+    /// The same where a fit has `left` so much of the readings. What the readings alone show to grow with the signal may be a
+    /// transient that their smooth part does not follow: it is noise only where the fit does not follow it either.
+    pub(crate) fn beside_fit(sampled: &Sampled, left: &[f64], least: f64) -> Noise {
+        let alone = Noise::of(sampled, least);
+        if alone.proportional == 0.0 || left.len() != sampled.len() {
+            return alone;
+        }
+        let mut rest = sampled.clone();
+        rest.values = left.into();
+        let mut smooth = Smooth::of(&rest);
+        let readings = sampled.values.iter().zip(left);
+        smooth.level = readings.map(|(reading, left)| reading - left).collect();
+        let least = least.max(alone.quantum / 12.0_f64.sqrt()).max(f64::MIN_POSITIVE);
+        let shape = growth(&smooth, &rest);
+        let noise = Noise::of_smoothed(&smooth, &rest, &shape.scale, least);
+        Noise {
+            proportional: noise.floor * shape.per_signal,
+            quantum: alone.quantum,
+            ..noise
+        }
+    }
+
     /// Noise of what a fit has left, growing as `scale` says: the smooth part of the rest is misfit, and counts for no
     /// noise.
     pub(crate) fn of_rest(rest: &Sampled, scale: &[f64], least: f64) -> Noise {

@@ -5,6 +5,7 @@ use ieap_domain::{Channel, Drive, Quantity};
 use ieap_model::LumpedModel;
 use ieap_model::lumped::SegmentResponse;
 use ieap_numerics::noise::local_scatter;
+use ieap_numerics::sums::peak;
 
 use super::compressed::{Compressed, Mode};
 use super::noise::{Noise, crowding};
@@ -26,8 +27,13 @@ pub(crate) struct Response {
 
 impl Response {
     pub(crate) fn new(sampled: Sampled) -> Response {
-        let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        let noise = Noise::of(&sampled, LEAST_NOISE * peak);
+        let noise = Noise::of(&sampled, LEAST_NOISE * peak(&sampled.values));
+        Response::with_noise(sampled, noise)
+    }
+
+    /// With the noise beside a fit that has `left` so much of the readings.
+    pub(crate) fn beside_fit(sampled: Sampled, left: &[f64]) -> Response {
+        let noise = Noise::beside_fit(&sampled, left, LEAST_NOISE * peak(&sampled.values));
         Response::with_noise(sampled, noise)
     }
 

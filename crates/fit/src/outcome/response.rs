@@ -60,9 +60,9 @@ impl Response {
                 basis,
                 character: match (describes_noise, sampled.moves) {
                     (false, _) => NoiseCharacter::default(),
-                    (true, false) => character(sampled),
+                    (true, false) => character(sampled, left),
                     // No sum of exponentials follows a voltage that moves.
-                    (true, true) => character(&sampled.rest(left)),
+                    (true, true) => character(&sampled.rest(left), &[]),
                 },
                 residual_autocorrelation: lag_one(left),
                 residual_rms: rms,
@@ -82,10 +82,19 @@ impl Response {
 }
 
 /// Memory, growth and steps of the noise.
-fn character(sampled: &Sampled) -> NoiseCharacter {
+fn character(sampled: &Sampled, left: &[f64]) -> NoiseCharacter {
     let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let ends = (sampled.len() > 2 * ENOUGH).then(|| sampled.ends(ENOUGH));
-    let noise = Noise::of(ends.as_ref().unwrap_or(sampled), 1e-9 * peak);
+    let of_ends = |sampled: &Sampled| (sampled.len() > 2 * ENOUGH).then(|| sampled.ends(ENOUGH));
+    let ends = of_ends(sampled);
+    let left = match &ends {
+        Some(_) if left.len() == sampled.len() => {
+            let mut rest = sampled.clone();
+            rest.values = left.into();
+            of_ends(&rest).map_or(left.into(), |rest| rest.values)
+        }
+        _ => left.into(),
+    };
+    let noise = Noise::beside_fit(ends.as_ref().unwrap_or(sampled), &left, 1e-9 * peak);
     let (autoregression, correlation_time_s) = match noise.autocorrelation {
         Autocorrelation::Order(coefficients) => (coefficients, None),
         Autocorrelation::Time { correlation_time_s } => (Vec::new(), Some(correlation_time_s)),

@@ -218,3 +218,20 @@ fn a_current_of_the_wrong_sign_is_named() {
             .all(|parameter| parameter.estimate.value.is_none())
     );
 }
+
+/// A branch of 1.4 s, read every second and later every 10 s.
+#[test]
+fn a_fast_transient_is_no_noise_that_grows_with_the_signal() {
+    let model = model(&CPVF_AIR_1V);
+    let drive = Drive::step(1.2);
+    let time_s: Arc<[f64]> = (-20..300)
+        .map(f64::from)
+        .chain((30..200).map(|k| 10.0 * f64::from(k)))
+        .collect();
+    let channels = channels(&model, &drive, &time_s, 2e-4, 0.0, 98_000_600);
+    let plain = fitted(&channels, &drive);
+    assert_eq!(plain.noise[0].character.proportional, 0.0);
+    let r1 = plain.parameter("r1_ohm_cm2").unwrap();
+    let (low, high) = (r1.low_95.unwrap(), r1.high_95.unwrap());
+    assert!((low..=high).contains(&23.4) && high - low < 0.2, "{r1:?}");
+}

@@ -424,3 +424,88 @@ fn an_edge_lies_between_two_readings_unless_it_is_stated_or_one_clock_reads_and_
     let applied = find(&[voltage(&read(3.0)[..20])], false, None, &[]);
     assert_eq!(last_before(&applied), [Some(2.0)], "less than an interval before");
 }
+
+#[test]
+fn a_voltage_that_changes_at_every_reading_is_no_drive() {
+    let bipolar = |k: usize| if k.is_multiple_of(2) { 2.0 } else { -2.0 };
+    let rest_then = |k: usize| if k < 400 { 0.0 } else { bipolar(k) };
+    for (volts, readings) in [
+        (&bipolar as &dyn Fn(usize) -> f64, 12),
+        (&bipolar, 600),
+        (&rest_then, 500),
+    ] {
+        let course: Vec<(f64, f64)> = (0..readings).map(|k| (k as f64, volts(k))).collect();
+        let found = find(&[voltage(&course)], false, None, &[]);
+        assert!(found.drive.is_none() && found.issues[0].code == NO_STEPS);
+        assert!(
+            said(&found).contains("changes at nearly every reading"),
+            "{}",
+            said(&found)
+        );
+    }
+    // Single readings that went astray, and a source that rises within four readings, are none of that.
+    let mut held: Vec<(f64, f64)> = (0..200).map(|k| (f64::from(k), 1.0)).collect();
+    held[50].1 = 0.0;
+    held[120].1 = 3.0;
+    assert!(find(&[voltage(&held)], false, None, &[]).drive.is_some());
+    let rising: Vec<(f64, f64)> = (0..40)
+        .map(|k| (f64::from(k), 0.5 * f64::from(k - 10).clamp(0.0, 4.0)))
+        .collect();
+    assert!(find(&[voltage(&rising)], false, None, &[]).drive.is_some());
+}
+
+#[test]
+fn a_pause_in_which_edges_would_not_be_seen_is_told() {
+    let read = |later_v: f64| -> Vec<(f64, f64)> {
+        (0..200)
+            .map(|k| {
+                let level_v = match k {
+                    0..20 => 0.0,
+                    20..120 => 2.0,
+                    _ => later_v,
+                };
+                (f64::from(k) + if k < 120 { 0.0 } else { 180.0 }, level_v)
+            })
+            .collect()
+    };
+    let kept = find(&[voltage(&read(2.0))], false, None, &[]);
+    assert_eq!(kept.issues.len(), 1);
+    assert_eq!(kept.issues[0].code, PAUSES);
+    assert!(
+        said(&kept).contains("between 119 s and 300 s") && said(&kept).contains("on both sides"),
+        "{}",
+        said(&kept)
+    );
+    let changed = find(&[voltage(&read(0.0))], false, None, &[]);
+    assert_eq!(changed.issues[0].severity, ieap_domain::Severity::Warning);
+    assert!(
+        said(&changed).contains("from 2.0000 V to 0.0000 V"),
+        "{}",
+        said(&changed)
+    );
+    // Readings ever farther apart, at irregular times, at open circuit, or beside an edge that is stated, hide nothing.
+    let doubling: Vec<(f64, f64)> = (0..20).map(|k| (2_f64.powi(k), 1.0)).collect();
+    let jittered: Vec<(f64, f64)> = (0..200)
+        .map(|k| (f64::from(k) + 0.45 * f64::from(k * 7919 % 13 - 6) / 6.0, 1.0))
+        .collect();
+    let stated: Vec<(f64, f64)> = (0..100)
+        .map(|k| {
+            (
+                f64::from(k - 3) + if k < 3 { -90.0 } else { 0.0 },
+                f64::from(u8::from(k >= 3)),
+            )
+        })
+        .collect();
+    let no_pause = |found: FoundDrive| found.drive.is_some() && found.issues.iter().all(|i| i.code != PAUSES);
+    assert!(no_pause(find(&[voltage(&doubling)], false, None, &[])));
+    assert!(no_pause(find(&[voltage(&jittered)], false, None, &[])));
+    assert!(no_pause(find(&[voltage(&stated)], true, None, &[])));
+    let open = [(119.5, 299.5)];
+    assert!(no_pause(find(
+        &[voltage(&read(2.0))],
+        false,
+        None,
+        &[(100.0, 301.0)]
+    )));
+    assert!(!no_pause(find(&[voltage(&read(2.0))], false, None, &open)));
+}

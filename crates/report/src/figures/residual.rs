@@ -24,17 +24,26 @@ const BAND_SIGMA: f64 = 2.0;
 /// Shortest time that the axis tells apart, as a fraction of the longest.
 const SHORTEST: f64 = 1e-5;
 
-/// Draws the residuals of `curve`, the line called `extension`. None where there is too little to draw.
+/// What the two models are called in the legend.
+#[derive(Debug, Clone, Copy)]
+pub struct Called<'a> {
+    /// The base model.
+    pub base: &'a str,
+    /// What is held against it.
+    pub extension: &'a str,
+}
+
+/// Draws the residuals of `curve`, the models `called` so. None where there is too little to draw.
 ///
 /// # Errors
 /// The message of the drawing library, or of a curve of uneven lengths.
 pub fn residual(
     curve: &ResidualCurve,
-    extension: &str,
+    called: Called,
     title: &str,
     desc: &str,
 ) -> Result<Option<String>, String> {
-    let Some(drawing) = Drawing::of(curve, extension)? else {
+    let Some(drawing) = Drawing::of(curve, called)? else {
         return Ok(None);
     };
     let drawn = svg((WIDTH, HEIGHT), title, desc, |area| drawing.residuals(area))?;
@@ -48,11 +57,11 @@ pub fn residual(
 /// The message of the drawing library, or of a curve of uneven lengths.
 pub fn overlay(
     curve: &ResidualCurve,
-    extension: &str,
+    called: Called,
     title: &str,
     desc: &str,
 ) -> Result<Option<String>, String> {
-    let drawing = match Drawing::of(curve, extension)? {
+    let drawing = match Drawing::of(curve, called)? {
         Some(drawing) if !curve.measured.is_empty() => drawing,
         _ => return Ok(None),
     };
@@ -68,12 +77,12 @@ pub fn overlay(
 /// What both panels share.
 struct Drawing<'a> {
     curve: &'a ResidualCurve,
-    extension: &'a str,
+    called: Called<'a>,
     x: Axis,
 }
 
 impl Drawing<'_> {
-    fn of<'a>(curve: &'a ResidualCurve, extension: &'a str) -> Result<Option<Drawing<'a>>, String> {
+    fn of<'a>(curve: &'a ResidualCurve, called: Called<'a>) -> Result<Option<Drawing<'a>>, String> {
         check_lengths(curve)?;
         let last_s = curve.time_s.last().copied().unwrap_or(0.0);
         let after: Vec<f64> = curve
@@ -87,7 +96,7 @@ impl Drawing<'_> {
         }
         let (first_s, _) = finite_range(curve.time_s.iter().copied());
         let x = Axis::about_step(first_s.min(0.0), after[0], last_s, "Time since the step");
-        Ok(Some(Drawing { curve, extension, x }))
+        Ok(Some(Drawing { curve, called, x }))
     }
 
     /// The readings as dots, the models as lines.
@@ -107,13 +116,13 @@ impl Drawing<'_> {
         series(&mut chart, "Measured", |chart| {
             dots(chart, &self.points(&curve.measured), Ink::Muted)
         })?;
-        series(&mut chart, "Base model", |chart| {
+        series(&mut chart, self.called.base, |chart| {
             line(chart, &self.points(&curve.base), Ink::Vermillion)
         })?;
         if extended.is_empty() {
             return Ok(());
         }
-        series(&mut chart, self.extension, |chart| {
+        series(&mut chart, self.called.extension, |chart| {
             line(chart, &self.points(extended), Ink::Blue)
         })
     }
@@ -130,14 +139,14 @@ impl Drawing<'_> {
         let (x, y) = (&self.x, &vertical(self.curve));
         let mut chart = panel(area, margins(true), x, y, true)?;
         series(&mut chart, "", |chart| band(chart, x))?;
-        series(&mut chart, "Base model", |chart| {
+        series(&mut chart, self.called.base, |chart| {
             dots(chart, &self.points(&self.curve.before_sigma), Ink::Vermillion)
         })?;
         if self.curve.after_sigma.is_empty() {
             return Ok(());
         }
         let after = thin::dots(&self.points(&self.curve.after_sigma), pixels(&chart));
-        series(&mut chart, self.extension, |chart| {
+        series(&mut chart, self.called.extension, |chart| {
             draw_line(chart, after, Ink::Blue)
         })
     }
@@ -227,6 +236,11 @@ fn draw_line(chart: &mut Chart, points: Vec<(f64, f64)>, ink: Ink) -> Result<(),
 mod tests {
     use super::*;
 
+    const CALLED: Called = Called {
+        base: "before",
+        extension: "after",
+    };
+
     fn curve(n: usize) -> ResidualCurve {
         let time_s: Vec<f64> = (0..n).map(|k| 0.5 + k as f64).collect();
         ResidualCurve {
@@ -243,30 +257,30 @@ mod tests {
 
     #[test]
     fn a_figure_of_160_points_stays_small() {
-        let drawn = residual(&curve(160), "after", "t", "d").unwrap().unwrap();
+        let drawn = residual(&curve(160), CALLED, "t", "d").unwrap().unwrap();
         assert!(drawn.len() < 8_000, "{} bytes", drawn.len());
     }
 
     #[test]
     fn too_little_and_uneven_are_said() {
-        assert_eq!(residual(&curve(1), "after", "t", "d").unwrap(), None);
+        assert_eq!(residual(&curve(1), CALLED, "t", "d").unwrap(), None);
         let mut uneven = curve(20);
         uneven.before_sigma.pop();
-        assert!(residual(&uneven, "after", "t", "d").is_err_and(|reason| reason.contains("19")));
+        assert!(residual(&uneven, CALLED, "t", "d").is_err_and(|reason| reason.contains("19")));
         let mut earlier = curve(20);
         earlier.measured.clear();
-        assert_eq!(overlay(&earlier, "after", "t", "d").unwrap(), None);
+        assert_eq!(overlay(&earlier, CALLED, "t", "d").unwrap(), None);
     }
 
     #[test]
     fn an_overlay_has_readings_two_models_and_what_they_leave() {
-        let drawn = overlay(&curve(160), "after", "t", "d").unwrap().unwrap();
+        let drawn = overlay(&curve(160), CALLED, "t", "d").unwrap().unwrap();
         assert!(
             drawn.contains("Current (mA)") && drawn.contains("Residual"),
             "{drawn}"
         );
         let of = |name: &str| drawn.matches(&format!("data-s=\"{name}\"")).count();
-        assert_eq!([of("Measured"), of("Base model"), of("after")], [1, 2, 2]);
+        assert_eq!([of("Measured"), of("before"), of("after")], [1, 2, 2]);
         assert!(drawn.len() < 12_000, "{} bytes", drawn.len());
     }
 
@@ -277,7 +291,7 @@ mod tests {
             extended: vec![1.0; 200],
             ..curve(200)
         };
-        let drawn = overlay(&withheld, "after", "t", "d").unwrap();
+        let drawn = overlay(&withheld, CALLED, "t", "d").unwrap();
         assert!(!drawn.unwrap_or_default().contains("data-s=\"after\""));
     }
 
@@ -286,6 +300,6 @@ mod tests {
         let mut curve = curve(20);
         curve.before_sigma[3] = f64::NAN;
         curve.after_sigma[4] = f64::INFINITY;
-        assert!(residual(&curve, "after", "t", "d").unwrap().is_some());
+        assert!(residual(&curve, CALLED, "t", "d").unwrap().is_some());
     }
 }

@@ -8,7 +8,7 @@ use super::Content;
 use super::finding_alone::{AloneRow, alone_rows};
 use super::finding_answer::{Answer, answer, size, symbol_and_unit};
 use super::finding_differs::{DiffersBlock, differs_blocks};
-use super::finding_gain::{GainSection, extension, gain_section, in_legend};
+use super::finding_gain::{GainSection, called, called_held_out, extension, gain_section};
 use super::finding_posterior::{HypothesisRow, hypothesis_rows};
 use super::finding_words::{counted_from_draws, equation_of, lead, shift_words, test_words, verdict_of};
 use super::wording::{EstimateText, RunLink, group_title, listed, readable, with_index};
@@ -396,7 +396,7 @@ fn residuals(
             "Dots: measured minus base model; line: measured minus {}; band: two standard deviations of single readings.",
             extension(found)
         );
-        let drawn = residual(curve, in_legend(found), &title, &desc);
+        let drawn = residual(curve, called(found), &title, &desc);
         blocks.extend(block(id, heading, drawn, figures)?);
     }
     Ok(blocks)
@@ -434,7 +434,7 @@ fn held_out(
             "Measured minus what models predict that were fitted without these readings. Dots: base model; line: {}.",
             extension(found)
         );
-        let drawn = residual(curve, in_legend(found), &title, &desc);
+        let drawn = residual(curve, called_held_out(found), &title, &desc);
         let heading = format!("{}: {}", curve.run, curve.channel);
         blocks.extend(block(id, heading, drawn, figures)?);
     }

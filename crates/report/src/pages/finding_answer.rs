@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::finding_gain::{ErrorTable, error_table, extension, in_legend};
+use super::finding_gain::{ErrorTable, called, error_table, extension};
 use super::wording::{EstimateText, RunLink, listed, with_index};
 use crate::error::ReportError;
 use crate::figures::residual::overlay;
@@ -62,7 +62,7 @@ pub fn answer(
     for curve in shown {
         let id = format!("answer-{}", curve.channel);
         let title = format!("{} of {}, measured and simulated", curve.channel, curve.run);
-        let drawn = overlay(curve, in_legend(found), &title, &seen(curve, found));
+        let drawn = overlay(curve, called(found), &title, &seen(curve, found));
         let drawn = drawn.map_err(|reason| ReportError::Figure {
             figure: id.clone(),
             reason,

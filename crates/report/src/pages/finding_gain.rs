@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::figures::residual::Called;
 use crate::number::{measured, significant};
 use ieap_domain::{Gain, GroupDiagnosis, HeldOutGain, Verdict};
 
@@ -61,10 +62,31 @@ pub fn extension(found: &GroupDiagnosis) -> &'static str {
 }
 
 /// The same at the head of a column and in a legend.
-pub fn in_legend(found: &GroupDiagnosis) -> &'static str {
+fn in_legend(found: &GroupDiagnosis) -> &'static str {
     match found.verdict {
         Verdict::Unknown => "Extension tried",
         _ => "Extended model",
+    }
+}
+
+const BASE: &str = "Base model";
+
+/// What the models are called beside a curve of one run. Where runs scatter, what is drawn of a run holds its own deviations.
+pub fn called(found: &GroupDiagnosis) -> Called<'static> {
+    Called {
+        base: match found.scatter_is_noise {
+            true => "Base model, with this run's own deviations",
+            false => BASE,
+        },
+        extension: in_legend(found),
+    }
+}
+
+/// The same of readings that took no part in the fits, which tell no deviations.
+pub fn called_held_out(found: &GroupDiagnosis) -> Called<'static> {
+    Called {
+        base: BASE,
+        ..called(found)
     }
 }
 

@@ -108,3 +108,20 @@ fn growth_and_converter_are_seen_and_not_invented() {
         "{found:?}"
     );
 }
+
+#[test]
+fn noise_that_grows_beside_a_fit_stays_noise_and_what_the_fit_follows_is_none() {
+    let growing = decaying(&even(1500), 3, |fresh, _, signal| {
+        fresh * (1.0 + (0.01 * signal).powi(2)).sqrt()
+    });
+    let exact = decaying(&even(1500), 3, |_, _, _| 0.0);
+    let left: Vec<f64> = (growing.values.iter().zip(exact.values.iter()))
+        .map(|(reading, exact)| reading - exact)
+        .collect();
+    let kept = Noise::beside_fit(&growing, &left, 0.0).proportional;
+    assert!((kept / 0.01 - 1.0).abs() < 0.3, "{kept}");
+    let even: Vec<f64> = (left.iter().zip(exact.values.iter()))
+        .map(|(left, exact)| left / (1.0 + (0.01 * exact).powi(2)).sqrt())
+        .collect();
+    assert_eq!(Noise::beside_fit(&growing, &even, 0.0).proportional, 0.0);
+}

@@ -1,0 +1,107 @@
+//! What readings of a voltage do not tell of its edges: levels that one reading each saw, and pauses of the record.
+
+use ieap_domain::{Drive, Issue, range_of};
+
+use super::found::NO_STEPS;
+use super::step::LEAST_STEP_V;
+
+/// Code of the issue of a pause in which edges would not be seen.
+pub const PAUSES: &str = "edges-in-a-pause";
+
+/// A reading stands alone where both beside it lie off to the same side by more than this part of the largest voltage: ten
+/// times what a source scatters by.
+const OFF_OF_VOLTAGE: f64 = 0.1;
+/// And by more than this, V.
+const LEAST_OFF_V: f64 = 10.0 * LEAST_STEP_V;
+/// A pause is this many times as long as the readings beside it are apart. Those at irregular times differ by less.
+const PAUSE: f64 = 10.0;
+/// Readings on either side of a pause whose distances are asked.
+const BESIDE: usize = 2;
+
+/// Says that most levels of the voltage were seen by a single reading: how long each was held, and how often the voltage
+/// changed in between, is then not known.
+pub(super) fn alternating(time_s: &[f64], volts: &[f64]) -> Option<Issue> {
+    let (low, high) = range_of(volts.iter().copied());
+    let off_v = (OFF_OF_VOLTAGE * low.abs().max(high.abs())).max(LEAST_OFF_V);
+    let is_off = |a: f64, b: f64| (a - b).abs() > off_v;
+    let changes = volts.windows(2).filter(|pair| is_off(pair[0], pair[1])).count();
+    let is_alone = |three: &[f64]| {
+        let same_side = (three[1] - three[0]) * (three[1] - three[2]) > 0.0;
+        same_side && is_off(three[1], three[0]) && is_off(three[1], three[2])
+    };
+    let alone: Vec<usize> = (1..volts.len().saturating_sub(1))
+        .filter(|&k| is_alone(&volts[k - 1..=k + 1]))
+        .collect();
+    // One level more than there are changes.
+    let first = *alone.first().filter(|_| 2 * alone.len() > changes + 1)?;
+    let message = format!(
+        "the voltage changes at nearly every reading: {} of {} levels were seen by one reading each, first at {} s, between \
+         {low:.3} and {high:.3} V. How long each was held, and what lay between the readings, cannot be told",
+        alone.len(),
+        changes + 1,
+        time_s[first]
+    );
+    Some(Issue::warning(NO_STEPS, message).at("column voltage_v").mend(
+        "check that this column is the voltage; record it at least three times in every level; it is kept and not fitted",
+    ))
+}
+
+/// Says where the voltage was not read for so long that edges may be hidden there; `is_open` tells the readings at open circuit.
+pub(super) fn pauses(
+    (time_s, volts): (&[f64], &[f64]),
+    is_open: impl Fn(f64) -> bool,
+    drive: &Drive,
+) -> Option<Issue> {
+    let apart: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let is_pause = |k: usize| {
+        let before = &apart[k.saturating_sub(BESIDE)..k];
+        let after = &apart[k + 1..(k + 1 + BESIDE).min(apart.len())];
+        let mut beside: Vec<f64> = before.iter().chain(after).copied().collect();
+        beside.sort_unstable_by(f64::total_cmp);
+        let usual_s = beside.get(beside.len() / 2);
+        usual_s.is_some_and(|usual_s| apart[k] > PAUSE * usual_s)
+    };
+    // Where it is stated when the voltage changed the pause hides nothing of that edge.
+    let is_stated = |k: usize| {
+        let within = |at_s: f64| time_s[k] < at_s && at_s <= time_s[k + 1];
+        let mut segments = drive.segments.iter();
+        segments.any(|segment| segment.last_before_s.is_none() && within(segment.start_s))
+    };
+    let hidden: Vec<usize> = (0..apart.len())
+        .filter(|&k| is_pause(k) && !is_stated(k) && !is_open(time_s[k]) && !is_open(time_s[k + 1]))
+        .collect();
+    let longest = *hidden.iter().max_by(|a, b| apart[**a].total_cmp(&apart[**b]))?;
+    let (from_s, to_s) = (time_s[longest], time_s[longest + 1]);
+    let changed = |k: &usize| {
+        let within = |at_s: f64| time_s[*k] < at_s && at_s <= time_s[k + 1];
+        drive.segments.iter().any(|segment| within(segment.start_s))
+    };
+    let course = match changed(&longest) {
+        true => format!(
+            "it went from {:.4} V to {:.4} V, at a time that is not known",
+            volts[longest],
+            volts[longest + 1]
+        ),
+        false => format!(
+            "it is {:.4} V on both sides, and a pulse there would not be seen",
+            volts[longest + 1]
+        ),
+    };
+    let others = match hidden.len() - 1 {
+        0 => String::new(),
+        others => format!(" (the longest pause of {})", others + 1),
+    };
+    let message =
+        format!("between {from_s} s and {to_s} s there are no readings of the voltage{others}: {course}");
+    let told = match hidden.iter().any(changed) {
+        true => Issue::warning(PAUSES, message),
+        false => Issue::note(PAUSES, message),
+    };
+    let mend = match changed(&longest) {
+        true => {
+            "record the voltage without pauses; a fit looks for the edge between these readings and widens its intervals"
+        }
+        false => "nothing is to be done if the source kept its level; a fit takes it as kept",
+    };
+    Some(told.at("column voltage_v").mend(mend))
+}
