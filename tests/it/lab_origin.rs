@@ -82,12 +82,12 @@ fn a_profile_that_is_added_or_changed_reads_its_files_anew() {
         (&json!("bench"), &json!(1))
     );
     assert_eq!(folder.run_json()["ingest"]["revised"], json!([]));
-    // Ten times the current: the resistances must follow.
+    // Four times the current, which no unit differs by: the resistances must follow.
     folder.write(
         "profiles/bench.toml",
         PROFILE
             .replace("version = 1", "version = 2")
-            .replace("unit = \"mA\"", "unit = \"mA\"\nfactor = 10.0"),
+            .replace("unit = \"mA\"", "unit = \"mA\"\nfactor = 4.0"),
     );
     let third = folder.run_json();
     assert_eq!(third["ingest"]["revised"], json!(["runs/a.csv"]), "{third:#}");
@@ -98,7 +98,7 @@ fn a_profile_that_is_added_or_changed_reads_its_files_anew() {
     );
     let r1 = |fit: &Value| fit["parameters"]["r1_ohm_cm2"]["value"].as_f64().unwrap();
     assert!(
-        (r1(&before) / r1(&after) - 10.0).abs() < 0.1,
+        (r1(&before) / r1(&after) - 4.0).abs() < 0.04,
         "{} {}",
         r1(&before),
         r1(&after)
