@@ -116,6 +116,9 @@ fn read(schema: &Schema) -> Value {
 }
 
 #[cfg(test)]
+mod derived_tests;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -1,17 +1,19 @@
 //! `ieap status`.
 
 use clap::Args;
+use schemars::JsonSchema;
+use serde::Serialize;
 use serde_json::json;
 
 use super::campaign::{CampaignArg, say_what_is_not_understood, say_what_opening_found};
 use super::exit::{self, ALARM, CliError, DONE};
 use super::ingest;
 use super::output::{Output, counted};
-use crate::domain::{Fault, Issue};
-use crate::pipeline::Context;
+use crate::domain::{Alarm, Fault, Issue};
 use crate::pipeline::ground::mends::Reasoned;
 use crate::pipeline::ground::mends::together;
 use crate::pipeline::upkeep::status::{Status, WAITS, status};
+use crate::pipeline::{Context, TakenBack};
 
 /// Count runs by state; list refused files with reasons, gaps in the condition matrix, and what is out of date
 #[derive(Debug, Args)]
@@ -40,6 +42,18 @@ pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
     ))
 }
 
+/// The alarms of long-term monitoring alone.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct AlarmsDocument<'a> {
+    schema: &'static str,
+    /// Alarms of long-term monitoring.
+    alarms: &'a [Alarm],
+    /// Alarms that were told of runs that were set aside later.
+    taken_back: &'a [TakenBack],
+    /// Why nothing is watched; none where something is.
+    not_watched: Option<&'a str>,
+}
+
 /// The alarms alone, with an exit status that scripts can act on.
 fn alarms_only(status: &Status, output: &Output) -> Result<u8, CliError> {
     alarms(status, output);
@@ -49,9 +63,12 @@ fn alarms_only(status: &Status, output: &Output) -> Result<u8, CliError> {
             None => "no alarm".to_owned(),
         });
     }
-    output.document(
-        &json!({ "schema": "ieap/alarms/1", "alarms": status.alarms, "taken_back": status.alarms_taken_back, "not_watched": status.monitoring }),
-    )?;
+    output.document(&AlarmsDocument {
+        schema: "ieap/alarms/1",
+        alarms: &status.alarms,
+        taken_back: &status.alarms_taken_back,
+        not_watched: status.monitoring.as_deref(),
+    })?;
     Ok(match status.alarms.iter().any(|alarm| !alarm.acknowledged) {
         true => ALARM,
         false => DONE,

@@ -1,5 +1,6 @@
 //! The main job, once: ingest, fit, analyse modulus logs, raise alarms, render; then diagnose, and render again.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
@@ -21,7 +22,7 @@ pub struct Run {
 }
 
 /// What `run` did.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RunSummary {
     /// Files and runs.
     pub ingest: IngestSummary,

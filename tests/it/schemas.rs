@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use crate::campaign::{CampaignFolder, Ended, ieap, run_table};
 
 /// Keywords of JSON Schema that schemas here use: all of them are understood below, so that none passes unseen.
-const KEYWORDS: [&str; 16] = [
+const KEYWORDS: [&str; 18] = [
     "$schema",
     "$id",
     "$defs",
@@ -21,9 +21,11 @@ const KEYWORDS: [&str; 16] = [
     "prefixItems",
     "minItems",
     "maxItems",
+    "minimum",
     "enum",
     "const",
     "anyOf",
+    "oneOf",
 ];
 /// Files, not documents of `--json`, that name a schema of their own.
 const FILES: [&str; 4] = [
@@ -139,6 +141,19 @@ impl Held<'_> {
             let best = tried.min_by_key(Vec::len).unwrap_or_default();
             found.extend(best);
         }
+        if let Some(several) = schema["oneOf"].as_array() {
+            let fits = several.iter().filter(|one| {
+                let mut own = Vec::new();
+                self.hold(one, value, place, &mut own);
+                own.is_empty()
+            });
+            let fits = fits.count();
+            if fits != 1 {
+                found.push(format!(
+                    "{place}: {value} is {fits} of {several:?} in place of one"
+                ));
+            }
+        }
         if !schema["const"].is_null() && schema["const"] != *value {
             found.push(format!("{place}: {value} in place of {}", schema["const"]));
         }
@@ -149,6 +164,14 @@ impl Held<'_> {
         }
         if !is_of_type(&schema["type"], value) {
             found.push(format!("{place}: {value} is no {}", schema["type"]));
+        }
+        let least = schema["minimum"].as_f64();
+        if value
+            .as_f64()
+            .zip(least)
+            .is_some_and(|(number, least)| number < least)
+        {
+            found.push(format!("{place}: {value} is below {}", schema["minimum"]));
         }
         match value {
             Value::Object(object) => self.object(schema, object, place, found),
@@ -226,7 +249,7 @@ fn schemas_in(schema: &Value) -> Vec<&Value> {
                 all.extend(own.flat_map(schemas_in));
             }
             "items" | "additionalProperties" => all.extend(schemas_in(value)),
-            "prefixItems" | "anyOf" => {
+            "prefixItems" | "anyOf" | "oneOf" => {
                 all.extend(value.as_array().into_iter().flatten().flat_map(schemas_in));
             }
             _ => {}
@@ -267,6 +290,13 @@ fn a_document_that_is_not_as_its_schema_says_is_noticed() {
         said.contains(&"$.files[0]: rows is missing".to_owned()),
         "{said:?}"
     );
+    let issue = |severity: &str, line: i32| serde_json::json!({"severity": severity, "line": line});
+    let schema = serde_json::json!({"properties": {
+        "severity": {"oneOf": [{"type": "string", "const": "note"}, {"type": "string", "const": "error"}]},
+        "line": {"type": "integer", "minimum": 0},
+    }});
+    assert_eq!(faults(&schema, &issue("note", 0)), Vec::<String>::new());
+    assert_eq!(faults(&schema, &issue("grave", -1)).len(), 2);
 }
 
 /// Names of documents that stand in the code: `"ieap/fits/1"`.

@@ -16,7 +16,7 @@ const SUM: f64 = 2.285_765_7;
 const AT_FIRST: f64 = 0.5;
 
 /// One run in its turn.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Turn {
     /// Place in the order of arrival, from 1.
     pub place: usize,

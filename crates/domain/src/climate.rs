@@ -2,6 +2,7 @@
 
 use crate::closed_words;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Issue, Quantity};
@@ -245,7 +246,7 @@ pub struct ClimateCurve {
 }
 
 /// A sensor with what its files hold.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SensorSummary {
     /// The sensor.
     pub sensor: String,
@@ -284,7 +285,7 @@ pub struct SensorSummary {
 }
 
 /// Two sensors of one place that measured at the same time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SensorPair {
     /// One sensor.
     pub first: String,
@@ -309,7 +310,7 @@ pub struct SensorPair {
 }
 
 /// Hours above a humidity that a sample has seen between its first and its last run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Exposure {
     /// The sample.
     pub sample: String,
@@ -334,7 +335,7 @@ pub struct Exposure {
 }
 
 /// What the logs of a campaign come to.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ClimateAssessment {
     /// Sensors with their quantities.
     pub sensors: Vec<SensorSummary>,

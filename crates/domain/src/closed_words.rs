@@ -1,6 +1,6 @@
 //! Closed lists of words: an enum whose members have one name each, under which they are stored, stated and printed.
 
-/// Makes such an enum, with `ALL`, `key`, `from_key` and the forms of serde, so that every name is stated once; where each
+/// Makes such an enum, with `ALL`, `key`, `from_key`, the forms of serde and the schema, so that every name is stated once; where each
 /// word has a label for people behind `=>`, with `label` too.
 #[macro_export]
 macro_rules! closed_words {
@@ -22,8 +22,9 @@ macro_rules! closed_words {
         $($(#[$of:meta])* $word:ident = $key:literal),+ $(,)?
     }) => {
         $(#[$about])*
+        #[derive(schemars::JsonSchema)]
         pub enum $name {
-            $($(#[$of])* $word),+
+            $($(#[$of])* #[schemars(rename = $key)] $word),+
         }
 
         impl $name {

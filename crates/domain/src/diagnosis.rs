@@ -2,6 +2,7 @@
 
 use crate::closed_words;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Gain, Parameter, number_or_null};
@@ -58,7 +59,7 @@ impl Verdict {
 }
 
 /// Kind of what may be behind a misfit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum HypothesisKind {
     /// The base model alone.
@@ -102,7 +103,7 @@ pub struct Hypothesis {
 }
 
 /// How large a misfit is, in percent of what was measured: root mean squares beyond the noise.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MisfitPercent {
     /// Of the range of the current; none where no run measures it.
     pub current: Option<f64>,
@@ -113,7 +114,7 @@ pub struct MisfitPercent {
 }
 
 /// A parameter of the base model that differs between the runs of a group.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VaryingParameter {
     /// Key, `rss_ohm_cm2`.
     pub key: String,
@@ -122,7 +123,7 @@ pub struct VaryingParameter {
 }
 
 /// The value of a parameter in one run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VaryingValue {
     /// Name of the run.
     pub run: String,
@@ -156,7 +157,7 @@ pub struct EffectFinding {
 }
 
 /// A candidate that was looked at.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Candidate {
     /// Id of the effect.
     pub effect: String,
@@ -185,7 +186,7 @@ pub struct Candidate {
 }
 
 /// How alike the traces of candidates are once the base parameters are refitted.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Confusable {
     /// Ids, the most promising first.
     pub effects: Vec<String>,
@@ -195,7 +196,7 @@ pub struct Confusable {
 }
 
 /// The profile likelihood of an effect's strength: all other parameters fitted anew at each value.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StrengthProfile {
     /// Effect.
     pub effect: String,
@@ -210,7 +211,7 @@ pub struct StrengthProfile {
 }
 
 /// A stretch in which the simulation is wrong.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MisfitStretch {
     /// Run.
     pub run: String,
@@ -228,7 +229,7 @@ pub struct MisfitStretch {
 }
 
 /// Where the simulation is wrong.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Whereabouts {
     /// In words.
     pub text: String,
@@ -237,7 +238,7 @@ pub struct Whereabouts {
 }
 
 /// The run that would tell the members of a set apart.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NextRun {
     /// The drive in words.
     pub drive: String,
@@ -249,7 +250,7 @@ pub struct NextRun {
 }
 
 /// A base parameter before and after the extension.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ParameterShift {
     /// Key, `alpha_per_c_cm`.
     pub key: String,
@@ -292,7 +293,7 @@ pub struct ResidualCurve {
 }
 
 /// Noise of one channel of one run, found without the candidates.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DiagnosisNoise {
     /// Run.
     pub run: String,
@@ -370,7 +371,7 @@ impl GroupDiagnosis {
 }
 
 /// By how much a parameter of the base model differs from run to run, in percent of itself: a standard deviation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ParameterScatter {
     /// Key, `alpha_per_c_cm`.
     pub key: String,
@@ -386,7 +387,7 @@ pub struct ParameterScatter {
 }
 
 /// What is found of one run of a group by itself.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RunAlone {
     /// Name of the run.
     pub run: String,
@@ -403,7 +404,7 @@ pub struct RunAlone {
 }
 
 /// A run whose readings are found to be wrong beside those of the others.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct CondemnedRun {
     /// Name of the run.
     pub run: String,

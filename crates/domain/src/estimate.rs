@@ -1,12 +1,13 @@
 //! A number with its uncertainty, or the reason why there is none.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What is known of a parameter: value, standard error and 95 % interval.
 ///
 /// Three states: determined (`value` set); bounded on one side (`value` none, `low_95` or `high_95` set,
 /// `reason` says why); not determined (all none but `reason`).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Estimate {
     /// Best value, in the unit that the parameter's key names.
     pub value: Option<f64>,

@@ -3,10 +3,11 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A part of the work that a fault of the program stopped.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Fault {
     /// What is missing: a page of the report (`runs/a.html`), or a step in words.
     pub place: String,

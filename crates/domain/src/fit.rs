@@ -1,5 +1,6 @@
 //! The outcome of identifying one run with one model.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{AlongCurve, Estimate, Issue, Quantity, RunCurve};
@@ -17,7 +18,7 @@ pub struct Parameter {
 }
 
 /// What noise is like beside its size, found without the model.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NoiseCharacter {
     /// Coefficients of its autoregression by reading order, lag 1 first; empty for white noise and for noise whose
     /// memory goes by time.
@@ -31,7 +32,7 @@ pub struct NoiseCharacter {
 }
 
 /// Noise of one channel and how the residual compares with it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ChannelNoise {
     /// The channel.
     pub quantity: Quantity,

@@ -1,12 +1,13 @@
 //! How much better an extended model predicts what took no part in its fit.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::number_or_null;
 use super::quantiles::NORMAL_95;
 
 /// How much better the extended model predicts what it has not seen, and what both models leave of what they have.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Gain {
     /// What was held out: `run` (every drive in turn, with its repeats) or `time` (stretches of a single run).
     pub held_out: String,
@@ -44,7 +45,7 @@ impl Gain {
 }
 
 /// How much better held-out parts are predicted.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HeldOutGain {
     /// Fall of the deviance of the held-out readings: how far they lie from what was predicted of them, in units of the
     /// noise and with what the prediction itself does not know.
@@ -86,7 +87,7 @@ impl HeldOutGain {
 }
 
 /// How far off a model predicts a number of held-out runs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Prediction {
     /// `peak_curvature`, `time_of_peak_curvature`, `end_curvature`, `charge` or `end_current`.
     pub quantity: String,

@@ -1,5 +1,6 @@
 //! Impedance spectra: what was measured, whether it can be an impedance at all, and which circuits describe it.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Channel, Estimate, Issue, Parameter, Quantity, RunRecord};
@@ -104,7 +105,7 @@ fn sweeps(readings: &[(f64, f64, f64)]) -> Vec<Spectrum> {
 }
 
 /// Whether a spectrum can be the impedance of something linear, causal and unchanging.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Consistency {
     /// Nothing beyond the scatter and the size that matters.

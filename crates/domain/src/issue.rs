@@ -2,6 +2,7 @@
 
 use crate::closed_words;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 closed_words! {
@@ -18,7 +19,7 @@ closed_words! {
 }
 
 /// One finding, in words a user can act on.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Issue {
     /// How much it matters.
     pub severity: Severity,

@@ -1,5 +1,6 @@
 //! How well several models describe one run: what each leaves, what each predicts, and their curves to draw.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Quantity;
@@ -16,7 +17,7 @@ pub struct RunComparison {
 }
 
 /// One model on one run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ModelScore {
     /// Model id.
     pub model: String,
@@ -36,7 +37,7 @@ pub struct ModelScore {
 }
 
 /// What a model leaves of one response, all in units of the noise (root mean square).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ResponseScore {
     /// The response.
     pub quantity: Quantity,

@@ -1,5 +1,6 @@
 //! What campaign.toml says of long-term monitoring, and an alarm that it raises.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Rules of campaign.toml, `[monitoring]`.
@@ -51,7 +52,7 @@ pub struct Limit {
 }
 
 /// An alarm: a change of a sample in the reference condition, or a limit that was passed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Alarm {
     /// Id: the same alarm has the same id whenever it is found. That of its first sign.
     pub id: String,
@@ -73,7 +74,7 @@ pub struct Alarm {
 }
 
 /// One chart that shows a change.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AlarmSign {
     /// Id of the sign: it acknowledges the alarm as the alarm's own does.
     pub id: String,

@@ -2,6 +2,7 @@
 
 use crate::closed_words;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 closed_words! {
@@ -18,7 +19,7 @@ closed_words! {
 }
 
 /// A date and time as a file states it, with the reading of it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct StartedAt {
     /// The text of the file, unchanged.
     pub raw: String,
@@ -33,7 +34,7 @@ pub struct StartedAt {
 }
 
 /// The clock of one file of a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RunClock {
     /// Path of the file, relative to the campaign.
     pub file: String,
@@ -67,7 +68,7 @@ closed_words! {
 }
 
 /// What has to be added to the times of one clock to have those of the run's reference clock.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ClockOffset {
     /// Which of the run's clocks.
     pub clock: usize,
@@ -84,7 +85,7 @@ pub struct ClockOffset {
 }
 
 /// A stretch of readings that the instrument itself marks.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FlaggedStretch {
     /// Name of the column of flags.
     pub column: String,
@@ -101,7 +102,7 @@ pub struct FlaggedStretch {
 }
 
 /// The profile that a file was read with.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct ProfileUse {
     /// Ordinal of the file among those of the run.
     pub file: usize,
@@ -117,7 +118,7 @@ pub struct ProfileUse {
 }
 
 /// What the readings of a run rest on beside their files.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
 pub struct RunOrigin {
     /// Clocks in the order of the run's files.
     pub clocks: Vec<RunClock>,

@@ -2,6 +2,7 @@
 
 use crate::closed_words;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::tag::keys;
@@ -65,7 +66,7 @@ closed_words! {
 }
 
 /// A raw file that belongs to a run.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct RunFile {
     /// Path relative to the campaign, with `/`.
     pub path: String,

@@ -1,5 +1,7 @@
 //! The verb `convert`: one measure of bending into all others, with the errors of what is given.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::domain::Estimate;
@@ -164,7 +166,7 @@ impl MeasuredStrip {
 }
 
 /// What a conversion gives.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ConversionDocument {
     /// Always `ieap/convert/1`.
     pub schema: &'static str,
@@ -176,6 +178,7 @@ pub struct ConversionDocument {
     pub standard_error: Option<f64>,
     /// Every measure by its key.
     #[serde(serialize_with = "as_object")]
+    #[schemars(with = "BTreeMap<String, Estimate>")]
     pub values: Vec<(String, Estimate)>,
     /// What the formulas do not hold for, and how near that is here.
     pub remarks: Vec<String>,

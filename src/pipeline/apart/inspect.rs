@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::{FlaggedStretch, Issue, Quantity};
@@ -17,7 +18,7 @@ use crate::strip;
 use crate::system::fs;
 
 /// A file as a reader sees it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Inspection {
     /// Always `ieap/inspect/1`.
     pub schema: &'static str,
@@ -52,7 +53,7 @@ pub struct Inspection {
 }
 
 /// What a campaign knows of a file that was taken in.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct StoredRun {
     /// Path of the run relative to the campaign.
     pub run: String,
@@ -65,7 +66,7 @@ pub struct StoredRun {
 }
 
 /// A saved profile.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct InspectedProfile {
     /// Its id.
     pub id: String,
@@ -76,7 +77,7 @@ pub struct InspectedProfile {
 }
 
 /// A format and how well it fits.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CandidateScore {
     /// Format id.
     pub format: String,
@@ -87,7 +88,7 @@ pub struct CandidateScore {
 }
 
 /// One table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct InspectedTable {
     /// Name of the table in the file.
     pub name: String,
@@ -102,7 +103,7 @@ pub struct InspectedTable {
 }
 
 /// One column; values in the canonical unit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct InspectedColumn {
     /// Name as the file has it.
     pub name: String,

@@ -9,7 +9,7 @@ use crate::pipeline::ground::whole_file::put_bytes;
 use crate::system::fs;
 
 /// A proposed profile and what it makes of its file.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ProposedProfile {
     /// Always `ieap/profile/1`.
     pub schema: &'static str,

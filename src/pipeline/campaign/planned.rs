@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::analysis::plan::list::RowOfSheet;
@@ -13,7 +14,7 @@ use crate::pipeline::{Context, PipelineError};
 use crate::store::FileRow;
 
 /// Rows of run sheets by whether they have been made.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Planned {
     /// Run sheets that are used, by path.
     pub sheets: Vec<String>,
@@ -26,7 +27,7 @@ pub struct Planned {
 }
 
 /// A row of a run sheet, and what became of it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PlannedRow {
     /// The row.
     #[serde(flatten)]

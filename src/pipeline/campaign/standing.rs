@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::analysis::standing::{Grounds, decide};
@@ -10,7 +11,7 @@ use crate::domain::{ModulusLog, RunRecord, Standing};
 use crate::pipeline::{Context, PipelineError};
 
 /// A run, or modulus log, that no result is made from.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct SetAside {
     /// Path relative to the campaign.
     pub run: String,

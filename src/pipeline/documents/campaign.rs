@@ -1,5 +1,6 @@
 //! What holds across runs, as the document of `ieap diagnose --json` states it.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::analysis::false_discovery::CLAIMED_BELOW;
@@ -16,7 +17,7 @@ use crate::domain::Estimate;
 use crate::domain::quantiles::NORMAL_95_ROUNDED;
 
 /// An effect that only a comparison of runs shows: one that may be claimed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CampaignEntry {
     /// Id of the effect.
     pub effect: &'static str,
@@ -67,7 +68,7 @@ pub struct CampaignEntry {
 }
 
 /// By how much the readings tell covariates apart that the design ties.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ToldApartEntry {
     /// Part of the variation that the covariate leaves alone.
     pub left: f64,
@@ -76,7 +77,7 @@ pub struct ToldApartEntry {
 }
 
 /// A covariate that the readings rule out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RuledOutEntry {
     /// The covariate.
     pub covariate: &'static str,
@@ -87,7 +88,7 @@ pub struct RuledOutEntry {
 }
 
 /// Ratio of a parameter between two ends.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RatioEntry {
     /// One end, in the covariate's unit, or a name.
     pub from: serde_json::Value,
@@ -99,7 +100,7 @@ pub struct RatioEntry {
 }
 
 /// A law that was compared.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LawEntry {
     /// The law.
     pub law: &'static str,
@@ -110,7 +111,7 @@ pub struct LawEntry {
 }
 
 /// One question, whatever the answer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CampaignTest {
     /// Id of the effect.
     pub effect: &'static str,
@@ -131,7 +132,7 @@ pub struct CampaignTest {
 }
 
 /// What a design ties together.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ConfoundedEntry {
     /// Material.
     pub material: String,
@@ -144,7 +145,7 @@ pub struct ConfoundedEntry {
 }
 
 /// Fits of a group whose misfit is claimed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct DoubtedEntry {
     /// Name of the group.
     pub group: String,

@@ -1,7 +1,10 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
+use std::collections::BTreeMap;
+
 use crate::domain::Estimate;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::campaign::{self, CampaignEntry, CampaignTest, ConfoundedEntry, DoubtedEntry};
@@ -24,7 +27,7 @@ use crate::pipeline::ground::fault::{or_nothing, step};
 use crate::pipeline::{Context, DiagnoseChoice, PipelineError};
 
 /// Every current finding.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct DiagnosisDocument {
     /// Always `ieap/diagnosis/2`.
     pub schema: &'static str,
@@ -61,7 +64,7 @@ pub struct DiagnosisDocument {
 }
 
 /// One run alone.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RunEntry {
     /// Path relative to the campaign.
     pub run: String,
@@ -84,7 +87,7 @@ pub struct RunEntry {
 }
 
 /// One group.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct GroupEntry {
     /// Name of the group.
     pub group: String,
@@ -137,7 +140,7 @@ pub struct GroupEntry {
     pub posterior: Vec<PosteriorEntry>,
     /// How large the misfit of the base model is.
     pub misfit_percent: MisfitPercent,
-    /// The least error of the base model that would have been seen.
+    /// The least error of the base model, of current or curvature, that would have been seen in 95 of 100 such groups.
     pub visible_percent: MisfitPercent,
     /// Parameters that differ between the runs, run by run.
     pub differs: Vec<VaryingParameter>,
@@ -150,7 +153,7 @@ pub struct GroupEntry {
 }
 
 /// What may be behind a misfit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PosteriorEntry {
     /// Kind.
     pub kind: HypothesisKind,
@@ -169,7 +172,7 @@ pub struct PosteriorEntry {
 }
 
 /// An accepted effect.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct EffectEntry {
     /// Id of the effect.
     pub effect: String,
@@ -177,6 +180,7 @@ pub struct EffectEntry {
     pub variant: Option<String>,
     /// Parameters by key; an object in JSON.
     #[serde(serialize_with = "as_object")]
+    #[schemars(with = "BTreeMap<String, Estimate>")]
     pub parameters: Vec<(String, Estimate)>,
     /// Probability of such a gain by chance, over all candidates.
     pub p: f64,

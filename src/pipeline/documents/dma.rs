@@ -1,6 +1,9 @@
 //! The document that `ieap dma --json` prints: what was found in the modulus logs of a campaign.
 
+use std::collections::BTreeMap;
+
 use crate::domain::Estimate;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::fits::as_object;
@@ -10,7 +13,7 @@ use crate::pipeline::campaign::standing::{self, SetAside};
 use crate::pipeline::{Context, PipelineError};
 
 /// Every modulus log.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct DmaDocument {
     /// Always `ieap/dma/1`.
     pub schema: &'static str,
@@ -21,7 +24,7 @@ pub struct DmaDocument {
 }
 
 /// One log.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LogEntry {
     /// Path relative to the campaign.
     pub log: String,
@@ -52,7 +55,7 @@ pub struct LogEntry {
 }
 
 /// One humidity step.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct StepEntry {
     /// When the humidity leaves its level, s.
     pub start_s: f64,
@@ -62,11 +65,12 @@ pub struct StepEntry {
     pub end_s: f64,
     /// Numbers by key.
     #[serde(serialize_with = "as_object")]
+    #[schemars(with = "BTreeMap<String, Estimate>")]
     pub estimates: Vec<(String, Estimate)>,
 }
 
 /// The hysteresis at one humidity.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct HysteresisEntry {
     /// The humidity, percent; null where none is held on both ways.
     pub relative_humidity_percent: Option<f64>,

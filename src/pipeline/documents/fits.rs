@@ -1,5 +1,8 @@
 //! The document that `ieap fit --json` prints: the current fits of a campaign.
 
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 use super::groups::GroupEntry;
@@ -11,7 +14,7 @@ use crate::pipeline::campaign::standing::{self, Runs, SetAside};
 use crate::pipeline::{Context, PipelineError};
 
 /// Every current fit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FitsDocument {
     /// Always `ieap/fits/1`.
     pub schema: &'static str,
@@ -27,7 +30,7 @@ pub struct FitsDocument {
 }
 
 /// One fit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FitEntry {
     /// Path relative to the campaign.
     pub run: String,
@@ -61,6 +64,7 @@ pub struct FitEntry {
     pub n_samples: usize,
     /// Parameters by key, in the model's order; an object in JSON.
     #[serde(serialize_with = "as_object")]
+    #[schemars(with = "BTreeMap<String, Estimate>")]
     pub parameters: Vec<(String, Estimate)>,
     /// Coefficient of determination of the current.
     pub r_squared_current: Option<f64>,
@@ -85,7 +89,7 @@ pub(crate) fn as_object<S: Serializer>(
 }
 
 /// A run without a fit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct NotFitted {
     /// Path relative to the campaign.
     pub run: String,

@@ -1,6 +1,9 @@
 //! What `ieap fit --group` adds to the document of fits: one entry for every group.
 
+use std::collections::BTreeMap;
+
 use crate::domain::Estimate;
+use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 use super::fits::parameter_entries;
@@ -13,7 +16,7 @@ use crate::pipeline::fits::groups::FittedGroup;
 const CHANCE: f64 = 1e-3;
 
 /// One group of runs, fitted with shared parameters.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct GroupEntry {
     /// What its runs have in common.
     pub group: String,
@@ -37,6 +40,7 @@ pub struct GroupEntry {
     pub sharing: Option<SharingCost>,
     /// Parameters that are the same in every run, by key.
     #[serde(serialize_with = "as_object")]
+    #[schemars(with = "BTreeMap<String, Estimate>")]
     pub parameters: Vec<(String, Estimate)>,
     /// Every run by itself.
     pub fits: Vec<GroupRunEntry>,
@@ -45,7 +49,7 @@ pub struct GroupEntry {
 }
 
 /// Likelihood ratio of sharing against every parameter free in every run.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct SharingCost {
     /// Rise of the weighted sum of squares.
     pub chi_square_rise: f64,
@@ -56,7 +60,7 @@ pub struct SharingCost {
 }
 
 /// One run of a group.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct GroupRunEntry {
     /// Path relative to the campaign.
     pub run: String,
@@ -64,9 +68,11 @@ pub struct GroupRunEntry {
     pub n_samples: usize,
     /// All parameters, the shared ones included, by key.
     #[serde(serialize_with = "as_object")]
+    #[schemars(with = "BTreeMap<String, Estimate>")]
     pub parameters: Vec<(String, Estimate)>,
     /// Bootstrap by key; empty where none was asked for.
     #[serde(serialize_with = "as_object")]
+    #[schemars(with = "BTreeMap<String, BootstrapEntry>")]
     pub bootstrap: Vec<(String, BootstrapEntry)>,
     /// Coefficient of determination of the current.
     pub r_squared_current: Option<f64>,
@@ -78,10 +84,10 @@ pub struct GroupRunEntry {
     pub issues: Vec<Issue>,
 }
 
-/// What the bootstrap says of one parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// What the bootstrap, refits to resampled residuals, says of one parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BootstrapEntry {
-    /// Standard deviation of the refits.
+    /// Standard deviation of the refits, unit of the parameter.
     pub standard_deviation: f64,
     /// 2.5 % point.
     pub low_95: f64,
@@ -92,7 +98,7 @@ pub struct BootstrapEntry {
 }
 
 /// A run that could not be part of its group.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LeftOut {
     /// Path relative to the campaign.
     pub run: String,

@@ -1,5 +1,8 @@
 //! The document that `ieap impedance --json` prints: the spectra of a campaign, and what the steps say beside them.
 
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::fits::as_object;
@@ -10,7 +13,7 @@ use crate::pipeline::campaign::standing::SetAside;
 use crate::pipeline::findings::impedance::Spectra;
 
 /// Every spectrum.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ImpedanceDocument {
     /// Always `ieap/impedance/1`.
     pub schema: &'static str,
@@ -23,7 +26,7 @@ pub struct ImpedanceDocument {
 }
 
 /// One sweep.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SpectrumEntry {
     /// Path of the run, relative to the campaign.
     pub run: String,
@@ -54,7 +57,7 @@ pub struct SpectrumEntry {
 }
 
 /// The Kramers-Kronig test of a sweep.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct TestEntry {
     /// `consistent`, `violated` or `not_tested`.
     pub verdict: Consistency,
@@ -73,7 +76,7 @@ pub struct TestEntry {
 }
 
 /// One circuit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CircuitEntry {
     /// Its id.
     pub circuit: &'static str,
@@ -85,11 +88,12 @@ pub struct CircuitEntry {
     pub bic_above_best: f64,
     /// Numbers by key, Ohm and F.
     #[serde(serialize_with = "as_object")]
+    #[schemars(with = "BTreeMap<String, Estimate>")]
     pub parameters: Vec<(String, Estimate)>,
 }
 
 /// A sweep beside steps.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BesideEntry {
     /// Path of the spectrum's run.
     pub run: String,
@@ -110,7 +114,7 @@ pub struct BesideEntry {
 }
 
 /// Steps at one voltage.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SideEntry {
     /// Voltage, V.
     pub voltage_v: f64,
@@ -119,7 +123,7 @@ pub struct SideEntry {
 }
 
 /// A number from both.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct NumberEntry {
     /// Key with the unit.
     pub key: &'static str,

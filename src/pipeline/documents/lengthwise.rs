@@ -1,12 +1,13 @@
 //! What a run says of lumped and distributed, as documents and lists state it.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::RunRecord;
 use crate::fit::distributed::Decision;
 
 /// Whether a run needs the distributed model.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct LumpedOrDistributedEntry {
     /// Path relative to the campaign.
     pub run: String,

@@ -1,5 +1,8 @@
 //! Causes that several samples share, as the document of `ieap diagnose --json` states them.
 
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::fits::as_object;
@@ -7,7 +10,7 @@ use crate::analysis::shared_effects::{SharedEffect, SharedParameter, left_out, s
 use crate::domain::{Campaign, Estimate, GroupDiagnosis, RunRecord};
 
 /// A cause of several samples.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SharedEffectEntry {
     /// Material.
     pub material: String,
@@ -19,6 +22,7 @@ pub struct SharedEffectEntry {
     pub groups: Vec<String>,
     /// Means over the samples by key; an object in JSON.
     #[serde(serialize_with = "as_object")]
+    #[schemars(with = "BTreeMap<String, Estimate>")]
     pub parameters: Vec<(String, Estimate)>,
     /// Spread of every parameter.
     pub spread: Vec<SpreadEntry>,
@@ -29,7 +33,7 @@ pub struct SharedEffectEntry {
 }
 
 /// How far samples differ in a parameter.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SpreadEntry {
     /// Key of the parameter.
     pub parameter: String,
@@ -42,7 +46,7 @@ pub struct SpreadEntry {
 }
 
 /// A sample that was left out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LeftOutEntry {
     /// Sample.
     pub sample: String,

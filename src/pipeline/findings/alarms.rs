@@ -26,7 +26,7 @@ pub struct RaiseAlarms {
 }
 
 /// What was told.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct AlarmSummary {
     /// Messages of alarms that are new.
     pub new: Vec<String>,
@@ -54,7 +54,7 @@ fn watched(context: &Context, runs: &[RunRecord]) -> Result<Monitoring, Pipeline
 }
 
 /// An alarm that was told and is taken back, because its run was set aside later.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct TakenBack {
     /// Id of the alarm.
     pub id: String,

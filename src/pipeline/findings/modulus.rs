@@ -21,7 +21,7 @@ pub struct AnalyseModulus {
 }
 
 /// What `dma` did.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct ModulusSummary {
     /// Logs analysed.
     pub analysed: usize,

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::across_runs::campaign_laws;
@@ -33,7 +34,7 @@ pub struct Plan {
 }
 
 /// A run of the list, as documents state it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct NextRunEntry {
     /// Place in the list, from 1.
     pub rank: usize,
@@ -84,7 +85,7 @@ pub struct NextRunEntry {
 }
 
 /// A plan for a tied set, as documents state it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct UntyingEntry {
     /// Material.
     pub material: String,
@@ -235,7 +236,7 @@ pub fn untying_entries(plan: &Plan) -> Vec<UntyingEntry> {
 }
 
 /// What writing a run sheet did.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct SheetSummary {
     /// The sheet.
     pub sheet: PathBuf,

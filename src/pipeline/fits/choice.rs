@@ -1,5 +1,6 @@
 //! How runs are fitted, and who said so: the caller, campaign.toml, or an earlier call that asked for it by hand.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::{AskedFit, Campaign};
@@ -37,7 +38,7 @@ impl FitChoice {
 }
 
 /// Who chose how a run is fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChosenBy {
     /// The caller.
@@ -111,7 +112,7 @@ pub(crate) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOpti
 }
 
 /// A choice with the number of runs that it holds for.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct HeldChoice {
     /// What of it was said.
     pub said: AskedFit,

@@ -9,7 +9,7 @@ use crate::pipeline::{Context, PipelineError};
 use crate::store::FitStamp;
 
 /// What `fit` did.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct FitSummary {
     /// Runs fitted.
     pub fitted: usize,

@@ -6,6 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::extended;
@@ -22,7 +23,7 @@ use crate::system::fs;
 const BATCH: usize = 32;
 
 /// One part of several: `2/8`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Part {
     /// Which, from 1.
     pub number: u32,
@@ -73,7 +74,7 @@ pub struct FitShard {
 }
 
 /// What was fitted, and what is left to whoever holds the campaign.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct ShardSummary {
     /// File with the results.
     pub file: PathBuf,

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::Issue;
@@ -10,7 +11,7 @@ use crate::domain::Issue;
 const NAME: &str = "RUN";
 
 /// A file or run with the reasons for its state.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Reasoned {
     /// Path relative to the campaign.
     pub path: String,
@@ -19,7 +20,7 @@ pub struct Reasoned {
 }
 
 /// Issues with everything that they are said of.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Together {
     /// Files or runs, in the order given.
     pub paths: Vec<String>,

@@ -1,6 +1,7 @@
 //! The verb `explain`: the runs, files, fits and versions behind one cell of a table.
 
 use crate::domain::Estimate;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::tables::{TableData, find_table};
@@ -11,7 +12,7 @@ use crate::report::tables::text_of;
 use crate::store::{DiagnosisKind, ResultOrigin};
 
 /// The document that `ieap explain --json` prints.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Explanation {
     /// Always `ieap/explain/1`.
     pub schema: &'static str,
@@ -48,7 +49,7 @@ pub struct Explanation {
 }
 
 /// One thing that a cell was made from.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Evidence {
     /// `run`, `modulus log`, `diagnosis` or `file`.
     pub kind: &'static str,
@@ -81,7 +82,7 @@ pub struct Evidence {
 }
 
 /// A stored result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ResultEvidence {
     /// Row id in the database; null for a diagnosis and for a comparison of models, which are told by their hashes.
     pub id: Option<i64>,

@@ -39,7 +39,7 @@ pub struct RenderReport {
 }
 
 /// What `report` did.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct ReportSummary {
     /// The page to open.
     pub index: PathBuf,

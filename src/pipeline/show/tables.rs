@@ -1,5 +1,6 @@
 //! The verb `table`: a named table of the campaign, in a format; and what moved in it since earlier fits.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::analysis::frequency::FrequencyRun;
@@ -200,7 +201,7 @@ pub fn chosen_columns(table: &Table, asked: &[String]) -> Result<Table, Pipeline
 }
 
 /// The document that `ieap table NAME --moved --json` prints.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MovedDocument {
     /// Always `ieap/moved/1`.
     pub schema: &'static str,
@@ -222,7 +223,7 @@ pub struct MovedDocument {
 }
 
 /// One cell that moved.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MovedEntry {
     /// Label of its row.
     pub row: String,

@@ -1,5 +1,6 @@
 //! A person's answer to words that may be lost: looked after, so that nothing asks for them any more.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::pipeline::campaign::context::now;
@@ -16,7 +17,7 @@ pub struct Answer {
 }
 
 /// What was answered.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Answered {
     /// What may have been lost, in words.
     pub lost: Vec<String>,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::tag::known_run;
@@ -26,7 +27,7 @@ pub struct SpeakOfRuns {
 }
 
 /// What became of the runs.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct SpokenOf {
     /// Runs that results are made from now, by name.
     pub speaking: Vec<String>,

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::verify;
@@ -28,7 +29,7 @@ use crate::pipeline::show::report::{not_ours, report_faults};
 use crate::pipeline::{Context, PipelineError};
 
 /// The state of a campaign.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Status {
     /// Campaign id.
     pub campaign: String,
@@ -117,7 +118,7 @@ impl Status {
 }
 
 /// Climate logs and what they come to.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
 pub struct ClimateStatus {
     /// Files that hold a log.
     pub logs: usize,
@@ -137,7 +138,7 @@ pub struct ClimateStatus {
 pub const WAITS: &str = "not-fitted-yet";
 
 /// A file that holds the bytes of a run's file.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct AliasFile {
     /// Path relative to the campaign.
     pub path: String,
@@ -146,7 +147,7 @@ pub struct AliasFile {
 }
 
 /// A condition that nothing was measured in.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Gap {
     /// Material id.
     pub material: String,

@@ -1,5 +1,6 @@
 //! Sets tags by hand.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::{FileState, Issue, RunState};
@@ -22,7 +23,7 @@ pub struct SetTags {
 }
 
 /// What `tag` did.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct TagSummary {
     /// The run.
     pub run: String,

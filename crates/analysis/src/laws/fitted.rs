@@ -39,7 +39,7 @@ pub struct Material<'a> {
 }
 
 /// A number with its 95 % interval; an open end is none.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Interval {
     /// Value.
     pub value: f64,

@@ -28,7 +28,7 @@ pub struct PlannedRun {
 }
 
 /// A row of a run sheet: what identifies the planned run, and its name there.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RowOfSheet {
     /// Planned id.
     pub planned: String,

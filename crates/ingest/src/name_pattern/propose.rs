@@ -8,7 +8,7 @@ use ieap_domain::campaign::BUILT_IN_ENVIRONMENTS;
 use ieap_domain::tag::keys;
 
 /// A pattern with what it explains.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct ProposedPattern {
     /// The pattern.
     pub pattern: String,

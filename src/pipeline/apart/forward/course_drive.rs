@@ -1,5 +1,6 @@
 //! The verb `drive`: which voltage brings the tip to a wanted course, open loop.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::asked::AskedStrip;
@@ -78,7 +79,7 @@ pub struct DriveCourse {
 }
 
 /// The drive found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct DriveDocument {
     /// Always `ieap/drive/1`.
     pub schema: &'static str,
@@ -125,7 +126,7 @@ pub struct DriveDocument {
 }
 
 /// Wanted and reached at one time.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct ReachedRow {
     /// Time, s.
     pub time_s: f64,

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::grounds::{Forecasts, Grounds};
@@ -14,7 +15,7 @@ use crate::model::scaling::{Dimension, StripSize};
 use crate::pipeline::findings::strip_modulus::StripModulus;
 
 /// A prediction.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PredictionDocument {
     /// Always `ieap/prediction/1`.
     pub schema: &'static str,
@@ -49,7 +50,7 @@ pub struct PredictionDocument {
 }
 
 /// A strip.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct StripEntry {
     /// Length, mm.
     pub length_mm: f64,
@@ -73,7 +74,7 @@ impl StripEntry {
 }
 
 /// A drive.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct DriveEntry {
     /// Voltage before it, V.
     pub baseline_v: f64,
@@ -102,7 +103,7 @@ impl DriveEntry {
 }
 
 /// A run that tells.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Told {
     /// Path of the run.
     pub run: String,
@@ -128,7 +129,7 @@ impl Told {
 }
 
 /// A run that tells nothing.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LeftOutEntry {
     /// Path of the run.
     pub run: String,
@@ -137,7 +138,7 @@ pub struct LeftOutEntry {
 }
 
 /// What is predicted at one time.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PredictedRow {
     /// Time, s.
     pub time_s: f64,
@@ -154,7 +155,7 @@ pub struct PredictedRow {
 }
 
 /// A number with the interval in which a further run lies in 95 of 100 cases.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Predicted {
     /// Value.
     pub value: f64,
@@ -180,7 +181,7 @@ impl Predicted {
 }
 
 /// Standard deviations of a prediction, in its unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Parts {
     /// From the parameters of the fits and the dimensions.
     pub parameters: f64,
@@ -271,7 +272,7 @@ impl Stiffness {
 }
 
 /// The shape of the strip at one time, from the clamp on.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ShapeEntry {
     /// Time, s.
     pub time_s: f64,

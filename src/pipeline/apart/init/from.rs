@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::look::{ProposedFor, Taken, files_below, look};
@@ -29,7 +30,7 @@ pub struct InitFrom {
 }
 
 /// What is proposed for a folder.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Proposed {
     /// Its files with what each becomes.
     pub files: Vec<PlannedFile>,

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::{DateOrder, Issue, Quantity};
@@ -18,7 +19,7 @@ const MOST_FILES: usize = 10_000;
 const LARGEST_BYTES: u64 = 1 << 30;
 
 /// What a file is taken for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Taken {
     /// A run with steps of the voltage, or one whose voltage its tags give.
@@ -63,7 +64,7 @@ impl Taken {
 }
 
 /// A file that was looked at.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Seen {
     /// Its path, relative to the folder, with `/`.
     pub path: String,
@@ -83,7 +84,7 @@ pub struct Seen {
 }
 
 /// A profile for files that no reader knows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ProposedFor {
     /// Id.
     pub id: String,

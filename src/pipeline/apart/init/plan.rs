@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::look::{Looked, Seen, Taken};
@@ -14,7 +15,7 @@ use crate::ingest::name_pattern::{
 use crate::ingest::tags;
 
 /// A file with what it becomes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PlannedFile {
     /// What it is.
     #[serde(flatten)]
@@ -30,7 +31,7 @@ pub struct PlannedFile {
 }
 
 /// A sample that names speak of.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct NamedSample {
     /// Its id, as most names write it.
     pub id: String,

@@ -40,7 +40,7 @@ pub struct DiagnoseRuns {
 }
 
 /// A run that the simulation may be said to be wrong about when it came.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ClaimedRun {
     /// Path relative to the campaign.
     pub run: String,
@@ -51,7 +51,7 @@ pub struct ClaimedRun {
 }
 
 /// What `diagnose` did.
-#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct DiagnoseSummary {
     /// Groups and single runs diagnosed.
     pub diagnosed: usize,

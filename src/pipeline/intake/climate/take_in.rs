@@ -1,5 +1,6 @@
 //! Stores what was read from a logger's file: a new log, a new revision, an alias, or why it was refused.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::analysis::climate::checks::{Checked, check};
@@ -14,7 +15,7 @@ use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{FileRow, NewLog, NewSeries};
 
 /// What became of the climate logs.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct LogSummary {
     /// Files in the folder of climate logs.
     pub files: usize,

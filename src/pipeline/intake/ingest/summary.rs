@@ -1,5 +1,6 @@
 //! What was taken in.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::Issue;
@@ -8,7 +9,7 @@ use crate::pipeline::ground::mends::Together;
 use crate::pipeline::intake::climate::LogSummary;
 
 /// What `ingest` did.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct IngestSummary {
     /// Files in the folders with data.
     pub files: usize,
@@ -51,7 +52,7 @@ pub struct IngestSummary {
 }
 
 /// A tag file, or a statement in it, that cannot be read.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct UnreadableTags {
     /// Where, why, and how to mend it.
     pub issue: Issue,

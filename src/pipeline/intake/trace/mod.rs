@@ -41,7 +41,7 @@ pub struct TraceFrames {
 }
 
 /// What was done.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TraceSummary {
     /// Always `ieap/trace/1`.
     pub schema: &'static str,

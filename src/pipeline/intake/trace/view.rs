@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::pipeline::PipelineError;
 
 /// A frame that was not traced.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RefusedFrame {
     /// Its name.
     pub frame: String,
@@ -16,7 +17,7 @@ pub struct RefusedFrame {
 }
 
 /// What holds for all frames.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ViewSummary {
     /// Side of the clamp in the first frame.
     pub clamp: &'static str,

@@ -17,6 +17,7 @@ mod shelf;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::ingest::archive::{self, Archive};
@@ -51,7 +52,7 @@ pub struct Backup {
 }
 
 /// What `backup` did.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct BackedUp {
     /// Folder of the backup.
     pub folder: PathBuf,

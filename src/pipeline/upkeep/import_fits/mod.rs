@@ -7,6 +7,7 @@ mod part;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::{AskedFit, Fit, Issue};
@@ -32,7 +33,7 @@ pub struct ImportFits {
 }
 
 /// What came in, and what did not.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct ImportSummary {
     /// Files read.
     pub files: usize,
@@ -60,7 +61,7 @@ impl ImportSummary {
 }
 
 /// A file that is not as it was written.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct DamagedFile {
     /// The file.
     pub file: PathBuf,
@@ -81,7 +82,7 @@ impl ImportSummary {
 }
 
 /// A row that was not taken.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct RefusedRow {
     /// The file.
     pub file: PathBuf,

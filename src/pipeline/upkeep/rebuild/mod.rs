@@ -14,6 +14,7 @@ pub(crate) mod replay;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::Issue;
@@ -36,7 +37,7 @@ pub struct Rebuild {
 }
 
 /// What `rebuild` did.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RebuildSummary {
     /// Current runs and modulus logs in the new database.
     pub runs: usize,

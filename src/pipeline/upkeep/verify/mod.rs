@@ -12,6 +12,7 @@ mod weekly;
 
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::Issue;
@@ -32,7 +33,7 @@ pub struct Verify {
 }
 
 /// What was looked at of a campaign, and what was found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Verified {
     /// Part by part.
     pub parts: Vec<Part>,

@@ -1,11 +1,12 @@
 //! A part of a campaign, and what was found of it.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::{Issue, Severity};
 
 /// A part of a campaign.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Part {
     /// `database`, `archive`, `journal`, `report`, `readings` or `results`.
     pub part: &'static str,
