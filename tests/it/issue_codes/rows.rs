@@ -61,6 +61,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("date-uncertain", Format("ivium-text/ca.comma_cut.txt")),
     ("duplicate-quantity", Format("plain-table/step.duplicate_current.csv")),
     ("edges-between-readings", Campaign(|to| to.write("runs/a.csv", late()))),
+    ("edges-in-a-pause", By("crates/ingest/src/drive/tests.rs", "a_pause_in_which_edges_would_not_be_seen_is_told")),
     ("empty-column", Format("chi-text/dpv.column_without_values.txt")),
     ("empty-file", Format("plain-table/pending.empty.csv")),
     ("few-frequencies", By("crates/fit/src/impedance/tests.rs", "few_frequencies_are_refused")),

@@ -100,7 +100,12 @@ pub const GIVEN: [(&str, &str, &str, &str); 5] = [
         "let (code, what)",
         "};",
     ),
-    ("src/pipeline/upkeep/agreement.rs", "code", "let agreed =", "\n}\n"),
+    (
+        "src/pipeline/upkeep/agreement.rs",
+        "code",
+        "let agreed =",
+        "\n}\n",
+    ),
 ];
 
 /// How a test may name a code: itself, the constant that holds it, or the error that has it.
