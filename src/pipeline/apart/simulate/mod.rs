@@ -20,6 +20,7 @@ mod wrong;
 
 use std::path::{Path, PathBuf};
 
+pub use crate::pipeline::ground::error::SpecError;
 pub use answer_key::answer_key;
 pub use dma_log::dma_log;
 pub use dma_spec::{DmaNoise, DmaSpec, Hold, LogSpec};
