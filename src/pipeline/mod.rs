@@ -1,6 +1,7 @@
 //! The verbs as values: the command line, the watcher and the tests call the same ones.
 //!
-//! Folders in the order in which data go through them; each uses those before it.
+//! Data go through its folders in this order, and each uses those before it: `ground`, `campaign`, `intake`, `fits`, `findings`,
+//! `documents`, `apart`, `show`, `upkeep`; then `run`, `watch` and `serve`.
 
 pub mod apart;
 pub mod campaign;
@@ -32,8 +33,7 @@ pub use fits::choice::{ChosenBy, FitChoice, HeldChoice};
 pub use fits::groups::{FitGroups, FitTogether, Sharing};
 pub use fits::outcome::{FAULT, FitSummary};
 pub use fits::runs::FitRuns;
-pub use ground::error::HoldingsError;
-pub use ground::error::PipelineError;
+pub use ground::error::{HoldingsError, PipelineError};
 pub use ground::observer::{Observer, Silent};
 pub use intake::climate::LogSummary;
 pub use intake::ingest::{Ingest, IngestSummary, UnreadableTags, files_due};
