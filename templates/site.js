@@ -454,6 +454,8 @@
   // ---------------------------------------------------------------- what is shown, in the address
   // `#place&zoom=figure:low:high&by=sample&only=air`: a place of the page, then what was chosen on it. Behind the sign, for a
   // page opened from a disk may change nothing else of its address.
+  // What goes with a reader to the next page: samples that are hidden, and samples that stand out.
+  const KEPT = ["hide", "mark"];
   const state = (() => {
     const [place = "", ...parts] = location.hash.slice(1).split("&");
     const known = { place: decodeURIComponent(place) };
@@ -462,7 +464,7 @@
   })();
   const remember = (change) => {
     Object.assign(state, change);
-    const parts = ["zoom", "by", "only"].filter((key) => state[key]).map((key) => key + "=" + encodeURIComponent(state[key]));
+    const parts = ["zoom", "by", "only", ...KEPT].filter((key) => state[key]).map((key) => key + "=" + encodeURIComponent(state[key]));
     const address = [encodeURIComponent(state.place), ...parts].join("&");
     history.replaceState(null, "", address ? "#" + address : location.pathname.split("/").pop());
   };
@@ -515,6 +517,26 @@
     // What a program of tables would take for a formula is text.
     return rows.map((row) => row.map((cell) => quoted(/^[=+@]/.test(cell) ? "'" + cell : cell)).join(",")).join("\n") + "\n";
   };
+  // The readings of a run as they are stored, from a file that goes with the page; null where the figure shows none, or where the
+  // browser cannot unpack them: then what is drawn is saved.
+  let unpacked = null;
+  const unpack = async () => {
+    await new Promise((resolve, reject) => {
+      const script = make("script", { src: root + "readings/" + location.pathname.split("/").pop().replace(/\.html$/, "") + ".js" });
+      script.onload = resolve;
+      script.onerror = reject;
+      document.head.append(script);
+    });
+    const bytes = Uint8Array.from(atob(window.ieapReadings), (c) => c.charCodeAt(0));
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"))).text();
+  };
+  const readings = async (chart) => {
+    const wanted = chart.svg.closest("[data-readings]")?.dataset.readings;
+    if (!wanted) return null;
+    try { unpacked ??= await unpack(); } catch { return null; }
+    const [head, ...lines] = unpacked.trimEnd().split("\n");
+    return [head, ...lines.filter((line) => line.startsWith(wanted + ","))].join("\n") + "\n";
+  };
   const save = (name, type, content) => {
     const url = URL.createObjectURL(new Blob([content], { type }));
     make("a", { href: url, download: name }).click();
@@ -535,7 +557,7 @@
   const savers = {
     svg: async (chart) => ["image/svg+xml", alone(chart.svg)],
     png: async (chart) => ["image/png", await picture(chart.svg)],
-    csv: async (chart) => ["text/csv", await points(chart)],
+    csv: async (chart) => ["text/csv", (await readings(chart)) ?? (await points(chart))],
   };
   const addSaves = (chart) => {
     if (chart.saves) return;
@@ -973,6 +995,162 @@
     redraw();
   };
 
+  // ---------------------------------------------------------------- tables that are taken along
+  const BARRED = 3; // rows from which bars in cells tell anything
+  const takeAlong = (table) => {
+    const rows = [...table.rows].filter((row) => row.cells.length > 1);
+    if (rows.length < 2 || table.matches(".coverage")) return;
+    const text = (cell) => cell.innerText.replace(/\s+/g, " ").trim();
+    const lines = (join) => rows.filter((row) => !row.hidden && !row.matches(".out")).map((row) => [...row.cells].filter((cell) => !cell.hidden).map((cell) => join(text(cell))));
+    const button = (name, act) => {
+      const made = make("button", { type: "button", class: "tool" }, name);
+      made.addEventListener("click", act);
+      return made;
+    };
+    const title = table.closest("section")?.querySelector("h2, h3")?.textContent.trim() || "table";
+    const copy = button("Copy", () => navigator.clipboard?.writeText(lines((cell) => cell).map((line) => line.join("\t")).join("\n")).then(() => say("table copied")));
+    // What a program of tables would take for a formula is text.
+    const csv = button("CSV", () => save(title.toLowerCase().replace(/[^a-z0-9]+/g, "-") + ".csv", "text/csv",
+      lines((cell) => quoted(/^[=+@]/.test(cell) ? "'" + cell : cell)).map((line) => line.join(",")).join("\n") + "\n"));
+    const tools = make("p", { class: "tools take" }, copy, csv);
+    (table.closest(".scroll") || table).after(tools);
+    if (table.matches(".runs-table")) { bars(table); tools.append(columns(table), scatter(table, tools)); }
+  };
+  // A bar behind each number of the table of runs, from the smallest to the largest of its column, over the logarithm where
+  // the column spans more than a decade.
+  const bars = (table) => {
+    [...table.tHead.rows[0].cells].forEach((head, at) => {
+      const cells = [...table.tBodies[0].rows].map((row) => row.cells[at]);
+      const numbers = cells.map((cell) => numberIn(cell.textContent));
+      const known = numbers.filter(isFinite), low = Math.min(...known), high = Math.max(...known);
+      if (!head.matches(".number") || known.length < BARRED || low === high) return;
+      const scale = low > 0 && high > 10 * low ? Math.log : (x) => x;
+      cells.forEach((cell, k) => {
+        if (!isFinite(numbers[k])) return;
+        const part = (scale(numbers[k]) - scale(low)) / (scale(high) - scale(low));
+        cell.classList.add("barred");
+        cell.style.setProperty("--part", (4 + 96 * part).toFixed(0) + "%");
+      });
+    });
+  };
+  const columns = (table) => {
+    const heads = [...table.tHead.rows[0].cells].slice(1);
+    const box = (head, k) => {
+      const input = make("input", { type: "checkbox", checked: "" });
+      input.addEventListener("change", () => [...table.rows].forEach((row) => { row.cells[k + 1].hidden = !input.checked; }));
+      return make("label", {}, input, " " + head.textContent.replace(/\s+/g, " ").trim());
+    };
+    return make("details", { class: "choose" }, make("summary", {}, "Columns"), ...heads.map(box));
+  };
+  // Any column of numbers of the table of runs against any other.
+  const scatter = (table, after) => {
+    const heads = [...table.tHead.rows[0].cells];
+    const rows = [...table.tBodies[0].rows];
+    const title = (at) => heads[at].innerText.replace(/\s+/g, " ").trim().replace(/ ([^ ]+)$/, heads[at].querySelector("small") ? " ($1)" : " $1");
+    const usable = heads.map((head, at) => at).filter((at) => heads[at].matches(".number") && rows.filter((row) => isFinite(numberIn(row.cells[at].textContent))).length > 1);
+    const choice = (name, first) => {
+      const select = make("select", { "aria-label": name }, ...usable.map((at) => make("option", { value: at }, title(at))));
+      select.value = String(usable[Math.min(first, usable.length - 1)]);
+      return select;
+    };
+    const box = make("details", { class: "choose" }, make("summary", {}, "Scatter"));
+    if (usable.length < 2) return box;
+    const [y, x] = [choice("Upright", 2), choice("Across", 0)];
+    const place = make("div", { class: "panel" });
+    const axisOf = (numbers) => {
+      const [low, high] = [Math.min(...numbers), Math.max(...numbers)];
+      if (low > 0 && high > 10 * low) return { scale: 1, low: Math.log10(low) - 0.1, high: Math.log10(high) + 0.1 };
+      const room = 0.06 * (high - low) || 1;
+      return { scale: 0, low: low - room, high: high + room };
+    };
+    const drawn = async () => {
+      const all = await runs(), indexOf = new Map(all.map((run, k) => [run.href, k]));
+      const points = rows.filter((row) => !row.matches(".out"))
+        .map((row) => ({ run: indexOf.get(row.querySelector("a").getAttribute("href")), x: numberIn(row.cells[x.value].textContent), y: numberIn(row.cells[y.value].textContent) }))
+        .filter((point) => isFinite(point.x) && isFinite(point.y));
+      const [ax, ay] = [axisOf(points.map((p) => p.x)), axisOf(points.map((p) => p.y))];
+      const [left, top, right, bottom] = [660, 100, 3960, 2100];
+      const to = (axis, value, from, upto) => from + ((positionOf(axis, value) - axis.low) / (axis.high - axis.low)) * (upto - from);
+      const svg = document.createElementNS(SVG, "svg");
+      for (const [key, value] of Object.entries({ viewBox: "0 0 4100 2560", class: "figure", "aria-label": `${title(y.value)} against ${title(x.value)}` })) svg.setAttribute(key, value);
+      const panel = draw("g", { "data-f": [left, top, right, bottom].join(" ") }, svg);
+      draw("g", { class: "axes", "data-x": [ax.scale, ax.low, ax.high].join(" "), "data-y": [ay.scale, ay.low, ay.high].join(" ") }, panel);
+      const series = draw("g", { "data-s": "Runs", "data-r": points.map((p) => p.run).join(" ") }, panel);
+      draw("path", { class: "dots", style: `marker:url(#${marker(0)})`, "stroke-width": 64, d: written([points.map((p) => [to(ax, p.x, left, right), to(ay, p.y, bottom, top)])]) }, series);
+      draw("text", { class: "axis", x: (left + right) / 2, y: bottom + 360 }, panel).textContent = title(x.value);
+      draw("text", { class: "axis up", x: -(top + bottom) / 2, y: 120 }, panel).textContent = title(y.value);
+      place.replaceChildren(svg);
+      const chart = new Chart(svg);
+      chart.panels.forEach((own) => own.drawAxes());
+    };
+    [x, y].forEach((select) => select.addEventListener("change", drawn));
+    box.append(y, " against ", x);
+    after.after(place);
+    box.addEventListener("toggle", () => { place.hidden = !box.open; if (box.open) drawn(); });
+    return box;
+  };
+  const saveAll = () => {
+    const main = document.querySelector("main");
+    if (!main || charts.length < 2) return;
+    const button = make("button", { type: "button", class: "tool" }, `Save all ${charts.length} figures as SVG`);
+    button.addEventListener("click", () => charts.forEach((chart, k) => setTimeout(() => save(chart.svg.id + ".svg", "image/svg+xml", alone(chart.svg)), 250 * k)));
+    main.append(make("p", { class: "tools" }, button));
+  };
+
+  // ---------------------------------------------------------------- samples hidden or marked, on every page
+  const samples = async () => {
+    const heading = document.querySelector("main h1");
+    if (!heading || !document.querySelector("header.site")) return;
+    const chosen = (key) => new Set((state[key] || "").split(",").filter(Boolean));
+    const picker = make("details", { class: "choose samples" }, make("summary", {}, "Samples"));
+    heading.before(picker);
+    const show = async () => {
+      const [hidden, marked] = KEPT.map(chosen);
+      if (hidden.size + marked.size === 0 && !document.querySelector(".out, .marked, .dimmed")) return;
+      const all = await runs(), sampleOf = new Map(all.map((run) => [run.href, run.tags.sample]));
+      const names = new Set(sampleOf.values());
+      for (const row of document.querySelectorAll("main tbody tr")) {
+        const cell = [...row.cells].find((cell) => names.has(cell.textContent.trim()));
+        const link = row.querySelector("a[href]");
+        const own = cell?.textContent.trim() ?? sampleOf.get(link?.getAttribute("href"));
+        row.classList.toggle("out", hidden.has(own));
+        row.classList.toggle("marked", marked.has(own));
+      }
+      for (const chart of charts) for (const series of chart.panels.flatMap((panel) => panel.series)) {
+        if (!names.has(series.name)) continue;
+        series.hidden = hidden.has(series.name);
+        series.element.style.display = series.hidden ? "none" : "";
+        series.element.classList.toggle("dimmed", marked.size > 0 && !marked.has(series.name));
+      }
+      picker.firstElementChild.textContent = "Samples" + (hidden.size ? ` (${hidden.size} hidden)` : "") + (marked.size ? ` (${marked.size} marked)` : "");
+    };
+    picker.addEventListener("toggle", async () => {
+      if (picker.childElementCount > 1) return;
+      const names = [...new Set((await runs()).map((run) => run.tags.sample).filter(Boolean))].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
+      const box = (name, key, word) => {
+        const input = make("input", { type: "checkbox", "aria-label": `${word} ${name}` });
+        input.checked = chosen(key).has(name);
+        input.addEventListener("change", () => {
+          const now = chosen(key);
+          if (input.checked) now.add(name); else now.delete(name);
+          remember({ [key]: [...now].join(",") });
+          show();
+        });
+        return make("label", {}, input, " " + word);
+      };
+      picker.append(make("ul", {}, ...names.map((name) => make("li", {}, make("b", {}, name), box(name, "mark", "mark"), box(name, "hide", "hide")))));
+    });
+    // What is chosen goes along to the next page of the report.
+    document.addEventListener("click", (event) => {
+      const link = event.target.closest?.("a[href]"), address = link?.getAttribute("href");
+      const kept = KEPT.filter((key) => state[key]).map((key) => `&${key}=${encodeURIComponent(state[key])}`).join("");
+      if (!kept || !/^[^:]*\.html(#|$)/.test(address)) return;
+      const [page, place = ""] = address.split("#");
+      link.setAttribute("href", `${page}#${place.split("&")[0]}${kept}`);
+    }, true);
+    show();
+  };
+
   // ---------------------------------------------------------------- served: the page follows the report
   const follow = () => {
     if (!/^https?:$/.test(location.protocol)) return;
@@ -1062,6 +1240,9 @@
   perVolt();
   films();
   byTags();
+  document.querySelectorAll("main table").forEach(takeAlong);
+  saveAll();
+  samples();
   const [zoomed, ...ends] = (state.zoom || "").split(":");
   charts.find((chart) => chart.svg.id === zoomed)?.zoom(ends.map(Number));
   // What was added above has moved the place that the address names; a place in what is folded is opened.

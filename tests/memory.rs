@@ -79,7 +79,7 @@ fn take_in(folder: &Path) {
         .run(&mut context, &Silent)
         .unwrap();
     let tag = SetTags {
-        run: "runs/1.csv".to_owned(),
+        runs: vec!["runs/1.csv".to_owned()],
         pairs: vec![("note".to_owned(), "wet".to_owned())],
         set_by: "ann".to_owned(),
     };

@@ -16,10 +16,10 @@ from os import PathLike
 from typing import Any, Mapping, Sequence
 
 from . import _native
-from ._errors import CampaignError, EngineFault, IeapError, InputError
-from ._inputs import Drive, effects_of, stated as _stated, table_of, times_of
+from ._errors import CampaignError, EngineFault, IeapError, InputError, MissingFileError
+from ._inputs import Drive, Measured, effects_of, exact_of, numbers_of, segments_of, stated as _stated, table_of, threads_of, times_of
 from ._native import ArrowTable, Table
-from ._results import Estimate, Finding, Fit
+from ._results import Estimate, Finding, Fit, html_table
 
 __version__: str = _native.version
 __all__ = [
@@ -32,7 +32,9 @@ __all__ = [
     "Fit",
     "IeapError",
     "InputError",
+    "MissingFileError",
     "Table",
+    "convert",
     "diagnose",
     "diagnose_rows",
     "fit",
@@ -48,6 +50,7 @@ def read_all(path: str | PathLike[str]) -> list[Table]:
 
     Raises:
         InputError: no reader can read the file; ``place`` has line and column, ``remedy`` says what helps.
+        MissingFileError: there is no such file (also a FileNotFoundError).
         CampaignError: the system cannot give the file.
     """
     return _native.read(path)
@@ -130,7 +133,8 @@ def fit(
         baseline_v=baseline_v,
         tags=tags,
     )
-    return Fit(_native.fit(run or table.source, table, said, model, method, simultaneous, seed))
+    recipe = (run or table.source, table, said, model, method, simultaneous, seed)
+    return Fit(_native.fit(*recipe), recipe)
 
 
 def diagnose(
@@ -160,7 +164,7 @@ def diagnose(
         model: the base model; None: ``lumped-2``.
         draws: draws of what chance does; None: 999.
         seed: of the draws.
-        threads: None: all cores.
+        threads: None: all cores; more than these are not taken.
 
     Raises:
         InputError: a run cannot be used, or two runs hold the same readings.
@@ -181,7 +185,7 @@ def diagnose(
         )
 
     parts = [(name, table, said(name)) for name, table in named.items()]
-    return Finding(json.loads(_native.diagnose(group, parts, model, draws, seed, threads)))
+    return Finding(json.loads(_native.diagnose(group, parts, model, draws, seed, threads_of(threads))))
 
 
 def simulate(
@@ -192,7 +196,7 @@ def simulate(
     area_cm2: float | None = None,
     length_mm: float | None = None,
     width_mm: float | None = None,
-    baseline_v: float = 0.0,
+    baseline_v: float | None = None,
     time_s: Any = None,
     until_s: float | None = None,
     every_s: float | None = None,
@@ -208,7 +212,7 @@ def simulate(
         effects: effects that act in the run, ``{"faradaic-leak": {"onset_v": 1.2, ...}}``; docs/hidden-effects.md lists
             them; the key ``variant`` names a variant.
         area_cm2: active area, cm2; or `length_mm` and `width_mm`, mm.
-        baseline_v: voltage held before the drive, V.
+        baseline_v: voltage held before the drive, V; None: that of the fit's drive, else 0.
         time_s: times of the readings, s; or `until_s` and `every_s`. None: 600 even intervals, to as long after the last
             switching as before it, 600 s for one step.
         noise: standard deviations ``current_a`` (A) and ``curvature_per_cm`` (1/cm), and ``autocorrelation`` of
@@ -216,14 +220,17 @@ def simulate(
         seed: of the noise.
 
     Returns:
-        A table of n rows with ``time_s``, ``voltage_v``, ``current_a`` and ``curvature_per_cm``.
+        A table of n rows with ``time_s``, ``voltage_v``, ``current_a`` and ``curvature_per_cm``. It knows its strip and its
+        drive, so that ``ieap.fit(table)`` needs neither.
 
     Raises:
         InputError: something asked for makes no sense, or a parameter of the fit that is needed is not determined.
     """
     if isinstance(parameters, Fit):
         given = _known(parameters)
-        drive = drive or parameters.drive
+        if not drive:
+            drive = parameters.drive
+            baseline_v = parameters.baseline_v if baseline_v is None else baseline_v
         if area_cm2 is None and (length_mm is None or width_mm is None):
             area_cm2 = parameters.area_cm2
         length_mm = parameters.length_mm if length_mm is None else length_mm
@@ -231,13 +238,55 @@ def simulate(
         given = {key: float(value) for key, value in parameters.items()}
     if not drive:
         raise InputError("there is no drive", "drive", "give start (s) and voltage (V) of each segment: [(0, 2.0)]")
-    said = _stated(area_cm2=area_cm2, length_mm=length_mm, width_mm=width_mm, drive=drive, baseline_v=baseline_v)
+    said = _stated(area_cm2=area_cm2, length_mm=length_mm, width_mm=width_mm, drive=drive, baseline_v=baseline_v or 0.0)
     times = times_of(drive, time_s, until_s, every_s)
     sizes = dict(noise or {})
     own_noise = tuple(float(sizes.pop(key, 0.0)) for key in ("current_a", "curvature_per_cm", "autocorrelation"))
     if sizes:
         raise InputError(f"found {', '.join(sizes)}", "noise", "one of current_a, curvature_per_cm, autocorrelation")
     return _native.simulate(given, said, effects_of(effects), times, own_noise, seed)
+
+
+def convert(
+    given: str,
+    *,
+    length_mm: Measured | None = None,
+    seen_at_mm: Measured | None = None,
+    width_mm: Measured | None = None,
+    thickness_mm: Measured | None = None,
+    modulus_mpa: Measured | None = None,
+    neutral_layer_shift_mm: Measured | None = None,
+    mean_elongation: Measured | None = None,
+) -> dict[str, Any]:
+    """One measure of a bending as all others, with errors: ``ieap.convert("displacement=1.2mm", length_mm=(5, 0.1))``.
+
+    Args:
+        given: curvature, radius, displacement, tip-displacement, tangent-angle, strain-difference, bending-strain, moment or
+            energy, then ``=`` and the value with its unit, and its standard error where it has one (``1.2±0.05mm``).
+        length_mm: free length, mm; like every number, alone or with its standard error: ``(5, 0.1)``.
+        seen_at_mm: where the displacement is seen, mm ahead of the clamp; None: the free length.
+        width_mm: width, mm.
+        thickness_mm: thickness, mm.
+        modulus_mpa: effective Young's modulus, MPa.
+        neutral_layer_shift_mm: distance of the neutral layer from the middle of the thickness, mm; None: 0.
+        mean_elongation: mean elongation of the strip, a share; None: 0.
+
+    Returns:
+        The document `ieap/convert/1` of the program: ``values`` holds every measure by its key.
+
+    Raises:
+        InputError: the measure or its unit is unknown, or no circle bends so.
+    """
+    numbers = numbers_of(
+        length_mm=length_mm,
+        seen_at_mm=seen_at_mm,
+        width_mm=width_mm,
+        thickness_mm=thickness_mm,
+        modulus_mpa=modulus_mpa,
+        neutral_layer_shift_mm=neutral_layer_shift_mm,
+        mean_elongation=mean_elongation,
+    )
+    return json.loads(_native.conversion(given, numbers))
 
 
 def _known(fit: Fit) -> dict[str, float]:
@@ -258,6 +307,7 @@ def fit_many(
     simultaneous: bool = False,
     seed: int | None = None,
     threads: int | None = None,
+    curves: bool = True,
 ) -> ArrowTable:
     """Fits many runs on all cores, one row a run. Ctrl-C ends it.
 
@@ -266,7 +316,9 @@ def fit_many(
             ``voltage_v``, ...; one length a row, empty cells allowed). ``run`` names the run; ``area_cm2`` or
             ``length_mm`` and ``width_mm`` state the strip; ``drive_start_s`` and ``drive_voltage_v`` (lists) and
             ``baseline_v`` may state the drive; every other column is a tag, such as ``voltage_v`` as one number.
-        threads: None: all cores. The result does not depend on it.
+        threads: None: all cores; more than these are not taken. The result does not depend on it.
+        curves: for rows of a campaign, the result as ``ieap import-fits`` takes it, with the drawn curves: ten times as much.
+            False leaves the columns `asked`, `fit`, `issue` and `checksum` empty.
 
     Returns:
         One row a run in the order given: ``run``, ``model``, ``input_hash``, ``converged``, ``n_samples``, ``parameters``
@@ -274,7 +326,7 @@ def fit_many(
         ``r_squared_current``, ``issues``, ... A run that cannot be fitted has ``refused_place``, ``refused_reason`` and
         ``refused_remedy`` instead.
     """
-    return _native.fit_many(rows, model, method, simultaneous, seed, threads)
+    return _native.fit_many(rows, model, method, simultaneous, seed, threads_of(threads), curves)
 
 
 def diagnose_rows(
@@ -289,10 +341,10 @@ def diagnose_rows(
     """As `diagnose`, of runs in a table as `fit_many` takes it: all rows are one group.
 
     Returns:
-        One row: ``group``, ``runs``, ``verdict``, ``sentence``, ``p_misfit``, ``causes``, ``most_probable``, ...,
+        One row: ``group``, ``runs``, ``left_out`` (runs that could not be used, each with the reason), ``verdict``, ``sentence``, ``p_misfit``, ``causes``, ``most_probable``, ...,
         ``document`` (JSON, a group of ``ieap diagnose --json``), or the reason in ``refused_reason``.
     """
-    return _native.diagnose_rows(group, rows, model, draws, seed, threads)
+    return _native.diagnose_rows(group, rows, model, draws, seed, threads_of(threads))
 
 
 class Campaign:
@@ -323,6 +375,30 @@ class Campaign:
         """The readings of a run as a fit takes them, with its strip, drive and tags: ``ieap.fit(c.readings(run))``."""
         return self._native.readings(run)
 
+    def readings_many(self, runs: Sequence[str] | None = None) -> dict[str, Table]:
+        """The readings of many runs by name, with the campaign opened once; None: of every run that results are made from."""
+        if runs is None:
+            known = self.runs()
+            speaking = zip(known.column("run"), known.column("standing"))
+            runs = [run for run, standing in speaking if standing in ("speaks", "vouched")]
+        return dict(zip(runs, self._native.readings_many(list(runs))))
+
+    def laws(self) -> ArrowTable:
+        """What holds across runs: one row a parameter and what it may follow, with the law where it is claimed."""
+        return self._native.table("laws")
+
+    def monitoring(self) -> ArrowTable:
+        """Long-term monitoring: one row a sample and parameter."""
+        return self._native.table("monitoring")
+
+    def model_free(self) -> ArrowTable:
+        """What steps say without a model, and their energies: one row a run whose voltage is stepped and held."""
+        return self._native.table("model-free")
+
+    def cycles(self) -> ArrowTable:
+        """Trains, one row a cycle."""
+        return self._native.table("cycles")
+
     def findings(self) -> ArrowTable:
         """The current findings, one row a group of runs."""
         return self._native.findings()
@@ -341,6 +417,99 @@ class Campaign:
     def diagnosis_document(self) -> dict[str, Any]:
         """What ``ieap diagnose --json`` prints of the current findings."""
         return json.loads(self._native.diagnosis_document())
+
+    def impedance_document(self) -> dict[str, Any]:
+        """What ``ieap impedance --json`` prints of the spectra that were taken in."""
+        return json.loads(self._native.impedance_document())
+
+    def table_document(self, name: str) -> dict[str, Any]:
+        """A table that ``ieap table`` lists, such as ``models``, ``cycles`` or ``model-free``, as ``--format json`` prints it."""
+        return json.loads(self._native.table_document(name))
+
+    def predict(
+        self,
+        sample: str,
+        *,
+        voltage_v: float | None = None,
+        drive: Drive | None = None,
+        baseline_v: float = 0.0,
+        at_s: Sequence[float] = (),
+        environment: str | None = None,
+        relative_humidity_percent: float | None = None,
+        length_mm: Measured | None = None,
+        width_mm: Measured | None = None,
+        thickness_mm: Measured | None = None,
+        modulus_mpa: Measured | None = None,
+        electrode_resistance_ohm_per_sq: float | None = None,
+    ) -> dict[str, Any]:
+        """What a strip will do, from the stored fits of its laminate: the document `ieap/prediction/2` of the program.
+
+        `sample` names the strip whose fits tell; `voltage_v` is a step at time zero, `drive` start (s) and voltage (V) of each
+        segment; `at_s` the times asked for. Another size has ``length_mm=12`` or, with its standard error, ``(12, 0.1)``.
+        """
+        if (voltage_v is None) == (drive is None):
+            found = f"voltage_v is {voltage_v}, drive is {drive!r}"
+            raise InputError(found, "drive", "give one of both: voltage_v=1.5, or drive=[(0, 1.5), (300, 0.0)]", "bad-argument")
+        segments = segments_of(drive if voltage_v is None else [(0.0, voltage_v)])
+        numbers = numbers_of(length_mm=length_mm, width_mm=width_mm, thickness_mm=thickness_mm, modulus_mpa=modulus_mpa)
+        numbers |= exact_of(
+            relative_humidity_percent=relative_humidity_percent,
+            electrode_resistance_ohm_per_sq=electrode_resistance_ohm_per_sq,
+        )
+        times = [float(time_s) for time_s in at_s]
+        return json.loads(self._native.predict(sample, environment, numbers, (baseline_v, segments), times))
+
+    def drive(
+        self,
+        sample: str,
+        *,
+        hold_mm: float | None = None,
+        for_s: float | None = None,
+        course: Sequence[tuple[float, float]] | None = None,
+        every_s: float | None = None,
+        max_voltage_v: float | None = None,
+        max_slope_v_per_s: float | None = None,
+        onset_v: Measured | None = None,
+        environment: str | None = None,
+        relative_humidity_percent: float | None = None,
+        length_mm: Measured | None = None,
+        width_mm: Measured | None = None,
+        thickness_mm: Measured | None = None,
+        electrode_resistance_ohm_per_sq: float | None = None,
+    ) -> dict[str, Any]:
+        """The voltage that brings the tip to a wanted course, open loop: the document `ieap/drive/2` of the program.
+
+        The tip is held at `hold_mm` for `for_s`, or follows `course`, rows of time (s) and displacement (mm).
+        """
+        is_held = hold_mm is not None and for_s is not None
+        if is_held == (course is not None) or (hold_mm is None) != (for_s is None):
+            found = f"hold_mm={hold_mm}, for_s={for_s}, course={course!r}"
+            raise InputError(found, "course", "give hold_mm and for_s, or a course: [(0, 0.0), (60, 0.3)]", "bad-argument")
+        rows = [(for_s, hold_mm)] if is_held else [(float(time_s), float(tip_mm)) for time_s, tip_mm in course]
+        times = [time_s for time_s, _ in rows]
+        if not is_held and (len(rows) < 2 or any(later <= earlier for earlier, later in zip(times, times[1:]))):
+            needed = "give two rows of time and displacement or more, with times that increase"
+            raise InputError(f"found {course!r}", "course", needed, "bad-argument")
+        numbers = numbers_of(length_mm=length_mm, width_mm=width_mm, thickness_mm=thickness_mm, onset_v=onset_v)
+        numbers |= exact_of(
+            every_s=every_s,
+            max_voltage_v=max_voltage_v,
+            max_slope_v_per_s=max_slope_v_per_s,
+            relative_humidity_percent=relative_humidity_percent,
+            electrode_resistance_ohm_per_sq=electrode_resistance_ohm_per_sq,
+        )
+        return json.loads(self._native.drive(sample, environment, numbers, rows))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Campaign, (self._native.folder,)
+
+    def _repr_html_(self) -> str:
+        runs = self.runs()
+        names = [name for name in ("run", "sample", "material", "environment", "voltage_v", "state", "standing") if name in runs.column_names]
+        cells = [["" if own is None else own for own in runs.column(name)] for name in names]
+        shown = list(zip(*cells))[:50]
+        more = [f"{len(runs) - len(shown)} more"] if len(runs) > len(shown) else []
+        return html_table(f"{self._native.folder}: {len(runs)} runs", names, shown, more)
 
     def __repr__(self) -> str:
         return repr(self._native)

@@ -20,6 +20,10 @@ class IeapError(Exception):
         self.remedy = remedy
         self.code = code
 
+    def __reduce__(self) -> tuple[type, tuple[str, str, str, str]]:
+        # OSError would keep two of the four.
+        return type(self), (self.reason, self.place, self.remedy, self.code)
+
     def __str__(self) -> str:
         where = f"{self.place}: " if self.place else ""
         mend = f". To mend it: {self.remedy}" if self.remedy else ""
@@ -35,6 +39,10 @@ class CampaignError(IeapError, OSError):
 
     # OSError has a text of its own.
     __str__ = IeapError.__str__
+
+
+class MissingFileError(CampaignError, FileNotFoundError):
+    """There is no such file."""
 
 
 class EngineFault(IeapError, RuntimeError):

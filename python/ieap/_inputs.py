@@ -3,38 +3,78 @@
 from __future__ import annotations
 
 from array import array
-from math import nan
+from math import isfinite, nan
+from os import cpu_count
 from typing import Any, Iterable, Mapping, Sequence
+from warnings import warn
 
 from . import _native
 from ._errors import InputError
+
+try:
+    from os import sched_getaffinity  # only where the system tells
+except ImportError:
+    sched_getaffinity = None
 
 Drive = Sequence[tuple[float, "float | None"]]
 """Start (s) and voltage (V; None: open circuit) of each segment."""
 
 
 def doubles(name: str, values: Any) -> bytes:
-    """The numbers of a one-dimensional array, a series or a list; None is an empty cell."""
+    """The numbers of a one-dimensional array, a series or a list; None and what is masked are empty cells."""
+    return _doubles(name, values)[0]
+
+
+def _doubles(name: str, values: Any) -> tuple[bytes, int]:
+    """The numbers, and how many were masked."""
+    masked = 0
     if hasattr(values, "to_pylist"):  # pyarrow
         values = values.to_pylist()
+    elif hasattr(values, "na_value") or hasattr(getattr(values, "dtype", None), "na_value"):  # nullable pandas
+        values = values.to_numpy(dtype="float64", na_value=nan)
     elif hasattr(values, "to_numpy"):  # pandas, polars
         values = values.to_numpy()
+    kind = getattr(getattr(values, "dtype", None), "kind", None)
+    if kind is not None and kind not in "biufO":
+        what = {"c": "complex numbers", "M": "dates", "m": "durations", "S": "texts", "U": "texts"}.get(kind, "no numbers")
+        needed = "give real numbers: .real, or abs(...)" if kind == "c" else "give numbers in the unit that the name says"
+        raise InputError(f"it holds {what}", _column(name), needed, "column-unusable")
+    ndim = getattr(values, "ndim", 1)
+    if ndim != 1:
+        needed = "give an array of one dimension, one value a reading"
+        raise InputError(f"it has {ndim} dimensions", _column(name), needed, "column-unusable")
+    if kind is not None and hasattr(values, "filled"):  # a mask says that there is no reading
+        masked = int(values.mask.sum())
+        values = values.astype("float64").filled(nan)
+    elif kind is not None and kind != "O":
+        values = values.astype("float64", copy=False)  # the machine's order of bytes
     try:
         view = memoryview(values)
     except TypeError:
-        return _from_items(name, values)
-    if view.ndim != 1:
-        raise InputError(f"it has {view.ndim} dimensions", name, "give an array of one dimension, one value a reading")
-    if view.format in ("d", "<d", "=d"):
-        return view.tobytes()
-    return _from_items(name, view.tolist() if view.format not in ("O", "e") else values)
+        return _from_items(name, values), masked
+    if view.ndim == 1 and view.format in ("d", "<d", "=d"):
+        return view.tobytes(), masked
+    return _from_items(name, values), masked
 
 
 def _from_items(name: str, values: Iterable[Any]) -> bytes:
     try:
-        return array("d", (nan if value is None else value for value in values)).tobytes()
+        items = list(values)
     except TypeError:
-        raise InputError(f"a {type(values).__name__} holds no numbers", name, "give a sequence of numbers") from None
+        needed = "give a sequence of numbers, one a reading"
+        raise InputError(f"a {type(values).__name__} is no sequence", _column(name), needed, "column-unusable") from None
+    numbers = array("d")
+    for index, value in enumerate(items):
+        try:
+            numbers.append(nan if value is None else value)
+        except TypeError:
+            found = f"{value!r} is no number"
+            raise InputError(found, f"{_column(name)}, index {index}", "give numbers; NaN or None is an empty cell") from None
+    return numbers.tobytes()
+
+
+def _column(name: str) -> str:
+    return f"column {name}"
 
 
 def table_of(readings: Any) -> _native.Table:
@@ -42,7 +82,8 @@ def table_of(readings: Any) -> _native.Table:
     if isinstance(readings, _native.Table):
         return readings
     if isinstance(readings, Mapping):
-        return _native.arrays([(name, doubles(name, values)) for name, values in readings.items()])
+        columns = [(str(name), *_doubles(str(name), values)) for name, values in readings.items()]
+        return _native.arrays(columns)
     return _native.from_arrow(readings)
 
 
@@ -58,15 +99,84 @@ def stated(
     tags: Mapping[str, Any] | None = None,
 ) -> _native.Stated:
     """What is stated of readings."""
-    words = {key: _word(value) for key, value in (tags or {}).items()}
+    words = {key: _word(key, value) for key, value in (tags or {}).items()}
     if voltage_v is not None:
-        words["voltage_v"] = _word(voltage_v)
-    segments = [(float(start_s), None if volts is None else float(volts)) for start_s, volts in drive or ()]
+        said = _word("voltage_v", voltage_v)
+        if float(words.get("voltage_v", said)) != float(said):
+            found = f"voltage_v is {said}, and tags say {words['voltage_v']}"
+            raise InputError(found, "voltage_v", "state it once", "contradiction")
+        words["voltage_v"] = said
+    segments = segments_of(drive)
+    if baseline_v and not segments:
+        found = f"baseline_v is {baseline_v} V, and there is no drive that it stands before"
+        raise InputError(found, "baseline_v", "state the drive as well: [(0, 2.0)]", "contradiction")
     return _native.Stated(area_cm2, length_mm, width_mm, electrode_resistance_ohm_per_sq, baseline_v, segments, words)
 
 
-def _word(value: Any) -> str:
-    return value if isinstance(value, str) else repr(float(value))
+def segments_of(drive: Drive | None) -> list[tuple[float, float | None]]:
+    """Start (s) and voltage (V; None: open circuit) of each segment, in order."""
+    needed = "give start (s) and voltage (V; None: open circuit) of each segment: [(0, 2.0), (300, None)]"
+    try:
+        segments = [(float(start_s), None if volts is None else float(volts)) for start_s, volts in drive or ()]
+    except (TypeError, ValueError):
+        raise InputError(f"found {drive!r}", "drive", needed, "bad-drive") from None
+    for index, (start_s, volts) in enumerate(segments):
+        if not isfinite(start_s) or not isfinite(volts or 0.0):
+            raise InputError(f"found {(start_s, volts)}", f"drive, index {index}", needed, "bad-drive")
+        if index and not start_s > segments[index - 1][0]:
+            found = f"{start_s} s after {segments[index - 1][0]} s"
+            raise InputError(found, f"drive, index {index}", "let each segment start later than the one before", "bad-drive")
+    return segments
+
+
+def threads_of(threads: int | None) -> int | None:
+    """Threads that are of use: no more than the cores, which is said."""
+    if threads is None:
+        return None
+    if threads < 1:
+        raise InputError(f"found {threads}", "threads", "give 1 or more, or None for all cores", "bad-argument")
+    cores = len(sched_getaffinity(0)) if sched_getaffinity else cpu_count() or 1
+    if threads > cores:
+        warn(f"threads={threads}: more than the {cores} cores are of no use; {cores} are taken", stacklevel=3)
+    return min(threads, cores)
+
+
+def _word(key: str, value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    try:
+        return repr(float(value))
+    except (TypeError, ValueError):
+        raise InputError(f"found {value!r}", f"tag {key}", "give a text or a number", "bad-argument") from None
+
+
+Measured = float | tuple[float, float]
+"""A number, or a number with its standard error."""
+
+
+def numbers_of(**given: "Measured | None") -> dict[str, tuple[float, float]]:
+    """Each number that is given, with its standard error."""
+    found = {}
+    for key, own in given.items():
+        pair = own if isinstance(own, (tuple, list)) else (own, 0.0)
+        if own is None:
+            continue
+        try:
+            value, error = (float(part) for part in pair)
+        except (TypeError, ValueError):
+            raise InputError(f"found {own!r}", key, "give a number, or a number and its standard error", "bad-argument") from None
+        if not isfinite(value) or not error >= 0.0:
+            raise InputError(f"found {own!r}", key, "give a finite number, and an error that is not negative", "bad-argument")
+        found[key] = value, error
+    return found
+
+
+def exact_of(**given: float | None) -> dict[str, tuple[float, float]]:
+    """Each number that is given, of those that are taken as exact."""
+    for key, own in given.items():
+        if isinstance(own, (tuple, list)):
+            raise InputError(f"found {own!r}", key, "give one number: its error is not used here", "bad-argument")
+    return numbers_of(**given)
 
 
 def effects_of(effects: Any) -> list[tuple[str, str | None, dict[str, float]]]:
@@ -85,7 +195,8 @@ def times_of(
     """Times of readings, s: those given, or even ones from the start of the drive on."""
     if time_s is not None:
         return array("d", doubles("time_s", time_s)).tolist()
-    first, last = float(drive[0][0]), float(drive[-1][0])
+    segments = segments_of(drive)
+    first, last = segments[0][0], segments[-1][0]
     if until_s is None:
         # As long after the last switching as before it; ten minutes for one step.
         until_s = last + (last - first) if last > first else first + 600.0

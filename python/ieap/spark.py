@@ -53,7 +53,8 @@ FIT_COLUMNS: dict[str, tuple[str, str]] = {
 FINDING_COLUMNS: dict[str, tuple[str, str]] = {
     "group": ("string", "values of the columns that the runs were grouped by"),
     "runs": ("array<string>", "runs of the group"),
-    "verdict": ("string", "consistent, undecided, named, set, partial, varies, resembles, unknown or data-problem"),
+    "left_out": ("array<string>", "runs that could not be used, each with the reason"),
+    "verdict": ("string", "consistent, undecided, named, set, partial, varies, unknown or data-problem"),
     "sentence": ("string", "the finding in a sentence"),
     "p_misfit": ("double", "probability of residuals at least as bad by chance"),
     "q_misfit": ("double", "the same over all groups judged together: here of this group alone"),
@@ -70,19 +71,22 @@ FINDING_COLUMNS: dict[str, tuple[str, str]] = {
 """Type and comment of every column that `diagnose` gives."""
 
 
-def fit(df: DataFrame, *, model: str | None = None, seed: int | None = None, threads: int = 1) -> DataFrame:
+def fit(
+    df: DataFrame, *, model: str | None = None, seed: int | None = None, threads: int = 1, curves: bool = True
+) -> DataFrame:
     """Fits every row; columns as `FIT_COLUMNS` says.
 
     Args:
         df: one row a run, as `ieap.fit_many` takes it. Keep some hundred rows a partition: a task that is lost is done
             again as a whole.
         threads: threads of each task; 1, for Spark runs a task a core.
+        curves: False: without what only ``ieap import-fits`` needs, a tenth of the size.
     """
 
     # Without annotations: Spark would take them for a choice between its ways of handing over rows.
     def fitted(batches):
         for batch in batches:
-            yield from _batches(ieap.fit_many(batch, model=model, seed=seed, threads=threads))
+            yield from _batches(ieap.fit_many(batch, model=model, seed=seed, threads=threads, curves=curves))
 
     return df.mapInArrow(fitted, _schema(FIT_COLUMNS))
 

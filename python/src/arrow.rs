@@ -81,6 +81,25 @@ impl ArrowTable {
         schema(py, self.batch.schema_ref())
     }
 
+    /// For `pickle` and `copy`, which pyarrow does.
+    fn __reduce__<'py>(slf: Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyAny>,))> {
+        let py = slf.py();
+        let Ok(pyarrow) = py.import("pyarrow") else {
+            let remedy = "install pyarrow, or keep what to_dict() gives";
+            return Err(bad_argument(
+                py,
+                "pickle",
+                "a table of results is pickled by pyarrow",
+                remedy,
+            ));
+        };
+        let reader = pyarrow
+            .getattr("RecordBatchReader")?
+            .call_method1("from_stream", (&slf,))?;
+        let batch = reader.call_method0("read_next_batch")?;
+        Ok((py.import("ieap._native")?.getattr("arrow_again")?, (batch,)))
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "<ieap.ArrowTable: {} rows of {}>",
@@ -88,6 +107,13 @@ impl ArrowTable {
             self.column_names().join(", ")
         )
     }
+}
+
+/// A table of results out of one that speaks Arrow.
+#[pyfunction]
+pub fn arrow_again(table: &Bound<'_, PyAny>) -> PyResult<ArrowTable> {
+    let mut found = batches(table)?;
+    Ok(ArrowTable::new(found.swap_remove(0)))
 }
 
 /// A column as a Python list: numbers, flags, words, lists of words or records.

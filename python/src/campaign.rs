@@ -5,18 +5,34 @@ use std::sync::Arc;
 
 use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray};
 use ieap::analysis::plain_columns::{PlainCells, PlainColumn};
-use ieap::domain::Issue;
 use ieap::ingest::campaign_file;
-use ieap::pipeline::documents::diagnosis::{GroupEntry, diagnosis_document};
+use ieap::pipeline::apart::at_hand::{ReadTable, Stated};
+use ieap::pipeline::documents::diagnosis::diagnosis_document;
 use ieap::pipeline::documents::fits::fits_document;
+use ieap::pipeline::documents::impedance::impedance_document;
+use ieap::pipeline::findings::impedance::spectra;
 use ieap::pipeline::show::plain_tables::{plain_table, stored_readings};
+use ieap::pipeline::show::tables::{find_format, table};
 use ieap::pipeline::{Context, DiagnoseChoice, PipelineError};
 use pyo3::prelude::*;
 
 use crate::arrow::ArrowTable;
-use crate::error::{bad_argument, failed, fault};
-use crate::results;
+use crate::error::{bad_argument, failed, fault, json};
+use crate::forward::{self, Numbers};
+use crate::results::{self, FoundGroup};
+use crate::stated::drive_of;
 use crate::table::Table;
+
+/// Readings with what the campaign states of them.
+type Stored = (ReadTable, Stated);
+
+fn stored(run: &str, (read, stated): Stored) -> Table {
+    Table {
+        read: Arc::new(read),
+        stated: Some(Arc::new(stated)),
+        source: run.to_owned(),
+    }
+}
 
 /// A campaign folder.
 #[pyclass(frozen, module = "ieap._native")]
@@ -57,22 +73,30 @@ impl Campaign {
 
     /// The readings of a run as a fit takes them.
     fn readings(&self, py: Python<'_>, run: &str) -> PyResult<Table> {
-        let (read, stated) = self.ask(py, |context| stored_readings(context, run))?;
-        Ok(Table {
-            read: Arc::new(read),
-            stated: Some(Arc::new(stated)),
-            source: run.to_owned(),
-        })
+        let found = self.ask(py, |context| stored_readings(context, run))?;
+        Ok(stored(run, found))
+    }
+
+    /// The readings of several runs, with the campaign opened once.
+    fn readings_many(&self, py: Python<'_>, runs: Vec<String>) -> PyResult<Vec<Table>> {
+        let found: Vec<Stored> = self.ask(py, |context| {
+            runs.iter().map(|run| stored_readings(context, run)).collect()
+        })?;
+        Ok(runs
+            .iter()
+            .zip(found)
+            .map(|(run, found)| stored(run, found))
+            .collect())
     }
 
     /// The current findings of groups, one row a group.
     fn findings(&self, py: Python<'_>) -> PyResult<ArrowTable> {
         let choice = DiagnoseChoice::default();
         let document = self.ask(py, |context| diagnosis_document(context, &choice, None))?;
-        let rows: Vec<(String, Result<GroupEntry, Issue>)> = document
+        let rows: Vec<FoundGroup> = document
             .groups
             .into_iter()
-            .map(|group| (group.group.clone(), Ok(group)))
+            .map(|group| (group.group.clone(), Ok(group), Vec::new()))
             .collect();
         results::findings(&rows)
             .map(ArrowTable::new)
@@ -82,14 +106,60 @@ impl Campaign {
     /// What `ieap fit --json` prints of the current fits.
     fn fits_document(&self, py: Python<'_>) -> PyResult<String> {
         let document = self.ask(py, fits_document)?;
-        serde_json::to_string(&document).map_err(|error| fault(py, "a document", &error.to_string()))
+        json(py, &document)
     }
 
     /// What `ieap diagnose --json` prints of the current findings.
     fn diagnosis_document(&self, py: Python<'_>) -> PyResult<String> {
         let choice = DiagnoseChoice::default();
         let document = self.ask(py, |context| diagnosis_document(context, &choice, None))?;
-        serde_json::to_string(&document).map_err(|error| fault(py, "a document", &error.to_string()))
+        json(py, &document)
+    }
+
+    /// What `ieap table NAME --format json` prints.
+    fn table_document(&self, py: Python<'_>, name: &str) -> PyResult<String> {
+        self.ask(py, |context| {
+            Ok((find_format("json")?.write)(&table(context, name)?))
+        })
+    }
+
+    /// What `ieap impedance --json` prints of the spectra that are there.
+    fn impedance_document(&self, py: Python<'_>) -> PyResult<String> {
+        let document = self.ask(py, |context| Ok(impedance_document(&spectra(context)?)))?;
+        json(py, &document)
+    }
+
+    /// What `ieap predict --json` prints.
+    fn predict(
+        &self,
+        py: Python<'_>,
+        sample: String,
+        environment: Option<String>,
+        numbers: Numbers,
+        drive: (f64, Vec<(f64, Option<f64>)>),
+        at_s: Vec<f64>,
+    ) -> PyResult<String> {
+        let Some(drive) = drive_of(drive.0, &drive.1) else {
+            let remedy = "give a segment or more: [(0, 1.5), (300, 0.0)]";
+            return Err(bad_argument(py, "drive", "found no segment", remedy));
+        };
+        let predict = forward::predict(sample, environment, &numbers, drive, at_s);
+        let document = self.ask(py, |context| predict.run(context))?;
+        json(py, &document)
+    }
+
+    /// What `ieap drive --json` prints.
+    fn drive(
+        &self,
+        py: Python<'_>,
+        sample: String,
+        environment: Option<String>,
+        numbers: Numbers,
+        course: Vec<(f64, f64)>,
+    ) -> PyResult<String> {
+        let drive = forward::drive(sample, environment, &numbers, course);
+        let document = self.ask(py, |context| drive.run(context))?;
+        json(py, &document)
     }
 
     fn __repr__(&self) -> String {

@@ -1,5 +1,7 @@
 //! Refusals as exceptions of `ieap._errors`, with place, reason and remedy kept apart.
 
+use std::io::ErrorKind;
+
 use ieap::domain::{Fault, Issue};
 use ieap::pipeline::PipelineError;
 use pyo3::exceptions::PyValueError;
@@ -23,6 +25,16 @@ pub fn bad_argument(py: Python<'_>, place: &str, reason: &str, remedy: &str) -> 
 pub fn failed(py: Python<'_>, error: &PipelineError) -> PyErr {
     let class = match error {
         error if error.is_fault() => "EngineFault",
+        PipelineError::File { path, source, .. } if source.kind() == ErrorKind::NotFound => {
+            let place = path.display().to_string();
+            let parts = [
+                "there is no such file",
+                &place,
+                "correct the path",
+                "no-such-file",
+            ];
+            return raised(py, "MissingFileError", parts);
+        }
         error if error.is_storage() => "CampaignError",
         _ => "InputError",
     };
@@ -42,6 +54,11 @@ pub fn fault(py: Python<'_>, step: &str, reason: &str) -> PyErr {
         "EngineFault",
         [&fault.sentence(), "", "report it with the readings", "fault"],
     )
+}
+
+/// A document as its JSON.
+pub fn json(py: Python<'_>, document: &impl serde::Serialize) -> PyResult<String> {
+    serde_json::to_string(document).map_err(|error| fault(py, "a document", &error.to_string()))
 }
 
 fn raised(py: Python<'_>, class: &str, parts: [&str; 4]) -> PyErr {

@@ -5,15 +5,16 @@ use std::time::Instant;
 
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
-use ieap::domain::{self, Level, Quantity};
+use ieap::domain::{self, Quantity};
 use ieap::model::fit_model;
 use ieap::pipeline::apart::at_hand::{self, FitAtHand, RunAtHand};
+use ieap::pipeline::apart::forward::fitted_covariance;
 use ieap::pipeline::{DiagnoseChoice, FitChoice};
 use pyo3::prelude::*;
 
 use crate::arrow::ArrowTable;
 use crate::error::{bad_argument, failed, fault, refused};
-use crate::stated::{Stated, over};
+use crate::stated::{Stated, over, segments_of};
 use crate::table::Table;
 use crate::work::interruptible;
 
@@ -63,11 +64,12 @@ impl Fit {
     #[getter]
     fn drive(&self) -> (f64, Vec<(f64, Option<f64>)>) {
         let drive = self.run.drive();
-        let segments = drive.segments.iter().map(|segment| match segment.level {
-            Level::Voltage(voltage_v) => (segment.start_s, Some(voltage_v)),
-            Level::OpenCircuit => (segment.start_s, None),
-        });
-        (drive.baseline_v, segments.collect())
+        (drive.baseline_v, segments_of(Some(drive)))
+    }
+
+    /// Keys of the determined parameters and their covariance, a row each; None where the model is no lumped one.
+    fn covariance(&self) -> Option<(Vec<String>, Vec<Vec<f64>>)> {
+        fitted_covariance(&self.fit, self.run.drive(), self.run.area_cm2())
     }
 
     /// Where the readings of a quantity lie in memory, for tests that nothing is copied.
@@ -148,7 +150,9 @@ pub fn fit(
 ) -> PyResult<Fit> {
     let chosen = choice(model, method, simultaneous, seed);
     let begun = Instant::now();
-    let options = at_hand::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
+    let mut options = at_hand::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
+    // Who fits one run looks at its residuals, all of them.
+    options.whole_curves = true;
     let run = run_of(py, name, table, stated)?;
     let (fit, stated) = py
         .detach(|| at_hand::fit(&run, &options))

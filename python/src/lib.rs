@@ -8,7 +8,9 @@ mod campaign_rows;
 mod columns;
 mod error;
 mod fit;
+mod forward;
 mod many;
+mod pickled;
 mod results;
 mod rows;
 mod simulate;
@@ -42,7 +44,11 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(fit::diagnose, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(forward::conversion, module)?)?;
     module.add_function(wrap_pyfunction!(many::fit_many, module)?)?;
     module.add_function(wrap_pyfunction!(many::diagnose_rows, module)?)?;
+    module.add_function(wrap_pyfunction!(arrow::arrow_again, module)?)?;
+    module.add_function(wrap_pyfunction!(pickled::table_again, module)?)?;
+    module.add_function(wrap_pyfunction!(pickled::stated_again, module)?)?;
     Ok(())
 }

@@ -13,9 +13,9 @@ use crate::results::{self, Fitted};
 use crate::rows::{Found, RowRun, runs};
 use crate::work::interruptible;
 
-/// Fits every row of a table, on all cores.
+/// Fits every row of a table, on all cores; without `curves` rows of a campaign are not stated as `import-fits` takes them.
 #[pyfunction]
-#[pyo3(signature = (table, model = None, method = None, simultaneous = false, seed = None, threads = None))]
+#[pyo3(signature = (table, model = None, method = None, simultaneous = false, seed = None, threads = None, curves = true))]
 #[expect(clippy::too_many_arguments, reason = "one for each thing that Python states")]
 pub fn fit_many(
     py: Python<'_>,
@@ -25,6 +25,7 @@ pub fn fit_many(
     simultaneous: bool,
     seed: Option<u64>,
     threads: Option<usize>,
+    curves: bool,
 ) -> PyResult<ArrowTable> {
     let chosen = choice(model, method, simultaneous, seed);
     let options = at_hand::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
@@ -35,7 +36,7 @@ pub fn fit_many(
                 Ok(Found::AtHand(run)) => (at_hand::fit(&run, &options).map(|(_, stated)| stated), None),
                 Ok(Found::OfCampaign(row)) => {
                     let (stated, result) = row.fit(&chosen);
-                    (stated, Some(result))
+                    (stated, curves.then_some(result))
                 }
                 Err(issue) => (Err(issue), None),
             };
@@ -62,21 +63,31 @@ pub fn diagnose_rows(
 ) -> PyResult<ArrowTable> {
     let found = all_runs(table)?;
     let choice = DiagnoseChoice { model, draws, seed };
+    let (mut runs, mut left_out): (Vec<RunAtHand>, Vec<Issue>) = (Vec::new(), Vec::new());
+    for row in found {
+        match of_group(row) {
+            Ok(run) => runs.push(run),
+            Err(issue) => left_out.push(issue),
+        }
+    }
     let entry = interruptible(py, threads, || -> Result<_, PipelineError> {
-        let whole: Result<Vec<RunAtHand>, Issue> = found.into_iter().map(of_group).collect();
-        match whole {
-            Ok(runs) => at_hand::diagnose(group, &runs.iter().collect::<Vec<_>>(), &choice),
-            Err(issue) => Ok(Err(issue)),
+        match (runs.is_empty(), left_out.first()) {
+            (true, Some(issue)) => Ok(Err(issue.clone())),
+            _ => at_hand::diagnose(group, &runs.iter().collect::<Vec<_>>(), &choice),
         }
     })?;
     let entry = entry.map_err(|error| crate::error::failed(py, &error))?;
-    let table = results::findings(&[(group.to_owned(), entry)]);
+    let said: Vec<String> = left_out
+        .iter()
+        .map(|issue| format!("{}: {}", issue.place, issue.message))
+        .collect();
+    let table = results::findings(&[(group.to_owned(), entry, said)]);
     table
         .map(ArrowTable::new)
         .map_err(|error| fault(py, "a table of findings", &error.to_string()))
 }
 
-/// A run of a group, or why the group lacks it: without one of its runs it would be another group.
+/// A run of a group, or why the group goes without it, with the run's name.
 fn of_group((name, run): RowRun) -> Result<RunAtHand, Issue> {
     run.map(Found::run).map_err(|issue| {
         let place = match issue.place.is_empty() {

@@ -88,19 +88,26 @@ fn for_import(rows: &[Fitted]) -> [(&'static str, ArrayRef); 4] {
     ]
 }
 
+/// A group: its name, what was found or why nothing was, and its runs that could not be used, with the reason.
+pub type FoundGroup = (String, Result<GroupEntry, Issue>, Vec<String>);
+
 /// Findings, or the reason why there is none.
-pub fn findings(rows: &[(String, Result<GroupEntry, Issue>)]) -> Result<RecordBatch, ArrowError> {
-    let found: Vec<Option<&GroupEntry>> = rows.iter().map(|(_, entry)| entry.as_ref().ok()).collect();
+pub fn findings(rows: &[FoundGroup]) -> Result<RecordBatch, ArrowError> {
+    let found: Vec<Option<&GroupEntry>> = rows.iter().map(|(_, entry, _)| entry.as_ref().ok()).collect();
     let number = |of: fn(&GroupEntry) -> Option<f64>| numbers(found.iter().map(|entry| entry.and_then(of)));
     let documents = found
         .iter()
         .map(|entry| entry.and_then(|entry| serde_json::to_string(entry).ok()));
     let causes = found.iter().map(|entry| cause(entry.as_ref()?));
     let mut columns: Vec<(&str, ArrayRef)> = vec![
-        ("group", texts(rows.iter().map(|(name, _)| Some(name.as_str())))),
+        ("group", texts(rows.iter().map(|(name, ..)| Some(name.as_str())))),
         (
             "runs",
             lists(found.iter().map(|entry| entry.map(|entry| entry.runs.as_slice()))),
+        ),
+        (
+            "left_out",
+            lists(rows.iter().map(|(_, _, left_out)| Some(left_out.as_slice()))),
         ),
         (
             "verdict",
@@ -139,7 +146,7 @@ pub fn findings(rows: &[(String, Result<GroupEntry, Issue>)]) -> Result<RecordBa
         ),
         ("document", texts(documents)),
     ];
-    columns.extend(reasons(rows.iter().map(|(_, entry)| entry.as_ref().err())));
+    columns.extend(reasons(rows.iter().map(|(_, entry, _)| entry.as_ref().err())));
     with_nulls(columns)
 }
 

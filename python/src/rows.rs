@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use arrow_array::{Array, RecordBatch};
-use ieap::domain::Issue;
+use ieap::domain::{Issue, Severity};
 use ieap::pipeline::apart::at_hand::{self, CampaignRow, RunAtHand, Stated};
 
 use crate::campaign_rows;
 use crate::columns::{is_list, is_text, list_at, numbers, text_at};
+use crate::stated::drive_of;
 
 /// Column with the name of the run.
 const RUN: &str = "run";
@@ -62,8 +63,10 @@ fn run_at(batch: &RecordBatch, row: usize, name: &str) -> Result<RunAtHand, Issu
             false => tags.extend(cell(batch, key, row).map(|value| (key.clone(), value))),
         }
     }
-    let read = at_hand::arrays(columns)?;
-    RunAtHand::new(name, &read, &stated(batch, row, tags)?)
+    let mut read = at_hand::arrays(columns)?;
+    let (stated, slips) = stated(batch, row, tags)?;
+    read.issues.extend(slips);
+    RunAtHand::new(name, &read, &stated)
 }
 
 /// Columns of one number a run that are no tags.
@@ -75,7 +78,11 @@ const SIZES: [&str; 5] = [
     "baseline_v",
 ];
 
-fn stated(batch: &RecordBatch, row: usize, tags: BTreeMap<String, String>) -> Result<Stated, Issue> {
+fn stated(
+    batch: &RecordBatch,
+    row: usize,
+    tags: BTreeMap<String, String>,
+) -> Result<(Stated, Vec<Issue>), Issue> {
     let [
         area_cm2,
         length_mm,
@@ -94,21 +101,37 @@ fn stated(batch: &RecordBatch, row: usize, tags: BTreeMap<String, String>) -> Re
         let issue = Issue::error("bad-drive", message).at(format!("column {DRIVE_VOLTAGE_V}"));
         return Err(issue.mend("give a voltage for each start; an empty one is an open circuit"));
     }
-    let voltage = |voltage_v: f64| (!voltage_v.is_nan()).then_some(voltage_v);
-    Ok(Stated {
+    let segments: Vec<(f64, Option<f64>)> = starts
+        .into_iter()
+        .zip(
+            voltages
+                .into_iter()
+                .map(|volts| (!volts.is_nan()).then_some(volts)),
+        )
+        .collect();
+    let stated = Stated {
         strip: at_hand::Strip {
             area_cm2,
             length_mm,
             width_mm,
             electrode_resistance_ohm_per_sq,
         },
-        baseline_v: baseline_v.unwrap_or(0.0),
-        drive: starts
-            .into_iter()
-            .zip(voltages.into_iter().map(voltage))
-            .collect(),
+        drive: drive_of(baseline_v.unwrap_or(0.0), &segments),
         tags,
-    })
+    };
+    // Any column may stand beside the readings: one that is near a tag's name is told and kept.
+    let slips: Vec<Issue> = stated.misspelt().map(as_warning).collect();
+    match stated.contradiction() {
+        Some(issue) => Err(issue),
+        None => Ok((stated, slips)),
+    }
+}
+
+fn as_warning(issue: Issue) -> Issue {
+    Issue {
+        severity: Severity::Warning,
+        ..issue
+    }
 }
 
 /// The readings of a row; none where it has none.

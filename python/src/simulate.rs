@@ -1,6 +1,7 @@
 //! Simulated readings as a table.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use ieap::pipeline::apart::at_hand::{self, CurvesAsked};
 use ieap::pipeline::apart::simulate::Noise;
@@ -8,7 +9,7 @@ use ieap::truth::HiddenEffect;
 use pyo3::prelude::*;
 
 use crate::error::refused;
-use crate::stated::Stated;
+use crate::stated::{Stated, segments_of};
 use crate::table::Table;
 use crate::work::interruptible;
 
@@ -33,8 +34,8 @@ pub fn simulate(
     let asked = CurvesAsked {
         parameters,
         strip: stated.inner.strip,
-        baseline_v: stated.inner.baseline_v,
-        drive: stated.inner.drive.clone(),
+        baseline_v: stated.inner.drive.as_ref().map_or(0.0, |drive| drive.baseline_v),
+        drive: segments_of(stated.inner.drive.as_ref()),
         effects: effects.into_iter().map(hidden).collect(),
         noise: Noise {
             current_a: noise.0,
@@ -58,5 +59,9 @@ pub fn simulate(
         columns.push(("open_circuit".to_owned(), open.collect()));
     }
     let read = at_hand::arrays(columns).map_err(|issue| refused(py, &issue))?;
-    Ok(Table::new(read, "simulated, not measured".to_owned()))
+    Ok(Table {
+        // What was stated of the simulation is known of its readings: the strip, and when the voltage changed.
+        stated: Some(Arc::new(stated.inner.clone())),
+        ..Table::new(read, "simulated, not measured".to_owned())
+    })
 }

@@ -3,8 +3,12 @@
 use std::collections::BTreeMap;
 
 use ieap::domain::tag::keys;
+use ieap::domain::{Drive, Level, Segment};
 use ieap::pipeline::apart::at_hand;
 use pyo3::prelude::*;
+
+use crate::error::refused;
+use crate::pickled::of_stated;
 
 /// What a caller states of readings.
 #[pyclass(frozen, module = "ieap._native")]
@@ -17,6 +21,7 @@ impl Stated {
     #[new]
     #[pyo3(signature = (area_cm2 = None, length_mm = None, width_mm = None, electrode_resistance_ohm_per_sq = None,
                         baseline_v = 0.0, drive = Vec::new(), tags = BTreeMap::new()))]
+    #[expect(clippy::too_many_arguments, reason = "one for each thing that Python states")]
     fn new(
         area_cm2: Option<f64>,
         length_mm: Option<f64>,
@@ -25,22 +30,53 @@ impl Stated {
         baseline_v: f64,
         drive: Vec<(f64, Option<f64>)>,
         tags: BTreeMap<String, String>,
-    ) -> Stated {
+        py: Python<'_>,
+    ) -> PyResult<Stated> {
         let strip = at_hand::Strip {
             area_cm2,
             length_mm,
             width_mm,
             electrode_resistance_ohm_per_sq,
         };
-        Stated {
-            inner: at_hand::Stated {
-                strip,
-                baseline_v,
-                drive,
-                tags,
-            },
+        let inner = at_hand::Stated {
+            strip,
+            drive: drive_of(baseline_v, &drive),
+            tags,
+        };
+        let wrong = inner.contradiction().or_else(|| inner.misspelt().next());
+        match wrong {
+            Some(issue) => Err(refused(py, &issue)),
+            None => Ok(Stated { inner }),
         }
     }
+
+    /// For `pickle` and `copy`.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let again = py.import("ieap._native")?.getattr("stated_again")?;
+        Ok((again, (of_stated(&self.inner).to_string(),)))
+    }
+}
+
+/// A drive of segments, start (s) and voltage (V, none: open circuit), each known exactly; none without a segment.
+pub fn drive_of(baseline_v: f64, segments: &[(f64, Option<f64>)]) -> Option<Drive> {
+    let segment = |&(start_s, voltage_v): &(f64, Option<f64>)| {
+        Segment::at(start_s, voltage_v.map_or(Level::OpenCircuit, Level::Voltage))
+    };
+    let drive = Drive {
+        baseline_v,
+        segments: segments.iter().map(segment).collect(),
+    };
+    (!segments.is_empty()).then_some(drive)
+}
+
+/// Start (s) and voltage (V, none: open circuit) of each segment.
+pub fn segments_of(drive: Option<&Drive>) -> Vec<(f64, Option<f64>)> {
+    let segments = drive.map_or(&[][..], |drive| &drive.segments);
+    let segment = |segment: &Segment| match segment.level {
+        Level::Voltage(voltage_v) => (segment.start_s, Some(voltage_v)),
+        Level::OpenCircuit => (segment.start_s, None),
+    };
+    segments.iter().map(segment).collect()
 }
 
 /// What is stated now over what came with the readings.
@@ -50,7 +86,7 @@ pub fn over(own: &at_hand::Stated, before: Option<&at_hand::Stated>) -> at_hand:
     };
     let (strip, earlier) = (own.strip, before.strip);
     let has_size = strip.area_cm2.is_some() || (strip.length_mm.is_some() && strip.width_mm.is_some());
-    let has_drive = !own.drive.is_empty() || own.tags.contains_key(keys::VOLTAGE_V);
+    let has_drive = own.drive.is_some() || own.tags.contains_key(keys::VOLTAGE_V);
     let drive = if has_drive { own } else { before };
     let mut tags = before.tags.clone();
     tags.extend(own.tags.clone());
@@ -68,7 +104,6 @@ pub fn over(own: &at_hand::Stated, before: Option<&at_hand::Stated>) -> at_hand:
                 .electrode_resistance_ohm_per_sq
                 .or(earlier.electrode_resistance_ohm_per_sq),
         },
-        baseline_v: drive.baseline_v,
         drive: drive.drive.clone(),
         tags,
     }

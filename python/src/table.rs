@@ -16,6 +16,10 @@ use pyo3::types::{PyBytes, PyCapsule};
 use crate::arrow::{batches, schema, stream};
 use crate::columns::numbers;
 use crate::error::{bad_argument, failed, fault, refused};
+use crate::pickled;
+
+/// Everything but the readings as JSON, and the readings.
+type Parts<'py> = (String, Vec<Bound<'py, PyBytes>>);
 
 /// A table of readings in canonical units. pyarrow, polars, pandas and DuckDB take it as it is.
 #[pyclass(frozen, module = "ieap")]
@@ -124,6 +128,12 @@ impl Table {
         schema(py, self.batch(py)?.schema_ref())
     }
 
+    /// For `pickle` and `copy`: readings, what is known of them, and what is stated.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Parts<'py>)> {
+        let again = py.import("ieap._native")?.getattr("table_again")?;
+        Ok((again, pickled::of_table(py, self)?))
+    }
+
     fn __repr__(&self) -> String {
         let read = &self.read;
         let of = |channel: &Channel, name: &String| {
@@ -180,18 +190,26 @@ pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Table>> {
         .collect())
 }
 
-/// A table of columns of doubles in the machine's order of bytes.
+/// A table of columns of doubles in the machine's order of bytes, with the number of readings that were masked.
 #[pyfunction]
-pub fn arrays(py: Python<'_>, columns: Vec<(String, Bound<'_, PyBytes>)>) -> PyResult<Table> {
+pub fn arrays(py: Python<'_>, columns: Vec<(String, Bound<'_, PyBytes>, usize)>) -> PyResult<Table> {
     let number = |eight: &[u8]| f64::from_ne_bytes(eight.try_into().unwrap_or_default());
     let doubles = |bytes: &Bound<'_, PyBytes>| bytes.as_bytes().chunks_exact(8).map(number).collect();
+    let masked = columns.iter().filter(|(_, _, masked)| *masked > 0);
+    let told: Vec<Issue> = masked
+        .map(|(name, _, masked)| {
+            let message = format!("{masked} masked readings are taken as empty cells");
+            Issue::note("readings-masked", message).at(format!("column {name}"))
+        })
+        .collect();
     let columns = columns
         .iter()
-        .map(|(name, bytes)| (name.clone(), doubles(bytes)))
+        .map(|(name, bytes, _)| (name.clone(), doubles(bytes)))
         .collect();
-    let read = py
+    let mut read = py
         .detach(|| at_hand::arrays(columns))
         .map_err(|issue| refused(py, &issue))?;
+    read.issues.extend(told);
     Ok(Table::new(read, "arrays".to_owned()))
 }
 

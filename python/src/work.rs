@@ -55,9 +55,14 @@ fn is_waiting(heard: &Mutex<std::sync::mpsc::Receiver<()>>) -> bool {
     matches!(heard.recv_timeout(ASKED_EVERY), Err(RecvTimeoutError::Timeout))
 }
 
-/// The engine takes as many threads as the pool has that it is called from.
+/// The engine takes as many threads as the pool has that it is called from; more than there are cores only cost memory.
 fn on_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + Send) -> R {
-    let pool = threads.map(|threads| ThreadPoolBuilder::new().num_threads(threads.max(1)).build());
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let pool = threads.map(|threads| {
+        ThreadPoolBuilder::new()
+            .num_threads(threads.clamp(1, cores))
+            .build()
+    });
     match pool {
         Some(Ok(pool)) => pool.install(work),
         _ => work(),

@@ -15,8 +15,8 @@ NOTEBOOKS = sorted((Path(__file__).parent.parent / "notebooks").glob("*.ipynb"))
 LONGEST_CELL_S = 1800
 
 
-def test_there_are_three():
-    assert [path.stem for path in NOTEBOOKS] == ["first_fit", "humidity_study", "naming_a_cause"]
+def test_which_there_are():
+    assert [path.stem for path in NOTEBOOKS] == ["designing_a_drive", "first_fit", "folder_to_law", "humidity_study", "naming_a_cause"]
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

@@ -79,3 +79,37 @@ def test_simulated_readings(campaign):
     for row, current, curvature in zip(rows, table.column("current_a"), table.column("curvature_per_cm")):
         assert float(row[2]) == pytest.approx(current, rel=1e-5, abs=1e-12)
         assert float(row[3]) == pytest.approx(curvature, abs=5.001e-6)
+
+
+def test_what_is_predicted_and_driven(campaign, fits):
+    own = ieap.Campaign(campaign)
+    sample = ("--sample", "S", str(campaign), "--json")
+    told = json.loads(program("predict", "--voltage", "1.5V", "--at", "10,60", "--length", "6±0.1mm", "--width", "2mm", *sample))
+    assert own.predict("S", voltage_v=1.5, at_s=[10, 60], length_mm=(6, 0.1), width_mm=2) == told
+    assert own.predict("S", drive=[(0, 1.5)], at_s=[10, 60], length_mm=(6, 0.1), width_mm=2) == told
+    told = json.loads(program("drive", "--hold", "0.2mm", "--for", "60s", *sample))
+    assert own.drive("S", hold_mm=0.2, for_s=60) == told
+    with pytest.raises(ieap.InputError, match="give one of both"):
+        own.predict("S", voltage_v=1.5, drive=[(0, 1.5)])
+    with pytest.raises(ieap.InputError, match="give hold_mm and for_s"):
+        own.drive("S", hold_mm=0.2)
+    with pytest.raises(ieap.InputError, match="times that increase"):
+        own.drive("S", course=[(60, 0.1), (0, 0.2)])
+    with pytest.raises(ieap.InputError, match="give hold_mm and for_s"):
+        own.drive("S", hold_mm=0.2, course=[(0, 0.1), (60, 0.2)])
+    with pytest.raises(ieap.InputError, match="give a segment or more"):
+        own.predict("S", drive=[])
+    with pytest.raises(ieap.InputError, match="its error is not used here"):
+        own.predict("S", voltage_v=1.5, relative_humidity_percent=(40, 2))
+    with pytest.raises(ieap.InputError, match="no-such-sample"):
+        own.predict("no-such-sample", voltage_v=1.5)
+
+
+def test_conversions_tables_and_spectra(campaign, fits):
+    told = json.loads(program("convert", "displacement=1.2±0.05mm", "--length", "5±0.1mm", "--json"))
+    assert ieap.convert("displacement=1.2±0.05mm", length_mm=(5, 0.1)) == told
+    with pytest.raises(ieap.InputError, match="standard error"):
+        ieap.convert("displacement=1.2mm", length_mm="5mm")
+    own = ieap.Campaign(campaign)
+    assert own.table_document("model-free") == json.loads(program("table", "model-free", "--format", "json", str(campaign)))
+    assert own.impedance_document() == json.loads(program("impedance", "--json", str(campaign)))

@@ -3,14 +3,19 @@
 use clap::Args;
 
 use super::campaign::CampaignArg;
-use super::exit::{self, CliError};
+use super::exit::{self, CliError, INTERRUPTED};
 use super::global::Global;
 use super::ingest;
+use super::interrupted::{GoesOn, interrupted};
 use super::output::{Output, counted};
+use super::signals;
 use crate::domain::{Gain, Verdict};
 use crate::model::effects;
-use crate::pipeline::documents::diagnosis::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
+use crate::pipeline::documents::diagnosis::{
+    DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document, group_title,
+};
 use crate::pipeline::documents::estimate_words::{in_words, interval_in_words};
+use crate::pipeline::documents::gain_words::gained;
 use crate::pipeline::{
     Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest, stands_in,
 };
@@ -39,8 +44,29 @@ pub struct DiagnoseArgs {
     adopt: bool,
 }
 
+/// Said where the work under way did not end by itself in time.
+const CUT_OFF: &str = "Interrupted. What was made so far is kept; `ieap diagnose` goes on from there.";
+
 pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
     let mut context = args.campaign.open(global, output)?;
+    let done = interrupt.run(|| diagnosed(args, global, &mut context, output));
+    done.unwrap_or_else(|| {
+        let goes_on = GoesOn {
+            verb: "diagnose",
+            diagnoses: true,
+            reports: false,
+        };
+        interrupted(&context, &goes_on, output)
+    })
+}
+
+fn diagnosed(
+    args: &DiagnoseArgs,
+    global: &Global,
+    context: &mut Context,
+    output: &Output,
+) -> Result<u8, CliError> {
     let choice = DiagnoseChoice {
         model: args.model.clone(),
         draws: args.draws.map(|draws| draws as usize),
@@ -48,26 +74,26 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
     };
     // Wrong usage is told before anything is taken in or fitted.
     let instead = stands_in(&choice, &context.campaign)?;
-    let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
+    let ingest = Ingest { ready: &mut |_| true }.run(context, output)?;
     ingest::left_out(&ingest, output);
-    fit_what_is_due(global, &mut context, output)?;
+    fit_what_is_due(global, context, output)?;
     instead.iter().for_each(|words| output.message(words));
     let summary = DiagnoseRuns {
         choice: choice.clone(),
         again: args.again,
         group: args.group.clone(),
     }
-    .run(&mut context, output)?;
+    .run(context, output)?;
     say(&summary, output);
     output.message(&format!(
         "{} diagnosed, {} up to date",
         summary.diagnosed, summary.up_to_date
     ));
-    let document = diagnosis_document(&context, &choice, args.group.as_deref())?;
+    let document = diagnosis_document(context, &choice, args.group.as_deref())?;
     document.groups.iter().for_each(|group| print(group, output));
     print_across(&document, output);
     if args.adopt {
-        adopt(args, global, &mut context, output)?;
+        adopt(args, global, context, output)?;
     }
     super::faults::say_faults(&document.faults, output);
     output.document(&document)?;
@@ -132,22 +158,9 @@ pub fn say(summary: &DiagnoseSummary, output: &Output) {
 
 /// The gain on later times, where whole runs were held out.
 fn later_words(gain: &Gain) -> String {
-    gain.later.as_ref().map_or_else(String::new, |later| {
-        let sum = format!("{:.1} +- {:.1}", later.deviance, later.standard_error);
-        match later.is_clear() {
-            true => format!(", on later times by {sum}"),
-            false => format!(", on later times not clearly ({sum})"),
-        }
-    })
-}
-
-/// Whether held-out parts are predicted better, and by how much.
-fn proof_words(gain: &Gain) -> String {
-    let sum = format!("{:.1} +- {:.1}", gain.proof.deviance, gain.proof.standard_error);
-    match gain.proof.is_clear() {
-        true => format!("the deviance falls by {sum}"),
-        false => format!("it is not clear that the deviance falls ({sum})"),
-    }
+    gain.later
+        .as_ref()
+        .map_or_else(String::new, |later| format!("; on later times {}", gained(later)))
 }
 
 fn print(group: &GroupEntry, output: &Output) {
@@ -157,7 +170,8 @@ fn print(group: &GroupEntry, output: &Output) {
         false => "",
     };
     let verdict = group.verdict.key();
-    output.heading(&format!("{} ({count}): {verdict}{doubt}", group.group));
+    let title = group_title(&group.group);
+    output.heading(&format!("{title} ({count}): {verdict}{doubt}"));
     output.result(&format!("    {}", group.sentence));
     for condemned in &group.condemned {
         output.result(&format!(
@@ -169,18 +183,22 @@ fn print(group: &GroupEntry, output: &Output) {
         .effects
         .iter()
         .for_each(|effect| print_effect(effect, output));
-    if group.set.len() > 1 && group.verdict != Verdict::Varies {
-        output.result(&format!("    as good: {}", group.set.join(", ")));
+    if let Some(node) = &group.node {
+        let percent = (100.0 * node.probability).min(99.9);
+        output.result(&format!("    tells: {} ({percent:.1} %)", node.path.join(" > ")));
+    }
+    if group.set.len() > 1 && group.verdict == Verdict::Set {
+        output.result(&format!("    may be: {}", group.set.join(", ")));
     }
     if let Some(gain) = &group.gain {
         output.result(&format!(
-            "    {}on held-out {} {}{}; residuals {:.3} -> {:.3} sigma",
+            "    {}on held-out {} {}{}; what is left falls from {:.1} to {:.1} times the noise",
             match group.verdict {
                 Verdict::Unknown => "what was tried and not accepted: ",
                 _ => "",
             },
             gain.parts_word(group.runs.len()),
-            proof_words(gain),
+            gained(&gain.proof),
             later_words(gain),
             gain.residual_rms_sigma_before,
             gain.residual_rms_sigma_after

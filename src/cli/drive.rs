@@ -82,7 +82,7 @@ pub fn run(args: &DriveArgs, output: &Output) -> Result<u8, CliError> {
 }
 
 fn print(document: &DriveDocument, output: &Output) {
-    let mm = |value: f64| format!("{value:.3} mm");
+    let mm = |value: f64| format!("{value:.4} mm");
     output.result(&format!(
         "{} in {}, {} mm by {} mm, {} model, from {} runs",
         document.sample,
@@ -100,12 +100,13 @@ fn print(document: &DriveDocument, output: &Output) {
         ),
     });
     output.result(&format!(
-        "Error against the wanted course: {} root mean square, {} at most.",
+        "Error against the wanted course: {} root mean square, {} at most; no voltage within the limits has less than {}.",
         mm(document.rms_error_mm),
-        mm(document.largest_error_mm)
+        mm(document.largest_error_mm),
+        mm(document.least_rms_error_mm)
     ));
     output.result(&format!(
-        "Lost into the leak: {} mC.",
+        "Lost into the leak, either way: {} mC.",
         words(&document.leaked_charge_c, 1e3)
     ));
     output.result(&format!(

@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::campaign::folder;
 use super::exit::{CliError, DONE};
 use super::global::Global;
 use super::output::{Output, counted};
-use super::tag::{place, user_name};
+use super::tag::{places, user_name};
 use crate::ingest::campaign_file;
 use crate::pipeline::campaign::standing::SetAside;
 use crate::pipeline::{Context, SpeakOfRuns};
@@ -107,16 +106,5 @@ fn take_places(runs: &mut Vec<String>, may_be_none: bool) -> Result<PathBuf, Cli
     let named = runs
         .pop_if(|last| is_last && is_campaign(last))
         .map(PathBuf::from);
-    let mut campaign = None;
-    for run in runs.iter_mut() {
-        let (folder, name) = place(run, named.as_deref())?;
-        let folder = std::fs::canonicalize(&folder).unwrap_or(folder);
-        if campaign.as_ref().is_some_and(|known| *known != folder) {
-            return Err(CliError::usage(
-                "the runs lie in several campaigns; name those of one at a time",
-            ));
-        }
-        (*run, campaign) = (name, Some(folder));
-    }
-    campaign.map_or_else(|| folder(named.as_deref()), Ok)
+    places(runs, named.as_deref())
 }

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::exit::{CliError, DONE};
 use super::output::Output;
-use crate::model::effects::{ALL, About, effect};
+use crate::model::effects::{ALL, About, effect, mechanism_of};
 
 /// List the effects that a model may be missing; with an ID, everything that is known of one
 #[derive(Debug, Args)]
@@ -26,7 +26,7 @@ pub fn run(args: &EffectsArgs, output: &Output) -> Result<u8, CliError> {
         list(&chosen, output);
     }
     let effects: Vec<Value> = chosen.iter().map(|about| document(about)).collect();
-    output.document(&json!({ "schema": "ieap/effects/1", "effects": effects }))?;
+    output.document(&json!({ "schema": "ieap/effects/2", "effects": effects }))?;
     Ok(DONE)
 }
 
@@ -41,13 +41,18 @@ fn one(id: &str) -> Result<&'static About, CliError> {
 fn list(effects: &[&About], output: &Output) {
     for about in effects {
         output.result(&format!(
-            "{:<4} {:<30} {:<11} {}",
+            "{:<4} {:<30} {:<22} {}",
             about.code,
             about.id,
-            about.class.name(),
+            mechanism(about),
             about.summary
         ));
     }
+}
+
+/// Id of its mechanism.
+fn mechanism(about: &About) -> &'static str {
+    mechanism_of(about.id).map_or("", |own| own.id)
 }
 
 fn everything(about: &About, output: &Output) {
@@ -56,9 +61,12 @@ fn everything(about: &About, output: &Output) {
         "{}  ({}, {})  {}",
         about.id,
         about.code,
-        about.class.name(),
+        mechanism(about),
         about.summary
     ));
+    if let Some(own) = mechanism_of(about.id) {
+        line("mechanism", &format!("{}: {}", own.site.name(), own.words));
+    }
     line("equation", about.equation);
     if !about.variants.is_empty() {
         line("variants", &about.variants.join(", "));
@@ -94,7 +102,8 @@ fn document(about: &About) -> Value {
     json!({
         "id": about.id,
         "code": about.code,
-        "class": about.class.name(),
+        "site": mechanism_of(about.id).map(|own| own.site.name()),
+        "mechanism": mechanism(about),
         "summary": about.summary,
         "equation": about.equation,
         "variants": about.variants,

@@ -14,7 +14,7 @@ use crate::pipeline::show::partitioned::ExportPartitioned;
 use crate::pipeline::show::research_crate::ExportCrate;
 use crate::pipeline::{Context, PipelineError};
 
-/// Write runs, tags, fits, conditions, traces or modulus logs as CSV, Parquet or JSON, units in the column names
+/// Write runs, fits, findings, laws, readings and other tables as CSV, Parquet or JSON, units in the column names
 #[derive(Debug, Args)]
 pub struct ExportArgs {
     #[command(flatten)]
@@ -57,6 +57,16 @@ enum What {
     Traces,
     /// Modulus logs: one row a humidity step and number
     Dma,
+    /// What the diagnosis found: one row a group of runs, and one a run by itself, with the gain on held-out readings
+    Findings,
+    /// What holds across runs: one row a parameter and what it may follow, with the law where it is claimed
+    Laws,
+    /// Long-term monitoring: one row a sample and parameter
+    Monitoring,
+    /// What steps say without a model, and their energies: one row a run whose voltage is stepped and held
+    ModelFree,
+    /// Trains, one row a cycle
+    Cycles,
     /// All of these, one file each, into a folder
     All,
     /// Everything to publish: raw files, tables, figures, campaign.toml and what they are, as one ZIP (RO-Crate)
@@ -81,6 +91,11 @@ impl What {
             What::Conditions => vec![Table::Conditions],
             What::Traces => vec![Table::Traces],
             What::Dma => vec![Table::Dma],
+            What::Findings => vec![Table::Findings],
+            What::Laws => vec![Table::Laws],
+            What::Monitoring => vec![Table::Monitoring],
+            What::ModelFree => vec![Table::ModelFree],
+            What::Cycles => vec![Table::Cycles],
             What::All | What::Crate => Table::ALL.to_vec(),
         }
     }

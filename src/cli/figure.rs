@@ -36,6 +36,9 @@ pub struct FigureArgs {
     /// Show this run only, of a figure of strips or of models: its path in the campaign
     #[arg(long, value_name = "RUN")]
     run: Option<String>,
+    /// Show this parameter only, of the figures laws and monitoring: lambda, alpha, rss_ohm_cm2
+    #[arg(long, value_name = "NAME")]
+    parameter: Option<String>,
     /// File to write [default: NAME.FORMAT; - is stdout]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -57,6 +60,7 @@ pub fn run(args: &FigureArgs, output: &Output) -> Result<u8, CliError> {
         width_mm: args.width_mm,
         dots_per_inch: args.dpi,
         run: args.run.clone(),
+        parameter: args.parameter.clone(),
     };
     let bytes = match needs_no_campaign(name) {
         true => figure.simulated()?,

@@ -6,12 +6,14 @@ use clap::Args;
 use serde_json::json;
 
 use super::campaign::CampaignArg;
-use super::exit::{self, CliError};
+use super::exit::{self, CliError, INTERRUPTED};
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
 use super::global::Global;
 use super::ingest;
+use super::interrupted::{GoesOn, interrupted};
 use super::output::{Output, counted};
+use super::signals;
 use crate::domain::FileState;
 use crate::pipeline::documents::estimate_words::in_words;
 use crate::pipeline::documents::fits::{FitEntry, fits_document};
@@ -51,15 +53,37 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     if let Some(part) = args.shard {
         return shard(args, part, fits, output);
     }
+    let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
     let mut context = match args.campaign.open(global, output) {
         Err(error) if error.is_second_instance() => return beside(args, &fits, global, output, error),
         opened => opened?,
     };
-    let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
+    let done = interrupt.run(|| fitted(args, &fits, global, &mut context, output));
+    done.unwrap_or_else(|| {
+        let goes_on = GoesOn {
+            verb: "fit",
+            diagnoses: false,
+            reports: false,
+        };
+        interrupted(&context, &goes_on, output)
+    })
+}
+
+/// Said where the work under way did not end by itself in time.
+const CUT_OFF: &str = "Interrupted. What was made so far is kept; `ieap fit` goes on from there.";
+
+fn fitted(
+    args: &FitArgs,
+    fits: &FitRuns,
+    global: &Global,
+    context: &mut Context,
+    output: &Output,
+) -> Result<u8, CliError> {
+    let ingest = Ingest { ready: &mut |_| true }.run(context, output)?;
     ingest::left_out(&ingest, output);
-    let summary = fits.run(&mut context, output)?;
+    let summary = fits.run(context, output)?;
     say(&summary, output);
-    tell(args, global, &context, output)?;
+    tell(args, global, context, output)?;
     Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
 }
 

@@ -8,7 +8,7 @@ pub struct Global {
     /// Print one JSON document on stdout and nothing else there
     #[arg(long, global = true)]
     pub json: bool,
-    /// Print errors only
+    /// Print what was asked for and errors, no messages; `run` prints errors only
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Say more on stderr: every file and run that was touched

@@ -45,14 +45,14 @@ pub fn print(summary: &IngestSummary, output: &Output) {
     if summary.logs.files > 0 {
         let logs = &summary.logs;
         output.result(&format!(
-            "climate logs: {} in the folder, {} new, {} with new content, {} renamed",
+            "logs of climate and probes: {} in the folder, {} new, {} with new content, {} renamed",
             logs.files,
             logs.new.len(),
             logs.revised.len(),
             logs.renamed.len()
         ));
     }
-    let same = "with the bytes of a climate log: an alias";
+    let same = "with the bytes of a log: an alias";
     list(output, "file", same, &summary.logs.aliases);
     let aliases = "with the bytes of a run's file: an alias, no run";
     list(output, "file", aliases, &summary.aliases);
@@ -72,6 +72,7 @@ pub fn print(summary: &IngestSummary, output: &Output) {
     let no_steps = "whose voltage does not go in steps (a sweep, or another technique): kept, not fitted";
     list(output, "run", no_steps, &summary.no_steps);
     told(output, &summary.undeclared_tags);
+    told(output, &summary.unused_columns);
     left_out(summary, output);
 }
 

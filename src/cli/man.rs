@@ -43,6 +43,11 @@ pub fn run(args: &ManArgs, mut program: Command, output: &Output) -> Result<u8, 
                 ))
             })?,
         };
+        if output.json {
+            return Err(CliError::usage(
+                "man: a page is no document; leave --json out, or ask `ieap schema` for what the verbs print with it",
+            ));
+        }
         output.write(&page(command)?);
         return Ok(DONE);
     };
@@ -72,5 +77,41 @@ fn page(command: &Command) -> Result<Vec<u8>, CliError> {
         .manual("ieap manual")
         .render(&mut page)
         .map_err(|error| CliError::internal(&error.to_string()))?;
+    page.extend_from_slice(END.as_bytes());
     Ok(page)
 }
+
+/// What every page ends with.
+const END: &str = r#".SH "EXIT STATUS"
+.TP
+\fB0\fR
+done
+.TP
+\fB1\fR
+a fault of the program left something out; please report it
+.TP
+\fB2\fR
+wrong usage: an option, an argument, campaign.toml
+.TP
+\fB3\fR
+done, but some inputs were refused
+.TP
+\fB4\fR
+the database or the disk refused
+.TP
+\fB5\fR
+done, and an alarm stands (ieap status \-\-alarms)
+.TP
+\fB130\fR
+interrupted; what was made is kept
+.SH EXAMPLES
+.TP
+A campaign from a folder of files, and its report:
+ieap init my\-campaign \-\-from FOLDER; ieap run my\-campaign
+.TP
+What the model gets wrong, and why:
+ieap diagnose my\-campaign
+.TP
+Tables for other programs:
+ieap export my\-campaign \-\-what all \-o export
+"#;

@@ -28,10 +28,12 @@ mod import_fits;
 mod ingest;
 mod init;
 mod inspect;
+mod interrupted;
 mod man;
 mod models;
 mod next;
 mod output;
+mod plan;
 mod predict;
 mod printable;
 mod profile;
@@ -117,6 +119,7 @@ enum Verb {
     Trace(trace::TraceArgs),
     Export(export::ExportArgs),
     Predict(predict::PredictArgs),
+    Plan(plan::PlanArgs),
     Drive(drive::DriveArgs),
     Convert(convert::ConvertArgs),
     Backup(backup::BackupArgs),
@@ -222,6 +225,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Trace(args) => trace::run(args, output),
         Verb::Export(args) => export::run(args, output),
         Verb::Predict(args) => predict::run(args, output),
+        Verb::Plan(args) => plan::run(args, global, output),
         Verb::Drive(args) => drive::run(args, output),
         Verb::Convert(args) => convert::run(args, output),
         Verb::Backup(args) => backup::run(args, global, output),

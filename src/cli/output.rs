@@ -161,6 +161,11 @@ impl Output {
         Ok(())
     }
 
+    /// Whether no messages are wanted.
+    pub fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+
     /// A message, unless `--quiet`.
     pub fn message(&self, text: &str) {
         if !self.quiet {

@@ -8,7 +8,9 @@ use super::campaign::folder;
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::inspect;
 use super::output::Output;
+use crate::domain::Quantity;
 use crate::ingest::campaign_file;
+use crate::ingest::profiles::StatedColumn;
 use crate::pipeline::apart::profile::{ProposedProfile, propose};
 
 /// Propose a profile for a file that no reader understands, and show what it would read
@@ -19,6 +21,10 @@ pub struct ProfileArgs {
     /// The file
     #[arg(value_name = "FILE")]
     file: PathBuf,
+    /// What a column measures that nobody knows by its name: "d [mm]=tip_displacement", or with its unit
+    /// "Weg=tip_displacement,mm"
+    #[arg(long, value_name = "NAME=QUANTITY[,UNIT]", value_parser = stated)]
+    column: Vec<StatedColumn>,
     /// Save it as profiles/NAME.toml of the campaign (NAME.toml.draft where something is open)
     #[arg(long, value_name = "NAME")]
     write: Option<String>,
@@ -28,8 +34,12 @@ pub struct ProfileArgs {
 }
 
 pub fn run(args: &ProfileArgs, output: &Output) -> Result<u8, CliError> {
-    let mut proposed = propose(&args.file, args.write.as_deref().unwrap_or("proposed"))
-        .map_err(|error| CliError::usage(&error.to_string()))?;
+    let mut proposed = propose(
+        &args.file,
+        args.write.as_deref().unwrap_or("proposed"),
+        &args.column,
+    )
+    .map_err(|error| CliError::usage(&error.to_string()))?;
     if let Some(name) = &args.write {
         proposed.write(&campaign(args)?, name)?;
     }
@@ -40,6 +50,25 @@ pub fn run(args: &ProfileArgs, output: &Output) -> Result<u8, CliError> {
         DONE
     } else {
         SOME_REFUSED
+    })
+}
+
+/// `Weg=tip_displacement,mm`.
+fn stated(text: &str) -> Result<StatedColumn, String> {
+    let (column, what) = text
+        .rsplit_once('=')
+        .ok_or("needed NAME=QUANTITY, such as \"d [mm]=tip_displacement\"")?;
+    let (key, unit) = match what.split_once(',') {
+        Some((key, unit)) => (key, Some(unit.trim().to_owned())),
+        None => (what, None),
+    };
+    let quantity = Quantity::from_key(key.trim()).ok_or_else(|| {
+        format!("no quantity is called {key:?}; such are tip_displacement, curvature, current, voltage, blocking_force")
+    })?;
+    Ok(StatedColumn {
+        column: column.trim().to_owned(),
+        quantity,
+        unit,
     })
 }
 

@@ -34,7 +34,7 @@ fn print(summary: &RebuildSummary, output: &Output) {
     output.result(&format!(
         "A new database: {}, {}, {} by hand; {}",
         counted(summary.runs, "run"),
-        counted(summary.climate_logs, "climate log"),
+        counted(summary.climate_logs, "log"),
         counted(summary.words, "word"),
         counted(summary.fit.fitted, "fit")
     ));

@@ -34,9 +34,17 @@ pub fn run(args: &ReportArgs, global: &Global, output: &Output) -> Result<u8, Cl
 /// Most files that are named.
 const NAMED: usize = 5;
 
+/// What went wrong with the report.
+pub fn say_refused(summary: &ReportSummary, output: &Output) {
+    say_faults(&summary.faults, output);
+    if let Some(refused) = &summary.refused {
+        output.error(&format!("the report was not written. {refused}"));
+    }
+}
+
 /// Where the report is and what it lacks, or why it was not made.
 pub fn print(summary: &ReportSummary, output: &Output) {
-    say_faults(&summary.faults, output);
+    say_refused(summary, output);
     if !summary.altered.is_empty() {
         let files = counted(summary.altered.len(), "file");
         let first: Vec<&str> = summary.altered.iter().map(String::as_str).take(NAMED).collect();
@@ -51,7 +59,7 @@ pub fn print(summary: &ReportSummary, output: &Output) {
         ));
     }
     match (&summary.refused, summary.rendered) {
-        (Some(refused), _) => output.error(&format!("the report was not written. {refused}")),
+        (Some(_), _) => {}
         // A report that could not be made has no page to open.
         (None, false) if summary.index.as_os_str().is_empty() => {}
         (None, true) => output.result(&format!("Report: {}", summary.index.display())),

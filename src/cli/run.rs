@@ -8,12 +8,12 @@ use super::exit::{self, CliError, INTERRUPTED, STORAGE};
 use super::faults::say_faults;
 use super::fit_choice::FitChoiceArgs;
 use super::global::Global;
+use super::interrupted::{GoesOn, interrupted};
 use super::output::{Output, counted};
 use super::{diagnose, ingest, report, signals};
-use crate::pipeline::left;
 use crate::pipeline::upkeep::verify::archive::raw_files_lost;
 use crate::pipeline::upkeep::verify::missed;
-use crate::pipeline::{Context, DiagnoseSummary, Made, Observer, Run, RunSummary};
+use crate::pipeline::{Context, DiagnoseSummary, Made, Run, RunSummary};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
 #[derive(Debug, Args)]
@@ -41,7 +41,12 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         skip_diagnosis: args.no_diagnose,
     };
     let Some(done) = interrupt.run(|| job.run(&mut context, output)) else {
-        return interrupted(&context, args.no_diagnose, output);
+        let goes_on = GoesOn {
+            verb: "run",
+            diagnoses: !args.no_diagnose,
+            reports: true,
+        };
+        return interrupted(&context, &goes_on, output);
     };
     let summary = done?;
     print(&summary, output);
@@ -62,30 +67,6 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
 
 /// Said where the work under way did not end by itself in time.
 const CUT_OFF: &str = "Interrupted. What was made so far is kept; `ieap run` goes on from there.";
-
-/// Says what is left of a run that was interrupted.
-fn interrupted(context: &Context, no_diagnose: bool, output: &Output) -> Result<u8, CliError> {
-    output.end();
-    let left = left(context)?;
-    let mut parts = Vec::new();
-    if left.fits > 0 {
-        parts.push(format!("{} to fit", counted(left.fits, "run")));
-    }
-    if left.diagnoses > 0 && !no_diagnose {
-        parts.push(format!("{} to diagnose", counted(left.diagnoses, "group")));
-    }
-    if left.report {
-        parts.push("the report to be written anew".to_owned());
-    }
-    let left = match parts.is_empty() {
-        true => "new files, if there are any".to_owned(),
-        false => parts.join(", "),
-    };
-    output.message(&format!(
-        "Interrupted. What was made so far is kept. Left: {left}. `ieap run` goes on from there."
-    ));
-    Ok(INTERRUPTED)
-}
 
 /// Done, done without some of the files, or done but for what a fault of the program left out, which comes first; then comes
 /// a report that could not be written.
@@ -125,6 +106,11 @@ fn open(args: &RunArgs, global: &Global, output: &Output) -> Result<Context, Cli
 
 /// What was done, and where the report is.
 fn print(summary: &RunSummary, output: &Output) {
+    if output.is_quiet() {
+        say_faults(&summary.faults, output);
+        report::say_refused(&summary.report, output);
+        return;
+    }
     ingest::print(&summary.ingest, output);
     let made = Made {
         fit: summary.fit.clone(),

@@ -31,7 +31,7 @@ macro_rules! schemas {
 }
 
 /// Every document that `--json` prints, by name. tests/it/schemas.rs holds what is printed against them.
-pub const SCHEMAS: [Schema; 41] = schemas![
+pub const SCHEMAS: [Schema; 42] = schemas![
     "alarms",
     "answer",
     "backup",
@@ -58,6 +58,7 @@ pub const SCHEMAS: [Schema; 41] = schemas![
     "models",
     "moved",
     "next",
+    "plan",
     "prediction",
     "profile",
     "rebuild",

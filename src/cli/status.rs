@@ -146,6 +146,9 @@ fn print(status: &Status, output: &Output) {
     section(output, "run", no_steps, &status.no_steps);
     let lacking = "fitted without a response that the file holds";
     section(output, "run", lacking, &status.fitted_without_response);
+    let dry = "without a humidity, where others state one: laws of it are told from those \
+               (`ieap tag \"PATTERN\" relative_humidity_percent=0`, or once under [[environment]] in campaign.toml)";
+    list(output, "run", dry, &status.without_humidity);
     let left_out = "with readings that are no numbers: these are left out";
     section(output, "run", left_out, &status.readings_left_out);
     undeclared_tags(status, output);
@@ -310,6 +313,12 @@ fn climate(status: &Status, output: &Output) {
         "run",
         "without a log that covers them",
         &climate.runs_not_covered,
+    );
+    list(
+        output,
+        "run",
+        "that no log can be held against, for their files state no start (`ieap tag RUN started_at=...`)",
+        &climate.runs_without_start,
     );
     let exposures: Vec<String> = climate
         .assessment

@@ -63,6 +63,7 @@ const CUT_OFF: &str = "Stopped; what was under way is made when the watch starts
 fn tell(watched: &Watched, output: &Output) {
     match watched {
         Watched::Taken(summary) => ingest::print(summary, output),
+        Watched::Fitted(line) => output.result(line),
         Watched::Made(made, rendered) => {
             run::print_made(made, output);
             report::print(rendered, output);

@@ -225,6 +225,7 @@ fn a_page_along_the_strip_stays_small_and_a_hole_stays_a_hole() {
 
 fn figure_input<'a>(site: &'a Site, run: Option<usize>) -> FigureInput<'a> {
     FigureInput {
+        parameter: None,
         site,
         curves: &Strips,
         run,

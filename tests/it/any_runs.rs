@@ -332,6 +332,7 @@ fn told_in_every_way(context: &Context) -> Result<(), TestCaseError> {
             width_mm: Some(width_mm),
             dots_per_inch: 50.0,
             run: None,
+            parameter: None,
         };
         answered(name, figure.run(context))?;
     }

@@ -199,6 +199,7 @@ fn print(input: &Input, name: &str, factor: f64) -> Print {
     let curves = Scaled(MadeUpCurves::of(input), factor);
     let figure = figure_named(name).expect("a known figure");
     let input = FigureInput {
+        parameter: None,
         site: &site,
         curves: &curves,
         run: None,

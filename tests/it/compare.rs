@@ -90,7 +90,7 @@ fn the_model_that_made_the_runs_is_named_and_stored() {
     assert!(
         explained
             .stdout
-            .contains("result: comparison of lumped-2 v5, bao-two-way v1, maxwell v1"),
+            .contains("result: comparison of lumped-2 v6, bao-two-way v1, maxwell v1"),
         "{explained:#?}"
     );
     assert!(table.stdout.contains("CNaf,air,bao-two-way"), "{table:#?}");
@@ -247,6 +247,7 @@ fn the_figure_of_models_is_drawn_in_every_format() {
     let curves = MadeUpCurves::of(&input);
     let draw = |run| {
         let input = FigureInput {
+            parameter: None,
             site: &site,
             curves: &curves,
             run,

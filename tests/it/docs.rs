@@ -9,7 +9,7 @@ use crate::frames::png_bytes;
 use crate::rendered::Scene;
 
 /// What is in commands that are not run to their end, with the reason; whether a long test runs them.
-const HELD_BACK: [(&str, &str, bool); 10] = [
+const HELD_BACK: [(&str, &str, bool); 14] = [
     (
         "ieap watch",
         "runs until it is stopped; tests/it/watch.rs starts it",
@@ -25,6 +25,18 @@ const HELD_BACK: [(&str, &str, bool); 10] = [
         "needs runs along a strip; tests/it/along.rs draws it",
         false,
     ),
+    (
+        "figure laws",
+        "needs a law across runs; tests/it/hidden_across.rs draws it",
+        false,
+    ),
+    (
+        "explain cycles",
+        "needs a run of many cycles; the unit tests of cycles have them",
+        false,
+    ),
+    ("explain model-free", "names a run of the reader's own", false),
+    ("explain energy", "names a run of the reader's own", false),
     (
         "figure frequency",
         "needs runs under a sine; tests/it/moving_voltage.rs draws it",

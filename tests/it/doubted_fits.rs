@@ -100,7 +100,7 @@ fn an_effect_hidden_in_one_of_four_equal_samples_makes_no_sample_differ() {
     folder.ieap(&["report"]).expect(0);
     for page in ["comparison.html", "ratios.html", "humidity.html"] {
         let text = folder.report(page);
-        assert!(text.contains("The model is wrong for sample=S1"), "{page}");
+        assert!(text.contains("The model is wrong for S1"), "{page}");
     }
 }
 

@@ -9,7 +9,7 @@ fn effects_are_listed() {
     let folder = TempDir::new().unwrap();
     insta::assert_snapshot!(ieap(folder.path(), &["effects"]).expect(0).stdout);
     let document = ieap(folder.path(), &["effects", "--json"]).expect(0).json();
-    assert_eq!(document["schema"], "ieap/effects/1");
+    assert_eq!(document["schema"], "ieap/effects/2");
     let effects = document["effects"].as_array().unwrap();
     assert_eq!(effects.len(), ieap::model::effects::ALL.len());
     assert_eq!(effects[0]["parameters"][0]["unit"], "Ohm cm2");

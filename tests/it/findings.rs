@@ -126,10 +126,7 @@ fn a_hidden_leak_is_found_in_json_and_on_the_page_and_a_clean_sample_stays_consi
     assert_eq!(document["runs"].as_array().unwrap().len(), 6);
 
     let list = folder.report("findings.html");
-    assert!(
-        list.contains("The simulation is wrong in 1 of 2 groups"),
-        "{list}"
-    );
+    assert!(list.contains("The model is wrong in 1 of 2 groups"), "{list}");
     let links = finding_links(&list);
     assert_eq!(links.len(), 2);
     let page = folder.report(links.iter().find(|href| href.contains("leaky")).unwrap());
@@ -240,7 +237,7 @@ fn group_by_is_checked_and_a_key_that_no_run_carries_is_said() {
         "{}",
         said.stderr
     );
-    assert!(said.stdout.contains("sample=S1 (1 run)"), "{}", said.stdout);
+    assert!(said.stdout.contains("S1 (1 run)"), "{}", said.stdout);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use ieap::domain::testing::{self, held_out, parameter, shift};
 use ieap::domain::{
-    Candidate, Confusable, EffectFinding, Estimate, Gain, GroupDiagnosis, HeldOutGain, Hypothesis,
+    Candidate, CauseNode, Confusable, EffectFinding, Estimate, Gain, GroupDiagnosis, HeldOutGain, Hypothesis,
     HypothesisKind, MisfitPercent, MisfitStretch, NextRun, Prediction, ResidualCurve, StrengthProfile,
     VaryingParameter, VaryingValue, Verdict, Whereabouts,
 };
@@ -33,12 +33,17 @@ fn effects() -> Vec<EffectText> {
             ],
         },
         EffectText {
-            id: "partial-relaxation".to_owned(),
-            summary: "a share of the strain that stays".to_owned(),
-            equation: "kappa = alpha ((1 - f) H q + f q)".to_owned(),
-            signature: "a plateau above zero".to_owned(),
-            separated_by: "reversed polarity".to_owned(),
-            parameters: vec![parameter_text("fraction", "f", "", "share that stays")],
+            id: "diffusion-limited-leak".to_owned(),
+            summary: "a leak that falls with the root of the time".to_owned(),
+            equation: "i_D = k sgn(w)/sqrt(t + t_0)".to_owned(),
+            signature: "a current that falls slowly and is not recovered".to_owned(),
+            separated_by: "a discharge".to_owned(),
+            parameters: vec![parameter_text(
+                "scale_a_s05_per_cm2",
+                "k",
+                "A s^0.5/cm2",
+                "scale of the current",
+            )],
         },
     ]
 }
@@ -87,6 +92,7 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
     GroupDiagnosis {
         verdict: Verdict::Named,
         p_misfit: Some(0.001),
+        draws: 999,
         q_misfit: Some(0.004),
         p_leftover: Some(0.62),
         effects: vec![EffectFinding {
@@ -97,7 +103,7 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
         set: vec!["faradaic-leak".to_owned()],
         candidates: vec![
             candidate("faradaic-leak", 812.0, Some(790.2)),
-            candidate("partial-relaxation", 12.4, None),
+            candidate("diffusion-limited-leak", 12.4, None),
         ],
         gain: Some(Gain {
             held_out: "run".to_owned(),
@@ -145,7 +151,7 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
         ],
         gain_at_5_percent: Some(8.2),
         confusable: Confusable {
-            effects: vec!["faradaic-leak".to_owned(), "partial-relaxation".to_owned()],
+            effects: vec!["faradaic-leak".to_owned(), "diffusion-limited-leak".to_owned()],
             likeness: vec![vec![1.0, 0.31], vec![0.31, 1.0]],
         },
         profiles: vec![StrengthProfile {
@@ -178,7 +184,6 @@ fn varies(runs: &[&str]) -> GroupDiagnosis {
         },
         with: (kind == HypothesisKind::Varies).then(|| "voltage_v".to_owned()),
         with_unnamed: false,
-        form_error: (kind == HypothesisKind::Effect).then_some(0.2),
         mass,
     };
     let value = |(run, step_v, value): (&str, f64, f64)| VaryingValue {
@@ -191,6 +196,7 @@ fn varies(runs: &[&str]) -> GroupDiagnosis {
     GroupDiagnosis {
         verdict: Verdict::Varies,
         p_misfit: Some(0.001),
+        draws: 999,
         q_misfit: Some(0.004),
         set: vec!["varies:rss_ohm_cm2".to_owned()],
         posterior: vec![
@@ -221,11 +227,17 @@ pub fn input_with_findings() -> Input {
     let mut set = named(&[&b]);
     set.group = "sample=CNaf-01,environment=<b>vacuum</b>".to_owned();
     set.verdict = Verdict::Set;
-    set.set.push("partial-relaxation".to_owned());
-    set.effects[0].twins = vec!["partial-relaxation".to_owned()];
+    set.set.push("diffusion-limited-leak".to_owned());
+    set.effects[0].twins = vec!["diffusion-limited-leak".to_owned()];
+    set.node = Some(CauseNode {
+        path: vec!["current".to_owned(), "leak".to_owned()],
+        words: "a current flows that stores no charge".to_owned(),
+        depth: 2,
+        probability: 0.97,
+    });
     set.next_run = Some(NextRun {
         drive: "reverse the voltage for 600 s".to_owned(),
-        splits: vec!["faradaic-leak".to_owned(), "partial-relaxation".to_owned()],
+        splits: vec!["faradaic-leak".to_owned(), "diffusion-limited-leak".to_owned()],
         expected_set_size: 1.0,
     });
     let consistent = GroupDiagnosis {

@@ -185,7 +185,7 @@ fn count(materials: usize, seed: u64) -> [(usize, usize); 2] {
         ];
         for (which, (arguments, truth, volts, area_cm2, length_mm)) in asked.into_iter().enumerate() {
             let document = folder.ieap(&arguments).expect(0).json();
-            assert_eq!(document["schema"], "ieap/prediction/1");
+            assert_eq!(document["schema"], "ieap/prediction/2");
             let held = held(&document, &truth, volts, area_cm2, length_mm);
             counts[which].0 += held.iter().filter(|held| **held).count();
             counts[which].1 += held.len();
@@ -226,7 +226,7 @@ fn a_prediction_holds_what_the_simulated_strip_does_and_says_what_it_rests_on() 
     assert!(holds.iter().filter(|held| **held).count() >= 8, "{holds:?}");
     assert_eq!(document["sources"].as_array().unwrap().len(), 3);
     assert_eq!(document["model"], "lumped");
-    assert_eq!(document["shapes"][2]["x_mm"].as_array().unwrap().len(), 41);
+    assert_eq!(document["shapes"][2]["joints"].as_array().unwrap().len(), 41);
     let moment = &document["rows"][0]["blocked_moment_mn_mm"];
     assert!(moment.is_null(), "no modulus is known: {moment}");
 
@@ -260,8 +260,12 @@ fn a_prediction_holds_what_the_simulated_strip_does_and_says_what_it_rests_on() 
     let document = folder.ieap(&known).expect(0).json();
     assert_eq!(document["model"], "distributed");
     assert!(document["lumped_error_at_tip"].as_f64().unwrap() > 0.05);
-    let bent = document["shapes"][0]["curvature_per_cm"].as_array().unwrap();
-    assert!(bent[0].as_f64().unwrap() > bent[39].as_f64().unwrap());
+    let bent = |link: usize| {
+        document["shapes"][0]["links"][link]["curvature_per_cm"]
+            .as_f64()
+            .unwrap()
+    };
+    assert!(bent(0) > bent(39));
 
     // What makes no sense is refused with the way to mend it.
     for (wrong, needed) in [
@@ -277,6 +281,15 @@ fn a_prediction_holds_what_the_simulated_strip_does_and_says_what_it_rests_on() 
     folder
         .ieap(&["predict", "--sample", "M9", "--voltage", "1V"])
         .expect(2);
+}
+
+/// Voltages of a document's drive.
+fn volts_of(document: &Value) -> Vec<f64> {
+    let segments = document["drive"]["segments"].as_array().unwrap();
+    segments
+        .iter()
+        .map(|segment| segment["voltage_v"].as_f64().unwrap())
+        .collect()
 }
 
 /// What the strip does under a drive that was written for a source, at its samples.
@@ -318,7 +331,7 @@ fn the_strip_does_under_the_found_drive_what_was_wanted() {
     let base = ["drive", "--sample", "M0-0", "--json"];
     let follow = [&base[..], &["--course", "wanted.csv", "-o", "drive.csv"]].concat();
     let document = folder.ieap(&follow).expect(0).json();
-    assert_eq!(document["schema"], "ieap/drive/1");
+    assert_eq!(document["schema"], "ieap/drive/2");
     assert!(
         document["rms_error_mm"].as_f64().unwrap() < 1e-3 * wanted_mm,
         "{document}"
@@ -368,24 +381,57 @@ fn the_strip_does_under_the_found_drive_what_was_wanted() {
     .concat();
     let document = folder.ieap(&far).expect(0).json();
     assert!(document["limited_by"].as_str().unwrap().contains("onset"));
-    let volts: Vec<f64> = document["drive"]["voltage_v"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|volts| volts.as_f64().unwrap())
-        .collect();
+    let volts = volts_of(&document);
+    assert_eq!(volts.len(), 200);
+    let possible = document["least_rms_error_mm"].as_f64().unwrap();
+    let reached = document["rms_error_mm"].as_f64().unwrap();
+    assert!(
+        0.0 < possible && possible <= reached && reached < 1.001 * possible,
+        "{possible} {reached}"
+    );
     let mut before = 0.0;
     for volts in &volts {
         assert!(volts.abs() <= 1.1 + 1e-12 && (volts - before).abs() <= 0.05 * 1.5 + 1e-12);
         before = *volts;
     }
     assert!(document["reached_after_s"].is_null());
-    let leaked = &document["leaked_charge_c"];
-    let flux: f64 = volts.iter().sum::<f64>() * 1.5;
     let own = truths[0][0].strip(1.1, AREA_CM2).steady_state_resistance_ohm_cm2;
-    let truth = flux * AREA_CM2 / own;
-    let range = leaked["low_95"].as_f64().unwrap()..=leaked["high_95"].as_f64().unwrap();
-    assert!(range.contains(&truth), "{leaked} {truth}");
+    let leaks = |document: &Value, every_s: f64| {
+        let leaked = &document["leaked_charge_c"];
+        let flux: f64 = volts_of(document).iter().map(|volts| volts.abs() * every_s).sum();
+        let truth = flux * AREA_CM2 / own;
+        let range = leaked["low_95"].as_f64().unwrap()..=leaked["high_95"].as_f64().unwrap();
+        assert!(range.contains(&truth), "{leaked} {truth}");
+    };
+    leaks(&document, 1.5);
+    // What flows back through the leak is lost as well, and a drive of 200 moves comes out whole.
+    let there_and_back =
+        format!("time_s,tip_displacement_mm\n0,0\n50,{wanted_mm}\n150,-{wanted_mm}\n200,0\n");
+    folder.write("back.csv", there_and_back);
+    let back = [
+        &base[..],
+        &[
+            "--course",
+            "back.csv",
+            "--max-slope",
+            "20mV/s",
+            "-o",
+            "back-drive.csv",
+        ],
+    ]
+    .concat();
+    let document = folder.ieap(&back).expect(0).json();
+    leaks(&document, 1.0);
+    let said = [
+        "predict",
+        "--sample",
+        "M0-0",
+        "--drive",
+        "back-drive.csv",
+        "--json",
+    ];
+    let predicted = folder.ieap(&said).expect(0).json();
+    assert_eq!(volts_of(&predicted), volts_of(&document));
     for wrong in [
         vec!["--hold", "1mm"],
         vec!["--hold", "9mm", "--for", "60s"],

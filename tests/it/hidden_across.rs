@@ -199,3 +199,73 @@ fn planned_runs_that_never_came_at_high_voltage_are_a_selection() {
     let said = "4 of 17 runs failed or never came, and not at random: their voltage lies 1.5 V above";
     assert!(page.contains(said), "{page}");
 }
+
+#[test]
+fn a_humidity_law_stands_first_and_vacuum_runs_without_a_humidity_do_not_hide_it() {
+    let samples = ["S1".to_owned(), "S2".to_owned()];
+    let folder = campaign(&samples);
+    let humidities = [60.0, 15.0, 75.0, 30.0, 45.0];
+    let mut runs = String::new();
+    for (s, sample) in samples.iter().enumerate() {
+        let mut add = |cycle: usize, humidity: f64, tags: &str| {
+            let truth = Truth {
+                lambda: (0.042_f64 * (humidity - 40.0)).exp() * scatter(10 * s + cycle, 0.05),
+                ..PLAIN
+            };
+            let tags = format!("sample = \"{sample}\", cycle = {cycle}{tags}");
+            runs += &run(&format!("{sample}-{cycle}"), 2.0, truth, &tags);
+        };
+        for (k, &humidity) in humidities.iter().enumerate() {
+            add(
+                k + 1,
+                humidity,
+                &format!(", relative_humidity_percent = {humidity}"),
+            );
+        }
+        add(6, 0.0, "");
+        add(7, 0.0, "");
+    }
+    let dry = "tags = { environment = \"vacuum\"";
+    let runs: Vec<String> = runs
+        .split("[[run]]")
+        .map(|text| match text.contains("relative_humidity_percent") {
+            true => text.to_owned(),
+            false => text.replace("tags = { environment = \"air\"", dry),
+        })
+        .collect();
+    simulate(&folder, &runs.join("[[run]]"));
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let across = page(&folder);
+    assert!(
+        across.contains("Relative humidity: 4 of 14 runs of CNaf state none (in vacuum)"),
+        "{across}"
+    );
+    let status = folder.ieap(&["status", "--json"]).expect(0).json();
+    let without = status["status"]["without_humidity"].as_array().unwrap();
+    assert_eq!(without.len(), 4, "{without:?}");
+    let overview = folder.report("index.html");
+    let law = overview.find("λ of CNaf rises by a factor of").expect("the law");
+    let parameters = overview.find("The five parameters").expect("the parameters");
+    assert!(law < parameters);
+    // The same law for print, by the beginning of the parameter's key.
+    folder
+        .ieap(&["figure", "laws", "--parameter", "lambda", "-o", "lambda.pdf"])
+        .expect(0);
+    assert!(
+        std::fs::read(folder.join("lambda.pdf"))
+            .unwrap()
+            .starts_with(b"%PDF")
+    );
+    folder
+        .ieap(&["figure", "figure26", "--parameter", "lambda", "-o", "none.pdf"])
+        .expect(2);
+    // Said of the environment once, the runs in vacuum are of the law.
+    let text = std::fs::read_to_string(folder.join("campaign.toml")).unwrap();
+    folder.write(
+        "campaign.toml",
+        text + "\n[[environment]]\nid = \"vacuum\"\nrelative_humidity_percent = 0\n",
+    );
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    assert!(!page(&folder).contains("state none"));
+    assert!(folder.report("index.html").contains("from 0 to 75 % RH"));
+}

@@ -128,6 +128,11 @@ fn three_actions_lead_from_a_folder_of_files_to_a_report() {
         .replace("# length_mm = 0.0    # FILL IN", "length_mm = 5.0    #")
         .replace("# width_mm = 0.0    # FILL IN", "width_mm = 2.0    #");
     assert!(!filled.contains("FILL IN:"), "{filled}");
+    // Vacuum and dry gas hold no water: laws of the humidity have their runs too.
+    for id in ["vacuum", "inert"] {
+        let dry = format!("id = \"{id}\"\nrelative_humidity_percent = 0 ");
+        assert!(text.contains(&dry), "{text}");
+    }
     fs::write(&path, filled).unwrap();
     // Third. What nobody reads is refused with its reason.
     ieap(root.path(), &["run", "study", "--no-diagnose"]).expect(3);

@@ -18,6 +18,51 @@ fn sweep() -> String {
 }
 
 #[test]
+fn a_value_that_no_run_can_have_is_refused_by_tag_and_nothing_is_set() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.ieap(&["ingest"]).expect(0);
+    for (pair, told) in [
+        ("environment=ari", "\"air\""),
+        ("sample=S2", "[[sample]]"),
+        ("voltage_v=abc", "not a number"),
+        ("voltage_v=1,2", "decimal point"),
+        ("relative_humidity_percent=330", "0 to 100"),
+        ("started_at=31.12.26", "not a date"),
+    ] {
+        let refused = folder.ieap(&["tag", "runs/a.csv", "note=x", pair]).expect(2);
+        let said = &refused.stderr;
+        assert!(said.contains(told) && said.contains("nothing was set"), "{said}");
+    }
+    let tagged = folder.ieap(&["tag", "runs/a.csv", "cycle=1"]).expect(0);
+    assert!(!tagged.stdout.contains("note"), "{}", tagged.stdout);
+}
+
+#[test]
+fn several_runs_are_tagged_at_once_and_only_new_warnings_are_told() {
+    let folder = CampaignFolder::new();
+    for (name, seed) in [("a_rh30", 1), ("b_rh30", 2), ("c_rh60", 3)] {
+        folder.write(&format!("runs/{name}.csv"), run_table(seed));
+    }
+    folder.ieap(&["ingest"]).expect(0);
+    let tagged = folder
+        .ieap(&["tag", "*_rh30.csv", "relative_humidity_percent=30", "--json"])
+        .expect(0)
+        .json();
+    assert_eq!(tagged["tag"]["run"], "runs/a_rh30.csv");
+    assert_eq!(tagged["others"][0]["run"], "runs/b_rh30.csv");
+    assert_eq!(tagged["others"].as_array().unwrap().len(), 1);
+    let first = folder
+        .ieap(&["tag", "runs/a_rh30.csv", "runs/c_rh60.csv", "voltage_v=1"])
+        .expect(0);
+    assert!(first.stderr.contains("runs/c_rh60.csv"), "{}", first.stderr);
+    let second = folder.ieap(&["tag", "runs/c_rh60.csv", "note=dry"]).expect(0);
+    assert!(!second.stderr.contains("runs/c_rh60.csv"), "{}", second.stderr);
+    let none = folder.ieap(&["tag", "*_rh99.csv", "note=x"]).expect(2);
+    assert!(none.stderr.contains("no run is called"), "{}", none.stderr);
+}
+
+#[test]
 fn a_key_that_is_neither_known_nor_declared_is_refused_by_tag_and_said_by_status() {
     let folder = CampaignFolder::new();
     folder.write("runs/a.csv", run_table(1));

@@ -24,7 +24,8 @@ affiliation = "Brown University"
 
 fn campaign() -> CampaignFolder {
     let folder = CampaignFolder::new();
-    folder.write("campaign.toml", format!("{CAMPAIGN_TOML}{PUBLICATION}"));
+    let told = CAMPAIGN_TOML.replace("title =", "notice = \"Simulated, not measured.\"\ntitle =");
+    folder.write("campaign.toml", format!("{told}{PUBLICATION}"));
     folder.write("runs/first run.csv", run_table(1));
     folder.write("runs/refused.csv", "nothing,that\na,reader knows\n");
     folder.run_json();
@@ -99,6 +100,12 @@ fn a_crate_holds_the_campaign_and_says_what_each_file_is() {
     assert_eq!(
         datacite["creators"][0]["nameIdentifiers"][0]["nameIdentifier"],
         "https://orcid.org/0000-0002-1825-0097"
+    );
+    let said_first = &datacite["descriptions"][0];
+    assert_eq!(said_first["descriptionType"], "Abstract");
+    assert_eq!(
+        said_first["description"],
+        "Simulated, not measured.\n\nStep responses of one strip"
     );
     folder
         .ieap(&["export", "--what", "crate", "-o", "again.zip"])

@@ -79,7 +79,7 @@ fn lines_are_read_between_their_vertices() {
         .iter()
         .map(|view| {
             let svg = response(&curve, *view, "Current", false).unwrap().unwrap();
-            json!({"svg": svg, "time_s": &curve.time_s[1..], "fitted": &curve.fitted[1..]})
+            json!({"svg": svg.svg, "time_s": &curve.time_s[1..], "fitted": &curve.fitted[1..]})
         })
         .collect();
     let file = tempfile::NamedTempFile::new().unwrap();

@@ -219,3 +219,19 @@ fn a_rebuilding_that_was_cut_short_is_begun_again_and_a_file_of_somebody_stays()
         "mine"
     );
 }
+
+/// The run kept the name of who said it first, until a rebuilding.
+#[test]
+fn a_tag_that_is_said_again_is_told_as_said_last() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    for by in ["ann", "ben"] {
+        folder
+            .ieap(&["tag", "runs/a.csv", "note=wet", "--by", by])
+            .expect(0);
+    }
+    let before = content(&folder);
+    folder.ieap(&["rebuild"]).expect(0);
+    same(&content(&folder), &before);
+}

@@ -21,9 +21,11 @@ fn campaign(elsewhere: &Path) -> CampaignFolder {
         "[profile]\nversion = 1\n\n[recognise]\nname = \"*.lab\"\n\n[layout]\nseparator = \"semicolon\"\ndecimal = \"point\"\nheader_line = 1\n\n\
          [time]\nbase = \"epoch\"\ncolumn = \"t\"\nunit = \"ms\"\n\n[[column]]\ncolumn = \"d\"\nquantity = \"current\"\nunit = \"A\"\n",
     );
-    let _ = folder.ieap(&["run", "--no-diagnose"]);
+    // runs/other.csv has a date that may be of two days.
+    folder.ieap(&["run", "--no-diagnose"]).expect(3);
     folder.ieap(&["tag", "runs/b.csv", "note=by hand"]).expect(0);
-    let _ = folder.ieap(&["backup", elsewhere.join("backup").to_str().unwrap()]);
+    let backup = elsewhere.join("backup");
+    folder.ieap(&["backup", backup.to_str().unwrap()]).expect(0);
     folder
 }
 
@@ -58,15 +60,24 @@ fn put(what: &str, path: &Path, theirs: &Path) {
     }
 }
 
-/// A raw file of an archive.
-fn raw_file(of: &Path) -> PathBuf {
-    let mut folders: Vec<PathBuf> = std::fs::read_dir(of.join("archive"))
+/// A raw file of the campaign's archive, relative to the campaign. A backup has it in the same place, and keeps it as long as
+/// the archive does: other bytes of a backup, its journals above all, go with the last list that names them.
+fn raw_file(campaign: &Path) -> PathBuf {
+    let mut folders: Vec<PathBuf> = std::fs::read_dir(campaign.join("archive"))
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .collect();
     folders.sort();
     let first = folders.into_iter().find(|path| path.is_dir()).unwrap();
-    std::fs::read_dir(first).unwrap().next().unwrap().unwrap().path()
+    let path = std::fs::read_dir(first).unwrap().next().unwrap().unwrap().path();
+    path.strip_prefix(campaign).unwrap().to_owned()
+}
+
+/// Moves a file; where it cannot be moved the panic names it.
+#[track_caller]
+fn rename(from: &Path, to: &Path) {
+    std::fs::rename(from, to)
+        .unwrap_or_else(|error| panic!("{} to {}: {error}", from.display(), to.display()));
 }
 
 #[test]
@@ -93,10 +104,11 @@ fn no_verb_waits_for_what_stands_in_the_place_of_an_own_file_or_changes_it() {
         "report/index.html",
     ];
     let paths = own.iter().map(|name| folder.join(name));
+    let raw = raw_file(folder.path());
     let paths: Vec<PathBuf> = paths
         .chain([
-            raw_file(folder.path()),
-            raw_file(&backup),
+            folder.path().join(&raw),
+            backup.join(&raw),
             backup.join("backup.json"),
         ])
         .collect();
@@ -110,7 +122,7 @@ fn no_verb_waits_for_what_stands_in_the_place_of_an_own_file_or_changes_it() {
     ];
     for path in &paths {
         let kept = elsewhere.path().join("kept");
-        std::fs::rename(path, &kept).unwrap();
+        rename(path, &kept);
         for what in IN_ITS_PLACE {
             put(what, path, &theirs);
             for verb in verbs {
@@ -126,9 +138,9 @@ fn no_verb_waits_for_what_stands_in_the_place_of_an_own_file_or_changes_it() {
                     path.display()
                 );
             }
-            std::fs::remove_file(path).unwrap();
+            std::fs::remove_file(path).unwrap_or_else(|error| panic!("{what}, {}: {error}", path.display()));
         }
-        std::fs::rename(&kept, path).unwrap();
+        rename(&kept, path);
     }
     // All is as it was.
     folder.ieap(&["tag", "runs/b.csv", "note=after"]).expect(0);
@@ -150,7 +162,7 @@ fn what_stands_in_the_place_of_a_file_is_said() {
         ("archive/database-id", "run", 4),
     ] {
         let (path, kept) = (folder.join(name), elsewhere.path().join("kept"));
-        std::fs::rename(&path, &kept).unwrap();
+        rename(&path, &kept);
         put("a pipe", &path, &theirs);
         let told = folder.ieap(&[verb]).expect(status);
         let said = format!("{}{}", told.stdout, told.stderr);
@@ -159,7 +171,7 @@ fn what_stands_in_the_place_of_a_file_is_said() {
             "{name}: {said}"
         );
         std::fs::remove_file(&path).unwrap();
-        std::fs::rename(&kept, &path).unwrap();
+        rename(&kept, &path);
     }
 }
 
@@ -170,11 +182,11 @@ fn a_statement_may_be_a_link_to_a_file() {
     let folder = campaign(elsewhere.path());
     for name in ["campaign.toml", "runs/tags.toml", "profiles/lab.toml"] {
         let shared = elsewhere.path().join("shared");
-        std::fs::rename(folder.join(name), &shared).unwrap();
+        rename(&folder.join(name), &shared);
         std::os::unix::fs::symlink(&shared, folder.join(name)).unwrap();
         let run = folder.ieap(&["run", "--no-diagnose"]);
         assert!([0, 3].contains(&run.status), "{name}: {run:#?}");
         std::fs::remove_file(folder.join(name)).unwrap();
-        std::fs::rename(&shared, folder.join(name)).unwrap();
+        rename(&shared, &folder.join(name));
     }
 }

@@ -227,6 +227,8 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         spectra_beside: vec![],
         blocked: vec![],
         frequency: vec![],
+        model_free: vec![],
+        cycles: vec![],
         electrodes: vec![],
         superseded: vec![],
         files: vec![],

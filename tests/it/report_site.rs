@@ -116,7 +116,7 @@ fn text_of_files_is_never_markup() {
     }
     let hostile = files
         .iter()
-        .find(|(name, _)| name.contains("script-alert"))
+        .find(|(name, _)| name.starts_with("runs/") && name.contains("script-alert"))
         .expect("its page");
     assert!(hostile.1.contains("&lt;script&gt;alert(1)&lt;/script&gt;.csv"));
     assert!(
@@ -205,8 +205,8 @@ fn a_run_on_a_page_stays_small() {
             .filter_map(|rest| rest.split("</svg>").next())
             .collect();
         assert_eq!(figures.len(), 8, "{name}");
-        assert!(figures.iter().all(|svg| svg.len() < 3_000), "{name}");
-        assert!(html.len() < 3 * 8_000, "{name}: {} bytes", html.len());
+        assert!(figures.iter().all(|svg| svg.len() < 8_000), "{name}");
+        assert!(html.len() < 3 * 16_000, "{name}: {} bytes", html.len());
     }
 }
 

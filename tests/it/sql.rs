@@ -121,6 +121,113 @@ fn views_say_what_the_program_says() {
     assert_eq!(id, [[rusqlite::types::Value::Integer(0x6965_6170)]]);
 }
 
+/// The questions of the page.
+fn questions() -> Vec<String> {
+    let blocks = blocks_with("schema.md", "FROM ").into_iter();
+    blocks.filter(|block| block.starts_with("SELECT")).collect()
+}
+
+#[test]
+fn the_ten_questions_of_the_page_are_answered() {
+    use rusqlite::types::Value::{Integer, Real, Text};
+    let (_above, folder) = world();
+    folder.write("runs/refused.csv", "nothing,that\na,reader knows\n");
+    folder.run_json();
+    let asked = questions();
+    assert_eq!(asked.len(), 10);
+    let answer = |about: &str| {
+        query(
+            &folder,
+            asked.iter().find(|sql| sql.contains(about)).expect(about),
+        )
+    };
+    let text = |text: &str| Text(text.to_owned());
+    // What `ieap fit --json` says of the one run that speaks.
+    let fits = folder.ieap(&["fit", "--json"]).json();
+    let of_run = |parameter: &str| {
+        fits["fits"][0]["parameters"][parameter]["value"]
+            .as_f64()
+            .unwrap()
+    };
+    let alpha = &answer("alpha_per_c_cm")[0];
+    assert_eq!(
+        (&alpha[0], &alpha[2], &alpha[3]),
+        (&text("CNaf"), &Real(of_run("alpha_per_c_cm")), &Integer(1))
+    );
+    let compared = answer("r1_ohm_cm2");
+    assert_eq!(compared.len(), 1);
+    assert_eq!(compared[0][5], Real(of_run("r1_ohm_cm2")));
+    let refused = answer("refused_view");
+    assert_eq!(refused[0][0], text("runs/refused.csv"));
+    assert!(
+        refused[0]
+            .iter()
+            .all(|cell| matches!(cell, Text(said) if !said.is_empty())),
+        "{refused:?}"
+    );
+    assert_eq!(
+        answer("speaks = 0"),
+        [[text("runs/b.csv"), text("dropped"), text("clip slipped")]]
+    );
+    let found = folder.ieap(&["diagnose", "--json"]).json();
+    let consistent = answer("'consistent'");
+    let groups = found["groups"].as_array().unwrap();
+    let wanted: Vec<&serde_json::Value> = groups
+        .iter()
+        .filter(|group| group["verdict"] == "consistent")
+        .collect();
+    assert_eq!(consistent.len(), wanted.len());
+    let tests = found["campaign_tests"].as_array().unwrap();
+    assert_eq!(
+        query(&folder, "SELECT count(*) FROM laws_view"),
+        [[Integer(tests.len() as i64)]]
+    );
+    for sql in &asked {
+        query(&folder, sql);
+    }
+}
+
+#[test]
+fn exports_of_findings_laws_and_monitoring_hold_what_the_views_show() {
+    let (_above, folder) = world();
+    folder.ieap(&["diagnose", "--draws", "99"]).expect(0);
+    folder.ieap(&["report"]).expect(0);
+    for (what, view) in [
+        ("findings", "findings_view"),
+        ("laws", "laws_view"),
+        ("monitoring", "monitoring_view"),
+    ] {
+        let file = format!("{what}.json");
+        folder.ieap(&["export", "--what", what, "-o", &file]).expect(0);
+        let rows: Vec<serde_json::Value> =
+            serde_json::from_str(&std::fs::read_to_string(folder.join(&file)).unwrap()).unwrap();
+        let count = query(&folder, &format!("SELECT count(*) FROM {view}"));
+        assert_eq!(
+            count,
+            [[rusqlite::types::Value::Integer(rows.len() as i64)]],
+            "{what}"
+        );
+    }
+    let findings = std::fs::read_to_string(folder.join("findings.json")).unwrap();
+    let findings: Vec<serde_json::Value> = serde_json::from_str(&findings).unwrap();
+    let sentences = query(&folder, "SELECT sentence FROM findings_view ORDER BY kind, name");
+    let mut wanted: Vec<(String, String, String)> = findings
+        .iter()
+        .map(|row| {
+            ["kind", "name", "sentence"]
+                .map(|key| row[key].as_str().unwrap().to_owned())
+                .into()
+        })
+        .collect();
+    wanted.sort();
+    let wanted: Vec<[rusqlite::types::Value; 1]> = wanted
+        .into_iter()
+        .map(|(_, _, sentence)| [rusqlite::types::Value::Text(sentence)])
+        .collect();
+    assert!(!wanted.is_empty());
+    assert_eq!(sentences, wanted);
+}
+
 /// Every unit of a parameter that the program prints is the one that its key ends in, which views and exports go by.
 #[test]
 fn keys_of_parameters_end_in_the_units_that_are_printed() {

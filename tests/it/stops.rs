@@ -66,6 +66,22 @@ fn undiagnosed(folder: &CampaignFolder) -> usize {
 }
 
 #[test]
+fn a_diagnosis_that_is_interrupted_keeps_what_it_has_and_says_so() {
+    let folder = wrong_campaign();
+    folder.ieap(&["fit"]).expect(0);
+    let child = started(&folder, &["diagnose"]);
+    std::thread::sleep(Duration::from_secs(2));
+    let (status, said, took) = ended(child, "-INT");
+    assert_eq!(status, 130, "{said}");
+    assert!(took < SOON, "{took:?}");
+    assert!(
+        said.contains("Interrupted. What was made so far is kept"),
+        "{said}"
+    );
+    assert!(said.contains("`ieap diagnose` goes on from there"), "{said}");
+}
+
+#[test]
 fn a_run_that_is_interrupted_in_its_diagnosis_leaves_a_report_and_says_what_is_left() {
     for signal in ["-INT", "-HUP", "-TERM"] {
         let folder = wrong_campaign();

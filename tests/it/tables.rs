@@ -11,7 +11,9 @@ use crate::findings_fixture::input_with_findings;
 use crate::report_fixture::{input, run, troubled_input};
 
 fn table(input: &Input, name: &str) -> Table {
+    let doubts = Default::default();
     let input = TableInput {
+        doubts: &doubts,
         campaign: &input.campaign,
         runs: &input.runs,
         set_aside: &input.set_aside,
@@ -19,6 +21,8 @@ fn table(input: &Input, name: &str) -> Table {
         spectra: &input.spectra,
         blocked: &input.blocked,
         frequency: &input.frequency,
+        model_free: &input.model_free,
+        cycles: &input.cycles,
         electrodes: &input.electrodes,
         files: &input.files,
         groups: &input.findings.groups,
@@ -351,7 +355,7 @@ fn everything_is_exported_in_every_format() {
     };
     let parquet = rows("parquet");
     assert_eq!(parquet, rows("csv"));
-    assert_eq!((parquet.len(), parquet[0]), (7, 2));
+    assert_eq!((parquet.len(), parquet[0]), (12, 2));
     let refused = folder.ieap(&["export", "--what", "all", "-o", "out"]).expect(2);
     assert!(refused.stderr.contains("--overwrite"), "{}", refused.stderr);
     folder

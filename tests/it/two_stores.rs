@@ -263,7 +263,7 @@ fn errors(folder: &CampaignFolder) -> Vec<String> {
         .collect()
 }
 
-/// The campaign as the version before wrote it: no lines in the database, no checksums of lines before.
+/// The campaign as the version before wrote it: no lines in the database, no checksums of lines before, nothing shown.
 fn as_the_version_before_wrote_it(folder: &CampaignFolder) {
     let text = fs::read_to_string(journal(folder)).unwrap();
     let old: String = text.lines().map(of_the_version_before).collect();
@@ -274,8 +274,8 @@ fn as_the_version_before_wrote_it(folder: &CampaignFolder) {
         .unwrap();
     connection
         .execute_batch(&format!(
-            "DROP TABLE journal_line; DELETE FROM seal; PRAGMA user_version = {}",
-            newest - 1
+            "DROP TABLE shown; DROP TABLE shown_of; DROP TABLE journal_line; DELETE FROM seal; PRAGMA user_version = {}",
+            newest - 2
         ))
         .unwrap();
 }

@@ -14,6 +14,9 @@ pub const HUMIDITY_GAP_PERCENT: f64 = 5.0;
 /// Voltages that agree when rounded to this step (V) are one condition: a measured level is never quite 2.5 V.
 pub const VOLTAGE_STEP_V: f64 = 0.01;
 
+/// Readings of a response below which a run is none: it was aborted before anything was measured.
+const FEWEST_READINGS: usize = 10;
+
 /// A cluster of relative humidities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HumidityLevel {
@@ -58,7 +61,8 @@ pub struct Conditions {
     pub voltages_v: Vec<f64>,
     /// Measured conditions in the order material, surroundings, voltage.
     pub measured: Vec<Condition>,
-    /// Indices of runs that belong to no condition, because a tag is missing or is no number.
+    /// Indices of runs that belong to no condition, because a tag is missing or is no number, or because they were aborted
+    /// after a few readings.
     pub unplaced: Vec<usize>,
 }
 
@@ -168,7 +172,20 @@ pub fn conditions(runs: &[RunRecord], campaign: &Campaign) -> Conditions {
     table
 }
 
+/// Whether a run was aborted before anything was measured: it would make a condition of its own.
+pub fn is_too_short(run: &RunRecord) -> bool {
+    let mut responses = run
+        .channels
+        .iter()
+        .filter(|c| c.quantity.is_response())
+        .peekable();
+    run.fit.is_none() && responses.peek().is_some() && responses.all(|c| c.readings < FEWEST_READINGS)
+}
+
 fn place<'a>(index: usize, run: &'a RunRecord, campaign: &'a Campaign) -> Option<Place<'a>> {
+    if is_too_short(run) {
+        return None;
+    }
     Some(Place {
         run: index,
         material: compared_material(run, campaign)?,
@@ -278,6 +295,7 @@ fn position<T>(entries: &[T], fits: impl Fn(&T) -> bool) -> usize {
 mod tests {
     use super::*;
     use ieap_domain::testing::{campaign, run};
+    use ieap_domain::{Channel, Quantity};
 
     #[test]
     fn runs_are_sorted_into_campaign_order() {
@@ -299,6 +317,20 @@ mod tests {
         assert_eq!(table.at(0, 1, 0).unwrap().runs, [1, 3]);
         assert!(table.at(1, 0, 0).is_none());
         assert!(table.unplaced.is_empty());
+    }
+
+    #[test]
+    fn an_aborted_run_of_three_readings_makes_no_condition() {
+        let readings = |count: usize| {
+            let series: std::sync::Arc<[f64]> = (0..count).map(|k| k as f64).collect();
+            let channel = Channel::new(Quantity::Current, series.clone(), series);
+            let mut run = run("r", "CNaf-01", "air", Some(30.0), 0.0);
+            run.channels = vec![channel.summary()];
+            run
+        };
+        let table = conditions(&[readings(3), readings(10)], &campaign());
+        assert_eq!(table.unplaced, [0]);
+        assert_eq!(table.measured[0].runs, [1]);
     }
 
     #[test]

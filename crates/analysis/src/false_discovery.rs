@@ -79,6 +79,7 @@ fn take_back(one: &mut GroupDiagnosis, groups: usize) {
     );
     one.effects.clear();
     one.set.clear();
+    one.node = None;
     one.next_run = None;
     one.shifts.clear();
     for candidate in &mut one.candidates {

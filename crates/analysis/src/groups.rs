@@ -137,10 +137,44 @@ fn by_level(runs: &[RunRecord], name: &str, members: Vec<usize>, issue: Option<&
     levels.into_iter().map(group).collect()
 }
 
+/// `CNaf-1 in air, 33 % RH` of a group's name, `sample=CNaf-1,environment=air,relative_humidity_percent=33`.
+pub fn title(name: &str) -> String {
+    let (mut title, mut rest) = (String::new(), Vec::new());
+    for part in name.split(',') {
+        match part.split_once('=') {
+            Some(("sample", sample)) => title = sample.to_owned(),
+            Some(("environment", environment)) => title += &format!(" in {environment}"),
+            Some(("relative_humidity_percent", percent)) => rest.push(format!("{percent} % RH")),
+            Some((key, value)) => rest.push(format!("{} {value}", key.replace('_', " "))),
+            None => rest.push(part.to_owned()),
+        }
+    }
+    if title.is_empty() {
+        return rest.join(", ");
+    }
+    rest.insert(0, title.trim_start().to_owned());
+    rest.join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use ieap_domain::testing::{run, tag};
+
+    #[test]
+    fn a_group_is_named_as_one_says_it() {
+        let said = title;
+        assert_eq!(said("sample=CNaf-1,environment=air"), "CNaf-1 in air");
+        assert_eq!(
+            said("sample=S,environment=air,relative_humidity_percent=35.2"),
+            "S in air, 35.2 % RH"
+        );
+        assert_eq!(
+            said("sample=S,environment=air,started_at=2020-02-03"),
+            "S in air, started at 2020-02-03"
+        );
+        assert_eq!(said("a run"), "a run");
+    }
 
     fn named(runs: &[RunRecord], group_by: &[String]) -> Vec<(String, Vec<usize>)> {
         let found = groups(runs, group_by, &|_| true);

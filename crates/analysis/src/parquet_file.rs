@@ -42,6 +42,20 @@ pub enum Cells {
 pub type About = BTreeMap<String, String>;
 
 impl Cells {
+    /// Adds the cells of another part of the same column; of another kind nothing is added.
+    pub fn append(&mut self, other: Cells) {
+        match (self, other) {
+            (Cells::Texts(own), Cells::Texts(other)) => own.extend(other),
+            (Cells::Numbers(own), Cells::Numbers(other)) => own.extend(other),
+            (Cells::Counts(own), Cells::Counts(other)) | (Cells::Moments(own), Cells::Moments(other)) => {
+                own.extend(other);
+            }
+            (Cells::Flags(own), Cells::Flags(other)) => own.extend(other),
+            (Cells::Lists(own), Cells::Lists(other)) => own.extend(other),
+            _ => {}
+        }
+    }
+
     fn len(&self) -> usize {
         match self {
             Cells::Texts(cells) => cells.len(),

@@ -1,6 +1,8 @@
 //! The columns of a table for other programs, without the library that it is made with.
 
-use polars::prelude::{Column, DataFrame, DataType};
+use polars::prelude::{Column, DataFrame, DataType, IntoColumn, NamedFrom, Series};
+
+use super::export::{ExportError, frame};
 
 /// One column; an empty cell is none.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +35,28 @@ pub fn plain_columns(table: &DataFrame) -> Vec<PlainColumn> {
     table.columns().iter().map(plain).collect()
 }
 
+/// The table of such columns.
+///
+/// # Errors
+/// [`ExportError::Table`]: a fault of the program.
+pub fn frame_of(columns: Vec<PlainColumn>) -> Result<DataFrame, ExportError> {
+    let series = |column: PlainColumn| {
+        let name = column.name.as_str().into();
+        match column.cells {
+            PlainCells::Numbers(cells) => Series::new(name, cells),
+            PlainCells::Counts(cells) => {
+                // As counts of every other table.
+                let counts = cells.into_iter().map(|cell| u32::try_from(cell?).ok());
+                Series::new(name, counts.collect::<Vec<_>>())
+            }
+            PlainCells::Flags(cells) => Series::new(name, cells),
+            PlainCells::Texts(cells) => Series::new(name, cells),
+        }
+    };
+    let columns = columns.into_iter().map(|column| series(column).into_column());
+    frame("plain columns", columns.collect())
+}
+
 fn cells(column: &Column) -> PlainCells {
     if let Ok(numbers) = column.f64() {
         return PlainCells::Numbers(numbers.iter().collect());
@@ -57,7 +81,6 @@ fn cells(column: &Column) -> PlainCells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use polars::prelude::{IntoColumn, NamedFrom, Series};
 
     #[test]
     fn each_kind_of_cell_keeps_its_kind_and_its_empty_cells() {

@@ -13,11 +13,17 @@ use super::{ExportError, TableFormat};
 use ieap_domain::safe_text::csv_text;
 use ieap_domain::{Channel, Quantity};
 
+/// Rows of a group in Parquet: readers take a group at a time, and every group costs them some 500 bytes of the file's end.
+const GROUP_ROWS: usize = 131_072;
+
 /// Writes channels as rows of run, quantity, unit, time, value and whether the reading is left out of fits.
 pub struct TraceWriter {
     sink: Sink,
     told: Told,
     rows: usize,
+    /// Columns of the group that is being filled.
+    pending: Vec<(String, Cells)>,
+    pending_rows: usize,
 }
 
 enum Sink {
@@ -39,7 +45,13 @@ impl TraceWriter {
             }
             _ => Sink::Csv(file, format),
         };
-        Ok(TraceWriter { sink, told, rows: 0 })
+        Ok(TraceWriter {
+            sink,
+            told,
+            rows: 0,
+            pending: columns("", None),
+            pending_rows: 0,
+        })
     }
 
     /// Adds the channels of a run; columns that are not interpreted are left out.
@@ -57,19 +69,39 @@ impl TraceWriter {
                         .include_header(self.rows == 0)
                         .finish(&mut rows)
                 }),
-                Sink::Parquet(file) => file.write(columns(run, Some(channel))),
+                Sink::Parquet(_) => {
+                    for ((_, own), (_, more)) in self.pending.iter_mut().zip(columns(run, Some(channel))) {
+                        own.append(more);
+                    }
+                    self.pending_rows += channel.len();
+                    Ok(())
+                }
             };
             written.map_err(|source| self.told.why(source))?;
             self.rows += channel.len();
+            if self.pending_rows >= GROUP_ROWS {
+                self.write_group()?;
+            }
         }
         Ok(())
+    }
+
+    /// Writes the group that was filled.
+    fn write_group(&mut self) -> Result<(), ExportError> {
+        let group = std::mem::replace(&mut self.pending, columns("", None));
+        self.pending_rows = 0;
+        match &mut self.sink {
+            Sink::Parquet(file) => file.write(group).map_err(|source| self.told.why(source)),
+            Sink::Csv(..) => Ok(()),
+        }
     }
 
     /// Ends the file; gives the number of rows.
     ///
     /// # Errors
     /// [`ExportError`] where the file cannot be written.
-    pub fn finish(self) -> Result<usize, ExportError> {
+    pub fn finish(mut self) -> Result<usize, ExportError> {
+        self.write_group()?;
         match self.sink {
             Sink::Csv(mut file, _) => file.flush().map_err(|source| self.told.failed(source))?,
             Sink::Parquet(parquet) => {

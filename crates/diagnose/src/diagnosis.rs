@@ -1,12 +1,11 @@
 //! A diagnosis from its readings to what is told: the rooms in their order.
 
-use rayon::prelude::*;
-
-use ieap_domain::{CondemnedRun, GroupDiagnosis, RunAlone, Verdict};
+use ieap_domain::{CondemnedRun, GroupDiagnosis};
 use ieap_model::FitModel;
 use ieap_model::extended::ExtendedModel;
 
-use crate::cause::evidence::{follow_something, is_slow_noise, log_odds_of_no_cause};
+use crate::cause::decide::is_slow_noise;
+use crate::cause::evidence::{follow_something, log_odds_of_no_cause};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::base_fit::refit;
 use crate::fitting::fitted::Fitted;
@@ -18,8 +17,6 @@ use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
 use crate::options::DiagnoseOptions;
 use crate::outcome::finding::{FindingBuilder, nothing};
-use crate::outcome::per_run::in_words;
-use crate::outcome::varying;
 use crate::readings::group::{RunGroup, RunInput};
 use crate::readings::scatter;
 
@@ -35,36 +32,7 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     let found = with_base(&raw, options.model, |group, base| {
         diagnosed(name, group, base, options)
     });
-    let mut found = found.unwrap_or_else(|| nothing(name, runs, options));
-    let may_vary = varying::leads(&found);
-    if runs.len() > 1 && (may_vary || found.verdict == Verdict::Unknown) {
-        let per_run = per_run(runs, options);
-        match may_vary && varying::are_described(&per_run) {
-            true => varying::say(&mut found, &per_run),
-            false => found.remarks.extend(in_words(&per_run)),
-        }
-        found.alone = per_run;
-    }
-    found
-}
-
-/// Every run diagnosed as a group of its own.
-fn per_run(runs: &[RunInput], options: &DiagnoseOptions) -> Vec<RunAlone> {
-    let options = DiagnoseOptions {
-        of_several: true,
-        ..*options
-    };
-    let of_run = |run: &RunInput| {
-        let found = diagnose_group(run.name, &[*run], &options);
-        RunAlone {
-            run: run.name.to_owned(),
-            verdict: found.verdict,
-            gains_clearly: found.gains_clearly(),
-            p_misfit: found.p_misfit,
-            set: found.set,
-        }
-    };
-    runs.par_iter().map(of_run).collect()
+    found.unwrap_or_else(|| nothing(name, runs, options))
 }
 
 /// The runs that a diagnosis of this group condemns, which it finds out first of all: it takes a fit of each run, where
@@ -151,7 +119,7 @@ fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptio
         return builder.without_cause();
     }
     let selection = input.select(&null, &directions);
-    let found = builder.with_cause(&selection);
+    let found = builder.with_cause(&input, &selection);
     if is_slow_noise(&found.posterior) {
         let slow = beside(group.with_slow_noise(&model));
         return slow.filter(|slow| !slow.verdict.is_misfit()).unwrap_or(found);

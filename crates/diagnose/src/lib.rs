@@ -2,8 +2,9 @@
 //!
 //! A group of runs of one sample in one condition is fitted with one parameter set of the base model. The refitted
 //! residuals are asked for every candidate effect's signature and for any smooth shape; how large the answers become
-//! by chance is simulated. Candidates that promise most are fitted in full, taken one after another under strict
-//! rules, proved on held-out readings, and named only where no other explains the readings as well.
+//! by chance is simulated. Candidates that promise most are fitted in full, alone and one beside another, and weighed against
+//! each other and against what has no name. What is said follows from how probable each is, what it leaves, and whether it
+//! predicts held-out readings.
 //!
 //! The rooms in this order, each of which uses those before it: `readings`, `fitting`, `misfit`, `cause`, `outcome`. Beside
 //! them `extended`, where the effects are given, and `benchmark`, what a diagnosis is held against.
@@ -26,7 +27,6 @@ pub use benchmark::effect_size::{
 };
 pub use benchmark::known_cause::known_cause_gain;
 pub use benchmark::textbook::{ForwardStep, Textbook, textbook};
-pub use cause::evidence::{by_evidence, set_of};
 pub use diagnosis::{condemned, diagnose_group};
 pub use extended::fits::{fit_extended, model_version};
 pub use extended::from_others::{FromOthersFall, fall_from_others};

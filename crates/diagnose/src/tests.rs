@@ -2,6 +2,7 @@
 
 mod causes;
 mod edge_responses;
+mod laboratory;
 mod noise;
 mod one_fit;
 mod predicted;
@@ -15,8 +16,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
+use crate::cause::lead;
 use crate::cause::proof::{discrepancy, held_out, later};
-use crate::cause::select;
 use crate::fitting::without_outliers::with_base;
 use crate::fitting::{base_fit, fitted, modes};
 use crate::misfit::{odd_scale, residual_bins};

@@ -26,7 +26,7 @@ closed_words! {
         Undecided = "undecided",
         /// Wrong, and one cause explains it.
         Named = "named",
-        /// Wrong, and several causes explain it equally well.
+        /// Wrong; the readings tell a mechanism or a few causes, and not which of them.
         Set = "set",
         /// Wrong; a cause explains most of it, and a misfit is left.
         Partial = "partial",
@@ -34,7 +34,7 @@ closed_words! {
         Unknown = "unknown",
         /// Each run is described by its own parameters, and all together are not by one set: what differs is told.
         Varies = "varies",
-        /// Wrong; the trace is like that of one cause, and is not it.
+        /// Wrong; the trace is like that of one cause, and is not it. Of findings that earlier versions stored only.
         Resembles = "resembles",
         /// The readings themselves do not allow a diagnosis.
         DataProblem = "data-problem",
@@ -94,12 +94,23 @@ pub struct Hypothesis {
     /// Whether something without a name is there beside the effects.
     #[serde(default)]
     pub with_unnamed: bool,
-    /// Probability that the effect's equation is wrong by the largest error that is thought of.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub form_error: Option<f64>,
     /// Posterior probability.
     #[serde(deserialize_with = "number_or_null::one")]
     pub mass: f64,
+}
+
+/// How far down the tree of causes the readings tell what is behind a misfit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CauseNode {
+    /// Ids from the root on: where it acts (`current`, `bending`, `runs`), the mechanism, the effect.
+    pub path: Vec<String>,
+    /// What is so, as a clause.
+    pub words: String,
+    /// Number of ids on the path: 1 a place, 2 a mechanism, 3 an effect.
+    pub depth: usize,
+    /// Probability of everything under it.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub probability: f64,
 }
 
 /// How large a misfit is, in percent of what was measured: root mean squares beyond the noise.
@@ -342,10 +353,12 @@ impl GroupDiagnosis {
             sentence,
             is_fault: false,
             p_misfit: None,
+            draws: 0,
             q_misfit: None,
             p_leftover: None,
             effects: Vec::new(),
             set: Vec::new(),
+            node: None,
             candidates: Vec::new(),
             gain: None,
             whereabouts: None,
@@ -391,16 +404,8 @@ pub struct ParameterScatter {
 pub struct RunAlone {
     /// Name of the run.
     pub run: String,
-    /// Kind of the finding.
-    pub verdict: Verdict,
-    /// Whether nothing of it was held out, or what was is predicted clearly better. Not known of findings that were stored
-    /// without it: those claim no gain.
-    #[serde(default)]
-    pub gains_clearly: bool,
     /// Chance of such a misfit where the model is right; not corrected for the number of runs.
     pub p_misfit: Option<f64>,
-    /// Ids of the causes that may be it.
-    pub set: Vec<String>,
 }
 
 /// A run whose readings are found to be wrong beside those of the others.
@@ -433,6 +438,9 @@ pub struct GroupDiagnosis {
     pub is_fault: bool,
     /// Probability of residuals at least as bad where the base model is right; none where it could not be asked.
     pub p_misfit: Option<f64>,
+    /// Draws of what chance does that its probabilities are counted from; the store knows them, 0 until it is asked.
+    #[serde(skip)]
+    pub draws: usize,
     /// The same over all groups of the campaign (Benjamini and Hochberg); none until the campaign is looked at.
     #[serde(default)]
     pub q_misfit: Option<f64>,
@@ -440,8 +448,12 @@ pub struct GroupDiagnosis {
     pub p_leftover: Option<f64>,
     /// Accepted effects.
     pub effects: Vec<EffectFinding>,
-    /// Ids of the effects that may be the cause.
+    /// Ids of the effects that may be the cause, and of parameters that differ (`varies:rss_ohm_cm2`).
     pub set: Vec<String>,
+    /// The node of the tree of causes that they lie under; none where nothing is told, and of findings that were stored
+    /// before this was asked.
+    #[serde(default)]
+    pub node: Option<CauseNode>,
     /// Candidates, the most promising first.
     pub candidates: Vec<Candidate>,
     /// Gain of the extended model.

@@ -19,6 +19,12 @@ const JUMP_BESIDE: f64 = 5.0;
 /// ... and this part of the range.
 const JUMP_OF_RANGE: f64 = 0.05;
 
+/// A voltage agrees with a nominal one within 10 mV or 2 %, whichever is more: what a potentiostat's offset and the rounding of
+/// a nominal value explain, and less than the steps of a campaign.
+pub const NOMINAL_AGREES_V: f64 = 0.01;
+/// See [`NOMINAL_AGREES_V`].
+pub const NOMINAL_AGREES_PART: f64 = 0.02;
+
 /// What the source does during a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -181,6 +187,18 @@ impl Drive {
         levels
             .chain([self.baseline_v])
             .fold(0.0, |far: f64, v| if v.abs() > far.abs() { v } else { far })
+    }
+
+    /// Whether it holds that voltage at some time, to within what a nominal value is rounded to ([`NOMINAL_AGREES_V`]).
+    pub fn has_level_near(&self, voltage_v: f64) -> bool {
+        let near = |level_v: f64| {
+            (level_v - voltage_v).abs() <= NOMINAL_AGREES_V.max(NOMINAL_AGREES_PART * voltage_v.abs())
+        };
+        near(self.baseline_v)
+            || self.segments.iter().any(|segment| match segment.level {
+                Level::Voltage(level_v) => near(level_v),
+                Level::OpenCircuit => false,
+            })
     }
 
     /// Whether both are one drive run twice: the same levels one after the other, to within what sources and their

@@ -74,9 +74,29 @@ pub struct HeldOutGain {
 }
 
 impl HeldOutGain {
-    /// Whether it is clearly a gain: its 95 % interval does not reach zero.
+    /// Whether it is clearly a gain: every part comes out better, or the 95 % interval of the sum does not reach zero. The
+    /// interval alone says little of few parts, of which one gains far more than the others.
     pub fn is_clear(&self) -> bool {
-        self.deviance > NORMAL_95 * self.standard_error
+        let (better, all) = self.better_parts();
+        self.deviance > NORMAL_95 * self.standard_error || (self.deviance > 0.0 && all > 1 && better == all)
+    }
+
+    /// The channel whose held-out readings gain most, with its error over its range before and after; none where none does.
+    pub fn best_channel(&self) -> Option<(&'static str, f64, f64)> {
+        let errors = [
+            ("current", self.nrmse_current_before, self.nrmse_current_after),
+            (
+                "curvature",
+                self.nrmse_curvature_before,
+                self.nrmse_curvature_after,
+            ),
+        ];
+        let known = errors
+            .into_iter()
+            .filter_map(|(channel, before, after)| Some((channel, before?, after?)));
+        known
+            .filter(|(_, before, after)| after < before)
+            .max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)))
     }
 
     /// Held-out parts that the extended model predicts better, and all of them.

@@ -54,9 +54,10 @@ pub use climate::{
 };
 pub use date_order::DateOrder;
 pub use diagnosis::{
-    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis,
-    Hypothesis, HypothesisKind, MisfitPercent, MisfitStretch, NextRun, ParameterScatter, ParameterShift,
-    ResidualCurve, RunAlone, StrengthProfile, VaryingParameter, VaryingValue, Verdict, Whereabouts,
+    Candidate, CauseNode, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, FromOthers,
+    GroupDiagnosis, Hypothesis, HypothesisKind, MisfitPercent, MisfitStretch, NextRun, ParameterScatter,
+    ParameterShift, ResidualCurve, RunAlone, StrengthProfile, VaryingParameter, VaryingValue, Verdict,
+    Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;

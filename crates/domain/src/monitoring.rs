@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct MonitoringRules {
     /// Tags of the runs in the reference condition; empty: the condition repeated most.
     pub reference: Vec<(String, String)>,
-    /// Runs between two false alarms of one chart, on average.
+    /// Runs of a sample between two false alarms of any of its charts, on average.
     pub false_alarm_runs: f64,
     /// Limits of parameters.
     pub limits: Vec<Limit>,
@@ -25,7 +25,7 @@ pub struct MonitoringRules {
 const COMMAND_TIME_LIMIT_S: f64 = 60.0;
 
 impl Default for MonitoringRules {
-    /// 500 runs a chart: a false alarm of one of the three charts of one parameter about every 170 reference runs.
+    /// 500 runs: of ten campaigns of 50 reference runs in which nothing happens one has an alarm, however many parameters.
     fn default() -> MonitoringRules {
         MonitoringRules {
             reference: Vec::new(),

@@ -3,7 +3,7 @@
 use crate::closed_words;
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 closed_words! {
     /// Which moment a time stamp of a file means.
@@ -19,7 +19,7 @@ closed_words! {
 }
 
 /// A date and time as a file states it, with the reading of it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct StartedAt {
     /// The text of the file, unchanged.
     pub raw: String,
@@ -85,7 +85,7 @@ pub struct ClockOffset {
 }
 
 /// A stretch of readings that the instrument itself marks.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FlaggedStretch {
     /// Name of the column of flags.
     pub column: String,

@@ -1,17 +1,19 @@
 //! Choosing which readings of a long channel are drawn.
 
-/// Stretches of time that a drawn curve of a run is thinned over: about 480 points at most.
+/// Readings up to which a drawing keeps all: as many as a panel shows apart, and as most runs have.
+pub const ALL_DRAWN: usize = 1000;
+/// Stretches of time that the drawn curve of a longer run is thinned over: about 480 points at most.
 pub const DRAWN_BUCKETS: usize = 120;
 
-/// Indices (increasing) of the readings that a drawing keeps: the first, the last, and in each of
-/// `buckets` stretches of time the smallest and largest value of every series in `series`.
+/// Indices (increasing) of the readings that a drawing keeps: all up to [`ALL_DRAWN`]; of more the first, the last, and in
+/// each of `buckets` stretches of time the smallest and largest value of every series in `series`.
 ///
 /// Half of the stretches have equal length in time, half equal length in the logarithm of the time since
 /// `origin_s`, so that both the fast start and the slow rest of a step response keep their shape, and no
 /// peak is lost. Every series must be as long as `time_s`.
 pub fn drawn_indices(time_s: &[f64], series: &[&[f64]], origin_s: f64, buckets: usize) -> Vec<usize> {
     let n = time_s.len();
-    if n <= 4 * buckets {
+    if n <= ALL_DRAWN.max(4 * buckets) {
         return (0..n).collect();
     }
     let mut kept = Kept::new(n);
@@ -137,8 +139,16 @@ mod tests {
     }
 
     #[test]
-    fn short_channels_are_kept_whole() {
-        assert_eq!(drawn_indices(&[0.0, 1.0], &[&[1.0, 2.0]], 0.0, 100), vec![0, 1]);
+    fn channels_of_a_thousand_readings_are_kept_whole() {
+        for (n, kept) in [(2, 2), (1000, 1000), (1001, 21)] {
+            let time_s: Vec<f64> = (0..n).map(f64::from).collect();
+            let found = drawn_indices(&time_s, &[&time_s], 0.0, 10);
+            assert!(
+                found.len() <= kept && (n > 1000 || found.len() == kept),
+                "{n}: {}",
+                found.len()
+            );
+        }
     }
 
     #[test]

@@ -228,6 +228,8 @@ mod tests {
             (Quantity::Temperature, "deg C", 21.0, 21.0),
             (Quantity::Temperature, "K", 273.15, 0.0),
             (Quantity::RelativeHumidity, "%RH", 34.0, 34.0),
+            (Quantity::RelativeHumidity, "[%rF]", 34.0, 34.0),
+            (Quantity::RelativeHumidity, "% r. F.", 34.0, 34.0),
             (Quantity::Pressure, "mbar", 1013.25, 101_325.0),
             (Quantity::Oxygen, "ppmv", 0.8, 0.8),
             (Quantity::Water, "ppb", 500.0, 0.5),

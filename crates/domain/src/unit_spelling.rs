@@ -48,7 +48,13 @@ pub(super) fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion
         Dimension::Length => length(spelled),
         Dimension::Force => force(spelled),
         Dimension::Temperature => temperature(spelled, &word),
-        Dimension::Ratio => named(&word, &["%", "percent", "%rh", "rh%", "%r.h.", "pct"]),
+        // `rF`, relative Feuchte.
+        Dimension::Ratio => named(
+            &word,
+            &[
+                "%", "percent", "%rh", "rh%", "%r.h.", "%rf", "rf%", "%r.f.", "%rel.f.", "pct",
+            ],
+        ),
         Dimension::Pressure => pressure(spelled, &word),
         Dimension::GasFraction => match word.as_str() {
             "ppb" | "ppbv" => Some(Conversion::scale(1.0, 1000.0)),

@@ -1,10 +1,11 @@
 //! Fits of several runs at once: parameters that all runs share, others free in every run.
 
 mod intervals;
+mod open_edges;
 mod options;
 mod search;
 
-use ieap_domain::{Fit, Issue, Parameter};
+use ieap_domain::{Drive, Fit, Issue, Parameter};
 use ieap_model::{FitModel, ParameterDescription};
 use ieap_numerics::chance::chi_square_chance;
 use ieap_numerics::least_squares::{Local, Minimum};
@@ -16,9 +17,11 @@ use super::joint::readings::RunReadings;
 use super::joint::start::Start;
 use super::outcome;
 use super::sampled::Sampled;
+use crate::edges::EdgeTimes;
 use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};
 use crate::two_steps::{Readings, identify, needed};
+use crate::widened::widen_by;
 
 pub(super) use intervals::Found;
 use intervals::{JudgedGroup, judge};
@@ -59,30 +62,58 @@ pub struct Sharing {
     pub p: f64,
 }
 
-/// Fits all runs at once, current and curvature weighted by their noise.
+/// Fits all runs at once, current and curvature weighted by their noise. Edges that only readings tell of are sought between
+/// these with all that the runs share; what is left open of them widens the intervals.
 ///
 /// # Errors
 /// [`FitError`] where there is no run, a key cannot be shared, or a run gives nothing to start from.
 pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit, FitError> {
-    let layout = Layout {
-        branches: options.model.branches,
+    let edges: Vec<EdgeTimes> = inputs.iter().map(|input| EdgeTimes::of(input.drive)).collect();
+    if !edges.iter().any(EdgeTimes::is_open) {
+        return fit_placed(inputs, options);
+    }
+    let middle = with_drives(inputs, edges.iter().map(EdgeTimes::drive));
+    let (runs, starts) = prepared(&middle, options)?;
+    let (problem, bottom, _) = search(runs, &starts, &shared_places(options)?);
+    let Some(placed) = open_edges::placed(&problem, &bottom.at, &edges) else {
+        return fit_placed(&middle, options);
     };
-    let shared = shared_places(layout, options)?;
-    if inputs.is_empty() {
-        return Err(FitError::EmptyGroup);
+    let drives = placed.iter().map(|placed| placed.settled.edges.drive());
+    let mut group = fit_placed(&with_drives(inputs, drives), options)?;
+    for (fit, placed) in group.runs.iter_mut().zip(&placed) {
+        widen_by(fit, &placed.settled, &placed.here, &placed.moved);
     }
-    let mut runs = Vec::with_capacity(inputs.len());
-    let mut starts = Vec::with_capacity(inputs.len());
-    for (index, input) in inputs.iter().enumerate() {
-        let (run, start) = prepare(index, input, options)?;
-        runs.push(run);
-        starts.push(start);
-    }
+    Ok(group)
+}
+
+/// The runs with other drives.
+fn with_drives<'a>(inputs: &[FitInput<'a>], drives: impl Iterator<Item = &'a Drive>) -> Vec<FitInput<'a>> {
+    let with = |(input, drive): (&FitInput<'a>, &'a Drive)| FitInput { drive, ..*input };
+    inputs.iter().zip(drives).map(with).collect()
+}
+
+/// The same of runs whose edges are where their drives have them.
+pub(super) fn fit_placed(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit, FitError> {
+    let shared = shared_places(options)?;
+    let (runs, starts) = prepared(inputs, options)?;
     let (problem, bottom, evaluations) = search(runs, &starts, &shared);
     let mut judged = judge(&problem, bottom, options, evaluations);
     let sharing = (inputs.len() > 1).then(|| weigh_sharing(&problem, &starts, &mut judged));
     let fit = assemble(inputs, options, &problem, judged);
     Ok(GroupFit { sharing, ..fit })
+}
+
+/// Readings of every run, and where its own fit puts it.
+fn prepared<'a>(
+    inputs: &[FitInput<'a>],
+    options: &GroupOptions,
+) -> Result<(Vec<RunReadings<'a>>, Vec<Start>), FitError> {
+    if inputs.is_empty() {
+        return Err(FitError::EmptyGroup);
+    }
+    let each = inputs.iter().enumerate();
+    each.map(|(index, input)| prepare(index, input, options))
+        .collect()
 }
 
 /// Whether a run can be part of a group: it needs a current with enough readings.
@@ -139,7 +170,10 @@ fn weigh_sharing(problem: &JointProblem, starts: &[Start], judged: &mut JudgedGr
 }
 
 /// Local places of the shared keys.
-fn shared_places(layout: Layout, options: &GroupOptions) -> Result<Vec<usize>, FitError> {
+fn shared_places(options: &GroupOptions) -> Result<Vec<usize>, FitError> {
+    let layout = Layout {
+        branches: options.model.branches,
+    };
     let known = shareable(options.model);
     let place = |key: &String| {
         let feature = known

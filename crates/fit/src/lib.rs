@@ -80,19 +80,32 @@ pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
     };
     let mut fit = fit_placed(&placed, options)?;
     if !settled.open.is_empty() {
-        widened::widen(&mut fit, &placed, options, &settled, in_two_steps);
+        widened::widen(&mut fit, &settled, |drive| {
+            in_two_steps(&FitInput { drive, ..*input }, options)
+        });
     }
     Ok(fit)
 }
 
-/// The parameters of a run in two steps, or by the law of a rival, and nothing further; none where there is nothing to fit.
+/// The parameters of a run in two steps, of its bending alone, or by the law of a rival, and nothing further; none where there
+/// is nothing to fit.
 fn in_two_steps(input: &FitInput, options: &FitOptions) -> Option<Vec<Parameter>> {
     let readings = Readings::new(input).ok()?;
-    let fit = match rival_law(options.model.id) {
-        Some(law) => law::fit(input, options, law, readings),
-        None => outcome::fit(input, options, &identify(input, options, readings), None),
-    };
+    if let Some(law) = rival_law(options.model.id) {
+        return Some(law::fit(input, options, law, readings).parameters);
+    }
+    let identified = identify(input, options, readings);
+    let alone = bending_alone(input, options, &identified);
+    let fit = alone.unwrap_or_else(|| outcome::fit(input, options, &identified, None));
     Some(fit.parameters)
+}
+
+/// The fit of the curvature where the current tells of no circuit; none where there are too few readings of it.
+fn bending_alone(input: &FitInput, options: &FitOptions, identified: &Identified) -> Option<Fit> {
+    let why = identified.current.as_ref().err()?;
+    let curvature = identified.unfitted_curvature.as_ref()?;
+    let enough = curvature.after_step() >= needed(options.model);
+    enough.then(|| bending_alone::fit(input, options, curvature.clone(), why))?
 }
 
 /// Fits a run whose edges are where its drive has them.
@@ -108,15 +121,12 @@ fn fit_placed(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
         return Ok(outcome::fit(input, options, &identified, None));
     }
     if options.steps == Steps::Simultaneous && identified.current.is_ok() {
-        let group = fit_group(&[*input], &GroupOptions::sharing_all(options.model))?;
+        let group = group::fit_placed(&[*input], &GroupOptions::sharing_all(options.model))?;
         if let Some(fit) = group.runs.into_iter().next() {
             return Ok(fit);
         }
     }
-    if let (Err(why), Some(curvature)) = (&identified.current, &identified.unfitted_curvature)
-        && curvature.after_step() >= needed(options.model)
-        && let Some(fit) = bending_alone::fit(input, options, curvature.clone(), why)
-    {
+    if let Some(fit) = bending_alone(input, options, &identified) {
         return Ok(fit);
     }
     let judged = judge(input, options, &mut identified);

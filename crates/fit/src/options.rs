@@ -30,6 +30,8 @@ pub struct FitOptions {
     /// Whether to describe the noise beside its size (memory of higher order, growth with the signal, steps of the
     /// converter), which costs several times the fit itself and changes no estimate.
     pub describes_noise: bool,
+    /// Whether curves have every reading that was fitted, in place of those that a figure shows apart. It changes no estimate.
+    pub whole_curves: bool,
     /// How current and curvature are brought together.
     pub steps: Steps,
 }
@@ -56,6 +58,7 @@ impl Default for FitOptions {
             seed: Search::default().seed,
             steps: Steps::TwoStep,
             describes_noise: false,
+            whole_curves: false,
         }
     }
 }

@@ -22,7 +22,7 @@ use crate::two_steps::Identified;
 
 use issues::issues;
 pub(super) use issues::{not_converged, parameter_issues};
-use response::Response;
+use response::{Response, Wanted};
 
 /// Puts everything together.
 pub(super) fn fit(
@@ -40,7 +40,10 @@ pub(super) fn fit(
         .map_or(0.0, |segment| segment.start_s);
     let current = identified.current.as_ref().ok();
     let curvature = identified.curvature.as_ref().ok();
-    let describes_noise = options.describes_noise;
+    let wanted = Wanted {
+        describes_noise: options.describes_noise,
+        whole_curve: options.whole_curves,
+    };
     let [judged_current, judged_curvature] = judged.map_or([None, None], |judged| {
         [judged.fitted[0].as_ref(), judged.fitted[1].as_ref()]
     });
@@ -52,7 +55,7 @@ pub(super) fn fit(
             sampled,
             Some(&*settled(sampled, &electrical.residuals, judged_current, circuit)),
             step_s,
-            describes_noise,
+            wanted,
         ));
     }
     if let Some((sampled, bending)) = curvature {
@@ -61,7 +64,7 @@ pub(super) fn fit(
             sampled,
             Some(&*settled(sampled, &bending.residuals, judged_curvature, 2)),
             step_s,
-            describes_noise,
+            wanted,
         ));
     }
     let n_samples = responses.iter().map(|response| response.noise.readings).sum();
@@ -70,13 +73,7 @@ pub(super) fn fit(
         .as_ref()
         .filter(|sampled| sampled.len() > 0)
     {
-        responses.push(Response::new(
-            Quantity::Curvature,
-            sampled,
-            None,
-            step_s,
-            describes_noise,
-        ));
+        responses.push(Response::new(Quantity::Curvature, sampled, None, step_s, wanted));
     }
     Fit {
         model: model.id.to_owned(),
@@ -206,7 +203,7 @@ pub(super) fn judged_response(
 ) -> (ChannelNoise, RunCurve) {
     let step_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
     let residuals = Residuals::new(sampled, fitted, searched);
-    let response = Response::new(quantity, sampled, Some(&residuals), step_s, true);
+    let response = Response::new(quantity, sampled, Some(&residuals), step_s, Wanted::NOISE);
     (response.noise, response.curve)
 }
 
@@ -233,7 +230,13 @@ pub(super) fn joint_fit(
         .filter_map(|((response, fitted), (quantity, count))| {
             let sampled = &response.as_ref()?.sampled;
             let residuals = Residuals::new(sampled, fitted?, count);
-            Some(Response::new(quantity, sampled, Some(&residuals), step_s, true))
+            Some(Response::new(
+                quantity,
+                sampled,
+                Some(&residuals),
+                step_s,
+                Wanted::NOISE,
+            ))
         })
         .collect();
     let mut issues = parameter_issues(&parameters);

@@ -1,5 +1,6 @@
 //! Edges found with the circuit, from the current: what two edges and more tell of each other.
 
+use ieap_domain::Drive;
 use ieap_numerics::least_squares::Levenberg;
 use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
@@ -16,11 +17,23 @@ use crate::two_steps::{Readings, identify};
 /// Evaluations of a search for edges, and the part of the sum of squares at which it settles.
 const LIMIT: u64 = 60;
 const SETTLE: f64 = 1e-9;
+
 /// Edges where the readings have them, with what is left open of them.
 pub(crate) struct Settled {
     pub(crate) edges: EdgeTimes,
     /// Independent ways in which all edges may still be off together, one standard deviation each, s.
     pub(crate) open: Vec<Vec<f64>>,
+}
+
+impl Settled {
+    /// Each edge in the middle of where it may be, with all of its range open.
+    pub(crate) fn in_the_middle(drive: &Drive) -> Settled {
+        let edges = EdgeTimes::of(drive);
+        Settled {
+            open: edges.open_ways(),
+            edges,
+        }
+    }
 }
 
 /// The edges of a run. Where it has no current that tells of a circuit they stay in the middle of where they may be, each with
@@ -29,15 +42,12 @@ pub(crate) struct Settled {
 /// # Errors
 /// As [`crate::fit_run`].
 pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled, FitError> {
-    let edges = EdgeTimes::of(input.drive);
-    if !edges.is_open() {
-        return Ok(Settled {
-            edges,
-            open: Vec::new(),
-        });
+    let middle = Settled::in_the_middle(input.drive);
+    if !middle.edges.is_open() {
+        return Ok(middle);
     }
     let placed = FitInput {
-        drive: edges.drive(),
+        drive: middle.edges.drive(),
         ..*input
     };
     let identified = identify(&placed, options, Readings::new(&placed)?);
@@ -46,11 +56,8 @@ pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled,
         .as_ref()
         .ok()
         .filter(|(_, electrical)| !electrical.conductances_a_per_v.is_empty())
-        .and_then(|(sampled, electrical)| searched(&edges, sampled, electrical));
-    Ok(found.unwrap_or_else(|| Settled {
-        open: edges.open_ways(),
-        edges,
-    }))
+        .and_then(|(sampled, electrical)| searched(&middle.edges, sampled, electrical));
+    Ok(found.unwrap_or(middle))
 }
 
 fn searched(edges: &EdgeTimes, sampled: &Sampled, electrical: &Electrical) -> Option<Settled> {

@@ -1,10 +1,9 @@
 //! What is not known of the edges, in the intervals of a fit: how far its parameters go where the edges go.
 
 use ieap_domain::quantiles::NORMAL_95;
-use ieap_domain::{Estimate, Fit, Issue, Parameter};
+use ieap_domain::{Drive, Estimate, Fit, Issue, Parameter};
 
 use crate::interval_rule::is_narrow_enough;
-use crate::options::{FitInput, FitOptions};
 use crate::settled_edges::Settled;
 
 /// An interval that grows by less than this part of itself stays as it is, and nothing is said.
@@ -13,40 +12,39 @@ const WORTH: f64 = 0.02;
 const TOO_WIDE: &str = "the edges of the voltage lie between readings, and where they lie moves it by more than its size: read \
                         faster, or state the drive";
 
+/// Values of parameters by their keys.
+pub(crate) type Values = Vec<(String, f64)>;
+
+/// The values of those that have one.
+pub(crate) fn values(parameters: &[Parameter]) -> Values {
+    let of = |parameter: &Parameter| Some((parameter.key.clone(), parameter.estimate.value?));
+    parameters.iter().filter_map(of).collect()
+}
+
 /// Widens the intervals of `fit`, which was made with the edges of `settled`, by what they leave open; `plain` fits the run
 /// with another drive, in the simplest way.
-pub(crate) fn widen(
-    fit: &mut Fit,
-    input: &FitInput,
-    options: &FitOptions,
-    settled: &Settled,
-    plain: impl Fn(&FitInput, &FitOptions) -> Option<Vec<Parameter>>,
-) {
-    let with_shifts = |by_s: &[f64]| {
-        let drive = settled.edges.shifted(by_s);
-        plain(
-            &FitInput {
-                drive: &drive,
-                ..*input
-            },
-            options,
-        )
-    };
+pub(crate) fn widen(fit: &mut Fit, settled: &Settled, plain: impl Fn(&Drive) -> Option<Vec<Parameter>>) {
+    let with_shifts = |by_s: &[f64]| Some(values(&plain(&settled.edges.shifted(by_s))?));
     let still = vec![0.0; settled.edges.shifts().len()];
     let Some(here) = with_shifts(&still) else { return };
-    let moved: Vec<Vec<Parameter>> = settled.open.iter().filter_map(|by_s| with_shifts(by_s)).collect();
+    let moved: Vec<Values> = settled.open.iter().filter_map(|by_s| with_shifts(by_s)).collect();
+    widen_by(fit, settled, &here, &moved);
+}
+
+/// The same where it is known how far the parameters go from `here` in each of the open ways.
+pub(crate) fn widen_by(fit: &mut Fit, settled: &Settled, here: &Values, moved: &[Values]) {
     let mut widened = 0;
     for parameter in &mut fit.parameters {
-        let of = |all: &[Parameter]| {
-            let own = all.iter().find(|own| own.key == parameter.key);
-            own.and_then(|own| own.estimate.value)
+        let of = |all: &Values| {
+            let own = all.iter().find(|(key, _)| *key == parameter.key);
+            own.map(|(_, value)| *value)
         };
-        let Some(value) = of(&here) else { continue };
+        let Some(value) = of(here) else { continue };
         let apart = moved.iter().filter_map(|there| Some(of(there)? / value - 1.0));
         let relative = apart.map(|part| part * part).sum::<f64>().sqrt();
         widened += usize::from(wider(&mut parameter.estimate, relative));
     }
-    if widened > 0 {
+    if widened > 0 && settled.edges.is_open() {
         fit.issues
             .push(Issue::note("edges-between-readings", words(settled)));
     }

@@ -1,11 +1,10 @@
 //! Columns that a caller holds in memory, read as those of a plain run table: the same names, units and judgements.
 
-use ieap_domain::RunStatus;
+use ieap_domain::{Issue, RunStatus};
 
 use crate::Reading;
 use crate::formats::assemble::{Raw, assemble};
 use crate::formats::cells::{CellColumn, CellTable};
-use crate::formats::error::ReadError;
 use crate::text::header::Header;
 
 /// Stands for a format's id with readings that came from no file.
@@ -15,18 +14,15 @@ pub const FORMAT: &str = "arrays";
 /// empty, as a slower instrument leaves it. Time zero is the voltage step, as in a plain run table.
 ///
 /// # Errors
-/// No row, no usable time column, time out of order, or columns of different lengths.
-pub fn read(columns: Vec<(String, Vec<f64>)>) -> Result<Reading, ReadError> {
+/// No row, no usable time column, time out of order, or columns of different lengths; places are indices and names.
+pub fn read(columns: Vec<(String, Vec<f64>)>) -> Result<Reading, Issue> {
+    let names: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
     let rows = columns.first().map_or(0, |(_, numbers)| numbers.len());
-    for (index, (name, numbers)) in columns.iter().enumerate() {
-        if numbers.len() != rows {
-            return Err(ReadError::Column {
-                line: 0,
-                index: index + 1,
-                column: crate::formats::error::quoted(name),
-                reason: format!("it has {} values, and the first column has {rows}", numbers.len()),
-            });
-        }
+    if let Some((name, numbers)) = columns.iter().find(|(_, numbers)| numbers.len() != rows) {
+        let message = format!("it has {} values, and {} has {rows}", numbers.len(), names[0]);
+        return Err(Issue::error("column-unusable", message)
+            .at(format!("column {name}"))
+            .mend("give all columns the same length; NaN or None is an empty cell"));
     }
     let headers = columns.iter().map(|(name, _)| Header::parse(name)).collect();
     let cells = CellTable {
@@ -40,7 +36,7 @@ pub fn read(columns: Vec<(String, Vec<f64>)>) -> Result<Reading, ReadError> {
         ..Raw::of_instrument(String::new(), headers, cells)
     };
     let mut issues = Vec::new();
-    let table = assemble(raw, &mut issues)?;
+    let table = assemble(raw, &mut issues).map_err(|error| in_words_of_arrays(error.issue(), &names))?;
     Ok(Reading {
         format: FORMAT,
         reader_version: 1,
@@ -53,8 +49,71 @@ pub fn read(columns: Vec<(String, Vec<f64>)>) -> Result<Reading, ReadError> {
         header_tags: Vec::new(),
         tables: vec![table],
         original_metadata: Vec::new(),
-        issues,
+        issues: issues
+            .into_iter()
+            .map(|issue| in_words_of_arrays(issue, &names))
+            .collect(),
     })
+}
+
+/// What is said of lines and headers of a file, said of arrays.
+fn in_words_of_arrays(issue: Issue, names: &[String]) -> Issue {
+    let mend = match issue.code.as_str() {
+        "header-only" => "give a value or more in every column, with a time beside it",
+        "column-unusable" | "column-refused" => "write the unit into the name, as in current_a or I/mA",
+        "no-header" => "name the times with their unit: time_s, or t/ms",
+        "no-response" => "name the response with its unit: current_a, curvature_per_cm, tip_displacement_mm",
+        "time-order" => {
+            "give the readings in the order in which they were taken, each later than the one before"
+        }
+        // Files can also be described by a profile.
+        _ => issue.mend.split("; `ieap profile").next().unwrap_or_default(),
+    };
+    let mend = mend.to_owned();
+    let message = match issue.code.as_str() {
+        "header-only" => "there is no row with a time and a number".to_owned(),
+        "no-header" => format!("none of the columns {} is a time", names.join(", ")),
+        _ => of_indices(&issue.message),
+    };
+    Issue {
+        place: place(&issue.place, names),
+        message,
+        mend,
+        ..issue
+    }
+}
+
+/// `line 3, column 2` as the name of the column and the index of the row.
+fn place(of_file: &str, names: &[String]) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    for part in of_file.split(", ") {
+        let number = |word: &str| part.strip_prefix(word)?.parse::<usize>().ok();
+        match (number("line "), number("column ")) {
+            (Some(0), _) => {}
+            (Some(line), _) => parts.push(format!("index {}", line - 1)),
+            (_, Some(column)) if (1..=names.len()).contains(&column) => {
+                parts.insert(0, format!("column {}", names[column - 1]));
+            }
+            _ => parts.push(part.to_owned()),
+        }
+    }
+    parts.join(", ")
+}
+
+/// A message that speaks of lines, in indices.
+fn of_indices(message: &str) -> String {
+    let mut parts = message.split("line ");
+    let mut said = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let digits = part.find(|c: char| !c.is_ascii_digit()).unwrap_or(part.len());
+        // Of a baseline nothing is meant.
+        let is_word = !said.ends_with(char::is_alphanumeric);
+        match part[..digits].parse::<usize>() {
+            Ok(line) if line > 0 && is_word => said += &format!("index {}{}", line - 1, &part[digits..]),
+            _ => said += &format!("line {part}"),
+        }
+    }
+    said
 }
 
 /// NaN is an empty cell; an infinite number is one that was given and cannot be used.
@@ -99,12 +158,33 @@ mod tests {
     }
 
     #[test]
+    fn lines_become_indices_and_baselines_stay() {
+        assert_eq!(
+            of_indices("first at line 3, baseline 5 V"),
+            "first at index 2, baseline 5 V"
+        );
+        let names = ["time_s".to_owned(), "current_a".to_owned()];
+        assert_eq!(place("line 3, column 2", &names), "column current_a, index 2");
+        assert_eq!(place("line 0, column 1", &names), "column time_s");
+    }
+
+    #[test]
     fn what_cannot_be_a_table_is_refused_with_place_and_mend() {
-        let uneven = read(columns(&[("time_s", &[0.0, 1.0]), ("current_a", &[1.0])]));
-        let issue = uneven.unwrap_err().issue();
-        assert_eq!(issue.place, "column 2");
-        assert!(issue.message.contains("1 values"), "{}", issue.message);
-        assert!(read(columns(&[("current_a", &[1.0])])).is_err());
+        let uneven = read(columns(&[("time_s", &[0.0, 1.0]), ("current_a", &[1.0])])).unwrap_err();
+        assert_eq!(uneven.place, "column current_a");
+        assert!(uneven.message.contains("1 values"), "{}", uneven.message);
+        let timeless = read(columns(&[("current_a", &[1.0])])).unwrap_err();
+        assert_eq!(timeless.message, "none of the columns current_a is a time");
+        let unitless = read(columns(&[("time", &[0.0, 1.0]), ("current_a", &[1.0, 2.0])])).unwrap_err();
+        assert_eq!(unitless.place, "column time");
+        let backwards: Vec<f64> = [0.0, 1.0, 2.0, 1.5, 1.2, 1.0].to_vec();
+        let disordered = read(columns(&[("time_s", &backwards), ("current_a", &backwards)])).unwrap_err();
+        assert_eq!((&*disordered.code, &*disordered.place), ("time-order", "index 3"));
+        for issue in [uneven, timeless, unitless, disordered] {
+            let whole = format!("{} {}", issue.message, issue.mend);
+            let of_files = ["line", "header", "file", "instrument", "profile", "export"];
+            assert!(of_files.iter().all(|word| !whole.contains(word)), "{whole}");
+        }
         let infinite = columns(&[("time_s", &[0.0, 1.0]), ("current_a", &[1.0, f64::INFINITY])]);
         let reading = read(infinite).unwrap();
         assert_eq!(reading.tables[0].channels[0].len(), 1);

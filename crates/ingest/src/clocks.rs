@@ -7,7 +7,9 @@
 mod onset;
 
 use crate::drive;
-use ieap_domain::{Channel, ClockOffset, Issue, OffsetSource, Quantity, RunOrigin, StartedAt, Timestamp};
+use ieap_domain::{
+    Channel, ClockOffset, Issue, OffsetSource, Quantity, RunOrigin, Segment, StartedAt, Timestamp,
+};
 
 /// An offset is taken to differ from the one in use by more than this many standard errors.
 const CLEAR: f64 = 3.0;
@@ -213,14 +215,15 @@ impl Edge {
 /// The first step of the voltage, between the last reading before it and the first after.
 fn voltage_edge(voltage: &Channel) -> Result<Edge, String> {
     let drive = drive::find(std::slice::from_ref(voltage), false, None, &[]).drive;
-    let start_s = drive
-        .and_then(|drive| drive.segments.first().map(|segment| segment.start_s))
-        .ok_or("the voltage shows no step")?;
+    let segments = drive.map(|drive| drive.segments).unwrap_or_default();
     let (time_s, _) = voltage.included();
-    let after = time_s.partition_point(|&time| time < start_s);
-    match after {
+    let readings_before = |segment: &Segment| time_s.partition_point(|&time| time < segment.start_s);
+    // An edge before the first reading was not seen.
+    let seen = segments.iter().map(readings_before).find(|&before| before > 0);
+    match seen.unwrap_or(0) {
+        _ if segments.is_empty() => Err("the voltage shows no step".to_owned()),
         0 => Err("the record starts with the voltage applied, so its edge is not seen".to_owned()),
-        _ if after == time_s.len() => Err("the voltage shows no step".to_owned()),
+        after if after == time_s.len() => Err("the voltage shows no step".to_owned()),
         after => Ok(Edge::between(time_s[after - 1], time_s[after])),
     }
 }

@@ -6,7 +6,7 @@ use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 7;
+pub const VERSION: u32 = 8;
 
 /// More steps than this share of the readings is a sweep, not a piecewise-constant drive: between few levels ...
 const MOST_PULSES_SHARE: f64 = 0.34;
@@ -25,13 +25,16 @@ mod found;
 mod held_current;
 pub mod jumps;
 mod moving;
+mod start;
 mod stated;
 mod step;
 mod unseen;
 
 pub use found::{FoundDrive, MOVES, NO_STEPS};
+pub use start::ASSUMED;
 pub use unseen::PAUSES;
 
+use start::{Start, before_steps, held_throughout, just_before};
 use step::step_threshold;
 
 /// Finds the drive.
@@ -126,8 +129,19 @@ fn from_channel(
         };
     }
     let mut found = match rest.is_empty() {
-        true => held_from_start(*first, time_zero_is_step, &time_s),
-        false => stepped(*first, rest, time_zero_is_step),
+        true => held_throughout(*first, time_zero_is_step, &time_s),
+        false => {
+            let threshold_v = step_threshold(&values, &closed, change_noise_v(&values, &closed));
+            let closed_s = readings(&time_s);
+            let start = before_steps(
+                *first,
+                rest[0],
+                threshold_v,
+                time_zero_is_step,
+                (&closed_s, channels),
+            );
+            stepped(start, rest, time_zero_is_step)
+        }
     };
     if let Some(drive) = &found.drive {
         let told = unseen::pauses((&time_s, &values), is_open, drive);
@@ -144,56 +158,7 @@ struct Stretch {
     level_v: f64,
 }
 
-/// One voltage throughout: applied at the start, to a discharged sample.
-fn held_from_start(held: Stretch, time_zero_is_step: bool, time_s: &[f64]) -> FoundDrive {
-    if time_zero_is_step && held.start_s < 0.0 {
-        let issue = Issue::warning(
-            "no-step",
-            format!(
-                "the voltage is {:.4} V before and after time zero: there is no step",
-                held.level_v
-            ),
-        )
-        .at("column voltage_v")
-        .mend("leave the voltage column out and tag voltage_v, if a step was applied at time zero");
-        return FoundDrive {
-            drive: None,
-            issues: vec![issue],
-        };
-    }
-    let level = Level::Voltage(held.level_v);
-    let segment = match time_zero_is_step {
-        true => Segment::at(0.0, level),
-        false => just_before(time_s, level),
-    };
-    let drive = Drive {
-        baseline_v: 0.0,
-        segments: vec![segment],
-    };
-    let issue = Issue::note(
-        "start-state-assumed",
-        format!(
-            "the record starts with {:.4} V already applied; the sample is taken as discharged (0 V) before it",
-            held.level_v
-        ),
-    );
-    FoundDrive {
-        drive: Some(drive),
-        issues: vec![issue],
-    }
-}
-
-/// A level that the first of the readings finds applied: it was applied less than one interval before.
-fn just_before(time_s: &[f64], level: Level) -> Segment {
-    let start_s = time_s.first().copied().unwrap_or(0.0);
-    let interval_s = time_s.get(1).map_or(0.0, |next_s| next_s - start_s);
-    Segment {
-        last_before_s: (interval_s > 0.0).then_some(start_s - interval_s),
-        ..Segment::at(start_s, level)
-    }
-}
-
-fn stepped(first: Stretch, rest: &[Stretch], time_zero_is_step: bool) -> FoundDrive {
+fn stepped(start: Start, rest: &[Stretch], time_zero_is_step: bool) -> FoundDrive {
     let holds_zero =
         |stretch: &Stretch| time_zero_is_step && stretch.last_before_s < 0.0 && 0.0 <= stretch.start_s;
     // A reading at the very instant of the stated step: the readings follow the clock of the source, and edges lie on them.
@@ -212,8 +177,8 @@ fn stepped(first: Stretch, rest: &[Stretch], time_zero_is_step: bool) -> FoundDr
             },
         }
     };
-    let segments: Vec<Segment> = rest.iter().map(segment).collect();
-    let mut issues = Vec::new();
+    let segments: Vec<Segment> = start.edge.into_iter().chain(rest.iter().map(segment)).collect();
+    let mut issues: Vec<Issue> = start.issue.into_iter().collect();
     if time_zero_is_step && segments[0].start_s != 0.0 {
         let message = format!(
             "the first step in the voltage column is at {} s, not at time zero",
@@ -223,7 +188,7 @@ fn stepped(first: Stretch, rest: &[Stretch], time_zero_is_step: bool) -> FoundDr
     }
     FoundDrive {
         drive: Some(Drive {
-            baseline_v: first.level_v,
+            baseline_v: start.baseline_v,
             segments,
         }),
         issues,

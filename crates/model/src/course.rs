@@ -2,9 +2,12 @@
 //!
 //! Between samples the voltage is held. What a strip with the step response h does at the samples is then
 //! `y_j = SUM_(k<=j) p_(j-k) V_k` with the pulse response `p_m = h((m+1) dt) - h(m dt)`: a triangular system, solved
-//! from the front where no limit stands in the way. Where one does, the sum of squares is lowered within the limits by
-//! the alternating direction method of multipliers (Boyd et al., Foundations and Trends in Machine Learning 3, 1,
-//! 2010), and the result put exactly within them.
+//! from the front where no limit stands in the way. Where one does, the sum of squares within the limits is a quadratic
+//! programme, whose interior is followed to its least (Mehrotra, SIAM Journal on Optimization 2, 575, 1992): the prices
+//! of the limits, which the search finds beside the voltages, say what no course within them goes below.
+
+use ieap_numerics::sums::dot;
+use ieap_numerics::symmetric::Symmetric;
 
 /// What the source may do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,13 +40,32 @@ impl VoltageLimits {
     }
 }
 
-/// Rounds of the search, and how near to the wanted course it stops, as a share of what the largest voltage does.
-const ROUNDS: usize = 3000;
-const NEAR: f64 = 1e-9;
-/// Weight of the limits against the squares, both made comparable by the largest diagonal entry.
-const PENALTY: f64 = 0.5;
+/// Rounds of the search: it takes about twenty.
+const ROUNDS: usize = 60;
+/// Part of the squares at the start by which what was found and what is possible may differ in the end.
+const NEAR: f64 = 1e-10;
+/// Part of the way to the nearest limit that a round goes.
+const SHORT_OF: f64 = 0.995;
 /// Weight of changes of the voltage against the squares: between courses that do equally well, the calmer one.
 const CALM: f64 = 1e-9;
+
+/// A course of the voltage, and what no other within the limits goes below.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    /// Voltages, one a sample.
+    pub voltage_v: Vec<f64>,
+    /// Sum of squared errors, each times its weight squared, below which no course within the limits comes.
+    pub least_square: f64,
+}
+
+/// What is wanted at each sample, with the weight of an error there.
+#[derive(Debug, Clone, Copy)]
+pub struct WantedAt<'a> {
+    /// Values.
+    pub value: &'a [f64],
+    /// Weights.
+    pub weight: &'a [f64],
+}
 
 /// Response at the samples to held voltages.
 pub fn response(pulse: &[f64], course_v: &[f64]) -> Vec<f64> {
@@ -51,24 +73,35 @@ pub fn response(pulse: &[f64], course_v: &[f64]) -> Vec<f64> {
     (0..course_v.len()).map(at).collect()
 }
 
-/// Voltages, one a sample, whose response comes nearest to `wanted`; as many as there are wanted values.
+/// Voltages, one a sample, whose response comes nearest to what is wanted; as many as there are wanted values.
 ///
 /// `pulse` has at least as many values, the first of them not zero.
-pub fn course(pulse: &[f64], wanted: &[f64], limits: &VoltageLimits) -> Vec<f64> {
-    let (greedy, is_free) = forward(pulse, wanted, limits);
-    if is_free || wanted.is_empty() {
-        return greedy;
+pub fn course(pulse: &[f64], wanted: WantedAt, limits: &VoltageLimits) -> Course {
+    let (greedy, is_free) = forward(pulse, wanted.value, limits);
+    if is_free || greedy.is_empty() {
+        return Course {
+            voltage_v: greedy,
+            least_square: 0.0,
+        };
     }
-    let searched = limits.within(&search(pulse, wanted, limits, &greedy));
-    match miss(pulse, wanted, &searched) < miss(pulse, wanted, &greedy) {
+    let (inside, least_square) = search(pulse, wanted, limits);
+    let searched = limits.within(&inside);
+    let voltage_v = match miss(pulse, wanted, &searched) < miss(pulse, wanted, &greedy) {
         true => searched,
         false => greedy,
+    };
+    Course {
+        least_square: least_square.clamp(0.0, miss(pulse, wanted, &voltage_v)),
+        voltage_v,
     }
 }
 
-fn miss(pulse: &[f64], wanted: &[f64], course_v: &[f64]) -> f64 {
-    let pairs = response(pulse, course_v).into_iter().zip(wanted);
-    pairs.map(|(reached, wanted)| (reached - wanted).powi(2)).sum()
+fn miss(pulse: &[f64], wanted: WantedAt, course_v: &[f64]) -> f64 {
+    let reached = response(pulse, course_v).into_iter();
+    let pairs = reached.zip(wanted.value.iter().zip(wanted.weight));
+    pairs
+        .map(|(reached, (wanted, weight))| (weight * (reached - wanted)).powi(2))
+        .sum()
 }
 
 /// Every sample's voltage from those before it, as near as the limits allow; whether none stood in the way.
@@ -86,94 +119,172 @@ fn forward(pulse: &[f64], wanted: &[f64], limits: &VoltageLimits) -> (Vec<f64>, 
     (course_v, is_free)
 }
 
-fn search(pulse: &[f64], wanted: &[f64], limits: &VoltageLimits, start: &[f64]) -> Vec<f64> {
-    let n = wanted.len();
-    let column = |k: usize, j: usize| if j >= k { pulse[j - k] } else { 0.0 };
-    let product = |a: usize, b: usize| -> f64 { (a.max(b)..n).map(|j| column(a, j) * column(b, j)).sum() };
-    let mut normal: Vec<Vec<f64>> = (0..n).map(|a| (0..n).map(|b| product(a, b)).collect()).collect();
-    let scale = (0..n).map(|k| normal[k][k]).fold(0.0, f64::max);
-    let weight = PENALTY * scale;
-    let steered = limits.change_v.is_finite();
-    // Limits on the voltages, and on their changes: D v has v_0 first.
-    for k in 0..n {
-        let last = k + 1 == n;
-        let changes = if last { 1.0 } else { 2.0 };
-        let of_changes = CALM * scale + if steered { weight } else { 0.0 };
-        normal[k][k] += weight + of_changes * changes;
-        if !last {
-            normal[k][k + 1] -= of_changes;
-            normal[k + 1][k] -= of_changes;
-        }
-    }
-    let factor = cholesky(normal);
-    let right: Vec<f64> = (0..n)
-        .map(|k| (k..n).map(|j| pulse[j - k] * wanted[j]).sum())
-        .collect();
-    let difference = |v: &[f64], k: usize| v[k] - if k == 0 { 0.0 } else { v[k - 1] };
-    let mut v = start.to_vec();
-    let mut level = v.clone();
-    let mut change: Vec<f64> = (0..n).map(|k| difference(&v, k)).collect();
-    let (mut level_dual, mut change_dual) = (vec![0.0; n], vec![0.0; n]);
-    let largest = limits.highest_v.abs().max(limits.lowest_v.abs());
-    for _ in 0..ROUNDS {
-        let push: Vec<f64> = (0..n).map(|k| change[k] - change_dual[k]).collect();
-        let of_change = |k: usize| push[k] - if k + 1 < n { push[k + 1] } else { 0.0 };
-        let side: Vec<f64> = (0..n)
-            .map(|k| {
-                let steering = if steered { of_change(k) } else { 0.0 };
-                right[k] + weight * (level[k] - level_dual[k] + steering)
-            })
-            .collect();
-        v = solve(&factor, side);
-        // Settled where the voltages are within their limits and the limited ones have ceased to move.
-        let (mut apart, before) = (0.0_f64, level.clone());
-        for k in 0..n {
-            level[k] = (v[k] + level_dual[k]).clamp(limits.lowest_v, limits.highest_v);
-            level_dual[k] += v[k] - level[k];
-            apart = apart
-                .max((v[k] - level[k]).abs())
-                .max((level[k] - before[k]).abs());
-            if steered {
-                let now = difference(&v, k);
-                let from = if k == 0 { limits.from_v } else { 0.0 };
-                change[k] = (now + change_dual[k]).clamp(from - limits.change_v, from + limits.change_v);
-                change_dual[k] += now - change[k];
-                apart = apart.max((now - change[k]).abs());
+/// The limits as rows `G v <= h`: each voltage from above and from below, then its changes where these are limited.
+struct Rows {
+    samples: usize,
+    most: Vec<f64>,
+}
+
+impl Rows {
+    fn of(limits: &VoltageLimits, samples: usize) -> Rows {
+        let mut most = vec![limits.highest_v; samples];
+        most.extend(vec![-limits.lowest_v; samples]);
+        if limits.change_v.is_finite() {
+            for sign in [1.0, -1.0] {
+                most.push(limits.change_v + sign * limits.from_v);
+                most.extend(vec![limits.change_v; samples - 1]);
             }
         }
-        if apart <= NEAR * largest {
+        Rows { samples, most }
+    }
+
+    fn steers(&self) -> bool {
+        self.most.len() > 2 * self.samples
+    }
+
+    fn times(&self, v: &[f64]) -> Vec<f64> {
+        let mut rows: Vec<f64> = v.to_vec();
+        rows.extend(v.iter().map(|v| -v));
+        if self.steers() {
+            let change = |k: usize| v[k] - if k == 0 { 0.0 } else { v[k - 1] };
+            rows.extend((0..v.len()).map(change));
+            rows.extend((0..v.len()).map(|k| -change(k)));
+        }
+        rows
+    }
+
+    fn transposed(&self, y: &[f64]) -> Vec<f64> {
+        let n = self.samples;
+        let level = |k: usize| y[k] - y[n + k];
+        let change = |k: usize| match self.steers() && k < n {
+            true => y[2 * n + k] - y[3 * n + k],
+            false => 0.0,
+        };
+        (0..n).map(|k| level(k) + change(k) - change(k + 1)).collect()
+    }
+
+    /// `H + G' diag(w) G`.
+    fn added_to(&self, squares: &Symmetric, w: &[f64]) -> Symmetric {
+        let n = self.samples;
+        let mut sum = squares.clone();
+        let change = |k: usize| match self.steers() && k < n {
+            true => w[2 * n + k] + w[3 * n + k],
+            false => 0.0,
+        };
+        for k in 0..n {
+            sum.add(k, k, w[k] + w[n + k] + change(k) + change(k + 1));
+            if k + 1 < n {
+                sum.set(k, k + 1, sum.get(k, k + 1) - change(k + 1));
+            }
+        }
+        sum
+    }
+}
+
+/// `H = P' W^2 P` with the calm added.
+fn squares(pulse: &[f64], weight: &[f64]) -> Symmetric {
+    let n = weight.len();
+    let product = |a: usize, b: usize| -> f64 {
+        (a.max(b)..n)
+            .map(|j| weight[j] * weight[j] * pulse[j - a] * pulse[j - b])
+            .sum()
+    };
+    let mut squares = Symmetric::from_fn(n, product);
+    let calm = CALM * (0..n).map(|k| squares.get(k, k)).fold(0.0, f64::max);
+    for k in 0..n {
+        let is_last = k + 1 == n;
+        squares.add(k, k, if is_last { calm } else { 2.0 * calm });
+        if !is_last {
+            squares.set(k, k + 1, squares.get(k, k + 1) - calm);
+        }
+    }
+    squares
+}
+
+/// Voltages within the limits whose squares are least, and what is found to be possible at best.
+fn search(pulse: &[f64], wanted: WantedAt, limits: &VoltageLimits) -> (Vec<f64>, f64) {
+    let n = wanted.value.len();
+    let (squares, rows) = (squares(pulse, wanted.weight), Rows::of(limits, n));
+    let weighed: Vec<f64> = wanted
+        .weight
+        .iter()
+        .zip(wanted.value)
+        .map(|(w, y)| w * w * y)
+        .collect();
+    let pull: Vec<f64> = (0..n).map(|k| dot(&pulse[..n - k], &weighed[k..])).collect();
+    let all: f64 = weighed.iter().zip(wanted.value).map(|(a, b)| a * b).sum();
+    let mut v = vec![0.0; n];
+    let largest = limits.highest_v.abs().max(limits.lowest_v.abs());
+    let slack = |most: &f64| most.max(0.1 * largest);
+    let mut room: Vec<f64> = rows.most.iter().map(slack).collect();
+    let price = all.max(f64::MIN_POSITIVE) / (largest * n as f64);
+    let mut prices = vec![price; rows.most.len()];
+    let mut least = 0.0_f64;
+    let own = squares.cholesky(0.0);
+    for _ in 0..ROUNDS {
+        let (towards, used) = (squares.times(&v), rows.times(&v));
+        let priced = rows.transposed(&prices);
+        let slope: Vec<f64> = (0..n).map(|k| towards[k] - pull[k] + priced[k]).collect();
+        let over: Vec<f64> = (0..used.len())
+            .map(|r| used[r] + room[r] - rows.most[r])
+            .collect();
+        let gap = dot(&room, &prices);
+        let excess: f64 = (0..used.len())
+            .map(|r| prices[r] * (used[r] - rows.most[r]))
+            .sum();
+        // What the prices say of all courses (weak duality): of the one that they would lead to.
+        let possible = dot(&v, &towards) - 2.0 * dot(&v, &pull) + all + 2.0 * excess;
+        if let Some(own) = &own {
+            least = least.max(possible - dot(&slope, &own.solve(&slope)));
+        }
+        let is_within = over.iter().all(|over| over.abs() <= NEAR * largest);
+        if is_within && 2.0 * gap <= NEAR * all {
             break;
         }
-    }
-    v
-}
-
-/// Lower factor of a positive definite matrix, in its own place.
-fn cholesky(mut matrix: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    for row in 0..matrix.len() {
-        for column in 0..=row {
-            let dot: f64 = (0..column).map(|k| matrix[row][k] * matrix[column][k]).sum();
-            let rest = matrix[row][column] - dot;
-            matrix[row][column] = match row == column {
-                true => rest.max(f64::MIN_POSITIVE).sqrt(),
-                false => rest / matrix[column][column],
-            };
+        let ratio: Vec<f64> = prices.iter().zip(&room).map(|(z, s)| z / s).collect();
+        let Some(factor) = rows.added_to(&squares, &ratio).cholesky(0.0) else {
+            break;
+        };
+        // A step that brings every product of room and price to what is asked.
+        let step = |asked: &dyn Fn(usize) -> f64| {
+            let drawn: Vec<f64> = (0..used.len())
+                .map(|r| (asked(r) + prices[r] * over[r]) / room[r])
+                .collect();
+            let side: Vec<f64> = rows
+                .transposed(&drawn)
+                .iter()
+                .zip(&slope)
+                .map(|(d, s)| -s - d)
+                .collect();
+            let dv = factor.solve(&side);
+            let moved = rows.times(&dv);
+            let of_room: Vec<f64> = (0..used.len()).map(|r| -over[r] - moved[r]).collect();
+            let of_prices: Vec<f64> = (0..used.len())
+                .map(|r| (asked(r) - prices[r] * of_room[r]) / room[r])
+                .collect();
+            (dv, of_room, of_prices)
+        };
+        let (_, to_room, to_prices) = step(&|r| -room[r] * prices[r]);
+        let far = reach(&room, &to_room).min(reach(&prices, &to_prices));
+        let left: f64 = (0..used.len())
+            .map(|r| (room[r] + far * to_room[r]) * (prices[r] + far * to_prices[r]))
+            .sum();
+        let kept = (left / gap).powi(3) * gap / used.len() as f64;
+        let (dv, to_room, to_prices) = step(&|r| kept - room[r] * prices[r] - to_room[r] * to_prices[r]);
+        let far = (SHORT_OF * reach(&room, &to_room).min(reach(&prices, &to_prices))).min(1.0);
+        for (x, dx) in [(&mut v, &dv), (&mut room, &to_room), (&mut prices, &to_prices)] {
+            x.iter_mut().zip(dx).for_each(|(x, dx)| *x += far * dx);
         }
     }
-    matrix
+    (v, least)
 }
 
-fn solve(factor: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
-    let n = x.len();
-    for row in 0..n {
-        let dot: f64 = (0..row).map(|k| factor[row][k] * x[k]).sum();
-        x[row] = (x[row] - dot) / factor[row][row];
-    }
-    for row in (0..n).rev() {
-        let dot: f64 = (row + 1..n).map(|k| factor[k][row] * x[k]).sum();
-        x[row] = (x[row] - dot) / factor[row][row];
-    }
-    x
+/// How much of a step keeps all values positive.
+fn reach(values: &[f64], step: &[f64]) -> f64 {
+    let pairs = values.iter().zip(step).filter(|(_, step)| **step < 0.0);
+    pairs
+        .map(|(value, step)| -value / step)
+        .fold(1.0 / SHORT_OF, f64::min)
 }
 
 #[cfg(test)]
@@ -199,6 +310,20 @@ mod tests {
             charge_to_curvature_per_c_cm: 13.88,
             relaxation_rate_per_s: 3.8e-4,
         }
+    }
+
+    fn even(wanted: &[f64]) -> (&[f64], Vec<f64>) {
+        (wanted, vec![1.0; wanted.len()])
+    }
+
+    fn course(pulse: &[f64], (value, weight): (&[f64], Vec<f64>), limits: &VoltageLimits) -> Course {
+        let weight = &weight;
+        super::course(pulse, WantedAt { value, weight }, limits)
+    }
+
+    fn miss(pulse: &[f64], value: &[f64], course_v: &[f64]) -> f64 {
+        let weight = &vec![1.0; value.len()];
+        super::miss(pulse, WantedAt { value, weight }, course_v)
     }
 
     fn times(samples: usize) -> Vec<f64> {
@@ -237,8 +362,8 @@ mod tests {
             .iter()
             .map(|t| 0.05 * (t / 40.0).sin() + 2e-4 * t)
             .collect();
-        let found = course(&pulse(100), &wanted, &FREE);
-        for (reached, wanted) in simulated(&found).iter().zip(&wanted) {
+        let found = course(&pulse(100), even(&wanted), &FREE);
+        for (reached, wanted) in simulated(&found.voltage_v).iter().zip(&wanted) {
             assert!((reached - wanted).abs() < 1e-10, "{reached} {wanted}");
         }
     }
@@ -255,7 +380,10 @@ mod tests {
         // A jump, a rest and a jump back: what limits of the slope make a forward course overshoot.
         let wanted: Vec<f64> = (0..samples).map(|k| if k < 40 { 0.04 } else { 0.0 }).collect();
         let pulse = pulse(samples);
-        let found = course(&pulse, &wanted, &limits);
+        let Course {
+            voltage_v: found,
+            least_square,
+        } = course(&pulse, even(&wanted), &limits);
         let (greedy, is_free) = forward(&pulse, &wanted, &limits);
         assert!(!is_free);
         let mut before = 0.0;
@@ -265,7 +393,12 @@ mod tests {
         }
         let best = miss(&pulse, &wanted, &found);
         assert!(best < 0.9 * miss(&pulse, &wanted, &greedy), "{best}");
-        // Bumps of every place and width that the limits allow do not lower it by more than a thousandth.
+        // What the prices of the limits say is possible is reached.
+        assert!(
+            least_square <= best && best - least_square < 1e-7 * best,
+            "{best} {least_square}"
+        );
+        // Bumps of every place and width that the limits allow do not lower it.
         for start in 0..samples {
             for width in [1, 3, 10, 30] {
                 for height in [-0.02, 0.02] {
@@ -279,9 +412,56 @@ mod tests {
                     };
                     let bumped: Vec<f64> = found.iter().enumerate().map(bumped).collect();
                     let other = miss(&pulse, &wanted, &limits.within(&bumped));
-                    assert!(other > 0.999 * best, "{start} {width} {height}: {other} {best}");
+                    assert!(
+                        other > (1.0 - 1e-7) * best,
+                        "{start} {width} {height}: {other} {best}"
+                    );
                 }
             }
         }
+    }
+
+    /// Against projected gradients, which know nothing of prices: from any start they end at the same squares.
+    #[test]
+    fn weights_count_and_another_search_ends_at_the_same_squares() {
+        let samples = 40;
+        let limits = VoltageLimits {
+            lowest_v: -1.2,
+            highest_v: 1.2,
+            ..FREE
+        };
+        let pulse = pulse(samples);
+        let wanted: Vec<f64> = (0..samples).map(|k| if k < 20 { 0.06 } else { -0.01 }).collect();
+        let weight: Vec<f64> = (0..samples).map(|k| 1.0 + 0.1 * k as f64).collect();
+        let found = course(&pulse, (&wanted, weight.clone()), &limits);
+        let asked = WantedAt {
+            value: &wanted,
+            weight: &weight,
+        };
+        let squares = squares(&pulse, &weight);
+        let most: f64 = (0..samples)
+            .map(|a| (0..samples).map(|b| squares.get(a, b).abs()).sum::<f64>())
+            .fold(0.0, f64::max);
+        let mut v = vec![0.0; samples];
+        for _ in 0..200_000 {
+            let reached = response(&pulse, &v);
+            let off: Vec<f64> = (0..samples)
+                .map(|j| weight[j] * weight[j] * (reached[j] - wanted[j]))
+                .collect();
+            let slope = |k: usize| dot(&pulse[..samples - k], &off[k..]);
+            v = (0..samples)
+                .map(|k| (v[k] - slope(k) / most).clamp(-1.2, 1.2))
+                .collect();
+        }
+        let (here, there) = (
+            super::miss(&pulse, asked, &found.voltage_v),
+            super::miss(&pulse, asked, &v),
+        );
+        assert!(here > 0.0 && (here / there - 1.0).abs() < 1e-5, "{here} {there}");
+        assert!(
+            found.least_square <= there * (1.0 + 1e-9),
+            "{} {there}",
+            found.least_square
+        );
     }
 }

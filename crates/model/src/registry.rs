@@ -224,14 +224,14 @@ const STIFFENING: ParameterDescription = fitted(
 static MODELS: [FitModel; 10] = [
     FitModel {
         id: "lumped-1",
-        version: 5,
+        version: 6,
         branches: 1,
         description: "one R-C branch beside the steady-state resistor, with back-relaxation (thin electrodes)",
         parameters: &[R1, C1, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1],
     },
     FitModel {
         id: "lumped-2",
-        version: 5,
+        version: 6,
         branches: 2,
         description: "two R-C branches beside the steady-state resistor, with back-relaxation (thick electrodes)",
         parameters: &[
@@ -240,7 +240,7 @@ static MODELS: [FitModel; 10] = [
     },
     FitModel {
         id: "lumped-3",
-        version: 3,
+        version: 4,
         branches: 3,
         description: "up to three R-C branches beside the steady-state resistor, with back-relaxation; as many as the current shows",
         parameters: &[
@@ -249,7 +249,7 @@ static MODELS: [FitModel; 10] = [
     },
     FitModel {
         id: "lumped-4",
-        version: 3,
+        version: 4,
         branches: 4,
         description: "up to four R-C branches beside the steady-state resistor, with back-relaxation; as many as the current shows",
         parameters: &[
@@ -258,7 +258,7 @@ static MODELS: [FitModel; 10] = [
     },
     FitModel {
         id: "distributed",
-        version: 3,
+        version: 5,
         branches: 1,
         description: "one R-C branch beside R_ss between electrodes that resist along the strip; needs a current, or voltages or curvatures along it",
         parameters: &[

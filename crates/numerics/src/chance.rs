@@ -1,6 +1,6 @@
-//! Chances of sums of squares.
+//! Chances of sums of squares, and of counts.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, FisherSnedecor};
 
 /// Chance that a chi-square of `degrees_of_freedom` is `square` or more; 1 where there is no freedom.
 pub fn chi_square_chance(square: f64, degrees_of_freedom: usize) -> f64 {
@@ -18,6 +18,11 @@ pub fn f_chance(ratio: f64, above: usize, below: usize) -> f64 {
     }
     FisherSnedecor::new(above as f64, below as f64)
         .map_or(1.0, |chance| chance.sf(ratio.max(0.0)).clamp(0.0, 1.0))
+}
+
+/// Chance that of `trials`, each of which comes out with `probability`, `hits` or fewer do; 1 where there is none.
+pub fn as_few_chance(hits: usize, trials: usize, probability: f64) -> f64 {
+    Binomial::new(probability, trials as u64).map_or(1.0, |count| count.cdf(hits as u64))
 }
 
 /// Reduced chi-square of so many degrees of freedom that noise exceeds as rarely as a normal value exceeds `deviations`
@@ -45,6 +50,17 @@ mod tests {
         }
         assert_eq!((chi_square_chance(5.0, 0), chi_square_chance(0.0, 3)), (1.0, 1.0));
         assert!(chi_square_chance(1e6, 7) < 1e-300);
+    }
+
+    #[test]
+    fn chances_of_few_hits_in_the_printed_table() {
+        // The binomial table for 20 at 0.05: five misses or more, four or more.
+        assert!((as_few_chance(15, 20, 0.95) - 0.0026).abs() < 5e-5);
+        assert!((as_few_chance(16, 20, 0.95) - 0.0159).abs() < 5e-5);
+        assert_eq!(
+            (as_few_chance(20, 20, 0.95), as_few_chance(0, 0, 0.95)),
+            (1.0, 1.0)
+        );
     }
 
     #[test]

@@ -15,6 +15,7 @@ pub mod householder;
 pub mod interrupt;
 pub mod least_squares;
 pub mod linear;
+pub mod local_parabola;
 pub mod noise;
 pub mod nonnegative;
 pub mod ode;

@@ -3,11 +3,13 @@
 use ieap_analysis::tables::TableInput;
 use std::collections::BTreeMap;
 
+use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::frequency::FrequencyRun;
 use ieap_analysis::impedance::Comparison;
 use ieap_analysis::laws::CampaignLaws;
 use ieap_analysis::laws::contrast::Contrast;
 use ieap_analysis::laws::matrix::ConfoundingMap;
+use ieap_analysis::model_free::ModelFree;
 use ieap_analysis::monitoring::Monitoring;
 use ieap_analysis::online::Turn;
 use ieap_analysis::plan::{PlannedRun, Untying};
@@ -39,6 +41,10 @@ pub struct Input {
     pub blocked: Vec<BlockedRun>,
     /// What runs under a sine or a chirp say against frequency.
     pub frequency: Vec<FrequencyRun>,
+    /// What the runs say without a model.
+    pub model_free: Vec<ModelFree>,
+    /// Trains, cycle by cycle.
+    pub cycles: Vec<CycleRun>,
     /// The electrodes' resistance over time, by the probe.
     pub electrodes: Vec<Course>,
     /// Every file that the last scan saw.
@@ -82,9 +88,12 @@ impl Input {
             spectra: &self.spectra,
             blocked: &self.blocked,
             frequency: &self.frequency,
+            model_free: &self.model_free,
+            cycles: &self.cycles,
             electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.findings.groups,
+            doubts: &self.laws.doubts,
             comparisons: &self.comparisons,
             origin: &self.origin.database,
         }

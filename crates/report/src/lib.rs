@@ -12,6 +12,7 @@ pub mod input;
 pub mod number;
 pub mod pages;
 pub mod prints;
+mod readings_file;
 mod render;
 pub mod run_index;
 pub mod run_pages;

@@ -159,15 +159,15 @@ pub fn interval(low: f64, high: f64) -> String {
     }
 }
 
-/// `0.996`; from 0.9995 on, the digits up to the second that differs from 9: a score never pretends to be 1.
+/// Decimals of a score: those of one table stand below each other.
+const SCORE_DECIMALS: usize = 4;
+
+/// `0.9961`, always with four decimals; below 1 it never pretends to be 1.
 pub fn score(value: f64) -> String {
-    let short_of_one = 1.0 - value;
-    if (1e-9..5e-4).contains(&short_of_one) {
-        let decimals = (1 - short_of_one.log10().floor() as i32).max(3) as usize;
-        return fixed(value, decimals);
-    }
+    let least_step = 10f64.powi(-(SCORE_DECIMALS as i32));
     match value.is_finite() && value.abs() < 1000.0 {
-        true => fixed(value, 3),
+        true if (1e-9..least_step).contains(&(1.0 - value)) => fixed(1.0 - least_step, SCORE_DECIMALS),
+        true => fixed(value, SCORE_DECIMALS),
         false => significant(value, 3),
     }
 }

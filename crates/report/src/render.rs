@@ -20,6 +20,7 @@ use super::pages::{
     Content, FINDING_TEMPLATE, Page, RUN_TEMPLATE, STRIP_TEMPLATE, finding_content, run_page_content, shown,
     strip_content,
 };
+use super::readings_file;
 use super::run_index::{self, run_index};
 use super::shared_axes::share;
 use super::site::Site;
@@ -78,6 +79,7 @@ pub fn render_site(
         .collect();
     for (folder, is_needed) in [
         ("runs", true),
+        (readings_file::FOLDER, true),
         ("findings", groups > 0),
         ("along", !strips.is_empty()),
     ] {
@@ -205,7 +207,17 @@ impl Press<'_> {
             title: self.site.run_page_title(*page),
             runs: self.site.run_pages[*page].runs.clone(),
         };
-        self.put(&place, || run_page_content(self.site, *page, drawn))
+        let mut bytes = self.put(&place, || run_page_content(self.site, *page, drawn))?;
+        if drawn.iter().any(|run| !run.curves.is_empty()) {
+            let runs = drawn
+                .iter()
+                .map(|own| (self.site.run_name(own.run), own.curves.as_slice()));
+            let beside = self
+                .out_dir
+                .join(readings_file::file(&self.site.run_pages[*page].slug));
+            bytes += write(&beside, &readings_file::text(runs))?;
+        }
+        Ok(bytes)
     }
 
     fn strip(&self, run: usize, curves: &dyn CurveSource) -> Result<u64, ReportError> {

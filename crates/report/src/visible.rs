@@ -38,9 +38,21 @@ pub fn escaped(text: &str) -> String {
         })
 }
 
-/// `text` escaped as by [`write_escaped`], with the index c, which few fonts have as a letter, as a lowered one.
+/// `text` escaped as by [`write_escaped`], with the index c, which few fonts have as a letter, as a lowered one, and what is to
+/// be typed, between back quotes, as code.
 pub fn indexed(text: &str) -> String {
-    escaped(text).replace('\u{a700}', "<sub>c</sub>")
+    let text = escaped(text).replace('\u{a700}', "<sub>c</sub>");
+    let parts: Vec<&str> = text.split('`').collect();
+    match parts.len() % 2 {
+        1 => {
+            let part = |(at, part): (usize, &&str)| match at % 2 {
+                1 => format!("<code>{part}</code>"),
+                _ => (*part).to_owned(),
+            };
+            parts.iter().enumerate().map(part).collect()
+        }
+        _ => text,
+    }
 }
 
 /// What stands for a character that cannot stand for itself in markup.
@@ -67,6 +79,12 @@ mod tests {
             shown,
             "&lt;b a=&quot;x&quot; b=&#39;y&#39;&gt;&amp;␛[31m⟨U+202E⟩␡␍\nµ"
         );
+    }
+
+    #[test]
+    fn what_is_typed_is_code() {
+        assert_eq!(indexed("run `ieap <run>`."), "run <code>ieap &lt;run&gt;</code>.");
+        assert_eq!(indexed("a`b"), "a`b");
     }
 
     #[test]

@@ -4,7 +4,8 @@
 //! version of the program, fingerprints of files in the folder (size, time, inode), how often the database changed, the
 //! readings of earlier revisions as an earlier reader had them, and results that are no longer current. A word of a person
 //! is in it with who and when. The lines of the journal are left out, for they say what the rest says. Comparisons of models
-//! are left out: they are made when they are asked for, and no other result is made from them.
+//! are left out: they are made when they are asked for, and no other result is made from them. So are the rows shown in SQL,
+//! which follow from everything else.
 
 use std::collections::BTreeMap;
 

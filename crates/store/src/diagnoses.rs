@@ -125,16 +125,18 @@ impl Store {
 
 fn read(row: &rusqlite::Row<'_>) -> Result<StoredDiagnosis, StepError> {
     let kind: String = row.get("kind")?;
+    let draws = row.get::<_, i64>("draws")?.unsigned_abs() as usize;
+    let found: GroupDiagnosis = from_json("a diagnosis", &row.get::<_, String>("document")?)?;
     Ok(StoredDiagnosis {
         kind: from_key("a diagnosis's kind", &kind, DiagnosisKind::from_key)?,
         name: row.get("name")?,
         input_hash: row.get("input_hash")?,
         library: row.get("library")?,
         seed: row.get::<_, i64>("seed")?.cast_unsigned(),
-        draws: row.get::<_, i64>("draws")?.unsigned_abs() as usize,
+        draws,
         code_version: row.get("code_version")?,
         made_at: row.get("made_at")?,
-        found: from_json("a diagnosis", &row.get::<_, String>("document")?)?,
+        found: GroupDiagnosis { draws, ..found },
     })
 }
 

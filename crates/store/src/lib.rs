@@ -30,11 +30,13 @@ mod place;
 #[cfg(test)]
 mod renamed_tests;
 mod run_climate;
+mod run_named;
 mod runs;
 mod schema;
 #[cfg(test)]
 mod schema_page_tests;
 mod seal;
+mod shown;
 mod snapshot;
 mod standing;
 mod store;
@@ -62,6 +64,7 @@ pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
 pub use place::FILE_NAME;
 use seal::{Seals, Subject};
+pub use shown::ShownRows;
 pub use snapshot::Snapshot;
 pub use store::Store;
 use texts::{from_json, from_key, to_json};

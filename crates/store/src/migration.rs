@@ -11,7 +11,7 @@ use super::place::has_no_tables;
 use super::views;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-pub(super) const HISTORY: [&str; 16] = [
+pub(super) const HISTORY: [&str; 17] = [
     include_str!("../../../migrations/0001_initial.sql"),
     include_str!("../../../migrations/0002_climate.sql"),
     include_str!("../../../migrations/0003_modulus_logs.sql"),
@@ -28,6 +28,7 @@ pub(super) const HISTORY: [&str; 16] = [
     include_str!("../../../migrations/0015_run_comparison.sql"),
     include_str!("../../../migrations/0016_impedance.sql"),
     include_str!("../../../migrations/0017_journal_lines.sql"),
+    include_str!("../../../migrations/0018_shown.sql"),
 ];
 
 /// Schema version that this program writes.

@@ -62,7 +62,7 @@ mod tests {
     fn views_are_made_once_and_again_where_they_are_others() {
         let mut store = Store::in_memory().unwrap();
         let connection = &mut store.connection;
-        assert_eq!(wanted().len(), 5);
+        assert_eq!(wanted().len(), 8);
         assert!(is_put(connection).unwrap());
         connection
             .execute_batch("DROP VIEW tags_view; CREATE VIEW tags_view AS SELECT 1 AS other")

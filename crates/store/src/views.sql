@@ -1,21 +1,39 @@
 -- Views for people who ask the database in SQL. They hold no data and the program reads none of them: they are made anew
 -- whenever their text changes, so that no migration has to keep them.
+-- Their text is what SQLite and DuckDB both understand (DuckDB makes its own views of it): numbers are CAST AS DOUBLE, for
+-- REAL has four bytes there, and what JSON holds is taken out with ->>. Lists are JSON arrays.
 -- Words are those of GLOSSARY.md; a column's name ends in its unit. Only current runs, fits and findings are shown.
 
 -- One row a run: what was measured, under which tags, and whether anybody or anything speaks against it.
 CREATE VIEW runs_view AS
-WITH chosen AS (SELECT run_id, key, value FROM tag WHERE chosen = 1)
+WITH chosen AS (SELECT run_id, key, value FROM tag WHERE chosen = 1),
+shown_run AS (
+    SELECT document ->> '$.run' AS path, document ->> '$.material' AS material, document ->> '$.standing' AS standing,
+        document ->> '$.standing_reason' AS reason
+    FROM shown WHERE kind = 'run'
+)
 SELECT
+    run_id, run, kind, state, sample, material, environment, voltage_v, relative_humidity_percent,
+    temperature_c, cycle, started_at, area_cm2, length_cm, format, technique, status, revision, ingested_at,
+    data_hash, model, converged, r_squared_current, r_squared_curvature, files, dropped_why, condemned_why,
+    same_readings_in,
+    -- A person's word holds at once, the rest as of the last report.
+    CASE WHEN dropped_why IS NOT NULL THEN 'dropped' ELSE shown_standing END AS standing,
+    CASE WHEN dropped_why IS NOT NULL THEN dropped_why ELSE shown_reason END AS standing_reason,
+    CASE WHEN dropped_why IS NOT NULL THEN 0 WHEN shown_standing IN ('speaks', 'vouched') THEN 1 WHEN shown_standing IS NOT NULL THEN 0 END
+        AS speaks
+FROM (SELECT
     run.id AS run_id,
     run.path AS run,
     run.kind,
     CASE WHEN fit.id IS NOT NULL THEN 'fitted' WHEN run.no_steps THEN 'no_steps' ELSE run.state END AS state,
     (SELECT value FROM chosen WHERE run_id = run.id AND key = 'sample') AS sample,
+    (SELECT material FROM shown_run WHERE shown_run.path = run.path) AS material,
     (SELECT value FROM chosen WHERE run_id = run.id AND key = 'environment') AS environment,
-    (SELECT CAST(value AS REAL) FROM chosen WHERE run_id = run.id AND key = 'voltage_v') AS voltage_v,
-    (SELECT CAST(value AS REAL) FROM chosen WHERE run_id = run.id AND key = 'relative_humidity_percent')
+    (SELECT CAST(value AS DOUBLE) FROM chosen WHERE run_id = run.id AND key = 'voltage_v') AS voltage_v,
+    (SELECT CAST(value AS DOUBLE) FROM chosen WHERE run_id = run.id AND key = 'relative_humidity_percent')
         AS relative_humidity_percent,
-    (SELECT CAST(value AS REAL) FROM chosen WHERE run_id = run.id AND key = 'temperature_c') AS temperature_c,
+    (SELECT CAST(value AS DOUBLE) FROM chosen WHERE run_id = run.id AND key = 'temperature_c') AS temperature_c,
     (SELECT CAST(value AS INTEGER) FROM chosen WHERE run_id = run.id AND key = 'cycle') AS cycle,
     (SELECT value FROM chosen WHERE run_id = run.id AND key = 'started_at') AS started_at,
     run.area_cm2,
@@ -30,17 +48,20 @@ SELECT
     fit.converged,
     fit.r_squared_current,
     fit.r_squared_curvature,
-    (SELECT group_concat(path, ' ') FROM (SELECT path FROM run_file WHERE run_id = run.id ORDER BY ordinal)) AS files,
+    CAST((SELECT json_group_array(path) FROM (SELECT path FROM run_file WHERE run_id = run.id ORDER BY ordinal)) AS VARCHAR)
+        AS files,
     (SELECT CASE WHEN drops THEN coalesce(why, '') END FROM run_word WHERE run_path = run.path ORDER BY id DESC LIMIT 1)
         AS dropped_why,
     (SELECT reason FROM diagnosis_condemned AS condemned JOIN diagnosis ON diagnosis.id = condemned.diagnosis_id
      WHERE condemned.run_id = run.id AND diagnosis.superseded_at IS NULL LIMIT 1) AS condemned_why,
-    (SELECT group_concat(other.path, ' ') FROM same_readings
+    nullif(CAST((SELECT json_group_array(other.path) FROM same_readings
      JOIN run AS other ON other.id = in_run_id AND other.superseded_at IS NULL
-     WHERE same_readings.run_id = run.id) AS same_readings_in
+     WHERE same_readings.run_id = run.id) AS VARCHAR), '[]') AS same_readings_in,
+    (SELECT standing FROM shown_run WHERE shown_run.path = run.path) AS shown_standing,
+    (SELECT reason FROM shown_run WHERE shown_run.path = run.path) AS shown_reason
 FROM run
 LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
-WHERE run.superseded_at IS NULL;
+WHERE run.superseded_at IS NULL) AS told;
 
 -- One row a run and parameter of its current fit.
 CREATE VIEW fits_view AS
@@ -48,6 +69,7 @@ SELECT
     runs.run_id,
     runs.run,
     runs.sample,
+    runs.material,
     runs.environment,
     runs.voltage_v,
     runs.relative_humidity_percent,
@@ -115,7 +137,10 @@ SELECT
     fit.made_at,
     runs.dropped_why,
     runs.condemned_why,
-    runs.same_readings_in
+    runs.same_readings_in,
+    runs.standing,
+    runs.standing_reason,
+    runs.speaks
 FROM runs_view AS runs
 JOIN fit ON fit.run_id = runs.run_id AND fit.superseded_at IS NULL
 JOIN fit_parameter ON fit_parameter.fit_id = fit.id;
@@ -128,27 +153,110 @@ WHERE run.superseded_at IS NULL;
 
 -- One row a finding: of a group of runs, or of one run by itself.
 CREATE VIEW findings_view AS
+WITH shown_finding AS (SELECT document, document ->> '$.kind' AS kind, document ->> '$.name' AS name FROM shown WHERE kind = 'finding')
 SELECT
     diagnosis.id AS diagnosis_id,
     diagnosis.kind,
     diagnosis.name,
-    json_extract(document, '$.verdict') AS verdict,
-    json_extract(document, '$.sentence') AS sentence,
-    json_extract(document, '$.p_misfit') AS p_misfit,
-    (SELECT group_concat(json_extract(value, '$.effect'), ' ') FROM json_each(document, '$.effects')) AS effects,
-    (SELECT group_concat(value, ' ') FROM json_each(document, '$.set')) AS as_good,
-    json_extract(document, '$.base_model') AS base_model,
-    (SELECT group_concat(path, ' ') FROM (SELECT run.path FROM diagnosis_run JOIN run ON run.id = run_id
-     WHERE diagnosis_id = diagnosis.id ORDER BY ordinal)) AS runs,
+    (SELECT shown_finding.document ->> '$.material' FROM shown_finding
+     WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS material,
+    (SELECT shown_finding.document ->> '$.sample' FROM shown_finding
+     WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS sample,
+    (SELECT shown_finding.document ->> '$.environment' FROM shown_finding
+     WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS environment,
+    CAST(diagnosis.document ->> '$.verdict' AS VARCHAR) AS verdict,
+    CAST(diagnosis.document ->> '$.sentence' AS VARCHAR) AS sentence,
+    CAST(diagnosis.document ->> '$.p_misfit' AS DOUBLE) AS p_misfit,
+    (SELECT CAST(shown_finding.document ->> '$.q_misfit' AS DOUBLE) FROM shown_finding
+     WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS q_misfit,
+    coalesce(CAST((SELECT json_group_array(value ->> '$.effect') FROM json_each(diagnosis.document, '$.effects')) AS VARCHAR), '[]')
+        AS effects,
+    CAST(diagnosis.document -> '$.set' AS VARCHAR) AS as_good,
+    coalesce(CAST(diagnosis.document -> '$.posterior[0].effects' AS VARCHAR), '[]') AS most_probable,
+    CAST(diagnosis.document ->> '$.posterior[0].mass' AS DOUBLE) AS most_probable_mass,
+    CAST(diagnosis.document ->> '$.gain.held_out' AS VARCHAR) AS held_out,
+    CAST(diagnosis.document ->> '$.gain.deviance' AS DOUBLE) AS gain_deviance,
+    CAST(diagnosis.document ->> '$.gain.standard_error' AS DOUBLE) AS gain_standard_error,
+    CAST(diagnosis.document ->> '$.gain.nrmse_current_before' AS DOUBLE) AS nrmse_current_before,
+    CAST(diagnosis.document ->> '$.gain.nrmse_current_after' AS DOUBLE) AS nrmse_current_after,
+    CAST(diagnosis.document ->> '$.gain.nrmse_curvature_before' AS DOUBLE) AS nrmse_curvature_before,
+    CAST(diagnosis.document ->> '$.gain.nrmse_curvature_after' AS DOUBLE) AS nrmse_curvature_after,
+    CAST(diagnosis.document ->> '$.next_run.drive' AS VARCHAR) AS next_run,
+    CAST(diagnosis.document ->> '$.base_model' AS VARCHAR) AS base_model,
+    CAST((SELECT json_group_array(path) FROM (SELECT run.path FROM diagnosis_run JOIN run ON run.id = run_id
+     WHERE diagnosis_id = diagnosis.id ORDER BY diagnosis_run.ordinal)) AS VARCHAR) AS runs,
     diagnosis.draws,
     diagnosis.made_at
 FROM diagnosis
 WHERE diagnosis.superseded_at IS NULL;
 
+-- One row a question asked across runs: whether a parameter follows a covariate, by which law, and whether that is claimed.
+CREATE VIEW laws_view AS
+SELECT
+    CAST(document ->> '$.material' AS VARCHAR) AS material,
+    CAST(document ->> '$.sample' AS VARCHAR) AS sample,
+    CAST(document ->> '$.parameter' AS VARCHAR) AS parameter,
+    CAST(document ->> '$.covariate' AS VARCHAR) AS covariate,
+    CAST(document ->> '$.effect' AS VARCHAR) AS effect,
+    CAST(document ->> '$.claimed' AS INTEGER) AS claimed,
+    CAST(document ->> '$.law' AS VARCHAR) AS law,
+    CAST(document ->> '$.coefficient' AS DOUBLE) AS coefficient,
+    CAST(document ->> '$.coefficient_low_95' AS DOUBLE) AS coefficient_low_95,
+    CAST(document ->> '$.coefficient_high_95' AS DOUBLE) AS coefficient_high_95,
+    CAST(document ->> '$.coefficient_unit' AS VARCHAR) AS coefficient_unit,
+    CAST(document ->> '$.ratio' AS DOUBLE) AS ratio,
+    CAST(document ->> '$.p' AS DOUBLE) AS p,
+    CAST(document ->> '$.q' AS DOUBLE) AS q,
+    CAST(document ->> '$.confounded_with' AS VARCHAR) AS confounded_with,
+    CAST(document ->> '$.runs' AS INTEGER) AS runs,
+    CAST(document ->> '$.samples' AS INTEGER) AS samples,
+    CAST(document ->> '$.sentence' AS VARCHAR) AS sentence,
+    shown_of.made_at
+FROM shown JOIN shown_of ON true
+WHERE kind = 'law';
+
+-- One row a sample and parameter that long-term monitoring watches.
+CREATE VIEW monitoring_view AS
+SELECT
+    CAST(document ->> '$.material' AS VARCHAR) AS material,
+    CAST(document ->> '$.sample' AS VARCHAR) AS sample,
+    CAST(document ->> '$.parameter' AS VARCHAR) AS parameter,
+    CAST(document ->> '$.axis' AS VARCHAR) AS axis,
+    CAST(document ->> '$.runs' AS INTEGER) AS runs,
+    CAST(document ->> '$.changes' AS INTEGER) AS changes,
+    CAST(document ->> '$.p_trend' AS DOUBLE) AS p_trend,
+    CAST(document ->> '$.law' AS VARCHAR) AS law,
+    CAST(document ->> '$.change' AS DOUBLE) AS change,
+    CAST(document ->> '$.change_low_95' AS DOUBLE) AS change_low_95,
+    CAST(document ->> '$.change_high_95' AS DOUBLE) AS change_high_95,
+    CAST(document ->> '$.is_ratio' AS INTEGER) AS is_ratio,
+    CAST(document ->> '$.alarms' AS VARCHAR) AS alarms,
+    CAST(document ->> '$.limit_reached_at' AS DOUBLE) AS limit_reached_at,
+    CAST(document ->> '$.sentence' AS VARCHAR) AS sentence,
+    shown_of.made_at
+FROM shown JOIN shown_of ON true
+WHERE kind = 'monitoring';
+
+-- One row a file that no run is made of, with the reason: refused, or not given by the system.
+CREATE VIEW refused_view AS
+SELECT
+    path AS file,
+    CAST(issue ->> '$.code' AS VARCHAR) AS code,
+    CAST(issue ->> '$.place' AS VARCHAR) AS place,
+    CAST(issue ->> '$.message' AS VARCHAR) AS reason,
+    CAST(issue ->> '$.mend' AS VARCHAR) AS mend,
+    1 AS is_refused
+FROM source_file WHERE state = 'refused' AND missing_since IS NULL
+UNION ALL
+SELECT path, CAST(issue ->> '$.code' AS VARCHAR), CAST(issue ->> '$.place' AS VARCHAR),
+    CAST(issue ->> '$.message' AS VARCHAR), CAST(issue ->> '$.mend' AS VARCHAR), 0
+FROM unread_file;
+
 -- One row a run and channel, with its readings as blobs (docs/schema.md says how to read them). A channel that shares the
 -- times of an earlier one has them here too.
 CREATE VIEW readings_view AS
 SELECT
+    run.id * 10000 + channel.ordinal AS rowid,
     run.id AS run_id,
     run.path AS run,
     channel.ordinal,

@@ -16,6 +16,7 @@ use crate::pipeline::apart::convert::ConversionDocument;
 use crate::pipeline::apart::forward::DriveDocument;
 use crate::pipeline::apart::forward::document::PredictionDocument;
 use crate::pipeline::apart::inspect::Inspection;
+use crate::pipeline::apart::preflight::PlanDocument;
 use crate::pipeline::apart::profile::ProposedProfile;
 use crate::pipeline::documents::diagnosis::DiagnosisDocument;
 use crate::pipeline::documents::dma::DmaDocument;
@@ -79,7 +80,7 @@ fn derived() -> Vec<Derived> {
         document("convert/1", "convert NAME=VALUE", whole::<ConversionDocument>),
         document("diagnosis/2", "diagnose", whole::<DiagnosisDocument>),
         document("dma/1", "dma", whole::<DmaDocument>),
-        document("drive/1", "drive", whole::<DriveDocument>),
+        document("drive/2", "drive", whole::<DriveDocument>),
         document("drop/1", "drop RUN", |of| {
             let mut schema = keys([("drop", value::<SpokenOf>(of))]);
             schema.insert(
@@ -111,7 +112,8 @@ fn derived() -> Vec<Derived> {
                 ("sheet", value::<Option<SheetSummary>>(of)),
             ])
         }),
-        document("prediction/1", "predict", whole::<PredictionDocument>),
+        document("plan/1", "plan --every TIME", whole::<PlanDocument>),
+        document("prediction/2", "predict", whole::<PredictionDocument>),
         document("profile/1", "profile FILE", whole::<ProposedProfile>),
         document("rebuild/1", "rebuild", |of| {
             keys([("rebuild", value::<RebuildSummary>(of))])
@@ -125,7 +127,10 @@ fn derived() -> Vec<Derived> {
         document("run/1", "run", |of| keys([("run", value::<RunSummary>(of))])),
         document("status/1", "status", |of| keys([("status", value::<Status>(of))])),
         document("tag/1", "tag RUN KEY=VALUE", |of| {
-            keys([("tag", value::<TagSummary>(of))])
+            keys([
+                ("tag", value::<TagSummary>(of)),
+                ("others", value::<Vec<TagSummary>>(of)),
+            ])
         }),
         document("trace/1", "trace FRAMES", whole::<TraceSummary>),
         document("verify/1", "verify", |of| {

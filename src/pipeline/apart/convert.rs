@@ -158,7 +158,11 @@ impl MeasuredStrip {
         ];
         for (what, measured) in lengths {
             if let Some(measured) = measured.filter(|m| m.value <= 0.0) {
-                return Err(bad(what, measured.value.to_string(), "a positive number"));
+                return Err(PipelineError::bad_argument(
+                    what,
+                    measured.value.to_string(),
+                    "a positive number",
+                ));
             }
         }
         Ok(())
@@ -198,15 +202,19 @@ pub fn convert(given: &str, strip: &MeasuredStrip) -> Result<ConversionDocument,
     });
     let Some((measure, text)) = found else {
         let needed = format!("one of {names}, then = and the value with its unit: displacement=1.2mm");
-        return Err(bad("what is converted", format!("{given:?}"), &needed));
+        return Err(PipelineError::bad_argument(
+            "what is converted",
+            format!("{given:?}"),
+            &needed,
+        ));
     };
     let typed = measure.kind.parse(text).map_err(|error| PipelineError::Typed {
         what: measure.name,
         error,
     })?;
     let curvature = |strip: &MeasuredStrip, value| strip.known().to_curvature(measure.bending, value);
-    let curvature_per_cm =
-        curvature(strip, typed.value).map_err(|error| bad(measure.name, text.to_owned(), &needed(error)))?;
+    let curvature_per_cm = curvature(strip, typed.value)
+        .map_err(|error| PipelineError::bad_argument(measure.name, text.to_owned(), needed(error)))?;
     let values = MEASURES.iter().map(|wanted| {
         let at = |strip: &MeasuredStrip, value| {
             let curvature_per_cm = curvature(strip, value)?;
@@ -231,14 +239,6 @@ fn needed(error: ConversionError) -> String {
     match error {
         ConversionError::Needs(what) => format!("{what} beside it, as an option"),
         other => other.to_string(),
-    }
-}
-
-fn bad(what: &'static str, found: String, needed: &str) -> PipelineError {
-    PipelineError::BadArgument {
-        what,
-        found,
-        needed: needed.to_owned(),
     }
 }
 
@@ -343,6 +343,16 @@ fn remarks(strip: &KnownStrip, curvature_per_cm: f64) -> Vec<String> {
             "The neutral layer is taken in the middle (--neutral-shift); at the surface moment and energy are four times as large."
                 .to_owned(),
         );
+    }
+    if let Some(thickness_mm) = strip.thickness_mm.filter(|_| strip.neutral_layer_shift_mm != 0.0) {
+        let layer = |from_neutral_mm: f64| 10.0 * curvature_per_cm * from_neutral_mm;
+        let shift_mm = strip.neutral_layer_shift_mm;
+        remarks.push(format!(
+            "The bending strain is that about the middle of the thickness. With the neutral layer {shift_mm} mm beside it the outer layers are strained by {:.3} and {:.3} %; their difference is the same, and the middle is strained by {:.3} % (--elongation).",
+            layer(0.5 * thickness_mm + shift_mm),
+            layer(shift_mm - 0.5 * thickness_mm),
+            layer(shift_mm)
+        ));
     }
     remarks
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::inspect::{Inspection, inspect_bytes};
-use crate::ingest::profiles::{self, FOLDER};
+use crate::ingest::profiles::{self, FOLDER, StatedColumn};
 use crate::pipeline::PipelineError;
 use crate::pipeline::ground::whole_file::put_bytes;
 use crate::system::fs;
@@ -25,21 +25,20 @@ pub struct ProposedProfile {
     pub written: Option<PathBuf>,
 }
 
-/// Proposes a profile for `file`, under the id `name`.
+/// Proposes a profile for `file`, under the id `name`, with what is `stated` of its columns.
 ///
 /// # Errors
 /// The file cannot be opened, or holds no table.
-pub fn propose(file: &Path, name: &str) -> Result<ProposedProfile, PipelineError> {
+pub fn propose(file: &Path, name: &str, stated: &[StatedColumn]) -> Result<ProposedProfile, PipelineError> {
     let bytes = fs::read(file).map_err(|source| PipelineError::File {
         path: file.to_owned(),
         doing: "reading the file",
         source,
     })?;
     let file_name = file.file_name().unwrap_or_default().to_string_lossy();
-    let proposal = profiles::propose(&file_name, &bytes).map_err(|error| PipelineError::BadArgument {
-        what: "FILE",
+    let proposal = profiles::propose(&file_name, &bytes, stated).map_err(|error| PipelineError::NoTable {
+        path: file.to_owned(),
         found: error.to_string(),
-        needed: "a delimited text or a workbook with a table of numbers".to_owned(),
     })?;
     let parsed = profiles::from_text(Path::new(&format!("{name}.toml")), &proposal.text);
     let (read, refusal) = match parsed {

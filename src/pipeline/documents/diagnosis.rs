@@ -1,5 +1,6 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
+pub use crate::analysis::groups::title as group_title;
 use std::collections::BTreeMap;
 
 use crate::domain::Estimate;
@@ -14,9 +15,9 @@ use super::shared_effects::{SharedEffectEntry, shared_effect_entries};
 use crate::analysis::laws::{CampaignLaws, contrast};
 use crate::analysis::online::Turn;
 use crate::domain::{
-    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis,
-    Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterScatter, ParameterShift, RunAlone,
-    StrengthProfile, VaryingParameter, Verdict, Whereabouts,
+    Candidate, CauseNode, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain,
+    GroupDiagnosis, Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterScatter, ParameterShift,
+    RunAlone, StrengthProfile, VaryingParameter, Verdict, Whereabouts,
 };
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::across_runs::campaign_laws;
@@ -111,11 +112,15 @@ pub struct GroupEntry {
     pub effects: Vec<EffectEntry>,
     /// Ids of the effects that may be the cause.
     pub set: Vec<String>,
+    /// The node of the tree of causes that they lie under: its path from the root, what is so there, its depth and
+    /// probability; none where nothing is told.
+    pub node: Option<CauseNode>,
     /// Candidates, the most promising first.
     pub candidates: Vec<Candidate>,
     /// Gain of the extended model.
     pub gain: Option<Gain>,
-    /// Whether that is clearly a gain: the 95 % interval of the fall of the deviance does not reach zero.
+    /// Whether that is clearly a gain: every held-out part comes out better, or the 95 % interval of the fall of the deviance
+    /// does not reach zero.
     pub gain_is_clear: Option<bool>,
     /// Where the base model is wrong.
     #[serde(rename = "where")]
@@ -293,6 +298,7 @@ pub(crate) fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntr
         p_leftover: found.p_leftover,
         effects: found.effects.into_iter().map(effect_entry).collect(),
         set: found.set,
+        node: found.node,
         candidates: found.candidates,
         gain_is_clear: found.gain.as_ref().map(|gain| gain.proof.is_clear()),
         gain: found.gain,

@@ -5,6 +5,7 @@ pub mod diagnosis;
 pub mod dma;
 pub mod estimate_words;
 pub mod fits;
+pub mod gain_words;
 pub mod groups;
 pub mod impedance;
 pub mod lengthwise;

@@ -9,6 +9,7 @@ pub mod current;
 pub(super) mod diagnose;
 pub(super) mod frequency;
 pub mod impedance;
+pub(super) mod model_free;
 pub(super) mod modulus;
 pub mod next_runs;
 pub mod strip_modulus;

@@ -110,7 +110,7 @@ pub fn rows_and_columns(context: &Context, name: &str) -> Result<Table, Pipeline
 /// There is no such table, row or column (the message lists those there are), or the database cannot be read.
 pub fn explain(context: &Context, name: &str, row: &str, column: &str) -> Result<Explanation, PipelineError> {
     let named = find_table(name)?;
-    let data = TableData::current(context)?;
+    let data = TableData::current(context)?.read_for(context, named)?;
     let table = data.table(context, named);
     let row = table.row_named(row).map_err(PipelineError::NotInTable)?;
     let column = table.column_named(column).map_err(PipelineError::NotInTable)?;

@@ -2,11 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
+use super::found_tables;
 pub use crate::analysis::TableFormat;
+use crate::analysis::monitoring::monitor;
+use crate::analysis::plain_columns::{PlainColumn, frame_of};
 use crate::analysis::{self, About, ExportError};
 use crate::domain::RunRecord;
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing;
+use crate::pipeline::findings::across_runs::campaign_laws;
+use crate::pipeline::findings::current::current_findings;
+use crate::pipeline::findings::model_free::without_model;
+use crate::pipeline::ground::fault::step;
 use crate::pipeline::ground::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError};
 
@@ -27,11 +34,21 @@ pub enum Table {
     Traces,
     /// One row a number of a modulus log.
     Dma,
+    /// One row a finding of the diagnosis.
+    Findings,
+    /// One row a question asked across runs.
+    Laws,
+    /// One row a sample and parameter that is watched.
+    Monitoring,
+    /// One row a step, without a model.
+    ModelFree,
+    /// One row a cycle of a train.
+    Cycles,
 }
 
 impl Table {
     /// Every table.
-    pub const ALL: [Table; 7] = [
+    pub const ALL: [Table; 12] = [
         Table::Runs,
         Table::Tags,
         Table::Fits,
@@ -39,6 +56,11 @@ impl Table {
         Table::Conditions,
         Table::Traces,
         Table::Dma,
+        Table::Findings,
+        Table::Laws,
+        Table::Monitoring,
+        Table::ModelFree,
+        Table::Cycles,
     ];
 
     /// Name of its file, without ending.
@@ -51,6 +73,11 @@ impl Table {
             Table::Conditions => "conditions",
             Table::Traces => "traces",
             Table::Dma => "dma",
+            Table::Findings => "findings",
+            Table::Laws => "laws",
+            Table::Monitoring => "monitoring",
+            Table::ModelFree => "model-free",
+            Table::Cycles => "cycles",
         }
     }
 }
@@ -150,10 +177,38 @@ impl Export {
                 }
                 return Ok(writer.finish()?);
             }
+            Table::Findings | Table::Laws | Table::Monitoring | Table::ModelFree | Table::Cycles => {
+                frame_of(found_table(context, &runs, self.table)?)?
+            }
         };
         analysis::write_table(&table, format, &about, path)?;
         Ok(table.height())
     }
+}
+
+/// What was found, what holds across runs, what is watched, or what readings say by themselves, as it is now.
+pub(super) fn found_table(
+    context: &Context,
+    runs: &[RunRecord],
+    table: Table,
+) -> Result<Vec<PlainColumn>, PipelineError> {
+    let campaign = &context.campaign;
+    Ok(match table {
+        Table::Findings => {
+            let found = current_findings(context)?;
+            found_tables::findings_table((&found.groups, &found.runs), runs, campaign)
+        }
+        Table::Monitoring => {
+            let laws = campaign_laws(context, runs, None)?;
+            let monitoring = step("monitoring", || Ok(monitor(runs, campaign, &laws)))?;
+            found_tables::monitoring_table(&monitoring)
+        }
+        Table::ModelFree => {
+            found_tables::model_free_table(&without_model(context, runs)?.steps, runs, campaign)
+        }
+        Table::Cycles => found_tables::cycles_table(&without_model(context, runs)?.trains, runs),
+        _ => found_tables::laws_table(&campaign_laws(context, runs, None)?),
+    })
 }
 
 /// What a Parquet file says of itself.

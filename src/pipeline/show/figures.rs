@@ -27,6 +27,8 @@ pub struct MakeFigure {
     pub dots_per_inch: f64,
     /// Path of the only run that a figure of strips shows; none: all of them.
     pub run: Option<String>,
+    /// Parameter that a figure of laws or lives shows alone, by its key, the beginning of it, or its symbol.
+    pub parameter: Option<String>,
 }
 
 /// Name, alias, width in mm and description of every figure.
@@ -63,12 +65,14 @@ impl MakeFigure {
             needed: "the name of a simulated figure".to_owned(),
         })?;
         let format = self.checked_format()?;
-        if let Some(run) = &self.run {
-            return Err(PipelineError::BadArgument {
-                what: "--run",
-                found: run.clone(),
-                needed: "no run: this figure is simulated".to_owned(),
-            });
+        for (what, asked) in [("--run", &self.run), ("--parameter", &self.parameter)] {
+            if let Some(found) = asked {
+                return Err(PipelineError::BadArgument {
+                    what,
+                    found: found.clone(),
+                    needed: "neither a run nor a parameter: this figure is simulated".to_owned(),
+                });
+            }
         }
         let print = figure.print(self.width_mm.unwrap_or(figure.width_mm))?;
         (format.write)(&print, self.dots_per_inch).map_err(|reason| PipelineError::Figure {
@@ -117,6 +121,10 @@ impl MakeFigure {
             let needed = "no run: this figure shows them all".to_owned();
             return Err(bad("--run", self.run.clone().unwrap_or_default(), needed));
         }
+        if let Some(parameter) = self.parameter.as_ref().filter(|_| !figure.of_parameters) {
+            let needed = "no parameter: only the figures laws and monitoring are of one".to_owned();
+            return Err(bad("--parameter", parameter.clone(), needed));
+        }
         let only = self.run.as_ref().map(|path| {
             let found = (0..input.runs.len())
                 .find(|&run| input.runs[run].path == *path || site.run_name(run) == path);
@@ -129,6 +137,7 @@ impl MakeFigure {
                 site: &site,
                 curves: &PageCurves::new(&context.store, &input.runs, &context.campaign),
                 run: only,
+                parameter: self.parameter.as_deref(),
             },
             width_mm,
         );

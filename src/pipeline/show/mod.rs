@@ -4,6 +4,7 @@ pub(super) mod along;
 pub mod explain;
 pub mod export;
 pub mod figures;
+pub mod found_tables;
 pub(super) mod left;
 pub mod partitioned;
 pub mod plain_tables;

@@ -2,15 +2,27 @@
 
 use std::collections::BTreeMap;
 
+use super::export::{Table, found_table};
 use crate::analysis::{self, plain_columns::PlainColumn, plain_columns::plain_columns};
+use crate::domain::RunRecord;
 use crate::domain::tag::keys;
-use crate::domain::{Level, RunRecord};
 use crate::pipeline::apart::at_hand::{ReadTable, Stated, Strip};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, PipelineError};
 
 /// The tables that are made of runs, by the names that `ieap export` knows.
-pub const PLAIN_TABLES: [&str; 5] = ["runs", "tags", "fits", "fits-wide", "conditions"];
+pub const PLAIN_TABLES: [&str; 10] = [
+    "runs",
+    "tags",
+    "fits",
+    "fits-wide",
+    "conditions",
+    "findings",
+    "laws",
+    "monitoring",
+    "model-free",
+    "cycles",
+];
 
 /// One of [`PLAIN_TABLES`], as `ieap export` writes it.
 ///
@@ -27,6 +39,11 @@ pub fn plain_table(context: &Context, name: &str) -> Result<Vec<PlainColumn>, Pi
         "fits" => analysis::fits_long(&speaking, campaign)?,
         "fits-wide" => analysis::fits_wide(&speaking, campaign)?,
         "conditions" => analysis::conditions_table(&speaking, campaign)?,
+        "findings" => return found_table(context, &speaking, Table::Findings),
+        "laws" => return found_table(context, &speaking, Table::Laws),
+        "monitoring" => return found_table(context, &speaking, Table::Monitoring),
+        "model-free" => return found_table(context, &speaking, Table::ModelFree),
+        "cycles" => return found_table(context, &speaking, Table::Cycles),
         _ => {
             return Err(PipelineError::BadArgument {
                 what: "table",
@@ -43,14 +60,15 @@ pub fn plain_table(context: &Context, name: &str) -> Result<Vec<PlainColumn>, Pi
 /// # Errors
 /// There is no such run, or the database cannot be read.
 pub fn stored_readings(context: &Context, path: &str) -> Result<(ReadTable, Stated), PipelineError> {
-    let runs = standing::all(context)?;
-    let Some(run) = runs.iter().find(|run| run.path == path) else {
+    let Some(run) = context.store.run_named(path)? else {
+        let runs = standing::all(context)?;
         let near = runs.iter().find(|run| run.path.ends_with(path));
         return Err(PipelineError::UnknownRun {
             found: path.to_owned(),
             nearest: near.map_or_else(String::new, |run| format!(" There is {:?}.", run.path)),
         });
     };
+    let run = &run;
     let sample = run.tag(keys::SAMPLE).and_then(|id| context.campaign.sample(id));
     let stated = Stated {
         strip: Strip {
@@ -59,13 +77,7 @@ pub fn stored_readings(context: &Context, path: &str) -> Result<(ReadTable, Stat
             width_mm: sample.and_then(|sample| sample.width_mm),
             electrode_resistance_ohm_per_sq: sample.and_then(|sample| sample.electrode_resistance_ohm_per_sq),
         },
-        baseline_v: run.drive.as_ref().map_or(0.0, |drive| drive.baseline_v),
-        drive: run
-            .drive
-            .iter()
-            .flat_map(|drive| &drive.segments)
-            .map(segment)
-            .collect(),
+        drive: run.drive.clone(),
         tags: chosen_tags(run),
     };
     let read = ReadTable {
@@ -91,14 +103,6 @@ pub fn stored_readings(context: &Context, path: &str) -> Result<(ReadTable, Stat
         issues: Vec::new(),
     };
     Ok((read, stated))
-}
-
-fn segment(segment: &crate::domain::Segment) -> (f64, Option<f64>) {
-    let voltage_v = match segment.level {
-        Level::Voltage(voltage_v) => Some(voltage_v),
-        Level::OpenCircuit => None,
-    };
-    (segment.start_s, voltage_v)
 }
 
 /// The first tag of each key, which is the chosen one.

@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::along::PageCurves;
+use super::found_tables;
 use crate::analysis::laws::contrast;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::laws::matrix::confounding_maps;
@@ -14,7 +15,7 @@ use crate::domain::diagnosis::follows_a_tag;
 use crate::domain::{Fault, GroupDiagnosis, RunRecord, SourceFile};
 use crate::model::effects::{self, Effect};
 use crate::numerics::interrupt;
-use crate::pipeline::campaign::context::CODE_VERSION;
+use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::campaign::places::{FAULTS, REPORT_FOLDER, STAMP};
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::across_runs::campaign_laws;
@@ -22,6 +23,7 @@ use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::frequency::frequency_runs;
+use crate::pipeline::findings::model_free::without_model;
 use crate::pipeline::findings::{impedance, next_runs};
 use crate::pipeline::ground::fault::{or_nothing, step};
 use crate::pipeline::ground::own_folder::{self, Fresh};
@@ -85,7 +87,7 @@ impl RenderReport {
         // Also where nothing is to be rendered: what was cut short would stay until something changes.
         let kept = own_folder::remove_leftovers(&context.folder, FRESH);
         // What others write meanwhile is shown the next time, whole.
-        let _snapshot = context.store.snapshot()?;
+        let snapshot = context.store.snapshot()?;
         let (changes, changed_at) = context.store.changes()?;
         let stamp = stamp(context, changes, &changed_at);
         let altered = own_folder::altered(&target)
@@ -99,7 +101,9 @@ impl RenderReport {
             faults: Vec::new(),
             altered: Vec::new(),
         };
-        if current && !self.again {
+        // A database of an earlier version has a report and no rows yet.
+        let is_shown = context.store.shown_of()? == Some(changes);
+        if current && is_shown && !self.again {
             return Ok(ReportSummary {
                 faults: report_faults(&context.folder),
                 ..unchanged(None)
@@ -118,6 +122,9 @@ impl RenderReport {
         let fresh = Fresh::begin(&context.folder, FRESH)
             .map_err(failed(&context.folder, "making the report's folder"))?;
         let rendered = write_fresh(context, &input, &fresh, &stamp, observer)?;
+        let shown = found_tables::shown(&input)?;
+        drop(snapshot);
+        context.store.put_shown(&shown, changes, &now())?;
         match fresh.put(&target, &is_of_earlier_version) {
             Ok(()) => {}
             // Somebody's file came in while it was rendered.
@@ -188,8 +195,11 @@ fn is_of_earlier_version(folder: &Path) -> bool {
         "conditions.csv",
         "dma.csv",
     ];
-    const FOLDERS: [&str; 3] = ["runs", "findings", "along"];
-    let is_page = |path: &Path| path.extension().is_some_and(|end| end == "html") && begins_as_page(path);
+    const FOLDERS: [&str; 4] = ["runs", "findings", "along", "readings"];
+    let ends = |path: &Path, with: &str| path.extension().is_some_and(|end| end == with);
+    let is_page = |path: &Path| {
+        (ends(path, "html") && begins_as_page(path)) || (ends(path, "js") && begins_as_readings(path))
+    };
     let names = |folder: &Path| -> Option<Vec<(String, PathBuf)>> {
         let entries = fs::read_dir(folder).ok()?;
         let named = entries.map(|entry| {
@@ -211,12 +221,25 @@ fn is_of_earlier_version(folder: &Path) -> bool {
 
 /// Whether a file begins with what every version of the layout began with.
 fn begins_as_page(path: &Path) -> bool {
+    let text = head(path);
+    text.starts_with("<!DOCTYPE html>") && text.contains("style.css") && text.contains(" · ")
+}
+
+/// Whether a file begins as one of the readings of a page does.
+fn begins_as_readings(path: &Path) -> bool {
+    head(path).starts_with("window.ieapReadings=")
+}
+
+/// The beginning of a file; empty where it cannot be read.
+fn head(path: &Path) -> String {
     /// Bytes within which the layout names its style sheet: the title is the only part before it that grows.
     const HEAD_BYTES: u64 = 4096;
     let mut head = Vec::new();
     let read = fs::File::open_own(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
-    let text = String::from_utf8_lossy(&head);
-    read.is_ok() && text.starts_with("<!DOCTYPE html>") && text.contains("style.css") && text.contains(" · ")
+    match read {
+        Ok(_) => String::from_utf8_lossy(&head).into_owned(),
+        Err(_) => String::new(),
+    }
 }
 
 fn write_fresh(
@@ -295,6 +318,8 @@ pub(crate) fn input(
     )?;
     let frequency = step("responses against frequency", || frequency_runs(context, &runs));
     let frequency = or_nothing(frequency, &mut faults)?;
+    let without_model = step("what runs say without a model", || without_model(context, &runs));
+    let without_model = or_nothing(without_model, &mut faults)?;
     let electrodes = step("electrode resistance", || electrode_courses(context));
     let electrodes = or_nothing(electrodes, &mut faults)?;
     let monitoring = || Ok(monitoring::monitor(&runs, &context.campaign, &laws));
@@ -314,6 +339,8 @@ pub(crate) fn input(
         spectra_beside: spectra.beside,
         blocked,
         frequency,
+        model_free: without_model.steps,
+        cycles: without_model.trains,
         electrodes,
         set_aside,
         superseded: context.store.earlier_revisions()?,

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::analysis::frequency::FrequencyRun;
+use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::probe::Course;
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
 use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named, with_columns};
@@ -16,11 +17,15 @@ use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::frequency::frequency_runs;
+use crate::pipeline::findings::model_free::{WithoutModel, without_model};
 use crate::pipeline::intake::climate::electrode_courses;
 use crate::pipeline::{Context, PipelineError};
 use crate::report::tables::{FORMATS, Format, format_named, text_of};
 pub use crate::report::tables::{write_with_decimal_comma, write_within};
 use crate::store::Earlier;
+
+/// Tables that are made from the readings of all runs.
+const FROM_READINGS: [&str; 3] = ["model-free", "energy", "cycles"];
 
 /// What tables are made from, read from the database.
 pub(crate) struct TableData {
@@ -30,9 +35,11 @@ pub(crate) struct TableData {
     spectra: Vec<SpectrumRun>,
     blocked: Vec<BlockedRun>,
     frequency: Vec<FrequencyRun>,
+    without_model: WithoutModel,
     electrodes: Vec<Course>,
     files: Vec<SourceFile>,
     groups: Vec<GroupDiagnosis>,
+    doubts: Doubts,
     comparisons: Vec<RunComparison>,
     origin: String,
 }
@@ -62,10 +69,19 @@ impl TableData {
     ) -> Result<TableData, PipelineError> {
         let (changes, changed_at) = context.store.changes()?;
         let (comparisons, _) = current_comparisons(context, &runs)?;
+        let found = current_findings(context)?;
+        let doubts = Doubts::new(
+            Findings {
+                groups: &found.groups,
+                runs: &found.runs,
+            },
+            &runs,
+        );
         Ok(TableData {
             comparisons,
             blocked: blocked_runs(context, &runs)?,
             frequency: frequency_runs(context, &runs)?,
+            without_model: WithoutModel::default(),
             electrodes: electrode_courses(context)?,
             runs,
             set_aside,
@@ -77,12 +93,25 @@ impl TableData {
                 .iter()
                 .map(|file| file.source_file())
                 .collect(),
-            groups: current_findings(context)?.groups,
+            groups: found.groups,
+            doubts,
             origin: format!(
                 "ieap {CODE_VERSION}, campaign {}, change {changes} of {changed_at}",
                 context.campaign.id
             ),
         })
+    }
+
+    /// The same with what the table needs of every reading, which takes long.
+    pub(crate) fn read_for(
+        mut self,
+        context: &Context,
+        named: &NamedTable,
+    ) -> Result<TableData, PipelineError> {
+        if FROM_READINGS.contains(&named.name) {
+            self.without_model = without_model(context, &self.runs)?;
+        }
+        Ok(self)
     }
 
     pub(crate) fn table(&self, context: &Context, named: &NamedTable) -> Table {
@@ -94,9 +123,12 @@ impl TableData {
             spectra: &self.spectra,
             blocked: &self.blocked,
             frequency: &self.frequency,
+            model_free: &self.without_model.steps,
+            cycles: &self.without_model.trains,
             electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.groups,
+            doubts: &self.doubts,
             comparisons: &self.comparisons,
             origin: &self.origin,
         })
@@ -154,7 +186,9 @@ fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
 /// There is none of that name, or the database cannot be read.
 pub fn table(context: &Context, name: &str) -> Result<Table, PipelineError> {
     let named = find_table(name)?;
-    Ok(TableData::current(context)?.table(context, named))
+    Ok(TableData::current(context)?
+        .read_for(context, named)?
+        .table(context, named))
 }
 
 /// Puts the materials of a table together by a class: `electrode`, `membrane` or `electrolyte`.
@@ -245,8 +279,10 @@ pub struct MovedEntry {
 /// There is no table of that name, or the database cannot be read.
 pub fn moved_since(context: &Context, name: &str, earlier: &Earlier) -> Result<MovedDocument, PipelineError> {
     let named = find_table(name)?;
-    let before = TableData::earlier(context, earlier)?.table(context, named);
-    let after = TableData::current(context)?.table(context, named);
+    let before = TableData::earlier(context, earlier)?.read_for(context, named)?;
+    let before = before.table(context, named);
+    let after = TableData::current(context)?.read_for(context, named)?;
+    let after = after.table(context, named);
     let Moved {
         compared,
         cells,

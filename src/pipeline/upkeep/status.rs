@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::verify;
 use super::verify::archive::raw_files_lost;
+use crate::analysis::conditions::is_too_short;
 use crate::domain::tag::keys;
 use crate::domain::{Alarm, ClimateAssessment, Fault, FileState, Issue, RunRecord, RunState, Severity};
 use crate::ingest::campaign_file::UNKNOWN_KEY;
@@ -62,6 +63,8 @@ pub struct Status {
     pub undeclared_tags: Vec<Together>,
     /// Fitted runs whose files hold a response that was not read, with the reason.
     pub fitted_without_response: Vec<Reasoned>,
+    /// Fitted runs that state no humidity where others do: laws of the humidity are told without them.
+    pub without_humidity: Vec<String>,
     /// Runs, modulus logs and spectra with cells that hold no number in columns that are read: these readings are left out.
     pub readings_left_out: Vec<Reasoned>,
     /// Runs whose readings lie under several names that are tagged differently.
@@ -130,8 +133,10 @@ pub struct ClimateStatus {
     pub runs_left_tolerance: Vec<String>,
     /// Runs whose label differs from what was measured.
     pub runs_label_differs: Vec<String>,
-    /// Runs that no log covers although there are logs, or whose start is not known.
+    /// Runs that no log covers although there are logs.
     pub runs_not_covered: Vec<String>,
+    /// Runs that state no start: no log can be held against them.
+    pub runs_without_start: Vec<String>,
 }
 
 /// Code of what is said of a run that only waits for its fit.
@@ -229,6 +234,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         fitted_without_response: with_issues(runs.iter().filter(|run| run.fit.is_some()), |issue| {
             issue.code == RESPONSE_MISSING
         }),
+        without_humidity: without_humidity(&runs),
         readings_left_out: with_issues(
             (runs.iter())
                 .chain(logs.iter().map(|log| &log.run))
@@ -292,10 +298,20 @@ fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, Pipel
         runs_covered: runs.iter().filter(|run| !run.climate.is_empty()).count(),
         runs_left_tolerance: with(&|issue| issue.code == "climate-left-tolerance"),
         runs_label_differs: with(&differs),
-        runs_not_covered: with(&|issue| {
-            ["climate-not-covered", "climate-no-start"].contains(&issue.code.as_str())
-        }),
+        runs_not_covered: with(&|issue| issue.code == "climate-not-covered"),
+        runs_without_start: with(&|issue| issue.code == "climate-no-start"),
     })
+}
+
+/// Fitted runs without a humidity, where other fitted runs state one.
+fn without_humidity(runs: &[RunRecord]) -> Vec<String> {
+    let fitted = runs.iter().filter(|run| run.fit.is_some());
+    let (with, without): (Vec<&RunRecord>, Vec<&RunRecord>) =
+        fitted.partition(|run| run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT).is_some());
+    match with.is_empty() {
+        true => Vec::new(),
+        false => without.into_iter().map(|run| run.path.clone()).collect(),
+    }
 }
 
 fn unread(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
@@ -366,6 +382,9 @@ fn without_fit(runs: &[RunRecord]) -> Vec<Reasoned> {
 
 fn gaps(context: &Context, runs: &[RunRecord]) -> Vec<Gap> {
     let condition = |run: &RunRecord| {
+        if is_too_short(run) {
+            return None;
+        }
         let material = context.campaign.sample(run.tag(keys::SAMPLE)?)?.material.clone();
         Some((
             material,

@@ -1,10 +1,12 @@
 //! Sets tags by hand.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::domain::{FileState, Issue, RunState};
-use crate::ingest::tags::objection;
+use crate::domain::{Campaign, FileState, Issue, RunRecord, RunState, Tag, TagSource};
+use crate::ingest::tags::{objection, value_objection};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::climate;
 use crate::pipeline::intake::ingest::{IngestSummary, retag_runs, unreadable_tags};
@@ -14,8 +16,8 @@ use crate::store::HandTag;
 /// The verb `tag`.
 #[derive(Debug, Clone)]
 pub struct SetTags {
-    /// The run's name.
-    pub run: String,
+    /// Names of runs, or patterns of names with `*` and `?`.
+    pub runs: Vec<String>,
     /// Keys and values; an empty value takes an earlier hand tag back.
     pub pairs: Vec<(String, String)>,
     /// Who sets them.
@@ -33,27 +35,28 @@ pub struct TagSummary {
     pub tags: Vec<(String, String, String)>,
     /// What a reader must know of its tags.
     pub issues: Vec<Issue>,
+    /// Those among them that were not there before.
+    #[serde(skip)]
+    pub new_issues: Vec<Issue>,
 }
 
 impl SetTags {
-    /// Stores the tags and tags the run again.
+    /// Stores the tags and tags the runs again; one entry a run.
     ///
     /// # Errors
-    /// No run has that name, a key is neither known nor declared, or the database refuses.
-    pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<TagSummary, PipelineError> {
-        self.check_keys(&context.campaign.extra_tags)?;
-        let run_path = known_run(context, &self.run)?;
+    /// No run has that name, a key is neither known nor declared, a value is none that a run can have, or the database
+    /// refuses. Nothing is set then.
+    pub fn run(
+        &self,
+        context: &mut Context,
+        observer: &dyn Observer,
+    ) -> Result<Vec<TagSummary>, PipelineError> {
+        self.check(&context.campaign)?;
+        let runs = self.known_runs(context)?;
+        let before = issues_by_run(context)?;
         let now = now();
-        let tag = |(key, value): &(String, String)| HandTag {
-            run_path: run_path.clone(),
-            key: key.clone(),
-            value: (!value.is_empty()).then(|| value.clone()),
-            set_by: self.set_by.clone(),
-            set_at: now.clone(),
-        };
-        context
-            .store
-            .add_hand_tags(&now, &self.pairs.iter().map(tag).collect::<Vec<_>>())?;
+        let tags: Vec<HandTag> = runs.iter().flat_map(|run| self.hand_tags(run, &now)).collect();
+        context.store.add_hand_tags(&now, &tags)?;
         let mut retagged = IngestSummary::default();
         retag_runs(context, &mut retagged, observer)?;
         for tags in unreadable_tags(context)? {
@@ -64,19 +67,73 @@ impl SetTags {
         }
         let shelf = climate::Shelf::open(&context.store)?;
         climate::assess(context, &shelf)?;
-        let others = context
-            .store
-            .dma_logs()?
-            .into_iter()
-            .chain(context.store.spectra()?);
-        let mut runs = context.store.runs()?.into_iter().chain(others);
-        let found = runs.find(|run| run.path == run_path);
-        let Some(run) = found else {
-            return Err(unknown(&run_path, ""));
+        let stored = stored_runs(context)?;
+        let summary = |path: &String| {
+            let run = stored.iter().find(|run| run.path == *path);
+            let known = before.get(path).map_or(&[] as &[Issue], Vec::as_slice);
+            run.map(|run| TagSummary::of(run, known))
+                .ok_or_else(|| unknown(path, ""))
         };
+        runs.iter().map(summary).collect()
+    }
+
+    /// Refuses keys that are neither known nor declared, and values that no run can have; what was set before may be taken
+    /// back.
+    fn check(&self, campaign: &Campaign) -> Result<(), PipelineError> {
+        let set = self.pairs.iter().filter(|(_, value)| !value.is_empty());
+        let objected = |(key, value): &(String, String)| {
+            let tag = Tag {
+                key: key.clone(),
+                value: value.clone(),
+                source: TagSource::Hand,
+                detail: String::new(),
+            };
+            objection(key, &campaign.extra_tags).or_else(|| value_objection(&tag, campaign))
+        };
+        match set.filter_map(objected).next() {
+            Some(issue) => Err(PipelineError::TagRefused {
+                found: issue.message,
+                mend: issue.mend,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn hand_tags(&self, run: &str, now: &str) -> Vec<HandTag> {
+        let tag = |(key, value): &(String, String)| HandTag {
+            run_path: run.to_owned(),
+            key: key.clone(),
+            value: (!value.is_empty()).then(|| value.clone()),
+            set_by: self.set_by.clone(),
+            set_at: now.to_owned(),
+        };
+        self.pairs.iter().map(tag).collect()
+    }
+
+    /// The names of the runs meant, each once.
+    fn known_runs(&self, context: &Context) -> Result<Vec<String>, PipelineError> {
+        let mut known: Vec<String> = Vec::new();
+        for given in &self.runs {
+            let found = match given.contains(['*', '?']) {
+                true => runs_like(context, given)?,
+                false => vec![known_run(context, given)?],
+            };
+            for run in found {
+                if !known.contains(&run) {
+                    known.push(run);
+                }
+            }
+        }
+        Ok(known)
+    }
+}
+
+impl TagSummary {
+    fn of(run: &RunRecord, before: &[Issue]) -> TagSummary {
         let mut seen = std::collections::BTreeSet::new();
         let chosen = run.tags.iter().take_while(|tag| seen.insert(tag.key.clone()));
-        Ok(TagSummary {
+        let new_issues = run.issues.iter().filter(|issue| !before.contains(issue));
+        TagSummary {
             state: if run.state == RunState::Ready {
                 "ready"
             } else {
@@ -85,21 +142,39 @@ impl SetTags {
             tags: chosen
                 .map(|t| (t.key.clone(), t.value.clone(), t.source.label().to_owned()))
                 .collect(),
-            issues: run.issues,
-            run: run.path,
-        })
-    }
-
-    /// Refuses keys that are neither known nor declared; one that was set before may be taken back.
-    fn check_keys(&self, extra: &[String]) -> Result<(), PipelineError> {
-        let set = self.pairs.iter().filter(|(_, value)| !value.is_empty());
-        match set.filter_map(|(key, _)| objection(key, extra)).next() {
-            Some(issue) => Err(PipelineError::UnknownTagKey {
-                found: issue.message,
-                mend: issue.mend,
-            }),
-            None => Ok(()),
+            new_issues: new_issues.cloned().collect(),
+            issues: run.issues.clone(),
+            run: run.path.clone(),
         }
+    }
+}
+
+/// Runs, modulus logs and spectra.
+fn stored_runs(context: &Context) -> Result<Vec<RunRecord>, PipelineError> {
+    let mut runs = context.store.runs()?;
+    runs.extend(context.store.dma_logs()?);
+    runs.extend(context.store.spectra()?);
+    Ok(runs)
+}
+
+fn issues_by_run(context: &Context) -> Result<BTreeMap<String, Vec<Issue>>, PipelineError> {
+    let runs = stored_runs(context)?.into_iter();
+    Ok(runs.map(|run| (run.path, run.issues)).collect())
+}
+
+/// The runs whose name, or its end after a `/`, fits the pattern.
+fn runs_like(context: &Context, pattern: &str) -> Result<Vec<String>, PipelineError> {
+    // A bracket in a name of a file stands for itself.
+    let plain = pattern.trim_start_matches("./").replace('[', "[[]");
+    let parsed = |text: &str| glob::Pattern::new(text).map_err(|_| unknown(pattern, ""));
+    let (whole, end) = (parsed(&plain)?, parsed(&format!("*/{plain}"))?);
+    let names = context.store.tag_digests()?.into_iter().map(|(_, path, _)| path);
+    let found: Vec<String> = names
+        .filter(|name| whole.matches(name) || end.matches(name))
+        .collect();
+    match found.is_empty() {
+        true => Err(unknown(pattern, "")),
+        false => Ok(found),
     }
 }
 

@@ -4,6 +4,7 @@
 //! diagnoses. None waits for another; each rings the next one's bell. All writes are whole transactions, of which the
 //! database lets one through at a time, and every step starts from what is stored: so the threads need not agree.
 
+mod arrived;
 mod bell;
 mod intake;
 mod refusals;
@@ -20,6 +21,7 @@ use crate::domain::Issue;
 use crate::ingest::watch::{Wake, WatchOptions, Watcher};
 use crate::pipeline::campaign::context::moment;
 use crate::pipeline::upkeep::verify::Weekly;
+use arrived::Told;
 use bell::Bell;
 use refusals::{AFTER_REFUSAL, Refusals};
 
@@ -51,6 +53,8 @@ pub struct Watch {
 pub enum Watched<'a> {
     /// Files were taken in.
     Taken(&'a IngestSummary),
+    /// A run that came while the watch goes on was fitted: what it gives, in a line.
+    Fitted(&'a str),
     /// Runs were fitted, or the report was rendered.
     Made(&'a Made, &'a ReportSummary),
     /// Groups were diagnosed.
@@ -168,11 +172,15 @@ impl Shared<'_> {
     fn work(&self, context: &mut Context) -> Result<(), PipelineError> {
         let mut refusals = Refusals::default();
         let mut first = true;
+        let mut told = Told::default();
         let weekly = Weekly::of(&context.folder);
         while self.work.wait(self.stop) {
             self.reload(context);
             let made = context.check_in_place().and_then(|()| {
                 let mut made = self.job.make(context, self.observer)?;
+                for line in told.new_lines(context)? {
+                    (self.hear)(&Watched::Fitted(&line));
+                }
                 let report = render(context, self.observer, &mut made.faults)?;
                 Ok((made, report))
             });

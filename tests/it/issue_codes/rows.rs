@@ -50,6 +50,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("column-unread", Campaign(|to| to.write("runs/a.csv", run("bend (1/m)", "0.1")))),
     ("column-unusable", Format("plain-table/refused.no_unit.csv")),
     ("contact-break", By("tests/it/lumped_or_distributed.rs", "a_cracked_foil_is_found_and_placed")),
+    ("contradiction", By("src/pipeline/apart/at_hand/tests.rs", "what_is_stated_and_cannot_both_hold_names_both")),
     ("control-not-held", By("crates/ingest/src/drive/tests.rs", "what_is_stated_goes_before_what_was_measured")),
     ("current-against-voltage", By("crates/fit/src/tests/limits.rs", "a_current_of_the_wrong_sign_is_named")),
     ("current-jumps", By("crates/ingest/src/drive/jumps.rs", "an_edge_without_a_cause_is_told")),
@@ -168,6 +169,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("place-beyond-strip", By("src/pipeline/intake/ingest/places.rs", "places_beyond_the_end_are_pointed_out_and_others_are_not")),
     ("plateau-not-reached", By("crates/analysis/src/dma/tests.rs", "a_plateau_that_is_not_reached_is_said_and_its_time_is_a_bound")),
     ("potential-relative", Format("biologic-mpt/ca.no_last_line_end.mpt")),
+    ("probe-contradicted", By("crates/fit/src/distributed/places_tests.rs", "a_probe_that_reads_wrong_is_no_crack")),
     ("probe-face-missing", By("crates/ingest/src/probe_log.rs", "the_faces_of_a_strip_add_up")),
     ("probe-not-covered", Campaign(|to| {
     to.write("runs/a.csv", run("note", "1"));
@@ -204,8 +206,11 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("shared-parameters", By("tests/it/findings.rs", "an_adopted_model_is_fitted_to_its_group_and_says_how_wrong_the_base_was")),
     ("sidecar", Format("biologic-mpr/sidecar.wait.mpr")),
     ("start-state-assumed", By("crates/ingest/src/drive/tests.rs", "one_voltage_throughout_is_a_step_from_the_discharged_state")),
+    ("start-state-unknown", By("crates/ingest/src/drive/tests.rs", "where_nothing_tells_since_when_the_voltage_is_applied_a_warning_does")),
     ("starts-differ", Format("palmsens-csv/dpv.two_curves.csv")),
+    ("spectrum-columns", Format("plain-table/refused.frequency_alone.csv")),
     ("step-not-at-zero", Campaign(|to| to.write("runs/a.csv", late()))),
+    ("sheets-joined", By("crates/ingest/src/formats/sheet_tests.rs", "sheets_of_current_and_camera_are_one_run")),
     ("still-growing", Open("a file that grows between two looks")),
     ("suspicious-range", Format("labview-lvm/step.cut.lvm")),
     ("table-not-found", Open("a reader of an earlier version")),

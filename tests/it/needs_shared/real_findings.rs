@@ -1,6 +1,7 @@
 //! What is found in real campaigns whose cause is known from elsewhere, through the whole program. A long proof: the
 //! misfits are huge and are searched to the end, which takes minutes; ignored but in `cargo test -- --ignored`.
 
+use ieap::model::effects::mechanism_of;
 use serde_json::Value;
 
 use super::shared;
@@ -56,14 +57,21 @@ fn ceramic_capacitors_lose_capacitance_with_voltage_and_the_held_out_run_is_pred
     let Some(document) = found("capacitors", |file| !file.starts_with("C3")) else {
         return;
     };
-    for sample in ["sample=C1", "sample=C2"] {
-        let group = of(&document, "groups", sample);
-        assert_eq!(
-            group["verdict"], "partial",
-            "a misfit is left, and it is said: {group:#}"
-        );
-        assert!(allows(group, &OF_CERAMICS), "{group:#}");
-    }
+    let charged_and_discharged = of(&document, "groups", "sample=C1");
+    assert_eq!(
+        charged_and_discharged["verdict"], "partial",
+        "a misfit is left, and it is said: {charged_and_discharged:#}"
+    );
+    assert!(
+        allows(charged_and_discharged, &OF_CERAMICS),
+        "{charged_and_discharged:#}"
+    );
+    // One charge alone is told with the right cause or with none.
+    let charged = of(&document, "groups", "sample=C2");
+    assert!(
+        charged["verdict"] == "unknown" || allows(charged, &OF_CERAMICS),
+        "{charged:#}"
+    );
     // Charge and discharge of C1 hold each other out.
     let gain = &of(&document, "groups", "sample=C1")["gain"];
     let (fall, error) = (
@@ -123,13 +131,21 @@ fn electrolysis_is_a_leak_with_its_onset_and_another_date_is_set_apart() {
 
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
-fn a_diffusion_limited_current_is_in_the_set_of_long_records_and_the_power_law_is_pointed_out() {
+fn a_diffusion_limited_current_is_told_by_its_mechanism_in_long_records_and_the_power_law_is_pointed_out() {
     let Some(document) = found("diffusion-steps", |file| file.contains("4_DMAB")) else {
         return;
     };
     for run in ["runs/4_DMAB_50s_CA.xlsx", "runs/4_DMAB_200s_CA.xlsx"] {
         let alone = of(&document, "runs", run);
-        assert!(allows(alone, &["warburg", "diffusion-limited-leak"]), "{alone:#}");
+        let told = words(&alone["set"]);
+        let mechanisms: Vec<&str> = told.iter().filter_map(|id| Some(mechanism_of(id)?.id)).collect();
+        assert!(
+            mechanisms
+                .iter()
+                .all(|own| ["current-time-scales", "leak"].contains(own)),
+            "{alone:#}"
+        );
+        assert!(!told.is_empty(), "{alone:#}");
     }
     let remarks = words(&of(&document, "groups", "sample=DMAB")["remarks"]);
     assert!(

@@ -236,7 +236,7 @@ impl World {
             let (run, set_by) = (run.path.clone(), "ann".to_owned());
             let pairs = vec![pair];
             SetTags {
-                run: run.clone(),
+                runs: vec![run.clone()],
                 pairs,
                 set_by,
             }

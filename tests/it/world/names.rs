@@ -103,9 +103,13 @@ impl History {
             2 => word(Vec::new(), true, true),
             3..5 => {
                 let pairs = vec![("note".to_owned(), format!("{}", self.rng.random::<u16>()))];
-                let (run, set_by) = (run.clone(), "ann".to_owned());
-                SetTags { run, pairs, set_by }.run(context, &Silent).unwrap();
-                self.done.push(format!("   {} is tagged", runs[0].path));
+                let tags = SetTags {
+                    runs: vec![run.clone()],
+                    pairs,
+                    set_by: "ann".to_owned(),
+                };
+                tags.run(context, &Silent).unwrap();
+                self.done.push(format!("   {run} is tagged"));
                 return;
             }
             _ => return,

@@ -131,7 +131,7 @@ fn spoken(campaign: &Path, weather: Weather) -> u64 {
         };
         drop.run(&mut context)?;
         let tags = SetTags {
-            run: "runs/1.csv".to_owned(),
+            runs: vec!["runs/1.csv".to_owned()],
             pairs: vec![("note".to_owned(), "dry".to_owned())],
             set_by: said_by,
         };

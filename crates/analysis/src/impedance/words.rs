@@ -13,13 +13,27 @@ const SLIGHT: f64 = 1.1;
 /// Writes the sentences of a comparison and names the effects.
 pub fn describe(comparison: &mut Comparison) {
     let mut said = Said::default();
+    let title = &comparison.circuit;
+    if !comparison.describes {
+        let sentence = format!(
+            "{title} does not describe the spectrum: it leaves {:.1} % of |Z|, {} leaves {:.1} %. Its numbers are those of the \
+             nearest such circuit, their intervals too narrow, and nothing is concluded from how they differ from the step's.",
+            comparison.residual_rms_percent, comparison.best, comparison.best_rms_percent
+        );
+        match comparison.best {
+            "constant-phase" => said.say(sentence, &["dispersion"]),
+            "warburg-finite" | "warburg-parallel" => said.say(sentence, &["warburg"]),
+            _ => said.say(sentence, &[]),
+        }
+        (comparison.sentences, comparison.effects) = (said.sentences, said.effects);
+        return;
+    }
     leak(comparison, &mut said);
     fastest(comparison, &mut said);
     total(comparison, &mut said);
     chains(comparison, &mut said);
     let mut sentences = Vec::new();
     let determined = comparison.rows.iter().any(|row| row.agrees.is_some());
-    let title = &comparison.circuit;
     sentences.push(match (determined, said.sentences.is_empty()) {
         (false, _) => format!("Nothing can be compared: step and spectrum determine no number of {title} together."),
         (true, true) => format!(
@@ -28,22 +42,6 @@ pub fn describe(comparison: &mut Comparison) {
         (true, false) => format!("The step and the spectrum do not tell the same circuit {title}."),
     });
     sentences.append(&mut said.sentences);
-    if !comparison.describes {
-        sentences.push(format!(
-            "{title} does not describe the spectrum: it leaves {:.1} % of |Z|, {} leaves {:.1} %; its numbers are those of the \
-             nearest such circuit, and their intervals too narrow.",
-            comparison.residual_rms_percent, comparison.best, comparison.best_rms_percent
-        ));
-        if matches!(
-            comparison.best,
-            "constant-phase" | "warburg-finite" | "warburg-parallel"
-        ) {
-            said.effect(match comparison.best {
-                "constant-phase" => "dispersion",
-                _ => "warburg",
-            });
-        }
-    }
     (comparison.sentences, comparison.effects) = (sentences, said.effects);
 }
 

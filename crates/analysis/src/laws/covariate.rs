@@ -133,6 +133,55 @@ impl Covariate {
         }
     }
 
+    /// How near it is to a cause, the nearest first: 0 what surrounds and drives the strip, 1 how far it is used, 2 in which
+    /// order and by whom it was measured.
+    pub fn remoteness(self) -> u8 {
+        match self {
+            Covariate::RelativeHumidity
+            | Covariate::Temperature
+            | Covariate::Direction
+            | Covariate::RestBefore
+            | Covariate::Environment
+            | Covariate::Voltage
+            | Covariate::TagNumber(_)
+            | Covariate::TagName(_) => 0,
+            Covariate::Cycle | Covariate::Age | Covariate::ChargeBefore | Covariate::Exposure => 1,
+            Covariate::RunOrder
+            | Covariate::FirstRun
+            | Covariate::Instrument
+            | Covariate::Calibration
+            | Covariate::Operator
+            | Covariate::Batch
+            | Covariate::Sample => 2,
+        }
+    }
+
+    /// Whether it is what people or instruments state of a run, or follows from that alone. What follows from the order of
+    /// a sample's runs, and factors of the design, are not.
+    pub(super) fn is_stated(self) -> bool {
+        match self {
+            Covariate::Age
+            | Covariate::ChargeBefore
+            | Covariate::RunOrder
+            | Covariate::FirstRun
+            | Covariate::Sample
+            | Covariate::Environment
+            | Covariate::Voltage => false,
+            Covariate::RelativeHumidity
+            | Covariate::Temperature
+            | Covariate::Direction
+            | Covariate::Cycle
+            | Covariate::Exposure
+            | Covariate::RestBefore
+            | Covariate::Instrument
+            | Covariate::Calibration
+            | Covariate::Operator
+            | Covariate::Batch
+            | Covariate::TagNumber(_)
+            | Covariate::TagName(_) => true,
+        }
+    }
+
     /// The word by which it enters the seeds of random draws: another one would draw other numbers.
     pub(super) fn seed_word(self) -> String {
         let word = match self {

@@ -2,6 +2,7 @@
 //! which nobody knows what is wrong is no evidence.
 
 use ieap_domain::quantiles::NORMAL_95;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::false_discovery::CLAIMED_BELOW;
@@ -42,8 +43,20 @@ pub struct Doubted {
 /// Doubts of every run.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Doubts {
-    /// What widens the errors of a run, or none where the run is left out, by the run's name.
-    of_runs: BTreeMap<String, Option<Vec<ParameterShift>>>,
+    /// By the run's name.
+    of_runs: BTreeMap<String, Doubt>,
+}
+
+/// What a finding says against the fit of a run.
+#[derive(Debug, Clone, PartialEq)]
+enum Doubt {
+    /// A cause is named: what it moves the parameters by widens their errors.
+    Widened {
+        shifts: Vec<ParameterShift>,
+        causes: Vec<String>,
+    },
+    /// No cause is: the run is left out.
+    LeftOut,
 }
 
 impl Doubts {
@@ -68,27 +81,38 @@ impl Doubts {
             let names_cause = group.verdict.names_a_cause() && !group.shifts.is_empty() && !is_between_runs;
             for name in group.runs.iter().filter(|name| fits_base(name)) {
                 if names_cause {
-                    of_runs.insert(name.clone(), Some(group.shifts.clone()));
+                    let doubt = Doubt::Widened {
+                        shifts: group.shifts.clone(),
+                        causes: group.effects.iter().map(|own| own.effect.clone()).collect(),
+                    };
+                    of_runs.insert(name.clone(), doubt);
                 } else if !is_right_alone(name) {
-                    of_runs.insert(name.clone(), None);
+                    of_runs.insert(name.clone(), Doubt::LeftOut);
                 }
             }
         }
         Doubts { of_runs }
     }
 
+    /// Whether a finding says anything against the fit of the run.
+    pub fn is_of(&self, run: &str) -> bool {
+        self.of_runs.contains_key(run)
+    }
+
     /// Whether the run takes part in no question.
     pub fn leaves_out(&self, run: &str) -> bool {
-        matches!(self.of_runs.get(run), Some(None))
+        self.of_runs.get(run) == Some(&Doubt::LeftOut)
     }
 
     /// What the misfit may do to the parameter of a run: the size of its shift on the scale of logarithms, or of the
     /// values. 0 where nothing is known against the fit; none where it cannot be said.
     pub fn shift(&self, run: &str, key: &str, is_log: bool) -> Option<f64> {
-        let Some(shifts) = self.of_runs.get(run) else {
-            return Some(0.0);
+        let shifts = match self.of_runs.get(run) {
+            None => return Some(0.0),
+            Some(Doubt::LeftOut) => return None,
+            Some(Doubt::Widened { shifts, .. }) => shifts,
         };
-        let (before, after) = both_ways(shifts.as_ref()?, key)?;
+        let (before, after) = both_ways(shifts, key)?;
         let shift = match is_log {
             true => (before / after).ln(),
             false => before - after,
@@ -118,13 +142,43 @@ impl Doubts {
         })
     }
 
+    /// The estimate of a run as pages and tables state it: in doubt with the widened interval, or where how wide it is cannot
+    /// be said with that of the noise alone, and with the reason.
+    pub fn stated<'a>(&self, run: &str, key: &str, estimate: &'a Estimate) -> Cow<'a, Estimate> {
+        let Some(doubt) = self.of_runs.get(run) else {
+            return Cow::Borrowed(estimate);
+        };
+        let widened = self.widened(run, key, estimate);
+        let reason = match (doubt, &widened) {
+            (Doubt::Widened { causes, .. }, Some(_)) => format!(
+                "the model lacks {} here: the interval allows for what that does to the value",
+                causes.join(" and ")
+            ),
+            (Doubt::Widened { causes, .. }, None) => format!(
+                "the model lacks {} here, and what that does to the value is not known: the interval holds the noise alone",
+                causes.join(" and ")
+            ),
+            (Doubt::LeftOut, _) => {
+                "the model does not describe this group: the interval holds the noise alone".to_owned()
+            }
+        };
+        let reason = match &estimate.reason {
+            Some(own) => format!("{own}; {reason}"),
+            None => reason,
+        };
+        Cow::Owned(Estimate {
+            reason: Some(reason),
+            ..widened.unwrap_or_else(|| estimate.clone())
+        })
+    }
+
     /// The groups in doubt, in the order of `findings`.
     pub fn told(&self, findings: Findings) -> Vec<Doubted> {
         let of_group = |group: &GroupDiagnosis| {
             let with = |treatment: Treatment| {
                 let is_so = |name: &&String| match self.of_runs.get(name.as_str()) {
-                    Some(Some(_)) => treatment == Treatment::Widened,
-                    Some(None) => treatment == Treatment::LeftOut,
+                    Some(Doubt::Widened { .. }) => treatment == Treatment::Widened,
+                    Some(Doubt::LeftOut) => treatment == Treatment::LeftOut,
                     None => false,
                 };
                 let runs: Vec<String> = group.runs.iter().filter(is_so).cloned().collect();

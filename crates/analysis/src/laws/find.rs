@@ -6,10 +6,11 @@ use rayon::prelude::*;
 
 use super::covariate::Covariate;
 use super::dependence::{Asking, Dependence};
-use super::design::{Level, Rows, rows};
+use super::design::{Level, Rows};
 use super::doubt::{Doubted, Doubts, Findings};
 use super::facts::{RunFacts, facts};
 use super::offset::{LengthDoubt, length_doubts};
+use super::parts::{Lacking, Part, parts};
 use super::selection::{Attempt, Selection, selections};
 use super::table::Table;
 use super::values::{Values, keys, values};
@@ -51,6 +52,8 @@ pub struct CampaignLaws {
     pub facts: Vec<RunFacts>,
     /// Covariates that cannot be told apart, by material.
     pub tied: Vec<TiedSet>,
+    /// Covariates that some runs do not state.
+    pub lacking: Vec<Lacking>,
     /// Covariates that differ, by material, those within samples first.
     pub asked: BTreeMap<String, Vec<Covariate>>,
     /// Every question of a parameter and a covariate with its answer.
@@ -106,29 +109,62 @@ fn add_material(
     (facts, places): (&[RunFacts], &[usize]),
     material: &str,
 ) {
-    let [within, between] = rows(facts, places);
-    for level in [&within, &between] {
-        let several = level.sets.iter().filter(|set| set.len() > 1);
-        laws.tied.extend(several.map(|set| TiedSet {
-            material: material.to_owned(),
-            level: level.level,
-            covariates: set.clone(),
-        }));
+    let parts = parts(facts, places);
+    for part in &parts {
+        laws.tied.extend(
+            part.sets
+                .iter()
+                .filter(|(_, set)| set.len() > 1)
+                .map(|(level, set)| TiedSet {
+                    material: material.to_owned(),
+                    level: *level,
+                    covariates: set.clone(),
+                }),
+        );
+        laws.lacking.extend(part.lacking(facts, places, material));
+        laws.asked
+            .entry(material.to_owned())
+            .or_default()
+            .extend(part.differing());
+        laws.dependences
+            .extend(answers(evidence, doubts, facts, part, material));
     }
-    let differing = within.columns.keys().chain(between.columns.keys());
-    laws.asked
-        .insert(material.to_owned(), differing.copied().collect());
-    let all: Vec<Values> = keys(evidence.runs, facts, places)
+    let whole = &parts[0];
+    let all = values_of(evidence, doubts, facts, whole);
+    let tables: Vec<(&Values, Table)> = all
         .iter()
-        .map(|key| values(evidence.runs, facts, places, key).in_doubt(doubts, evidence.runs, facts))
+        .map(|values| (values, Table::new(values, &whole.between, &whole.within)))
         .collect();
+    let runs: Vec<&RunRecord> = places
+        .iter()
+        .map(|&place| &evidence.runs[facts[place].run])
+        .collect();
+    laws.lengths
+        .extend(length_doubts(facts, material, &tables, from_displacement(&runs)));
+}
+
+/// Values of every parameter that the fits of a part hold.
+fn values_of(evidence: &Evidence, doubts: &Doubts, facts: &[RunFacts], part: &Part) -> Vec<Values> {
+    keys(evidence.runs, facts, &part.places)
+        .iter()
+        .map(|key| values(evidence.runs, facts, &part.places, key).in_doubt(doubts, evidence.runs, facts))
+        .collect()
+}
+
+/// Every question of a part with its answer.
+fn answers(
+    evidence: &Evidence,
+    doubts: &Doubts,
+    facts: &[RunFacts],
+    part: &Part,
+    material: &str,
+) -> Vec<Dependence> {
+    let all = values_of(evidence, doubts, facts, part);
     let questions: Vec<(&Values, &Rows, Option<&[Covariate]>)> = all
         .iter()
         .flat_map(|values| {
-            let sets = [&within, &between]
-                .into_iter()
-                .flat_map(|rows| rows.sets.iter().map(move |set| (rows, Some(set.as_slice()))));
-            let samples = std::iter::once((&between, None));
+            let sets = (part.sets.iter()).map(|(level, set)| (part.rows(*level), Some(set.as_slice())));
+            let samples = part.is_whole.then_some((&part.between, None));
             sets.chain(samples).map(move |(rows, set)| (values, rows, set))
         })
         .collect();
@@ -136,7 +172,7 @@ fn add_material(
         seed: evidence.seed,
         facts,
         material,
-        within: &within,
+        within: &part.within,
     };
     let answers: Vec<Option<Dependence>> = questions
         .par_iter()
@@ -147,28 +183,14 @@ fn add_material(
         .collect();
     let describe = |mut found: Dependence| {
         let values = all.iter().find(|values| values.key == found.parameter);
-        let rows = if found.level == Level::Within {
-            &within
-        } else {
-            &between
-        };
         if let Some(values) = values.filter(|_| is_described(&found)) {
-            asker.asking(values, rows, None).describe(&mut found);
+            asker
+                .asking(values, part.rows(found.level), None)
+                .describe(&mut found);
         }
         found
     };
-    let described: Vec<Dependence> = answers.into_par_iter().flatten().map(describe).collect();
-    laws.dependences.extend(described);
-    let tables: Vec<(&Values, Table)> = all
-        .iter()
-        .map(|values| (values, Table::new(values, &between, &within)))
-        .collect();
-    let runs: Vec<&RunRecord> = places
-        .iter()
-        .map(|&place| &evidence.runs[facts[place].run])
-        .collect();
-    laws.lengths
-        .extend(length_doubts(facts, material, &tables, from_displacement(&runs)));
+    answers.into_par_iter().flatten().map(describe).collect()
 }
 
 /// What all questions about a material share.

@@ -16,6 +16,7 @@ pub mod fitted;
 pub mod jump;
 pub mod matrix;
 pub mod offset;
+pub mod parts;
 pub mod rivals;
 pub mod samples;
 pub mod selection;

@@ -7,6 +7,7 @@ use super::doubt::{Doubted, Treatment};
 use super::find::{CampaignLaws, TiedSet};
 use super::fitted::{Fitted, Interval};
 use super::offset::LengthDoubt;
+use super::parts::Lacking;
 use super::selection::Selection;
 use super::shape::Law;
 use crate::false_discovery::CLAIMED_BELOW;
@@ -350,6 +351,24 @@ pub fn tied(set: &TiedSet, laws: &CampaignLaws) -> String {
     )
 }
 
+/// What some runs do not state, in a sentence: `Relative humidity: 6 of 27 runs of NC state none (in vacuum); what follows it
+/// is told from the other 21.`
+pub fn lacking(found: &Lacking) -> String {
+    let environments: Vec<&str> = found.environments.iter().map(String::as_str).collect();
+    let place = match environments.as_slice() {
+        [] => String::new(),
+        named => format!(" (in {})", in_a_row(named)),
+    };
+    format!(
+        "{}: {} of {} of {} state none{place}; what follows it is told from the other {}.",
+        capital(found.covariate.label()),
+        found.without.len(),
+        counted(found.runs, "run"),
+        found.material,
+        found.runs - found.without.len()
+    )
+}
+
 /// Fits in doubt in a sentence.
 pub fn doubted(found: &Doubted) -> String {
     let runs = counted(found.runs.len(), "run");
@@ -363,7 +382,10 @@ pub fn doubted(found: &Doubted) -> String {
         ),
         Treatment::LeftOut => format!("{runs} of it take part in no question across runs"),
     };
-    format!("The model is wrong for {}, and {why}: {what}.", found.group)
+    format!(
+        "The model is wrong for {}, and {why}: {what}.",
+        crate::groups::title(&found.group)
+    )
 }
 
 /// A doubtful length in a sentence.
@@ -407,15 +429,17 @@ pub fn listed(covariates: &[Covariate]) -> String {
 }
 
 /// Words in a row: `a, b and c`.
-pub fn in_a_row(words: &[&str]) -> String {
-    match words {
+pub fn in_a_row<T: AsRef<str>>(words: &[T]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.as_slice() {
         [] => String::new(),
         [one] => (*one).to_owned(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }
 
-fn capital(text: &str) -> String {
+/// The same with a large first letter.
+pub fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters
         .next()

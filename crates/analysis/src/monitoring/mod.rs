@@ -34,8 +34,10 @@ pub struct Monitoring {
     pub reference: Option<Reference>,
     /// Why there is none.
     pub why_not: String,
-    /// Runs between two false alarms of a chart, on average.
+    /// Runs of a sample between two false alarms of any of its charts, on average.
     pub false_alarm_runs: f64,
+    /// Charts of the sample that has the most.
+    pub charts_of_a_sample: usize,
     /// Parameters of samples, those that moved first within each sample.
     pub watched: Vec<Watched>,
     /// Alarms, whether known or not.
@@ -47,8 +49,15 @@ pub struct Monitoring {
 impl Monitoring {
     /// Runs until each chart sees a shift by one standard deviation, on average.
     pub fn shifted_run_lengths(&self) -> [f64; 3] {
-        Chart::ALL.map(|chart| chart.run_length(chart.limit(self.false_alarm_runs.max(2.0)), 1.0))
+        let runs = runs_of_a_chart(self.false_alarm_runs, self.charts_of_a_sample).max(2.0);
+        Chart::ALL.map(|chart| chart.run_length(chart.limit(runs), 1.0))
     }
+}
+
+/// Runs between two false alarms of one chart where `charts` of them together give one in `false_alarm_runs`: at most, for
+/// parameters that move together alarm together.
+fn runs_of_a_chart(false_alarm_runs: f64, charts: usize) -> f64 {
+    false_alarm_runs * charts.max(1) as f64
 }
 
 /// Watches every parameter of every sample in the reference condition.
@@ -71,18 +80,22 @@ pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> 
     for &place in &reference.places {
         samples.entry(&facts[place].sample).or_default().push(place);
     }
-    let questions: Vec<(Vec<usize>, String)> = samples
+    let mut limits: BTreeMap<usize, Limits> = BTreeMap::new();
+    let mut questions: Vec<(Vec<usize>, String, usize)> = Vec::new();
+    for places in samples
         .into_values()
         .filter(|places| places.len() >= reference::FEWEST_RUNS)
-        .flat_map(|places| {
-            let keys = keys(runs, facts, &places);
-            keys.into_iter().map(move |key| (places.clone(), key))
-        })
-        .collect();
-    let limits = Limits::for_false_alarms(rules.false_alarm_runs);
+    {
+        let keys = keys(runs, facts, &places);
+        let charts = Chart::ALL.len() * keys.len();
+        let of_chart = || Limits::for_false_alarms(runs_of_a_chart(rules.false_alarm_runs, charts));
+        limits.entry(charts).or_insert_with(of_chart);
+        questions.extend(keys.into_iter().map(|key| (places.clone(), key, charts)));
+    }
+    monitoring.charts_of_a_sample = limits.keys().copied().max().unwrap_or(0);
     monitoring.watched = questions
         .par_iter()
-        .filter_map(|(places, key)| watch(runs, campaign, laws, places, (key, limits)))
+        .filter_map(|(places, key, charts)| watch(runs, campaign, laws, places, (key, limits[charts])))
         .collect();
     if let Some(why_not) = without_order(facts, &questions).filter(|_| monitoring.watched.is_empty()) {
         monitoring.why_not = why_not;
@@ -94,15 +107,15 @@ pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> 
 }
 
 /// Why no question has an order to go by; none where every run of one has a place in some order.
-fn without_order(facts: &[RunFacts], questions: &[(Vec<usize>, String)]) -> Option<String> {
+fn without_order(facts: &[RunFacts], questions: &[(Vec<usize>, String, usize)]) -> Option<String> {
     let has = |place: &usize| {
         Covariate::OF_AGE
             .iter()
             .any(|axis| facts[*place].numbers.contains_key(axis))
     };
-    let (places, _) = questions
+    let (places, ..) = questions
         .iter()
-        .min_by_key(|(places, _)| places.iter().filter(|place| !has(place)).count())?;
+        .min_by_key(|(places, ..)| places.iter().filter(|place| !has(place)).count())?;
     let missing = places.iter().filter(|place| !has(place)).count();
     (missing > 0).then(|| {
         format!(

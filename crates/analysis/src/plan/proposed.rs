@@ -57,8 +57,11 @@ pub struct Proposal {
     pub closes: f64,
 }
 
-/// The runs of a plan. All close the same part: what the plan brings, shared among them.
+/// The runs of a plan, none where they bring nothing. All close the same part: what the plan brings, shared among them.
 pub fn of_plan(plan: &Untying, runs: &[RunRecord], campaign: &Campaign) -> Vec<Proposal> {
+    if !plan.gains() {
+        return Vec::new();
+    }
     let size = |inflation: f64| inflation.clamp(INFLATION_LIMIT, MOST).ln();
     let open = size(plan.inflation_before) - INFLATION_LIMIT.ln();
     let closed = size(plan.inflation_before) - size(plan.inflation_after);
@@ -109,8 +112,8 @@ fn of_step(plan: &Untying, step: &Step, runs: &[RunRecord], campaign: &Campaign,
             inflation: Some((step.inflation_before, step.inflation_after)),
         },
         why: vec![format!(
-            "{told} (variance inflation {}){}",
-            words::from_to(step.inflation_before, step.inflation_after),
+            "{told}: {}{}",
+            words::brings(step.inflation_before, step.inflation_after),
             match setting.is_new_humidity {
                 true => "; a humidity that was not measured yet",
                 false => "",
@@ -192,10 +195,9 @@ pub fn of_group(group: &GroupDiagnosis, runs: &[RunRecord], campaign: &Campaign)
             inflation: None,
         },
         why: vec![format!(
-            "tells {} apart in {} ({} causes → {} expected)",
+            "tells {} apart in {}: of {causes} causes {} should be left",
             next.splits.join(", "),
-            group.group,
-            causes,
+            crate::groups::title(&group.group),
             crate::laws::words::short(after)
         )],
         closes: (1.0 - (after - 1.0) / (size - 1.0)).clamp(0.0, 1.0),

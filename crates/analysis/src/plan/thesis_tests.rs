@@ -124,7 +124,7 @@ fn every_run_of_a_plan_loosens_and_is_said_by_how_much() {
     );
     let sentence = words::reached(&found).remove(0);
     assert!(
-        sentence.contains("Variance inflation") && sentence.contains(" goes from "),
+        sentence.contains(" more to tell ") && !sentence.contains("infinity"),
         "{sentence}"
     );
 }
@@ -328,7 +328,7 @@ fn a_thousand_runs_are_planned_as_well() {
     let sentence = words::reached(&found).remove(0);
     assert_eq!(
         found.is_reached(),
-        !sentence.contains("still above 5"),
+        !sentence.contains("that is a start"),
         "{sentence}"
     );
 }

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::candidates::candidates;
 use super::future::{Material, Setting};
 use super::ties::{Tie, Tightness, class, inflations, ties};
+use crate::groups::HUMIDITY_TOLERANCE_PERCENT;
 use crate::laws::CampaignLaws;
 use crate::laws::covariate::Covariate;
 use crate::laws::design::{INFLATION_LIMIT, Level};
@@ -54,6 +55,12 @@ pub struct Untying {
 }
 
 impl Untying {
+    /// Whether its runs bring anything.
+    pub fn gains(&self) -> bool {
+        let shown = |inflation: f64| inflation.min(super::ties::MOST);
+        !self.steps.is_empty() && shown(self.inflation_after) < shown(self.inflation_before)
+    }
+
     /// Whether the runs named untie all that runs at hand can untie.
     pub fn is_reached(&self) -> bool {
         self.inflation_after <= INFLATION_LIMIT
@@ -196,7 +203,7 @@ impl Design {
         let (ties, now) = self.tightest();
         let before = Tightness::of(&now);
         let found = candidates(&self.facts, &self.places, campaign, &set.covariates);
-        let judged: Vec<(f64, f64, usize)> = found
+        let judged: Vec<(f64, f64, usize, usize)> = found
             .par_iter()
             .enumerate()
             .filter(|(_, settings)| settings.len() <= room)
@@ -211,6 +218,7 @@ impl Design {
                 (
                     gain(before.largest, after.largest),
                     gain(before.excess, after.excess),
+                    settings.iter().map(|setting| self.made(setting)).sum(),
                     k,
                 )
             })
@@ -219,18 +227,37 @@ impl Design {
         let best = judged.into_iter().max_by(|a, b| {
             let by_largest = coarse(a.0).total_cmp(&coarse(b.0));
             let by_excess = coarse(a.1).total_cmp(&coarse(b.1));
-            // Of equals the first.
-            by_largest.then(by_excess).then(b.2.cmp(&a.2))
+            // Of equals those in the emptiest conditions, and of these the first.
+            let by_emptiness = b.2.cmp(&a.2);
+            by_largest.then(by_excess).then(by_emptiness).then(b.3.cmp(&a.3))
         })?;
         if coarse(best.0) <= 0.0 && coarse(best.1) <= 0.0 {
             return None;
         }
         Some(
-            found[best.2]
+            found[best.3]
                 .iter()
                 .map(|setting| self.make(material, setting))
                 .collect(),
         )
+    }
+
+    /// Runs that were made, or are planned, on that sample in that condition.
+    fn made(&self, setting: &Setting) -> usize {
+        let is_same = |&&place: &&usize| {
+            let fact = &self.facts[place];
+            let same_names = [Covariate::Environment, Covariate::Voltage]
+                .iter()
+                .all(|key| fact.names.get(key) == setting.names.get(key));
+            let humidity = fact.numbers.get(&Covariate::RelativeHumidity);
+            let wanted = setting.numbers.get(&Covariate::RelativeHumidity);
+            let same_humidity = match (humidity, wanted) {
+                (Some(known), Some(wanted)) => (known.value - wanted).abs() <= HUMIDITY_TOLERANCE_PERCENT,
+                _ => true,
+            };
+            fact.sample == setting.sample && same_names && same_humidity
+        };
+        self.places.iter().filter(is_same).count()
     }
 
     /// The tightest ties with their inflations, few, for every candidate is judged by them. Names of use grow together,

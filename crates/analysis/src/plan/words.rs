@@ -2,6 +2,7 @@
 
 use super::untie::Untying;
 use crate::laws::covariate::Covariate;
+use crate::laws::design::INFLATION_LIMIT;
 use crate::laws::facts::RunFacts;
 use crate::laws::find::TiedSet;
 use crate::laws::words::{counted, listed, short};
@@ -17,11 +18,12 @@ pub fn inflation(value: f64) -> String {
     }
 }
 
-/// `38 → 3.1`, or that it stays.
-pub fn from_to(before: f64, after: f64) -> String {
-    match (inflation(before), inflation(after)) {
-        (before, after) if before == after => format!("stays at {after}"),
-        (before, after) => format!("{before} → {after}"),
+/// What a run does to what is tied, in words; the inflations are those before and after it.
+pub fn brings(before: f64, after: f64) -> &'static str {
+    match () {
+        () if after <= INFLATION_LIMIT => "then they are told apart",
+        () if inflation(before) != inflation(after) => "a start: more runs of this list are needed",
+        () => "needed together with the next of this list, alone it tells nothing yet",
     }
 }
 
@@ -35,29 +37,25 @@ pub fn reached(plan: &Untying) -> Vec<String> {
     let mut sentences = Vec::new();
     let names = listed(&plan.covariates);
     let runs = counted(plan.steps.len(), "run");
-    let (before, after) = (inflation(plan.inflation_before), inflation(plan.inflation_after));
-    if !plan.steps.is_empty() {
+    let part = match plan.left.is_empty() {
+        true => "",
+        false => ", as far as runs in the conditions of the design can",
+    };
+    if plan.gains() {
         let end = match plan.is_reached() {
-            true => String::new(),
-            false => ", still above 5: more runs of the same kind are needed".to_owned(),
-        };
-        let what = match plan.left.is_empty() {
-            true => String::new(),
-            false => " of what runs in the conditions of the design can tell apart".to_owned(),
-        };
-        let gain = match before == after {
-            true => format!("{what} stays at {after} after {runs}"),
-            false => format!("{what} goes from {before} to {after} after {runs}"),
+            true => "",
+            false => "; that is a start, more of the same kind are needed",
         };
         sentences.push(format!(
-            "{}: {names}. Variance inflation{gain}{end}.",
+            "{}: {runs} more to tell {names} apart{part}{end}.",
             plan.material
         ));
     } else if plan.would.is_empty() {
-        sentences.push(format!(
-            "{}: {names}. No run in the conditions of the design tells them apart.",
-            plan.material
-        ));
+        let none = match plan.steps.len() {
+            0 => "no run in the conditions of the design tells".to_owned(),
+            _ => format!("not even {runs} in the conditions of the design tell"),
+        };
+        sentences.push(format!("{}: {none} {names} apart.", plan.material));
     }
     for would in &plan.would {
         sentences.push(format!("{}: {would}", plan.material));

@@ -30,7 +30,7 @@ pub fn product(factors: &[(&Estimate, f64)]) -> Estimate {
 }
 
 /// A coupling may bend the other way: its size is what is split.
-pub(super) fn size(alpha: &Estimate) -> Estimate {
+pub(crate) fn size(alpha: &Estimate) -> Estimate {
     scaled(alpha, alpha.value.map_or(1.0, f64::signum))
 }
 

@@ -12,8 +12,8 @@ mod words;
 pub use both_ways::{Ratios, both_ways};
 pub use cause::{Cause, cause};
 pub use estimates::product;
-pub(crate) use estimates::scaled;
-pub use modulus::{ModulusPoint, modulus_at, modulus_points, second_moment_m4};
+pub(crate) use estimates::{scaled, size};
+pub use modulus::{ModulusPoint, modulus_at, modulus_points, sample_modulus, second_moment_m4};
 pub use rows::{Change, SampleRow, sample_rows};
 pub use words::{answer, sentences};
 
@@ -68,6 +68,16 @@ mod tests {
         assert_eq!(cause(&half, &same, &half), Cause::Coupling);
         assert_eq!(cause(&known(0.25, 0.05), &twice, &half), Cause::Both);
         assert_eq!(cause(&same, &twice, &twice), Cause::None);
+        // What surely differs and makes a hundredth of the change is not its cause; nor is what chance makes often.
+        assert_eq!(cause(&half, &known(1.007, 0.001), &half), Cause::Coupling);
+        assert_eq!(
+            cause(
+                &known(0.996, 0.0018),
+                &known(1.002, 0.0005),
+                &known(0.998, 0.0005)
+            ),
+            Cause::None
+        );
         let open = Estimate::not_determined("no log");
         assert_eq!(cause(&half, &open, &open), Cause::Open);
         let mu = product(&[(&half, 1.0), (&twice, 1.0)]);

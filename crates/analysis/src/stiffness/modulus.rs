@@ -2,7 +2,7 @@
 
 use ieap_domain::modulus::step_keys;
 use ieap_domain::tag::keys;
-use ieap_domain::{Estimate, ModulusLog, Sample};
+use ieap_domain::{Campaign, Estimate, ModulusLog, Sample};
 
 use super::estimates::of_logarithm;
 
@@ -47,6 +47,27 @@ pub fn modulus_points(logs: &[ModulusLog], is_of: impl Fn(&str) -> bool) -> Vec<
     }
     points.sort_by(|a, b| a.humidity_percent.total_cmp(&b.humidity_percent));
     points
+}
+
+/// |E*| of a sample at a humidity, MPa: from the sample's own logs, else from those of its material.
+pub fn sample_modulus(
+    logs: &[ModulusLog],
+    campaign: &Campaign,
+    sample: Option<&Sample>,
+    humidity_percent: Option<f64>,
+) -> Estimate {
+    let Some(sample) = sample else {
+        return modulus_at(&[], humidity_percent);
+    };
+    let of_material = |id: &str| {
+        let of = campaign.sample(id);
+        of.is_some_and(|of| of.material == sample.material)
+    };
+    let own = modulus_points(logs, |id| id == sample.id);
+    match own.is_empty() {
+        false => modulus_at(&own, humidity_percent),
+        true => modulus_at(&modulus_points(logs, of_material), humidity_percent),
+    }
 }
 
 /// |E*| at a humidity, MPa: between two levels its logarithm goes on a line.

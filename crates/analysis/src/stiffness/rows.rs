@@ -1,11 +1,11 @@
 //! Every sample in every condition: alpha, stiffness and coupling, and what changed beside the driest condition.
 
 use ieap_domain::tag::keys;
-use ieap_domain::{BlockedRun, Estimate, Quantity, RunRecord, Sample};
+use ieap_domain::{BlockedRun, Estimate, Quantity, RunRecord};
 
 use super::both_ways::{Ratios, both_ways};
 use super::estimates::{of_logarithm, product, scaled, size};
-use super::{Cause, ModulusPoint, cause, modulus_at, modulus_points, second_moment_m4};
+use super::{Cause, cause, sample_modulus, second_moment_m4};
 use crate::conditions::{Condition, Conditions, conditions_of_materials};
 use crate::tables::{Content, Measured, Notes, TableInput, alpha_of};
 
@@ -100,7 +100,7 @@ fn row(input: &TableInput, (at, condition): (usize, &Condition), id: &str) -> Sa
         .filter_map(|&run| input.runs[run].tag_number(keys::RELATIVE_HUMIDITY_PERCENT));
     let humidities: Vec<f64> = humidities.collect();
     let humidity = (!humidities.is_empty()).then(|| humidities.iter().sum::<f64>() / humidities.len() as f64);
-    let modulus_mpa = modulus_at(&points(input, sample), humidity);
+    let modulus_mpa = sample_modulus(input.modulus_logs, input.campaign, sample, humidity);
     let stiffness_n_m2 = match sample.and_then(second_moment_m4) {
         // 1 MPa is 1e6 Pa.
         Some(moment_m4) => scaled(&modulus_mpa, 1e6 * moment_m4),
@@ -150,21 +150,6 @@ fn alpha(input: &TableInput, free: &[usize]) -> Estimate {
             reason: None,
         },
         _ => Estimate::not_determined("alpha is not determined"),
-    }
-}
-
-/// Levels of the sample's own logs, else of those of its material.
-fn points(input: &TableInput, sample: Option<&Sample>) -> Vec<ModulusPoint> {
-    let Some(sample) = sample else {
-        return Vec::new();
-    };
-    let own = modulus_points(input.modulus_logs, |id| id == sample.id);
-    match own.is_empty() {
-        false => own,
-        true => modulus_points(input.modulus_logs, |id| {
-            let of = input.campaign.sample(id);
-            of.is_some_and(|of| of.material == sample.material)
-        }),
     }
 }
 

@@ -1,13 +1,17 @@
 //! Cells of fitted parameters: one run's estimate as it is, several pooled, bounds and gaps with their reasons.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use super::TableInput;
 use super::table::{Cell, Column, Content, Measured, Notes, Source, SourceOrigin};
 use crate::conditions::{Condition, Conditions, Surroundings};
+use crate::figure::Figure;
+use crate::laws::doubt::Doubts;
 use crate::one_fit::SharedEstimate;
 use crate::parameters::ParameterInfo;
 use crate::pooling::{Averaging, Repeat, pooled};
+use crate::stiffness::scaled;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, RunRecord, RunState};
 
@@ -101,18 +105,19 @@ pub struct Contribution<'a> {
     /// Sample, where it is known.
     pub sample: Option<&'a str>,
     /// Its number, or why it has none.
-    pub estimate: Result<&'a Estimate, String>,
+    pub estimate: Result<Cow<'a, Estimate>, String>,
     /// Identity of a number that several runs share.
     pub shared: Option<SharedEstimate>,
 }
 
-/// What a run says of a parameter.
-pub fn contribution<'a>(run: &'a RunRecord, key: &str) -> Contribution<'a> {
+/// What a run says of a parameter, with what findings say against it.
+pub fn contribution<'a>(doubts: &Doubts, run: &'a RunRecord, key: &str) -> Contribution<'a> {
     let estimate = match &run.fit {
         None => Err(why_unfitted(run).to_owned()),
         Some(fit) if !fit.converged => Err("the fit did not converge".to_owned()),
         Some(fit) => fit
             .parameter(key)
+            .map(|own| doubts.stated(&run.path, key, own))
             .ok_or_else(|| format!("the model {} has no such parameter", fit.model)),
     };
     Contribution {
@@ -139,7 +144,9 @@ fn why_unfitted(run: &RunRecord) -> &'static str {
 
 /// The cell of a parameter over some runs.
 pub fn parameter_cell(input: &TableInput, runs: &[usize], shown: &Shown, notes: &mut Notes) -> Cell {
-    let of_runs = runs.iter().map(|&run| contribution(&input.runs[run], shown.key));
+    let of_runs = runs
+        .iter()
+        .map(|&run| contribution(input.doubts, &input.runs[run], shown.key));
     combined(&of_runs.collect::<Vec<_>>(), shown, notes)
 }
 
@@ -151,7 +158,7 @@ pub fn combined(parts: &[Contribution], shown: &Shown, notes: &mut Notes) -> Cel
     let mut counted = BTreeSet::new();
     let values: Vec<&Contribution> = parts
         .iter()
-        .filter(|part| matches!(part.estimate, Ok(estimate) if estimate.value.is_some()))
+        .filter(|part| matches!(&part.estimate, Ok(estimate) if estimate.value.is_some()))
         .filter(|part| part.shared.as_ref().is_none_or(|own| counted.insert(own)))
         .collect();
     let content = match values.as_slice() {
@@ -226,7 +233,7 @@ fn mean(parts: &[&Contribution], shown: &Shown) -> Content {
 fn without_value(parts: &[Contribution], shown: &Shown) -> Content {
     let estimates: Vec<&Estimate> = parts
         .iter()
-        .filter_map(|part| part.estimate.as_ref().ok().copied())
+        .filter_map(|part| part.estimate.as_deref().ok())
         .collect();
     if parts.is_empty() {
         return Content::Missing;
@@ -257,7 +264,7 @@ fn reasons(parts: &[Contribution], with_value: usize) -> Vec<String> {
             }),
         };
         let Some(reason) = reason else { continue };
-        let has_value = matches!(part.estimate, Ok(estimate) if estimate.value.is_some());
+        let has_value = matches!(&part.estimate, Ok(estimate) if estimate.value.is_some());
         let text = match (parts.len() > 1, has_value, with_value > 0) {
             (true, false, true) => format!("left out: {reason}"),
             _ => reason,
@@ -293,7 +300,7 @@ fn sources(parts: &[Contribution], shown: &Shown, some_have_values: bool) -> Vec
             origin: part.origin,
             name: part.name.to_owned(),
             key: Some(shown.key.to_owned()),
-            estimate: part.estimate.as_ref().ok().map(|&estimate| estimate.clone()),
+            estimate: part.estimate.as_deref().ok().cloned(),
             left_out,
         }
     };
@@ -302,14 +309,64 @@ fn sources(parts: &[Contribution], shown: &Shown, some_have_values: bool) -> Vec
 
 /// Runs as sources of a cell that takes no number from them.
 pub fn run_sources(input: &TableInput, runs: &[usize]) -> Vec<Source> {
-    let source = |&run: &usize| Source {
-        origin: SourceOrigin::Run(input.runs[run].id),
-        name: input.runs[run].path.clone(),
+    let of = |&run: &usize| run_source(input.runs[run].id, &input.runs[run].path);
+    runs.iter().map(of).collect()
+}
+
+/// A run as the source of a cell that takes no number from it.
+pub fn run_source(id: i64, path: &str) -> Source {
+    Source {
+        origin: SourceOrigin::Run(id),
+        name: path.to_owned(),
         key: None,
         estimate: None,
         left_out: None,
+    }
+}
+
+/// Columns of a list of numbers.
+pub fn figure_columns(figures: &[Figure]) -> impl Iterator<Item = Column> {
+    let of = |figure: &Figure| Column::of(figure.key, figure.symbol, figure.name, figure.unit);
+    figures.iter().map(of)
+}
+
+/// Cells of [`figure_columns`]: what a source says of each number.
+pub fn figure_cells(
+    figures: &[Figure],
+    values: &[Estimate],
+    source: &Source,
+    notes: &mut Notes,
+) -> Vec<Cell> {
+    let of = |(figure, estimate): (&Figure, &Estimate)| {
+        let source = Source {
+            key: Some(figure.key.to_owned()),
+            estimate: Some(estimate.clone()),
+            ..source.clone()
+        };
+        estimate_cell(estimate, 1.0, vec![source], notes)
     };
-    runs.iter().map(source).collect()
+    figures.iter().zip(values).map(of).collect()
+}
+
+/// The cell of one estimate in a unit that is `factor` times its own, with a footnote where it has a reason.
+pub fn estimate_cell(estimate: &Estimate, factor: f64, sources: Vec<Source>, notes: &mut Notes) -> Cell {
+    let own = scaled(estimate, factor);
+    let content = match (own.value, own.low_95, own.high_95) {
+        (Some(value), low_95, high_95) => Content::Measured(Measured {
+            value,
+            standard_error: own.standard_error,
+            low_95,
+            high_95,
+            pooled: None,
+        }),
+        (None, None, None) => Content::NotDetermined,
+        (None, low, high) => Content::Bound { low, high },
+    };
+    let cell = Cell::new(content, sources);
+    match &own.reason {
+        Some(reason) => cell.noted(notes.at(reason)),
+        None => cell,
+    }
 }
 
 /// Mean of a coefficient of determination over runs whose fits converged.

@@ -79,6 +79,7 @@ fn identity(run: &RunRecord) -> Option<SharedEstimate> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::laws::doubt::Doubts;
     use crate::tables::named;
     use ieap_domain::testing::{campaign, fit, known, run};
 
@@ -108,10 +109,13 @@ mod tests {
             spectra: &[],
             blocked: &[],
             frequency: &[],
+            model_free: &[],
+            cycles: &[],
             electrodes: &[],
             files: &[],
             comparisons: &[],
             groups: &[],
+            doubts: &Doubts::default(),
             origin: "",
         };
         for name in ["table5", "fits"] {

@@ -80,7 +80,7 @@ fn row(found: &GroupDiagnosis) -> Row {
         .collect();
     let gain = found.gain.as_ref();
     let cells = vec![
-        text(found.group.clone()),
+        text(crate::groups::title(&found.group)),
         Cell::exact(Some(found.runs.len() as f64), sources()),
         text(verdict(found)),
         text(effects.join(", ")),

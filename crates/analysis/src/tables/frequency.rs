@@ -4,7 +4,8 @@ use ieap_domain::RunRecord;
 use ieap_domain::tag::keys;
 
 use super::TableInput;
-use super::table::{Cell, Column, Content, Measured, Row, Source, SourceOrigin, Table};
+use super::cells::run_source;
+use super::table::{Cell, Column, Content, Measured, Row, Table};
 use crate::frequency::{FrequencyPoint, FrequencyRun, PerVolt};
 use ieap_domain::quantiles::NORMAL_95;
 
@@ -77,15 +78,7 @@ fn columns() -> Vec<Column> {
 }
 
 fn row(own: &FrequencyRun, run: Option<&RunRecord>, at: usize) -> Row {
-    let sources = || {
-        vec![Source {
-            origin: SourceOrigin::Run(own.run_id),
-            name: own.path.clone(),
-            key: None,
-            estimate: None,
-            left_out: None,
-        }]
-    };
+    let sources = || vec![run_source(own.run_id, &own.path)];
     let tag = |key| run.and_then(|run| run.tag(key)).map(str::to_owned);
     let (measured, modelled) = (&own.measured[at], own.modelled.get(at));
     let mut cells = vec![

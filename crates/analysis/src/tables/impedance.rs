@@ -1,13 +1,14 @@
 //! Circuits fitted to impedance spectra: one row a sweep and circuit.
 
 use super::TableInput;
-use super::table::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
+use super::cells::{Shown, estimate_cell};
+use super::table::{Cell, Column, Content, Notes, Row, Source, SourceOrigin, Table};
 use ieap_domain::tag::keys;
-use ieap_domain::{CircuitFit, Consistency, Estimate, SpectrumAnalysis, SpectrumRun};
+use ieap_domain::{CircuitFit, Consistency, SpectrumAnalysis, SpectrumRun};
 
-/// Numbers of the circuits: key of the fit, key of the column, symbol, quantity, unit, shown number per stored one.
-const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
-    (
+/// Numbers of the circuits.
+const NUMBERS: [Shown; 11] = [
+    Shown::new(
         "r1_ohm",
         "r1_ohm",
         "R₁",
@@ -15,8 +16,8 @@ const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
         "Ω",
         1.0,
     ),
-    ("c1_f", "c1_mf", "C₁", "capacitance of the first chain", "mF", 1e3),
-    (
+    Shown::new("c1_f", "c1_mf", "C₁", "capacitance of the first chain", "mF", 1e3),
+    Shown::new(
         "r2_ohm",
         "r2_ohm",
         "R₂",
@@ -24,7 +25,7 @@ const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
         "Ω",
         1.0,
     ),
-    (
+    Shown::new(
         "c2_f",
         "c2_mf",
         "C₂",
@@ -32,7 +33,7 @@ const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
         "mF",
         1e3,
     ),
-    (
+    Shown::new(
         "rss_ohm",
         "rss_kohm",
         "Rₛₛ",
@@ -40,7 +41,7 @@ const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
         "kΩ",
         1e-3,
     ),
-    (
+    Shown::new(
         "c_total_f",
         "c_total_mf",
         "C_total",
@@ -48,7 +49,7 @@ const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
         "mF",
         1e3,
     ),
-    (
+    Shown::new(
         "r_parallel_ohm",
         "r_parallel_ohm",
         "R∥",
@@ -56,7 +57,7 @@ const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
         "Ω",
         1.0,
     ),
-    (
+    Shown::new(
         "cpe_exponent",
         "cpe_exponent",
         "n",
@@ -64,7 +65,7 @@ const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
         "",
         1.0,
     ),
-    (
+    Shown::new(
         "cpe_s_sn",
         "cpe_s_sn",
         "Q",
@@ -72,7 +73,7 @@ const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
         "S sⁿ",
         1.0,
     ),
-    (
+    Shown::new(
         "rw_ohm",
         "rw_ohm",
         "R_W",
@@ -80,7 +81,7 @@ const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
         "Ω",
         1.0,
     ),
-    (
+    Shown::new(
         "cw_f",
         "cw_mf",
         "C_W",
@@ -133,11 +134,7 @@ pub fn make(input: &TableInput) -> Table {
             "Bayesian information criterion above that of the best circuit",
         ),
     ];
-    columns.extend(
-        NUMBERS
-            .iter()
-            .map(|&(_, key, symbol, quantity, unit, _)| Column::of(key, symbol, quantity, unit)),
-    );
+    columns.extend(NUMBERS.iter().map(Shown::column));
     let remark = match rows.is_empty() {
         true => "No impedance spectrum is there: put files into impedance/ or beside the runs.",
         false => {
@@ -196,37 +193,15 @@ fn row(
         Cell::new(Content::Rough(fit.residual_rms_percent, 3), sources()),
         Cell::new(Content::Rough(fit.bic_above_best, 3), sources()),
     ];
-    cells.extend(NUMBERS.iter().map(|&(key, _, _, _, _, factor)| {
-        let content = fit
-            .parameter(key)
-            .map_or(Content::Missing, |own| content(own, factor));
-        let cell = Cell::new(content, vec![source(Some(key))]);
-        let reason = fit.parameter(key).and_then(|own| own.reason.as_deref());
-        match reason {
-            Some(reason) => cell.noted(notes.at(reason)),
-            None => cell,
+    cells.extend(NUMBERS.iter().map(|shown| {
+        let sources = vec![source(Some(shown.key))];
+        match fit.parameter(shown.key) {
+            Some(own) => estimate_cell(own, shown.factor, sources, notes),
+            None => Cell::new(Content::Missing, sources),
         }
     }));
     Row {
         label: format!("{name}, {}", fit.circuit),
         cells,
-    }
-}
-
-fn content(estimate: &Estimate, factor: f64) -> Content {
-    let scaled = |number: Option<f64>| number.map(|number| number * factor);
-    match (estimate.value, estimate.low_95, estimate.high_95) {
-        (Some(value), low_95, high_95) => Content::Measured(Measured {
-            value: value * factor,
-            standard_error: scaled(estimate.standard_error),
-            low_95: scaled(low_95),
-            high_95: scaled(high_95),
-            pooled: None,
-        }),
-        (None, None, None) => Content::NotDetermined,
-        (None, low, high) => Content::Bound {
-            low: scaled(low),
-            high: scaled(high),
-        },
     }
 }

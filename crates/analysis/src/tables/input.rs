@@ -1,6 +1,9 @@
 //! What tables are made from.
 
+use crate::cycles::CycleRun;
 use crate::frequency::FrequencyRun;
+use crate::laws::doubt::Doubts;
+use crate::model_free::ModelFree;
 use crate::probe::Course;
 use ieap_domain::{
     BlockedRun, Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun,
@@ -23,12 +26,18 @@ pub struct TableInput<'a> {
     pub blocked: &'a [BlockedRun],
     /// What runs under a sine or a chirp say against frequency.
     pub frequency: &'a [FrequencyRun],
+    /// What the runs say without a model.
+    pub model_free: &'a [ModelFree],
+    /// Trains, cycle by cycle.
+    pub cycles: &'a [CycleRun],
     /// The electrodes' resistance over time, by the probe.
     pub electrodes: &'a [Course],
     /// Every file that the last scan saw.
     pub files: &'a [SourceFile],
     /// Diagnoses of groups.
     pub groups: &'a [GroupDiagnosis],
+    /// What they say against the fits of the runs.
+    pub doubts: &'a Doubts,
     /// Comparisons of models on single runs.
     pub comparisons: &'a [RunComparison],
     /// Program and state of the database, for the table's foot.

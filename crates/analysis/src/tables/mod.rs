@@ -3,6 +3,7 @@
 mod cells;
 mod chosen_columns;
 mod conditions_table;
+mod cycles;
 mod electrodes;
 mod extended;
 mod findings;
@@ -10,6 +11,7 @@ mod fits;
 mod frequency;
 mod impedance;
 mod input;
+mod model_free;
 mod models;
 pub mod moved;
 mod refused;
@@ -54,7 +56,7 @@ impl NamedTable {
 }
 
 /// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 16] = [
+pub const TABLES: [NamedTable; 19] = [
     NamedTable {
         name: "table2",
         about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
@@ -108,6 +110,24 @@ pub const TABLES: [NamedTable; 16] = [
         about: "Every run's current fit, all parameters",
         compares_materials: false,
         make: fits::make,
+    },
+    NamedTable {
+        name: "model-free",
+        about: "What every step says without a model: peak, time to it, what is lost, charge, strain rate, settling time",
+        compares_materials: false,
+        make: model_free::make,
+    },
+    NamedTable {
+        name: "energy",
+        about: "Electrical energy that went in and came back, elastic energy, efficiency, energy and power density of every step",
+        compares_materials: false,
+        make: model_free::energy,
+    },
+    NamedTable {
+        name: "cycles",
+        about: "Trains cycle by cycle: amplitude, charge in and out, coulombic efficiency, energy, alpha, resistance, with their trends",
+        compares_materials: false,
+        make: cycles::make,
     },
     NamedTable {
         name: "models",

@@ -1,9 +1,9 @@
 //! Alpha split into stiffness and coupling: alpha = mu / (E I), one row a sample, surroundings and voltage.
 
 use super::TableInput;
-use super::cells::{ALPHA, condition_columns, condition_stub, run_sources};
-use super::table::{Cell, Column, Content, Measured, Notes, Row, Source, Table};
-use crate::stiffness::{SampleRow, sample_rows, scaled};
+use super::cells::{ALPHA, condition_columns, condition_stub, estimate_cell, run_sources};
+use super::table::{Cell, Column, Content, Notes, Row, Table};
+use crate::stiffness::{SampleRow, sample_rows};
 use ieap_domain::Estimate;
 
 const MILLI: f64 = 1e3;
@@ -18,7 +18,8 @@ pub fn make(input: &TableInput) -> Table {
         let of_runs = || run_sources(input, &runs);
         let (label, mut cells) = condition_stub(input, &conditions, &conditions.measured[own.condition]);
         cells.insert(1, Cell::text(Some(own.sample.clone()), of_runs()));
-        let mut cell = |estimate: &Estimate, factor: f64| shown(estimate, factor, of_runs(), &mut notes);
+        let mut cell =
+            |estimate: &Estimate, factor: f64| estimate_cell(estimate, factor, of_runs(), &mut notes);
         cells.extend([
             cell(&own.alpha, 1.0),
             cell(&own.modulus_mpa, 1.0),
@@ -108,23 +109,4 @@ fn columns(with_force: bool) -> Vec<Column> {
         Column::plain("cause", "Alpha follows", "what changes beyond its uncertainty"),
     ]);
     columns
-}
-
-fn shown(estimate: &Estimate, factor: f64, sources: Vec<Source>, notes: &mut Notes) -> Cell {
-    let own = scaled(estimate, factor);
-    let content = match own.value {
-        Some(value) => Content::Measured(Measured {
-            value,
-            standard_error: own.standard_error,
-            low_95: own.low_95,
-            high_95: own.high_95,
-            pooled: None,
-        }),
-        None => Content::NotDetermined,
-    };
-    let cell = Cell::new(content, sources);
-    match &own.reason {
-        Some(reason) => cell.noted(notes.at(reason)),
-        None => cell,
-    }
 }

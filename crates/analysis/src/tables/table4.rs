@@ -6,6 +6,7 @@ use super::table::{Cell, Column, Content, Notes, Row, Source, SourceOrigin, Tabl
 use ieap_domain::modulus::step_keys;
 use ieap_domain::tag::keys;
 use ieap_domain::{Estimate, ModulusLog, ModulusStep};
+use std::borrow::Cow;
 
 /// Humidities that agree when rounded to this step (percentage points) are one step of the programme.
 const HUMIDITY_STEP_PERCENT: f64 = 5.0;
@@ -208,7 +209,9 @@ fn part<'a>(log: &'a ModulusLog, step: &'a ModulusStep, key: &str) -> Contributi
         name: &log.run.path,
         sample: log.run.tag(keys::SAMPLE),
         shared: None,
-        estimate: estimate.ok_or_else(|| "the log has no such number".to_owned()),
+        estimate: estimate
+            .map(Cow::Borrowed)
+            .ok_or_else(|| "the log has no such number".to_owned()),
     }
 }
 

@@ -63,7 +63,7 @@ pub fn make(input: &TableInput) -> Table {
     let mut remarks = vec![POOLED_REMARK.to_owned(), "N: samples, n: runs.".to_owned()];
     if !table.unplaced.is_empty() {
         remarks.push(format!(
-            "{} without sample, environment or held voltage left out.",
+            "{} without sample, environment or held voltage, or with fewer than 10 readings, left out.",
             match table.unplaced.len() {
                 1 => "1 run".to_owned(),
                 count => format!("{count} runs"),

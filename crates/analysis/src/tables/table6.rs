@@ -250,7 +250,7 @@ impl Place<'_> {
         let runs = self
             .runs()
             .iter()
-            .map(|&run| contribution(&self.input.runs[run], info.key));
+            .map(|&run| contribution(self.input.doubts, &self.input.runs[run], info.key));
         let mut reasons = Notes::default();
         let cell = combined(&runs.collect::<Vec<_>>(), &stored_unit, &mut reasons);
         let interval = match cell.content {

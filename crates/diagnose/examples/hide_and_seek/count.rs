@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::case::{Plan, case, diagnose, responses, true_responses};
 use crate::hidden::{HIDEABLE, Outside, apart, hidden, outside};
 use crate::oracle::oracle;
-use crate::verdicts::{Count, both};
+use crate::verdicts::{Count, in_short};
 
 /// Every effect has noise and base parameters of its own: shared ones would make one unlucky noise count as many.
 const SEEDS_OF_AN_EFFECT: usize = 1000;
@@ -27,7 +27,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
         let mut total = [0usize; 8];
         let (mut left, mut further) = (Vec::new(), 0);
         let mut all = Held::default();
-        let (mut by_rules, mut by_evidence) = (Count::default(), Count::default());
+        let mut said = Count::default();
         for (&effect, own) in HIDEABLE.iter().zip((first..).step_by(SEEDS_OF_AN_EFFECT)) {
             let id = effect.about().id;
             if !only.is_empty() && !only.iter().any(|o| o == id) {
@@ -50,8 +50,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
             let mut gains: Vec<f64> = found.iter().filter_map(|(found, ..)| gain(found)).collect();
             let worst = found.iter().map(|(_, _, apart, _)| *apart).fold(0.0, f64::max);
             for (found, applied, _, base) in &found {
-                by_rules.add(found, Some(id));
-                by_evidence.add_by_evidence(found, Some(id));
+                said.add(found, Some(id));
                 row[0] += 1;
                 if found.effects.first().is_some_and(|first| first.effect == id) {
                     match found.effects.len() {
@@ -97,7 +96,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
                     println!(
                         "    {id} d = {d} {:?} -> {}; {} {:?}",
                         applied.parameters,
-                        both(found),
+                        in_short(found),
                         found.sentence,
                         found
                             .gain
@@ -138,8 +137,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
             "all", total[0], total[1], total[2], total[3], total[4], total[5], total[6], total[7]
         );
         println!("{}", Count::heading_with("hidden, d", &[]));
-        println!("{}", by_rules.row(&format!("own, {d}")));
-        println!("{}", by_evidence.row(&format!("own, {d}, by probability")));
+        println!("{}", said.row(&format!("own, {d}")));
         let below = |limit: f64| left.iter().filter(|p| **p < limit).count() as f64 / left.len() as f64;
         println!(
             "what the truth leaves: p<0.01 {:.3}  p<0.05 {:.3}  p<0.2 {:.3}  p<0.5 {:.3} of {}; a further cause taken in {further}",
@@ -312,9 +310,9 @@ pub fn outsides(kinds: &[Outside], first: u64, count: u64, d: f64) -> [usize; 3]
             })
             .collect();
         let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
-        let mut by_evidence = Count::default();
+        let mut said = Count::default();
         for found in &found {
-            by_evidence.add_by_evidence(found, None);
+            said.add(found, None);
             *verdicts.entry(found.verdict.key()).or_default() += 1;
             show_proof(kind.0, found, false);
             if std::env::var("SHOW").as_deref() == Ok("1") {
@@ -328,7 +326,7 @@ pub fn outsides(kinds: &[Outside], first: u64, count: u64, d: f64) -> [usize; 3]
             }
         }
         println!("{:25} d {d:>4} n {:>3} {verdicts:?}", kind.0, found.len());
-        println!("{}", by_evidence.row(&format!("{}, {d}, by probability", kind.0)));
+        println!("{}", said.row(&format!("{}, {d}", kind.0)));
         let unknown = verdicts.get(Verdict::Unknown.key()).copied().unwrap_or(0);
         let named = found.iter().filter(|found| found.set.len() == 1).count();
         total = [total[0] + found.len(), total[1] + unknown, total[2] + named];

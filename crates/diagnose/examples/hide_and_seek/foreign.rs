@@ -16,7 +16,7 @@ use crate::case::{Case, Plan, case, diagnose, truly};
 use crate::hidden::{HIDEABLE, OUTSIDE, Outside, hidden_variants, scale, strength_bounds};
 use crate::nearness::cosine;
 use crate::reach::{Range, reach};
-use crate::verdicts::{Count, both};
+use crate::verdicts::{Count, in_short};
 
 /// A foreign trace is near where its cosine with one of its own effect's is above this.
 const NEAR: f64 = 0.95;
@@ -74,13 +74,11 @@ fn print_tables(all: &[Judged], strengths: &[f64]) {
     println!("{}", Count::heading_with("hidden, d", &[]));
     for kind in ["near", "far", "outside"] {
         for &d in strengths {
-            let (mut count, mut by_evidence) = (Count::default(), Count::default());
+            let mut count = Count::default();
             for judged in all.iter().filter(|judged| judged.kind == kind && judged.d == d) {
                 count.add(&judged.found, truth(judged));
-                by_evidence.add_by_evidence(&judged.found, truth(judged));
             }
             println!("{}", count.row(&format!("{kind}, {d}")));
-            println!("{}", by_evidence.row(&format!("{kind}, {d}, by probability")));
         }
     }
     let mut forms: BTreeMap<(&str, String), Count> = BTreeMap::new();
@@ -145,7 +143,7 @@ impl Cause {
             eprintln!(
                 "{} {form} {kind}, d = {d}, seed {seed}: {}; {}",
                 self.id(),
-                both(&found),
+                in_short(&found),
                 found.sentence
             );
         }

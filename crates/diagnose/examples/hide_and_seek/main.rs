@@ -127,6 +127,13 @@ fn short() {
             "{false_alarms} of 40 clean groups had p < 0.05, {named} were given a name"
         ));
     }
+    let (told, among) = nulls::of_laboratories(0, 8);
+    // Each of the three conditions is told a misfit in 5 % or fewer: of 24 that is one, and 6 would be chance in 1 of 1,000 tries.
+    if among < 24 || told > 5 {
+        failed.push(format!(
+            "of {among} clean groups beside edges, with red noise or with scatter {told} were told a misfit"
+        ));
+    }
     let ids = [
         "faradaic-leak",
         "voltage-dependent-capacitance",

@@ -123,6 +123,22 @@ pub fn own(first: u64, count: u64) -> (usize, usize) {
     (below(&found, 0.05), named.count())
 }
 
+/// Groups in which a misfit is told, among so many of each of the conditions that laboratories measure in and that the first
+/// has not.
+pub fn of_laboratories(first: u64, count: u64) -> (usize, usize) {
+    let (mut told, mut among) = (0, 0);
+    for (place, (name, plan)) in (0..).zip(conditions()) {
+        if !["beside the edges", "red noise of 30 s", "runs scatter by 1 %"].contains(&name) {
+            continue;
+        }
+        let found = diagnosed(first + APART * place, count, plan);
+        println!("{}", row(name, &found));
+        told += found.iter().filter(|found| found.verdict.is_misfit()).count();
+        among += found.len();
+    }
+    (told, among)
+}
+
 fn diagnosed(first: u64, count: u64, plan: Plan) -> Vec<GroupDiagnosis> {
     let seeds: Vec<u64> = (first..first + count).collect();
     each(&seeds, |&seed| {

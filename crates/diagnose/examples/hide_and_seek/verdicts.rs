@@ -2,20 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use ieap_diagnose::{by_evidence, set_of};
 use ieap_domain::{GroupDiagnosis, Verdict};
+use ieap_model::effects::mechanism_of;
 
 use crate::benchmark::percent;
 
-/// What the rules and the probabilities say, for a line of a log.
-pub fn both(found: &GroupDiagnosis) -> String {
-    format!(
-        "by rules {} {:?}, by probability {} {:?}",
-        found.verdict.key(),
-        found.set,
-        by_evidence(&found.posterior).key(),
-        set_of(&found.posterior)
-    )
+/// What is said, for a line of a log.
+pub fn in_short(found: &GroupDiagnosis) -> String {
+    let node = found.node.as_ref();
+    let node = node.map_or_else(String::new, |node| {
+        format!("{} {:.2}", node.path.join("/"), node.probability)
+    });
+    format!("{} {:?} {node}", found.verdict.key(), found.set)
 }
 
 /// Groups of a row.
@@ -26,61 +24,55 @@ pub struct Count {
     seen: usize,
     /// Groups with the truth among the causes given.
     within: usize,
-    /// The truth alone, and one wrong name: outright `named`, and under any other verdict but `unknown`.
-    alone: [usize; 2],
-    wrong: [usize; 2],
+    /// Groups whose node the truth lies under, by the node's depth: a list without a node, a place, a mechanism, an effect.
+    right: [usize; 4],
+    /// Groups whose node it does not lie under, likewise; several names of which one is wrong count as a wrong effect.
+    wrong: [usize; 4],
     verdicts: BTreeMap<&'static str, usize>,
     /// Wrong names.
     called: BTreeMap<String, usize>,
 }
 
+/// The way to an effect from the root of the tree of causes.
+fn path_of(id: &str) -> Vec<String> {
+    mechanism_of(id).map_or_else(Vec::new, |own| {
+        vec![own.site.name().to_owned(), own.id.to_owned(), id.to_owned()]
+    })
+}
+
 impl Count {
     /// Adds a group in which `truth` is hidden, or nothing that has a name.
     pub fn add(&mut self, found: &GroupDiagnosis, truth: Option<&str>) {
-        self.add_said(found, (found.verdict, &found.set), truth);
-    }
-
-    /// The same, judged by the probabilities of what may be behind the misfit where it is claimed.
-    pub fn add_by_evidence(&mut self, found: &GroupDiagnosis, truth: Option<&str>) {
-        if found.posterior.is_empty() {
-            return self.add(found, truth);
-        }
-        let set = set_of(&found.posterior);
-        self.add_said(found, (by_evidence(&found.posterior), &set), truth);
-    }
-
-    fn add_said(
-        &mut self,
-        found: &GroupDiagnosis,
-        (verdict, set): (Verdict, &[String]),
-        truth: Option<&str>,
-    ) {
         self.groups += 1;
         self.seen += usize::from(found.p_misfit.is_some_and(|p| p < 0.05));
-        *self.verdicts.entry(verdict.key()).or_default() += 1;
-        if verdict == Verdict::Unknown {
+        *self.verdicts.entry(found.verdict.key()).or_default() += 1;
+        if found.set.is_empty() {
             return;
         }
-        let is_truth = |id: &String| Some(id.as_str()) == truth;
-        self.within += usize::from(set.iter().any(is_truth));
-        if let [one] = set {
-            let how = usize::from(verdict != Verdict::Named);
-            if is_truth(one) {
-                self.alone[how] += 1;
-            } else {
-                self.wrong[how] += 1;
-                *self.called.entry(one.clone()).or_default() += 1;
-            }
+        let within = found.set.iter().any(|id| Some(id.as_str()) == truth);
+        self.within += usize::from(within);
+        let named = found.verdict == Verdict::Named;
+        let (depth, is_right) = match (&found.node, named) {
+            (_, true) => (3, found.set.iter().all(|id| Some(id.as_str()) == truth)),
+            (None, false) => (0, within),
+            (Some(node), false) => (node.depth, path_of(truth.unwrap_or("")).starts_with(&node.path)),
+        };
+        match is_right {
+            true => self.right[depth] += 1,
+            false => self.wrong[depth] += 1,
+        }
+        if named && !is_right {
+            *self.called.entry(found.set.join(" + ")).or_default() += 1;
         }
     }
 
     /// Heading of a table whose first column is `first`, with further columns at its end.
     pub fn heading_with(first: &str, further: &[&str]) -> String {
         let verdicts = Verdict::ALL.map(Verdict::key);
-        let rule = "---|".repeat(8 + verdicts.len() + further.len());
+        let rule = "---|".repeat(12 + verdicts.len() + further.len());
         let further: String = further.iter().map(|name| format!(" {name} |")).collect();
         format!(
-            "| {first} | groups | seen, % | truth in the causes given, % | right and alone: `named`, % | by another verdict, % | one wrong name: `named`, % | by another verdict, % | {}, % |{further}\n|{rule}",
+            "| {first} | groups | seen, % | truth in the causes given, % | right: effect, % | mechanism, % | place, % | list, % | wrong: effect, % | mechanism, % | place, % | list, % | {}, % |{further}\n|{rule}",
             verdicts.join(", % | ")
         )
     }
@@ -88,16 +80,11 @@ impl Count {
     /// A row of it.
     pub fn row(&self, first: &str) -> String {
         let of_verdict = |verdict: Verdict| self.verdicts.get(verdict.key()).copied().unwrap_or(0);
-        let numbers = [
-            self.seen,
-            self.within,
-            self.alone[0],
-            self.alone[1],
-            self.wrong[0],
-            self.wrong[1],
-        ];
+        let numbers = [self.seen, self.within];
+        let nodes = self.right.iter().rev().chain(self.wrong.iter().rev()).copied();
         let cells: Vec<String> = numbers
             .into_iter()
+            .chain(nodes)
             .chain(Verdict::ALL.map(of_verdict))
             .map(|part| percent(part, self.groups))
             .collect();
@@ -118,7 +105,7 @@ impl Count {
             self.groups,
             self.seen,
             self.within,
-            self.alone[0] + self.alone[1],
+            self.right[3],
             verdict(Verdict::Unknown),
             self.called()
         )
@@ -127,7 +114,7 @@ impl Count {
     /// Heading of such rows.
     pub fn short_heading(first: &str) -> String {
         format!(
-            "| {first} | groups | seen | truth given | alone | unknown | one wrong name |\n|{}",
+            "| {first} | groups | seen | truth given | named rightly | unknown | named wrongly |\n|{}",
             "---|".repeat(7)
         )
     }

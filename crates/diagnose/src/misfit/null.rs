@@ -263,16 +263,6 @@ impl Null {
         self.bin_units.iter().map(score).collect()
     }
 
-    /// Number of bins that are independent of each other.
-    pub(crate) fn independent_bins(&self) -> usize {
-        self.pivots.len()
-    }
-
-    /// Number of answers to edges that are asked.
-    pub(crate) fn edge_responses(&self) -> usize {
-        self.uses_bin().filter(|used| *used).count() - self.timed_bins
-    }
-
     /// Probability of a gain at least as large by chance, over all candidates: never 0.
     pub(crate) fn p_of_gain(&self, gain: f64) -> f64 {
         let above = self.draws.iter().filter(|draw| draw.candidate >= gain).count();
@@ -289,9 +279,16 @@ impl Null {
     /// Probability of residuals at least as bad by chance, by the smallest weighted p of the statistics, read as the
     /// calibration says. It is never smaller than the draws can tell.
     pub(crate) fn p_misfit(&self, observed: &Statistics, calibration: Option<&Calibration>) -> f64 {
+        let read = self.p_beyond_draws(observed, calibration);
+        read.max(1.0 / (1 + self.draws.len()) as f64)
+    }
+
+    /// The same going on below what the draws can tell as the statistics' own tails do: for where several p are taken
+    /// together.
+    pub(crate) fn p_beyond_draws(&self, observed: &Statistics, calibration: Option<&Calibration>) -> f64 {
         let own = self.unbounded_p(observed);
         let read = calibration.map_or(own, |calibration| calibration.calibrated(own));
-        read.clamp(1.0 / (1 + self.draws.len()) as f64, 1.0)
+        read.clamp(0.0, 1.0)
     }
 
     /// The same before it is calibrated, going on below what the draws can tell as the statistics' own tails do.

@@ -1,19 +1,22 @@
 //! The finding about a group, put together.
 
 mod causes;
+mod effects;
 mod forms;
 mod sentence;
-mod sets;
 
 use ieap_domain::{
     DiagnosisNoise, EffectFinding, GroupDiagnosis, MisfitPercent, Parameter, ParameterScatter,
-    ParameterShift, ResidualCurve, StrengthProfile, Verdict,
+    ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict,
 };
 
 use crate::cause::between::refused_in_words;
-use crate::cause::evidence::{Asked, of_one_name, weigh};
+use crate::cause::decide::{Facts, decide, differ};
+use crate::cause::evidence::{Asked, SURE, Standing, weigh};
+use crate::cause::lead::{Lead, Settled};
 use crate::cause::proof::held_out::Part;
 use crate::cause::select::Selection;
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
 use crate::levels::{RIGHT, VISIBLE_PERCENT, WRONG};
@@ -24,9 +27,11 @@ use crate::misfit::signature::{Direction, Signature};
 use crate::misfit::visible::visible_percent;
 use crate::misfit::whereabouts::whereabouts;
 use crate::options::DiagnoseOptions;
+use crate::outcome::alone::{alone, are_described, in_words as alone_in_words};
 use crate::outcome::gain::gain;
 use crate::outcome::next_run::next_run;
 use crate::outcome::noise_words::{beside_scatter, of_scatter, of_slow_noise};
+use crate::outcome::varying;
 use crate::readings::drawn::{drawn, paired};
 use crate::readings::group::{RunGroup, RunInput, channel_name};
 use crate::readings::tags::not_asked;
@@ -34,10 +39,6 @@ use ieap_model::effects::effect;
 use ieap_numerics::random_effects::Spread;
 use ieap_numerics::sums::dot;
 
-/// Where a misfit is left, a first cause that explains less than this part of everything names nothing: a cause that no
-/// library holds finds a likeness in it. Of 20 plays of the charge of 16 standard deviations 2 were explained to more than
-/// this by one cause; ceramic capacitors and an electrolysis cell, whose causes are known, are to 0.97 and more.
-const MOST_OF_IT: f64 = 0.9;
 /// Spikes beyond this part of the readings make the readings themselves the problem.
 const SPIKED: f64 = 0.05;
 
@@ -107,7 +108,11 @@ impl<'g> FindingBuilder<'_, 'g> {
     }
 
     /// With what the selection found.
-    pub(crate) fn with_cause(&self, selection: &Selection<'g>) -> GroupDiagnosis {
+    pub(crate) fn with_cause(
+        &self,
+        input: &SelectionInput<'_, 'g>,
+        selection: &Selection<'g>,
+    ) -> GroupDiagnosis {
         let mut found = self.frame();
         let weighed = weigh(&Asked {
             group: self.group,
@@ -115,109 +120,100 @@ impl<'g> FindingBuilder<'_, 'g> {
             selection,
             model: self.options.model,
         });
-        found.posterior = weighed.posterior;
-        found.differs = weighed.differs;
-        found.remarks.extend(refused_in_words(&selection.dealt));
-        let model = &selection.model;
-        let taken: Vec<&'static str> = model
-            .problem
-            .effects
-            .iter()
-            .map(|free_effect| free_effect.effect.about().id)
-            .collect();
-        let total = self.base.square - model.square;
-        let passed = selection
-            .held_out
+        // Where parameters that differ carry weight, each run by itself must be described by its own.
+        let first = weighed.posterior(Standing::ALL);
+        let may_differ = differ(&first) > 1.0 - SURE;
+        let mut runs_alone = may_differ.then(|| self.alone());
+        let is_described = runs_alone.as_deref().is_some_and(are_described);
+        let Settled { lead, posterior } = input.settled(&weighed, is_described);
+        if differ(&posterior) > 1.0 - SURE
+            && let Some(varying) = &weighed.varying
+        {
+            found.differs = varying.told(self.group, self.base);
+        }
+        let predicts = lead
             .as_ref()
-            .is_some_and(|held_out| held_out.passed(total));
-        let mut sets = self.sets(selection);
-        found.candidates = self.candidates(selection, passed);
+            .is_some_and(|lead| lead.held_out.passed(self.gain_of(lead)));
+        let ids = lead.as_ref().map_or_else(Vec::new, Lead::ids);
+        let decision = decide(&Facts {
+            posterior: &posterior,
+            lead: &ids,
+            is_adequate: lead.as_ref().is_some_and(Lead::is_adequate),
+            explains_most: lead.as_ref().is_some_and(|lead| self.explains_most(lead)),
+            predicts,
+        });
+        found.posterior = posterior;
+        found.verdict = decision.verdict;
+        found.set = decision.set;
+        found.node = decision.node;
+        if self.is_spiked() {
+            (found.verdict, found.node) = (Verdict::DataProblem, None);
+            found.set.clear();
+        }
+        found.remarks.extend(refused_in_words(&selection.dealt));
+        found.candidates = self.candidates(selection, lead.as_ref(), found.verdict.extends_the_model());
         let candidates = selection.steps.first().map_or(&[][..], |step| &step.candidates);
         found.confusable = self.confusable(candidates.iter().map(|candidate| candidate.direction));
-        found.p_leftover = (!taken.is_empty()).then_some(selection.p_leftover);
-        let rest = (selection.leftover.together - self.expected_together())
-            .max(selection.leftover.candidate)
-            .max(selection.leftover.edge_responses - self.null.edge_responses() as f64)
-            .max(0.0);
-        let first = match &selection.proved {
-            Some(_) => total,
-            None => selection
-                .steps
-                .first()
-                .and_then(|step| step.candidates.first())
-                .map_or(0.0, |candidate| candidate.gain),
-        };
-        let explained = first / (total + rest).max(1e-300);
-        found.verdict = match () {
-            () if self.is_spiked() => Verdict::DataProblem,
-            () if taken.is_empty() || !passed || !self.determines(model) => Verdict::Unknown,
-            () if selection.p_leftover < WRONG && explained < MOST_OF_IT => Verdict::Unknown,
-            () if selection.p_leftover < WRONG => Verdict::Partial,
-            () if sets.iter().any(|set| set.len() > 1) => Verdict::Set,
-            () => one_name(Some(selection.p_leftover)),
-        };
-        if let (Verdict::Named, [names]) = (found.verdict, sets.as_mut_slice()) {
-            let (verdict, others) = of_one_name(names[0], &found.posterior);
-            found.verdict = verdict;
-            names.extend(others.iter().filter_map(|id| Some(effect(id)?.about().id)));
+        if let Some(lead) = lead.as_ref().filter(|_| found.verdict != Verdict::Varies) {
+            self.add_lead(&mut found, selection, lead);
         }
-        if found.verdict != Verdict::Unknown && found.verdict != Verdict::DataProblem {
-            let forms = self.other_forms(model);
-            let profiles = profiles(self.group, model);
-            found.effects = self.findings(selection, &sets, &profiles, &forms);
-            let is_strength = |profile: &StrengthProfile| {
-                let about = effect(&profile.effect).map(|effect| effect.about());
-                about.is_some_and(|about| about.parameters[0].key == profile.key)
-            };
-            found.profiles = profiles.into_iter().filter(is_strength).collect();
-            found.remarks.extend(in_words(&found.effects, &forms));
-            let mut members: Vec<String> = Vec::new();
-            for id in sets.iter().flatten() {
-                if !members.iter().any(|other| other == id) {
-                    members.push((*id).to_owned());
-                }
-            }
-            found.set = members;
-            found.shifts = self.shifts(model);
-            found.next_run = self.next_run(selection, &sets);
+        match found.verdict {
+            Verdict::Varies => varying::say(&mut found, runs_alone.as_deref().unwrap_or_default()),
+            _ => found.sentence = self.sentence(&found, &ids, predicts),
         }
-        found.gain = selection
-            .held_out
-            .as_ref()
-            .map(|held_out| gain(self.group, self.base, model, held_out));
-        if !taken.is_empty() {
-            found.residuals = paired(std::mem::take(&mut found.residuals), &self.drawn(model));
+        if found.verdict == Verdict::Unknown && self.group.runs.len() > 1 {
+            let alone = runs_alone.get_or_insert_with(|| self.alone());
+            found.remarks.extend(alone_in_words(alone));
         }
-        if let Some(held_out) = &selection.held_out {
-            let of = |parts: &[Part]| {
-                parts
-                    .iter()
-                    .flat_map(|part| part.curves.clone())
-                    .collect::<Vec<_>>()
-            };
-            found.held_out_residuals = paired(of(&held_out.before), &of(&held_out.after));
+        if matches!(found.verdict, Verdict::Varies | Verdict::Unknown) {
+            found.alone = runs_alone.unwrap_or_default();
         }
-        found.sentence = self.sentence(&found, &taken, passed);
         found
     }
 
-    /// Whether the readings tell the strength of the effect from none. Of several effects none is there whose leaving
-    /// out would not cost much more than chance: a strength that is drawn towards none only by the uncertain shape of
-    /// another is no doubt of it.
-    fn determines(&self, model: &Fitted) -> bool {
-        let [free_effect] = model.problem.effects.as_slice() else {
-            return true;
+    /// Every run by itself.
+    fn alone(&self) -> Vec<RunAlone> {
+        let given: Vec<RunInput> = self.group.runs.iter().map(|run| run.given).collect();
+        alone(&given, self.options)
+    }
+
+    /// Fall of the sum of squares by what leads.
+    fn gain_of(&self, lead: &Lead) -> f64 {
+        self.base.square - lead.model.square
+    }
+
+    /// Whether it takes more than half of what the base leaves beyond noise.
+    fn explains_most(&self, lead: &Lead) -> bool {
+        self.gain_of(lead) > 0.5 * (self.base.square - self.group.rows() as f64)
+    }
+
+    /// What the leading explanation is worth; and where it is told, what it is.
+    fn add_lead(&self, found: &mut GroupDiagnosis, selection: &Selection<'g>, lead: &Lead<'g>) {
+        let model = &lead.model;
+        found.p_leftover = Some(lead.p_leftover);
+        found.gain = Some(gain(self.group, self.base, model, &lead.held_out));
+        found.residuals = paired(std::mem::take(&mut found.residuals), &self.drawn(model));
+        let of = |parts: &[Part]| {
+            parts
+                .iter()
+                .flat_map(|part| part.curves.clone())
+                .collect::<Vec<_>>()
         };
-        let parameters = model.effect_parameters(self.group);
-        let strength = parameters[0].first().map(|parameter| &parameter.estimate);
-        let interval = strength.and_then(|estimate| estimate.low_95.zip(estimate.high_95));
-        // A logarithm never reaches none, and where a shape is sought beside the strength it can make up for any strength
-        // but none: there the gain alone decides.
-        let limits = free_effect.limits[0];
-        limits.held
-            || limits.logarithmic
-            || free_effect.free() > 1
-            || interval.is_some_and(|(low, high)| low * high > 0.0)
+        found.held_out_residuals = paired(of(&lead.held_out.before), &of(&lead.held_out.after));
+        if !found.verdict.extends_the_model() {
+            return;
+        }
+        let forms = self.other_forms(model);
+        let profiles = profiles(self.group, model);
+        found.effects = self.findings(selection, model, &found.set, &profiles, &forms);
+        let is_strength = |profile: &StrengthProfile| {
+            let about = effect(&profile.effect).map(|effect| effect.about());
+            about.is_some_and(|about| about.parameters[0].key == profile.key)
+        };
+        found.profiles = profiles.into_iter().filter(is_strength).collect();
+        found.remarks.extend(in_words(&found.effects, &forms));
+        found.shifts = self.shifts(model);
+        found.next_run = self.next_run(selection, &found.set);
     }
 
     /// Everything that does not depend on a cause.
@@ -309,10 +305,6 @@ impl<'g> FindingBuilder<'_, 'g> {
         spikes as f64 > SPIKED * readings.max(1) as f64
     }
 
-    fn expected_together(&self) -> f64 {
-        self.null.independent_bins() as f64
-    }
-
     fn shifts(&self, model: &Fitted) -> Vec<ParameterShift> {
         let after = model.base_parameters();
         let of = |(key, before, _): (String, f64, f64)| {
@@ -327,17 +319,12 @@ impl<'g> FindingBuilder<'_, 'g> {
         self.base.base_parameters().into_iter().filter_map(of).collect()
     }
 
-    fn next_run(
-        &self,
-        selection: &Selection<'g>,
-        sets: &[Vec<&'static str>],
-    ) -> Option<ieap_domain::NextRun> {
-        let set = sets.iter().find(|set| set.len() > 1)?;
+    fn next_run(&self, selection: &Selection<'g>, set: &[String]) -> Option<ieap_domain::NextRun> {
         let step = selection.steps.first()?;
         let fitted = step
             .candidates
             .iter()
-            .filter(|candidate| set.contains(&candidate.effect));
+            .filter(|candidate| set.iter().any(|id| id == candidate.effect));
         let members: Vec<(&'static str, &Fitted)> = fitted
             .filter_map(|candidate| Some((candidate.effect, candidate.fitted.as_ref()?)))
             .take(5)
@@ -377,14 +364,6 @@ fn error_words(visible: MisfitPercent) -> String {
 fn short(percent: f64) -> String {
     let decimals = (1 - percent.abs().max(1e-9).log10().floor() as i32).max(0);
     format!("{percent:.*}", decimals as usize)
-}
-
-/// A cause is the one name where nothing else may be left; none where that was not asked.
-pub(crate) fn one_name(p_leftover: Option<f64>) -> Verdict {
-    match p_leftover {
-        Some(p) if p < RIGHT => Verdict::Partial,
-        _ => Verdict::Named,
-    }
 }
 
 /// What is said of forms of the first effect that explain the readings as well.

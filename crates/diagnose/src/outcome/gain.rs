@@ -2,9 +2,9 @@
 
 use ieap_domain::{Gain, HeldOutGain, Prediction};
 
+use crate::cause::lead::HeldOut;
 use crate::cause::proof::held_out::{self, Deviations, Part};
 use crate::cause::proof::later::later_parts;
-use crate::cause::select::HeldOut;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
 use crate::readings::quantities::{self, NAMES, Predicted};

@@ -3,12 +3,13 @@
 //! In current and mean curvature the resistance looks like other causes. Places along the strip tell: they differ, and
 //! some follow later, as no cause of the strip as a whole makes them.
 
+use crate::cause::decide::{leaf, of_one};
+use crate::cause::evidence::SURE;
 use crate::extended::leftover::p_leftover;
-use crate::levels::WRONG;
+use crate::levels::RIGHT;
 use crate::options::DiagnoseOptions;
-use crate::outcome::finding::one_name;
 use crate::readings::group::RunInput;
-use ieap_domain::{EffectFinding, GroupDiagnosis, Parameter, Verdict};
+use ieap_domain::{EffectFinding, GroupDiagnosis, Hypothesis, Parameter, Verdict};
 use ieap_fit::distributed::{Decision, LumpedOrDistributed};
 use ieap_model::effects::effect;
 
@@ -107,6 +108,7 @@ fn proved(
     }
     found.next_run = None;
     found.set = vec![ID.to_owned()];
+    found.node = Some(leaf(ID, 1.0 - p));
     // A misfit in time that no cause of the library was named for may be that of the resistance.
     let was_left = matches!(found.verdict, Verdict::Unknown | Verdict::Partial);
     if was_left && !fitted {
@@ -114,20 +116,19 @@ fn proved(
     }
     found.verdict = match found.p_leftover {
         None if was_left => Verdict::Partial,
-        left => one_name(left),
+        left => of_one(left),
     };
     let summary = effect(ID).map_or("", |effect| effect.about().summary);
     found.sentence = format!(
         "The simulation misses {ID} ({summary}): places along the strip tell it from every cause of the strip as a whole, {}.",
         chance(p)
     );
-    if found.verdict == Verdict::Partial {
-        found.sentence += match found.p_leftover {
-            Some(p) if p < WRONG => " A misfit of another kind is left.",
-            Some(_) => " A misfit of another kind may be left.",
-            None => " Whether a misfit of another kind is left could not be asked.",
-        };
-    }
+    found.sentence += match (found.verdict, found.p_leftover) {
+        (Verdict::Partial, Some(_)) => " A misfit of another kind is left.",
+        (Verdict::Partial, None) => " Whether a misfit of another kind is left could not be asked.",
+        (_, Some(p)) if p < RIGHT => " A misfit of another kind may be left.",
+        _ => "",
+    };
     found
 }
 
@@ -161,10 +162,23 @@ fn unseen(mut found: GroupDiagnosis, asked: &[(&PlacesOfRun, f64)]) -> GroupDiag
         [only] => format!(" Places along the strip do not differ: it is {only}, not {ID}."),
         _ => format!(" Places along the strip do not differ: it is not {ID}."),
     };
-    if found.verdict == Verdict::Set && found.set.len() == 1 {
-        found.verdict = one_name(found.p_leftover);
+    if let (Verdict::Set, [only]) = (found.verdict, found.set.as_slice()) {
+        let probability = without(&found, only);
+        if probability >= SURE {
+            found.verdict = of_one(found.p_leftover);
+            found.node = Some(leaf(only, probability));
+        }
     }
     found
+}
+
+/// Probability of a cause where it is known that the electrodes do not resist.
+fn without(found: &GroupDiagnosis, id: &str) -> f64 {
+    let holds = |own: &&Hypothesis, id: &str| own.effects.iter().any(|other| other == id);
+    let left = || found.posterior.iter().filter(|own| !holds(own, ID));
+    let own: f64 = left().filter(|own| holds(own, id)).map(|own| own.mass).sum();
+    let all: f64 = left().map(|own| own.mass).sum();
+    if all > 0.0 { own / all } else { 1.0 }
 }
 
 #[cfg(test)]
@@ -215,7 +229,7 @@ mod tests {
             (
                 Verdict::Partial,
                 Some(0.03),
-                Verdict::Partial,
+                Verdict::Named,
                 "of another kind may be left.",
             ),
             (Verdict::Unknown, None, Verdict::Partial, "could not be asked"),

@@ -1,67 +1,27 @@
 //! What is said where the parameters of a group differ between its runs, and nothing else is wrong.
 
-use ieap_domain::diagnosis::follows_a_tag;
-use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue, Verdict};
+use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue};
 
-use crate::cause::evidence::{by_evidence, set_of};
 use crate::levels::WRONG;
 
-/// Whether parameters that differ are what is behind the misfit. A cause that explains it all and clearly predicts runs
-/// which it has not seen stands: what differs freely predicts none. One that leaves a misfit yields to what leaves none.
-/// That a parameter follows a tag is said in those words already.
-pub(crate) fn leads(found: &GroupDiagnosis) -> bool {
-    let explains = matches!(found.verdict, Verdict::Named | Verdict::Set | Verdict::Resembles);
-    let is_proved = explains && found.gains_clearly();
-    let is_told = found.effects.iter().any(|own| follows_a_tag(&own.effect));
-    by_evidence(&found.posterior) == Verdict::Varies && !found.differs.is_empty() && !is_proved && !is_told
-}
-
-/// Below this chance, of all runs together, a run by itself is not described either. It is ten times rarer than what a group
-/// is called wrong by: a campaign has tens of groups, and that runs differ is plain where it is told.
-const NOT_DESCRIBED: f64 = 1e-3;
-
-/// Whether each run by itself is described: the smallest p of all runs is no smaller than chance makes the smallest of so
-/// many.
-pub(crate) fn are_described(per_run: &[RunAlone]) -> bool {
-    let smallest = per_run.iter().filter_map(|run| run.p_misfit).fold(1.0, f64::min);
-    per_run.iter().all(|run| run.p_misfit.is_some()) && smallest * per_run.len() as f64 >= NOT_DESCRIBED
-}
-
 /// Runs that by themselves leave more than a single one is called right by, with their p.
-fn doubted(per_run: &[RunAlone]) -> impl Iterator<Item = (&str, f64)> {
+fn doubted(alone: &[RunAlone]) -> impl Iterator<Item = (&str, f64)> {
     let low = |run: &RunAlone| run.p_misfit.filter(|p| *p < WRONG);
-    per_run
+    alone
         .iter()
         .filter_map(move |run| Some((run.run.as_str(), low(run)?)))
 }
 
-fn doubts(per_run: &[RunAlone]) -> Vec<String> {
-    doubted(per_run)
+fn doubts(alone: &[RunAlone]) -> Vec<String> {
+    doubted(alone)
         .map(|(run, p)| format!("{run} leaves more than noise by itself, or chance did (p = {p:.3})"))
         .collect()
 }
 
-/// Makes it the finding, in the place of what the group as one set would have been said to lack.
-pub(crate) fn say(found: &mut GroupDiagnosis, per_run: &[RunAlone]) {
-    found.verdict = Verdict::Varies;
-    found.set = set_of(&found.posterior);
-    found.sentence = sentence(found, doubted(per_run).count());
-    found.remarks.extend(doubts(per_run));
-    found.effects.clear();
-    found
-        .candidates
-        .iter_mut()
-        .for_each(|candidate| candidate.accepted = false);
-    found.profiles.clear();
-    found.shifts.clear();
-    found.p_leftover = None;
-    found.gain = None;
-    found.next_run = None;
-    found.held_out_residuals.clear();
-    found
-        .residuals
-        .iter_mut()
-        .for_each(|curve| curve.after_sigma.clear());
+/// Says it of a group whose runs by themselves leave what `alone` says.
+pub(crate) fn say(found: &mut GroupDiagnosis, alone: &[RunAlone]) {
+    found.sentence = sentence(found, doubted(alone).count());
+    found.remarks.extend(doubts(alone));
 }
 
 /// Parameters whose courses are told; the others are named.
@@ -220,31 +180,30 @@ mod tests {
     }
 
     #[test]
-    fn runs_are_described_unless_one_of_them_is_worse_than_chance_makes_one() {
+    fn a_run_that_leaves_more_than_noise_by_itself_is_said() {
         let run = |p: f64| RunAlone {
             run: "a".into(),
-            verdict: Verdict::Consistent,
-            gains_clearly: true,
             p_misfit: Some(p),
-            set: Vec::new(),
         };
-        assert!(are_described(&[run(0.02), run(0.6), run(0.9)]));
-        assert!(!are_described(&[run(0.0003), run(0.6), run(0.9)]));
-        assert_eq!(doubts(&[run(0.003), run(0.6)]).len(), 1);
-        let mut found =
-            GroupDiagnosis::data_problem("g", vec!["a".into(), "b".into()], "lumped-2", String::new());
-        say(&mut found, &[run(0.003), run(0.6)]);
+        let said = |alone: &[RunAlone]| {
+            let mut found =
+                GroupDiagnosis::data_problem("g", vec!["a".into(), "b".into()], "lumped-2", String::new());
+            say(&mut found, alone);
+            found
+        };
+        let doubted = said(&[run(0.003), run(0.6)]);
         assert!(
-            found.sentence.starts_with("1 of 2 runs are described"),
+            doubted.sentence.starts_with("1 of 2 runs are described"),
             "{}",
-            found.sentence
+            doubted.sentence
         );
-        assert_eq!(found.remarks.len(), 1);
-        say(&mut found, &[run(0.3), run(0.6)]);
+        assert_eq!(doubted.remarks.len(), 1);
+        let right = said(&[run(0.3), run(0.6)]);
         assert!(
-            found.sentence.starts_with("Each of the 2 runs is described"),
+            right.sentence.starts_with("Each of the 2 runs is described"),
             "{}",
-            found.sentence
+            right.sentence
         );
+        assert!(right.remarks.is_empty());
     }
 }

@@ -3,13 +3,13 @@
 use super::*;
 
 /// Runs of samples with parameters of their own, each under its drive, named in order.
-fn differing(own: &[(LumpedModel, Levels)], seed: u64) -> Vec<Runs> {
+pub(super) fn differing(own: &[(LumpedModel, Levels)], seed: u64) -> Vec<Runs> {
     let each = own.iter().enumerate();
     each.map(|(k, (base, drive))| Runs::beside(base, &[], &[*drive], 1000 * seed + k as u64))
         .collect()
 }
 
-fn diagnosed(runs: &[Runs]) -> GroupDiagnosis {
+pub(super) fn diagnosed(runs: &[Runs]) -> GroupDiagnosis {
     const NAMES: [&str; 6] = ["a", "b", "c", "d", "e", "f"];
     let inputs: Vec<RunInput> = runs
         .iter()

@@ -91,7 +91,7 @@ fn sought(found: &Identified) -> Option<Found> {
     let p = chance(largest, alike, fitted.freedom);
     let broken = ContactBreak {
         p,
-        gain: product(&residuals, &residuals) - fitted.square,
+        gain: even.square(&at) - fitted.square,
         length_cm: input.strip.length_cm,
         fitted,
     };

@@ -39,9 +39,9 @@ impl Described {
 }
 
 /// The model with these electrical parameters (logarithms of R_c in Ohm cm, C in F/cm, R_ss in Ohm cm and, where the
-/// strip does not state it, R_e in Ohm/cm) and a coupling of one.
+/// strip does not state it as exact, R_e in Ohm/cm) and a coupling of one.
 pub(super) fn model_of(strip: &Strip, electrical: &[f64], relaxation_rate_per_s: f64) -> DistributedModel {
-    let given = strip.electrode_resistance_ohm_per_sq.map(|r| r / strip.width_cm);
+    let given = strip.held_ohm_per_cm();
     DistributedModel {
         branch_resistance_ohm_cm: electrical[0].exp(),
         capacitance_f_per_cm: electrical[1].exp(),
@@ -55,7 +55,7 @@ pub(super) fn model_of(strip: &Strip, electrical: &[f64], relaxation_rate_per_s:
 
 /// Number of electrical parameters that are fitted.
 pub(super) fn electrical_parameters(strip: &Strip) -> usize {
-    3 + usize::from(strip.electrode_resistance_ohm_per_sq.is_none())
+    3 + usize::from(strip.held_ohm_per_cm().is_none())
 }
 
 /// The strip by its electrical parameters alone, which bend nothing.

@@ -52,7 +52,7 @@ pub(super) fn starts(input: &DistributedInput, readings: &Readings) -> Vec<Vec<f
                 let along = given.unwrap_or(branch * reach * reach / (length_cm * length_cm));
                 let capacitance = part * duration_s / branch;
                 let mut start = vec![branch.ln(), capacitance.ln(), (steady * branch).ln()];
-                if given.is_none() {
+                if electrical_parameters(&input.strip) > 3 {
                     start.push(along.ln());
                 }
                 starts.push(start);

@@ -59,7 +59,7 @@ pub(super) fn parameters(found: &Identified) -> Vec<Parameter> {
 /// `R_e L^2` over the resistance across the laminate of that index: R_c, or R_ss.
 fn reach(found: &Identified, across: usize) -> Estimate {
     let strip = &found.input.strip;
-    let given = strip.electrode_resistance_ohm_per_sq.map(|r| r / strip.width_cm);
+    let given = strip.held_ohm_per_cm();
     let mut weights = vec![0.0; found.electrical.at.len()];
     weights[across] = -1.0;
     if electrical_parameters(strip) > 3 {
@@ -122,9 +122,11 @@ fn steady(estimate: Estimate, fitted: &Fitted, width_cm: f64) -> Estimate {
 
 /// R_e as it was given, or as it was found.
 pub(super) fn electrode_resistance(found: &Identified) -> Estimate {
-    match found.input.strip.electrode_resistance_ohm_per_sq {
+    let strip = &found.input.strip;
+    match strip.electrode_resistance_ohm_per_sq {
         _ if found.is_relative => Estimate::not_determined(NO_SCALE),
-        Some(given) => given_resistance(given, found.input.strip.electrode_resistance_error_ohm_per_sq),
+        Some(_) if strip.probed().is_some() => positive(&found.electrical, 3, strip.width_cm),
+        Some(given) => given_resistance(given, None),
         None => along(found, positive(&found.electrical, 3, found.input.strip.width_cm)),
     }
 }

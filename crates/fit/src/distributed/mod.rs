@@ -1,7 +1,7 @@
 //! Identification of the distributed model from the current and from voltages and curvatures measured along the strip,
 //! in the thesis's three phases or jointly.
 //!
-//! Phases: R_e is given or fitted; C, R_c and R_ss follow from the voltages along the strip and the current; mu and
+//! Phases: R_e is given as exact, given as one more reading with its error, or fitted; C, R_c and R_ss follow from the voltages along the strip and the current; mu and
 //! lambda from the curvatures, with those fixed. Jointly all follow from all readings, each weighted by its noise, as
 //! they must where curvatures are all there is.
 
@@ -9,6 +9,7 @@ mod along;
 mod break_search;
 mod common_error;
 mod contact_break;
+mod contradiction;
 mod decision;
 mod described;
 mod electrical;
@@ -32,8 +33,11 @@ mod unevenness;
 
 use ieap_domain::{Fit, Level};
 
+use crate::edges::EdgeTimes;
 use crate::error::FitError;
 use crate::options::Steps;
+use crate::settled_edges::Settled;
+use crate::widened;
 pub use decision::{Bounded, CLAIMED, Decision, LumpedOrDistributed};
 pub use given_error::given_resistance;
 use identified::{Identified, RELATIVE_OHM_PER_SQ};
@@ -50,50 +54,73 @@ const LEAST_READINGS: usize = 12;
 /// Fits a run with the distributed model.
 ///
 /// Joint fits take every reading at once. They are also made where curvatures are the only thing along the strip that
-/// was measured, which has no phases.
+/// was measured, which has no phases. Edges of the drive that only readings tell of are taken in the middle of where they may
+/// be, and what is left open of them widens the intervals.
 ///
 /// # Errors
 /// [`FitError`] where there is nothing along the strip to fit, the strip has no size, or the drive is not one of
 /// held voltages.
 pub fn fit_distributed(input: &DistributedInput, steps: Steps) -> Result<Fit, FitError> {
-    let fit = fit_as_given(input, steps)?;
-    let strip = input.strip;
-    let (given, error) = (
-        strip.electrode_resistance_ohm_per_sq,
-        strip.electrode_resistance_error_ohm_per_sq,
-    );
-    let Some((given, error)) = given.zip(error.filter(|error| error.is_finite() && *error > 0.0)) else {
-        return Ok(fit);
+    let settled = Settled::in_the_middle(input.drive);
+    let placed = DistributedInput {
+        drive: settled.edges.drive(),
+        ..*input
     };
-    let with = |factor: f64| {
-        let mut moved = *input;
-        moved.strip.electrode_resistance_ohm_per_sq = Some(given * factor);
-        fit_as_given(&moved, steps)
-    };
-    let factor = (error / given).exp();
-    let (lower, higher) = (with(factor.recip())?, with(factor)?);
-    Ok(given_error::widened(fit, given, error, [&lower, &higher]))
+    let mut fit = fit_placed(&placed, steps)?;
+    if !settled.open.is_empty() {
+        widened::widen(&mut fit, &settled, |drive| {
+            let moved = DistributedInput { drive, ..*input };
+            Some(estimates::parameters(&identify(&moved, steps).ok()?))
+        });
+    }
+    Ok(fit)
 }
 
-/// The fit with the resistance taken as exact where it is given.
-fn fit_as_given(input: &DistributedInput, steps: Steps) -> Result<Fit, FitError> {
+/// Fits a run whose edges are where its drive has them.
+///
+/// A break is looked for beside an R_e that the readings themselves determine, where they can: what a probe read wrong is
+/// none. Where they show one, theirs are the parameters, for the probe read one side of it or both.
+fn fit_placed(input: &DistributedInput, steps: Steps) -> Result<Fit, FitError> {
     let found = identify(input, steps)?;
     // Places tell of the electrodes through curvatures, too, which the phases do not ask for it.
-    let mut joint = match (steps, &found.mechanical) {
+    let joint = match (steps, &found.mechanical) {
         (Steps::TwoStep, Some(_)) => identify(input, Steps::Simultaneous)?,
         _ => found.clone(),
     };
-    break_search::look(&mut joint);
-    let decision = Decision::of(&joint);
-    Ok(match joint.contact_break {
-        Some(_) => outcome::fit(&joint, &decision),
-        None => outcome::fit(&found, &decision),
-    })
+    let alone = by_readings_alone(input)?;
+    let mut broken = alone.clone().unwrap_or_else(|| joint.clone());
+    break_search::look(&mut broken);
+    let is_broken = broken.contact_break.is_some();
+    let mut fit = match is_broken {
+        true => outcome::fit(&broken, &Decision::of(&broken)),
+        false => outcome::fit(&found, &Decision::of(&joint)),
+    };
+    let told = alone.map(|alone| if is_broken { broken } else { alone });
+    fit.issues.extend(contradiction::issue(input, told.as_ref()));
+    Ok(fit)
+}
+
+/// The strip with an R_e that follows from the readings, where one is given that a current would tell as well.
+fn by_readings_alone<'a>(input: &DistributedInput<'a>) -> Result<Option<Identified<'a>>, FitError> {
+    let given = input.strip.electrode_resistance_ohm_per_sq.is_some();
+    let tells = given && Readings::new(input).count(Kind::Current) >= LEAST_READINGS;
+    let unprobed = DistributedInput {
+        strip: input.strip.unprobed(),
+        ..*input
+    };
+    tells
+        .then(|| identify(&unprobed, Steps::Simultaneous))
+        .transpose()
 }
 
 /// What a run says of lumped and distributed; none where nothing along the strip can be fitted.
 pub fn decide(input: &DistributedInput) -> Option<Decision> {
-    let found = identify(input, Steps::Simultaneous).ok()?;
+    let edges = EdgeTimes::of(input.drive);
+    let placed = DistributedInput {
+        drive: edges.drive(),
+        ..*input
+    };
+    let found = identify(&placed, Steps::Simultaneous).ok()?;
     Some(Decision::of(&found))
 }
 

@@ -94,7 +94,7 @@ fn noise(fitted: &[(&SeriesGroup, Vec<f64>)], kind: Kind) -> Option<ChannelNoise
     (readings > 0).then(|| ChannelNoise {
         quantity,
         standard_deviation: f64::sqrt(noise_square / series),
-        basis: format!("scatter about parabolas, root mean square over {series} series"),
+        basis: format!("scatter of neighbouring readings about a smooth curve, mean of {series} places"),
         character: NoiseCharacter::default(),
         residual_autocorrelation: correlation / series,
         residual_rms: f64::sqrt(square / readings as f64),

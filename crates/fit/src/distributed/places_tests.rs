@@ -282,3 +282,81 @@ fn one_place_leaves_it_to_the_criterion_and_says_so() {
         "{found:?} {expected}"
     );
 }
+
+/// A probe whose stated error is 15 % reads off by this many of them; a current tells R_e as well.
+fn with_probe<R>(case: &Case, off: f64, stated: bool, seed: u64, then: impl Fn(&Fit) -> R) -> R {
+    const ERROR: f64 = 0.15;
+    with_input(&CNAF, case, seed, |input| {
+        let mut probed = *input;
+        let read = 0.5 * CNAF.electrode_resistance_ohm_per_cm * (ERROR * off).exp();
+        probed.strip.electrode_resistance_ohm_per_sq = Some(read);
+        probed.strip.electrode_resistance_error_ohm_per_sq = stated.then_some(ERROR * read);
+        then(&fit_distributed(&probed, Steps::TwoStep).unwrap())
+    })
+}
+
+fn says(fit: &Fit, code: &str) -> bool {
+    fit.issues.iter().any(|issue| issue.code == code)
+}
+
+#[test]
+fn a_probe_that_reads_wrong_is_no_crack() {
+    let case = Case {
+        noise: 0.005,
+        ..CLEAN
+    };
+    for (off, stated) in [(-1.6, true), (1.6, true), (1.6, false)] {
+        with_probe(&case, off, stated, 3, |fit| {
+            assert!(!says(fit, "contact-break"), "{off} {stated}: {:?}", fit.issues);
+            // Off by 1.6 of its errors is what probes do; off without an error contradicts the readings.
+            assert_eq!(says(fit, "probe-contradicted"), !stated, "{:?}", fit.issues);
+            if stated {
+                let found = fit.parameter("re_ohm_per_sq").unwrap();
+                let truth = 0.5 * CNAF.electrode_resistance_ohm_per_cm;
+                assert!((found.value.unwrap() / truth - 1.0).abs() < 0.1, "{found:?}");
+            }
+        });
+    }
+    with_probe(&case, 6.0, true, 3, |fit| {
+        assert!(
+            says(fit, "probe-contradicted") && !says(fit, "contact-break"),
+            "{:?}",
+            fit.issues
+        );
+    });
+}
+
+#[test]
+#[ignore = "slow: cargo test -- --ignored"]
+fn with_a_probe_intervals_hold_and_breaks_are_told_as_often_as_stated() {
+    let truth = 0.5 * CNAF.electrode_resistance_ohm_per_cm;
+    let n = 20 * draws(1);
+    let (mut held, mut cracked, mut contradicted) = (0, 0, 0);
+    for seed in 0..n {
+        let mut random = ChaCha8Rng::seed_from_u64(7000 + seed);
+        let off: f64 = StandardNormal.sample(&mut random);
+        let case = Case {
+            noise: 0.005,
+            autocorrelation: 0.4,
+            ..CLEAN
+        };
+        let fit = with_probe(&case, off, true, seed, Fit::clone);
+        let found = fit.parameter("re_ohm_per_sq").unwrap();
+        held += u64::from(found.low_95.unwrap() <= truth && truth <= found.high_95.unwrap());
+        cracked += u64::from(says(&fit, "contact-break"));
+        contradicted += u64::from(says(&fit, "probe-contradicted"));
+    }
+    eprintln!("held {held}, cracked {cracked}, contradicted {contradicted} of {n}");
+    assert!(n - held <= at_most(0.05, n), "{held} of {n}");
+    assert!(cracked <= at_most(0.01, n) && contradicted <= at_most(0.01, n));
+    // A probe takes nothing from a break that is there.
+    for stated in [true, false] {
+        let case = Case {
+            contact_break: Some((1.3, 3.0)),
+            noise: 0.005,
+            ..CLEAN
+        };
+        let fit = with_probe(&case, 0.0, stated, 1, Fit::clone);
+        assert!(says(&fit, "contact-break"), "{stated}: {:?}", fit.issues);
+    }
+}

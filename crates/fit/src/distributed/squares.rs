@@ -5,7 +5,7 @@ use ieap_numerics::sums::{dot, square};
 use ieap_numerics::symmetric::Symmetric;
 
 use super::described::Described;
-use super::input::DistributedInput;
+use super::input::{DistributedInput, Probed};
 use super::left_out::{Columns, LeftOut};
 use super::readings::{Kind, Readings, SeriesGroup};
 use super::residual_noise::ResidualNoise;
@@ -22,6 +22,8 @@ const SETTLED: f64 = 1e-9;
 const HALF_BOX: f64 = 16.0;
 /// Relative precision below which a direction counts as not determined.
 const FLOOR: f64 = 1e-13;
+/// Where R_e stands among the parameters.
+const RESISTANCE: usize = 3;
 /// `R_e L^2 / R_c` below which nothing would be noticed: a lumped model is then wrong by a quarter of a thousandth.
 const LEAST_REACH: f64 = 1e-3;
 
@@ -67,6 +69,8 @@ pub(super) struct StripProblem<'a> {
     parameters: usize,
     /// Whether the first parameters are the electrical ones.
     fits_electrodes: bool,
+    /// What a probe read of the fourth parameter.
+    probed: Option<Probed>,
     describe: Describe<'a>,
 }
 
@@ -96,6 +100,7 @@ impl<'a> StripProblem<'a> {
             input,
             parameters,
             fits_electrodes: parameters > 3,
+            probed: input.strip.probed().filter(|_| parameters > 3),
             describe: Box::new(describe),
         }
     }
@@ -108,7 +113,26 @@ impl<'a> StripProblem<'a> {
     /// Sum of squares at a place.
     pub fn square(&self, at: &[f64]) -> f64 {
         let residuals = self.residuals(at);
-        residuals.iter().map(|residuals| square(residuals)).sum()
+        product(&residuals, &residuals) + self.off_the_probe(at).powi(2)
+    }
+
+    /// By how many of its errors R_e lies off what a probe read; nothing where none did.
+    fn off_the_probe(&self, at: &[f64]) -> f64 {
+        self.probed.map_or(0.0, |probed| {
+            (probed.log_ohm_per_cm - at[RESISTANCE]) / probed.error
+        })
+    }
+
+    /// What the probe's reading tells of each pair of parameters, counted `weight` times.
+    fn told_by_probe(&self, weight: f64) -> Symmetric {
+        let told = self.probed.map_or(0.0, |probed| weight * probed.error.powi(-2));
+        Symmetric::from_fn(self.parameters, |row, column| {
+            if row == RESISTANCE && column == RESISTANCE {
+                told
+            } else {
+                0.0
+            }
+        })
     }
 
     /// What the place says of every group, one series after the other.
@@ -179,20 +203,57 @@ impl<'a> StripProblem<'a> {
         let mut bounds = Bounds::about(start, HALF_BOX);
         let strip = &self.input.strip;
         if strip.electrode_resistance_ohm_per_sq.is_none() && self.fits_electrodes {
-            bounds.low[3] = (LEAST_REACH / strip.length_cm.powi(2)).ln() + start[0];
+            bounds.low[RESISTANCE] = (LEAST_REACH / strip.length_cm.powi(2)).ln() + start[0];
         }
         bounds
     }
 
     /// The same within a box.
+    ///
+    /// Readings that err alike tell less than as many independent ones would. Beside what a probe read they are to count
+    /// for what they tell, so that the probe's reading counts more by as much, once that is known.
     pub fn search_within(&self, start: &[f64], bounds: &Bounds) -> Fitted {
+        let first = self.search_weighed(start, bounds, 1.0);
+        let Some(alike) = self.probed.map(|_| self.err_alike(&first.at)) else {
+            return first;
+        };
+        let found = self.search_weighed(&first.at, bounds, alike);
+        Fitted {
+            evaluations: first.evaluations + found.evaluations,
+            ..found
+        }
+    }
+
+    /// Variance of R_e by the readings alone, in units of what independent readings would give; 1 at least.
+    fn err_alike(&self, at: &[f64]) -> f64 {
+        let (noise, slopes) = (self.noise(&self.residuals(at)), self.slopes(at));
+        let scattered: Vec<Vec<Vec<f64>>> = slopes.iter().map(|slope| scatter(&noise, slope)).collect();
+        let inverse = self.inverse_normal(&slopes);
+        let middle = Symmetric::from_fn(slopes.len(), |row, column| {
+            product(&slopes[row], &scattered[column])
+        });
+        let alone = inverse.get(RESISTANCE, RESISTANCE);
+        let ratio = inverse.sandwich(&middle).get(RESISTANCE, RESISTANCE) / alone;
+        if ratio.is_finite() { ratio.max(1.0) } else { 1.0 }
+    }
+
+    /// The minimum with a probe's reading that counts `weight` times, and its covariance.
+    fn search_weighed(&self, start: &[f64], bounds: &Bounds, weight: f64) -> Fitted {
         let n = self.parameters;
-        let found = Levenberg::by_region(LIMIT, SETTLED, 0.0).search_within(self, bounds, start);
+        let weighed = Weighed {
+            problem: self,
+            weight,
+        };
+        let found = Levenberg::by_region(LIMIT, SETTLED, 0.0).search_within(&weighed, bounds, start);
         let at = found.at;
         let (residuals, slopes) = (self.residuals(&at), self.slopes(&at));
         let noise = self.noise(&residuals);
         let scattered: Vec<Vec<Vec<f64>>> = slopes.iter().map(|slope| scatter(&noise, slope)).collect();
-        let middle = Symmetric::from_fn(n, |row, column| product(&slopes[row], &scattered[column]));
+        // The probe errs by what it states: what counts twice as much errs twice as much with it.
+        let told = self.told_by_probe(weight * weight);
+        let middle = Symmetric::from_fn(n, |row, column| {
+            product(&slopes[row], &scattered[column]) + told.get(row, column)
+        });
         let inverse = found.local.normal.floored_inverse(FLOOR);
         let covariance = inverse.sandwich(&middle);
         let mut freedom = slopes
@@ -211,8 +272,8 @@ impl<'a> StripProblem<'a> {
             None => covariance,
         };
         Fitted {
+            square: self.square(&at),
             at,
-            square: found.local.square,
             inflation: (0..n)
                 .map(|k| covariance.get(k, k) / inverse.get(k, k).max(f64::MIN_POSITIVE))
                 .collect(),
@@ -257,23 +318,36 @@ impl<'a> StripProblem<'a> {
     }
 }
 
-impl Problem for StripProblem<'_> {
+/// A problem whose probe's reading counts `weight` times.
+struct Weighed<'p, 'a> {
+    problem: &'p StripProblem<'a>,
+    weight: f64,
+}
+
+impl Problem for Weighed<'_, '_> {
     /// None of its own: they follow from where a search begins.
     fn bounds(&self) -> Bounds {
-        Bounds::even(self.parameters, f64::NEG_INFINITY, f64::INFINITY)
+        Bounds::even(self.problem.parameters, f64::NEG_INFINITY, f64::INFINITY)
     }
 
     fn local(&self, at: &[f64], most: f64) -> Local {
-        let residuals = self.residuals(at);
-        let square = product(&residuals, &residuals);
+        let problem = self.problem;
+        let (residuals, off) = (problem.residuals(at), problem.off_the_probe(at));
+        let square = product(&residuals, &residuals) + self.weight * off * off;
         if square > most {
             return Local::refused(square, at.len());
         }
-        let slopes = self.slopes(at);
+        let (slopes, told) = (problem.slopes(at), problem.told_by_probe(self.weight));
+        let mut descent: Vec<f64> = slopes.iter().map(|slope| product(slope, &residuals)).collect();
+        if let Some(probed) = problem.probed {
+            descent[RESISTANCE] += self.weight * off / probed.error;
+        }
         Local {
             square,
-            descent: slopes.iter().map(|slope| product(slope, &residuals)).collect(),
-            normal: Symmetric::from_fn(at.len(), |row, column| product(&slopes[row], &slopes[column])),
+            descent,
+            normal: Symmetric::from_fn(at.len(), |row, column| {
+                product(&slopes[row], &slopes[column]) + told.get(row, column)
+            }),
         }
     }
 }

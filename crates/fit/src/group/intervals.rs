@@ -125,12 +125,7 @@ fn resample(problem: &JointProblem, bottom: &Minimum, bootstrap: Bootstrap) -> V
     let refits = replicate(problem, &bottom.at, &wanted, bootstrap.seed, bootstrap.replicates);
     let mut found: Vec<Vec<Resampled>> = vec![Vec::new(); problem.runs.len()];
     for (column, (run, feature)) in wanted.into_iter().enumerate() {
-        let reported = |value: f64| match feature {
-            Feature::Steady => value.recip(),
-            _ if feature.is_logarithm() => value.exp(),
-            _ => value,
-        };
-        let mut values: Vec<f64> = refits.iter().map(|refit| reported(refit[column])).collect();
+        let mut values: Vec<f64> = refits.iter().map(|refit| feature.stated(refit[column])).collect();
         let replicates = values.len();
         let Some(key) = feature.key() else { continue };
         if let Some((low_95, high_95, standard_deviation)) = spread(&mut values) {

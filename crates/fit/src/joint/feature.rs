@@ -93,6 +93,15 @@ impl Feature {
         !matches!(self, Feature::Steady | Feature::Coupling | Feature::Rate)
     }
 
+    /// What is stated under its key where it has that value.
+    pub(crate) fn stated(self, value: f64) -> f64 {
+        match self {
+            Feature::Steady => value.recip(),
+            _ if self.is_logarithm() => value.exp(),
+            _ => value,
+        }
+    }
+
     /// Its value for the local parameters of a run.
     pub(crate) fn of(self, layout: Layout, local: &[f64]) -> f64 {
         let tau = |k: usize| local[layout.resistance(k)] + local[layout.capacitance(k)];

@@ -114,7 +114,8 @@ impl<'a> JointProblem<'a> {
         }
     }
 
-    fn residuals(&self, run: usize, local: &[f64], over: Over, out: &mut Vec<f64>) {
+    /// Weighted residuals of a run.
+    pub(crate) fn residuals(&self, run: usize, local: &[f64], over: Over, out: &mut Vec<f64>) {
         out.clear();
         let model = self.model(local);
         match over {
@@ -143,12 +144,12 @@ impl<'a> JointProblem<'a> {
         Levenberg::by_diagonal(limit, settle).search(&self.over(over), start)
     }
 
-    /// Adds what a run, whose weighted residuals are `here`, says of the derivatives: central differences, one-sided at a
-    /// limit at zero.
-    fn add_run(&self, run: usize, at: &[f64], here: &[f64], over: Over, all: &mut Local) {
+    /// Derivatives of what the model says of a run, whose weighted residuals are `here`, each with its coordinate: central
+    /// differences, one-sided at a limit at zero.
+    pub(crate) fn columns(&self, run: usize, at: &[f64], here: &[f64], over: Over) -> Vec<Column> {
         let local = self.local(run, at);
         let (mut above, mut below) = (Vec::new(), Vec::new());
-        let mut columns: Vec<(usize, Vec<f64>)> = Vec::new();
+        let mut columns: Vec<Column> = Vec::new();
         for (index, slot) in self.slots[run].iter().enumerate() {
             let Slot::Searched(k) = *slot else { continue };
             let mut moved = local.clone();
@@ -167,12 +168,20 @@ impl<'a> JointProblem<'a> {
             // Residual is measured minus model: the model's derivative has the other sign.
             columns.push((k, from.iter().zip(&above).map(|(b, a)| (b - a) / width).collect()));
         }
-        for (j, (row, left)) in columns.iter().enumerate() {
-            all.descent[*row] += inner(left, here);
-            for (column, right) in &columns[..=j] {
-                let sum = all.normal.get(*row, *column) + inner(left, right);
-                all.normal.set(*row, *column, sum);
-            }
+        columns
+    }
+}
+
+/// A coordinate, and the derivative of the weighted model by it at the readings of one run.
+pub(crate) type Column = (usize, Vec<f64>);
+
+/// Adds what a run with these residuals says of its coordinates, which are in rising order.
+pub(crate) fn add_run(columns: &[Column], here: &[f64], all: &mut Local) {
+    for (j, (row, left)) in columns.iter().enumerate() {
+        all.descent[*row] += inner(left, here);
+        for (column, right) in &columns[..=j] {
+            let sum = all.normal.get(*row, *column) + inner(left, right);
+            all.normal.set(*row, *column, sum);
         }
     }
 }
@@ -202,7 +211,7 @@ impl Problem for Weighed<'_, '_> {
             return all;
         }
         for (run, here) in residuals.iter().enumerate() {
-            problem.add_run(run, at, here, self.over, &mut all);
+            add_run(&problem.columns(run, at, here, self.over), here, &mut all);
         }
         all
     }

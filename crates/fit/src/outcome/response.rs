@@ -17,6 +17,23 @@ const DRAWN_STRETCHES: usize = 120;
 /// The same of a voltage that moves all the time: as fine as a figure is wide.
 const DRAWN_MOVING: usize = 600;
 
+/// What is made of a response beside its estimates.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted {
+    /// Whether memory, growth and steps of its noise are described.
+    pub(super) describes_noise: bool,
+    /// Whether the curve has every reading.
+    pub(super) whole_curve: bool,
+}
+
+impl Wanted {
+    /// Its noise, and the curve as it is drawn.
+    pub(super) const NOISE: Wanted = Wanted {
+        describes_noise: true,
+        whole_curve: false,
+    };
+}
+
 /// One response with its noise and the curve to draw.
 pub(super) struct Response {
     pub(super) noise: ChannelNoise,
@@ -29,7 +46,7 @@ impl Response {
         sampled: &Sampled,
         residuals: Option<&Residuals>,
         step_s: f64,
-        describes_noise: bool,
+        wanted: Wanted,
     ) -> Response {
         let (standard_deviation, basis) = noise(sampled, residuals);
         let rms = residuals.map_or(0.0, |r| (r.square / sampled.len().max(1) as f64).sqrt());
@@ -50,7 +67,10 @@ impl Response {
         } else {
             DRAWN_STRETCHES
         };
-        let drawn = drawn_indices(&sampled.time_s, series, step_s, stretches);
+        let drawn = match wanted.whole_curve {
+            true => (0..sampled.len()).collect(),
+            false => drawn_indices(&sampled.time_s, series, step_s, stretches),
+        };
         let at =
             |column: &[f64]| -> Vec<f64> { drawn.iter().filter_map(|&k| column.get(k).copied()).collect() };
         Response {
@@ -58,7 +78,7 @@ impl Response {
                 quantity,
                 standard_deviation,
                 basis,
-                character: match (describes_noise, sampled.moves) {
+                character: match (wanted.describes_noise, sampled.moves) {
                     (false, _) => NoiseCharacter::default(),
                     (true, false) => character(sampled, left),
                     // No sum of exponentials follows a voltage that moves.
@@ -119,7 +139,7 @@ fn noise(sampled: &Sampled, residuals: Option<&Residuals>) -> (f64, String) {
         Some(scatter) => (
             scatter.standard_deviation,
             format!(
-                "scatter about parabolas over {} readings, lag-1 autocorrelation {:.2}",
+                "scatter of {} neighbouring readings about a smooth curve (correlation of neighbours {:.2})",
                 scatter.window, scatter.correlation
             ),
         ),

@@ -9,7 +9,7 @@ const PER_VOLT: [&str; 3] = [
 ];
 
 /// What bending alone may tell of that model.
-fn told(model: &LumpedModel) -> Vec<(&'static str, f64)> {
+pub(super) fn told(model: &LumpedModel) -> Vec<(&'static str, f64)> {
     let per_volt =
         |k: usize| model.charge_to_curvature_per_c_cm * AREA_CM2 * model.branches[k].capacitance_f_per_cm2;
     let mut told = vec![

@@ -3,6 +3,7 @@
 mod bending;
 mod branches;
 mod calibration;
+mod edges;
 mod groups;
 mod limits;
 mod memory;

@@ -76,7 +76,7 @@ title = {id}                            # what stands above the report
 # Long-term monitoring: repeat a run in one condition now and then (docs/monitoring.md).
 # [monitoring]
 # reference = {{ environment = "air", voltage_v = 2.0, relative_humidity_percent = 35 }}
-# false_alarm_runs = 500                 # reference runs between two false alarms of a chart, on average
+# false_alarm_runs = 500                 # reference runs of a sample between two false alarms of all its charts, on average
 # command = ["notify-lab", "--urgent"]   # hears of every new alarm, in variables IEAP_ALARM_...
 # command_time_limit_s = 60              # then it is ended
 # acknowledged = []                      # ids of alarms that are known

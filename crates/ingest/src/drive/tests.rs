@@ -83,7 +83,8 @@ fn fast_pulses_between_few_levels_are_a_drive() {
     let slow: Vec<(f64, f64)> = (0..600)
         .map(|k| (f64::from(k), if (k / 10) % 2 == 0 { 2.0 } else { 0.0 }))
         .collect();
-    assert_eq!(segments(&find(&[voltage(&slow)], false, None, &[])).len(), 59);
+    // The first of sixty levels was applied before the record.
+    assert_eq!(segments(&find(&[voltage(&slow)], false, None, &[])).len(), 60);
     let caught = |k: i32| [0.0, 0.0, 0.0, 0.9, 2.0, 2.0, 2.0, 1.1][(k % 8) as usize];
     let fast: Vec<(f64, f64)> = (0..400).map(|k| (f64::from(k), caught(k))).collect();
     let found = find(&[voltage(&fast)], false, None, &[]);
@@ -508,4 +509,87 @@ fn a_pause_in_which_edges_would_not_be_seen_is_told() {
         &[(100.0, 301.0)]
     )));
     assert!(!no_pause(find(&[voltage(&read(2.0))], false, None, &open)));
+}
+
+/// A strip of one branch, R C in series with a leak, that is read every second: 2 V for 300 s, then none. Stated here from the
+/// exponentials of the circuit, apart from the models.
+fn record_under_voltage(from_s: f64, is_rested: bool, leak_ohm: f64) -> [Channel; 2] {
+    let (resistance_ohm, capacitance_f) = (100.0, 0.2);
+    let decay = |since_s: f64| (-since_s / (resistance_ohm * capacitance_f)).exp() / resistance_ohm;
+    let at = |k: u32| from_s + f64::from(k);
+    let volts = |time_s: f64| if time_s < from_s + 300.0 { 2.0 } else { 0.0 };
+    let current = |time_s: f64| {
+        let charging = if is_rested {
+            0.0
+        } else {
+            2.0 * decay(time_s - from_s + 0.4)
+        };
+        let discharging = if volts(time_s) == 0.0 {
+            -2.0 * decay(time_s - from_s - 299.6)
+        } else {
+            0.0
+        };
+        charging + discharging + volts(time_s) / leak_ohm
+    };
+    let readings =
+        |value: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> { (0..600).map(|k| (at(k), value(at(k)))).collect() };
+    let current = Channel {
+        quantity: Quantity::Current,
+        ..voltage(&readings(&current))
+    };
+    [voltage(&readings(&volts)), current]
+}
+
+#[test]
+fn a_first_reading_under_voltage_is_an_edge_also_where_steps_follow() {
+    // Time zero is the step, and the record begins with it.
+    let found = find(&record_under_voltage(0.0, false, 1e4), true, None, &[]);
+    assert_eq!(found.drive.as_ref().unwrap().baseline_v, 0.0);
+    assert_eq!(segments(&found), [(0.0, 2.0), (300.0, 0.0)]);
+    assert_eq!(found.drive.as_ref().unwrap().segments[0].last_before_s, None);
+    assert_eq!(found.issues[0].code, "start-state-assumed");
+    // The clock is the instrument's: the edge lies within the interval before the first reading.
+    let found = find(&record_under_voltage(7.0, false, 1e4), false, None, &[]);
+    assert_eq!(segments(&found), [(7.0, 2.0), (307.0, 0.0)]);
+    assert_eq!(found.drive.as_ref().unwrap().segments[0].last_before_s, Some(6.0));
+    assert_eq!(found.issues[0].severity, ieap_domain::Severity::Note);
+}
+
+#[test]
+fn a_strip_that_the_current_shows_at_rest_was_held_before() {
+    for leak_ohm in [1e6, 2e3, 150.0] {
+        let found = find(&record_under_voltage(7.0, true, leak_ohm), false, None, &[]);
+        assert_eq!(found.drive.as_ref().unwrap().baseline_v, 2.0, "{leak_ohm}");
+        assert_eq!(segments(&found), [(307.0, 0.0)]);
+        assert!(said(&found).contains("shows no charging"), "{}", said(&found));
+    }
+    // Before a stated step nothing is asked of the current.
+    let found = find(&record_under_voltage(-300.0, false, 1e4), true, None, &[]);
+    assert_eq!(segments(&found), [(0.0, 0.0)]);
+    assert!(found.issues.is_empty(), "{:?}", found.issues);
+}
+
+#[test]
+fn where_nothing_tells_since_when_the_voltage_is_applied_a_warning_does() {
+    let [volts, _] = record_under_voltage(7.0, false, 1e4);
+    let found = find(&[volts], false, None, &[]);
+    assert_eq!(segments(&found).len(), 2);
+    let told = &found.issues[0];
+    assert_eq!(
+        (&*told.code, told.severity),
+        ("start-state-unknown", ieap_domain::Severity::Warning)
+    );
+    // Neither charging from nothing nor at rest: the record began late.
+    let [volts, mut current] = record_under_voltage(7.0, false, 1e4);
+    let late: Vec<f64> = current
+        .values
+        .iter()
+        .enumerate()
+        .map(|(k, i)| if k < 300 { 0.3 * i } else { *i })
+        .collect();
+    current.values = late.into();
+    assert_eq!(
+        find(&[volts, current], false, None, &[]).issues[0].code,
+        "start-state-unknown"
+    );
 }

@@ -181,16 +181,22 @@ pub fn is_modulus_sweep(meanings: &[Meaning]) -> bool {
     !has_time && has_modulus && named.any(|quantity| quantity == Quantity::Frequency)
 }
 
-/// Share of the imaginary parts above which their sign is that of -Z'': a strip is capacitive.
+/// Share of the sum of the imaginary parts' sizes above which their sign is that of -Z'': a strip is capacitive. At high
+/// frequencies, where they are small, their signs flip in noise, and the leads are a coil.
 const MOSTLY: f64 = 0.9;
 
-/// Turns an imaginary part that is positive nearly everywhere: many tables name a column Z'' and hold -Z''.
+/// Turns an imaginary part that is positive nearly wherever it is large: many tables name a column Z'' and hold -Z''.
 fn turn_imaginary(channels: &mut [Channel]) -> Option<Issue> {
     let channel = channels
         .iter_mut()
         .find(|channel| channel.quantity == Quantity::ImpedanceImaginary)?;
     let positive = channel.values.iter().filter(|value| **value > 0.0).count();
-    if positive as f64 <= MOSTLY * channel.len() as f64 {
+    let (mut above, mut all) = (0.0, 0.0);
+    for value in channel.values.iter().filter(|value| value.is_finite()) {
+        above += value.max(0.0);
+        all += value.abs();
+    }
+    if all == 0.0 || above <= MOSTLY * all {
         return None;
     }
     channel.values = channel.values.iter().map(|value| -value).collect();
@@ -482,6 +488,10 @@ mod tests {
     fn imaginary_parts_as_of_a_coil_are_turned_and_those_of_a_sample_are_not() {
         let (values, codes) = imaginary_of(&[1.0, 5.0, 20.0, 40.0]);
         assert_eq!(values, [-1.0, -5.0, -20.0, -40.0]);
+        assert_eq!(codes, ["imaginary-part-turned"]);
+        // Signs that flip in noise where the parts are small say nothing.
+        let (values, codes) = imaginary_of(&[-0.2, -0.1, 20.0, 40.0]);
+        assert_eq!(values, [0.2, 0.1, -20.0, -40.0]);
         assert_eq!(codes, ["imaginary-part-turned"]);
         // The leads are a coil at high frequencies, whatever the sample is.
         for as_measured in [[-1.0, -5.0, -20.0, -40.0], [3.0, 1.0, -20.0, -40.0]] {

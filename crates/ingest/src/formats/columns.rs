@@ -100,6 +100,9 @@ fn take_likely(raw: &Raw, meanings: &mut [Meaning], issues: &mut Vec<Issue>) {
     }
 }
 
+/// Code of the issue of a column whose name is known and that cannot be used.
+pub const COLUMN_REFUSED: &str = "column-refused";
+
 fn refused_unit(header: &Header) -> Option<Issue> {
     let Meaning::Refused { error, .. } = &header.meaning else {
         return None;
@@ -109,7 +112,7 @@ fn refused_unit(header: &Header) -> Option<Issue> {
         quoted(&header.raw_name)
     );
     let mend = "write the unit into the header, as in Current (mA)";
-    Some(Issue::warning("column-refused", message).mend(mend))
+    Some(Issue::warning(COLUMN_REFUSED, message).mend(mend))
 }
 
 fn text(header: &Header, column: &CellColumn) -> Option<Issue> {
@@ -121,7 +124,7 @@ fn text(header: &Header, column: &CellColumn) -> Option<Issue> {
         (false, Meaning::Other) => Issue::note(TEXT_AMONG_NUMBERS, message + "; taken as empty"),
         (false, _) => Issue::warning(TEXT_AMONG_NUMBERS, message + "; taken as empty"),
         (true, Meaning::Other) => Issue::note("text-column", message + "; the column is left out"),
-        (true, _) => Issue::warning("column-refused", message + "; the column is left out")
+        (true, _) => Issue::warning(COLUMN_REFUSED, message + "; the column is left out")
             .mend("leave only numbers below the header"),
     })
 }

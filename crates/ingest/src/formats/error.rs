@@ -118,6 +118,16 @@ pub enum ReadError {
         /// That line.
         found: String,
     },
+    /// A frequency beside what are not the parts of an impedance.
+    #[error(
+        "{found} names a frequency and no impedance beside it: a spectrum needs its real and imaginary part, or its magnitude and phase, each with its unit"
+    )]
+    NoImpedance {
+        /// Line of the header.
+        line: usize,
+        /// That line.
+        found: String,
+    },
     /// A column that is needed cannot be used.
     #[error("column {column} cannot be used: {reason}")]
     Column {
@@ -217,6 +227,7 @@ impl ReadError {
             ReadError::AmbiguousNumbers { .. } | ReadError::NoReading { .. } => "ambiguous-numbers",
             ReadError::AmbiguousDates { .. } => AMBIGUOUS_DATES,
             ReadError::NoHeader { .. } => "no-header",
+            ReadError::NoImpedance { .. } => "spectrum-columns",
             ReadError::Column { .. } => "column-unusable",
             ReadError::NoResponse { .. } => "no-response",
             ReadError::NoRunAmong { .. } => "no-run-among-variables",
@@ -248,6 +259,7 @@ impl ReadError {
             | ReadError::NoReading { line, .. }
             | ReadError::AmbiguousDates { line, .. }
             | ReadError::NoHeader { line, .. }
+            | ReadError::NoImpedance { line, .. }
             | ReadError::NoResponse { line, .. }
             | ReadError::TimeOrder { line, .. }
             | ReadError::Ragged { line, .. }
@@ -285,11 +297,16 @@ impl ReadError {
             ReadError::NoHeader { .. } => {
                 "let the first line that is no # comment name the columns with their units: Time (s), Current (mA)"
             }
+            ReadError::NoImpedance { .. } => {
+                "name the columns frequency_hz, impedance_real_ohm, impedance_imaginary_ohm, or frequency_hz, \
+                 impedance_magnitude_ohm, impedance_phase_degree"
+            }
             ReadError::Column { .. } => {
                 "write the unit into the header, as in Time (s), and only numbers below it"
             }
             ReadError::NoResponse { .. } => {
-                "name the response with its unit: Current (mA), curvature_per_cm, Displacement (mm) or storage_modulus_mpa"
+                "name the response with its unit: Current (mA), curvature_per_cm, Displacement (mm) or storage_modulus_mpa; \
+                 or say what a column is: ieap profile FILE --column \"NAME=tip_displacement,mm\" --write displacement"
             }
             ReadError::NoRunAmong { .. } => {
                 "save vectors of one length whose names hold their units, such as time_s, voltage_V, current_mA: \
@@ -317,6 +334,7 @@ impl ReadError {
             | ReadError::NoReading { .. }
             | ReadError::AmbiguousDates { .. }
             | ReadError::NoHeader { .. }
+            | ReadError::NoImpedance { .. }
             | ReadError::Column { .. }
             | ReadError::NoResponse { .. } => true,
             _ => false,

@@ -67,7 +67,7 @@ impl Format for PlainTable {
         let read = self.by_names(bytes, context);
         let from_line = match &read {
             Err(ReadError::NoReading { header, .. }) => *header,
-            Err(ReadError::NoHeader { .. }) => 1,
+            Err(ReadError::NoHeader { .. } | ReadError::NoImpedance { .. }) => 1,
             _ => return read,
         };
         self.as_proposed(bytes, from_line, context).map_or(read, Ok)

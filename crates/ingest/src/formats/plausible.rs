@@ -31,7 +31,7 @@ pub fn implausible(
         "{count} of {} readings of {} lie outside {low} to {high} {unit}, first {} {unit}; they are taken as they are",
         values.len(),
         quoted(&header.raw_name),
-        values[first]
+        number(values[first])
     );
     let mend = "check the unit in the header";
     Some(
@@ -39,6 +39,14 @@ pub fn implausible(
             .at(format!("line {line}"))
             .mend(mend),
     )
+}
+
+/// A number in words: as long as a number is, and with a power of ten where its digits would fill a line.
+fn number(value: f64) -> String {
+    match value == 0.0 || (1e-6..1e12).contains(&value.abs()) {
+        true => value.to_string(),
+        false => format!("{value:e}"),
+    }
 }
 
 /// Smallest and largest plausible reading, in canonical units.

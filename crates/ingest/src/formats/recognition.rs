@@ -98,7 +98,7 @@ fn unknown(head: &FileHead<'_>) -> ReadError {
     ReadError::UnknownFormat {
         found: quoted(first_line),
         tried: tried.join(", "),
-        is_table: propose(head.name, head.bytes).is_ok(),
+        is_table: propose(head.name, head.bytes, &[]).is_ok(),
     }
 }
 

@@ -246,3 +246,44 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn sheets_of_current_and_camera_are_one_run() {
+    let current = sheet(&[
+        &[Text("Time (s)"), Text("Voltage (V)"), Text("Current (A)")],
+        &[Number(0.0), Number(2.0), Number(1e-3)],
+        &[Number(1.0), Number(2.0), Number(5e-4)],
+        &[Number(2.0), Number(2.0), Number(4e-4)],
+    ]);
+    let camera = sheet(&[
+        &[Text("Time (s)"), Text("Curvature (1/cm)")],
+        &[Number(0.5), Number(0.1)],
+        &[Number(1.5), Number(0.2)],
+        &[Number(2.5), Number(0.3)],
+    ]);
+    let reading = read(
+        "a.xlsx",
+        &workbook(&[current.clone(), camera]),
+        &ReadContext::default(),
+    )
+    .unwrap();
+    let [run] = reading.tables.as_slice() else {
+        panic!("{:?}", reading.tables)
+    };
+    let quantities: Vec<Quantity> = run.channels.iter().map(|channel| channel.quantity).collect();
+    assert_eq!(
+        quantities,
+        [Quantity::Voltage, Quantity::Current, Quantity::Curvature]
+    );
+    let times: Vec<f64> = run.channels.iter().map(|channel| channel.time_s[0]).collect();
+    assert_eq!(times, [0.0, 0.0, 0.5]);
+    assert!(reading.issues.iter().any(|issue| issue.code == "sheets-joined"));
+    // Two whole runs stay two.
+    let two = read(
+        "a.xlsx",
+        &workbook(&[current.clone(), current]),
+        &ReadContext::default(),
+    )
+    .unwrap();
+    assert_eq!(two.tables.len(), 2);
+}

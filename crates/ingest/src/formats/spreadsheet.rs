@@ -10,7 +10,7 @@ use super::{Format, ReadContext, ReadError, climate, plain_table, unpacking};
 use crate::text::unit_row::unit_row;
 use crate::text::{Cell, Decimal, layout, number};
 use crate::{Reading, RunTable};
-use ieap_domain::{Issue, RunStatus};
+use ieap_domain::{Issue, Quantity, RunStatus};
 
 /// Reader of spreadsheets.
 pub struct Spreadsheet;
@@ -32,7 +32,7 @@ impl Format for Spreadsheet {
     }
 
     fn version(&self) -> u32 {
-        6
+        7
     }
 
     fn is_generic(&self) -> bool {
@@ -109,6 +109,7 @@ impl Format for Spreadsheet {
                 found: "no sheet has a row that names a time column".to_owned(),
             }));
         }
+        join_halves(&mut tables, &mut issues);
         if let [only] = tables.as_mut_slice() {
             only.name.clear();
         }
@@ -126,6 +127,42 @@ impl Format for Spreadsheet {
             original_metadata: Vec::new(),
             issues,
         })
+    }
+}
+
+/// Two sheets, of which one holds what the instrument measured and the other only how the strip moved, are one run. Their
+/// times are taken to be counted from the same moment, which a warning says.
+fn join_halves(tables: &mut Vec<RunTable>, issues: &mut Vec<Issue>) {
+    let has = |table: &RunTable, wanted: &dyn Fn(Quantity) -> bool| {
+        table.channels.iter().any(|own| wanted(own.quantity))
+    };
+    let is_electrical = |quantity| matches!(quantity, Quantity::Current | Quantity::Voltage);
+    let is_motion = |quantity: Quantity| quantity.is_response() && !is_electrical(quantity);
+    let halves = |a: &RunTable, b: &RunTable| {
+        has(a, &is_electrical) && !has(a, &is_motion) && !has(b, &is_electrical) && has(b, &is_motion)
+    };
+    let [first, second] = tables.as_slice() else {
+        return;
+    };
+    let (electrical, motion) = match (halves(first, second), halves(second, first)) {
+        (true, _) => (0, 1),
+        (_, true) => (1, 0),
+        _ => return,
+    };
+    let message = format!(
+        "sheets {} and {} are joined to one run, as if both counted time from the same moment",
+        super::error::quoted(&tables[electrical].name),
+        super::error::quoted(&tables[motion].name)
+    );
+    let mend = "where they do not, bring them to one clock, or export each sheet as a run of its own";
+    issues.push(Issue::warning("sheets-joined", message).mend(mend));
+    let moved = tables.remove(motion);
+    let joined = &mut tables[0];
+    joined.rows = joined.rows.max(moved.rows);
+    joined.channels.extend(moved.channels);
+    joined.flags.extend(moved.flags);
+    if let (Some(own), Some(other)) = (joined.time_first_last_s, moved.time_first_last_s) {
+        joined.time_first_last_s = Some((own.0.min(other.0), own.1.max(other.1)));
     }
 }
 

@@ -28,6 +28,58 @@ pub(super) struct Guess {
     /// Which columns hold numbers.
     pub is_number: Vec<bool>,
     pub time: Option<TimeGuess>,
+    /// The line of the head that holds the start.
+    pub start: Option<StartGuess>,
+}
+
+/// A line above the names that says when the run began.
+pub(super) struct StartGuess {
+    /// What the line begins with: `Start:`.
+    pub begins: String,
+    /// The orders of day and month in which its date can be read.
+    pub orders: Vec<&'static str>,
+}
+
+/// What a line begins with that says when a run began, in small letters, the longer first.
+const STARTS: [&str; 14] = [
+    "startzeitpunkt",
+    "startzeit",
+    "start time",
+    "start date",
+    "start_time",
+    "started at",
+    "started",
+    "start",
+    "messbeginn",
+    "beginn",
+    "begin",
+    "date and time",
+    "datum",
+    "date",
+];
+
+/// The first line that begins so and goes on with a date and a time.
+fn start_line(lines: &[Line<'_>]) -> Option<StartGuess> {
+    lines.iter().find_map(|line| {
+        let text = line.text.trim_start_matches(['"', '#', ' ']);
+        let lower = text.to_lowercase();
+        let word = STARTS.into_iter().find(|word| lower.starts_with(word))?;
+        let is_mark = |c: char| c.is_whitespace() || "\";,:=".contains(c);
+        let rest = text.get(word.len()..)?;
+        let date = rest.trim_matches(is_mark);
+        let reads = |order: &DateOrder| stamp::civil(date, *order).is_some();
+        let mut orders: Vec<DateOrder> = DateOrder::ALL.into_iter().filter(reads).collect();
+        // So are dates with dots written.
+        if date.contains('.') && orders.contains(&DateOrder::DayFirst) {
+            orders = vec![DateOrder::DayFirst];
+        }
+        let end = text.len() - rest.trim_start_matches(is_mark).len();
+        let begins = line.text.trim_start_matches('"').strip_suffix(&text[end..])?;
+        (!orders.is_empty()).then(|| StartGuess {
+            begins: begins.trim_end_matches(['"', ' ', '\t']).to_owned(),
+            orders: orders.into_iter().map(DateOrder::key).collect(),
+        })
+    })
 }
 
 /// What times the rows.
@@ -98,7 +150,13 @@ pub(super) fn guess_text(bytes: &[u8], from_line: usize) -> Option<Guess> {
             }
         }
     }
-    best.map(|(_, guess)| guess)
+    best.map(|(_, mut guess)| {
+        let head: Vec<Line<'_>> = Lines::new(&decoded.text)
+            .take(guess.header_line.saturating_sub(1))
+            .collect();
+        guess.start = start_line(&head);
+        guess
+    })
 }
 
 /// The layout of the first sheet with a table of numbers.
@@ -137,14 +195,20 @@ fn grid(lines: &[Line<'_>], delimiter: Delimiter, decimal: Decimal) -> Grid {
         delimiter.split(line.text, |_, cell| {
             cells.push(number::unquote(cell).to_owned());
         });
-        while cells.last().is_some_and(String::is_empty) {
-            cells.pop();
-        }
         cells
     };
+    let mut rows: Vec<Vec<String>> = lines.iter().map(row).collect();
+    // Separators at the end of every line begin no column; a column that is read less often than the others is one.
+    let filled = |row: &Vec<String>| {
+        row.iter()
+            .rposition(|cell| !cell.is_empty())
+            .map_or(0, |last| last + 1)
+    };
+    let width = rows.iter().map(filled).max().unwrap_or(0);
+    rows.iter_mut().for_each(|row| row.truncate(width));
     Grid {
         lines: lines.iter().map(|line| line.number).collect(),
-        rows: lines.iter().map(row).collect(),
+        rows,
         decimal,
     }
 }
@@ -175,7 +239,12 @@ fn judge(grid: &Grid) -> Option<(usize, Guess)> {
             .count()
     };
     let counts: Vec<usize> = (0..width).map(numbers_of).collect();
-    let columns_of_numbers: Vec<bool> = counts.iter().map(|count| 10 * count >= 9 * rows.len()).collect();
+    let filled_of = |column: usize| {
+        let filled = |row: &&Vec<String>| row.get(column).is_some_and(|cell| !cell.is_empty());
+        rows.iter().filter(filled).count()
+    };
+    let holds_numbers = |(column, count): (usize, &usize)| *count > 0 && 10 * count >= 9 * filled_of(column);
+    let columns_of_numbers: Vec<bool> = counts.iter().enumerate().map(holds_numbers).collect();
     let (header_at, units) = names_before(grid, data_at, width);
     let mut names = header_at.map_or(Vec::new(), |at| grid.rows[at].clone());
     names.resize(width, String::new());
@@ -193,6 +262,7 @@ fn judge(grid: &Grid) -> Option<(usize, Guess)> {
         units,
         is_number: columns_of_numbers,
         time,
+        start: None,
     };
     Some((counts.iter().sum(), guess))
 }

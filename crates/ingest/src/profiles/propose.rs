@@ -22,11 +22,22 @@ pub struct Proposal {
     pub open: Vec<String>,
 }
 
-/// Proposes a profile for a file of that name.
+/// What a person says of a column whose name or unit does not.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StatedColumn {
+    /// Name of the column.
+    pub column: String,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Its unit; none where the name holds it.
+    pub unit: Option<String>,
+}
+
+/// Proposes a profile for a file of that name, in which columns are what is `stated` of them.
 ///
 /// # Errors
 /// The file is empty, is no text and no workbook, or has no table of numbers.
-pub fn propose(name: &str, bytes: &[u8]) -> Result<Proposal, ReadError> {
+pub fn propose(name: &str, bytes: &[u8], stated: &[StatedColumn]) -> Result<Proposal, ReadError> {
     if bytes.is_empty() {
         return Err(ReadError::Empty);
     }
@@ -39,7 +50,7 @@ pub fn propose(name: &str, bytes: &[u8]) -> Result<Proposal, ReadError> {
         line: 0,
         found: "no table of numbers, two columns or more in at least two rows".to_owned(),
     })?;
-    Ok(written(name, &guess))
+    Ok(written(name, &guess, stated))
 }
 
 /// The profile that is proposed for a text, where the text leaves nothing to be said by a person: every column has a
@@ -52,14 +63,14 @@ pub(crate) fn complete(bytes: &[u8], from_line: usize) -> Option<Profile> {
     let holds_numbers = headers.iter().enumerate().all(|(index, header)| {
         header.meaning.named_quantity().is_none() || guess.is_number[index] || times.contains(&index)
     });
-    let proposal = written("table", &guess);
+    let proposal = written("table", &guess, &[]);
     let is_complete = is_named && holds_numbers && proposal.open.is_empty();
     is_complete
         .then(|| from_text(Path::new("table.toml"), &proposal.text).ok())
         .flatten()
 }
 
-fn written(name: &str, guess: &Guess) -> Proposal {
+fn written(name: &str, guess: &Guess, stated: &[StatedColumn]) -> Proposal {
     let mut text = String::new();
     let mut open = Vec::new();
     // Writing to a String cannot fail.
@@ -68,8 +79,9 @@ fn written(name: &str, guess: &Guess) -> Proposal {
     recognise(&mut text, name, guess);
     layout(&mut text, guess);
     time(&mut text, guess, &mut open);
+    start(&mut text, guess);
     let mut has_response = false;
-    let headers = headers(guess);
+    let headers = with_stated(headers(guess), guess, stated, &mut open);
     for (index, name) in guess.names.iter().enumerate() {
         has_response |= column(&mut text, guess, (index, &headers[index]), name, &mut open);
     }
@@ -129,6 +141,30 @@ fn layout(text: &mut String, guess: &Guess) {
         let _ = writeln!(text, "lines_after_header = {}", guess.lines_after_header);
     }
     let _ = writeln!(text);
+}
+
+/// When the run began, where the head says it and no column of dates does.
+fn start(text: &mut String, guess: &Guess) {
+    let has_dates = matches!(
+        guess.time,
+        Some(TimeGuess::Clock { .. } | TimeGuess::Epoch { .. })
+    );
+    let Some(start) = guess.start.as_ref().filter(|_| !has_dates) else {
+        return;
+    };
+    let begins = quoted(&start.begins);
+    let _ = match start.orders.as_slice() {
+        [only] => writeln!(
+            text,
+            "[start]\nline_begins = {begins}\norder = \"{only}\"\nkind = \"start\"\n"
+        ),
+        several => writeln!(
+            text,
+            "# The line {begins} holds the start, which can be read as {}: say which, or tag the runs with started_at.\n\
+             # [start]\n# line_begins = {begins}\n# order = \"\"\n# kind = \"start\"\n",
+            several.join(" or ")
+        ),
+    };
 }
 
 fn time(text: &mut String, guess: &Guess, open: &mut Vec<String>) {
@@ -215,6 +251,31 @@ fn headers(guess: &Guess) -> Vec<Header> {
     leave_lone_phases(&mut meanings);
     for (header, meaning) in headers.iter_mut().zip(meanings) {
         header.meaning = meaning;
+    }
+    headers
+}
+
+/// The same with what is stated of columns; what is stated of none is left open.
+fn with_stated(
+    mut headers: Vec<Header>,
+    guess: &Guess,
+    stated: &[StatedColumn],
+    open: &mut Vec<String>,
+) -> Vec<Header> {
+    for said in stated {
+        let Some(index) = guess.names.iter().position(|name| *name == said.column) else {
+            open.push(format!(
+                "there is no column {}; there are {}",
+                one_line(&said.column),
+                one_line(&guess.names.join(", "))
+            ));
+            continue;
+        };
+        let unit = said
+            .unit
+            .clone()
+            .unwrap_or_else(|| headers[index].raw_unit.clone());
+        headers[index] = Header::with_unit(said.quantity.label(), &unit);
     }
     headers
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Profile, Reader, choose, from_text, load, propose, read};
+use super::{Profile, Reader, StatedColumn, choose, from_text, load, propose, read};
 use crate::Reading;
 use crate::formats::{ReadContext, ReadError};
 use ieap_domain::Quantity;
@@ -225,7 +225,7 @@ fn a_cut_at_any_byte_never_changes_a_number() {
 fn proposals_read_the_file_they_were_made_from() {
     let with_names = b"made by hand\nTime (s);I/mA;kappa (1/m)\n0;1,5;0\n0,5;1,25;1\n1;1;2\n";
     for (name, bytes) in [("a.csv", LOG), ("b.csv", with_names.as_slice())] {
-        let proposal = propose(name, bytes).unwrap();
+        let proposal = propose(name, bytes, &[]).unwrap();
         println!("{}\n{:?}", proposal.text, proposal.open);
         if name == "b.csv" {
             assert!(proposal.open.is_empty(), "{:?}", proposal.open);
@@ -237,7 +237,7 @@ fn proposals_read_the_file_they_were_made_from() {
         }
     }
     let unitless = b"test_time,amps\n1.5,2\n2.5,3\n3.5,3\n";
-    let proposal = propose("c.csv", unitless).unwrap();
+    let proposal = propose("c.csv", unitless, &[]).unwrap();
     assert!(proposal.open[0].contains("[time] unit"), "{:?}", proposal.open);
     assert!(from_text(Path::new("c.toml"), &proposal.text).is_err());
 }
@@ -250,7 +250,7 @@ fn a_row_of_units_is_no_row_of_names() {
         .chain(text.encode_utf16())
         .flat_map(u16::to_le_bytes)
         .collect();
-    let proposal = propose("sweep.csv", &utf16).unwrap();
+    let proposal = propose("sweep.csv", &utf16, &[]).unwrap();
     assert!(
         proposal.text.contains("header_line = 3\nlines_after_header = 2"),
         "{}",
@@ -268,7 +268,7 @@ fn a_row_of_units_is_no_row_of_names() {
 #[test]
 fn columns_headed_by_units_say_what_they_hold() {
     let text = "made by hand\ns,V,\u{b5}A\n0,0.5,1.5\n1,0.5,1.25\n2,0.5,1\n".as_bytes();
-    let proposal = propose("cv.csv", text).unwrap();
+    let proposal = propose("cv.csv", text, &[]).unwrap();
     assert!(proposal.open.is_empty(), "{:?}\n{}", proposal.open, proposal.text);
     let reading = read_with(&proposal.text, "cv.csv", text);
     let found: Vec<(Quantity, f64)> = reading.tables[0]
@@ -283,7 +283,7 @@ fn columns_headed_by_units_say_what_they_hold() {
 #[test]
 fn a_profile_of_a_modulus_log_is_complete() {
     let log = b"made by hand\nTime (min);T (\xb0C);E' (MPa);E\" (MPa)\n0;25;70;7\n1;25,5;68;6,5\n2;26;66;6\n";
-    let proposal = propose("dma.csv", log).unwrap();
+    let proposal = propose("dma.csv", log, &[]).unwrap();
     assert!(proposal.open.is_empty(), "{:?}", proposal.open);
     let reading = read_with(&proposal.text, "dma.csv", log);
     assert!(
@@ -321,7 +321,7 @@ fn profiles_of_a_folder_are_loaded_by_id() {
 #[test]
 fn the_phase_of_a_modulus_is_none_of_an_impedance() {
     let log = "Time (s);f (Hz);Phase (\u{b0});E' (MPa);tan delta\n0;1;10,5;60;0,185\n1;1;10,75;61;0,19\n2;1;11;62;0,2\n";
-    let proposal = propose("dma.csv", log.as_bytes()).unwrap();
+    let proposal = propose("dma.csv", log.as_bytes(), &[]).unwrap();
     assert!(!proposal.text.contains("impedance"), "{}", proposal.text);
     let reading = crate::formats::read("dma.csv", log.as_bytes(), &ReadContext::default()).unwrap();
     let phase = reading.tables[0]
@@ -330,6 +330,95 @@ fn the_phase_of_a_modulus_is_none_of_an_impedance() {
         .find(|c| c.raw_name.starts_with("Phase"));
     assert_eq!(phase.map(|channel| channel.quantity), Some(Quantity::Other));
     let spectrum = "f (Hz);|Z| (Ohm);Phase (\u{b0})\n1;10,5;-20\n2;10;-25\n3;9,5;-30\n";
-    let proposal = propose("eis.csv", spectrum.as_bytes()).unwrap();
+    let proposal = propose("eis.csv", spectrum.as_bytes(), &[]).unwrap();
     assert!(proposal.text.contains("impedance_phase"), "{}", proposal.text);
+}
+
+#[test]
+fn a_column_is_what_a_person_says_of_it() {
+    let bytes = b"time_s,voltage_v,d [mm],Weg\n0,0,0,0\n1,2,0.1,100\n2,2,0.2,200\n";
+    let stated = |column: &str, unit: Option<&str>| StatedColumn {
+        column: column.to_owned(),
+        quantity: Quantity::TipDisplacement,
+        unit: unit.map(str::to_owned),
+    };
+    for (said, expected_mm) in [(stated("d [mm]", None), 0.2), (stated("Weg", Some("um")), 0.2)] {
+        let proposal = propose("a.csv", bytes, std::slice::from_ref(&said)).unwrap();
+        assert!(proposal.open.is_empty(), "{:?}", proposal.open);
+        let profile = from_text(Path::new("laser.toml"), &proposal.text).unwrap();
+        let reading = profile.read(bytes, &ReadContext::default()).unwrap();
+        let channels = &reading.tables[0].channels;
+        let found = channels.iter().find(|c| c.quantity == Quantity::TipDisplacement);
+        let last = found.and_then(|channel| channel.values.last().copied());
+        assert!((last.unwrap() - expected_mm).abs() < 1e-12, "{said:?}");
+    }
+    let wrong = propose("a.csv", bytes, &[stated("Laser", None)]).unwrap();
+    assert!(wrong.open[0].contains("no column Laser"), "{:?}", wrong.open);
+}
+
+#[test]
+fn a_start_in_the_head_is_proposed_where_its_date_has_one_order() {
+    let file = |date: &str| {
+        format!(
+            "Messung 7\r\nStart: {date}\r\nt [s];U [V];I [mA];Spitze [mm]\r\n0,0;2,0;1,5;0,1\r\n0,5;2,0;1,4;0,2\r\n1,0;2,0;1,3;0,3\r\n"
+        )
+    };
+    let stated = [StatedColumn {
+        column: "Spitze [mm]".to_owned(),
+        quantity: Quantity::TipDisplacement,
+        unit: None,
+    }];
+    let proposal = propose("m.csv", file("02.06.2026 03:00:00").as_bytes(), &stated).unwrap();
+    assert!(
+        proposal
+            .text
+            .contains("[start]\nline_begins = \"Start:\"\norder = \"day-first\""),
+        "{}",
+        proposal.text
+    );
+    let reading = read_with(&proposal.text, "m.csv", file("02.06.2026 03:00:00").as_bytes());
+    assert_eq!(
+        reading.started_at.as_ref().unwrap().local.as_deref(),
+        Some("2026-06-02T03:00:00")
+    );
+    let slashes = propose("m.csv", file("02/06/2026 03:00:00").as_bytes(), &stated).unwrap();
+    assert!(
+        slashes.text.contains("# [start]") && slashes.open == proposal.open,
+        "{}",
+        slashes.text
+    );
+}
+
+#[test]
+fn a_column_that_is_read_less_often_than_the_others_is_one_of_the_table() {
+    let rows: String = (0..60)
+        .map(|k| {
+            let camera = if k % 3 == 0 {
+                format!("{}", 0.1 + 0.01 * f64::from(k))
+            } else {
+                String::new()
+            };
+            format!(
+                "{};2.0;{};{camera};\n",
+                0.5 * f64::from(k),
+                1.5 - 0.01 * f64::from(k)
+            )
+            .replace('.', ",")
+        })
+        .collect();
+    let text = format!("Messung 7;;;;\nZeit [s];U [V];I [mA];Weg [mm];\n{rows}");
+    let stated = [StatedColumn {
+        column: "Weg [mm]".to_owned(),
+        quantity: Quantity::TipDisplacement,
+        unit: None,
+    }];
+    let proposal = propose("m.csv", text.as_bytes(), &stated).unwrap();
+    assert_eq!(proposal.open, Vec::<String>::new(), "{}", proposal.text);
+    let reading = read_with(&proposal.text, "m.csv", text.as_bytes());
+    let lengths: Vec<usize> = reading.tables[0]
+        .channels
+        .iter()
+        .map(|channel| channel.len())
+        .collect();
+    assert_eq!(lengths, [60, 60, 20], "{}", proposal.text);
 }

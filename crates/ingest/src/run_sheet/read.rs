@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{IS_DAMAGED, LARGEST_BYTES, SheetRow, is_numeric};
+use crate::tags::value::usable;
 use crate::text::number::{self, Cell, Decimal};
 use crate::text::{Decoded, decode};
 use ieap_domain::Issue;
@@ -204,21 +205,31 @@ fn row(
         match column.as_str() {
             "" | PLANNED | FILE => {}
             said if SAID.contains(&said) => row.said.push((said.to_owned(), value.to_owned())),
-            key if is_numeric(key) => {
-                let number = number_of(value, delimiter).ok_or_else(|| {
-                    let found = format!("\"{value}\" is no number");
-                    damaged(
-                        &format!("{place}, column {key}"),
-                        found,
-                        "write one, such as 2.5, or leave the cell empty",
-                    )
-                })?;
-                row.tags.push((key.to_owned(), number.to_string()));
+            key => {
+                let value = tag_value(key, value, delimiter)
+                    .map_err(|(found, mend)| damaged(&format!("{place}, column {key}"), found, mend))?;
+                row.tags.push((key.to_owned(), value));
             }
-            key => row.tags.push((key.to_owned(), value.to_owned())),
         }
     }
     Ok(row)
+}
+
+/// The value of a tag, or what is wrong with it and how to mend it.
+fn tag_value(key: &str, cell: &str, delimiter: u8) -> Result<String, (String, &'static str)> {
+    let value = match is_numeric(key) {
+        true => number_of(cell, delimiter).map(|number| number.to_string()),
+        false => Some(cell.to_owned()),
+    };
+    let Some(value) = value else {
+        let mend = "write one, such as 2.5, or leave the cell empty";
+        return Err((format!("\"{cell}\" is no number"), mend));
+    };
+    // Where the campaign lies is not known here, and any zone shows whether a start is one.
+    match usable(key, &value, Some("UTC")) {
+        Ok(_) => Ok(value),
+        Err(fault) => Err((format!("\"{cell}\" cannot be used: {}", fault.reason), fault.mend)),
+    }
 }
 
 /// A number with a decimal point or, where commas do not part the cells, a decimal comma.

@@ -2,16 +2,12 @@
 
 use jiff::Timestamp;
 
+use ieap_domain::drive::{NOMINAL_AGREES_PART, NOMINAL_AGREES_V};
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, Tag, TagSource};
 
 /// Code of what is said of one measurement under two names that are tagged differently.
 pub const NAMES_CONTRADICT: &str = "names-contradict";
-
-/// A measured voltage agrees with a stated one within 10 mV or 2 %, whichever is more: what a potentiostat's
-/// offset and the rounding of a nominal value explain, and less than the steps of a campaign.
-const VOLTAGE_AGREES_V: f64 = 0.01;
-const VOLTAGE_AGREES_PART: f64 = 0.02;
 
 /// A logged mean agrees with a stated humidity within 3 percent points, with a stated temperature within
 /// 1 degree: the accuracy that makers of capacitive humidity and of thermistor loggers state.
@@ -114,7 +110,7 @@ fn agree(chosen: &Tag, overruled: &Tag) -> bool {
 fn tolerance(chosen: &Tag, overruled: &Tag, magnitude: f64) -> f64 {
     let from = |source| chosen.source == source || overruled.source == source;
     let allowed = match chosen.key.as_str() {
-        keys::VOLTAGE_V if from(TagSource::Channel) => VOLTAGE_AGREES_V.max(VOLTAGE_AGREES_PART * magnitude),
+        keys::VOLTAGE_V if from(TagSource::Channel) => NOMINAL_AGREES_V.max(NOMINAL_AGREES_PART * magnitude),
         keys::RELATIVE_HUMIDITY_PERCENT if from(TagSource::Ambient) => HUMIDITY_AGREES_PERCENT,
         keys::TEMPERATURE_C if from(TagSource::Ambient) => TEMPERATURE_AGREES_C,
         _ => 0.0,

@@ -72,12 +72,13 @@ fn has_meaning(key: &str) -> bool {
         || keys::OTHERS.contains(&key)
 }
 
-/// Whether every word of `key` is one of the known key's: `humidity`, `rest_before`.
+/// Whether every word of `key` is one of the known key's, or a slip of one: `humidity`, `rest_before`, `humidty`.
 fn is_part(key: &str, known: &str) -> bool {
+    let is_meant = |word: &str, other: &str| word == other || nearest(word, [other]).is_some();
     key.chars().count() > 2
         && key
             .split('_')
-            .all(|word| known.split('_').any(|other| other == word))
+            .all(|word| known.split('_').any(|other| is_meant(word, other)))
 }
 
 /// The tag of the quantity that the key speaks of in another spelling or unit: `rh`, `voltage_mv`.
@@ -140,6 +141,7 @@ mod tests {
             ("relative_humdity_percent", "relative_humidity_percent"),
             ("enviroment", "environment"),
             ("humidity", "relative_humidity_percent"),
+            ("humidty", "relative_humidity_percent"),
             ("relative_humidity", "relative_humidity_percent"),
             ("rh", "relative_humidity_percent"),
             ("voltage", "voltage_v"),

@@ -3,14 +3,14 @@
 mod agreement;
 mod declared;
 mod sources;
-mod value;
+mod stated_value;
+pub(crate) mod value;
 
 use std::path::{Path, PathBuf};
 
 use ieap_domain::tag::{UNREADABLE, keys};
 use ieap_domain::{Campaign, Issue, Tag, TagSource};
 
-use super::campaign_file::nearest;
 use super::scan::display_path;
 
 pub use declared::{MISSPELT, TagKey, UNDECLARED, objection, tag_key};
@@ -18,10 +18,9 @@ pub use declared::{MISSPELT, TagKey, UNDECLARED, objection, tag_key};
 /// Code of the issue of a needed tag that no source gives.
 pub const MISSING: &str = "tag-missing";
 
-/// Code of the issue of a sample that campaign.toml does not name.
-pub const UNKNOWN_SAMPLE: &str = "unknown-sample";
 pub use agreement::NAMES_CONTRADICT;
 pub use sources::{tag_files_for, tag_sources_digest, unreadable};
+pub use stated_value::{UNKNOWN_SAMPLE, value_objection};
 
 /// Another name under which the readings of a run lie: what is stated of it is stated of the run.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -214,61 +213,20 @@ fn name(request: &TagRequest, of: usize) -> String {
 }
 
 fn check_sample(request: &TagRequest, resolved: &mut Resolved) {
-    let Some(sample) = resolved.value(keys::SAMPLE) else {
-        return;
-    };
-    if request.campaign.sample(sample).is_some() {
-        return;
+    let unknown = resolved
+        .value(keys::SAMPLE)
+        .and_then(|id| stated_value::unknown_sample(request.campaign, id));
+    if let Some(issue) = unknown {
+        resolved.issues.push(issue);
+        resolved.missing.push(keys::SAMPLE.to_owned());
     }
-    let known: Vec<&str> = request
-        .campaign
-        .samples
-        .iter()
-        .map(|sample| sample.id.as_str())
-        .collect();
-    let message = format!("the sample \"{sample}\" is not in campaign.toml");
-    let mend = match nearest(sample, known.iter().copied()) {
-        Some(meant) => format!("write \"{meant}\" if that is meant, or add a [[sample]] with that id"),
-        None => format!(
-            "add a [[sample]] with that id to campaign.toml, or use one of: {}",
-            listed(&known)
-        ),
-    };
-    let issue = Issue::error(UNKNOWN_SAMPLE, message).at(keys::SAMPLE).mend(mend);
-    resolved.issues.push(issue);
-    resolved.missing.push(keys::SAMPLE.to_owned());
 }
 
 fn check_environment(request: &TagRequest, resolved: &mut Resolved) {
-    let Some(environment) = resolved.value(keys::ENVIRONMENT) else {
-        return;
-    };
-    if request.campaign.environment(environment).is_some() {
-        return;
-    }
-    let known: Vec<&str> = request
-        .campaign
-        .environments
-        .iter()
-        .map(|known| known.id.as_str())
-        .collect();
-    let message = format!(
-        "the environment \"{environment}\" is not known; known are {}",
-        listed(&known)
-    );
-    let mend = match nearest(environment, known.iter().copied()) {
-        Some(meant) => format!("write \"{meant}\" if that is meant, or add an [[environment]] with that id"),
-        None => "add an [[environment]] with that id to campaign.toml, or use a known one".to_owned(),
-    };
-    let issue = Issue::warning("unknown-environment", message);
-    resolved.issues.push(issue.at(keys::ENVIRONMENT).mend(mend));
-}
-
-fn listed(ids: &[&str]) -> String {
-    match ids {
-        [] => "(none yet)".to_owned(),
-        ids => ids.join(", "),
-    }
+    let unknown = resolved
+        .value(keys::ENVIRONMENT)
+        .and_then(|id| stated_value::unknown_environment(request.campaign, id));
+    resolved.issues.extend(unknown);
 }
 
 fn missing_tag(request: &TagRequest, key: &str) -> Issue {

@@ -7,20 +7,36 @@ use jiff::{Timestamp, Zoned};
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, Tag};
 
+/// Why a value cannot be used, and how to mend it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Fault {
+    /// Why.
+    pub reason: &'static str,
+    /// How to mend it.
+    pub mend: &'static str,
+}
+
 /// The value as it is stored, or the issue that says why it cannot be used. `timezone` gives the offset of a
 /// start that states none.
 pub(super) fn checked(tag: &Tag, timezone: Option<&str>) -> Result<String, Issue> {
-    let text = tag.value.trim();
+    usable(&tag.key, &tag.value, timezone).map_err(|fault| unusable(tag, fault))
+}
+
+/// The value of that key as it is stored.
+///
+/// # Errors
+/// Why no run can have it.
+pub(crate) fn usable(key: &str, value: &str, timezone: Option<&str>) -> Result<String, Fault> {
+    let text = value.trim();
     if text.is_empty() {
-        return Err(unusable(
-            tag,
-            "it is empty",
-            "write a value, or take the line away",
-        ));
+        return Err(Fault {
+            reason: "it is empty",
+            mend: "write a value, or take the line away",
+        });
     }
-    match tag.key.as_str() {
-        keys::STARTED_AT => start(tag, text, timezone),
-        key if keys::NUMERIC.contains(&key) => number(tag, text),
+    match key {
+        keys::STARTED_AT => start(text, timezone),
+        key if keys::NUMERIC.contains(&key) => number(key, text),
         _ => Ok(text.to_owned()),
     }
 }
@@ -38,13 +54,15 @@ pub(super) fn shortest(number: f64) -> String {
     }
 }
 
-fn number(tag: &Tag, text: &str) -> Result<String, Issue> {
-    let mend = "write a number with a decimal point and without a unit, such as 2.5";
+fn number(key: &str, text: &str) -> Result<String, Fault> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
     let Some(number) = number else {
-        return Err(unusable(tag, "it is not a number", mend));
+        return Err(Fault {
+            reason: "it is not a number",
+            mend: "write a number with a decimal point and without a unit, such as 2.5",
+        });
     };
-    let (possible, needed) = match tag.key.as_str() {
+    let (possible, needed) = match key {
         keys::RELATIVE_HUMIDITY_PERCENT => (
             (0.0..=100.0).contains(&number),
             "a number from 0 to 100 is needed",
@@ -54,39 +72,38 @@ fn number(tag: &Tag, text: &str) -> Result<String, Issue> {
         keys::CYCLE => (number >= 0.0 && number.fract() == 0.0, "a whole number is needed"),
         _ => (true, ""),
     };
-    if possible {
-        Ok(shortest(number))
-    } else {
-        Err(unusable(tag, needed, "correct it"))
+    match possible {
+        true => Ok(shortest(number)),
+        false => Err(Fault {
+            reason: needed,
+            mend: "correct it",
+        }),
     }
 }
 
 /// RFC 3339 with the offset as stated, or with that of the campaign's time zone.
-fn start(tag: &Tag, text: &str, timezone: Option<&str>) -> Result<String, Issue> {
+fn start(text: &str, timezone: Option<&str>) -> Result<String, Fault> {
     if let Ok(moment) = text.parse::<Timestamp>() {
         return Ok(moment_with_offset(text).unwrap_or_else(|| moment.to_string()));
     }
     // jiff reads a date alone as midnight; a run that started at midnight is not what was said.
     let local = text.parse::<DateTime>().ok().filter(|_| text.contains(':'));
     let Some(local) = local else {
-        let mend = "write date and time as 2026-11-20T10:00:00+02:00";
-        return Err(unusable(tag, "it is not a date with a time of day", mend));
+        return Err(Fault {
+            reason: "it is not a date with a time of day",
+            mend: "write date and time as 2026-11-20T10:00:00+02:00",
+        });
     };
-    let offset = "state the offset, such as 2026-11-20T10:00:00+02:00, or `timezone` in campaign.toml";
+    let without = |reason| Fault {
+        reason,
+        mend: "state the offset, such as 2026-11-20T10:00:00+02:00, or `timezone` in campaign.toml",
+    };
     let zone = timezone.and_then(|name| TimeZone::get(name).ok());
-    let Some(zone) = zone else {
-        return Err(unusable(
-            tag,
-            "it has no offset, and campaign.toml has no `timezone`",
-            offset,
-        ));
-    };
+    let zone = zone.ok_or(without("it has no offset, and campaign.toml has no `timezone`"))?;
     match zone.to_ambiguous_zoned(local).unambiguous() {
         Ok(moment) => Ok(rfc_3339(&moment)),
-        Err(_) => Err(unusable(
-            tag,
+        Err(_) => Err(without(
             "at that change of the clocks this time came twice or never",
-            offset,
         )),
     }
 }
@@ -110,18 +127,21 @@ fn rfc_3339(moment: &Zoned) -> String {
         .to_string()
 }
 
-fn unusable(tag: &Tag, reason: &str, mend: &str) -> Issue {
+fn unusable(tag: &Tag, fault: Fault) -> Issue {
     let origin = match tag.detail.is_empty() {
         true => String::new(),
         false => format!(": {}", tag.detail),
     };
     let message = format!(
-        "`{} = {}` ({}{origin}) is not used: {reason}",
+        "`{} = {}` ({}{origin}) is not used: {}",
         tag.key,
         tag.value,
-        tag.source.label()
+        tag.source.label(),
+        fault.reason
     );
-    Issue::warning("tag-unusable", message).at(&tag.key).mend(mend)
+    Issue::warning("tag-unusable", message)
+        .at(&tag.key)
+        .mend(fault.mend)
 }
 
 #[cfg(test)]

@@ -177,6 +177,9 @@ fn header_line(lines: &[Line<'_>], delimiter: Delimiter) -> Option<usize> {
             continue;
         }
         let cells = delimiter.header_cells(line.text);
+        if cells.len() < 2 {
+            continue;
+        }
         let names: Vec<&str> = cells.iter().map(String::as_str).collect();
         let found = time_among(names.iter().copied());
         if found == Some(true) {
@@ -366,11 +369,32 @@ fn no_reading(found: &[Found], sample: &[Line<'_>]) -> ReadError {
 }
 
 fn no_header(lines: &[Line<'_>]) -> ReadError {
+    if let Some(line) = lines
+        .iter()
+        .take(HEADER_WITHIN)
+        .find(|line| names_frequency(line))
+    {
+        return ReadError::NoImpedance {
+            line: line.number,
+            found: quoted(line.text),
+        };
+    }
     let first = lines.iter().find(|line| !is_blank_or_comment(line.text));
     ReadError::NoHeader {
         line: first.map_or(0, |line| line.number),
         found: quoted(first.map_or("", |line| line.text)),
     }
+}
+
+/// Whether a line names a frequency beside other columns.
+fn names_frequency(line: &Line<'_>) -> bool {
+    let is_frequency =
+        |cell: &String| Header::parse(cell).meaning.named_quantity() == Some(Quantity::Frequency);
+    !is_blank_or_comment(line.text)
+        && Delimiter::ALL.into_iter().any(|delimiter| {
+            let cells = delimiter.header_cells(line.text);
+            cells.len() > 1 && cells.iter().any(is_frequency)
+        })
 }
 
 #[cfg(test)]

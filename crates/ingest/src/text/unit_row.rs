@@ -23,9 +23,12 @@ pub fn unit_row<'a>(names: usize, cells: impl Iterator<Item = &'a str>) -> Optio
     };
     let is_sure = |unit: &&&str| bare(unit).len() < unit.len() || **unit == "-" || unit::is_known(unit);
     let fits = |unit: &&str| bare(unit).chars().count() <= LONGEST_UNIT || unit::is_known(unit);
+    // Nearly every row holds numbers, and that is told soonest.
+    if filled.iter().any(is_number) {
+        return None;
+    }
     let sure = filled.iter().filter(is_sure).count();
-    let is_row = sure > 0 && 2 * sure >= filled.len() && filled.iter().all(fits);
-    if !is_row || filled.iter().any(is_number) {
+    if sure == 0 || 2 * sure < filled.len() || !filled.iter().all(fits) {
         return None;
     }
     Some(units.into_iter().map(|unit| bare(unit).to_owned()).collect())

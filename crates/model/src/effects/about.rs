@@ -1,51 +1,5 @@
 //! What is known of an effect without any data.
 
-/// What an effect's signature is part of: the name that can be given where its twins cannot be told apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Class {
-    /// Storage of charge.
-    Charging,
-    /// Current that stores nothing.
-    Leak,
-    /// Properties that move with time, heat or water.
-    Drift,
-    /// Contacts and electrodes.
-    Contact,
-    /// The source.
-    Source,
-    /// The state before the run.
-    Start,
-    /// How the strip creeps back.
-    Relaxation,
-    /// How charge bends the strip.
-    Coupling,
-    /// How the strip moves, and how motion is seen.
-    Motion,
-    /// The frame in which bending is measured.
-    Frame,
-    /// What is another in every run, and goes with a tag.
-    FromRunToRun,
-}
-
-impl Class {
-    /// Printed name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Class::Charging => "charging",
-            Class::Leak => "leak",
-            Class::Drift => "drift",
-            Class::Contact => "contact",
-            Class::Source => "source",
-            Class::Start => "start",
-            Class::Relaxation => "relaxation",
-            Class::Coupling => "coupling",
-            Class::Motion => "motion",
-            Class::Frame => "frame",
-            Class::FromRunToRun => "from run to run",
-        }
-    }
-}
-
 /// A parameter of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EffectParameter {
@@ -66,8 +20,6 @@ pub struct About {
     pub id: &'static str,
     /// Code in the catalogue of effects, `E8`.
     pub code: &'static str,
-    /// Class for reporting.
-    pub class: Class,
     /// What it is, in one line.
     pub summary: &'static str,
     /// Governing equation.

@@ -1,7 +1,7 @@
 //! A room that warms or cools: all rates move together.
 
 use super::acting::{LEAST, instant, scale_resistances};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// Times in which a room settles that a run lasts.
@@ -13,7 +13,6 @@ pub(super) struct AmbientTemperature;
 static ABOUT: About = About {
     id: "ambient-temperature",
     code: "N6",
-    class: Class::Drift,
     summary: "all rates scale with temperature",
     equation: "R_k -> R_k/(1 + e g), lambda -> lambda (1 + e g); linear: g = t/T; settling: g = (1 - e^(-4t/T))/(1 - e^-4); T the time of the last reading",
     variants: &["linear", "settling"],

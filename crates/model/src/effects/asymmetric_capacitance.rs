@@ -1,7 +1,7 @@
 //! Capacitance that differs between the two polarities.
 
 use super::acting::{instant, scale_capacitances};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// Voltage within which the capacitance goes from that of one polarity to that of the other, V.
@@ -13,7 +13,6 @@ pub(super) struct AsymmetricCapacitance;
 static ABOUT: About = About {
     id: "asymmetric-capacitance",
     code: "E7",
-    class: Class::Charging,
     summary: "C = C0 (1 + b v)",
     equation: "dq_k/de_k = C_k (1 + b e_k), of step C_k (1 + b V_0 tanh(e_k/V_0)) with V_0 = 0.2 V, e_k the voltage of the capacitor",
     variants: &["all", "branch-2", "step"],

@@ -1,7 +1,7 @@
 //! Something that happened to the bending at one instant, and that the drive did not cause.
 
 use super::event::{COURSES, is_in, search, written};
-use super::{About, Class, Effect, EffectParameter, Scale, Search};
+use super::{About, Effect, EffectParameter, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct BendingEvent;
 static ABOUT: About = About {
     id: "bending-event",
     code: "G11",
-    class: Class::Frame,
     summary: "a step or a kick of the bending at one instant, whatever the drive does",
     equation: "kappa -> kappa + s g((t - t_0)/w) from t_0 on, in one run; step: g = 1 - e^-x, kick: g = (e^-x - e^(-10x))/0.697, t the time since the start of the drive",
     variants: &COURSES,

@@ -1,6 +1,6 @@
 //! Curvature that is read late.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct CameraDelay;
 static ABOUT: About = About {
     id: "camera-delay",
     code: "G2",
-    class: Class::Motion,
     summary: "curvature late against current",
     equation: "kappa(t) -> kappa(t - d)",
     variants: &[],

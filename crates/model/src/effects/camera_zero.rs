@@ -1,7 +1,7 @@
 //! A camera whose zero is not the straight strip.
 
 use super::acting::read_as;
-use super::{About, Class, Effect, EffectParameter, Scale, Search};
+use super::{About, Effect, EffectParameter, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct CameraZero;
 static ABOUT: About = About {
     id: "camera-zero",
     code: "G1",
-    class: Class::Frame,
     summary: "constant added to curvature",
     equation: "kappa -> kappa + k_0",
     variants: &[],

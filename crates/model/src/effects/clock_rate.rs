@@ -1,6 +1,6 @@
 //! A camera whose clock runs at another rate.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct ClockRate;
 static ABOUT: About = About {
     id: "clock-rate",
     code: "G3",
-    class: Class::Frame,
     summary: "the two clocks run differently",
     equation: "kappa(t) -> kappa(t (1 + e))",
     variants: &[],

@@ -1,7 +1,7 @@
 //! A current that falls as a power of time, of any exponent.
 
 use super::acting::instant;
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct ConstantPhase;
 static ABOUT: About = About {
     id: "constant-phase",
     code: "E19",
-    class: Class::Charging,
     summary: "a current ~ t^-n of any exponent, beside the branches",
     equation: "i = k SUM dv_j ((t - t_j + t_0)/1 s)^-n over the edges t_j before, whose charge bends, or (stiff) does not; lost: i = k v ((t_e + t_0)/1 s)^-n, t_e since the last edge; t_0 = 0.05 s, or a ten-thousandth of a run shorter than 500 s",
     variants: &["bending", "stiff", "lost"],

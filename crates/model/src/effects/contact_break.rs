@@ -1,6 +1,6 @@
 //! A resistance, a capacitance or the coupling jumps at one instant: cracked foil, slipping clip.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct ContactBreak;
 static ABOUT: About = About {
     id: "contact-break",
     code: "E18",
-    class: Class::Contact,
     summary: "R, capacitance or coupling jumps at one instant (cracked gold foil, slipping clip)",
     equation: "X -> X (1 + j) from t_c on, in one run; X all resistances, all capacitances, or alpha",
     variants: &["resistance", "capacitance", "coupling"],

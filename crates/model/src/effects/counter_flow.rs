@@ -1,6 +1,6 @@
 //! Solvent or counter-ions that flow back slowly.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RelaxationMode, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct CounterFlow;
 static ABOUT: About = About {
     id: "counter-flow",
     code: "K2",
-    class: Class::Relaxation,
     summary: "slow counter-ion or solvent back-flow",
     equation: "kappa = alpha (HP_lambda(q) - f y); exponential: y' = (q - y)/tau; diffusive: y = SUM y_n with y_n' = (w_n q - y_n) n^2/tau, w_n = 8/(n pi)^2, n = 1, 3, 5, ...",
     variants: &["exponential", "diffusive"],

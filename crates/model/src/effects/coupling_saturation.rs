@@ -1,7 +1,7 @@
 //! Charge that bends less the more of it there is.
 
 use super::acting::instant;
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// Where tanh(z)/z is one half.
@@ -22,7 +22,6 @@ pub(super) struct CouplingSaturation;
 static ABOUT: About = About {
     id: "coupling-saturation",
     code: "K5",
-    class: Class::Coupling,
     summary: "alpha falls with charge",
     equation: "drive: x -> x g before relaxation; gain: kappa -> kappa g; g = 1/(1 + |Q|/q_s), of tanh: g = tanh(z)/z with z = 1.9150 |Q|/q_s, Q the charge of the strip",
     variants: &["drive", "gain", "tanh-drive", "tanh-gain"],

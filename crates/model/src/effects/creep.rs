@@ -1,7 +1,7 @@
 //! Slow set of the polymer that does not come back.
 
 use super::acting::read_as;
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct Creep;
 static ABOUT: About = About {
     id: "creep",
     code: "M9",
-    class: Class::Relaxation,
     summary: "logarithmic, not recovered",
     equation: "kappa -> kappa + c ln(1 + t/t_0), of power: kappa + 3 c ((1 + t/t_0)^(1/3) - 1), times the sign of the first voltage in the odd forms",
     variants: &["even", "odd", "power-even", "power-odd"],

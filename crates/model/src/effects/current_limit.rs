@@ -1,6 +1,6 @@
 //! A source that gives no more than so much current, or a meter that shows no more.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct CurrentLimit;
 static ABOUT: About = About {
     id: "current-limit",
     code: "E13",
-    class: Class::Source,
     summary: "the source clips, or its meter",
     equation: "source: |I| <= I_max, while more is asked for the voltage across the strip falls; meter: |I| <= I_max in what is written down alone",
     variants: &["source", "meter"],

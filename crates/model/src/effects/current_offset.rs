@@ -1,6 +1,6 @@
 //! A constant in the measured current.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct CurrentOffset;
 static ABOUT: About = About {
     id: "current-offset",
     code: "E15",
-    class: Class::Leak,
     summary: "constant added to the measured current",
     equation: "I -> I + I_off",
     variants: &[],

@@ -1,6 +1,6 @@
 //! Curvature readings that stand still at a level: a stop, or the edge of the picture.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct CurvatureLimit;
 static ABOUT: About = About {
     id: "curvature-limit",
     code: "G10",
-    class: Class::Frame,
     summary: "curvature is read no larger than a level",
     equation: "both: kappa -> kappa within -k_max and k_max; above: kappa -> min(kappa, k_max); below: kappa -> max(kappa, -k_max)",
     variants: &["both", "above", "below"],

@@ -1,7 +1,7 @@
 //! A leak that the arrival of reactants limits.
 
 use super::acting::instant;
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct DiffusionLimitedLeak;
 static ABOUT: About = About {
     id: "diffusion-limited-leak",
     code: "E9",
-    class: Class::Leak,
     summary: "leak ~ t^-1/2, not recovered on discharge",
     equation: "i = k u / sqrt(t + 0.05 s), t since the last edge of the drive",
     variants: &[],

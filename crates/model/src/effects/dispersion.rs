@@ -1,7 +1,7 @@
 //! Time constants spread over many pores: constant-phase behaviour.
 
 use super::fractional_relaxation::spectrum_of;
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct Dispersion;
 static ABOUT: About = About {
     id: "dispersion",
     code: "E4",
-    class: Class::Charging,
     summary: "constant-phase behaviour, a spread of time constants",
     equation: "branch k becomes many with ln tau normal around ln tau_k, of power as in q(p) = C_k v(p)/(1 + (p tau_k)^b), standard deviation g = pi sqrt((1/b^2 - 1)/3); the same C_k in all",
     variants: &["branch-1", "branch-2", "both", "power-branch-1", "power-branch-2"],

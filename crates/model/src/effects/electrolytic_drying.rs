@@ -1,7 +1,7 @@
 //! A leak that splits the water of the membrane.
 
 use super::acting::{remembering, scale_resistances};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Now, RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct ElectrolyticDrying;
 static ABOUT: About = About {
     id: "electrolytic-drying",
     code: "N5",
-    class: Class::Drift,
     summary: "leak charge consumes water, R grows",
     equation: "R_k -> R_k (1 + k INT j dt); jump: j = |u|/R_ss where |u| > E_on; ramp: j = (|u| - E_on)/R_ss there",
     variants: &["jump", "ramp"],

@@ -1,6 +1,6 @@
 //! Bending that follows the size of the voltage, not its sign.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct EvenBending;
 static ABOUT: About = About {
     id: "even-bending",
     code: "K10",
-    class: Class::Coupling,
     summary: "even in the voltage, with a lag of its own",
     equation: "kappa -> kappa + a y; square: tau y' = v^2 - y, magnitude: tau y' = |v| 1 V - y, v the voltage across the strip",
     variants: &["square", "magnitude"],

@@ -1,6 +1,6 @@
 //! A mean over the time of exposure.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct ExposureSmoothing;
 static ABOUT: About = About {
     id: "exposure-smoothing",
     code: "G5",
-    class: Class::Motion,
     summary: "moving average over the exposure",
     equation: "kappa(t) -> mean of kappa from t - T_e to t",
     variants: &[],

@@ -1,6 +1,6 @@
 //! Electrolysis: a current above an onset voltage that stores no charge and does not bend the strip.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct FaradaicLeak;
 static ABOUT: About = About {
     id: "faradaic-leak",
     code: "E8",
-    class: Class::Leak,
     summary: "electrolysis current above an onset voltage; does not bend the strip",
     equation: "i_F = i_0 (e^x - 1) where x > 0, else 0, along its tangent beyond e^16, x = (|w| - E_on)/s; soft: i_0 ln(1 + e^x); limited: i_0/(1 + e^-x), both less what they are at w = 0; w the voltage of the terminals or of branch 2's capacitor, in the last two forms of the terminals",
     variants: &["terminal", "capacitor", "soft", "limited"],

@@ -1,6 +1,6 @@
 //! A third, faster R-C branch.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct FastBranch;
 static ABOUT: About = About {
     id: "fast-branch",
     code: "E3",
-    class: Class::Charging,
     summary: "a third R-C branch, faster; its charge bends the strip",
     equation: "q_3' = (v - q_3/C_3)/R_3, with tau_3 = R_3 C_3 below the others",
     variants: &[],

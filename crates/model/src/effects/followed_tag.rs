@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System, TagAt};
 use ieap_domain::diagnosis::{FOLLOWS, follows_a_tag};
 
@@ -117,7 +117,6 @@ fn about(id: &str) -> About {
     About {
         id: kept(id.to_owned()),
         code: "R1",
-        class: Class::FromRunToRun,
         summary: kept(summary),
         equation: kept(format!("P -> P (1 + e)^x, {of_runs}")),
         variants: &FORMS,

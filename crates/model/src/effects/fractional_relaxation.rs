@@ -1,6 +1,6 @@
 //! Relaxation by a power law, or by a stretched exponential.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RelaxationMode, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct FractionalRelaxation;
 static ABOUT: About = About {
     id: "fractional-relaxation",
     code: "M3",
-    class: Class::Relaxation,
     summary: "power-law or stretched relaxation",
     equation: "power: kappa(p) = alpha p^b/(p^b + lambda^b) q(p); stretched: what a charge at once has bent falls as e^(-(lambda t)^b); b = 1 - d",
     variants: &["power", "stretched"],

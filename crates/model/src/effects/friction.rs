@@ -1,6 +1,6 @@
 //! Dead zone between force and motion: sticking, play, a support that is touched.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Observation, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct Friction;
 static ABOUT: About = About {
     id: "friction",
     code: "M8",
-    class: Class::Motion,
     summary: "dead zone, stick",
     equation: "play: kappa follows kappa_q at a distance of at most w (play operator); spread: the mean of plays with w/4, 3w/4, 5w/4 and 7w/4",
     variants: &["play", "spread"],

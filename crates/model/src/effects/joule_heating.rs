@@ -1,6 +1,6 @@
 //! Dissipated heat warms the strip and lowers its resistances.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct JouleHeating;
 static ABOUT: About = About {
     id: "joule-heating",
     code: "N1",
-    class: Class::Drift,
     summary: "R falls with dissipated heat",
     equation: "theta' = i u - theta/tau (per cm2), R_k = R_k0 e^(-h theta), of both lambda = lambda_0 e^(h theta) too",
     variants: &["resistance", "both"],

@@ -1,6 +1,6 @@
 //! Charge that leaks through R_ss bends the strip too.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct LeakCoupling;
 static ABOUT: About = About {
     id: "leak-coupling",
     code: "K4",
-    class: Class::Relaxation,
     summary: "leak charge bends too (no free strength)",
     equation: "x' = q' + g u/R_ss, x the charge that bends",
     variants: &[],

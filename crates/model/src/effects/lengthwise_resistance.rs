@@ -1,6 +1,6 @@
 //! Electrodes that resist along the strip: its far end charges later.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// Strengths at which its signature is looked for, times the length squared and the conductance across the strip: weak, it
@@ -16,7 +16,6 @@ pub(super) struct LengthwiseResistance;
 static ABOUT: About = About {
     id: "lengthwise-resistance",
     code: "K8",
-    class: Class::Contact,
     summary: "electrode resistance along the strip: the distributed model is needed",
     equation: "d2u/dz2 = R_sq i(z), u = v at the clamp, du/dz = 0 at the end; kappa the mean over the length",
     variants: &[],

@@ -1,6 +1,6 @@
 //! The motion follows the bending force with a delay of first order: drag.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Observation, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct MechanicalLag;
 static ABOUT: About = About {
     id: "mechanical-lag",
     code: "M6",
-    class: Class::Motion,
     summary: "first-order lag of the motion",
     equation: "tau kappa' + kappa = kappa_q",
     variants: &[],

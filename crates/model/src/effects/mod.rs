@@ -64,16 +64,18 @@ mod source_rise;
 mod tests;
 mod threshold_relaxation;
 mod tip_formula;
+mod tree;
 mod unequal_coupling;
 mod voltage_dependent_capacitance;
 mod warburg;
 mod water_exchange;
 mod water_redistribution;
 
-pub use about::{About, Class, EffectParameter};
+pub use about::{About, EffectParameter};
 pub use effect::{Applied, Effect};
 pub use followed_tag::tag_places;
 pub use search::{Limits, Scale, Search};
+pub use tree::{MECHANISMS, Mechanism, Site, mechanism, mechanism_of};
 
 pub use super::extended::TagAt;
 

@@ -1,7 +1,7 @@
 //! One side wetter than the other: the strip bends by itself.
 
 use super::acting::{APPROACHES, approached, read_as};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct MoistureBending;
 static ABOUT: About = About {
     id: "moisture-bending",
     code: "N4",
-    class: Class::Relaxation,
     summary: "one side wetter: baseline bends by itself",
     equation: "kappa -> kappa + k g(t/tau), t the time since the start of the drive; exponential: g = 1 - e^-x; diffusive: g = 1 - SUM 8/((2n+1)^2 pi^2) e^(-(2n+1)^2 x); delayed: g = 1 - (1 + x) e^-x",
     variants: &APPROACHES,

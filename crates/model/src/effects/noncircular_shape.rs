@@ -1,7 +1,7 @@
 //! A strip that is no arc of a circle, fitted as one.
 
 use super::acting::{LEAST, read_as};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct NoncircularShape;
 static ABOUT: About = About {
     id: "noncircular-shape",
     code: "G6",
-    class: Class::Frame,
     summary: "curvature fitted to a shape that is no arc",
     equation: "kappa -> kappa (1 + c |kappa|), of one-sided kappa (1 + c kappa)",
     variants: &["both-sides", "one-sided"],

@@ -1,7 +1,7 @@
 //! A parameter that takes a smooth course of its own over the run.
 
 use super::acting::{LEAST, instant, scale_resistances};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct ParameterWander;
 static ABOUT: About = About {
     id: "parameter-wander",
     code: "N7",
-    class: Class::Drift,
     summary: "a parameter takes a smooth course of its own over the run",
     equation: "X -> X (1 + e g(t/T)), g(x) = cos(phi) sin(pi x/2) + sin(phi) sin(3 pi x/2), T the time of the last reading; X all resistances of branches, all capacitances, R_ss, or alpha",
     variants: &["resistances", "capacitances", "r-ss", "coupling"],

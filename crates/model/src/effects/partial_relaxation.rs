@@ -1,6 +1,6 @@
 //! Part of the strain does not relax: a standard linear solid in place of spring and dashpot.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RelaxationMode, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct PartialRelaxation;
 static ABOUT: About = About {
     id: "partial-relaxation",
     code: "M1",
-    class: Class::Relaxation,
     summary: "part of the strain does not relax (standard linear solid; Bao with K2 other than 0)",
     equation: "kappa = alpha ((1 - f) HP(q) + f q), HP the relaxation of rate lambda",
     variants: &[],

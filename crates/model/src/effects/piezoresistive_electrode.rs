@@ -1,7 +1,7 @@
 //! Electrodes whose resistance changes as they bend.
 
 use super::acting::{instant, scale_resistances};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct PiezoresistiveElectrode;
 static ABOUT: About = About {
     id: "piezoresistive-electrode",
     code: "E12",
-    class: Class::Contact,
     summary: "R changes with curvature",
     equation: "R_k -> R_k (1 + g kappa), of even R_k (1 + g |kappa|)",
     variants: &["odd", "even"],

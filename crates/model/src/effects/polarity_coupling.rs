@@ -1,7 +1,7 @@
 //! Charge that bends more to one side than to the other.
 
 use super::acting::read_as;
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct PolarityCoupling;
 static ABOUT: About = About {
     id: "polarity-coupling",
     code: "K9",
-    class: Class::Coupling,
     summary: "alpha differs between the polarities",
     equation: "drive: x -> x (1 + p sgn Q) before relaxation; gain: kappa -> kappa (1 + p sgn kappa), Q the charge of the strip",
     variants: &["drive", "gain"],

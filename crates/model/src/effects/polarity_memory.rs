@@ -1,7 +1,7 @@
 //! A strip that remembers which polarity it had: the answer to a pulse depends on the one before.
 
 use super::acting::{LEAST, scale_resistances};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 use ieap_domain::{Level, Segment};
 
@@ -11,7 +11,6 @@ pub(super) struct PolarityMemory;
 static ABOUT: About = About {
     id: "polarity-memory",
     code: "E20",
-    class: Class::Charging,
     summary: "the answer to a pulse depends on the polarity of those before",
     equation: "X -> X f with f = 1 + c w m e^(-t_e/tau), t_e since the last edge, m what that edge found: tau m' = w - m before it, w = v/V, V the largest voltage of the run; resistance: 1/R_k, capacitance: C_k, relaxation: lambda",
     variants: &["resistance", "capacitance", "relaxation"],

@@ -1,7 +1,7 @@
 //! A strip that is bent at rest, or sags.
 
 use super::acting::read_as;
-use super::{About, Class, Effect, EffectParameter, Scale, Search};
+use super::{About, Effect, EffectParameter, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct Precurvature;
 static ABOUT: About = About {
     id: "precurvature",
     code: "M10",
-    class: Class::Frame,
     summary: "offset, gravity",
     equation: "kappa -> kappa + kappa_0",
     variants: &[],

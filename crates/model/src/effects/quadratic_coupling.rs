@@ -1,6 +1,6 @@
 //! Bending with the square of the charge: Maxwell stress.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct QuadraticCoupling;
 static ABOUT: About = About {
     id: "quadratic-coupling",
     code: "K3",
-    class: Class::Coupling,
     summary: "even in charge",
     equation: "kappa -> kappa + a Q^2, or through the same relaxation as the charge, Q the charge of the strip",
     variants: &["direct", "relaxing"],

@@ -1,6 +1,6 @@
 //! Charge stored by a reaction at one potential.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct RedoxPeak;
 static ABOUT: About = About {
     id: "redox-peak",
     code: "E17",
-    class: Class::Charging,
     summary: "pseudo-capacitance at one potential",
     equation: "dq_2/de_2 = C_2 + q_r f (1 - f)/w, f = 1/(1 + e^(-(e_2 - E_0)/w)), w = 25.7 mV, of broad 90 mV",
     variants: &["sharp", "broad"],

@@ -1,6 +1,6 @@
 //! A strip that was not discharged before the run.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct ResidualCharge;
 static ABOUT: About = About {
     id: "residual-charge",
     code: "E16",
-    class: Class::Start,
     summary: "the strip was not discharged before the run",
     equation: "e_k(0) = baseline + f V, V the voltage of the first segment",
     variants: &["branch-2", "both"],

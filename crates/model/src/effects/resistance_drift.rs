@@ -1,7 +1,7 @@
 //! Resistances that move with the clock.
 
 use super::acting::{instant, scale_resistances};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct ResistanceDrift;
 static ABOUT: About = About {
     id: "resistance-drift",
     code: "E11",
-    class: Class::Drift,
     summary: "R changes with clock time",
     equation: "R_k -> R_k (1 + e t/T), of root R_k (1 + e sqrt(t/T)), T the time of the last reading",
     variants: &["linear", "root"],

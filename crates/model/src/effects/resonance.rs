@@ -1,6 +1,6 @@
 //! Inertia of the strip: it overshoots and rings.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Observation, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct Resonance;
 static ABOUT: About = About {
     id: "resonance",
     code: "M5",
-    class: Class::Motion,
     summary: "inertia of the strip",
     equation: "kappa'' + 2 z w kappa' + w^2 kappa = w^2 kappa_q, w = 2 pi/T",
     variants: &[],

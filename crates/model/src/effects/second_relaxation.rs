@@ -1,6 +1,6 @@
 //! Two rates of back-relaxation.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RelaxationMode, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct SecondRelaxation;
 static ABOUT: About = About {
     id: "second-relaxation",
     code: "M2",
-    class: Class::Relaxation,
     summary: "two relaxation rates",
     equation: "kappa = alpha ((1 - w) HP_lambda(q) + w HP_(n lambda)(q))",
     variants: &[],

@@ -1,6 +1,6 @@
 //! The slow branch loses its charge inside.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct SelfDischarge;
 static ABOUT: About = About {
     id: "self-discharge",
     code: "E10",
-    class: Class::Charging,
     summary: "a branch loses its charge internally",
     equation: "q_2' = (u - e_2)/R_2 - g e_2",
     variants: &[],

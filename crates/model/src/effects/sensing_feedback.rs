@@ -1,7 +1,7 @@
 //! Motion that gives a voltage of its own.
 
 use super::acting::instant;
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// No motion gives more, V: where another effect makes the loop run away, numbers stay finite.
@@ -13,7 +13,6 @@ pub(super) struct SensingFeedback;
 static ABOUT: About = About {
     id: "sensing-feedback",
     code: "K7",
-    class: Class::Coupling,
     summary: "motion induces voltage",
     equation: "v -> v + g kappa'",
     variants: &[],

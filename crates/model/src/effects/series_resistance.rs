@@ -1,6 +1,6 @@
 //! Resistance of contact, clip or lead in series with the strip.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct SeriesResistance;
 static ABOUT: About = About {
     id: "series-resistance",
     code: "E1",
-    class: Class::Contact,
     summary: "contact, clip or lead resistance before the branches",
     equation: "u = v - R_s i, with the branches driven by u",
     variants: &[],

@@ -1,6 +1,6 @@
 //! A third, slower R-C branch: slow pores, or charge that is redistributed between them.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct SlowBranch;
 static ABOUT: About = About {
     id: "slow-branch",
     code: "E2",
-    class: Class::Charging,
     summary: "a third R-C branch, slower; its charge bends the strip",
     equation: "q_3' = (v - q_3/C_3)/R_3, with tau_3 = R_3 C_3 above the others",
     variants: &[],

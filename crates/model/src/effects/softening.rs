@@ -1,7 +1,7 @@
 //! Bending that is not proportional to the bending moment.
 
 use super::acting::read_as;
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct Softening;
 static ABOUT: About = About {
     id: "softening",
     code: "M7",
-    class: Class::Coupling,
     summary: "nonlinear in curvature (cubic)",
     equation: "cubic: kappa (1 + b kappa^2) = kappa_q; hyperbolic: sinh(a kappa)/a = kappa_q where b > 0, kappa = sinh(a kappa_q)/a where b < 0, a = sqrt(6 |b|)",
     variants: &["cubic", "hyperbolic"],

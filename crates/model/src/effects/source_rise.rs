@@ -1,6 +1,6 @@
 //! A source that takes time to reach its level.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct SourceRise;
 static ABOUT: About = About {
     id: "source-rise",
     code: "E14",
-    class: Class::Source,
     summary: "the source rises with a time constant",
     equation: "v from the level before the edge; exponential: v' = (level - v)/tau; ramp: on a straight line to the level within 2 tau",
     variants: &["exponential", "ramp"],

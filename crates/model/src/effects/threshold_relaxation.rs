@@ -1,7 +1,7 @@
 //! Relaxation that quickens above a voltage.
 
 use super::acting::instant;
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// Width of the step in terms of the threshold: the rate goes from a tenth to nine tenths of its growth within 22 % of it.
@@ -28,7 +28,6 @@ pub(super) struct ThresholdRelaxation;
 static ABOUT: About = About {
     id: "threshold-relaxation",
     code: "K6",
-    class: Class::Coupling,
     summary: "lambda rises above a voltage",
     equation: "lambda -> lambda (1 + c g), v the voltage of the source; linear: g = max(0, |v|/V_th - 1); square: g the square of that; step: g = 1/(1 + e^(-(|v|/V_th - 1)/0.05))",
     variants: &["linear", "square", "step"],

@@ -1,6 +1,6 @@
 //! Curvature computed from the tip's displacement by a formula for small bending.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Observation, RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct TipFormula;
 static ABOUT: About = About {
     id: "tip-formula",
     code: "G4",
-    class: Class::Frame,
     summary: "small-bending formula used beyond its range (no free strength)",
     equation: "read kappa = kappa (1 - (kappa L)^2/3) for a tip at arc length L, kappa (1 + (kappa L)^2/4) for a laser at a fixed distance",
     variants: &["arc", "axis"],

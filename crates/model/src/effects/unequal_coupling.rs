@@ -1,6 +1,6 @@
 //! Branches whose charge bends the strip unequally.
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -9,7 +9,6 @@ pub(super) struct UnequalCoupling;
 static ABOUT: About = About {
     id: "unequal-coupling",
     code: "K1",
-    class: Class::Coupling,
     summary: "the branches bend the strip with different alpha",
     equation: "kappa = HP_lambda(alpha q_1 + alpha (1 + r) q_2)",
     variants: &[],

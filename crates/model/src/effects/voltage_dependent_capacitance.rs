@@ -1,7 +1,7 @@
 //! Capacitance that depends on the voltage across it, the same for both signs.
 
 use super::acting::{instant, scale_capacitances};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct VoltageDependentCapacitance;
 static ABOUT: About = About {
     id: "voltage-dependent-capacitance",
     code: "E6",
-    class: Class::Charging,
     summary: "C = C0 (1 + a v^2)",
     equation: "dq_k/de_k = C_k (1 + a e_k^2), of magnitude C_k (1 + a |e_k| 1 V), e_k the voltage of the capacitor",
     variants: &["all", "branch-2", "magnitude"],

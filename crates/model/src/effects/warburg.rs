@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -11,7 +11,6 @@ pub(super) struct Warburg;
 static ABOUT: About = About {
     id: "warburg",
     code: "E5",
-    class: Class::Charging,
     summary: "diffusion into pores, current ~ t^-1/2, its charge bends",
     equation: "i = V (2C/tau) SUM e^(-(n - 1/2)^2 pi^2 t/tau) under a step V, n = 1, 2, ..., tau = L^2/D",
     variants: &[],

@@ -1,7 +1,7 @@
 //! Resistances that follow the water taken from the air.
 
 use super::acting::{APPROACHES, approached, instant, scale_resistances};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct WaterExchange;
 static ABOUT: About = About {
     id: "water-exchange",
     code: "N3",
-    class: Class::Drift,
     summary: "R follows the water taken up from the air during the run",
     equation: "R_k -> R_k (1 + c g(t/tau)), t the time since the start of the drive; exponential: g = 1 - e^-x; diffusive: g = 1 - SUM 8/((2n+1)^2 pi^2) e^(-(2n+1)^2 x); delayed: g = 1 - (1 + x) e^-x",
     variants: &APPROACHES,

@@ -1,7 +1,7 @@
 //! Water that the current carries along.
 
 use super::acting::{LEAST, remembering, scale_resistances};
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -10,7 +10,6 @@ pub(super) struct WaterRedistribution;
 static ABOUT: About = About {
     id: "water-redistribution",
     code: "N2",
-    class: Class::Drift,
     summary: "current moves water, R and lambda follow",
     equation: "w' = i - w/tau, R_k -> R_k (1 + c w), lambda -> lambda (1 + c w)",
     variants: &["resistance", "relaxation", "both"],

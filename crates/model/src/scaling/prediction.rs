@@ -8,7 +8,7 @@ use crate::distributed::criterion::LUMPED_TOLERANCE;
 use crate::distributed::{Laminate, LumpedError};
 use crate::geometry::Shape;
 use crate::lumped::{Branch, LumpedModel};
-use ieap_domain::Drive;
+use ieap_domain::{Drive, Level};
 
 /// Links of the chain that a strip's shape is drawn with.
 pub const LINKS: usize = 40;
@@ -42,7 +42,7 @@ pub struct Prediction {
     pub current_a: Series,
     /// Charge on the capacitors, C.
     pub charge_c: Series,
-    /// Charge that has flowed through R_ss since the drive began, C.
+    /// Charge that has flowed through R_ss since the drive began, C: the same whichever way it flowed.
     pub leaked_charge_c: Series,
     /// Curvature, 1/cm, the mean over the length; for the lumped model the same as that of the identified strip, for
     /// it follows the areal charge.
@@ -162,12 +162,13 @@ impl Asked<'_> {
             let tip =
                 |curvature: &f64| 10.0 * Shape::from_curvature(&[*curvature], area.length_cm).tip_cm().1;
             let leak = area.area_cm2() / model.steady_state_resistance_ohm_cm2;
+            let without_signs = without_signs(drive);
             let mut series = vec![
                 model.current_a(drive, area.area_cm2(), time_s),
                 model.charge_c(drive, area.area_cm2(), time_s),
                 time_s
                     .iter()
-                    .map(|t| leak * voltage_time_integral(drive, *t))
+                    .map(|t| leak * voltage_time_integral(&without_signs, *t))
                     .collect(),
                 curvature.clone(),
                 curvature.iter().map(tip).collect(),
@@ -199,7 +200,7 @@ impl Asked<'_> {
         let mut series = vec![
             found.current_a,
             found.charge_c,
-            found.leaked_charge_c,
+            either_way(&found.leaked_charge_c),
             found.mean_curvature_per_cm,
             tips,
         ];
@@ -231,6 +232,30 @@ impl Asked<'_> {
         };
         Ok(pairs.map(slope).collect())
     }
+}
+
+/// The drive with every voltage positive.
+fn without_signs(drive: &Drive) -> Drive {
+    let mut drive = drive.clone();
+    for segment in &mut drive.segments {
+        if let Level::Voltage(volts) = &mut segment.level {
+            *volts = volts.abs();
+        }
+    }
+    drive
+}
+
+/// What flowed from time to time, summed whichever way it flowed.
+fn either_way(passed: &[f64]) -> Vec<f64> {
+    let (mut sum, mut before) = (0.0, 0.0);
+    passed
+        .iter()
+        .map(|&now| {
+            sum += f64::abs(now - before);
+            before = now;
+            sum
+        })
+        .collect()
 }
 
 /// The criterion for the new strip, the branches seen as one that conducts at first as all of them.

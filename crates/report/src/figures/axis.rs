@@ -71,10 +71,17 @@ impl Axis {
     /// A linear axis over `low..=high`, with an SI prefix before `unit` where there is a unit.
     pub fn linear(low: f64, high: f64, quantity: &str, unit: &str, wanted_ticks: usize) -> Axis {
         let (low, high) = widened(low, high);
-        let prefix = match unit {
-            "" | "1/cm" => si_prefix(1.0),
+        let (base, per_base) = unprefixed(unit);
+        let prefix = match base {
             "s" if low.abs().max(high.abs()) < 10_000.0 => si_prefix(1.0),
-            _ => si_prefix(low.abs().max(high.abs())),
+            base if takes_prefix(base) => {
+                let prefix = si_prefix(low.abs().max(high.abs()) * per_base);
+                Prefix {
+                    factor: prefix.factor * per_base,
+                    ..prefix
+                }
+            }
+            _ => si_prefix(1.0),
         };
         let step = tick_step((high - low) * prefix.factor, wanted_ticks);
         Axis {
@@ -82,7 +89,7 @@ impl Axis {
             low,
             high,
             ticks: linear_ticks(low, high, step, prefix),
-            title: titled(quantity, &format!("{}{}", prefix.symbol, shown_unit(unit))),
+            title: titled(quantity, &format!("{}{}", prefix.symbol, shown_unit(base))),
             shown_factor: prefix.factor,
         }
     }
@@ -172,6 +179,24 @@ impl Axis {
         let margin = 1e-9 * (self.high - self.low);
         (self.low - margin..=self.high + margin).contains(&self.position(number))
     }
+}
+
+/// Units with a prefix of their own, with the unit below it and how much of that each is.
+const PREFIXED: [(&str, &str, f64); 3] = [("mm", "m", 1e-3), ("mN", "N", 1e-3), ("MPa", "Pa", 1e6)];
+
+/// The unit without its prefix, and how much of that it is: a second prefix before the first would be no unit.
+fn unprefixed(unit: &str) -> (&str, f64) {
+    let known = PREFIXED.iter().find(|(prefixed, ..)| *prefixed == unit);
+    known.map_or((unit, 1.0), |&(_, base, factor)| (base, factor))
+}
+
+/// Whether a unit takes a prefix: no percent does, nor a degree.
+fn takes_prefix(base: &str) -> bool {
+    let first = base.split([' ', '/']).next().unwrap_or_default();
+    matches!(
+        first,
+        "A" | "V" | "F" | "Ω" | "Ohm" | "Hz" | "s" | "m" | "N" | "Pa" | "C"
+    )
 }
 
 fn titled(quantity: &str, unit: &str) -> String {
@@ -391,6 +416,25 @@ mod tests {
         assert_eq!(labels(&axis), ["0.0", "0.5", "1.0", "1.5", "2.0"]);
         assert_eq!(Axis::linear(0.0, 40_000.0, "Time", "s", 5).title, "Time (ks)");
         assert_eq!(Axis::linear(0.0, 3600.0, "Time", "s", 5).title, "Time (s)");
+    }
+
+    #[test]
+    fn a_unit_has_one_prefix() {
+        for (largest, unit, title, tick) in [
+            (5e-3, "mm", "q (µm)", "5"),
+            (2.0, "mm", "q (mm)", "2.0"),
+            (3e3, "MPa", "q (GPa)", "3"),
+            (0.05, "%", "q (%)", "0.05"),
+            (4e-4, "A/cm2", "q (µA/cm2)", "400"),
+        ] {
+            let axis = Axis::linear(0.0, largest, "q", unit, 5);
+            assert_eq!(axis.title, title);
+            assert_eq!(
+                labels(&axis).last().unwrap().trim_end_matches(".0"),
+                tick.trim_end_matches(".0"),
+                "{axis:?}"
+            );
+        }
     }
 
     #[test]

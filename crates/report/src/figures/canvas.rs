@@ -14,7 +14,7 @@ use plotters_backend::{
 use super::positions::Positions;
 
 pub use super::ink::Ink;
-pub use super::shape::{Drawing, Label, Shape, TENTHS};
+pub use super::shape::{Drawing, Label, PAGE_WIDTH, Shape, TENTHS};
 
 /// The drawing area that figures draw on.
 pub type Area<'a> = DrawingArea<Canvas<'a>, plotters::coord::Shift>;

@@ -14,7 +14,7 @@ use crate::zone::Zone;
 use ieap_domain::{ClimateCurve, ClimateQuantity};
 
 /// Width of the figure of one run, px.
-const RUN_WIDTH: u32 = 530;
+const RUN_WIDTH: u32 = super::shape::PAGE_WIDTH;
 /// Width of the overview, px.
 const OVERVIEW_WIDTH: u32 = 1080;
 /// Height of a panel without its time axis, px.
@@ -196,7 +196,7 @@ fn lines(chart: &mut Chart, times: &[f64], values: &[f64], ink: Ink) -> Result<(
         }
         let points: Vec<(f64, f64)> = (start..at).map(|k| (times[k], values[k])).collect();
         if !points.is_empty() {
-            let points = thin::dots(&points, pixels(chart));
+            let points = thin::line(&points, pixels(chart));
             let line = PathElement::new(points, ink.color().stroke_width(13));
             chart.draw_series([line]).map_err(|error| error.to_string())?;
         }

@@ -10,10 +10,11 @@ use super::canvas::{Area, Ink, TENTHS, svg};
 use super::group::series;
 use super::law::line;
 use super::panel::{Chart, Margins, TICK_SIZE, label, panel, text_style};
+use super::shape::PAGE_WIDTH;
 use ieap_domain::Estimate;
 
 /// Size of one panel, px.
-const SIZE: (u32, u32) = (530, 270);
+const SIZE: (u32, u32) = (PAGE_WIDTH, 230);
 /// Size of one of small multiples, px.
 const SMALL: (u32, u32) = (310, 190);
 const MARGINS: Margins = Margins {
@@ -136,34 +137,38 @@ struct Names {
     pixels_per_slot: f64,
     /// One voltage of so many is written.
     every: usize,
+    /// Room that a voltage takes, in slots.
+    slots_per_voltage: f64,
     /// Lanes that neighbouring groups' names take in turn: two where a name does not fit under its group.
     lanes: u32,
     /// `Step voltage (V)`, with the voltages of every group where not all are written under it.
     axis_title: String,
-    /// Whether groups differ in humidity alone: then that names them where there is no room for both.
-    by_humidity: bool,
+    /// Environments of several groups, whose humidity names them where there is no room for both.
+    by_humidity: Vec<String>,
 }
 
 impl Names {
     fn of(groups: &[Group], pixels_per_slot: f64) -> Names {
         let slots = || groups.iter().flat_map(|group| &group.slots);
         let longest = slots().map(|slot| slot.label.chars().count()).max().unwrap_or(0);
-        let every = ((longest as f64 * CHARACTER + 5.0) / pixels_per_slot)
-            .ceil()
-            .max(1.0) as usize;
+        let slots_per_voltage = (longest as f64 * CHARACTER + 5.0) / pixels_per_slot;
+        let every = slots_per_voltage.ceil().max(1.0) as usize;
         let fits = |group: &Group| group.label.chars().count() <= room(group, pixels_per_slot);
         let voltages =
             |group: &Group| -> Vec<String> { group.slots.iter().map(|slot| slot.label.clone()).collect() };
         let all = groups.first().map(voltages).unwrap_or_default();
         let said = every > 1 && all.len() <= SAID && groups.iter().all(|group| voltages(group) == all);
-        let by_humidity = groups.len() > 1
-            && groups
-                .iter()
-                .all(|group| group.label == groups[0].label && !group.humidity.is_empty());
+        let is_repeated = |group: &&Group| {
+            let same = groups.iter().filter(|other| other.label == group.label);
+            !group.humidity.is_empty() && same.count() > 1
+        };
+        let repeated = groups.iter().filter(is_repeated);
+        let by_humidity = repeated.map(|group| group.label.clone()).collect();
         Names {
             by_humidity,
             pixels_per_slot,
             every,
+            slots_per_voltage,
             lanes: if groups.len() > 1 && !groups.iter().all(fits) {
                 2
             } else {
@@ -245,7 +250,9 @@ fn draw_names(
     let tick = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
     for (index, slot) in group.slots.iter().enumerate() {
         let at = left + index as f64;
-        if index % names.every == 0 {
+        // The next group's first voltage is written too.
+        let to_next = (group.slots.len() - index) as f64 + GAP;
+        if index % names.every == 0 && (index == 0 || to_next >= names.slots_per_voltage) {
             label(chart, (at, y.low), (0, 7), &slot.label, &tick)?;
         }
     }
@@ -257,7 +264,7 @@ fn draw_names(
         true => group.label.clone(),
         false => format!("{}, {}", group.label, group.humidity),
     };
-    let short = match names.by_humidity {
+    let short = match !group.humidity.is_empty() && names.by_humidity.contains(&group.label) {
         true => group.humidity.trim_end_matches("RH").trim_end().to_owned(),
         false => group.label.clone(),
     };
@@ -449,7 +456,7 @@ mod tests {
         let narrow = Names::of(&groups, 8.7);
         assert_eq!((narrow.lanes, narrow.every), (2, 3));
         assert_eq!(narrow.axis_title, "Steps of 1.2, 2, 2.5 V");
-        assert!(!narrow.by_humidity);
+        assert!(narrow.by_humidity.is_empty());
         let wide = Names::of(&groups, 40.0);
         assert_eq!((wide.lanes, wide.every), (1, 1));
         assert_eq!(wide.axis_title, "Step voltage (V)");
@@ -467,6 +474,24 @@ mod tests {
         for tens in 1..=9 {
             assert!(text.contains(&format!(">{tens}0 %</text>")), "{text}");
         }
+    }
+
+    #[test]
+    fn another_environment_beside_them_takes_no_humidity_from_their_names() {
+        let at = |label: &str, humidity: &str| Group {
+            label: label.to_owned(),
+            humidity: humidity.to_owned(),
+            ..group(vec![])
+        };
+        let y = Axis::linear_rounded(0.0, 1.0, "α", "", 5);
+        let mut groups: Vec<Group> = (1..=8).map(|tens| at("air", &format!("{tens}0 % RH"))).collect();
+        groups.insert(0, at("dry", ""));
+        let text = small_comparison(&groups, &y, "t", "d").unwrap();
+        assert!(
+            text.contains(">dry</text>") && text.contains(">80 %</text>"),
+            "{text}"
+        );
+        assert!(!text.contains(">air</text>"), "{text}");
     }
 
     #[test]

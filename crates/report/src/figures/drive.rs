@@ -10,7 +10,7 @@ use super::panel::{Margins, panel};
 use ieap_domain::{Drive, Level};
 
 /// Size, px: as wide as a response.
-const SIZE: (u32, u32) = (530, 170);
+const SIZE: (u32, u32) = (super::shape::PAGE_WIDTH, 160);
 
 /// Draws `drive` from `first_s` to `last_s` over the same axis as responses of the whole run. Where the source is
 /// disconnected there is no line.

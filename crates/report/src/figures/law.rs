@@ -5,7 +5,7 @@ use plotters::style::Color;
 
 use super::aside::{AsideMark, draw_aside};
 use super::axis::Axis;
-use super::canvas::{Ink, svg};
+use super::canvas::{Area, Ink, svg};
 use super::comparison::{ink, marker};
 use super::group::{Group, grouped, series};
 use super::panel::{Chart, Margins, panel, pixels};
@@ -72,6 +72,42 @@ pub struct Beside {
     pub aside: Vec<AsideMark>,
 }
 
+/// All that one panel shows: a page draws it on its own, a print among others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LawFigure {
+    /// Covariate.
+    pub x: Axis,
+    /// Parameter.
+    pub y: Axis,
+    /// Points.
+    pub marks: Vec<Mark>,
+    /// What stands beside them.
+    pub beside: Beside,
+    /// What it shows.
+    pub title: String,
+    /// What is seen.
+    pub desc: String,
+}
+
+impl LawFigure {
+    /// The panel for a page.
+    ///
+    /// # Errors
+    /// The message of the drawing library.
+    pub fn svg(&self) -> Result<String, String> {
+        let axes = (&self.x, &self.y);
+        law_panel(axes, &self.marks, &self.beside, &self.title, &self.desc)
+    }
+
+    /// The panel on the whole of `area`.
+    ///
+    /// # Errors
+    /// The message of the drawing library.
+    pub fn on(&self, area: &Area) -> Result<(), String> {
+        draw_on(area, (&self.x, &self.y), (&self.marks, &self.beside))
+    }
+}
+
 /// Draws one panel.
 ///
 /// # Errors
@@ -96,17 +132,19 @@ pub fn sized_panel(
     (marks, beside): (&[Mark], &Beside),
     (title, desc): (&str, &str),
 ) -> Result<String, String> {
-    svg(size, title, desc, |area| {
-        let mut chart = panel(area, MARGINS, x, y, true)?;
-        series(&mut chart, "", |chart| draw_beside(chart, x, y, beside))?;
-        let styles = marks.iter().map(|mark| mark.style + 1).max().unwrap_or(0);
-        for style in 0..styles {
-            let own: Vec<&Mark> = marks.iter().filter(|mark| mark.style == style).collect();
-            let name = beside.names.get(style).map_or("Value", String::as_str);
-            draw_marks(&mut chart, (x, y), &own, (style, name))?;
-        }
-        draw_aside(&mut chart, (x, y), &beside.aside)
-    })
+    svg(size, title, desc, |area| draw_on(area, (x, y), (marks, beside)))
+}
+
+fn draw_on(area: &Area, (x, y): (&Axis, &Axis), (marks, beside): (&[Mark], &Beside)) -> Result<(), String> {
+    let mut chart = panel(area, MARGINS, x, y, true)?;
+    series(&mut chart, "", |chart| draw_beside(chart, x, y, beside))?;
+    let styles = marks.iter().map(|mark| mark.style + 1).max().unwrap_or(0);
+    for style in 0..styles {
+        let own: Vec<&Mark> = marks.iter().filter(|mark| mark.style == style).collect();
+        let name = beside.names.get(style).map_or("Value", String::as_str);
+        draw_marks(&mut chart, (x, y), &own, (style, name))?;
+    }
+    draw_aside(&mut chart, (x, y), &beside.aside)
 }
 
 /// Position on the vertical axis, brought to its ends.
@@ -236,7 +274,15 @@ mod tests {
             names: vec!["CNaf-1".into(), "CNaf-2".into()],
             ..Beside::default()
         };
-        let drawn = law_panel((&x, &y), &[mark], &beside, "t", "d").unwrap();
+        let figure = LawFigure {
+            x,
+            y,
+            marks: vec![mark],
+            beside,
+            title: "t".into(),
+            desc: "d".into(),
+        };
+        let drawn = figure.svg().unwrap();
         assert!(drawn.contains("class=\"f k-muted\" opacity=\"0.18\""), "{drawn}");
         // The limit; both bars in one path; the tail; the mark with the form of its sample.
         assert_eq!(drawn.matches("s k-2").count(), 3, "{drawn}");

@@ -134,7 +134,7 @@ pub fn log_panels(curves: &[&RunCurve], steps_s: &[f64], title: &str, desc: &str
                     .map(|step| [(step, y.low), (step, y.high)])
                     .try_for_each(|line| draw_line(chart, &line, Ink::Muted, 8))
             })?;
-            let dots = thin::dots(&points(curve, minutes, |v| v), pixels(&chart));
+            let dots = thin::dots(&points(curve, minutes, |v| v));
             series(&mut chart, "Readings", |chart| {
                 let style = Ink::Text.color().mix(0.6).filled();
                 chart
@@ -206,7 +206,7 @@ fn draw_lines(
         // Each line has its markers at other places, so that they do not hide each other.
         let spacing = (line.len() / MARKERS).max(1);
         let offset = spacing * (style + 1) / (lines.len() + 1);
-        let thinned = thin::dots(line, pixels(&chart));
+        let thinned = thin::line(line, pixels(&chart));
         series(&mut chart, &log.name, |chart| {
             draw_line(chart, &thinned, ink(style), 14)
         })?;

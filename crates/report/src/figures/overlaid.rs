@@ -11,7 +11,7 @@ use super::thin;
 use ieap_domain::RunCurve;
 
 /// Size, px.
-const SIZE: (u32, u32) = (530, 250);
+const SIZE: (u32, u32) = (super::shape::PAGE_WIDTH, 220);
 const MARGINS: Margins = Margins {
     left: 62,
     right: 16,

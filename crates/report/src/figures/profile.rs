@@ -13,7 +13,7 @@ use super::group::series;
 use super::panel::{Margins, panel};
 use crate::number::{decimal_exponent, superscript};
 
-const WIDTH: u32 = 420;
+const WIDTH: u32 = super::shape::PAGE_WIDTH;
 const HEIGHT: u32 = 210;
 /// Rise that bounds a 95 % interval.
 const BOUND: f64 = CHI_SQUARE_95_OF_ONE;

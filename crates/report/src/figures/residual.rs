@@ -13,7 +13,7 @@ use super::thin;
 use ieap_domain::{Quantity, ResidualCurve};
 
 /// Width of a figure, px.
-const WIDTH: u32 = 530;
+const WIDTH: u32 = super::shape::PAGE_WIDTH;
 /// Height of a figure of residuals alone, px.
 const HEIGHT: u32 = 190;
 /// Heights of the two panels of an overlay, px.
@@ -145,7 +145,7 @@ impl Drawing<'_> {
         if self.curve.after_sigma.is_empty() {
             return Ok(());
         }
-        let after = thin::dots(&self.points(&self.curve.after_sigma), pixels(&chart));
+        let after = thin::dots(&self.points(&self.curve.after_sigma));
         series(&mut chart, self.called.extension, |chart| {
             draw_line(chart, after, Ink::Blue)
         })
@@ -212,7 +212,7 @@ fn band(chart: &mut Chart, x: &Axis) -> Result<(), String> {
 }
 
 fn dots(chart: &mut Chart, points: &[(f64, f64)], ink: Ink) -> Result<(), String> {
-    let points = thin::dots(points, pixels(chart));
+    let points = thin::dots(points);
     let style = ink.color().filled();
     chart
         .draw_series(points.into_iter().map(|point| Circle::new(point, 15, style)))

@@ -19,7 +19,7 @@ use crate::number::significant;
 use ieap_domain::RunCurve;
 
 /// Width of one figure, px.
-const WIDTH: u32 = 530;
+const WIDTH: u32 = super::shape::PAGE_WIDTH;
 /// Height of the panel with the readings, px.
 const READINGS_HEIGHT: u32 = 210;
 /// Height of the panel with the residuals, px.
@@ -58,6 +58,15 @@ pub enum TimeView {
     },
 }
 
+/// A figure of a response.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ResponseFigure {
+    /// The figure.
+    pub svg: String,
+    /// Readings that it shows.
+    pub drawn: usize,
+}
+
 /// Draws `curve` over the times of `view`; none where no reading lies in them. Where it is set `aside`, because no result
 /// is made from it, dots are open and the fit is pale and dashed.
 ///
@@ -68,7 +77,7 @@ pub fn response(
     view: TimeView,
     title: &str,
     aside: bool,
-) -> Result<Option<String>, String> {
+) -> Result<Option<ResponseFigure>, String> {
     check_lengths(curve)?;
     let shown = shown_indices(curve, view);
     let Some(x) = time_axis(curve, view, &shown) else {
@@ -76,7 +85,8 @@ pub fn response(
     };
     let residuals = curve.residual_sigma.len() == curve.time_s.len();
     let height = READINGS_HEIGHT + TIME_AXIS_HEIGHT + if residuals { RESIDUALS_HEIGHT } else { 0 };
-    let drawn = svg((WIDTH, height), title, "", |area| {
+    let mut drawn = 0;
+    let svg = svg((WIDTH, height), title, "", |area| {
         let drawing = Drawing {
             curve,
             view,
@@ -84,6 +94,7 @@ pub fn response(
             shown: &shown,
             x: &x,
         };
+        drawn = thin::dots(&drawing.points(&curve.measured)).len();
         if !residuals {
             return drawing.readings(area, true);
         }
@@ -91,7 +102,7 @@ pub fn response(
         drawing.readings(&above, false)?;
         drawing.residuals(&below)
     })?;
-    Ok(Some(drawn))
+    Ok(Some(ResponseFigure { svg, drawn }))
 }
 
 /// What both panels of a figure share.
@@ -153,7 +164,7 @@ impl Drawing<'_> {
 
     fn dots(&self, chart: &mut Chart, values: &[f64], radius: i32) -> Result<(), String> {
         let style = Ink::Muted.color().filled();
-        let points = thin::dots(&self.points(values), pixels(chart));
+        let points = thin::dots(&self.points(values));
         chart
             .draw_series(points.into_iter().map(|point| Circle::new(point, radius, style)))
             .map(|_| ())
@@ -316,8 +327,10 @@ mod tests {
                 until_s: f64::INFINITY,
             },
         ] {
-            let drawn = response(&curve(450, true), view, "t", false).unwrap().unwrap();
-            assert!(drawn.len() < 3_500, "{} bytes", drawn.len());
+            let figure = response(&curve(450, true), view, "t", false).unwrap().unwrap();
+            let bytes = figure.svg.len();
+            assert!(bytes < 6_500, "{bytes} bytes");
+            assert!(figure.drawn > 400, "{}", figure.drawn);
         }
     }
 
@@ -327,6 +340,7 @@ mod tests {
             response(&curve(50, true), TimeView::Whole, "t", aside)
                 .unwrap()
                 .unwrap()
+                .svg
         };
         let aside = drawn(true);
         assert_eq!(aside.matches("data-aside=\"1\"").count(), 3, "{aside}");
@@ -356,7 +370,8 @@ mod tests {
     fn an_unfitted_run_has_readings_only() {
         let drawn = response(&curve(50, false), TimeView::Whole, "t", false)
             .unwrap()
-            .unwrap();
+            .unwrap()
+            .svg;
         assert!(!drawn.contains("Residual"));
         assert!(drawn.contains("Current (mA)"));
     }

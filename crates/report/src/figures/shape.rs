@@ -6,6 +6,8 @@ use plotters_backend::{BackendColor, BackendCoord};
 use super::axis::{Axis, Scale};
 use super::cells::Cells;
 
+/// Width of a figure on a page, px: on a telephone, which leaves it some 380, its labels still have 10 px.
+pub const PAGE_WIDTH: u32 = 410;
 /// Canvas units per pixel.
 pub const TENTHS: i32 = 10;
 

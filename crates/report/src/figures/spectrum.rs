@@ -12,7 +12,7 @@ use ieap_domain::{CircuitFit, KramersKronig, Spectrum};
 /// Size of the Nyquist plot, px.
 const NYQUIST: (u32, u32) = (380, 330);
 /// Width of the Bode plot and of the residuals, and the heights of a panel, px.
-const WIDTH: u32 = 520;
+const WIDTH: u32 = super::shape::PAGE_WIDTH;
 const PANEL_HEIGHT: u32 = 150;
 const RESIDUAL_HEIGHT: u32 = 110;
 /// Room under the lowest panel for its axis, px.

@@ -20,7 +20,7 @@ use crate::visible::escaped;
 const MARKER: &str = "dot-";
 
 /// Width of most figures, px: the style sheet limits figures to it.
-const USUAL_WIDTH: u32 = 530;
+const USUAL_WIDTH: u32 = super::shape::PAGE_WIDTH;
 /// Width of lines and size of labels, tenths of a pixel, where no attribute states another: as in the style sheet.
 const USUAL_LINE: u32 = 10;
 const USUAL_TEXT: f64 = 110.0;

@@ -1,9 +1,9 @@
 //! Thinning for drawing: fewer points, the same picture. No peak is lost.
 
-/// Width of a column of dots, px: dots are two wide.
-const COLUMN: f64 = 36.0;
-/// Distance, px, within which two dots of a column, one above the other, are one to the eye.
-const APART: f64 = 1.0;
+use ieap_domain::thinning::ALL_DRAWN;
+
+/// Dots that a column of a thinned panel keeps: the smallest, the largest, and the one in the middle of its time.
+const OF_A_COLUMN: usize = 3;
 /// How far a thinned line may lie from the full one, px.
 const TOLERANCE: f64 = 0.4;
 
@@ -16,11 +16,18 @@ pub struct Pixels {
     pub up: f64,
 }
 
-/// The points that dots need: in every column of `COLUMN` the first of the smallest, the first of the largest and
-/// the one in the middle of its time, for extremes alone look as if readings shunned what is between; only the largest
-/// where all lie within a pixel. `points` go from left to right.
-pub fn dots(points: &[(f64, f64)], pixels: Pixels) -> Vec<(f64, f64)> {
-    let column = |point: &(f64, f64)| (point.0 * pixels.across / COLUMN).floor();
+/// The points that are drawn as dots: all of them up to a thousand; of more as many by their shape, in every column of a
+/// pixel or two the first of the smallest, the first of the largest and the one in the middle of its time, for extremes
+/// alone look as if readings shunned what is between. `points` go from left to right.
+pub fn dots(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else {
+        return Vec::new();
+    };
+    if points.len() <= ALL_DRAWN {
+        return points.to_vec();
+    }
+    let width = (last.0 - first.0) / (ALL_DRAWN / OF_A_COLUMN) as f64;
+    let column = |point: &(f64, f64)| ((point.0 - first.0) / width).floor();
     let mut kept = Vec::new();
     for stretch in points.chunk_by(|a, b| column(a) == column(b)) {
         let mut ends = [stretch[0]; 2];
@@ -31,10 +38,6 @@ pub fn dots(points: &[(f64, f64)], pixels: Pixels) -> Vec<(f64, f64)> {
             if point.1 > ends[1].1 {
                 ends[1] = point;
             }
-        }
-        if (ends[1].1 - ends[0].1) * pixels.up < APART {
-            kept.push(ends[1]);
-            continue;
         }
         let mut drawn = [ends[0], stretch[stretch.len() / 2], ends[1]];
         drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -94,18 +97,20 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_column_keeps_its_extremes_and_order(values in prop::collection::vec(-5.0..5.0f64, 0..400)) {
+        fn a_thousand_readings_are_all_drawn(values in prop::collection::vec(-5.0..5.0f64, 0..1000)) {
             let all = rising(&values);
-            let kept = dots(&all, PIXELS);
+            prop_assert_eq!(dots(&all), all);
+        }
+
+        #[test]
+        fn of_more_the_extremes_and_the_order_stay(values in prop::collection::vec(-5.0..5.0f64, 1001..4000)) {
+            let all = rising(&values);
+            let kept = dots(&all);
             prop_assert!(kept.windows(2).all(|pair| pair[0].0 < pair[1].0));
-            prop_assert!(kept.len() <= 3 * (values.len() / 30 + 1));
-            let column = |point: &(f64, f64)| (point.0 * PIXELS.across / COLUMN).floor() as i64;
-            for point in &all {
-                let same: Vec<f64> = kept.iter().filter(|k| column(k) == column(point)).map(|k| k.1).collect();
-                let low = same.iter().copied().fold(f64::INFINITY, f64::min);
-                let high = same.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                let within = APART / PIXELS.up;
-                prop_assert!((low - within..=high + within).contains(&point.1));
+            prop_assert!(kept.len() <= ALL_DRAWN + OF_A_COLUMN);
+            for end in [f64::min, f64::max] {
+                let of = |points: &[(f64, f64)]| points.iter().map(|point| point.1).reduce(end);
+                prop_assert_eq!(of(&kept), of(&all));
             }
         }
 

@@ -89,11 +89,11 @@ fn minus_is_a_minus_and_zero_has_no_sign() {
 
 #[test]
 fn a_score_never_pretends_to_be_one() {
-    assert_eq!(score(0.9961), "0.996");
-    assert_eq!(score(0.99984), "0.99984");
-    assert_eq!(score(0.999_999_7), "0.99999970");
-    assert_eq!(score(1.0), "1.000");
-    assert_eq!(score(-3.2), "−3.200");
+    assert_eq!(score(0.9961), "0.9961");
+    assert_eq!(score(0.99984), "0.9998");
+    assert_eq!(score(0.999_999_7), "0.9999");
+    assert_eq!(score(1.0), "1.0000");
+    assert_eq!(score(-3.2), "−3.2000");
 }
 
 /// A number and a positive error of any size that the number moves by.

@@ -142,9 +142,9 @@ fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &
                 ""
             },
             ratio.map_or_else(String::new, ratio_words),
-            estimate_of(&site.input.runs[*high_run], parameter).text,
+            estimate_of(site, &site.input.runs[*high_run], parameter).text,
             condition_of(site, *high_run),
-            estimate_of(&site.input.runs[*low_run], parameter).text,
+            estimate_of(site, &site.input.runs[*low_run], parameter).text,
             condition_of(site, *low_run),
         ),
         Contrast::Agrees { runs } => {
@@ -255,7 +255,7 @@ pub struct SmallPanel {
 }
 
 /// Materials that the overview draws: those with most runs; the comparison has all.
-const SMALL_MATERIALS: usize = 2;
+const SMALL_MATERIALS: usize = 3;
 
 /// Every parameter over all conditions, small.
 pub fn small_panels(
@@ -370,13 +370,15 @@ fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Esti
             .map(|number| number * parameter.shown_factor)
     };
     let of = |&run: &usize| {
-        let estimate = usable(&site.input.runs[run], parameter.key)?;
+        let record = &site.input.runs[run];
+        let stated = usable(record, parameter.key)?;
+        let estimate = site.input.laws.doubts.stated(&record.path, parameter.key, stated);
         Some(Estimate {
             value: shown(estimate.value),
             standard_error: shown(estimate.standard_error),
             low_95: shown(estimate.low_95),
             high_95: shown(estimate.high_95),
-            ..estimate.clone()
+            ..estimate.into_owned()
         })
     };
     runs.iter().filter_map(of).collect()

@@ -189,7 +189,7 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
         effects: found
             .effects
             .iter()
-            .map(|effect| effect_block(effect, findings))
+            .map(|effect| effect_block(effect, found.draws, findings))
             .collect(),
         set: set(found, findings),
         next_run: found.next_run.as_ref().map(|next| NextRunText {
@@ -227,7 +227,7 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
         residuals,
         stretches: stretches(found),
         remarks: found.remarks.clone(),
-        alone: alone_rows(&found.alone),
+        alone: alone_rows(&found.alone, found.draws),
     };
     Content::new("finding.html", &page, figures)
 }
@@ -247,7 +247,7 @@ fn named_run(site: &Site, path: &str) -> NamedRun {
     }
 }
 
-fn effect_block(finding: &EffectFinding, findings: &Findings) -> EffectBlock {
+fn effect_block(finding: &EffectFinding, draws: usize, findings: &Findings) -> EffectBlock {
     let known = findings.effect(&finding.effect);
     let text = |of: fn(&EffectText) -> &String| known.map_or_else(String::new, |effect| of(effect).clone());
     let parameter = |parameter: &ieap_domain::Parameter| {
@@ -259,7 +259,7 @@ fn effect_block(finding: &EffectFinding, findings: &Findings) -> EffectBlock {
             estimate: EstimateText::of(&parameter.estimate, 1.0),
         }
     };
-    let (p, q) = counted_from_draws(Some(finding.p), finding.q);
+    let (p, q) = counted_from_draws(Some(finding.p), finding.q, draws);
     EffectBlock {
         id: finding.effect.clone(),
         variant: finding.variant.clone().unwrap_or_default(),

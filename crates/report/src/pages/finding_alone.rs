@@ -2,25 +2,32 @@
 
 use serde::Serialize;
 
-use super::finding_words::{counted_from_draws, proved_or_not};
-use ieap_domain::RunAlone;
+use super::finding_words::{counted_from_draws, verdict_word};
+use ieap_domain::{RunAlone, Verdict};
 
-/// A run diagnosed by itself.
+/// Chances from which on a run is right by itself, and may be: as of a group.
+const RIGHT: f64 = 0.05;
+const MAY_BE_RIGHT: f64 = 0.01;
+
+/// What a run leaves by itself.
 #[derive(Debug, Serialize)]
 pub struct AloneRow {
     name: String,
     verdict: &'static str,
     p: String,
-    set: String,
 }
 
-/// A row for each run.
-pub fn alone_rows(alone: &[RunAlone]) -> Vec<AloneRow> {
+/// A row for each run; chances are counted from so many draws.
+pub fn alone_rows(alone: &[RunAlone], draws: usize) -> Vec<AloneRow> {
     let row = |run: &RunAlone| AloneRow {
         name: run.run.clone(),
-        verdict: proved_or_not(run.verdict, run.gains_clearly),
-        p: counted_from_draws(run.p_misfit, None).0,
-        set: run.set.join(", "),
+        verdict: match run.p_misfit {
+            None => verdict_word(Verdict::DataProblem),
+            Some(p) if p >= RIGHT => verdict_word(Verdict::Consistent),
+            Some(p) if p >= MAY_BE_RIGHT => verdict_word(Verdict::Undecided),
+            Some(_) => "wrong",
+        },
+        p: counted_from_draws(run.p_misfit, None, draws).0,
     };
     alone.iter().map(row).collect()
 }

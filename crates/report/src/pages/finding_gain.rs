@@ -102,7 +102,7 @@ pub fn gain_section(found: &GroupDiagnosis) -> Option<GainSection> {
         ),
         _ if !gain.proof.is_clear() => (
             format!("Whether the {subject} gains"),
-            "That it predicts better what was left out is not clear: the 95 % interval of the fall of the deviance reaches zero.",
+            "That it predicts better what was left out is not clear: not every part comes out better, and the 95 % interval of the fall of the deviance reaches zero.",
         ),
         _ => (format!("What the {subject} gains"), ""),
     };
@@ -258,7 +258,7 @@ mod tests {
     fn a_gain_that_may_be_none_is_not_told_as_one() {
         let unclear = HeldOutGain {
             standard_error: 6.0,
-            ..gain(8.0, &[7.0, 1.0], [0.2, 0.1])
+            ..gain(8.0, &[9.0, 1.0, -2.0], [0.2, 0.1])
         };
         let text = sentence("it", &unclear, "extended model");
         assert!(

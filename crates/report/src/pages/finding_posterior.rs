@@ -6,7 +6,7 @@ use super::wording::listed;
 use crate::input::Findings;
 use crate::number::fixed;
 use ieap_analysis::ParameterInfo;
-use ieap_domain::{GroupDiagnosis, Hypothesis, HypothesisKind};
+use ieap_domain::{CauseNode, GroupDiagnosis, Hypothesis, HypothesisKind};
 
 /// Rows that are shown.
 const SHOWN: usize = 8;
@@ -29,7 +29,28 @@ pub fn hypothesis_rows(found: &GroupDiagnosis, findings: &Findings) -> Vec<Hypot
     let effect = found.posterior.iter().position(|own| of_effects(&own));
     let shown = found.posterior.iter().enumerate();
     let shown = shown.filter(|(place, own)| own.mass >= LEAST || Some(*place) == effect);
-    shown.take(SHOWN).map(|(_, own)| row(own, findings)).collect()
+    let rows = shown.take(SHOWN).map(|(_, own)| row(own, findings));
+    found
+        .node
+        .as_ref()
+        .filter(|node| node.depth < EFFECT)
+        .map(of_node)
+        .into_iter()
+        .chain(rows)
+        .collect()
+}
+
+/// Depth of a node that is one effect: its row says it.
+const EFFECT: usize = 3;
+
+/// What the causes below it have in common.
+fn of_node(node: &CauseNode) -> HypothesisRow {
+    HypothesisRow {
+        what: node.path.join(" › "),
+        detail: format!("{}: all causes of this kind together", node.words),
+        percent: percent(node.probability),
+        bar: bar(node.probability),
+    }
 }
 
 fn row(own: &Hypothesis, findings: &Findings) -> HypothesisRow {
@@ -50,12 +71,21 @@ fn row(own: &Hypothesis, findings: &Findings) -> HypothesisRow {
     HypothesisRow {
         what,
         detail,
-        bar: (1e3 * own.mass).round() / 10.0,
-        percent: match own.mass {
-            most if most > 0.995 => "> 99".to_owned(),
-            least if least < 0.001 => "< 0.1".to_owned(),
-            mass => fixed(100.0 * mass, if mass < 0.095 { 1 } else { 0 }),
-        },
+        bar: bar(own.mass),
+        percent: percent(own.mass),
+    }
+}
+
+/// Length of the bar of a probability, percent.
+fn bar(probability: f64) -> f64 {
+    (1e3 * probability).round() / 10.0
+}
+
+fn percent(probability: f64) -> String {
+    match probability {
+        most if most > 0.995 => "> 99".to_owned(),
+        least if least < 0.001 => "< 0.1".to_owned(),
+        mass => fixed(100.0 * mass, if mass < 0.095 { 1 } else { 0 }),
     }
 }
 

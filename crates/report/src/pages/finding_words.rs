@@ -3,6 +3,7 @@
 use super::wording::{counted, listed, readable};
 use crate::input::Findings;
 use crate::number::{fixed, significant};
+use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::{GroupDiagnosis, ParameterShift, Verdict};
 
 /// Shifts below this many standard errors are not put into words.
@@ -70,18 +71,20 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
             causes(&taken)
         ),
         Verdict::Set if !found.gains_clearly() => format!(
-            "The simulation is wrong for {runs}; {} causes fit equally well, none of them proved to predict better what was left out: {}.",
+            "The simulation is wrong for {runs}; {} causes fit, none of them proved to predict better what was left out: {}.",
             found.set.len(),
             causes(&found.set)
         ),
         Verdict::Named => format!("The simulation of {runs} lacks {}.", causes(&taken)),
         Verdict::Set => format!(
-            "The simulation of {runs} lacks something, and {} causes explain it equally well: {}.",
+            "The simulation of {runs} lacks something{}; {} causes fit, and these runs do not tell which: {}.",
+            kind(found),
             found.set.len(),
             causes(&found.set)
         ),
         Verdict::Partial => format!(
-            "The simulation of {runs} lacks {}, and something else that is not explained.",
+            "The simulation of {runs} lacks something{}: {} explains most of it, and not all.",
+            kind(found),
             causes(&taken)
         ),
         Verdict::Unknown => {
@@ -97,6 +100,12 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
             format!("Nothing is said of the simulation of {runs}, because of the readings themselves.")
         }
     }
+}
+
+/// What the causes of a set have in common.
+fn kind(found: &GroupDiagnosis) -> String {
+    let node = found.node.as_ref().filter(|node| node.depth < 3);
+    node.map_or_else(String::new, |node| format!(": {}", node.words))
 }
 
 /// What a cause is, without what else is to be said of it.
@@ -127,23 +136,19 @@ pub fn probability(p: Option<f64>) -> String {
     }
 }
 
-/// Fewest draws that a chance is counted from, one added: such a chance is a whole part of it.
-const FEWEST_DRAWS: f64 = 100.0;
-
-/// Whether `p` is the least that its draws can tell, as 0.001 is of 999: the true one may be smaller by any amount.
-fn is_least(p: f64) -> bool {
-    let draws = 1.0 / p / FEWEST_DRAWS;
-    p > 0.0 && draws >= 1.0 - 1e-9 && (draws - draws.round()).abs() < 1e-6
+/// Whether `p` is the least that so many draws can tell, as 0.001 is of 999: the true one may be smaller by any amount.
+fn is_least(p: f64, draws: usize) -> bool {
+    draws > 0 && p * (draws as f64 + 1.0) <= 1.0 + 1e-6
 }
 
 /// A probability that was counted from draws of what chance does, and its q: `≤ 0.001` where no draw reached what was
 /// found. A q that rests on such a p is known no better.
-pub fn counted_from_draws(p: Option<f64>, q: Option<f64>) -> (String, String) {
+pub fn counted_from_draws(p: Option<f64>, q: Option<f64>, draws: usize) -> (String, String) {
     let at_most = |text: String| match text.starts_with(['<', '–']) {
         true => text,
         false => format!("≤ {text}"),
     };
-    match p.is_some_and(is_least) {
+    match p.is_some_and(|p| is_least(p, draws)) {
         true => (at_most(probability(p)), at_most(probability(q))),
         false => (probability(p), probability(q)),
     }
@@ -169,11 +174,11 @@ pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
     };
     let misfit = format!(
         "If the simulation were right, chance alone would leave residuals at least as bad {} ({}).",
-        match is_least(p) {
+        match is_least(p, found.draws) {
             true => chance(p).replacen("in 1 of", "in at most 1 of", 1),
             false => chance(p),
         },
-        equation_of("p", &counted_from_draws(Some(p), None).0)
+        equation_of("p", &counted_from_draws(Some(p), None, found.draws).0)
     );
     let together = found.q_misfit.filter(|_| found.verdict != Verdict::Consistent).map(|q| {
         format!(
@@ -205,62 +210,69 @@ pub fn shift_words(shift: &ParameterShift, symbol: &str) -> Option<String> {
     ))
 }
 
-/// What the campaign's groups say together.
+/// What a finding says of the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// It is wrong, and a cause or a mechanism is told and proved on readings that were left out.
+    WrongWithCause,
+    /// It is wrong, and no cause is proved.
+    Wrong,
+    /// The runs differ from each other or scatter; each is described by its own parameters.
+    Differs,
+    /// It describes the readings to within the noise, or chance can look like what it leaves.
+    Described,
+    /// The readings do not allow a finding.
+    NotAsked,
+}
+
+/// What the finding of a group says of the model. Runs that differ by what a tag says, or in a parameter that wanders from
+/// run to run, are no error of the model.
+pub fn outcome_of(found: &GroupDiagnosis) -> Outcome {
+    let is_between = |id: &String| follows_a_tag(id) || id.starts_with("varies:");
+    let between_alone = !found.set.is_empty() && found.set.iter().all(is_between);
+    match found.verdict {
+        Verdict::DataProblem => Outcome::NotAsked,
+        Verdict::Consistent | Verdict::Undecided => Outcome::Described,
+        Verdict::Varies => Outcome::Differs,
+        _ if between_alone => Outcome::Differs,
+        verdict if verdict.names_a_cause() && found.gains_clearly() => Outcome::WrongWithCause,
+        _ => Outcome::Wrong,
+    }
+}
+
+/// What the campaign's groups say together: in how many the model is wrong, in how many the runs differ, how many are fine.
 pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
     if groups.is_empty() {
         return "No group of runs has been diagnosed yet: `ieap run` or `ieap diagnose` does it.".to_owned();
     }
-    let count = |wanted: &[Verdict]| {
-        groups
-            .iter()
-            .filter(|found| wanted.contains(&found.verdict))
-            .count()
+    let count = |wanted: Outcome| groups.iter().filter(|found| outcome_of(found) == wanted).count();
+    let (caused, uncaused) = (count(Outcome::WrongWithCause), count(Outcome::Wrong));
+    let (differs, described) = (count(Outcome::Differs), count(Outcome::Described));
+    let asked = groups.len() - count(Outcome::NotAsked);
+    let causes = match (caused, uncaused) {
+        (1, 0) => "a cause is found".to_owned(),
+        (_, 0) => "a cause is found in each".to_owned(),
+        (0, 1) => "no cause is proved".to_owned(),
+        (0, _) => "no cause is proved in any".to_owned(),
+        (some, none) => format!("with a cause in {some}, without in {none}"),
     };
-    let proved = |wanted: Verdict, words: &str| {
-        let found = groups.iter().filter(|found| found.verdict == wanted);
-        let n = found.filter(|found| found.gains_clearly()).count();
-        (n > 0).then(|| format!("in {n} {words}"))
-    };
-    let unproved = groups.iter().filter(|found| found.verdict.names_a_cause());
-    let unproved = unproved.filter(|found| !found.gains_clearly()).count();
-    let unknown = count(&[Verdict::Unknown]);
-    let varies = count(&[Verdict::Varies]);
-    let resembles = count(&[Verdict::Resembles]);
-    let wrong = [
-        proved(Verdict::Named, "one cause is found"),
-        proved(Verdict::Set, "a few causes remain possible"),
-        proved(Verdict::Partial, "a cause is found for a part of it"),
-        (unproved > 0).then(|| format!("in {unproved} a cause fits and is not proved")),
-        (resembles > 0).then(|| format!("in {resembles} it looks like a known cause and is not it")),
-        (unknown > 0).then(|| format!("in {unknown} the cause is unknown")),
-    ];
-    let details: Vec<String> = wrong.into_iter().flatten().collect();
-    let n_wrong = groups.iter().filter(|found| found.verdict.is_misfit()).count() - varies;
-    let asked = groups.len() - count(&[Verdict::DataProblem]);
-    let mut lead = match (n_wrong, asked) {
+    let mut lead = match (caused + uncaused, asked) {
         (_, 0) => "The readings of no group allow a finding".to_owned(),
         (0, _) => format!(
-            "In none of {} is the simulation shown to be wrong",
+            "In none of {} is the model shown to be wrong",
             counted(asked, "group")
         ),
-        (n, _) if n == asked => format!("The simulation is wrong in {}", all_of(asked)),
-        (n, _) => format!("The simulation is wrong in {n} of {}", counted(asked, "group")),
+        (1, 1) => format!("The model is wrong in the one group: {causes}"),
+        (n, _) if n == asked => format!("The model is wrong in all {n} groups: {causes}"),
+        (n, _) => format!("The model is wrong in {n} of {asked} groups: {causes}"),
     };
-    if !details.is_empty() {
-        lead += &format!(": {}", listed(&details));
+    if differs > 0 {
+        lead += &format!(". In {differs} the runs differ or scatter, and each is described by itself");
     }
-    if varies > 0 {
-        lead +=
-            &format!(". In {varies} the runs differ in their parameters, and each is described by its own");
+    if described > 0 && described < asked {
+        lead += &format!(". In {described} nothing is seen to be missing");
     }
     lead + "."
-}
-
-fn all_of(n: usize) -> String {
-    match n {
-        1 => "the one group".to_owned(),
-        n => format!("all {n} groups"),
-    }
 }
 
 #[cfg(test)]
@@ -296,16 +308,18 @@ mod tests {
 
     #[test]
     fn a_chance_that_no_draw_reached_is_a_bound_and_so_is_its_q() {
-        let printed = |p, q| counted_from_draws(Some(p), Some(q));
+        let printed = |p, q| counted_from_draws(Some(p), Some(q), 999);
         let texts = |p: &str, q: &str| (p.to_owned(), q.to_owned());
         // One of 1000 is the least that 999 draws can tell, 3 of 1000 are counted.
         assert_eq!(printed(0.001, 0.004), texts("≤ 0.001", "≤ 0.004"));
         assert_eq!(printed(0.003, 0.012), texts("0.003", "0.012"));
-        assert_eq!(counted_from_draws(Some(1e-5), None), texts("< 0.0001", "–"));
+        assert_eq!(printed(0.01, 0.02), texts("0.01", "0.02"));
+        assert_eq!(counted_from_draws(Some(1e-5), None, 999), texts("< 0.0001", "–"));
         let said = |p| {
             test_words(&GroupDiagnosis {
                 verdict: Verdict::Unknown,
                 p_misfit: Some(p),
+                draws: 999,
                 ..finding()
             })
             .remove(0)
@@ -368,7 +382,7 @@ mod tests {
         let group = |verdict| GroupDiagnosis { verdict, ..finding() };
         assert_eq!(
             campaign_lead(&[group(Verdict::Consistent), group(Verdict::DataProblem)]),
-            "In none of 1 group is the simulation shown to be wrong."
+            "In none of 1 group is the model shown to be wrong."
         );
         assert_eq!(
             campaign_lead(&[
@@ -376,13 +390,13 @@ mod tests {
                 group(Verdict::Named),
                 group(Verdict::Unknown)
             ]),
-            "The simulation is wrong in 2 of 3 groups: in 1 one cause is found and in 1 the cause is unknown."
+            "The model is wrong in 2 of 3 groups: with a cause in 1, without in 1. In 1 nothing is seen to be missing."
         );
         // Runs that differ are no error of the model.
         assert_eq!(
             campaign_lead(&[group(Verdict::Consistent), group(Verdict::Varies)]),
-            "In none of 2 groups is the simulation shown to be wrong. In 1 the runs differ in their parameters, and each is \
-             described by its own."
+            "In none of 2 groups is the model shown to be wrong. In 1 the runs differ or scatter, and each is described by \
+             itself. In 1 nothing is seen to be missing."
         );
     }
 }

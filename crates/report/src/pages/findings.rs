@@ -122,7 +122,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
 
 fn group_row(site: &Site, place: usize) -> GroupRow {
     let found = &site.input.findings.groups[place];
-    let (p, q) = counted_from_draws(found.p_misfit, found.q_misfit);
+    let (p, q) = counted_from_draws(found.p_misfit, found.q_misfit, found.draws);
     GroupRow {
         link: RunLink {
             href: site.finding_href(place),
@@ -184,7 +184,7 @@ fn shared_section(effect: &SharedEffect, said: &str, groups: &[GroupDiagnosis]) 
 
 fn ledger(found: &GroupDiagnosis) -> Vec<LedgerRow> {
     let row = |question: String, p: Option<f64>, q: Option<f64>| {
-        let (p, q) = counted_from_draws(p, q);
+        let (p, q) = counted_from_draws(p, q, found.draws);
         LedgerRow {
             group: group_title(&found.group),
             question,
@@ -216,7 +216,7 @@ fn ledger(found: &GroupDiagnosis) -> Vec<LedgerRow> {
 
 fn run_row(site: &Site, found: &GroupDiagnosis) -> RunRow {
     let turn = site.input.findings.turns.get(&found.group);
-    let (p, q) = counted_from_draws(found.p_misfit, found.q_misfit);
+    let (p, q) = counted_from_draws(found.p_misfit, found.q_misfit, found.draws);
     RunRow {
         place: turn.map_or_else(String::new, |turn| turn.place.to_string()),
         level: probability(turn.map(|turn| turn.level)),

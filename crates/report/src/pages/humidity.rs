@@ -25,6 +25,8 @@ const MOST_DRAWN: usize = 12;
 struct HumidityPage {
     /// The answer in a sentence.
     lead: String,
+    /// What some runs do not state.
+    lacking: Vec<String>,
     /// Laws that are claimed.
     laws: Vec<LawCard>,
     /// What is to be known of all of them.
@@ -104,6 +106,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let page = HumidityPage {
         with_laws: cards.iter().chain(&others).any(LawCard::has_rivals),
         lead: lead(site, claimed.len()),
+        lacking: laws.lacking.iter().map(words::lacking).collect(),
         notes: common_notes(&mut cards),
         laws: cards,
         is_confounded: claimed.iter().any(|found| !found.confounded_with.is_empty()),
@@ -125,13 +128,18 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     Content::new("humidity.html", &page, figures)
 }
 
-/// Claims but for those that samples differ.
-fn strongest_first<'a>(site: &'a Site) -> Vec<&'a Dependence> {
+/// Claims but for those that samples differ: physical causes first, then use, then order; of each the strongest first.
+pub fn strongest_first<'a>(site: &'a Site) -> Vec<&'a Dependence> {
     let claimed = site.input.laws.claimed();
     let mut claimed: Vec<&Dependence> = claimed
         .filter(|found| found.covariate != Covariate::Sample)
         .collect();
-    claimed.sort_by(|a, b| a.q.total_cmp(&b.q).then(a.p.total_cmp(&b.p)));
+    let remoteness = |found: &Dependence| found.covariate.remoteness();
+    claimed.sort_by(|a, b| {
+        (remoteness(a).cmp(&remoteness(b)))
+            .then(a.q.total_cmp(&b.q))
+            .then(a.p.total_cmp(&b.p))
+    });
     claimed
 }
 

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::cards::{Card, cards};
+use super::answers::{Answers, answers};
 use super::comparison::{SmallPanel, caution, contrast_sentences, small_panels};
+use super::needs::{Need, needs};
 use super::runs_table::{RunsTable, runs_table};
 use super::wording::{IssueText, RunLink, counted, has_warnings, humidity_label, voltage_labels};
 use crate::error::ReportError;
@@ -24,8 +25,9 @@ const NOTABLE_RATIO: f64 = 1.5;
 #[derive(Debug, Serialize)]
 struct Index {
     lead: String,
+    answers: Answers,
+    needs: Vec<Need>,
     caution: Vec<String>,
-    cards: Vec<Card>,
     counts: Vec<Count>,
     /// The largest differences between conditions.
     contrasts: Vec<String>,
@@ -102,10 +104,12 @@ struct Problem {
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
+    let answers = answers(site, &mut figures)?;
     let index = Index {
         lead: lead(site),
+        answers,
+        needs: needs(site),
         caution: caution(site),
-        cards: cards(site),
         counts: counts(site),
         contrasts: contrast_sentences(site, NOTABLE_RATIO)
             .into_iter()

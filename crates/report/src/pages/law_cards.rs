@@ -12,7 +12,7 @@ use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
-use crate::figures::law::{Beside, Curve, Mark, law_panel};
+use crate::figures::law::{Beside, Curve, LawFigure, Mark};
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::false_discovery::CLAIMED_BELOW;
@@ -130,7 +130,7 @@ pub fn law_cards<'a>(
 
 /// Condemned runs of the material on the axis of a dependence. None where values are brought to equal something else: of
 /// such a run that cannot be done.
-fn aside(site: &Site, found: &Dependence) -> Vec<AsideMark> {
+pub fn aside(site: &Site, found: &Dependence) -> Vec<AsideMark> {
     marks(site, &found.parameter, |aside| {
         let facts = aside.facts.as_ref()?;
         let is_here = facts.material == found.material && found.adjusted_for.is_empty();
@@ -200,7 +200,7 @@ fn described(found: &Dependence, (figure, beyond): (Option<String>, String)) -> 
 }
 
 /// `cycle`, `cycle or age`, `one of 6 others`.
-fn one_of(covariates: &[Covariate]) -> String {
+pub(super) fn one_of(covariates: &[Covariate]) -> String {
     let labels: Vec<&str> = covariates.iter().map(|covariate| covariate.label()).collect();
     match labels.as_slice() {
         [one] => (*one).to_owned(),
@@ -224,9 +224,22 @@ struct Drawn {
 
 /// Draws the points of a dependence with its law; none where there is nothing to draw.
 fn draw(found: &Dependence, aside: &[AsideMark], number: usize) -> Result<Option<Drawn>, ReportError> {
-    let (Some(span), false) = (found.span, found.points.is_empty()) else {
+    let Some(figure) = figure_of(found, aside) else {
         return Ok(None);
     };
+    let id = format!("law-{number}");
+    let svg = figure.svg().map_err(|reason| ReportError::Figure {
+        figure: id.clone(),
+        reason,
+    })?;
+    let unit = ParameterInfo::of(&found.parameter).map_or("", |info| info.shown_unit);
+    let beyond = beyond_words(aside, (Some(&figure.x), &figure.y), unit);
+    Ok(Some(Drawn { id, svg, beyond }))
+}
+
+/// The figure of a dependence; none where there is nothing to draw.
+pub fn figure_of(found: &Dependence, aside: &[AsideMark]) -> Option<LawFigure> {
+    let span = found.span.filter(|_| !found.points.is_empty())?;
     let info = ParameterInfo::of(&found.parameter);
     let factor = info.map_or(1.0, |info| info.shown_factor);
     let (symbol, unit) = info.map_or((found.parameter.as_str(), ""), |info| {
@@ -282,23 +295,22 @@ fn draw(found: &Dependence, aside: &[AsideMark], number: usize) -> Result<Option
         },
         ..Axis::linear(span.low - margin, span.high + margin, "", "", 5)
     };
-    let id = format!("law-{number}");
     let title = format!(
         "{symbol} of {} against {}",
         found.material,
         found.covariate.label()
     );
-    let desc = words::sentence(found);
-    let beside = Beside {
-        law: curve,
-        names: found.samples.clone(),
-        aside: aside.to_vec(),
-        ..Beside::default()
-    };
-    let svg = law_panel((&x, &y), &marks, &beside, &title, &desc).map_err(|reason| ReportError::Figure {
-        figure: id.clone(),
-        reason,
-    })?;
-    let beyond = beyond_words(aside, (Some(&x), &y), unit);
-    Ok(Some(Drawn { id, svg, beyond }))
+    Some(LawFigure {
+        x,
+        y,
+        marks,
+        beside: Beside {
+            law: curve,
+            names: found.samples.clone(),
+            aside: aside.to_vec(),
+            ..Beside::default()
+        },
+        title,
+        desc: words::sentence(found),
+    })
 }

@@ -16,7 +16,7 @@ use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
-use crate::figures::law::{Beside, Curve, Mark, law_panel};
+use crate::figures::law::{Beside, Curve, LawFigure, Mark};
 use crate::input::Input;
 use crate::number::significant;
 use crate::site::Site;
@@ -236,15 +236,13 @@ fn in_doubt(site: &Site) -> Option<String> {
 
 fn charts_text(site: &Site) -> String {
     let monitoring = &site.input.monitoring;
-    let charts = 3 * monitoring.watched.len();
     format!(
         "Control charts: centre at 0 and limits in standard deviations; what lies beyond a limit is marked, the first \
-         such run with its date. A chart gives a false alarm every {} reference runs on average (from the third run on); \
-         all {} together about one every {} runs of each sample. A shift by one standard deviation is seen after {} \
+         such run with its date. All {} of a sample together give a false alarm every {} reference runs on average (from the \
+         third run on) or more rarely. A shift by one standard deviation is seen after {} \
          (Shewhart), {} (EWMA) or {} runs (CUSUM) on average, later while few runs are known.",
+        counted(monitoring.charts_of_a_sample, "chart"),
         significant(monitoring.false_alarm_runs, 3),
-        counted(charts, "chart"),
-        significant(monitoring.false_alarm_runs / charts.max(1) as f64, 2),
         run_length(monitoring, 0),
         run_length(monitoring, 1),
         run_length(monitoring, 2),
@@ -256,7 +254,7 @@ fn run_length(monitoring: &ieap_analysis::monitoring::Monitoring, chart: usize) 
 }
 
 /// Condemned runs of the sample in the reference condition, where they would stand in a chart.
-fn aside(site: &Site, watched: &Watched) -> Vec<AsideMark> {
+pub fn aside(site: &Site, watched: &Watched) -> Vec<AsideMark> {
     let (input, rules) = (site.input, &site.input.campaign.monitoring);
     marks(site, &watched.parameter, |aside| {
         let (facts, reference) = (aside.facts.as_ref()?, input.monitoring.reference.as_ref()?);
@@ -337,9 +335,24 @@ fn life_axis(watched: &Watched) -> Axis {
 }
 
 fn draw(watched: &Watched, aside: &[AsideMark], number: usize) -> Result<Option<Drawn>, ReportError> {
+    let Some(figure) = figure_of(watched, aside) else {
+        return Ok(None);
+    };
+    let id = format!("life-{number}");
+    let svg = figure.svg().map_err(|reason| ReportError::Figure {
+        figure: id.clone(),
+        reason,
+    })?;
+    let unit = ParameterInfo::of(&watched.parameter).map_or("", |info| info.shown_unit);
+    let beyond = beyond_words(aside, (Some(&figure.x), &figure.y), unit);
+    Ok(Some(Drawn { id, svg, beyond }))
+}
+
+/// The figure of a watched parameter over the life of its sample; none where there is nothing to draw.
+pub fn figure_of(watched: &Watched, aside: &[AsideMark]) -> Option<LawFigure> {
     let (series, study) = (&watched.series, &watched.study);
     if study.span.length() <= 0.0 {
-        return Ok(None);
+        return None;
     }
     let info = ParameterInfo::of(&watched.parameter);
     let factor = info.map_or(1.0, |info| info.shown_factor);
@@ -395,7 +408,6 @@ fn draw(watched: &Watched, aside: &[AsideMark], number: usize) -> Result<Option<
         true => Axis::log(low / 1.2, high * 1.2, name, unit),
         false => Axis::linear_rounded(low, high, name, unit, 5),
     };
-    let x = life_axis(watched);
     let beside = Beside {
         law: curve,
         limits,
@@ -403,13 +415,12 @@ fn draw(watched: &Watched, aside: &[AsideMark], number: usize) -> Result<Option<
         aside: aside.to_vec(),
         ..Beside::default()
     };
-    let id = format!("life-{number}");
-    let title = format!("{name} of {} over {}", watched.sample, watched.axis.label());
-    let drawn = law_panel((&x, &y), &marks, &beside, &title, &words::life(watched));
-    let svg = drawn.map_err(|reason| ReportError::Figure {
-        figure: id.clone(),
-        reason,
-    })?;
-    let beyond = beyond_words(aside, (Some(&x), &y), unit);
-    Ok(Some(Drawn { id, svg, beyond }))
+    Some(LawFigure {
+        title: format!("{name} of {} over {}", watched.sample, watched.axis.label()),
+        desc: words::life(watched),
+        x: life_axis(watched),
+        y,
+        marks,
+        beside,
+    })
 }

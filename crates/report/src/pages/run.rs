@@ -47,6 +47,10 @@ pub struct RunSection {
     along: Option<AlongLine>,
     /// Every parameter, for a run that has its page for itself.
     pub parameters: Vec<ParameterRow>,
+    /// What it says without a model.
+    model_free: Vec<ParameterRow>,
+    /// What it says of its cycles, where it has any.
+    cycles: Vec<String>,
     /// Remarks on parameters: symbols with what is said of them.
     pub remarks: Vec<Fact>,
     /// How the fit was made.
@@ -82,6 +86,8 @@ impl RunSection {
             drawn: String::new(),
             along: None,
             parameters: Vec::new(),
+            model_free: Vec::new(),
+            cycles: Vec::new(),
             remarks: Vec::new(),
             fit: Vec::new(),
             alone: String::new(),
@@ -163,7 +169,7 @@ pub fn section(
         slug: site.run_slug(run).to_owned(),
         name: name.to_owned(),
         condition: condition(site, run),
-        summary: summary(record),
+        summary: summary(record, site.input.laws.doubts.is_of(&record.path)),
         responses,
         drawn: words,
         along: (record.is_along() && record.standing.speaks()).then(|| AlongLine {
@@ -171,7 +177,11 @@ pub fn section(
             href: site.strip_href(run),
             decision: along_words::decision(record),
         }),
-        parameters: record.fit.as_ref().map_or_else(Vec::new, fits::parameters),
+        parameters: record.fit.as_ref().map_or_else(Vec::new, |fit| {
+            fits::parameters(&site.input.laws.doubts, &record.path, fit)
+        }),
+        model_free: fits::model_free(site.input, record),
+        cycles: fits::cycles(site.input, record),
         remarks: Vec::new(),
         fit: record
             .fit
@@ -188,13 +198,13 @@ pub fn section(
 }
 
 /// What the fit says; of a run that no result is made from, that instead: its fit describes readings that are not used.
-fn summary(record: &RunRecord) -> Vec<String> {
+fn summary(record: &RunRecord, doubted: bool) -> Vec<String> {
     let (standing, reason) = (&record.standing, record.standing.reason());
     if !standing.speaks() {
         let mend = format!("To change that: {}.", standing.mend(&record.path));
         return vec![format!("Set aside, in no result: {reason}."), mend];
     }
-    let mut summary = fits::summary(record);
+    let mut summary = fits::summary(record, doubted);
     if standing.is_vouched() {
         summary.insert(0, format!("Used on a person's word: {reason}."));
     }

@@ -8,15 +8,18 @@ use super::wording::counted;
 use crate::error::ReportError;
 use crate::figures;
 use crate::figures::response::{TimeView, response};
+use crate::readings_file;
 use ieap_domain::{Drive, Level, RunCurve};
 
 /// A response, or the drive, with its figures.
 #[derive(Debug, Serialize)]
 pub struct Response {
     heading: String,
+    /// Which readings of the file beside the page it shows; empty of the drive.
+    readings: String,
     /// Ids of the figures.
     pub figures: Vec<String>,
-    /// `222 of 491 readings.`
+    /// `480 of 36000 readings drawn.`
     note: String,
     /// Whether its figure stands in a row of its own.
     own_row: bool,
@@ -64,7 +67,7 @@ fn drawn(
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Response, ReportError> {
     let quantity = curve.quantity;
-    let mut ids = Vec::new();
+    let (mut ids, mut shown) = (Vec::new(), 0);
     for &(suffix, view, words) in views {
         let id = format!("{}{}-{suffix}", of.id, quantity.key().replace('_', "-"));
         let title = format!("{}{words}, {}", quantity.label(), of.name);
@@ -72,18 +75,19 @@ fn drawn(
             figure: id.clone(),
             reason,
         })?;
-        if let Some(svg) = figure {
-            figures.insert(id.clone(), svg);
+        if let Some(figure) = figure {
+            figures.insert(id.clone(), figure.svg);
+            shown = shown.max(figure.drawn);
             ids.push(id);
         }
     }
-    let shown = curve.time_s.len();
     Ok(Response {
         heading: quantity.label().to_owned(),
+        readings: readings_file::key(of.name, quantity),
         figures: ids,
         note: match shown < curve.readings {
-            true => format!("{shown} of {} readings.", curve.readings),
-            false => format!("{}.", counted(curve.readings, "reading")),
+            true => format!("{shown} of {} readings drawn.", curve.readings),
+            false => format!("{}, all drawn.", counted(curve.readings, "reading")),
         },
         own_row: false,
     })
@@ -116,6 +120,7 @@ fn voltage(of: &Subject, figures: &mut BTreeMap<String, String>) -> Result<Optio
         .any(|segment| segment.level == Level::OpenCircuit);
     Ok(Some(Response {
         heading: "Voltage".to_owned(),
+        readings: String::new(),
         figures: vec![id],
         note: match opens {
             true => "What drives the run; no line where the circuit is open.".to_owned(),
@@ -140,7 +145,11 @@ fn drawn_words(views: &[View], of: &Subject) -> String {
     if matches!(views, [(_, TimeView::AboutStep { .. }, _)]) {
         words.push_str(" Time is logarithmic after the step.");
     }
-    words.push_str(" Extremes are kept to within a pixel.");
+    if of.curves.iter().any(|curve| curve.time_s.len() < curve.readings) {
+        words.push_str(
+            " Of a long run the smallest and the largest reading of each stretch of time are drawn: no peak is lost, and residuals look wider than they are.",
+        );
+    }
     words
 }
 

@@ -4,9 +4,13 @@ use serde::Serialize;
 
 use super::run_evidence::Fact;
 use super::wording::{EstimateText, counted, in_unit, listed, why_unfitted};
-use crate::number::{fixed, score, significant};
+use crate::input::Input;
+use crate::number::{score, significant};
 use ieap_analysis::ParameterInfo;
-use ieap_domain::{ChannelNoise, Fit, Parameter, Quantity, RunRecord};
+use ieap_analysis::figure::Figure;
+use ieap_analysis::laws::doubt::Doubts;
+use ieap_analysis::model_free::{ENERGIES, FIGURES};
+use ieap_domain::{ChannelNoise, Estimate, Fit, Parameter, Quantity, RunRecord};
 
 /// Residual over noise up to which the model describes the readings.
 const WITHIN_NOISE: f64 = 1.3;
@@ -26,8 +30,11 @@ pub struct ParameterRow {
     pub estimate: EstimateText,
 }
 
-/// Findings: how the residuals compare with the noise, what the run does not determine, or why there is no fit.
-pub fn summary(record: &RunRecord) -> Vec<String> {
+/// How the residuals compare with the noise, what the run does not determine, or why there is no fit.
+///
+/// A fit of one run can follow its readings where the model is wrong: `doubted`, that the misfit of its group is claimed, is
+/// said in the same breath.
+pub fn summary(record: &RunRecord, doubted: bool) -> Vec<String> {
     let Some(fit) = &record.fit else {
         return vec![format!("Not fitted: {}.", why_unfitted(record))];
     };
@@ -41,6 +48,11 @@ pub fn summary(record: &RunRecord) -> Vec<String> {
     match fit.noise.len() > 1 && fit.noise.iter().all(is_described) {
         true => sentences.push(described_sentence(&fit.noise)),
         false => sentences.extend(fit.noise.iter().map(noise_sentence)),
+    }
+    if doubted && fit.noise.iter().any(is_described) {
+        sentences.push(
+            "By itself, that is: over all runs of its group the model is shown to be wrong.".to_owned(),
+        );
     }
     let undetermined = fit
         .parameters
@@ -66,7 +78,7 @@ fn is_described(noise: &ChannelNoise) -> bool {
         && noise.residual_autocorrelation < CORRELATED
 }
 
-/// `Residual rms 1.0 (current) and 0.81 (curvature) × the noise; the model describes the readings.`
+/// `The fit follows the readings: it leaves 1.0 (current) and 0.81 (curvature) × the noise.`
 fn described_sentence(noise: &[ChannelNoise]) -> String {
     let one = |noise: &ChannelNoise| {
         let ratio = significant(noise.residual_rms / noise.standard_deviation, 2);
@@ -74,7 +86,7 @@ fn described_sentence(noise: &[ChannelNoise]) -> String {
     };
     let each: Vec<String> = noise.iter().map(one).collect();
     format!(
-        "Residual rms {} × the noise; the model describes the readings.",
+        "The fit follows the readings: it leaves {} × the noise.",
         listed(&each)
     )
 }
@@ -88,24 +100,18 @@ fn noise_sentence(noise: &ChannelNoise) -> String {
     }
     let times = format!("{} × the noise", significant(ratio, 2));
     let correlated = noise.residual_autocorrelation >= CORRELATED;
-    let correlation = format!(
-        "lag-1 autocorrelation {}",
-        fixed(noise.residual_autocorrelation, 2)
-    );
     if is_described(noise) {
-        return format!("{channel}: residual rms {times}; the model describes the readings.");
+        return format!("{channel}: the fit follows the readings and leaves {times}.");
     }
     if ratio >= SYSTEMATIC {
-        return format!(
-            "{channel}: systematic misfit, residual rms {times} ({correlation}); the model lacks something."
-        );
+        return format!("{channel}: the fit leaves {times}; the model lacks something.");
     }
     if correlated {
         return format!(
-            "{channel}: residual rms {times}, but neighbouring residuals go together ({correlation}): a small systematic misfit."
+            "{channel}: the fit leaves {times}, but neighbouring residuals go together: a small systematic misfit."
         );
     }
-    format!("{channel}: residual rms {times}; more than noise alone.")
+    format!("{channel}: the fit leaves {times}: more than noise alone.")
 }
 
 /// Symbol of a parameter; its key where it is not known.
@@ -113,8 +119,8 @@ pub fn symbol_of(key: &str) -> String {
     ParameterInfo::of(key).map_or_else(|| key.to_owned(), |parameter| parameter.symbol.to_owned())
 }
 
-/// The parameters of a fit, a row each.
-pub fn parameters(fit: &Fit) -> Vec<ParameterRow> {
+/// The parameters of a fit, a row each, with what a finding says against them.
+pub fn parameters(doubts: &Doubts, run: &str, fit: &Fit) -> Vec<ParameterRow> {
     let row = |parameter: &Parameter| {
         let known = ParameterInfo::of(&parameter.key);
         let (unit, factor) = known.map_or(("", 1.0), |known| known.shown_in(fit));
@@ -122,10 +128,41 @@ pub fn parameters(fit: &Fit) -> Vec<ParameterRow> {
             symbol: symbol_of(&parameter.key),
             name: known.map_or_else(String::new, |known| known.name.to_owned()),
             unit: unit.to_owned(),
-            estimate: EstimateText::of(&parameter.estimate, factor),
+            estimate: EstimateText::of(&doubts.stated(run, &parameter.key, &parameter.estimate), factor),
         }
     };
     fit.parameters.iter().map(row).collect()
+}
+
+/// What a run says without a model, a row each.
+pub fn model_free(input: &Input, record: &RunRecord) -> Vec<ParameterRow> {
+    let Some(own) = input.model_free.iter().find(|own| own.run_id == record.id) else {
+        return Vec::new();
+    };
+    let row = |(figure, estimate): (&Figure, &Estimate)| ParameterRow {
+        symbol: figure.symbol.to_owned(),
+        name: figure.name.to_owned(),
+        unit: figure.unit.to_owned(),
+        estimate: EstimateText::of(estimate, 1.0),
+    };
+    let step = FIGURES.iter().zip(&own.values);
+    step.chain(ENERGIES.iter().zip(&own.energies)).map(row).collect()
+}
+
+/// What a train says of its cycles, in sentences.
+pub fn cycles(input: &Input, record: &RunRecord) -> Vec<String> {
+    let Some(own) = input.cycles.iter().find(|own| own.run_id == record.id) else {
+        return Vec::new();
+    };
+    let mut sentences = own.sentences.clone();
+    if sentences.is_empty() {
+        sentences.push("No number of the cycles has a trend.".to_owned());
+    }
+    sentences.push(format!(
+        "{} are told apart; every one stands in the table cycles (ieap table cycles).",
+        counted(own.cycles.len(), "cycle")
+    ));
+    sentences
 }
 
 /// How the fit was made and ended.
@@ -214,11 +251,11 @@ mod tests {
 
     #[test]
     fn residuals_are_judged_against_noise_and_correlation() {
-        assert!(noise_sentence(&noise(1.2e-6, 0.1)).contains("1.2 × the noise; the model describes"));
-        assert!(noise_sentence(&noise(1.2e-6, 0.9)).contains("small systematic misfit"));
         assert!(
-            noise_sentence(&noise(20e-6, 0.99)).contains("systematic misfit, residual rms 20 × the noise")
+            noise_sentence(&noise(1.2e-6, 0.1)).contains("follows the readings and leaves 1.2 × the noise")
         );
+        assert!(noise_sentence(&noise(1.2e-6, 0.9)).contains("small systematic misfit"));
+        assert!(noise_sentence(&noise(20e-6, 0.99)).contains("leaves 20 × the noise; the model lacks"));
         assert!(noise_sentence(&noise(2e-6, 0.0)).contains("more than noise alone"));
         let silent = ChannelNoise {
             standard_deviation: 0.0,

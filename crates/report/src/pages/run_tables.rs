@@ -8,6 +8,7 @@ use crate::number::{score, significant};
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
+use ieap_analysis::laws::words::capital;
 use ieap_domain::tag::keys;
 use ieap_domain::{Quantity, RunRecord};
 
@@ -144,7 +145,7 @@ fn differing_tags(runs: &[&RunRecord]) -> Vec<Filled> {
         let (title, unit) = match key {
             keys::RELATIVE_HUMIDITY_PERCENT => ("Humidity".to_owned(), "% RH"),
             keys::TEMPERATURE_C => ("Temperature".to_owned(), "°C"),
-            other => (capitalised(&other.replace('_', " ")), ""),
+            other => (capital(&other.replace('_', " ")), ""),
         };
         let is_number = runs
             .iter()
@@ -156,13 +157,6 @@ fn differing_tags(runs: &[&RunRecord]) -> Vec<Filled> {
     };
     let wanted = found.into_iter().filter(|key| !SHOWN_ELSEWHERE.contains(key));
     wanted.filter(differs).take(MOST_TAGS).map(column).collect()
-}
-
-fn capitalised(words: &str) -> String {
-    let mut characters = words.chars();
-    characters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(characters).collect()
-    })
 }
 
 /// Names without the beginning that all of them share, cut where a word ends, and without an extension that they share;
@@ -228,7 +222,8 @@ pub fn parameters_table(site: &Site, runs: &[usize]) -> Option<ParametersTable> 
                 kind: "missing",
             };
         };
-        let text = EstimateText::of(estimate, factor);
+        let stated = site.input.laws.doubts.stated(&run.path, key, estimate);
+        let text = EstimateText::of(&stated, factor);
         ParameterCell {
             text: text.text,
             interval: text.interval,

@@ -64,7 +64,7 @@ pub fn runs_table(site: &Site) -> RunsTable {
     // A column without a number says nothing.
     let is_known = |info: &&ParameterInfo| {
         let mut runs = site.input.runs.iter();
-        runs.any(|run| estimate_of(run, info).kind != "missing")
+        runs.any(|run| estimate_of(site, run, info).kind != "missing")
     };
     let parameters: Vec<&ParameterInfo> = COMPARED
         .iter()
@@ -129,7 +129,10 @@ fn row(site: &Site, run: usize, parameters: &[&ParameterInfo], are_dated: bool) 
                 None => &record.ingested_at,
             }),
         sparks: site.sparks.get(&run).cloned().unwrap_or_default(),
-        values: parameters.iter().map(|info| estimate_of(record, info)).collect(),
+        values: parameters
+            .iter()
+            .map(|info| estimate_of(site, record, info))
+            .collect(),
         state,
         flag,
     }

@@ -18,7 +18,7 @@ use crate::site::Site;
 use ieap_domain::{AlongCurve, AlongStrip, EndsRatio, Fit, Quantity};
 
 /// Width of a drawing, px.
-const WIDTH: u32 = 530;
+const WIDTH: u32 = crate::figures::canvas::PAGE_WIDTH;
 /// Id under which a page finds the frames of the moving picture.
 const FILM: &str = "film";
 

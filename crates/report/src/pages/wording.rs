@@ -1,5 +1,6 @@
 //! Wording that several pages share: counts, conditions, estimates, issues, links.
 
+pub use ieap_analysis::groups::title as group_title;
 use serde::Serialize;
 
 use crate::number::{
@@ -202,11 +203,12 @@ impl EstimateText {
     }
 }
 
-/// Estimate of a parameter in a run, or why the run has none.
-pub fn estimate_of(run: &RunRecord, parameter: &ParameterInfo) -> EstimateText {
+/// Estimate of a parameter in a run with what a finding says against it, or why the run has none.
+pub fn estimate_of(site: &Site, run: &RunRecord, parameter: &ParameterInfo) -> EstimateText {
     match run.fit.as_ref().map(|fit| fit.parameter(parameter.key)) {
         Some(Some(estimate)) => {
-            let text = EstimateText::of(estimate, parameter.shown_factor);
+            let stated = site.input.laws.doubts.stated(&run.path, parameter.key, estimate);
+            let text = EstimateText::of(&stated, parameter.shown_factor);
             match run.fit.as_ref().is_some_and(|fit| fit.converged) {
                 true => text,
                 false => EstimateText {
@@ -223,25 +225,6 @@ pub fn estimate_of(run: &RunRecord, parameter: &ParameterInfo) -> EstimateText {
 
 /// What is said of every number of a fit that did not converge.
 pub const NOT_CONVERGED: &str = "the fit did not converge, so that its numbers are not to be used";
-
-/// `CNaf-1 in air, 33 % RH` of a group's name, `sample=CNaf-1,environment=air,relative_humidity_percent=33`.
-pub fn group_title(name: &str) -> String {
-    let (mut title, mut rest) = (String::new(), Vec::new());
-    for part in name.split(',') {
-        match part.split_once('=') {
-            Some(("sample", sample)) => title = sample.to_owned(),
-            Some(("environment", environment)) => title += &format!(" in {environment}"),
-            Some(("relative_humidity_percent", percent)) => rest.push(format!("{percent} % RH")),
-            Some((key, value)) => rest.push(format!("{} {value}", key.replace('_', " "))),
-            None => rest.push(part.to_owned()),
-        }
-    }
-    if title.is_empty() {
-        return rest.join(", ");
-    }
-    rest.insert(0, title.trim_start().to_owned());
-    rest.join(", ")
-}
 
 /// Why a run has no fit, in words.
 pub fn why_unfitted(run: &RunRecord) -> &'static str {
@@ -331,21 +314,6 @@ pub fn has_warnings(run: &RunRecord) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_group_is_named_as_one_says_it() {
-        let said = |name| group_title(name);
-        assert_eq!(said("sample=CNaf-1,environment=air"), "CNaf-1 in air");
-        assert_eq!(
-            said("sample=S,environment=air,relative_humidity_percent=35.2"),
-            "S in air, 35.2 % RH"
-        );
-        assert_eq!(
-            said("sample=S,environment=air,started_at=2020-02-03"),
-            "S in air, started at 2020-02-03"
-        );
-        assert_eq!(said("a run"), "a run");
-    }
 
     #[test]
     fn indices_are_lowered_where_letters_allow_it() {

@@ -13,6 +13,8 @@ pub struct FigureInput<'a> {
     pub curves: &'a dyn CurveSource,
     /// The only run that a figure of strips shows; none: all of them.
     pub run: Option<usize>,
+    /// The only parameter that a figure of laws or lives shows: `lambda`; none: all of them.
+    pub parameter: Option<&'a str>,
 }
 
 /// A figure that can be asked for.
@@ -27,6 +29,8 @@ pub struct NamedFigure {
     pub width_mm: f64,
     /// Whether it shows strips read at several places, so that one run can be asked for.
     pub of_strips: bool,
+    /// Whether it shows parameters against what they follow, so that one of them can be asked for.
+    pub of_parameters: bool,
     /// Draws it, that many pixels wide; the message says what is missing, or what the drawing library says.
     pub(super) draw: fn(&FigureInput, u32) -> Result<Drawing, String>,
 }

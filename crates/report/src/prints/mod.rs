@@ -8,6 +8,7 @@ pub mod family;
 mod figure;
 pub(crate) mod frequency;
 mod grid;
+mod laws;
 pub(crate) mod models;
 mod modulus;
 mod outlines;
@@ -23,13 +24,14 @@ pub use figure::{FigureInput, NamedFigure};
 pub use print::{POINTS_PER_PIXEL, Print};
 
 /// Every figure, in the order in which they are listed.
-pub const FIGURES: [NamedFigure; 11] = [
+pub const FIGURES: [NamedFigure; 13] = [
     NamedFigure {
         name: "figure4",
         alias: "shapes",
         about: "Shape of the strip at a few times, drawn to scale, measured and simulated",
         width_mm: 85.0,
         of_strips: true,
+        of_parameters: false,
         draw: along::shapes,
     },
     NamedFigure {
@@ -38,6 +40,7 @@ pub const FIGURES: [NamedFigure; 11] = [
         about: "Curvature over place and time, measured, simulated and their difference",
         width_mm: 170.0,
         of_strips: true,
+        of_parameters: false,
         draw: along::maps,
     },
     NamedFigure {
@@ -46,6 +49,7 @@ pub const FIGURES: [NamedFigure; 11] = [
         about: "Voltage along the strip at a few times, measured and simulated",
         width_mm: 85.0,
         of_strips: true,
+        of_parameters: false,
         draw: along::voltage,
     },
     NamedFigure {
@@ -54,6 +58,7 @@ pub const FIGURES: [NamedFigure; 11] = [
         about: "Curvature over time at a few places along the strip, measured and simulated",
         width_mm: 85.0,
         of_strips: true,
+        of_parameters: false,
         draw: along::places,
     },
     NamedFigure {
@@ -62,6 +67,7 @@ pub const FIGURES: [NamedFigure; 11] = [
         about: "Current in the environments at the lowest and highest voltage, measured and simulated",
         width_mm: 170.0,
         of_strips: false,
+        of_parameters: false,
         draw: currents::draw,
     },
     NamedFigure {
@@ -70,6 +76,7 @@ pub const FIGURES: [NamedFigure; 11] = [
         about: "Curvature in dry and in humid environments at each voltage, measured and simulated",
         width_mm: 170.0,
         of_strips: false,
+        of_parameters: false,
         draw: bending::curvature,
     },
     NamedFigure {
@@ -78,6 +85,7 @@ pub const FIGURES: [NamedFigure; 11] = [
         about: "Displacement at the free length in dry and in humid environments at each voltage, measured and simulated",
         width_mm: 170.0,
         of_strips: false,
+        of_parameters: false,
         draw: bending::displacement,
     },
     NamedFigure {
@@ -86,6 +94,7 @@ pub const FIGURES: [NamedFigure; 11] = [
         about: "Normalised complex modulus under changing humidity",
         width_mm: 85.0,
         of_strips: false,
+        of_parameters: false,
         draw: modulus::draw,
     },
     NamedFigure {
@@ -94,7 +103,26 @@ pub const FIGURES: [NamedFigure; 11] = [
         about: "Parameters over environment and voltage, with 95 % intervals",
         width_mm: 170.0,
         of_strips: false,
+        of_parameters: false,
         draw: parameters::draw,
+    },
+    NamedFigure {
+        name: "laws",
+        alias: "dependences",
+        about: "Parameters against humidity, voltage or what else they follow, with the law and its 95 % interval",
+        width_mm: 85.0,
+        of_strips: false,
+        of_parameters: true,
+        draw: laws::laws,
+    },
+    NamedFigure {
+        name: "monitoring",
+        alias: "lives",
+        about: "Parameters over the life of each sample, with trend, changes and limits",
+        width_mm: 85.0,
+        of_strips: false,
+        of_parameters: true,
+        draw: laws::lives,
     },
     NamedFigure {
         name: "frequency",
@@ -102,6 +130,7 @@ pub const FIGURES: [NamedFigure; 11] = [
         about: "Amplitude and phase of current and bending per volt against frequency, measured and by the fit",
         width_mm: 170.0,
         of_strips: false,
+        of_parameters: false,
         draw: frequency::draw,
     },
     NamedFigure {
@@ -110,6 +139,7 @@ pub const FIGURES: [NamedFigure; 11] = [
         about: "What was measured with the curve of every model compared, and what each leaves",
         width_mm: 170.0,
         of_strips: false,
+        of_parameters: false,
         draw: models::draw,
     },
 ];

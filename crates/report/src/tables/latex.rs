@@ -70,7 +70,8 @@ pub fn write(table: &Table) -> String {
             };
             match note_letters(&table.rows[row].cells[column].notes) {
                 letters if letters.is_empty() => text,
-                letters => format!("{text}\\textsuperscript{{{letters}}}"),
+                // A bare letter above a number reads as its exponent.
+                letters => format!("{text}\\,\\textsuperscript{{{letters})}}"),
             }
         });
         out += &format!("{} \\\\\n", texts.collect::<Vec<_>>().join(" & "));
@@ -118,7 +119,7 @@ fn foot(table: &Table) -> String {
         .notes
         .iter()
         .enumerate()
-        .map(|(at, note)| format!("\\textsuperscript{{{}}}~{}", note_letter(at), words(note)));
+        .map(|(at, note)| format!("\\textsuperscript{{{})}}~{}", note_letter(at), words(note)));
     let concise = has_errors(table).then(|| CONCISE.to_owned());
     let remarks: Vec<String> = remarks(table).into_iter().chain(concise).collect();
     let lines: Vec<String> = notes.chain(remarks.iter().map(|remark| words(remark))).collect();

@@ -21,7 +21,7 @@ const LOWERED: [(char, &str); 16] = [
     ('ₚ', "p"),
     ('꜀', "c"),
 ];
-const RAISED: [(char, &str); 12] = [
+const RAISED: [(char, &str); 13] = [
     ('⁰', "0"),
     ('¹', "1"),
     ('²', "2"),
@@ -34,6 +34,7 @@ const RAISED: [(char, &str); 12] = [
     ('⁹', "9"),
     ('⁻', "-"),
     ('⁺', "+"),
+    ('ⁿ', "n"),
 ];
 /// Characters that stand in mathematics only.
 const MATHEMATICS: [(char, &str); 28] = [
@@ -183,6 +184,7 @@ mod tests {
         assert_eq!(symbol("RH"), "RH");
         assert_eq!(unit("kΩ cm²"), "\\unit{k\\Omega .cm^{2}}");
         assert_eq!(unit("C⁻¹ cm⁻¹"), "\\unit{C^{-1}.cm^{-1}}");
+        assert_eq!(unit("S sⁿ"), "\\unit{S.s^{n}}");
         assert_eq!(unit("%"), "\\unit{\\%}");
     }
 

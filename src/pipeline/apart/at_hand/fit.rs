@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::RunAtHand;
-use crate::domain::{AskedFit, ChannelNoise, Estimate, Fit, Issue};
+use crate::domain::{AskedFit, Channel, ChannelNoise, Estimate, Fit, Issue, Severity};
 use crate::fit::{FitError, FitOptions};
+use crate::ingest::formats::columns::COLUMN_REFUSED;
 use crate::model::ModelChoice;
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::documents::fits::{as_object, parameter_entries};
@@ -76,7 +77,7 @@ pub(super) fn options_as_asked(said: &AskedFit) -> Result<FitOptions, Issue> {
 /// # Errors
 /// There is nothing to fit, or a fault of the program stopped the fit.
 pub fn fit(run: &RunAtHand, options: &FitOptions) -> Result<(Fit, FitAtHand), Issue> {
-    let fit = fit_one(&run.task, &run.channels, options)?;
+    let fit = fit_one(&run.task, &run.channels, options).map_err(|issue| explained(issue, run))?;
     let stated = FitAtHand {
         run: run.task.path.clone(),
         model: fit.model.clone(),
@@ -95,4 +96,17 @@ pub fn fit(run: &RunAtHand, options: &FitOptions) -> Result<(Fit, FitAtHand), Is
         issues: run.issues.iter().chain(&fit.issues).cloned().collect(),
     };
     Ok((fit, stated))
+}
+
+/// Why there is nothing to fit: a response whose column was refused says it better.
+fn explained(issue: Issue, run: &RunAtHand) -> Issue {
+    let responds = run.channels.iter().any(Channel::is_response);
+    let refused = run.issues.iter().find(|issue| issue.code == COLUMN_REFUSED);
+    match refused.filter(|_| !responds) {
+        Some(refused) => Issue {
+            severity: Severity::Error,
+            ..refused.clone()
+        },
+        None => issue,
+    }
 }

@@ -90,7 +90,7 @@ pub fn read(file: &Path) -> Result<Result<Vec<ReadTable>, Issue>, PipelineError>
 /// # Errors
 /// What is no table says why.
 pub fn arrays(columns: Vec<(String, Vec<f64>)>) -> Result<ReadTable, Issue> {
-    let reading = in_memory::read(columns).map_err(|error| error.issue())?;
+    let reading = in_memory::read(columns)?;
     let no_table = || Issue::error("no-header", "there is no table");
     tables(&reading).pop().ok_or_else(no_table)
 }

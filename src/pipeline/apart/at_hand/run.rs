@@ -6,11 +6,11 @@ use super::read::ReadTable;
 use crate::domain::data_hash::data_hash;
 use crate::domain::tag::keys;
 use crate::domain::{
-    AskedFit, Channel, Drive, FlaggedStretch, Issue, Level, Quantity, RunKind, RunOrigin, Sample, Segment,
-    Severity, Tag, TagSource, left_out,
+    AskedFit, Channel, Drive, FlaggedStretch, Issue, Quantity, RunKind, RunOrigin, Sample, Severity, Tag,
+    TagSource, left_out,
 };
 use crate::ingest::drive;
-use crate::ingest::tags::Resolved;
+use crate::ingest::tags::{MISSPELT, Resolved, TagKey, tag_key};
 use crate::pipeline::intake::ingest::tagging::{TaggingInput, conclude};
 use crate::store::FitTask;
 
@@ -32,13 +32,65 @@ pub struct Strip {
 pub struct Stated {
     /// The strip.
     pub strip: Strip,
-    /// Voltage held before the first segment of `drive`, V.
-    pub baseline_v: f64,
-    /// Start (s) and voltage (V, none: open circuit) of each segment; empty: as the voltage channel or the tag
-    /// `voltage_v` says.
-    pub drive: Vec<(f64, Option<f64>)>,
+    /// The drive; none: as the voltage channel or the tag `voltage_v` says.
+    pub drive: Option<Drive>,
     /// Tags by key, as a sidecar states them: `voltage_v`, `leave_out`, `open_circuit`, `operator`, ...
     pub tags: BTreeMap<String, String>,
+}
+
+impl Stated {
+    /// Two statements that cannot both hold; the issue names both.
+    pub fn contradiction(&self) -> Option<Issue> {
+        self.other_area().or_else(|| self.other_level())
+    }
+
+    fn other_area(&self) -> Option<Issue> {
+        let Strip {
+            area_cm2: Some(area_cm2),
+            length_mm: Some(length_mm),
+            width_mm: Some(width_mm),
+            ..
+        } = self.strip
+        else {
+            return None;
+        };
+        let product_cm2 = length_mm * width_mm / 100.0;
+        let message = format!(
+            "area_cm2 is {area_cm2} cm2, and length_mm x width_mm is {length_mm} mm x {width_mm} mm = {product_cm2} cm2"
+        );
+        let issue = Issue::error(CONTRADICTION, message).at("area_cm2");
+        ((area_cm2 - product_cm2).abs() > AREAS_AGREE * area_cm2.abs()).then(|| {
+            issue.mend("state the area, or length and width; a free length beside an area needs no width")
+        })
+    }
+
+    fn other_level(&self) -> Option<Issue> {
+        let stated_v: f64 = self.tags.get(keys::VOLTAGE_V)?.parse().ok()?;
+        let drive = self
+            .drive
+            .as_ref()
+            .filter(|drive| !drive.has_level_near(stated_v))?;
+        let message = format!(
+            "voltage_v is {stated_v} V, and the drive goes to {} V",
+            drive.nominal_step_v()
+        );
+        let issue = Issue::error(CONTRADICTION, message).at(keys::VOLTAGE_V);
+        Some(issue.mend("state the drive, or voltage_v, the step at time zero"))
+    }
+
+    /// Tags that are probably a slip of a known one.
+    pub fn misspelt(&self) -> impl Iterator<Item = Issue> {
+        self.tags.keys().filter_map(|key| {
+            let TagKey::Near(meant) = tag_key(key, &[]) else {
+                return None;
+            };
+            let issue =
+                Issue::error(MISSPELT, format!("`{key}` is no tag that ieap knows")).at(format!("tag {key}"));
+            Some(issue.mend(format!(
+                "write `{meant}` if that is meant, and another word if not"
+            )))
+        })
+    }
 }
 
 /// A run that no campaign holds, ready to be fitted.
@@ -91,18 +143,19 @@ impl RunAtHand {
         };
         let tags: BTreeMap<String, String> = chosen(&resolved);
         let tagging = conclude(Some(&sample), &input, resolved, String::new());
-        let drive = match stated.drive.is_empty() {
-            true => tagging.drive.clone().filter(|_| read.is_step_response),
-            false => Some(stated_drive(stated)),
-        };
-        let Some(drive) = drive else {
+        let of_readings = tagging.drive.clone().filter(|_| read.is_step_response);
+        let Some(drive) = stated.drive.clone().or(of_readings) else {
             return Err(no_drive(&tagging.issues, read.is_step_response));
         };
         let (Some(area_cm2), length_cm) = (tagging.area_cm2, tagging.length_cm) else {
             return Err(Issue::error(NO_AREA, "the active area of the strip is not known").at("area_cm2"));
         };
         let mut issues = read.issues.clone();
-        issues.extend(tagging.issues);
+        issues.extend(other_voltage(read, &tags, &drive));
+        // What is assumed of a drive that is found does not hold of one that is stated.
+        let is_assumption = |issue: &Issue| drive::ASSUMED.contains(&issue.code.as_str());
+        let told = tagging.issues.into_iter();
+        issues.extend(told.filter(|issue| stated.drive.is_none() || !is_assumption(issue)));
         Ok(RunAtHand {
             channels: as_used(&read.channels, &read.flags, &tags, area_cm2),
             task: FitTask {
@@ -153,6 +206,10 @@ impl RunAtHand {
     }
 }
 
+/// Part of an area by which a product of rounded lengths may differ from it.
+const AREAS_AGREE: f64 = 0.01;
+/// Code of two statements of which one must be wrong.
+const CONTRADICTION: &str = "contradiction";
 /// Codes of what is missing of a run.
 pub(super) const NO_AREA: &str = "no-area";
 const NO_DRIVE: &str = "no-drive";
@@ -201,14 +258,18 @@ fn chosen(resolved: &Resolved) -> BTreeMap<String, String> {
     chosen
 }
 
-fn stated_drive(stated: &Stated) -> Drive {
-    let segment = |&(start_s, voltage_v): &(f64, Option<f64>)| {
-        Segment::at(start_s, voltage_v.map_or(Level::OpenCircuit, Level::Voltage))
-    };
-    Drive {
-        baseline_v: stated.baseline_v,
-        segments: stated.drive.iter().map(segment).collect(),
+/// Says that the readings hold a voltage, which goes before one that a tag states, and that the two differ.
+fn other_voltage(read: &ReadTable, tags: &BTreeMap<String, String>, drive: &Drive) -> Option<Issue> {
+    let stated_v: f64 = tags.get(keys::VOLTAGE_V)?.parse().ok()?;
+    if !drive::has_voltage(&read.channels) || drive.has_level_near(stated_v) {
+        return None;
     }
+    let found_v = drive.nominal_step_v();
+    let message = format!(
+        "voltage_v is {stated_v} V, and the voltage among the readings goes to {found_v:.4} V, which is used"
+    );
+    let issue = Issue::warning("tag-disagreement", message).at(keys::VOLTAGE_V);
+    Some(issue.mend("leave voltage_v out, or the voltage among the readings where that is wrong"))
 }
 
 /// Why the drive is not known: what was found wrong with the voltage, else that there is none.

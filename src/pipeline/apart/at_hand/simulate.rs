@@ -59,10 +59,25 @@ pub fn simulate(asked: &CurvesAsked) -> Result<Curves, Issue> {
             .at("time_s")
             .mend("give finite times in s, each later than the one before"));
     }
+    if !asked.time_s.iter().all(|time| time.is_finite()) {
+        let issue = Issue::error("bad-value", "a time of the readings is no finite number");
+        return Err(issue
+            .at("time_s")
+            .mend("give finite times in s, each later than the one before"));
+    }
     let run = run_spec(asked)?;
     checked_run(&run, &asked.noise, &asked.effects)?;
     let exact = exact_responses(&run, &asked.effects, (&asked.time_s, &asked.time_s), 0)
         .map_err(|error| Issue::error("not-solved", error.to_string()).at("effects"))?;
+    if !exact
+        .current_a
+        .iter()
+        .chain(&exact.curvature_per_cm)
+        .all(|value| value.is_finite())
+    {
+        let issue = Issue::error("not-solved", "the equations give no finite current or curvature");
+        return Err(issue.at("parameters").mend("give values that a strip can have"));
+    }
     let noisy = |signal: &[f64], channel, own: crate::truth::ChannelNoise, stream| {
         noise(
             signal,

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use super::*;
-use crate::domain::{AskedFit, Level};
+use crate::domain::{AskedFit, Drive, Level, Segment};
 use crate::pipeline::apart::simulate::{Noise, Simulate};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::documents::diagnosis::diagnosis_document;
@@ -279,7 +279,13 @@ fn what_is_missing_or_wrong_is_said_with_its_remedy() {
         "{drive:?}"
     );
     let stated = Stated {
-        drive: vec![(0.0, Some(2.0)), (20.0, None)],
+        drive: Some(Drive {
+            baseline_v: 0.0,
+            segments: vec![
+                Segment::at(0.0, Level::Voltage(2.0)),
+                Segment::at(20.0, Level::OpenCircuit),
+            ],
+        }),
         ..strip()
     };
     let run = RunAtHand::new("a", &columns(None), &stated).unwrap();
@@ -308,6 +314,75 @@ fn what_is_missing_or_wrong_is_said_with_its_remedy() {
     assert_eq!(fit_options(&unknown).unwrap_err().code, "not-known");
     let none = diagnose("none", &[], &DiagnoseChoice::default()).unwrap();
     assert_eq!(none.unwrap_err().code, "no-runs");
+}
+
+#[test]
+fn what_is_stated_and_cannot_both_hold_names_both() {
+    let two_areas = Stated {
+        strip: Strip {
+            area_cm2: Some(0.3),
+            ..strip().strip
+        },
+        ..Stated::default()
+    };
+    let issue = two_areas.contradiction().unwrap();
+    assert_eq!(issue.code, "contradiction");
+    assert!(
+        issue.message.contains("0.3 cm2") && issue.message.contains("5 mm x 2 mm"),
+        "{issue:?}"
+    );
+    let rounded = Stated {
+        strip: Strip {
+            area_cm2: Some(0.1001),
+            ..strip().strip
+        },
+        ..Stated::default()
+    };
+    assert_eq!(rounded.contradiction(), None);
+    let tag = |key: &str, value: &str| BTreeMap::from([(key.to_owned(), value.to_owned())]);
+    let of_drive = |voltage_v: &str| Stated {
+        drive: Some(Drive::step(1.5)),
+        tags: tag("voltage_v", voltage_v),
+        ..strip()
+    };
+    let issue = of_drive("2").contradiction().unwrap();
+    assert!(
+        issue.message.contains("2 V") && issue.message.contains("1.5 V"),
+        "{issue:?}"
+    );
+    assert_eq!(of_drive("1.5").contradiction(), None);
+    let slip = Stated {
+        tags: tag("humidty", "40"),
+        ..strip()
+    };
+    let issue = slip.misspelt().next().unwrap();
+    assert!(
+        issue.message.contains("humidty") && issue.mend.contains("relative_humidity_percent"),
+        "{issue:?}"
+    );
+}
+
+#[test]
+fn a_strip_that_cannot_be_is_not_simulated() {
+    let with = |key: &str, value: f64| {
+        let mut asked = asked(Vec::new());
+        asked.parameters.insert(key.to_owned(), value);
+        simulate(&asked)
+    };
+    for (key, value) in [
+        ("r1_ohm_cm2", -1.0),
+        ("c2_f_per_cm2", f64::NAN),
+        ("rss_ohm_cm2", 0.0),
+        ("lambda_per_s", -0.1),
+    ] {
+        let issue = with(key, value).unwrap_err();
+        assert!(issue.place.contains(key), "{key}: {issue:?}");
+    }
+    let alone = with("r3_ohm_cm2", 10.0).unwrap_err();
+    assert!(
+        alone.message.contains("r3_ohm_cm2 without c3_f_per_cm2"),
+        "{alone:?}"
+    );
 }
 
 #[test]

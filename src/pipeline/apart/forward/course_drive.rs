@@ -9,15 +9,17 @@ use super::grounds::{Grounds, applied_until};
 use super::predict::{left_out, model_word, remarks};
 use crate::domain::typed_value::Measured;
 use crate::domain::{Drive, Estimate, Level, Segment};
-use crate::model::course::{VoltageLimits, course};
+use crate::model::course::{Course, VoltageLimits, WantedAt, course, response};
 use crate::model::geometry::conversion::{curvature_from_tip, tip_displacement_mm};
 use crate::pipeline::{Context, PipelineError};
 
 /// Samples of the voltage, unless asked otherwise, and at most: the search takes their square.
 const SAMPLES: f64 = 200.0;
 const MOST_SAMPLES: f64 = 600.0;
-/// Rounds in which the curvature asked for is mended by what the tip misses.
-const MENDS: usize = 8;
+/// Rounds in which the tip is taken to follow the curvature as it does at the course found before.
+const ROUNDS: usize = 12;
+/// Part of the squared error that a round has to take off for another one.
+const WORTH: f64 = 1e-5;
 /// Part of the largest voltage by which two typical voltages differ that the same runs speak of.
 const SAME_VOLTAGE: f64 = 0.01;
 /// Nearness at which a wanted displacement counts as reached, as a share of the largest wanted one.
@@ -81,7 +83,7 @@ pub struct DriveCourse {
 /// The drive found.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct DriveDocument {
-    /// Always `ieap/drive/1`.
+    /// Always `ieap/drive/2`.
     pub schema: &'static str,
     /// Sample whose laminate it is.
     pub sample: String,
@@ -106,13 +108,15 @@ pub struct DriveDocument {
     pub course: Vec<ReachedRow>,
     /// Root mean square of reached minus wanted over the course, mm.
     pub rms_error_mm: f64,
+    /// What no voltage within the limits goes below, to first order about the course found, mm.
+    pub least_rms_error_mm: f64,
     /// Largest difference, mm.
     pub largest_error_mm: f64,
     /// When the tip first comes near to what is wanted, s; null where it never does.
     pub reached_after_s: Option<f64>,
     /// For how long of the course it is near, s.
     pub near_for_s: f64,
-    /// Charge that flows through the leak, C.
+    /// Charge that flows through the leak, either way, C.
     pub leaked_charge_c: Predicted,
     /// Runs that it is made from.
     pub sources: Vec<Told>,
@@ -147,14 +151,18 @@ impl DriveCourse {
         let grounds = Grounds::of(context, &self.strip)?;
         if !grounds.bends() {
             let found = format!("{:?}, whose runs do not tell how it bends", grounds.sample.id);
-            return Err(bad("--sample", found, "runs with a curvature or a displacement"));
+            return Err(PipelineError::bad_argument(
+                "--sample",
+                found,
+                "runs with a curvature or a displacement",
+            ));
         }
         let end_s = self.wanted.end_s();
         let every_s = self.every_s.unwrap_or(end_s / SAMPLES);
         let possible = end_s > 0.0 && every_s > 0.0 && end_s / every_s <= MOST_SAMPLES && every_s <= end_s;
         if !possible {
             let needed = format!("a course of 1 to {MOST_SAMPLES} samples");
-            return Err(bad(
+            return Err(PipelineError::bad_argument(
                 "--every",
                 format!("{every_s} s for a course of {end_s} s"),
                 &needed,
@@ -172,7 +180,7 @@ impl DriveCourse {
                 .map_or(f64::INFINITY, |slope| slope * every_s),
             from_v: 0.0,
         };
-        let drive = search(&grounds, &wanted, &times, &limits, every_s)?;
+        let (drive, least_square) = search(&grounds, &wanted, &times, &limits, every_s)?;
         let forecasts = grounds.forecasts(&drive, &times)?;
         let row = |(k, time_s): (usize, &f64)| ReachedRow {
             time_s: *time_s,
@@ -189,7 +197,8 @@ impl DriveCourse {
         let first = misses.iter().position(|miss| miss.abs() <= near);
         let within = misses.iter().filter(|miss| miss.abs() <= near).count();
         let leaked = forecasts.leaked_charge_c.last().map(Predicted::from);
-        let leaked_charge_c = leaked.ok_or_else(|| bad("--for", "0 s".to_owned(), "a longer course"))?;
+        let leaked_charge_c = leaked
+            .ok_or_else(|| PipelineError::bad_argument("--for", "0 s".to_owned(), "a longer course"))?;
         let mut remarks = remarks(&grounds, &forecasts, &drive);
         remarks.retain(|remark| !remark.contains("locked moment"));
         if end_s > grounds.longest_s() {
@@ -200,7 +209,7 @@ impl DriveCourse {
         }
         let step = (samples / ROWS).max(1);
         Ok(DriveDocument {
-            schema: "ieap/drive/1",
+            schema: "ieap/drive/2",
             sample: grounds.sample.id.clone(),
             environment: grounds.environment.clone(),
             strip: StripEntry::of(&grounds),
@@ -211,6 +220,7 @@ impl DriveCourse {
             end_s,
             rows: course.iter().skip(step - 1).step_by(step).copied().collect(),
             rms_error_mm: (misses.iter().map(|miss| miss * miss).sum::<f64>() / samples as f64).sqrt(),
+            least_rms_error_mm: (least_square / samples as f64).sqrt(),
             largest_error_mm: misses.iter().fold(0.0, |most, miss| most.max(miss.abs())),
             reached_after_s: first.map(|k| times[k]),
             near_for_s: every_s * within as f64,
@@ -226,7 +236,11 @@ impl DriveCourse {
     /// The largest voltage allowed, and what sets it: the option, what was measured, the onset of electrolysis.
     fn limit(&self, grounds: &Grounds) -> Result<(f64, String), PipelineError> {
         let positive = |what: &'static str, value: Option<f64>| match value.filter(|value| *value <= 0.0) {
-            Some(value) => Err(bad(what, value.to_string(), "a positive number")),
+            Some(value) => Err(PipelineError::bad_argument(
+                what,
+                value.to_string(),
+                "a positive number",
+            )),
             None => Ok(()),
         };
         positive("--max-voltage", self.max_voltage_v)?;
@@ -263,14 +277,6 @@ fn onset_found(onset: &Estimate) -> Option<(f64, String)> {
     ))
 }
 
-fn bad(what: &'static str, found: String, needed: &str) -> PipelineError {
-    PipelineError::BadArgument {
-        what,
-        found,
-        needed: needed.to_owned(),
-    }
-}
-
 /// Voltage of the sample of that number, V.
 fn volts(drive: &Drive, sample: usize) -> f64 {
     match drive.segments[sample].level {
@@ -287,30 +293,27 @@ fn drive_of(course_v: &[f64], every_s: f64) -> Drive {
     }
 }
 
-/// The drive whose tip comes nearest to the wanted course. The curvature follows the voltage linearly; that the tip does
-/// not follow the curvature so is mended by asking for as much more as is missed.
+/// The drive whose tip comes nearest to the wanted course, and the sum of squared errors, mm2, that no other within the
+/// limits goes below. The curvature follows the voltage linearly; the tip does not follow the curvature so, and is taken
+/// to first order about the course found before (Gauss-Newton).
 fn search(
     grounds: &Grounds,
     wanted: &[f64],
     times: &[f64],
     limits: &VoltageLimits,
     every_s: f64,
-) -> Result<Drive, PipelineError> {
+) -> Result<(Drive, f64), PipelineError> {
     let length_mm = grounds.to.length.value_mm;
     let (mut reference_v, mut best): (f64, Option<(f64, Drive)>) = (limits.highest_v, None);
-    let farthest = wanted.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
-    let mut asked: Vec<f64> = Vec::with_capacity(wanted.len());
-    for tip_mm in wanted {
-        let curvature = curvature_from_tip(*tip_mm, length_mm).ok_or_else(|| {
-            let needed = format!(
-                "at most {:.2} mm: farther no strip of {length_mm} mm bends its tip aside",
-                0.7246 * length_mm
-            );
-            bad("the wanted displacement", format!("{farthest} mm"), &needed)
-        })?;
-        asked.push(curvature);
-    }
-    for _ in 0..MENDS {
+    let mut asked = bent(wanted, length_mm)?;
+    let slopes = |curvatures: &[f64]| -> Vec<f64> {
+        let slope = |curvature: &f64| tip_slope(*curvature, length_mm);
+        curvatures.iter().map(slope).collect()
+    };
+    let (mut weight, mut least_square) = (slopes(&asked), 0.0);
+    // Whether the tip is taken about a course that was found, and no longer about the wanted one.
+    let mut about_found = false;
+    for _ in 0..ROUNDS {
         let (step, _) = grounds.centre(&Drive::step(reference_v), times)?;
         let before = std::iter::once(0.0).chain(step.iter().copied());
         let pulse: Vec<f64> = step
@@ -318,8 +321,15 @@ fn search(
             .zip(before)
             .map(|(now, before)| (now - before) / reference_v)
             .collect();
-        let course_v = course(&pulse, &asked, limits);
-        let drive = drive_of(&course_v, every_s);
+        let at = WantedAt {
+            value: &asked,
+            weight: &weight,
+        };
+        let Course {
+            voltage_v,
+            least_square: possible,
+        } = course(&pulse, at, limits);
+        let drive = drive_of(&voltage_v, every_s);
         let (curvature, tip) = grounds.centre(&drive, times)?;
         let miss: f64 = tip
             .iter()
@@ -327,7 +337,9 @@ fn search(
             .map(|(tip, wanted)| (tip - wanted).powi(2))
             .sum();
         let typical_v = applied_until(&drive, times).typical_v;
-        let improved = best.as_ref().is_none_or(|(least, _)| miss < 0.999 * least);
+        let improved = best
+            .as_ref()
+            .is_none_or(|(least, _)| miss < (1.0 - WORTH) * least);
         if improved {
             best = Some((miss, drive));
         }
@@ -336,18 +348,35 @@ fn search(
             reference_v = typical_v;
             continue;
         }
-        if !improved {
+        least_square = possible;
+        if !improved && about_found {
             break;
         }
+        about_found = true;
+        weight = slopes(&curvature);
+        // From what the pulses add up to: what they leave of the course found stays as it is.
+        let linear = response(&pulse, &voltage_v);
         for k in 0..asked.len() {
-            // Where the voltage is at its limit, asking for more brings nothing.
-            if course_v[k].abs() < limits.highest_v * (1.0 - 1e-9) {
-                asked[k] += (wanted[k] - tip[k]) / tip_slope(curvature[k], length_mm);
-            }
+            asked[k] = linear[k] + (wanted[k] - tip[k]) / weight[k];
         }
     }
-    best.map(|(_, drive)| drive)
-        .ok_or_else(|| bad("--for", "0 s".to_owned(), "a longer course"))
+    best.map(|(miss, drive)| (drive, least_square.min(miss)))
+        .ok_or_else(|| PipelineError::bad_argument("--for", "0 s".to_owned(), "a longer course"))
+}
+
+/// Curvatures, 1/cm, at which a strip that bends evenly has its tip where it is wanted, mm.
+fn bent(wanted: &[f64], length_mm: f64) -> Result<Vec<f64>, PipelineError> {
+    let farthest = wanted.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
+    let at = |tip_mm: &f64| {
+        curvature_from_tip(*tip_mm, length_mm).ok_or_else(|| {
+            let needed = format!(
+                "at most {:.2} mm: farther no strip of {length_mm} mm bends its tip aside",
+                0.7246 * length_mm
+            );
+            PipelineError::bad_argument("the wanted displacement", format!("{farthest} mm"), &needed)
+        })
+    };
+    wanted.iter().map(at).collect()
 }
 
 /// By how much the tip of a strip goes with its curvature, mm cm; at least a tenth of that of a straight one, so that

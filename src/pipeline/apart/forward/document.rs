@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::grounds::{Forecasts, Grounds};
 use crate::analysis::forecast::Forecast;
 use crate::domain::quantiles::NORMAL_95;
-use crate::domain::{Drive, Estimate, Level};
+use crate::domain::{Drive, Estimate, Level, Segment};
 use crate::model::geometry::{CrossSection, Shape};
 use crate::model::scaling::prediction::LINKS;
 use crate::model::scaling::{Dimension, StripSize};
@@ -17,7 +17,7 @@ use crate::pipeline::findings::strip_modulus::StripModulus;
 /// A prediction.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PredictionDocument {
-    /// Always `ieap/prediction/1`.
+    /// Always `ieap/prediction/2`.
     pub schema: &'static str,
     /// Sample whose laminate it is.
     pub sample: String,
@@ -78,26 +78,31 @@ impl StripEntry {
 pub struct DriveEntry {
     /// Voltage before it, V.
     pub baseline_v: f64,
-    /// Starts, s.
-    pub start_s: Vec<f64>,
-    /// Voltage from each start on, V; null for an open circuit.
-    pub voltage_v: Vec<Option<f64>>,
+    /// What the source holds, one after the other.
+    pub segments: Vec<SegmentEntry>,
+}
+
+/// A stretch of a drive, which lasts until the next one starts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct SegmentEntry {
+    /// Start, s.
+    pub start_s: f64,
+    /// Voltage from then on, V; null for an open circuit.
+    pub voltage_v: Option<f64>,
 }
 
 impl DriveEntry {
-    pub(super) fn of(drive: &Drive) -> DriveEntry {
-        let volts = |level: Level| match level {
-            Level::Voltage(volts) => Some(volts),
-            Level::OpenCircuit => None,
+    pub(in crate::pipeline::apart) fn of(drive: &Drive) -> DriveEntry {
+        let entry = |segment: &Segment| SegmentEntry {
+            start_s: segment.start_s,
+            voltage_v: match segment.level {
+                Level::Voltage(volts) => Some(volts),
+                Level::OpenCircuit => None,
+            },
         };
         DriveEntry {
             baseline_v: drive.baseline_v,
-            start_s: drive.edges_s(),
-            voltage_v: drive
-                .segments
-                .iter()
-                .map(|segment| volts(segment.level))
-                .collect(),
+            segments: drive.segments.iter().map(entry).collect(),
         }
     }
 }
@@ -276,18 +281,32 @@ impl Stiffness {
 pub struct ShapeEntry {
     /// Time, s.
     pub time_s: f64,
-    /// Middles of the links along the strip, mm.
-    pub along_mm: Vec<f64>,
+    /// Links of the strip, from the clamp on.
+    pub links: Vec<LinkEntry>,
+    /// Joints of the links: one more than there are links.
+    pub joints: Vec<JointEntry>,
+}
+
+/// A link of a strip's shape.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct LinkEntry {
+    /// Its middle along the strip, mm.
+    pub along_mm: f64,
     /// Curvature there, 1/cm.
-    pub curvature_per_cm: Vec<f64>,
-    /// Lower ends of its 95 % interval.
-    pub curvature_low_95: Vec<f64>,
-    /// Upper ends.
-    pub curvature_high_95: Vec<f64>,
-    /// Joints of the links, mm ahead of the clamp; one more than there are links.
-    pub x_mm: Vec<f64>,
-    /// The same sideways, mm.
-    pub y_mm: Vec<f64>,
+    pub curvature_per_cm: f64,
+    /// Lower end of its 95 % interval.
+    pub curvature_low_95: f64,
+    /// Upper end.
+    pub curvature_high_95: f64,
+}
+
+/// A joint of a strip's shape.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct JointEntry {
+    /// mm ahead of the clamp.
+    pub x_mm: f64,
+    /// mm sideways.
+    pub y_mm: f64,
 }
 
 impl ShapeEntry {
@@ -302,15 +321,22 @@ impl ShapeEntry {
         let link_mm = grounds.to.length.value_mm / LINKS as f64;
         let curvature_per_cm: Vec<f64> = links.iter().map(|link| link.value).collect();
         let shape = Shape::from_curvature(&curvature_per_cm, link_mm / 10.0);
-        let mm = |cm: &[f64]| cm.iter().map(|cm| 10.0 * cm).collect();
+        let link = |(k, forecast): (usize, &&Forecast)| LinkEntry {
+            along_mm: (k as f64 + 0.5) * link_mm,
+            curvature_per_cm: forecast.value,
+            curvature_low_95: forecast.low_95,
+            curvature_high_95: forecast.high_95,
+        };
+        let joints = shape.x_cm.iter().zip(&shape.y_cm);
         Some(ShapeEntry {
             time_s,
-            along_mm: (0..LINKS).map(|k| (k as f64 + 0.5) * link_mm).collect(),
-            curvature_low_95: links.iter().map(|link| link.low_95).collect(),
-            curvature_high_95: links.iter().map(|link| link.high_95).collect(),
-            curvature_per_cm,
-            x_mm: mm(&shape.x_cm),
-            y_mm: mm(&shape.y_cm),
+            links: links.iter().enumerate().map(link).collect(),
+            joints: joints
+                .map(|(x_cm, y_cm)| JointEntry {
+                    x_mm: 10.0 * x_cm,
+                    y_mm: 10.0 * y_cm,
+                })
+                .collect(),
         })
     }
 }

@@ -17,7 +17,7 @@ use crate::pipeline::{Context, PipelineError};
 const HUMIDITY_ALIKE_PERCENT: f64 = 5.0;
 
 /// What a prediction rests on.
-pub(super) struct Grounds {
+pub(in crate::pipeline::apart) struct Grounds {
     /// Sample asked for.
     pub sample: Sample,
     /// Environment of the runs.
@@ -37,7 +37,7 @@ pub(super) struct Grounds {
     /// Resistance along the electrodes, Ohm per square.
     pub electrode_resistance_ohm_per_sq: Option<f64>,
     /// What the model gets wrong.
-    pub misfit: KnownMisfit,
+    pub(super) misfit: KnownMisfit,
     /// Modulus of the strip.
     pub modulus: StripModulus,
     /// Onset of electrolysis as a diagnosis found it, V.
@@ -68,7 +68,7 @@ impl Grounds {
     pub fn of(context: &Context, asked: &AskedStrip) -> Result<Grounds, PipelineError> {
         let sample = context.campaign.sample(&asked.sample).ok_or_else(|| {
             let known: Vec<&str> = context.campaign.samples.iter().map(|s| s.id.as_str()).collect();
-            bad(
+            PipelineError::bad_argument(
                 "--sample",
                 format!("{:?}", asked.sample),
                 format!("one of {}", known.join(", ")),
@@ -110,7 +110,7 @@ impl Grounds {
                 "{:?}, of which no run in {environment} tells anything{why}",
                 sample.id
             );
-            return Err(bad(
+            return Err(PipelineError::bad_argument(
                 "--sample",
                 found,
                 "a sample with fitted runs; `ieap fit` makes them".to_owned(),
@@ -225,7 +225,7 @@ impl Grounds {
     ///
     /// # Errors
     /// The strip is of another laminate, or charges unevenly under an open circuit.
-    pub fn forecasts(&self, drive: &Drive, time_s: &[f64]) -> Result<Forecasts, PipelineError> {
+    pub(super) fn forecasts(&self, drive: &Drive, time_s: &[f64]) -> Result<Forecasts, PipelineError> {
         let told = self.told(drive, time_s)?;
         let applied = applied_until(drive, time_s);
         let of = |bends: bool, share: f64, of: &dyn Fn(&Prediction) -> &Series| {
@@ -294,10 +294,6 @@ fn without_errors(source: &Source) -> Source {
     }
 }
 
-fn bad(what: &'static str, found: String, needed: String) -> PipelineError {
-    PipelineError::BadArgument { what, found, needed }
-}
-
 /// Number of another sample, from 1 on.
 fn number_of<'a>(others: &mut Vec<&'a str>, id: &'a str) -> usize {
     let at = others.iter().position(|other| *other == id);
@@ -318,10 +314,18 @@ fn environment(runs: &[RunRecord], asked: &AskedStrip) -> Result<String, Pipelin
     let needed = format!("one of {}", known.join(", "));
     match (&asked.environment, known.as_slice()) {
         (Some(asked), known) if known.contains(&asked.as_str()) => Ok(asked.clone()),
-        (Some(found), [_, ..]) => Err(bad("--environment", format!("{found:?}"), needed)),
+        (Some(found), [_, ..]) => Err(PipelineError::bad_argument(
+            "--environment",
+            format!("{found:?}"),
+            needed,
+        )),
         (None, [only]) => Ok((*only).to_owned()),
-        (None, [_, ..]) => Err(bad("--environment", "nothing".to_owned(), needed)),
-        (_, []) => Err(bad(
+        (None, [_, ..]) => Err(PipelineError::bad_argument(
+            "--environment",
+            "nothing".to_owned(),
+            needed,
+        )),
+        (_, []) => Err(PipelineError::bad_argument(
             "--sample",
             format!("{:?}, which has no run in results", asked.sample),
             "a sample with fitted runs; `ieap status` lists the runs".to_owned(),
@@ -350,7 +354,7 @@ fn in_surroundings(
                 ),
                 false => format!("no --rh: runs in {environment} state no humidity"),
             };
-            Err(bad("--rh", percent.to_string(), needed))
+            Err(PipelineError::bad_argument("--rh", percent.to_string(), needed))
         }
     }
 }

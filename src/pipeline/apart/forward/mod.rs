@@ -5,13 +5,14 @@ mod course_drive;
 pub mod document;
 pub mod drive_file;
 mod figure;
-mod grounds;
+pub(super) mod grounds;
 mod misfit;
 mod predict;
-mod source;
+pub(super) mod source;
 
 pub use asked::AskedStrip;
 pub use course_drive::{DriveCourse, DriveDocument, ReachedRow, Wanted};
 pub use document::{PredictedRow, PredictionDocument, Told};
 pub use figure::{course_figure, prediction_figure};
 pub use predict::Predict;
+pub use source::fitted_covariance;

@@ -66,7 +66,7 @@ impl Predict {
             ));
         }
         Ok(PredictionDocument {
-            schema: "ieap/prediction/1",
+            schema: "ieap/prediction/2",
             sample: grounds.sample.id.clone(),
             material: grounds.sample.material.clone(),
             environment: grounds.environment.clone(),
@@ -128,7 +128,10 @@ pub(super) fn remarks(grounds: &Grounds, forecasts: &Forecasts, drive: &Drive) -
     let near_v = 0.02 * low_v.abs().max(high_v.abs());
     if step_v < low_v - near_v || step_v > high_v + near_v {
         remarks.push(format!(
-            "{step_v} V lies outside what was measured ({low_v} to {high_v} V): the runs at the nearest voltage are taken, and what sets in beyond is not known."
+            "{} V lies outside what was measured ({} to {} V): the runs at the nearest voltage are taken, and what sets in beyond is not known.",
+            volts(step_v),
+            volts(low_v),
+            volts(high_v)
         ));
     }
     if let Some(first) = forecasts.current_a.last() {
@@ -174,6 +177,11 @@ pub(super) fn remarks(grounds: &Grounds, forecasts: &Forecasts, drive: &Drive) -
         remarks.push(modulus_in_words(grounds));
     }
     remarks
+}
+
+/// A voltage with as many decimals as it has, four at most.
+fn volts(volts: f64) -> f64 {
+    (1e4 * volts).round() / 1e4
 }
 
 fn modulus_in_words(grounds: &Grounds) -> String {

@@ -12,7 +12,7 @@ const UNIFORM: f64 = 0.288_675_134_594_812_9;
 
 /// A run that tells what its strip's laminate does.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Source {
+pub(in crate::pipeline::apart) struct Source {
     /// Path of the run.
     pub run: String,
     /// Model that it is fitted with.
@@ -53,19 +53,7 @@ impl Source {
                 fit.model
             ));
         }
-        let mut read = Read::new(fit);
-        let branches = read.branches()?;
-        let steady_state_resistance_ohm_cm2 = read.steady_state()?;
-        let (coupling, relaxation) = (read.coupling(), read.relaxation());
-        let bends = coupling.is_some() && relaxation.is_some();
-        read.errors
-            .extend([coupling, relaxation].map(|known| known.map_or(0.0, |(_, error)| error)));
-        let model = LumpedModel {
-            branches,
-            steady_state_resistance_ohm_cm2,
-            charge_to_curvature_per_c_cm: coupling.filter(|_| bends).map_or(0.0, |(value, _)| value),
-            relaxation_rate_per_s: relaxation.map_or(0.0, |(value, _)| value),
-        };
+        let read = Read::of(fit)?;
         let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
         let last = |curve: &RunCurve| curve.time_s.last().copied().unwrap_or(start_s);
         let last_s = curves.iter().map(last).fold(start_s, f64::max);
@@ -74,11 +62,11 @@ impl Source {
             fitted_with: fit.model.clone(),
             sample,
             step_v: applied(drive, last_s).typical_v,
-            covariance: correlated(fit, &model, &read.errors, drive, run.area_cm2, curves),
-            model,
+            covariance: correlated(fit, &read, drive, run.area_cm2.unwrap_or(1.0), curves),
+            model: read.model,
             size: *size,
             electrode_resistance_ohm_per_sq: fit.parameter("re_ohm_per_sq").and_then(|e| e.value),
-            bends,
+            bends: read.bends,
             lasted_s: last_s - start_s,
             bounded: read.bounded,
         })
@@ -124,43 +112,92 @@ pub(super) fn applied(drive: &Drive, end_s: f64) -> Applied {
     }
 }
 
-fn correlated(
-    fit: &Fit,
-    model: &LumpedModel,
-    errors: &[f64],
-    drive: &Drive,
-    area_cm2: Option<f64>,
-    curves: &[RunCurve],
-) -> Vec<f64> {
+/// Covariance of the parameters that a fit determines: their keys, and a row and a column for each. The standard errors are
+/// the fit's; correlations are those that its readings leave, their noise taken as white. None where the fit is not of a
+/// lumped model, or has no circuit.
+pub fn fitted_covariance(fit: &Fit, drive: &Drive, area_cm2: f64) -> Option<(Vec<String>, Vec<Vec<f64>>)> {
+    let read = Read::of(fit)
+        .ok()
+        .filter(|read| fit.model.starts_with("lumped-") && !read.errors.is_empty())?;
+    let whole = correlated(fit, &read, drive, area_cm2, &fit.curves);
+    let all = read.keys.len();
+    let told = |at: &usize| read.errors[*at] > 0.0 && !read.bounded.contains(&read.keys[*at]);
+    let kept: Vec<usize> = (0..all).filter(told).collect();
+    let row = |j: &usize| kept.iter().map(|k| whole[j * all + k]).collect();
+    let keys = kept.iter().map(|at| read.keys[*at].clone()).collect();
+    Some((keys, kept.iter().map(row).collect()))
+}
+
+fn correlated(fit: &Fit, read: &Read, drive: &Drive, area_cm2: f64, curves: &[RunCurve]) -> Vec<f64> {
     let at = |quantity: Quantity| -> (&[f64], f64) {
         let curve = curves.iter().find(|curve| curve.quantity == quantity);
         let noise = fit.noise.iter().find(|noise| noise.quantity == quantity);
         let times = curve.map_or(&[][..], |curve| &curve.time_s);
         (times, noise.map_or(0.0, |noise| noise.standard_deviation))
     };
-    let read = ReadAt {
+    let read_at = ReadAt {
         drive,
-        area_cm2: area_cm2.unwrap_or(1.0),
+        area_cm2,
         current: at(Quantity::Current),
         curvature: at(Quantity::Curvature),
     };
-    covariance(model, errors, &read)
+    covariance(&read.model, &read.errors, &read_at)
 }
 
-/// Reads the parameters of a fit, and gathers their standard errors in the order of the covariance.
-struct Read<'a> {
+/// A fit as a lumped model, with the standard errors in the order of the covariance.
+struct Read {
+    model: LumpedModel,
+    /// Whether its bending is known.
+    bends: bool,
+    /// Keys of the parameters, in that order.
+    keys: Vec<String>,
+    errors: Vec<f64>,
+    /// Parameters of which only a bound is known.
+    bounded: Vec<String>,
+}
+
+impl Read {
+    fn of(fit: &Fit) -> Result<Read, String> {
+        let mut reading = Reading {
+            fit,
+            keys: Vec::new(),
+            errors: Vec::new(),
+            bounded: Vec::new(),
+        };
+        let branches = reading.branches()?;
+        let steady_state_resistance_ohm_cm2 = reading.steady_state()?;
+        let (coupling, relaxation) = (reading.coupling(), reading.relaxation());
+        let bends = coupling.is_some() && relaxation.is_some();
+        for (key, known) in [("alpha_per_c_cm", coupling), ("lambda_per_s", relaxation)] {
+            reading.gather(key, known.map_or(0.0, |(_, error)| error));
+        }
+        Ok(Read {
+            model: LumpedModel {
+                branches,
+                steady_state_resistance_ohm_cm2,
+                charge_to_curvature_per_c_cm: coupling.filter(|_| bends).map_or(0.0, |(value, _)| value),
+                relaxation_rate_per_s: relaxation.map_or(0.0, |(value, _)| value),
+            },
+            bends,
+            keys: reading.keys,
+            errors: reading.errors,
+            bounded: reading.bounded,
+        })
+    }
+}
+
+/// Reads the parameters of a fit, and gathers their standard errors.
+struct Reading<'a> {
     fit: &'a Fit,
+    keys: Vec<String>,
     errors: Vec<f64>,
     bounded: Vec<String>,
 }
 
-impl<'a> Read<'a> {
-    fn new(fit: &'a Fit) -> Read<'a> {
-        Read {
-            fit,
-            errors: Vec::new(),
-            bounded: Vec::new(),
-        }
+impl Reading<'_> {
+    fn gather(&mut self, key: &str, error: f64) {
+        self.keys.push(key.to_owned());
+        self.errors.push(error);
     }
 
     fn known(&self, key: &str) -> Option<(f64, f64)> {
@@ -179,7 +216,8 @@ impl<'a> Read<'a> {
             else {
                 continue;
             };
-            self.errors.extend([r_error, c_error]);
+            self.gather(&r, r_error);
+            self.gather(&c, c_error);
             branches.push(Branch {
                 resistance_ohm_cm2: resistance,
                 capacitance_f_per_cm2: capacitance,
@@ -198,7 +236,7 @@ impl<'a> Read<'a> {
     fn steady_state(&mut self) -> Result<f64, String> {
         let key = "rss_ohm_cm2";
         if let Some((value, error)) = self.known(key) {
-            self.errors.push(error);
+            self.gather(key, error);
             return Ok(value);
         }
         let bound = self.fit.parameter(key).and_then(|estimate| estimate.low_95);
@@ -207,7 +245,7 @@ impl<'a> Read<'a> {
             .ok_or("its R_ss is not determined")?;
         self.bounded.push(key.to_owned());
         let middle = 2.0 * bound;
-        self.errors.push(middle * middle * UNIFORM / bound);
+        self.gather(key, middle * middle * UNIFORM / bound);
         Ok(middle)
     }
 

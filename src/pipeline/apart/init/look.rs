@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::domain::{DateOrder, Issue, Quantity};
+use crate::domain::{Channel, DateOrder, Issue, Quantity};
 use crate::ingest::folder_dates::order_beside;
 use crate::ingest::formats::{ReadContext, ReadError};
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::scan::{is_own_product, is_passing_name, is_statement};
 use crate::ingest::{Reading, climate_log, drive, run_sheet};
+use crate::pipeline::intake::ingest::unread::missing_responses;
 
 /// Most files that are looked at.
 const MOST_FILES: usize = 10_000;
@@ -265,12 +266,17 @@ fn of_reading(seen: Seen, reading: &Reading, format: String) -> Seen {
         .issues
         .iter()
         .filter(|issue| issue.code.starts_with("column-"));
+    let all: Vec<Channel> = channels().cloned().collect();
+    let unread = match taken {
+        Taken::Run => missing_responses(&all, &seen.path),
+        _ => Vec::new(),
+    };
     Seen {
         taken,
         format,
         columns: columns.collect(),
         has_drive,
-        issues: worth.cloned().collect(),
+        issues: worth.cloned().chain(unread).collect(),
         ..seen
     }
 }
@@ -284,7 +290,7 @@ fn propose(
     usable: &mut Vec<Profile>,
     looked: &mut Looked,
 ) -> Option<bool> {
-    let proposal = profiles::propose(name, bytes).ok()?;
+    let proposal = profiles::propose(name, bytes, &[]).ok()?;
     // Files of one source have one proposal.
     let plain = |text: &str| {
         text.lines()

@@ -2,11 +2,29 @@
 
 use std::fmt::Write;
 
-use super::look::Looked;
+use super::look::{Looked, Taken};
 use super::plan::Plan;
+use crate::domain::tag::keys;
 
 /// What marks a place that only a person can fill in.
 pub const FILL_IN: &str = "FILL IN";
+
+/// Environments that hold no water unless somebody says so: vacuum, and the dry gas of a glove box.
+const DRY: [&str; 2] = ["vacuum", "inert"];
+
+/// Dry environments with the number of runs that are in them and whose humidity nothing states.
+fn dry_environments(plan: &Plan) -> impl Iterator<Item = (&'static str, usize)> {
+    let count = |id: &&'static str| {
+        let runs = plan.files.iter().filter(|file| {
+            file.seen.taken == Taken::Run
+                && file.tags.get(keys::ENVIRONMENT).map(String::as_str) == Some(*id)
+                && !file.tags.contains_key(keys::RELATIVE_HUMIDITY_PERCENT)
+        });
+        (*id, runs.count())
+    };
+    let counts: Vec<(&str, usize)> = DRY.iter().map(count).collect();
+    counts.into_iter().filter(|(_, runs)| *runs > 0)
+}
 
 /// The text of campaign.toml for a campaign of that id.
 pub fn campaign_text(id: &str, from: &str, timezone: Option<&str>, looked: &Looked, plan: &Plan) -> String {
@@ -62,6 +80,18 @@ pub fn campaign_text(id: &str, from: &str, timezone: Option<&str>, looked: &Look
         let _ = writeln!(
             text,
             "\n# {FILL_IN}: no name of a file names a sample.\n# [[sample]]\n# id = \"\"\n# material = \"\"\n# length_mm = 0.0\n# width_mm = 0.0"
+        );
+    }
+    for (id, runs) in dry_environments(plan) {
+        let _ = writeln!(
+            text,
+            "\n[[environment]]    # {}\nid = {}\n\
+             relative_humidity_percent = 0    # taken as dry, so that laws of the humidity have these runs too; correct it",
+            match runs {
+                1 => "1 run".to_owned(),
+                runs => format!("{runs} runs"),
+            },
+            quoted(id)
         );
     }
     let extra = plan.pattern.iter().flat_map(|pattern| &pattern.extra);

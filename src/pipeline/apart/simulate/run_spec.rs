@@ -108,6 +108,7 @@ impl RunSpec {
             let needed = "one of r1_ohm_cm2 c1_f_per_cm2 (and so on to r4_ohm_cm2 c4_f_per_cm2) rss_ohm_cm2 alpha_per_c_cm lambda_per_s";
             return Err(Wrong::new(&place("parameters"), key.clone(), needed));
         }
+        self.check_parameters(&place)?;
         let ordered = self
             .drive
             .windows(2)
@@ -156,6 +157,31 @@ impl RunSpec {
                 && !above_zero(size)
             {
                 return Err(Wrong::new(&place(key), size.to_string(), "a number above 0"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Values that a strip can have: without them there would be no current, or none that is a number.
+    fn check_parameters(&self, place: &impl Fn(&str) -> String) -> Result<(), Wrong> {
+        for (key, &value) in &self.parameters {
+            let (is_possible, needed) = match key.as_str() {
+                "alpha_per_c_cm" => (value.is_finite(), "a number"),
+                "lambda_per_s" => (value.is_finite() && value >= 0.0, "a number of 0 or more"),
+                "rss_ohm_cm2" => (value > 0.0, "a number above 0, or none where nothing leaks"),
+                _ => (above_zero(value), "a number above 0"),
+            };
+            if !is_possible {
+                return Err(Wrong::new(&place(key), value.to_string(), needed));
+            }
+            let other = match key.starts_with('r') {
+                true => format!("c{}_f_per_cm2", &key[1..2]),
+                false => format!("r{}_ohm_cm2", &key[1..2]),
+            };
+            let is_of_branch = !["alpha_per_c_cm", "lambda_per_s", "rss_ohm_cm2"].contains(&key.as_str());
+            if is_of_branch && !self.parameters.contains_key(&other) {
+                let needed = "resistance and capacitance of a branch, or neither";
+                return Err(Wrong::new(&place(key), format!("{key} without {other}"), needed));
             }
         }
         Ok(())

@@ -115,10 +115,10 @@ pub enum PipelineError {
         /// A sentence with the nearest name, or nothing.
         nearest: String,
     },
-    /// A tag is set under a key that is neither known nor declared.
-    #[error("{found}, and nothing was set; {mend}.")]
-    UnknownTagKey {
-        /// What is wrong with the key.
+    /// A tag is set under a key that is neither known nor declared, or to a value that no run can have.
+    #[error("{found}; nothing was set. Mend: {mend}.")]
+    TagRefused {
+        /// What is wrong with the key or the value.
         found: String,
         /// How to mend it.
         mend: String,
@@ -145,6 +145,14 @@ pub enum PipelineError {
     /// Parameters do not carry over to the strip asked for.
     #[error(transparent)]
     Scaling(#[from] ScalingError),
+    /// A file holds no table that a profile could describe.
+    #[error("{path}: {found}; needed a delimited text or a workbook with a table of numbers")]
+    NoTable {
+        /// The file.
+        path: PathBuf,
+        /// What stands there.
+        found: String,
+    },
     /// A file that drives or steers a strip cannot be read.
     #[error("{path}, {place}: found {found}, needed {needed}")]
     DriveFile {
@@ -178,6 +186,19 @@ pub enum PipelineError {
 }
 
 impl PipelineError {
+    /// An argument that cannot be: which, what was found, what was needed.
+    pub(crate) fn bad_argument(
+        what: &'static str,
+        found: impl Into<String>,
+        needed: impl Into<String>,
+    ) -> PipelineError {
+        PipelineError::BadArgument {
+            what,
+            found: found.into(),
+            needed: needed.into(),
+        }
+    }
+
     /// Whether the system could not give a file, which says nothing of the file itself.
     pub fn is_of_system(&self) -> bool {
         use PipelineError as E;

@@ -283,5 +283,6 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     summary.proposed_pattern = waiting::proposed_pattern(context, untagged);
     summary.no_steps = context.store.runs_without_steps()?;
     summary.undeclared_tags = waiting::undeclared_tags(context)?;
+    summary.unused_columns = waiting::unused_columns(context)?;
     Ok(())
 }

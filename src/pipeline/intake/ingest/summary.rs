@@ -47,6 +47,8 @@ pub struct IngestSummary {
     pub no_steps: Vec<String>,
     /// Tag keys that are neither known nor declared, now.
     pub undeclared_tags: Vec<Together>,
+    /// Columns that are probably a response and are not used, now: each mend with all runs that need it.
+    pub unused_columns: Vec<Together>,
     /// Climate logs.
     pub logs: LogSummary,
 }

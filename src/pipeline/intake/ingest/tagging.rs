@@ -256,12 +256,8 @@ pub fn digest(
     for doubt in &doubts {
         hash.issue(doubt);
     }
-    // By whom and when a tag was set by hand changes nothing that follows from it.
-    let hand = hand_tags(context, run_path)?;
-    hash.count(hand.len());
-    for tag in &hand {
-        hash.text(&tag.key).text(&tag.value);
-    }
+    // With by whom and when, which the run tells.
+    take_stated(&mut hash, &hand_tags(context, run_path)?);
     for other in other_names(context, other_paths)? {
         hash.bytes(other.file.as_os_str().as_encoded_bytes());
         take_stated(&mut hash, &other.hand);
@@ -426,7 +422,7 @@ pub(crate) fn conclude(
     issues.extend(lengthless(input.channels, length_cm));
     issues.extend(held_and_bent(input.channels));
     if has_steps {
-        issues.extend(missing_responses(input.channels));
+        issues.extend(missing_responses(input.channels, input.run_path));
     }
     let length_mm = sample.and_then(|sample| sample.length_mm);
     issues.extend(length_mm.and_then(|length_mm| misplaced(input.channels, length_mm)));

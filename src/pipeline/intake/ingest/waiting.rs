@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::tagging::NO_AREA;
+use super::unread::RESPONSE_MISSING;
 use crate::domain::{RunKind, Severity};
 use crate::ingest::name_pattern::{self, ProposedPattern};
 use crate::ingest::tags::{self, MISSING, MISSPELT, UNDECLARED, UNKNOWN_SAMPLE};
@@ -16,6 +17,18 @@ use crate::pipeline::{Context, PipelineError};
 pub fn undeclared_tags(context: &Context) -> Result<Vec<Together>, PipelineError> {
     let mut found = context.store.issues_of_code(MISSPELT)?;
     found.extend(context.store.issues_of_code(UNDECLARED)?);
+    let entries = found
+        .iter()
+        .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));
+    Ok(together(entries))
+}
+
+/// Columns of runs that are probably a response and are not used, each with the runs that have it.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn unused_columns(context: &Context) -> Result<Vec<Together>, PipelineError> {
+    let found = context.store.issues_of_code(RESPONSE_MISSING)?;
     let entries = found
         .iter()
         .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));

@@ -39,7 +39,7 @@ pub fn document(context: &Context, publication: &Complete) -> Value {
         "types": { "resourceTypeGeneral": "Dataset", "resourceType": "Step-response campaign" },
         "rightsList": [{ "rights": publication.license, "rightsUri": publication.license_address() }],
         "descriptions": [
-            { "description": publication.description, "descriptionType": "Abstract" },
+            { "description": said_first(context, &publication.description), "descriptionType": "Abstract" },
             { "description": format!("Tables and figures were made by ieap {CODE_VERSION}."), "descriptionType": "TechnicalInfo" },
         ],
         "subjects": stated.keywords.iter().map(|word| json!({ "subject": word })).collect::<Vec<_>>(),
@@ -52,4 +52,12 @@ pub fn document(context: &Context, publication: &Complete) -> Value {
         document["identifiers"] = json!([{ "identifier": address, "identifierType": "DOI" }]);
     }
     document
+}
+
+/// The campaign's own statement before its description: whoever finds the record by its DOI reads that first.
+fn said_first(context: &Context, description: &str) -> String {
+    match &context.campaign.notice {
+        Some(notice) if !description.contains(notice.as_str()) => format!("{notice}\n\n{description}"),
+        _ => description.to_owned(),
+    }
 }

@@ -153,7 +153,8 @@ fn file(part: &Part) -> Value {
     json!({
         "@id": id_of(&part.path),
         "@type": "File",
-        "name": part.name,
+        "name": part.path.rsplit('/').next().unwrap_or_default(),
+        "description": part.name,
         "encodingFormat": part.media_type,
         "contentSize": part.bytes.to_string(),
         "identifier": format!("blake3:{}", part.blake3),

@@ -194,6 +194,7 @@ impl<W: Write + Seek> Filled<'_, W> {
                 width_mm: None,
                 dots_per_inch: DOTS_PER_INCH,
                 run: None,
+                parameter: None,
             };
             let path = format!("figures/{name}.svg");
             match figure.run(context) {

@@ -45,7 +45,7 @@ pub fn readings(context: &Context, observer: &dyn Observer) -> Result<Part, Pipe
         looked_at: format!(
             "raw bytes of {} and {} read again",
             counted(runs.len(), "run"),
-            counted(logs.len(), "climate log")
+            counted(logs.len(), "log")
         ),
         findings: found.into_iter().flatten().chain(of_logs).collect(),
     })

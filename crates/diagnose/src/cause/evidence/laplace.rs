@@ -1,21 +1,22 @@
 //! The evidence for effects at the place where they fit best (Laplace's method).
 //!
-//! The integral of likelihood times prior over the effect's parameters is taken from the height and the width of its peak,
-//! beside the same integral of the base alone. Parameters of the base have the same flat prior under every hypothesis: of
-//! theirs only the change of their width is left.
+//! The integral of likelihood times prior over the effect's parameters is taken from the height and the width of its peak.
+//! Parameters of the base are fitted anew beside every effect and not integrated: an effect that leaves them undetermined
+//! would gain by the mere width of their flat prior.
 
 use ieap_numerics::symmetric::Symmetric;
 
 use super::policy::{KNOWN_BEFORE, SIZES};
 use crate::fitting::fitted::Fitted;
 
-/// Logarithm of the evidence for `fitted` over that of `base`, both of the same readings.
-pub(super) fn log_evidence(base: &Fitted, base_normal: &Symmetric, fitted: &Fitted) -> f64 {
+/// Logarithm of the evidence for `fitted` over that of `base`, both of the same readings: what the likelihood gains at its
+/// peak, and what the width of the peak and the priors leave of it.
+pub(super) fn log_evidence(base: &Fitted, fitted: &Fitted) -> (f64, f64) {
     let (slope, _) = fitted.problem.slope(&fitted.at);
     let known = fitted.problem.base_len();
     let normal = known_before(&slope.normal, known);
     let fall = 0.5 * (base.square - fitted.square);
-    let widths = 0.5 * (known_before(base_normal, known).log_determinant() - normal.log_determinant());
+    let width = 0.5 * (block(&normal, known).log_determinant() - normal.log_determinant());
     let mut at = known;
     let mut prior = 0.0;
     for free_effect in &fitted.problem.effects {
@@ -34,7 +35,7 @@ pub(super) fn log_evidence(base: &Fitted, base_normal: &Symmetric, fitted: &Fitt
             at += 1;
         }
     }
-    fall + widths + prior
+    (fall, width + prior)
 }
 
 /// Logarithm of the prior density of a strength's coordinate: its size is as likely on any part of a logarithmic scale.
@@ -45,15 +46,21 @@ fn strength(coordinate: f64, precision: f64, either_sign: bool) -> f64 {
     (sign * size_of_unit / (size * (SIZES.1 / SIZES.0).ln())).ln()
 }
 
-/// Precision of coordinate `k` where the parameters of the base (the first `base` coordinates) are free and its fellows are
-/// held.
-fn precision_beside(normal: &Symmetric, base: usize, k: usize) -> f64 {
-    let mut part = Symmetric::zero(base);
-    for a in 0..base {
-        for b in 0..base {
+/// The first rows and columns.
+fn block(normal: &Symmetric, order: usize) -> Symmetric {
+    let mut part = Symmetric::zero(order);
+    for a in 0..order {
+        for b in 0..order {
             part.add(a, b, normal.get(a, b));
         }
     }
+    part
+}
+
+/// Precision of coordinate `k` where the parameters of the base (the first `base` coordinates) are free and its fellows are
+/// held.
+fn precision_beside(normal: &Symmetric, base: usize, k: usize) -> f64 {
+    let part = block(normal, base);
     let across: Vec<f64> = (0..base).map(|a| normal.get(a, k)).collect();
     let taken_up = part.solve(&across, 1e-12);
     let absorbed: f64 = taken_up.iter().zip(&across).map(|(x, y)| x * y).sum();

@@ -1,11 +1,11 @@
-//! How probable the readings are under everything that may be behind them, and what follows.
+//! How probable the readings are under everything that may be behind them.
 //!
-//! Every hypothesis is asked the same: how probable are these readings under it? The base alone, the base with one or two
+//! Every hypothesis is asked the same: how probable are these readings under it? The base alone, the base with one or more
 //! effects of the library, parameters that are not one number for the group, slow noise, something that has no name, and an
-//! effect with such a thing beside it. No equation of an effect is exact, so that its trace may be off by a smooth factor
-//! ([`form_error`]). What is believed before any reading stands in [`policy`], and the verdict follows from the masses.
+//! effect with such a thing beside it. They exclude each other, and their probabilities sum to one. No equation of an effect
+//! is exact, so that effects are held against each other at a [temperature](policy::temperature). What is believed before any
+//! reading stands in [`policy`]; what is said of it all is decided in [`super::decide`].
 
-mod form_error;
 mod laplace;
 mod own;
 mod policy;
@@ -14,10 +14,7 @@ mod shared;
 mod smooth;
 mod unnamed;
 mod varies;
-mod verdict;
 
-pub(crate) use policy::log_odds_of_no_cause;
-pub(crate) use posterior::{Asked, weigh};
+pub(crate) use policy::{LARGEST_SET, SURE, log_odds_of_no_cause};
+pub(crate) use posterior::{Asked, Standing, Weighed, weigh};
 pub(crate) use varies::follow_something;
-pub use verdict::{by_evidence, set_of};
-pub(crate) use verdict::{is_slow_noise, of_one_name};

@@ -1,26 +1,19 @@
-//! Hypotheses about a group with their masses.
+//! Hypotheses about a group with their probabilities.
 
-use ieap_domain::{Hypothesis, HypothesisKind, VaryingParameter, VaryingValue};
+use ieap_domain::{Hypothesis, HypothesisKind};
 use ieap_model::FitModel;
-use ieap_numerics::symmetric::Symmetric;
 use rayon::prelude::*;
 
-use super::form_error::form_error;
-use super::laplace::{known_before, log_evidence};
-use super::own::OwnFits;
-use super::policy::{self, SIZES, log_sum};
-use super::shared::{self, Shared};
+use super::laplace::log_evidence;
+use super::policy::{self, SIZES, log_sum, temperature};
 use super::unnamed::Nameless;
-use super::varies::{Covariate, Subset, covariates, least, subsets};
-use crate::cause::candidates::CandidateFit;
+use super::varies::Varying;
 use crate::cause::select::Selection;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
 
-/// Hypotheses below this mass are not told, but for the leading one of each kind.
+/// Hypotheses below this probability are not told, but for the leading one of each kind.
 const LEAST: f64 = 1e-3;
-/// Subsets of parameters that are fitted in full: the leading ones.
-const FITTED: usize = 3;
 
 /// What hypotheses are weighed on.
 pub(crate) struct Asked<'a, 'g> {
@@ -30,30 +23,71 @@ pub(crate) struct Asked<'a, 'g> {
     pub(crate) model: &'static FitModel,
 }
 
-/// What is found.
-pub(crate) struct Weighed {
-    /// In falling order.
-    pub(crate) posterior: Vec<Hypothesis>,
-    /// Parameters that differ between the runs under the leading such hypothesis, where it carries mass.
-    pub(crate) differs: Vec<VaryingParameter>,
+/// A hypothesis with its weight beside the base alone, logarithms.
+struct Weight<'s, 'g> {
+    hypothesis: Hypothesis,
+    /// What the likelihood gains.
+    fall: f64,
+    /// Everything else: priors, widths of peaks.
+    rest: f64,
+    /// Parameters that it adds.
+    free: usize,
+    /// The extended model, of effects that were fitted.
+    fitted: Option<&'s Fitted<'g>>,
+}
+
+impl Weight<'_, '_> {
+    fn log(&self) -> f64 {
+        let all = self.fall + self.rest;
+        // One that cannot be weighed takes nothing from the others.
+        if all.is_nan() { f64::NEG_INFINITY } else { all }
+    }
+
+    /// Whether it is known effects and nothing else: what is beside them else takes up what their equations err by.
+    fn is_equation(&self) -> bool {
+        self.hypothesis.kind == HypothesisKind::Effect && !self.hypothesis.with_unnamed
+    }
+}
+
+/// Every hypothesis, weighed.
+pub(crate) struct Weighed<'s, 'g> {
+    weights: Vec<Weight<'s, 'g>>,
+    pub(crate) varying: Option<Varying>,
+}
+
+/// What of the hypotheses still stands.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Standing {
+    /// Effects that explain no more than this leave more than noise: they stand with something unnamed beside them only.
+    pub(crate) refuted_below: f64,
+    /// Whether parameters may differ: each run is described by its own.
+    pub(crate) may_vary: bool,
+}
+
+impl Standing {
+    /// Before anything was asked of what they leave.
+    pub(crate) const ALL: Standing = Standing {
+        refuted_below: f64::NEG_INFINITY,
+        may_vary: true,
+    };
 }
 
 /// Weighs all hypotheses.
-pub(crate) fn weigh(asked: &Asked) -> Weighed {
-    let base = asked.base;
-    let (slope, tangent) = base.tangent();
-    let residuals = base.residuals();
+pub(crate) fn weigh<'s, 'g>(asked: &Asked<'s, 'g>) -> Weighed<'s, 'g> {
+    let (slope, tangent) = asked.base.tangent();
+    let residuals = asked.base.residuals();
     let nameless = Nameless::of(asked.group);
     let effects = asked
         .selection
         .steps
         .first()
         .map_or(0, |step| step.candidates.len());
-    let mut found = vec![
+    let of_unnamed = policy::EFFECT * effects.max(1) as f64;
+    let mut weights = vec![
         weight(HypothesisKind::Base, policy::BASE, 0.0),
         weight(
             HypothesisKind::Unnamed,
-            policy::EFFECT * effects.max(1) as f64,
+            of_unnamed,
             nameless.unnamed(&tangent, &residuals),
         ),
         weight(
@@ -62,247 +96,254 @@ pub(crate) fn weigh(asked: &Asked) -> Weighed {
             nameless.slow_noise(&tangent, &residuals),
         ),
     ];
-    found.extend(of_effects(asked, &slope.normal, &nameless, &residuals));
-    let varying = Varying::of(asked, &slope.normal);
+    let fitted = explanations(asked.selection);
+    let of_fitted =
+        |(fitted, prior): &(&'s Fitted<'g>, f64)| weights_of(asked.base, &nameless, fitted, *prior);
+    weights.extend(fitted.par_iter().flat_map_iter(of_fitted).collect::<Vec<_>>());
+    weights.extend(promised(asked.selection));
+    let varying = Varying::of(asked.group, asked.base, asked.model, &slope.normal);
     if let Some(varying) = &varying {
-        found.extend(
-            varying
-                .subsets
-                .iter()
-                .map(|subset| varying.hypothesis(asked, subset)),
-        );
+        weights.extend(varying.weighed(asked.base).map(|(hypothesis, fall)| Weight {
+            hypothesis,
+            fall,
+            rest: 0.0,
+            free: 0,
+            fitted: None,
+        }));
     }
-    normalise(&mut found);
-    let matters: f64 = found
-        .iter()
-        .filter(|h| h.kind == HypothesisKind::Varies)
-        .map(|h| h.mass)
-        .sum();
-    let mut kinds: Vec<HypothesisKind> = Vec::new();
-    found.retain(|h| {
-        let is_first = !kinds.contains(&h.kind);
-        kinds.push(h.kind);
-        is_first || h.mass >= LEAST
-    });
-    let differs = varying.filter(|_| matters > 1.0 - policy::SURE);
-    Weighed {
-        differs: differs.map_or_else(Vec::new, |varying| varying.told(asked)),
-        posterior: found,
+    Weighed { weights, varying }
+}
+
+impl<'s, 'g> Weighed<'s, 'g> {
+    /// Probabilities of all that stands, in falling order.
+    pub(crate) fn posterior(&self, standing: Standing) -> Vec<Hypothesis> {
+        let (of, masses) = self.masses(standing);
+        let mut found: Vec<Hypothesis> = of
+            .into_iter()
+            .zip(masses)
+            .map(|(own, mass)| Hypothesis {
+                mass,
+                ..own.hypothesis.clone()
+            })
+            .collect();
+        found.sort_by(|a, b| b.mass.total_cmp(&a.mass));
+        let mut kinds: Vec<HypothesisKind> = Vec::new();
+        found.retain(|own| {
+            let is_first = !kinds.contains(&own.kind);
+            kinds.push(own.kind);
+            is_first || own.mass >= LEAST
+        });
+        found
+    }
+
+    /// The most probable of the effects that were fitted and leave more unexplained than is refuted; none where none is left.
+    pub(crate) fn lead(&self, standing: Standing) -> Option<&'s Fitted<'g>> {
+        let (of, masses) = self.masses(standing);
+        let alone = of.into_iter().zip(masses);
+        let alone = alone.filter(|(own, _)| own.is_equation());
+        let fitted = alone.filter_map(|(own, mass)| Some((own.fitted?, mass)));
+        fitted
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(fitted, _)| fitted)
+    }
+
+    /// What stands, and its probabilities. Effects are held against each other by what they explain at a temperature, and
+    /// together against all else as they are.
+    fn masses(&self, standing: Standing) -> (Vec<&Weight<'s, 'g>>, Vec<f64>) {
+        let stands = |own: &&Weight| match own.hypothesis.kind {
+            HypothesisKind::Effect => own.hypothesis.with_unnamed || own.fall > standing.refuted_below,
+            HypothesisKind::Varies => standing.may_vary,
+            _ => true,
+        };
+        let of: Vec<&Weight> = self.weights.iter().filter(stands).collect();
+        let equations: Vec<&&Weight> = of.iter().filter(|own| own.is_equation()).collect();
+        let best = equations.iter().map(|own| own.fall).fold(0.0, f64::max);
+        let t = temperature(best);
+        let cooled = |own: &Weight| match own.log().is_finite() {
+            // A peak is the wider, along each of its coordinates, the less a fall counts.
+            true => own.fall / t + own.rest + 0.5 * own.free as f64 * t.ln(),
+            false => f64::NEG_INFINITY,
+        };
+        let together = log_sum(&equations.iter().map(|own| own.log()).collect::<Vec<_>>());
+        let all_cooled = log_sum(&equations.iter().map(|own| cooled(own)).collect::<Vec<_>>());
+        let logs: Vec<f64> = of
+            .iter()
+            .map(|own| match own.is_equation() && all_cooled.is_finite() {
+                true => together + cooled(own) - all_cooled,
+                false => own.log(),
+            })
+            .collect();
+        let all = log_sum(&logs);
+        let masses = logs.iter().map(|own| (own - all).exp()).collect();
+        (of, masses)
     }
 }
 
-/// Makes masses of logarithms of weights, in falling order. One whose evidence is no number cannot be weighed and has none:
-/// it must not take the others' from them.
-fn normalise(found: &mut [Hypothesis]) {
-    for own in found.iter_mut().filter(|own| own.mass.is_nan()) {
-        own.mass = f64::NEG_INFINITY;
-    }
-    let all = log_sum(&found.iter().map(|own| own.mass).collect::<Vec<_>>());
-    found.iter_mut().for_each(|own| own.mass = (own.mass - all).exp());
-    found.sort_by(|a, b| b.mass.total_cmp(&a.mass));
-}
-
-/// A hypothesis with the logarithm of its prior weight times its evidence in the place of its mass.
-fn weight(kind: HypothesisKind, prior: f64, log_evidence: f64) -> Hypothesis {
-    Hypothesis {
-        kind,
-        effects: Vec::new(),
-        form: None,
-        parameters_that_differ: Vec::new(),
-        with: None,
-        with_unnamed: false,
-        form_error: None,
-        mass: prior.ln() + log_evidence,
+/// A hypothesis without effects.
+fn weight<'s, 'g>(kind: HypothesisKind, prior: f64, log_evidence: f64) -> Weight<'s, 'g> {
+    Weight {
+        hypothesis: Hypothesis {
+            kind,
+            effects: Vec::new(),
+            form: None,
+            parameters_that_differ: Vec::new(),
+            with: None,
+            with_unnamed: false,
+            mass: 0.0,
+        },
+        fall: log_evidence,
+        rest: prior.ln(),
+        free: 0,
+        fitted: None,
     }
 }
 
-/// Every effect and pair that was fitted, each alone and with something unnamed beside it; those that were not fitted by what
-/// they promise.
-fn of_effects(asked: &Asked, normal: &Symmetric, nameless: &Nameless, residuals: &[f64]) -> Vec<Hypothesis> {
-    let singles = asked
-        .selection
-        .steps
-        .first()
-        .map_or(&[][..], |step| &step.candidates);
-    let pairs = asked
-        .selection
-        .steps
-        .iter()
-        .skip(1)
-        .flat_map(|step| &step.candidates);
-    let effects = singles.len().max(1) as f64;
-    let mut wanted: Vec<(&Fitted, f64)> = Vec::new();
-    let fitted = |candidate: &'_ CandidateFit<'_>| candidate.fitted.is_some();
-    for candidate in singles.iter().filter(|candidate| fitted(candidate)) {
-        wanted.extend(candidate.fitted.as_ref().map(|own| (own, policy::EFFECT)));
-    }
-    for candidate in pairs.filter(|candidate| fitted(candidate)) {
-        let of_two = candidate
-            .fitted
-            .as_ref()
-            .filter(|own| own.problem.effects.len() == 2);
-        wanted.extend(of_two.map(|own| (own, policy::PAIR / effects)));
-    }
-    if asked.selection.model.problem.effects.len() > 1 {
-        wanted.push((&asked.selection.model, policy::PAIR / effects));
-    }
-    let mut found: Vec<Hypothesis> = wanted
-        .par_iter()
-        .flat_map_iter(|(fitted, prior)| of_fitted(asked, normal, nameless, residuals, fitted, *prior))
-        .collect();
-    for candidate in singles.iter().filter(|candidate| !fitted(candidate)) {
-        let size = candidate.forecast.max(0.0).sqrt().max(SIZES.0);
-        let peak = 0.5 * candidate.forecast + 0.5 * std::f64::consts::TAU.ln();
-        let prior = -(2.0 * size * (SIZES.1 / SIZES.0).ln()).ln();
-        let mut own = weight(HypothesisKind::Effect, policy::EFFECT, peak + prior);
-        own.effects = vec![candidate.effect.to_owned()];
-        found.push(own);
-    }
-    found
-}
-
-fn of_fitted(
-    asked: &Asked,
-    normal: &Symmetric,
-    nameless: &Nameless,
-    residuals: &[f64],
-    fitted: &Fitted,
-    prior: f64,
-) -> [Hypothesis; 2] {
-    let (_, tangent) = fitted.tangent();
-    let left = fitted.residuals();
-    let trace: Vec<f64> = residuals
-        .iter()
-        .zip(&left)
-        .map(|(before, after)| before - after)
-        .collect();
-    let exact = log_evidence(asked.base, normal, fitted);
-    let errors = form_error(asked.group, &tangent, &trace, &left);
-    let mut own = weight(HypothesisKind::Effect, prior, exact + errors.gain);
-    own.form_error = Some(errors.of_largest);
-    own.effects = fitted
+fn ids(fitted: &Fitted) -> Vec<&'static str> {
+    let mut ids: Vec<&'static str> = fitted
         .problem
         .effects
+        .iter()
+        .map(|free_effect| free_effect.effect.about().id)
+        .collect();
+    ids.sort_unstable();
+    ids
+}
+
+/// Every extended model that was fitted with its prior weight, each set of effects once: where it explains most.
+fn explanations<'s, 'g>(selection: &'s Selection<'g>) -> Vec<(&'s Fitted<'g>, f64)> {
+    let singles = selection
+        .steps
+        .first()
+        .map_or(1, |step| step.candidates.len().max(1));
+    let candidates = selection.steps.iter().flat_map(|step| &step.candidates);
+    let fitted = candidates.filter_map(|candidate| candidate.fitted.as_ref());
+    let mut found: Vec<(Vec<&'static str>, &Fitted)> = Vec::new();
+    for own in fitted.chain([&selection.model]) {
+        let ids = ids(own);
+        match found.iter_mut().find(|(known, _)| *known == ids) {
+            Some((_, known)) if known.square > own.square => *known = own,
+            Some(_) => {}
+            None if ids.is_empty() => {}
+            None => found.push((ids, own)),
+        }
+    }
+    let further = policy::PAIR / singles as f64;
+    let prior = |ids: &[&str]| policy::EFFECT * further.powi(ids.len() as i32 - 1);
+    found.into_iter().map(|(ids, own)| (own, prior(&ids))).collect()
+}
+
+/// An extended model alone, and with something unnamed beside it.
+fn weights_of<'s, 'g>(
+    base: &Fitted,
+    nameless: &Nameless,
+    fitted: &'s Fitted<'g>,
+    prior: f64,
+) -> [Weight<'s, 'g>; 2] {
+    let (_, tangent) = fitted.tangent();
+    let (fall, rest) = log_evidence(base, fitted);
+    let mut alone = weight(HypothesisKind::Effect, prior, fall);
+    alone.rest += rest;
+    alone.fitted = Some(fitted);
+    alone.free = fitted.extra();
+    let effects = &fitted.problem.effects;
+    alone.hypothesis.effects = effects
         .iter()
         .map(|free_effect| free_effect.effect.about().id.to_owned())
         .collect();
-    own.form = fitted
-        .problem
-        .effects
+    alone.hypothesis.form = effects
         .first()
-        .and_then(|free_effect| free_effect.effect.about().variants.get(free_effect.variant))
+        .and_then(|first| first.effect.about().variants.get(first.variant))
         .map(|form| (*form).to_owned());
-    let beside = nameless.unnamed(&tangent, &left);
-    let with_unnamed = Hypothesis {
-        with_unnamed: true,
-        form_error: None,
-        mass: prior.ln() + policy::EFFECT_AND_UNNAMED.ln() + exact + beside,
-        ..own.clone()
+    let mut beside = Weight {
+        hypothesis: alone.hypothesis.clone(),
+        fall: fall + nameless.unnamed(&tangent, &fitted.residuals()),
+        rest: alone.rest + policy::EFFECT_AND_UNNAMED.ln(),
+        free: alone.free,
+        fitted: Some(fitted),
     };
-    [own, with_unnamed]
+    beside.hypothesis.with_unnamed = true;
+    [alone, beside]
 }
 
-/// Parameters that differ between the runs.
-struct Varying {
-    covariates: Vec<Covariate>,
-    /// The leading ones, in falling order.
-    subsets: Vec<Subset>,
-    /// The leading one, fitted in full.
-    shared: Shared,
-}
-
-impl Varying {
-    fn of(asked: &Asked, normal: &Symmetric) -> Option<Varying> {
-        if asked.group.runs.len() < 2 {
-            return None;
-        }
-        let own = OwnFits::of(asked.group, asked.base, asked.model)?;
-        let covariates = covariates(asked.group);
-        let width = known_before(normal, normal.order()).log_determinant();
-        let log_base = -0.5 * asked.base.square - 0.5 * width;
-        let forms = own.forms();
-        let mut subsets = subsets(&forms, &covariates, log_base);
-        subsets.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
-        // What is left in full is more than the closed form has it: where parameters are far apart it is a parabola.
-        let mut known: Vec<(Vec<usize>, Shared)> = Vec::new();
-        for _ in 0..FITTED {
-            let first = subsets.first()?.of.clone();
-            if known.iter().any(|(of, _)| *of == first) {
-                break;
-            }
-            let fitted = shared::fit(asked.base, &first, &own.at);
-            let beyond = 0.5 * (fitted.square - least(&forms, &first)).max(0.0);
-            for subset in subsets.iter_mut().filter(|subset| subset.of == first) {
-                subset.log_weight -= beyond;
-            }
-            known.push((first, fitted));
-            subsets.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
-        }
-        let first = subsets.first()?.of.clone();
-        let place = known.iter().position(|(of, _)| *of == first);
-        let shared = match place {
-            Some(place) => known.swap_remove(place).1,
-            None => shared::fit(asked.base, &first, &own.at),
-        };
-        Some(Varying {
-            covariates,
-            subsets,
-            shared,
+/// Effects that were not fitted, by what they promise.
+fn promised<'s, 'g>(selection: &'s Selection<'g>) -> Vec<Weight<'s, 'g>> {
+    let candidates = selection.steps.first().map_or(&[][..], |step| &step.candidates);
+    let waiting = candidates.iter().filter(|candidate| candidate.fitted.is_none());
+    waiting
+        .map(|candidate| {
+            let fall = 0.5 * candidate.forecast.max(0.0);
+            let size = (2.0 * fall).sqrt().max(SIZES.0);
+            let mut own = weight(HypothesisKind::Effect, policy::EFFECT, fall);
+            own.rest += 0.5 * std::f64::consts::TAU.ln() - (2.0 * size * (SIZES.1 / SIZES.0).ln()).ln();
+            own.hypothesis.effects = vec![candidate.effect.to_owned()];
+            own.free = candidate.extra;
+            own
         })
-    }
-
-    fn hypothesis(&self, asked: &Asked, subset: &Subset) -> Hypothesis {
-        let mut own = weight(HypothesisKind::Varies, 1.0, subset.log_weight);
-        own.parameters_that_differ = subset.of.iter().map(|&k| asked.base.base_key(k)).collect();
-        own.with = Some(match subset.with {
-            Some(place) => self.covariates[place].name.clone(),
-            None => "run".to_owned(),
-        });
-        own
-    }
-
-    /// The parameters of the leading subset, run by run.
-    fn told(&self, asked: &Asked) -> Vec<VaryingParameter> {
-        let Some(first) = self.subsets.first() else {
-            return Vec::new();
-        };
-        let of_parameter = |&k: &usize| {
-            let of_run = |(run, name): (usize, &str)| {
-                let (value, standard_error) =
-                    asked
-                        .base
-                        .base_value(k, self.shared.at[run][k], self.shared.standard_errors[run][k])?;
-                Some(VaryingValue {
-                    run: name.to_owned(),
-                    step_v: asked.group.runs[run].drive().nominal_step_v(),
-                    value,
-                    standard_error,
-                })
-            };
-            let names = asked.group.runs.iter().map(|run| run.given.name);
-            VaryingParameter {
-                key: asked.base.base_key(k),
-                values: names.enumerate().filter_map(of_run).collect(),
-            }
-        };
-        first.of.iter().map(of_parameter).collect()
-    }
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn effect(id: &str, fall: f64, with_unnamed: bool) -> Weight<'static, 'static> {
+        let mut own = weight(HypothesisKind::Effect, 1.0, fall);
+        own.hypothesis.effects = vec![id.to_owned()];
+        own.hypothesis.with_unnamed = with_unnamed;
+        own
+    }
+
+    fn weighed(weights: Vec<Weight<'static, 'static>>) -> Weighed<'static, 'static> {
+        Weighed {
+            weights,
+            varying: None,
+        }
+    }
+
     #[test]
     fn a_hypothesis_that_cannot_be_weighed_takes_nothing_from_the_others() {
-        let mut found = vec![
-            weight(HypothesisKind::Effect, 1.0, f64::NAN),
+        let all = weighed(vec![
+            effect("warburg", f64::NAN, false),
             weight(HypothesisKind::Base, 1.0, 0.0),
             weight(HypothesisKind::Unnamed, 3.0, 0.0),
-        ];
-        normalise(&mut found);
+        ]);
+        let found = all.posterior(Standing::ALL);
         let masses: Vec<f64> = found.iter().map(|own| own.mass).collect();
         assert!((masses[0] - 0.75).abs() < 1e-12 && (masses[1] - 0.25).abs() < 1e-12);
-        assert_eq!((masses[2], found[2].kind), (0.0, HypothesisKind::Effect));
+        assert_eq!(found.len(), 2);
+    }
+
+    /// A rival that explains 95 % of what the best does keeps what is not sure, however strong both are.
+    #[test]
+    fn rivals_within_the_error_of_an_equation_share_what_is_left() {
+        for best in [500.0, 5e5] {
+            let all = weighed(vec![
+                effect("warburg", best, false),
+                effect("dispersion", 0.95 * best, false),
+                weight(HypothesisKind::Unnamed, 1.0, 0.9 * best),
+            ]);
+            let found = all.posterior(Standing::ALL);
+            assert!((found[0].mass - 0.95).abs() < 1e-9 && (found[1].mass - 0.05).abs() < 1e-9);
+            assert!(found[2].mass < 1e-9);
+        }
+    }
+
+    /// What leaves a misfit stands only with something else beside it, and its likes with it.
+    #[test]
+    fn what_is_refuted_leaves_room_for_something_else() {
+        let all = weighed(vec![
+            effect("warburg", 500.0, false),
+            effect("dispersion", 499.0, false),
+            effect("warburg", 520.0, true),
+            weight(HypothesisKind::Varies, 1.0, 600.0),
+        ]);
+        let standing = Standing {
+            refuted_below: 500.0,
+            may_vary: false,
+        };
+        let found = all.posterior(standing);
+        assert_eq!(found.len(), 1);
+        assert!(found[0].with_unnamed && (found[0].mass - 1.0).abs() < 1e-12);
+        assert!(all.lead(standing).is_none());
     }
 }

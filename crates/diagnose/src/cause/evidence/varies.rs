@@ -4,11 +4,20 @@
 //! parameters is shared and what differs is then asked in closed form: a parameter that differs freely scatters about a
 //! mean with a spread of its own, one that follows the voltage or a tag lies on a line.
 
+use ieap_domain::{Hypothesis, HypothesisKind, VaryingParameter, VaryingValue};
+use ieap_model::FitModel;
 use ieap_numerics::random_effects::{Form, Shared};
 use ieap_numerics::symmetric::Symmetric;
 
+use super::laplace::known_before;
+use super::own::OwnFits;
 use super::policy::{KNOWN_BEFORE, SPREADS, VARIES, grid, log_mean};
+use super::shared;
+use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
+
+/// Subsets of parameters that are fitted in full: the leading ones.
+const FITTED: usize = 3;
 
 /// Parameters of which all subsets are asked; of more only singles, pairs and all.
 const ALL_SUBSETS: usize = 11;
@@ -33,6 +42,106 @@ pub(super) struct Subset {
     pub(super) with: Option<usize>,
     /// Logarithm of prior weight times evidence over the base's evidence.
     pub(super) log_weight: f64,
+}
+
+/// Parameters that differ between the runs of a group.
+pub(crate) struct Varying {
+    covariates: Vec<Covariate>,
+    /// In falling order.
+    subsets: Vec<Subset>,
+    /// The leading one, fitted in full.
+    shared: shared::Shared,
+}
+
+impl Varying {
+    /// None of a single run, or where a run cannot be fitted by itself.
+    pub(super) fn of(
+        group: &RunGroup,
+        base: &Fitted,
+        model: &'static FitModel,
+        normal: &Symmetric,
+    ) -> Option<Varying> {
+        if group.runs.len() < 2 {
+            return None;
+        }
+        let own = OwnFits::of(group, base, model)?;
+        let covariates = covariates(group);
+        let width = known_before(normal, normal.order()).log_determinant();
+        let log_base = -0.5 * base.square - 0.5 * width;
+        let forms = own.forms();
+        let mut subsets = subsets(&forms, &covariates, log_base);
+        subsets.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
+        // What is left in full is more than the closed form has it: where parameters are far apart it is a parabola.
+        let mut known: Vec<(Vec<usize>, shared::Shared)> = Vec::new();
+        for _ in 0..FITTED {
+            let first = subsets.first()?.of.clone();
+            if known.iter().any(|(of, _)| *of == first) {
+                break;
+            }
+            let fitted = shared::fit(base, &first, &own.at);
+            let beyond = 0.5 * (fitted.square - least(&forms, &first)).max(0.0);
+            for subset in subsets.iter_mut().filter(|subset| subset.of == first) {
+                subset.log_weight -= beyond;
+            }
+            known.push((first, fitted));
+            subsets.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
+        }
+        let first = subsets.first()?.of.clone();
+        let place = known.iter().position(|(of, _)| *of == first);
+        let shared = match place {
+            Some(place) => known.swap_remove(place).1,
+            None => shared::fit(base, &first, &own.at),
+        };
+        Some(Varying {
+            covariates,
+            subsets,
+            shared,
+        })
+    }
+
+    /// Every subset as a hypothesis, with the logarithm of its weight.
+    pub(super) fn weighed(&self, base: &Fitted) -> impl Iterator<Item = (Hypothesis, f64)> {
+        self.subsets.iter().map(|subset| {
+            let hypothesis = Hypothesis {
+                kind: HypothesisKind::Varies,
+                effects: Vec::new(),
+                form: None,
+                parameters_that_differ: subset.of.iter().map(|&k| base.base_key(k)).collect(),
+                with: Some(match subset.with {
+                    Some(place) => self.covariates[place].name.clone(),
+                    None => "run".to_owned(),
+                }),
+                with_unnamed: false,
+                mass: 0.0,
+            };
+            (hypothesis, subset.log_weight)
+        })
+    }
+
+    /// The parameters of the leading subset, run by run.
+    pub(crate) fn told(&self, group: &RunGroup, base: &Fitted) -> Vec<VaryingParameter> {
+        let Some(first) = self.subsets.first() else {
+            return Vec::new();
+        };
+        let of_parameter = |&k: &usize| {
+            let of_run = |(run, name): (usize, &str)| {
+                let (value, standard_error) =
+                    base.base_value(k, self.shared.at[run][k], self.shared.standard_errors[run][k])?;
+                Some(VaryingValue {
+                    run: name.to_owned(),
+                    step_v: group.runs[run].drive().nominal_step_v(),
+                    value,
+                    standard_error,
+                })
+            };
+            let names = group.runs.iter().map(|run| run.given.name);
+            VaryingParameter {
+                key: base.base_key(k),
+                values: names.enumerate().filter_map(of_run).collect(),
+            }
+        };
+        first.of.iter().map(of_parameter).collect()
+    }
 }
 
 /// What the runs of a group carry that differs between them: the voltage, and numbers that are tags.

@@ -2,6 +2,7 @@
 
 use super::FindingBuilder;
 use crate::cause::candidates::CandidateFit;
+use crate::cause::lead::Lead;
 use crate::cause::select::Selection;
 use crate::misfit::signature::{Direction, Signature};
 use ieap_domain::{Candidate, Confusable};
@@ -88,21 +89,21 @@ impl FindingBuilder<'_, '_> {
         }
     }
 
-    pub(crate) fn candidates(&self, selection: &Selection, passed: bool) -> Vec<Candidate> {
+    /// The leading candidates; those of `lead` are accepted where it is told.
+    pub(crate) fn candidates(
+        &self,
+        selection: &Selection,
+        lead: Option<&Lead>,
+        is_told: bool,
+    ) -> Vec<Candidate> {
         let Some(step) = selection.steps.first() else {
             return self.forecasts();
         };
         let first = step.candidates.first().map(|candidate| candidate.direction);
-        let taken: Vec<&str> = selection
-            .model
-            .problem
-            .effects
-            .iter()
-            .map(|free_effect| free_effect.effect.about().id)
-            .collect();
-        let held_out: Option<f64> = selection.held_out.as_ref().map(|h| h.falls().iter().sum());
+        let taken = lead.map_or_else(Vec::new, Lead::ids);
+        let held_out: Option<f64> = lead.map(|lead| lead.held_out.falls().iter().sum());
         let of = |candidate: &CandidateFit| {
-            let accepted = passed && taken.contains(&candidate.effect);
+            let accepted = is_told && taken.contains(&candidate.effect);
             Candidate {
                 fitted_gain: candidate.fitted.as_ref().map(|_| candidate.gain),
                 held_out_gain: held_out.filter(|_| taken == [candidate.effect]),

@@ -134,6 +134,9 @@ fn a_missing_header_or_body_is_named() {
         layout("1,2\n3,4\n"),
         Err(ReadError::NoHeader { line: 1, .. })
     ));
+    let spectrum = layout("# a comment\nfrequency_hz,impedance_magnitude_ohm\n1,2\n3,4\n").unwrap_err();
+    assert!(matches!(spectrum, ReadError::NoImpedance { line: 2, .. }));
+    assert!(spectrum.mend().contains("impedance_phase_degree"));
     assert!(matches!(
         layout("time_s,current_a\n# no more\n"),
         Err(ReadError::HeaderOnly { line: 1, .. })

@@ -78,7 +78,7 @@ pub fn draw(area: &Area, strip: &AlongStrip, curve: &AlongCurve) -> Result<(), S
     for ((ink, word), [measured, fitted]) in inks.iter().zip(&words).zip(&drawn) {
         let style = ink.color().filled();
         series(&mut chart, &format!("{word}, measured"), |chart| {
-            let dots = thin::dots(measured, pixels(chart));
+            let dots = thin::dots(measured);
             let circles = dots.into_iter().map(|point| Circle::new(point, 14, style));
             chart
                 .draw_series(circles)

@@ -1,0 +1,254 @@
+//! A train of cycles, cycle by cycle: amplitude, charge in and out, coulombic efficiency, energy, alpha and resistance
+//! against their number, and what of it has a trend.
+
+mod of_cycle;
+#[cfg(test)]
+mod tests;
+mod train;
+
+use ieap_domain::quantiles::NORMAL_95;
+use ieap_domain::{Channel, Drive, Estimate, Level, Quantity, RunRecord};
+use ieap_numerics::robust::{median, sd_on_a_slope};
+
+use crate::figure::Figure;
+use crate::laws::words::{moves, short};
+use crate::monitoring::series::{Limits, Reaches, Series};
+use of_cycle::{Numbers, Readings, of_held, of_wave};
+use train::{Train, train};
+
+/// Points of a trend at most: means of as many cycles each.
+const POINTS: usize = 150;
+/// Part of its beginning to which a number has fallen where a life test is over, as for batteries.
+const END_OF_LIFE: f64 = 0.8;
+
+/// Every number of a cycle.
+pub const CYCLE_FIGURES: [Figure; 7] = [
+    Figure::new(
+        "amplitude_per_cm",
+        "κ̂",
+        "half of the swing of the curvature, from the ends of the levels or of the wave",
+        "cm⁻¹",
+    ),
+    Figure::new("charge_in_c", "Q_in", "charge that flowed in", "C"),
+    Figure::new("charge_out_c", "Q_out", "charge that flowed out", "C"),
+    Figure::new(
+        "coulombic_efficiency_percent",
+        "Q_out/Q_in",
+        "coulombic efficiency",
+        "%",
+    ),
+    Figure::new(
+        "energy_mj",
+        "E",
+        "electrical energy that stayed, heat and work together",
+        "mJ",
+    ),
+    Figure::new(
+        "alpha_per_c_cm",
+        "Δκ/ΔQ",
+        "curvature per charge that flows",
+        "C⁻¹ cm⁻¹",
+    ),
+    Figure::new(
+        "resistance_ohm",
+        "R",
+        "voltage over current at the edges, or of the wave",
+        "Ω",
+    ),
+];
+
+/// One cycle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cycle {
+    /// Its number in the run, from 1.
+    pub number: usize,
+    /// When it begins, s.
+    pub start_s: f64,
+    /// Its numbers, in the order of [`CYCLE_FIGURES`].
+    pub values: Numbers,
+}
+
+/// The cycles of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CycleRun {
+    /// Row id of the run.
+    pub run_id: i64,
+    /// Its path.
+    pub path: String,
+    /// Lowest and highest voltage, V.
+    pub voltage_v: (f64, f64),
+    /// Cycles in their order.
+    pub cycles: Vec<Cycle>,
+    /// What of them has a trend, a sentence each.
+    pub sentences: Vec<String>,
+}
+
+/// The cycles of a run; none where its drive is no train of three cycles or more.
+///
+/// `channels` are those of the strip as a whole, with a curvature where one follows from what was measured.
+pub fn cycle_run(run: &RunRecord, channels: &[Channel]) -> Option<CycleRun> {
+    let drive = run.drive.as_ref()?;
+    let read = |quantity| {
+        let channel = channels.iter().find(|channel| channel.is_whole(quantity))?;
+        Some(channel.included())
+    };
+    let (current, curvature) = (read(Quantity::Current), read(Quantity::Curvature));
+    let last = [&current, &curvature].into_iter().flatten();
+    let last_s = last
+        .filter_map(|(time_s, _)| time_s.last())
+        .copied()
+        .reduce(f64::max)?;
+    let current = current.as_ref().map(|(t, y)| Readings::of(t, y));
+    let curvature = curvature.as_ref().map(|(t, y)| Readings::of(t, y));
+    let volts = volts_of(drive);
+    let found: Vec<(f64, Numbers)> = match train(drive, last_s)? {
+        Train::Held(cycles) => {
+            let of = |levels: &Vec<train::Held>| {
+                let numbers = of_held(levels, current.as_ref(), curvature.as_ref());
+                (levels[0].from_s, numbers)
+            };
+            cycles.iter().map(of).collect()
+        }
+        Train::Wave(starts) => {
+            let volts = Readings::of(&volts.0, &volts.1);
+            let of = |pair: &[f64]| {
+                let numbers = of_wave(pair[0], pair[1], &volts, current.as_ref(), curvature.as_ref());
+                (pair[0], numbers)
+            };
+            starts.windows(2).map(of).collect()
+        }
+    };
+    let mut cycles: Vec<Cycle> = found
+        .into_iter()
+        .enumerate()
+        .map(|(k, (start_s, values))| Cycle {
+            number: k + 1,
+            start_s,
+            values,
+        })
+        .collect();
+    (0..CYCLE_FIGURES.len()).for_each(|k| allow_for_scatter(&mut cycles, k));
+    Some(CycleRun {
+        run_id: run.id,
+        path: run.path.clone(),
+        voltage_v: ieap_domain::range_of(volts.1.iter().copied()),
+        sentences: sentences(&cycles),
+        cycles,
+    })
+}
+
+/// Times in the middle of the drive's segments and their voltages.
+fn volts_of(drive: &Drive) -> (Vec<f64>, Vec<f64>) {
+    let ends = drive.segments.iter().skip(1).map(|next| next.start_s);
+    let last = drive.segments.last().map(|segment| segment.start_s);
+    let of = |(segment, end): (&ieap_domain::Segment, f64)| match segment.level {
+        Level::Voltage(volts) => Some((0.5 * (segment.start_s + end), volts)),
+        Level::OpenCircuit => None,
+    };
+    drive.segments.iter().zip(ends.chain(last)).filter_map(of).unzip()
+}
+
+/// Widens the errors of a number to what neighbouring cycles differ by beyond a steady course, where that is more: noise
+/// that goes on from reading to reading, and a clock beside the cycles.
+fn allow_for_scatter(cycles: &mut [Cycle], k: usize) {
+    let values: Option<Vec<f64>> = cycles.iter().map(|cycle| cycle.values[k].value).collect();
+    let errors: Vec<f64> = cycles
+        .iter()
+        .filter_map(|cycle| cycle.values[k].standard_error)
+        .collect();
+    let (Some(values), Some(usual)) = (values, median(&errors)) else {
+        return;
+    };
+    let seen = sd_on_a_slope(&values);
+    if seen <= usual || usual <= 0.0 {
+        return;
+    }
+    for cycle in cycles {
+        let own = &mut cycle.values[k];
+        if let (Some(value), Some(error)) = (own.value, own.standard_error) {
+            let error = error * seen / usual;
+            *own = Estimate::determined(value, error, value - NORMAL_95 * error, value + NORMAL_95 * error);
+        }
+    }
+}
+
+/// What the numbers do over the cycles.
+fn sentences(cycles: &[Cycle]) -> Vec<String> {
+    let limits = Limits::for_false_alarms(1e4);
+    CYCLE_FIGURES
+        .iter()
+        .enumerate()
+        .filter_map(|(k, figure)| sentence(cycles, k, figure, limits))
+        .collect()
+}
+
+fn sentence(cycles: &[Cycle], k: usize, figure: &Figure, limits: Limits) -> Option<String> {
+    let series = series(cycles, k)?;
+    let study = series.study(limits, 1);
+    let law = study.trends.first().filter(|_| study.is_shown())?;
+    let mut text = format!(
+        "{} ({}) {} over {} cycles, {} (p = {}).",
+        figure.symbol,
+        figure.name,
+        moves(law.size, series.is_log),
+        cycles.len(),
+        law.law.key(),
+        short(study.p_trend?),
+    );
+    // Of a resistance or an energy that grows no such end is agreed on.
+    if law.size.value < 0.0 && series.is_log {
+        let limit = study.start + END_OF_LIFE.ln();
+        let percent = 100.0 * END_OF_LIFE;
+        text += &match series.reaches(&study, limit, true) {
+            Reaches::Beyond => format!(" It has fallen below {percent} % of its beginning."),
+            Reaches::At(at) => {
+                let end = |end: Option<f64>| end.map_or("open".to_owned(), |cycle| format!("{cycle:.0}"));
+                format!(
+                    " It reaches {percent} % of its beginning at cycle {:.0} [{} to {}].",
+                    at.value,
+                    end(at.low_95),
+                    end(at.high_95)
+                )
+            }
+            Reaches::Unknown(why) => {
+                format!(" When it reaches {percent} % of its beginning cannot be told: {why}.")
+            }
+        };
+    }
+    Some(text)
+}
+
+/// A number over the cycles, of many cycles the means of neighbours.
+fn series(cycles: &[Cycle], k: usize) -> Option<Series> {
+    let known: Vec<(f64, f64, f64)> = cycles
+        .iter()
+        // The first one begins at rest.
+        .skip(1)
+        .filter_map(|cycle| {
+            let own = &cycle.values[k];
+            Some((cycle.number as f64, own.value?, own.standard_error?))
+        })
+        .collect();
+    let is_log = known.iter().all(|(_, value, _)| *value > 0.0);
+    let together = known.len().div_ceil(POINTS).max(1);
+    let mut series = Series {
+        x: Vec::new(),
+        y: Vec::new(),
+        variance: Vec::new(),
+        is_log,
+        breaks: Vec::new(),
+    };
+    for some in known.chunks_exact(together) {
+        let count = some.len() as f64;
+        let mean = |of: &dyn Fn(&(f64, f64, f64)) -> f64| some.iter().map(of).sum::<f64>() / count;
+        let (value, variance) = (mean(&|one| one.1), mean(&|one| one.2 * one.2) / count);
+        series.x.push(mean(&|one| one.0));
+        series.y.push(if is_log { value.ln() } else { value });
+        series.variance.push(if is_log {
+            variance / (value * value)
+        } else {
+            variance
+        });
+    }
+    (series.x.len() >= 5).then_some(series)
+}

@@ -1,0 +1,198 @@
+//! What the overview says first, in at most three sentences: what the campaign shows, what the model lacks, what to do next.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+
+use super::comparison::contrast_sentences;
+use super::finding_words::{Outcome, campaign_lead, outcome_of};
+use super::humidity::strongest_first;
+use super::law_cards::{LawCard, SampleKey, law_cards, one_of, sample_keys};
+use super::wording::{counted, group_title, listed};
+use super::{across, forecasts};
+use crate::aside::Shown;
+use crate::error::ReportError;
+use crate::number::significant;
+use crate::site::Site;
+use ieap_analysis::laws::Dependence;
+use ieap_analysis::laws::words;
+use ieap_domain::GroupDiagnosis;
+
+/// Ratio from which a difference between conditions is what a campaign shows.
+const NOTABLE_RATIO: f64 = 1.5;
+/// Groups that a sentence names; more are counted.
+const NAMED: usize = 3;
+
+/// The first sentences with the figure of the first.
+#[derive(Debug, Default, Serialize)]
+pub struct Answers {
+    said: Vec<Said>,
+    /// The law that the first sentence states; none where it states none.
+    law: Option<LawCard>,
+    /// Markers of its samples.
+    samples: Vec<SampleKey>,
+}
+
+/// A sentence with the page that tells more.
+#[derive(Debug, Serialize)]
+struct Said {
+    text: String,
+    href: String,
+    more: &'static str,
+}
+
+impl Said {
+    fn new(text: String, href: &str, more: &'static str) -> Said {
+        let href = href.to_owned();
+        Said { text, href, more }
+    }
+}
+
+/// The sentences of a campaign; the figure goes to `figures`.
+///
+/// # Errors
+/// [`ReportError::Figure`]: a fault of the program.
+pub fn answers(site: &Site, figures: &mut BTreeMap<String, String>) -> Result<Answers, ReportError> {
+    let claimed = strongest_first(site);
+    // What surrounds and drives the strip is a cause; how long it was used may be one; the order of measuring is none.
+    let law = claimed.first().filter(|found| found.covariate.remoteness() == 0);
+    let said = [shows(site, &claimed), lacks(site), next(site)];
+    let mut answers = Answers {
+        said: said.into_iter().flatten().collect(),
+        ..Answers::default()
+    };
+    if let Some(found) = law.filter(|found| !found.points.is_empty()) {
+        let cards = law_cards(site, std::iter::once(*found), &mut Shown::default(), figures)?;
+        answers.law = cards.into_iter().next();
+        if found.samples.len() > 1 {
+            answers.samples = sample_keys(&found.samples);
+        }
+    }
+    Ok(answers)
+}
+
+/// The strongest law of what surrounds or drives the strip; else the largest difference between conditions; else what
+/// follows use; else when a limit is reached.
+fn shows(site: &Site, claimed: &[&Dependence]) -> Option<Said> {
+    let first = claimed.first();
+    if let Some(found) = first.filter(|found| found.covariate.remoteness() == 0) {
+        return Some(Said::new(law_words(found), "humidity.html", "all laws"));
+    }
+    if let Some(text) = contrast_sentences(site, NOTABLE_RATIO).into_iter().next() {
+        return Some(Said::new(text, "comparison.html", "all parameters"));
+    }
+    if let Some(found) = first {
+        return Some(Said::new(law_words(found), "humidity.html", "all laws"));
+    }
+    let told = forecasts::forecasts(site).into_iter().find(|one| one.is_told)?;
+    Some(Said::new(told.sentence(), "monitoring.html", "monitoring"))
+}
+
+/// `λ of NC rises by a factor of 23 [20, 27] from 0 to 75 % RH (2 samples).`
+fn law_words(found: &Dependence) -> String {
+    let or = match found.confounded_with.is_empty() {
+        true => String::new(),
+        false => format!(
+            ", or with {}, which changed with it",
+            one_of(&found.confounded_with)
+        ),
+    };
+    format!(
+        "{} of {} {}{or} ({}).",
+        words::symbol(&found.parameter),
+        found.material,
+        words::brief(found),
+        counted(found.samples.len(), "sample")
+    )
+}
+
+/// What the model lacks: the counts, the causes with their groups, and what the best of them gains.
+fn lacks(site: &Site) -> Option<Said> {
+    let groups = &site.input.findings.groups;
+    if groups.is_empty() {
+        return None;
+    }
+    let mut text = campaign_lead(groups);
+    let mut causes: BTreeMap<String, Vec<&GroupDiagnosis>> = BTreeMap::new();
+    for found in groups
+        .iter()
+        .filter(|found| outcome_of(found) == Outcome::WrongWithCause)
+    {
+        causes.entry(cause_words(found)).or_default().push(found);
+    }
+    for (cause, of) in causes {
+        let gain = of.iter().find_map(|found| gain_words(found)).unwrap_or_default();
+        text += &format!(" {}: {cause}{gain}.", capitalised(&groups_words(&of)));
+    }
+    Some(Said::new(text, "findings.html", "all findings"))
+}
+
+/// The cause at the depth that the readings tell, with the effect's name where they tell it.
+fn cause_words(found: &GroupDiagnosis) -> String {
+    let names: BTreeSet<&str> = found.effects.iter().map(|own| own.effect.as_str()).collect();
+    let names = listed(&names.into_iter().map(str::to_owned).collect::<Vec<_>>());
+    let first_clause = |words: &str| words.split(';').next().unwrap_or(words).trim().to_owned();
+    match &found.node {
+        Some(node) if node.depth >= 3 && !names.is_empty() => {
+            format!("{} ({names})", first_clause(&node.words))
+        }
+        Some(node) => first_clause(&node.words),
+        None => names,
+    }
+}
+
+fn groups_words(groups: &[&GroupDiagnosis]) -> String {
+    let names: Vec<String> = groups.iter().map(|found| group_title(&found.group)).collect();
+    match names.len() > NAMED {
+        true => format!("in {} groups", names.len()),
+        false => listed(&names),
+    }
+}
+
+fn capitalised(text: &str) -> String {
+    match text.strip_prefix("in ") {
+        Some(rest) => format!("In {rest}"),
+        None => text.to_owned(),
+    }
+}
+
+/// What the extended model gains on what was left out of the fit; none where no gain is proved.
+fn gain_words(found: &GroupDiagnosis) -> Option<String> {
+    let gain = found.gain.as_ref().filter(|_| found.gains_clearly())?;
+    let (channel, before, after) = gain.proof.best_channel()?;
+    let percent = |part: f64| significant(100.0 * part, 2);
+    Some(format!(
+        "; with it the error of a {channel} that was left out falls from {} to {} % of its range",
+        percent(before),
+        percent(after)
+    ))
+}
+
+/// The first run to make, and how much of the conditions is measured.
+fn next(site: &Site) -> Option<Said> {
+    let conditions = &site.conditions;
+    let measured = conditions.measured.len();
+    let possible = conditions.materials.len() * conditions.surroundings.len() * conditions.voltages_v.len();
+    let coverage = match measured {
+        0 => String::new(),
+        all if all == possible => {
+            "Every combination of material, environment and voltage is measured.".to_owned()
+        }
+        some => {
+            format!("{some} of {possible} combinations of material, environment and voltage are measured.")
+        }
+    };
+    match site.input.next_runs.first() {
+        Some(planned) => {
+            let text = format!(
+                "Next: {}, {} (the first of {}). {coverage}",
+                across::place_words(planned),
+                planned.run.drive,
+                counted(site.input.next_runs.len(), "planned run")
+            );
+            Some(Said::new(text, "humidity.html#next", "the plan and its reasons"))
+        }
+        None if coverage.is_empty() => None,
+        None => Some(Said::new(coverage, "coverage.html", "the map")),
+    }
+}

@@ -1,0 +1,149 @@
+//! Tables and what is stated of them as plain values, for `pickle` and `copy`.
+
+use std::sync::Arc;
+
+use ieap::domain::{Channel, Drive, Quantity};
+use ieap::pipeline::apart::at_hand::{self, ReadTable};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde_json::{Value, json};
+
+use crate::error::fault;
+use crate::stated::Stated;
+use crate::table::Table;
+
+/// Version of what is written: another is refused.
+const VERSION: u64 = 1;
+
+/// A table: everything but the readings as JSON, and the readings channel by channel, times before values.
+pub fn of_table<'py>(py: Python<'py>, table: &Table) -> PyResult<(String, Vec<Bound<'py, PyBytes>>)> {
+    let read = &table.read;
+    let mut numbers: Vec<Bound<'py, PyBytes>> = Vec::new();
+    let channel = |channel: &Channel| {
+        json!({
+            "quantity": channel.quantity.key(), "raw_name": channel.raw_name, "raw_unit": channel.raw_unit,
+            "position_mm": channel.position_mm, "excluded": channel.excluded.to_vec(),
+        })
+    };
+    for channel in &read.channels {
+        numbers.push(PyBytes::new(py, bytemuck::cast_slice(&channel.time_s)));
+        numbers.push(PyBytes::new(py, bytemuck::cast_slice(&channel.values)));
+    }
+    let document = json!({
+        "version": VERSION, "source": table.source, "name": read.name, "rows": read.rows, "format": read.format,
+        "reader_version": read.reader_version, "technique": read.technique,
+        "is_step_response": read.is_step_response, "time_zero_is_step": read.time_zero_is_step, "status": read.status,
+        "started_at": read.started_at, "header_tags": read.header_tags, "flags": read.flags,
+        "original_metadata": read.original_metadata, "issues": read.issues,
+        "channels": read.channels.iter().map(channel).collect::<Vec<_>>(),
+        "stated": table.stated.as_deref().map(of_stated),
+    });
+    Ok((document.to_string(), numbers))
+}
+
+/// What is stated, as JSON.
+pub fn of_stated(stated: &at_hand::Stated) -> Value {
+    let strip = stated.strip;
+    json!({
+        "strip": [strip.area_cm2, strip.length_mm, strip.width_mm, strip.electrode_resistance_ohm_per_sq],
+        "drive": stated.drive, "tags": stated.tags,
+    })
+}
+
+/// A table out of what [`of_table`] gave.
+#[pyfunction]
+pub fn table_again(py: Python<'_>, document: &str, numbers: Vec<Bound<'_, PyBytes>>) -> PyResult<Table> {
+    table(document, &numbers).ok_or_else(|| {
+        fault(
+            py,
+            "a pickled table",
+            "it was written by another version, or is damaged",
+        )
+    })
+}
+
+/// What is stated, out of its JSON.
+#[pyfunction]
+pub fn stated_again(py: Python<'_>, document: &str) -> PyResult<Stated> {
+    let inner = serde_json::from_str(document)
+        .ok()
+        .and_then(|value| stated(&value));
+    match inner {
+        Some(inner) => Ok(Stated { inner }),
+        None => Err(fault(
+            py,
+            "what was pickled",
+            "it was written by another version, or is damaged",
+        )),
+    }
+}
+
+fn table(document: &str, numbers: &[Bound<'_, PyBytes>]) -> Option<Table> {
+    let whole: Value = serde_json::from_str(document).ok()?;
+    if whole["version"].as_u64()? != VERSION {
+        return None;
+    }
+    let doubles = |bytes: &Bound<'_, PyBytes>| -> Arc<[f64]> {
+        let number = |eight: &[u8]| f64::from_ne_bytes(eight.try_into().unwrap_or_default());
+        bytes.as_bytes().chunks_exact(8).map(number).collect()
+    };
+    let mut pairs = numbers.chunks_exact(2);
+    let mut channels: Vec<Channel> = Vec::new();
+    for own in whole["channels"].as_array()? {
+        let [times, values] = pairs.next()? else {
+            return None;
+        };
+        let time_s = doubles(times);
+        // Channels of one clock share their times, as when they were read.
+        let shared = channels.iter().find(|other| other.time_s == time_s);
+        let time_s = shared.map_or(time_s, |other| other.time_s.clone());
+        channels.push(Channel {
+            quantity: Quantity::from_key(own["quantity"].as_str()?)?,
+            raw_name: own["raw_name"].as_str()?.to_owned(),
+            raw_unit: own["raw_unit"].as_str()?.to_owned(),
+            position_mm: own["position_mm"].as_f64(),
+            time_s,
+            values: doubles(values),
+            excluded: part::<Vec<u32>>(&own["excluded"])?.into(),
+        });
+    }
+    let read = ReadTable {
+        name: part(&whole["name"])?,
+        channels,
+        rows: part(&whole["rows"])?,
+        format: part(&whole["format"])?,
+        reader_version: part(&whole["reader_version"])?,
+        technique: part(&whole["technique"])?,
+        is_step_response: part(&whole["is_step_response"])?,
+        time_zero_is_step: part(&whole["time_zero_is_step"])?,
+        status: part(&whole["status"])?,
+        started_at: part(&whole["started_at"])?,
+        header_tags: part(&whole["header_tags"])?,
+        flags: part(&whole["flags"])?,
+        original_metadata: part(&whole["original_metadata"])?,
+        issues: part(&whole["issues"])?,
+    };
+    let mut table = Table::new(read, part(&whole["source"])?);
+    if !whole["stated"].is_null() {
+        table.stated = Some(Arc::new(stated(&whole["stated"])?));
+    }
+    Some(table)
+}
+
+fn stated(value: &Value) -> Option<at_hand::Stated> {
+    let [area_cm2, length_mm, width_mm, electrode_resistance_ohm_per_sq] = part(&value["strip"])?;
+    Some(at_hand::Stated {
+        strip: at_hand::Strip {
+            area_cm2,
+            length_mm,
+            width_mm,
+            electrode_resistance_ohm_per_sq,
+        },
+        drive: part::<Option<Drive>>(&value["drive"])?,
+        tags: part(&value["tags"])?,
+    })
+}
+
+fn part<T: serde::de::DeserializeOwned>(value: &Value) -> Option<T> {
+    serde_json::from_value(value.clone()).ok()
+}

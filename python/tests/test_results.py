@@ -1,0 +1,110 @@
+"""Results as people of lmfit and pandas use them."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import pytest
+from conftest import NOISE, PARAMETERS, STRIP, program
+
+import ieap
+
+
+@pytest.fixture(scope="module")
+def fit():
+    table = ieap.simulate(PARAMETERS, drive=[(0, 1.5), (900, 0.0)], **STRIP, every_s=0.5, noise=NOISE)
+    return ieap.fit(table, run="one <run>")
+
+
+def test_a_fit_is_gone_over_as_a_mapping(fit):
+    assert list(fit) == list(fit.parameters) and len(fit) == len(fit.parameters)
+    assert "r1_ohm_cm2" in fit and "r1" in fit and "lambda" in fit
+    assert fit["r1"] == fit["r1_ohm_cm2"]
+    assert "q" not in fit and "volts" not in fit and 3 not in fit
+    with pytest.raises(KeyError, match="alpha_per_c_cm"):
+        fit["volts"]
+    for kind in ("pandas", "polars"):
+        pytest.importorskip(kind)
+        frame = fit.to_dataframe(kind)
+        assert list(frame["parameter"]) == list(fit) and frame["value"][0] == fit["r1"].value
+    with pytest.raises(ieap.InputError, match="pandas or polars"):
+        fit.to_dataframe("excel")
+    assert "r1_ohm_cm2" in fit.summary()
+    assert "one &lt;run&gt;" in fit._repr_html_() and "<run>" not in fit._repr_html_()
+
+
+def test_curves_have_every_reading(fit):
+    rows = 3601
+    for curve, key in [(fit.current, "current_a"), (fit.curvature, "curvature_per_cm")]:
+        assert len(curve) == rows, "no reading is thinned away"
+        sigma = next(own["standard_deviation"] for own in fit.noise if own["quantity"] in key)
+        pairs = zip(curve.column(key), curve.column("fitted"), curve.column("residual_sigma"))
+        assert all(abs((own - fitted) / sigma - left) < 1e-9 for own, fitted, left in pairs)
+
+
+def test_a_fit_gives_its_model_at_other_times_and_drives(fit):
+    own = fit.eval()
+    fitted = fit.current.column("fitted")
+    largest = max(map(abs, fitted))
+    assert all(abs(one - other) < 2e-4 * largest for one, other in zip(own.column("current_a"), fitted))
+    other = fit.eval(time_s=[0.0, 10.0, 20.0], drive=[(0, -1.5)])
+    first = fit.eval(time_s=[0.0, 10.0, 20.0], drive=[(0, 1.5)])
+    assert other.column("current_a") == pytest.approx([-own for own in first.column("current_a")])
+
+
+def test_everything_is_pickled_and_copied(fit, campaign, findings):
+    table = ieap.simulate(PARAMETERS, drive=[(0, 1.5)], **STRIP, noise=NOISE)
+    for again in (pickle.loads(pickle.dumps(table)), copy.deepcopy(table)):
+        assert again.describe() == table.describe()
+        assert all(again.column(name) == table.column(name) for name in table.column_names)
+        assert ieap.fit(again).parameters == ieap.fit(table).parameters
+    for again in (pickle.loads(pickle.dumps(fit)), copy.deepcopy(fit)):
+        assert again.to_dict() == fit.to_dict() and again.drive == fit.drive
+        assert again.current.to_dict() == fit.current.to_dict()
+    opened = ieap.Campaign(campaign)
+    finding = ieap.Finding(findings["groups"][0])
+    assert pickle.loads(pickle.dumps(finding)).to_dict() == finding.to_dict()
+    assert repr(pickle.loads(pickle.dumps(opened))) == repr(opened)
+    pytest.importorskip("pyarrow")
+    runs = opened.runs()
+    assert pickle.loads(pickle.dumps(runs)).to_dict() == runs.to_dict()
+    assert pickle.loads(pickle.dumps(fit["r1"])) == fit["r1"]
+
+
+def test_findings_and_campaigns_show_themselves(campaign, findings):
+    finding = ieap.Finding(findings["groups"][0])
+    assert finding.verdict in finding._repr_html_() and finding.verdict in finding.summary()
+    assert set(finding.rows()) == {"cause", "form", "probability"}
+    opened = ieap.Campaign(campaign)
+    assert "runs/a.csv" in opened._repr_html_()
+    many = opened.readings_many()
+    assert list(many) == ["runs/a.csv", "runs/b.csv"]
+    one = opened.readings("runs/a.csv")
+    assert many["runs/a.csv"].column("current_a") == one.column("current_a")
+    stored = next(own for own in opened.fits_document()["fits"] if own["run"] == "runs/a.csv")
+    assert ieap.fit(one).to_dict()["parameters"] == stored["parameters"]
+    assert program("export", str(campaign), "--what", "laws", "-o", "-")
+
+
+def test_a_fit_is_drawn(fit, tmp_path):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    figure = fit.plot()
+    assert len(figure.axes) == 4
+    drawn = figure.axes[0].lines[0].get_xydata()
+    assert drawn[:, 1].tolist() == fit.current.column("current_a")
+    figure.savefig(tmp_path / "fit.png")
+
+
+def test_covariance_and_correlation(table):
+    fit = ieap.fit(table, **STRIP)
+    covariance, correlation = fit.covariance, fit.correlation
+    assert {"r1_ohm_cm2", "alpha_per_c_cm"} <= set(covariance) <= set(fit)
+    for key, row in covariance.items():
+        assert row[key] == pytest.approx(fit[key].standard_error ** 2)
+        assert correlation[key][key] == pytest.approx(1.0)
+        assert all(row[other] == pytest.approx(covariance[other][key]) and abs(correlation[key][other]) < 1.0 + 1e-12 for other in row)
+    # What grows the charge shrinks the bending per charge.
+    assert correlation["alpha_per_c_cm"]["lambda_per_s"] > 0.0
+    assert ieap.fit(table, **STRIP, model="distributed").covariance is None

@@ -1,0 +1,156 @@
+//! `ieap plan`.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args};
+
+use super::campaign::CampaignArg;
+use super::exit::{CliError, DONE};
+use super::global::Global;
+use super::output::Output;
+use super::typed;
+use crate::domain::Drive;
+use crate::domain::typed_value::Measured;
+use crate::pipeline::Context;
+use crate::pipeline::apart::forward::AskedStrip;
+use crate::pipeline::apart::forward::drive_file::read_drive;
+use crate::pipeline::apart::preflight::{DRAWS, Named, PlanDocument, Preflight, Subject, Trial, table};
+
+/// Say before a run is made which parameters it will determine and how well, and what to change
+///
+/// The run is simulated with its noise several times, and each is fitted as the run itself will be.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("subject").required(true).multiple(true).args(["sample", "run", "spec"])))]
+pub struct PlanArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+    /// Sample whose fits tell; of its runs the one nearest in voltage
+    #[arg(long, value_name = "SAMPLE", conflicts_with_all = ["run", "spec"], requires = "driven")]
+    sample: Option<String>,
+    /// Environment of the runs [default: the only one]
+    #[arg(long, value_name = "ENVIRONMENT", requires = "sample")]
+    environment: Option<String>,
+    /// Relative humidity of the runs, to 5 % [default: all]
+    #[arg(long, value_name = "PERCENT", value_parser = typed::humidity, requires = "sample")]
+    rh: Option<f64>,
+    /// An earlier run whose fit and noise tell; with --spec one of its runs [default: the first]
+    #[arg(long, value_name = "RUN")]
+    run: Option<String>,
+    /// Parameters and noise from a file as `ieap simulate` takes it, in place of a campaign
+    #[arg(long, value_name = "SPEC.toml", conflicts_with_all = ["campaign", "at", "length", "width"])]
+    spec: Option<PathBuf>,
+    /// Length of another strip of the laminate, as 12mm [default: the sample's]
+    #[arg(long, value_name = "LENGTH", value_parser = typed::length)]
+    length: Option<Measured>,
+    /// Its width
+    #[arg(long, value_name = "WIDTH", value_parser = typed::length)]
+    width: Option<Measured>,
+    /// Voltage of a step at time zero, as 1.2V [default: the drive of the earlier run]
+    #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage, allow_hyphen_values = true, group = "driven")]
+    voltage: Option<f64>,
+    /// A drive in place of a step: a table of time_s and voltage_v, each row held until the next
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "voltage", group = "driven")]
+    drive: Option<PathBuf>,
+    /// Time between readings, as 0.25s
+    #[arg(long, value_name = "TIME", value_parser = typed::time, allow_hyphen_values = true)]
+    every: f64,
+    /// Time between readings of the bending, as 1s [default: as --every]
+    #[arg(long, value_name = "TIME", value_parser = typed::time, allow_hyphen_values = true)]
+    bending_every: Option<f64>,
+    /// Length of the record, as 600s [default: that of the earlier run]
+    #[arg(long = "for", id = "duration", value_name = "TIME", value_parser = typed::time, allow_hyphen_values = true)]
+    duration: Option<f64>,
+    /// The instrument states when the drive begins [default: as of the earlier run; else known between two readings only]
+    #[arg(long)]
+    start_known: bool,
+    /// Noise of a reading of the current, standard deviation, A [default: that of the earlier run]
+    #[arg(long, value_name = "AMPERE", allow_hyphen_values = true)]
+    current_noise: Option<f64>,
+    /// Noise of a reading of the curvature, standard deviation, 1/cm [default: that of the earlier run]
+    #[arg(long, value_name = "PER_CM", allow_hyphen_values = true)]
+    curvature_noise: Option<f64>,
+    /// Largest voltage that may be proposed, as 2.5V [default: the largest that was measured]
+    #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage)]
+    max_voltage: Option<f64>,
+    /// Simulated runs for each way to make the run
+    #[arg(long, value_name = "N", default_value_t = DRAWS)]
+    draws: usize,
+}
+
+pub fn run(args: &PlanArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let drive = match (&args.drive, args.voltage) {
+        (Some(path), _) => Some(read_drive(path)?),
+        (None, volts) => volts.map(Drive::step),
+    };
+    let mut subject = subject(args, drive.as_ref())?;
+    if let Some(size) = args.current_noise {
+        subject.current_noise.standard_deviation = size;
+    }
+    if let (Some(size), Some(noise)) = (args.curvature_noise, &mut subject.curvature_noise) {
+        noise.standard_deviation = size;
+    }
+    let plan = Preflight {
+        trial: Trial {
+            drive: drive.unwrap_or_else(|| subject.drive.clone()),
+            every_s: args.every,
+            bending_every_s: args.bending_every.unwrap_or(args.every),
+            for_s: args.duration.unwrap_or(subject.for_s),
+            start_is_known: args.start_known || subject.start_is_known,
+        },
+        max_voltage_v: args.max_voltage.unwrap_or(subject.largest_v),
+        draws: args.draws,
+        seed: global.seed.unwrap_or_default(),
+        subject,
+    };
+    let document = plan.run(output)?;
+    print(&document, output);
+    output.document(&document)?;
+    Ok(DONE)
+}
+
+fn subject(args: &PlanArgs, drive: Option<&Drive>) -> Result<Subject, CliError> {
+    if let Some(spec) = &args.spec {
+        return Ok(Subject::of_spec(spec, args.run.as_deref())?);
+    }
+    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let size = AskedStrip {
+        length_mm: args.length,
+        width_mm: args.width,
+        ..AskedStrip::default()
+    };
+    let named = match &args.run {
+        Some(run) => Named::Run(run.clone()),
+        None => Named::Sample(AskedStrip {
+            sample: args.sample.clone().unwrap_or_default(),
+            environment: args.environment.clone(),
+            relative_humidity_percent: args.rh,
+            ..AskedStrip::default()
+        }),
+    };
+    Ok(Subject::of_campaign(
+        &context,
+        &named,
+        &size,
+        drive.map(Drive::nominal_step_v),
+    )?)
+}
+
+fn print(document: &PlanDocument, output: &Output) {
+    document
+        .answer
+        .iter()
+        .for_each(|sentence| output.result(sentence));
+    let rows = table(document);
+    let wide = rows
+        .iter()
+        .map(|row| row[0].chars().count())
+        .max()
+        .unwrap_or_default();
+    output.result("");
+    for row in &rows {
+        let cells: String = row[1..].iter().map(|cell| format!("{cell:>11}")).collect();
+        output.result(&format!("{:<wide$}{cells}", row[0]));
+    }
+    output.result("");
+    document.remarks.iter().for_each(|remark| output.result(remark));
+}
