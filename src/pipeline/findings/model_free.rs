@@ -41,7 +41,7 @@ pub fn without_model(context: &Context, runs: &[RunRecord]) -> Result<WithoutMod
         let sample = |run: &RunRecord| run.tag(keys::SAMPLE).and_then(|id| campaign.sample(id));
         let of = |(run, channels): &(&RunRecord, Vec<Channel>)| {
             let (sample, humidity) = (sample(run), run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT));
-            let modulus_mpa = sample_modulus(&logs, campaign, sample, humidity);
+            let (modulus_mpa, _) = sample_modulus(&logs, campaign, sample, humidity);
             let step = model_free(run, channels, sample, &modulus_mpa);
             (step, cycle_run(run, channels))
         };

@@ -49,25 +49,31 @@ pub fn modulus_points(logs: &[ModulusLog], is_of: impl Fn(&str) -> bool) -> Vec<
     points
 }
 
-/// |E*| of a sample at a humidity, MPa: from the sample's own logs, else from those of its material.
-pub fn sample_modulus(
-    logs: &[ModulusLog],
+/// |E*| of a sample at a humidity, MPa: from the sample's own logs, else from those of its material; and the paths of those.
+pub fn sample_modulus<'a>(
+    logs: &'a [ModulusLog],
     campaign: &Campaign,
     sample: Option<&Sample>,
     humidity_percent: Option<f64>,
-) -> Estimate {
+) -> (Estimate, Vec<&'a str>) {
     let Some(sample) = sample else {
-        return modulus_at(&[], humidity_percent);
+        return (modulus_at(&[], humidity_percent), Vec::new());
     };
-    let of_material = |id: &str| {
+    let is_own = |id: &str| id == sample.id;
+    let is_of_material = |id: &str| {
         let of = campaign.sample(id);
         of.is_some_and(|of| of.material == sample.material)
     };
-    let own = modulus_points(logs, |id| id == sample.id);
-    match own.is_empty() {
-        false => modulus_at(&own, humidity_percent),
-        true => modulus_at(&modulus_points(logs, of_material), humidity_percent),
-    }
+    let own = modulus_points(logs, is_own);
+    let (points, is_meant): (Vec<ModulusPoint>, &dyn Fn(&str) -> bool) = match own.is_empty() {
+        false => (own, &is_own),
+        true => (modulus_points(logs, is_of_material), &is_of_material),
+    };
+    let meant = logs
+        .iter()
+        .filter(|log| log.run.tag(keys::SAMPLE).is_some_and(is_meant));
+    let paths = meant.map(|log| log.run.path.as_str()).collect();
+    (modulus_at(&points, humidity_percent), paths)
 }
 
 /// |E*| at a humidity, MPa: between two levels its logarithm goes on a line.

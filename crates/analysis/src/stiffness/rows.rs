@@ -100,7 +100,7 @@ fn row(input: &TableInput, (at, condition): (usize, &Condition), id: &str) -> Sa
         .filter_map(|&run| input.runs[run].tag_number(keys::RELATIVE_HUMIDITY_PERCENT));
     let humidities: Vec<f64> = humidities.collect();
     let humidity = (!humidities.is_empty()).then(|| humidities.iter().sum::<f64>() / humidities.len() as f64);
-    let modulus_mpa = sample_modulus(input.modulus_logs, input.campaign, sample, humidity);
+    let (modulus_mpa, _) = sample_modulus(input.modulus_logs, input.campaign, sample, humidity);
     let stiffness_n_m2 = match sample.and_then(second_moment_m4) {
         // 1 MPa is 1e6 Pa.
         Some(moment_m4) => scaled(&modulus_mpa, 1e6 * moment_m4),
