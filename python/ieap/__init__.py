@@ -436,6 +436,8 @@ class Campaign:
         at_s: Sequence[float] = (),
         environment: str | None = None,
         relative_humidity_percent: float | None = None,
+        temperature_c: float | None = None,
+        age_h: float | None = None,
         length_mm: Measured | None = None,
         width_mm: Measured | None = None,
         thickness_mm: Measured | None = None,
@@ -446,6 +448,7 @@ class Campaign:
 
         `sample` names the strip whose fits tell; `voltage_v` is a step at time zero, `drive` start (s) and voltage (V) of each
         segment; `at_s` the times asked for. Another size has ``length_mm=12`` or, with its standard error, ``(12, 0.1)``.
+        A humidity, temperature or age between those of the runs is reached by the laws across them.
         """
         if (voltage_v is None) == (drive is None):
             found = f"voltage_v is {voltage_v}, drive is {drive!r}"
@@ -454,6 +457,8 @@ class Campaign:
         numbers = numbers_of(length_mm=length_mm, width_mm=width_mm, thickness_mm=thickness_mm, modulus_mpa=modulus_mpa)
         numbers |= exact_of(
             relative_humidity_percent=relative_humidity_percent,
+            temperature_c=temperature_c,
+            age_h=age_h,
             electrode_resistance_ohm_per_sq=electrode_resistance_ohm_per_sq,
         )
         times = [float(time_s) for time_s in at_s]
@@ -472,6 +477,8 @@ class Campaign:
         onset_v: Measured | None = None,
         environment: str | None = None,
         relative_humidity_percent: float | None = None,
+        temperature_c: float | None = None,
+        age_h: float | None = None,
         length_mm: Measured | None = None,
         width_mm: Measured | None = None,
         thickness_mm: Measured | None = None,
@@ -496,6 +503,8 @@ class Campaign:
             max_voltage_v=max_voltage_v,
             max_slope_v_per_s=max_slope_v_per_s,
             relative_humidity_percent=relative_humidity_percent,
+            temperature_c=temperature_c,
+            age_h=age_h,
             electrode_resistance_ohm_per_sq=electrode_resistance_ohm_per_sq,
         )
         return json.loads(self._native.drive(sample, environment, numbers, rows))

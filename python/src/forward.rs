@@ -30,6 +30,8 @@ fn strip(sample: String, environment: Option<String>, numbers: &Numbers) -> Aske
         sample,
         environment,
         relative_humidity_percent: value(numbers, "relative_humidity_percent"),
+        temperature_c: value(numbers, "temperature_c"),
+        age_h: value(numbers, "age_h"),
         length_mm: measured(numbers, "length_mm"),
         width_mm: measured(numbers, "width_mm"),
         thickness_mm: measured(numbers, "thickness_mm"),

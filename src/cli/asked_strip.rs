@@ -17,9 +17,15 @@ pub struct StripArgs {
     /// Environment of the runs [default: the only one]
     #[arg(long, value_name = "ENVIRONMENT")]
     environment: Option<String>,
-    /// Relative humidity of the runs, to 5 % [default: all]
+    /// Relative humidity: of the runs, to 5 %, or between theirs, by the laws across runs [default: all runs]
     #[arg(long, value_name = "PERCENT", value_parser = typed::humidity)]
     rh: Option<f64>,
+    /// Temperature, as 25C: of the runs, to 1 °C, or between theirs, by the laws [default: all runs]
+    #[arg(long, value_name = "TEMPERATURE", value_parser = typed::temperature, allow_hyphen_values = true)]
+    temperature: Option<f64>,
+    /// Age of the sample since its first run, as 200h, by the laws [default: all runs]
+    #[arg(long, value_name = "TIME", value_parser = typed::time)]
+    age: Option<f64>,
     /// Length of another strip of the laminate, as 12mm or 12±0.1mm [default: the sample's]
     #[arg(long, value_name = "LENGTH", value_parser = typed::length)]
     length: Option<Measured>,
@@ -42,6 +48,8 @@ impl StripArgs {
             sample: self.sample.clone(),
             environment: self.environment.clone(),
             relative_humidity_percent: self.rh,
+            temperature_c: self.temperature,
+            age_h: self.age.map(|age_s| age_s / 3600.0),
             length_mm: self.length,
             width_mm: self.width,
             thickness_mm: self.thickness,

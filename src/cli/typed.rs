@@ -22,6 +22,11 @@ pub fn humidity(text: &str) -> Result<f64, String> {
     parse(ValueKind::Humidity, text).map(|measured| measured.value)
 }
 
+/// `--temperature 25C`.
+pub fn temperature(text: &str) -> Result<f64, String> {
+    parse(ValueKind::Temperature, text).map(|measured| measured.value)
+}
+
 /// `--voltage 2V`.
 pub fn voltage(text: &str) -> Result<f64, String> {
     measured_voltage(text).map(|measured| measured.value)

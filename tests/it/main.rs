@@ -10,6 +10,7 @@ mod backups;
 mod bad_input;
 mod beside;
 mod book;
+mod brought;
 mod campaign;
 mod chamber;
 mod climate;

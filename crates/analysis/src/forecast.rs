@@ -55,6 +55,17 @@ pub struct Variances {
     pub voltages: Option<f64>,
     /// From strip to strip; none with one sample, or where the strip itself is asked for.
     pub samples: Option<f64>,
+    /// Of the laws that brought runs to the conditions asked for.
+    pub conditions: f64,
+    /// Of what the model is known to get wrong.
+    pub misfit: f64,
+}
+
+/// Standard deviations that do not come from how the runs differ.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Beside {
+    /// Of the laws that brought runs to the conditions asked for; nothing where they were made there.
+    pub conditions: f64,
     /// Of what the model is known to get wrong.
     pub misfit: f64,
 }
@@ -63,7 +74,7 @@ impl Variances {
     /// The sum of what is known.
     pub fn total(&self) -> f64 {
         let of = |part: Option<f64>| part.unwrap_or(0.0);
-        self.parameters + of(self.runs) + of(self.voltages) + of(self.samples) + self.misfit
+        self.parameters + of(self.runs) + of(self.voltages) + of(self.samples) + self.conditions + self.misfit
     }
 }
 
@@ -99,8 +110,8 @@ struct VoltageLevel {
 }
 
 /// The forecast of a drive, of another strip of the material or of the sample itself; none where no run of the asked
-/// sample tells anything. `misfit` is the standard deviation of what the model gets wrong.
-pub fn forecast(told: &[Told], applied: Applied, of_another_strip: bool, misfit: f64) -> Option<Forecast> {
+/// sample tells anything.
+pub fn forecast(told: &[Told], applied: Applied, of_another_strip: bool, beside: Beside) -> Option<Forecast> {
     let step_v = applied.typical_v;
     let own = levels(told, 0);
     let (mut value, mut parameters) = between(&own, step_v)?;
@@ -132,7 +143,8 @@ pub fn forecast(told: &[Told], applied: Applied, of_another_strip: bool, misfit:
         runs,
         voltages: way_between(&own, applied),
         samples: of_samples,
-        misfit: misfit * misfit,
+        conditions: beside.conditions.powi(2),
+        misfit: beside.misfit.powi(2),
     };
     let half = quantile(variances.total(), &freedom) * variances.total().sqrt();
     Some(Forecast {
@@ -254,43 +266,52 @@ mod tests {
 
     #[test]
     fn one_run_tells_its_value_with_the_error_of_its_parameters() {
-        let found = forecast(&[told(2.0, 5.0)], Applied::step(2.01), false, 0.0).unwrap();
+        let found = forecast(&[told(2.0, 5.0)], Applied::step(2.01), false, Beside::default()).unwrap();
         assert_eq!(found.value, 5.0);
         assert!((found.high_95 - 5.0 - 0.1 * NORMAL_95).abs() < 1e-12);
         assert_eq!((found.variances.runs, found.variances.samples), (None, None));
         assert_eq!(found.variances.voltages, Some(0.0));
         assert_eq!(
-            forecast(&[told(2.0, 5.0)], Applied::step(1.0), false, 0.0)
+            forecast(&[told(2.0, 5.0)], Applied::step(1.0), false, Beside::default())
                 .unwrap()
                 .variances
                 .voltages,
             None
         );
-        assert_eq!(forecast(&[], Applied::step(1.0), false, 0.0), None);
+        assert_eq!(forecast(&[], Applied::step(1.0), false, Beside::default()), None);
     }
 
     #[test]
     fn between_two_voltages_it_goes_straight_and_may_stray_most_in_the_middle() {
         let runs = [told(1.0, 1.0), told(2.0, 3.0)];
-        let middle = forecast(&runs, Applied::step(1.5), false, 0.0).unwrap();
+        let middle = forecast(&runs, Applied::step(1.5), false, Beside::default()).unwrap();
         assert!((middle.value - 2.0).abs() < 1e-12);
         // The step of 2, less what the errors explain, is the rate of the walk; a bridge has a quarter in the middle.
         assert!((middle.variances.voltages.unwrap() - (4.0 - 0.02) / 4.0).abs() < 1e-12);
-        let beyond = forecast(&runs, Applied::step(2.5), false, 0.0).unwrap();
+        let beyond = forecast(&runs, Applied::step(2.5), false, Beside::default()).unwrap();
         assert_eq!(beyond.value, 3.0);
         // A drive that strays about a measured voltage has that much of the walk.
         let straying = Applied {
             typical_v: 2.0,
             strays_v: 0.25,
         };
-        let straying = forecast(&runs, straying, false, 0.0).unwrap();
+        let straying = forecast(&runs, straying, false, Beside::default()).unwrap();
         assert!((straying.variances.voltages.unwrap() - 0.25 * 3.98 / 1.0).abs() < 1e-12);
         assert!((beyond.variances.voltages.unwrap() - (4.0 - 0.02) / 2.0).abs() < 1e-12);
     }
 
     #[test]
     fn a_misfit_widens_the_interval() {
-        let found = forecast(&[told(2.0, 5.0)], Applied::step(2.0), false, 0.4).unwrap();
+        let found = forecast(
+            &[told(2.0, 5.0)],
+            Applied::step(2.0),
+            false,
+            Beside {
+                misfit: 0.4,
+                ..Beside::default()
+            },
+        )
+        .unwrap();
         assert!((found.standard_deviation() - 0.17_f64.sqrt()).abs() < 1e-12);
     }
 
@@ -319,7 +340,7 @@ mod tests {
                 false => strips[0].0 + normal(),
             };
             let all: Vec<Told> = strips.into_iter().flat_map(|(_, told)| told).collect();
-            let found = forecast(&all, Applied::step(2.0), of_another_strip, 0.0).unwrap();
+            let found = forecast(&all, Applied::step(2.0), of_another_strip, Beside::default()).unwrap();
             held += usize::from((found.low_95..=found.high_95).contains(&truth));
         }
         held as f64 / draws as f64

@@ -49,6 +49,8 @@ pub enum ValueKind {
     VoltageRate,
     /// Canonical percent relative humidity; the unit may be left out.
     Humidity,
+    /// Canonical °C.
+    Temperature,
 }
 
 impl ValueKind {
@@ -66,6 +68,7 @@ impl ValueKind {
             ValueKind::Voltage => "V, mV",
             ValueKind::VoltageRate => "V/s, mV/s",
             ValueKind::Humidity => "%",
+            ValueKind::Temperature => "C, °C, K",
         }
     }
 
@@ -83,6 +86,7 @@ impl ValueKind {
             (ValueKind::Modulus, _) => return of_quantity(Quantity::ComplexModulus),
             (ValueKind::Time, _) => return of_quantity(Quantity::Time),
             (ValueKind::Voltage, _) => return of_quantity(Quantity::Voltage),
+            (ValueKind::Temperature, _) => return of_quantity(Quantity::Temperature),
             (ValueKind::Angle, "rad") | (ValueKind::Strain, "1" | "") => 1.0,
             (ValueKind::Angle, "deg" | "°") => std::f64::consts::PI / 180.0,
             (ValueKind::Strain, "%" | "percent") => 1e-2,
@@ -115,9 +119,11 @@ impl ValueKind {
             None => (0.0, rest),
         };
         let canonical = |number| self.canonical(number, unit).ok_or_else(refused);
+        let found = canonical(value)?;
         Ok(Measured {
-            value: canonical(value)?,
-            standard_error: canonical(standard_error)?.abs(),
+            value: found,
+            // As a difference: scales of temperature have zeros of their own.
+            standard_error: (canonical(value + standard_error)? - found).abs(),
         })
     }
 }
@@ -168,6 +174,8 @@ mod tests {
             (ValueKind::Time, "5 min", 300.0, 0.0),
             (ValueKind::VoltageRate, "10mV/s", 0.01, 0.0),
             (ValueKind::Humidity, "34", 34.0, 0.0),
+            (ValueKind::Temperature, "25°C", 25.0, 0.0),
+            (ValueKind::Temperature, "298.15 ± 0.5 K", 25.0, 0.5),
         ] {
             let found = kind.parse(text).unwrap();
             assert!((found.value - value).abs() < 1e-12, "{text}: {found:?}");

@@ -1,5 +1,6 @@
 //! Which strip is asked for, and in which surroundings.
 
+use crate::analysis::laws::Covariate;
 use crate::domain::Sample;
 use crate::domain::typed_value::Measured;
 use crate::model::scaling::{Dimension, StripSize};
@@ -12,8 +13,12 @@ pub struct AskedStrip {
     pub sample: String,
     /// Environment of the runs; none where the sample was measured in one only.
     pub environment: Option<String>,
-    /// Relative humidity of the runs, percent; none: all.
+    /// Relative humidity, percent; none: that of all runs.
     pub relative_humidity_percent: Option<f64>,
+    /// Temperature, °C; none: that of all runs.
+    pub temperature_c: Option<f64>,
+    /// Hours since the start of the sample's first run; none: those of all runs.
+    pub age_h: Option<f64>,
     /// Length, where it is another.
     pub length_mm: Option<Measured>,
     /// Width, where it is another.
@@ -26,7 +31,54 @@ pub struct AskedStrip {
     pub electrode_resistance_ohm_per_sq: Option<f64>,
 }
 
+/// A condition that is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Condition {
+    /// What it is of.
+    pub covariate: Covariate,
+    /// The option that asks for it.
+    pub option: &'static str,
+    /// What is asked for, in the covariate's unit.
+    pub to: f64,
+    /// Runs this near are taken as they are, in the same unit.
+    pub alike: f64,
+}
+
+/// Humidity, temperature and age at which runs are taken as they are: what sensors of a laboratory agree to; runs of one age
+/// are one run.
+const HUMIDITY_ALIKE_PERCENT: f64 = 5.0;
+const TEMPERATURE_ALIKE_C: f64 = 1.0;
+const AGE_ALIKE_H: f64 = 0.0;
+
 impl AskedStrip {
+    /// The conditions asked for.
+    pub(super) fn conditions(&self) -> Vec<Condition> {
+        let all = [
+            (
+                Covariate::RelativeHumidity,
+                "--rh",
+                self.relative_humidity_percent,
+                HUMIDITY_ALIKE_PERCENT,
+            ),
+            (
+                Covariate::Temperature,
+                "--temperature",
+                self.temperature_c,
+                TEMPERATURE_ALIKE_C,
+            ),
+            (Covariate::Age, "--age", self.age_h, AGE_ALIKE_H),
+        ];
+        let condition = |(covariate, option, to, alike): (Covariate, &'static str, Option<f64>, f64)| {
+            to.map(|to| Condition {
+                covariate,
+                option,
+                to,
+                alike,
+            })
+        };
+        all.into_iter().filter_map(condition).collect()
+    }
+
     /// Whether it is another strip than the sample itself.
     pub fn is_another(&self) -> bool {
         self.length_mm.is_some() || self.width_mm.is_some() || self.thickness_mm.is_some()

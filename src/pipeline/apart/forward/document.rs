@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::grounds::{Forecasts, Grounds};
+use super::surroundings::BroughtEntry;
 use crate::analysis::forecast::Forecast;
 use crate::domain::quantiles::NORMAL_95;
 use crate::domain::{Drive, Estimate, Level, Segment};
@@ -25,7 +26,7 @@ pub struct PredictionDocument {
     pub material: String,
     /// Environment.
     pub environment: String,
-    /// Humidity of the runs, percent; null where they state none.
+    /// Humidity asked for, else the mean of the runs, percent; null where they state none.
     pub relative_humidity_percent: Option<f64>,
     /// The strip.
     pub strip: StripEntry,
@@ -41,6 +42,8 @@ pub struct PredictionDocument {
     pub course: Vec<PredictedRow>,
     /// Shapes at the times asked for; empty where no run tells how the strip bends.
     pub shapes: Vec<ShapeEntry>,
+    /// Conditions to which laws took the runs; empty where runs were made in them.
+    pub brought: Vec<BroughtEntry>,
     /// Runs that it is made from.
     pub sources: Vec<Told>,
     /// Runs in the same surroundings that tell nothing.
@@ -196,6 +199,8 @@ pub struct Parts {
     pub voltages: Option<f64>,
     /// From strip to strip.
     pub samples: Option<f64>,
+    /// Of the laws that brought runs to the conditions asked for; 0 where none was.
+    pub conditions: f64,
     /// Of what the model gets wrong.
     pub misfit: f64,
 }
@@ -213,6 +218,7 @@ impl From<&Forecast> for Predicted {
                 runs: root(variances.runs),
                 voltages: root(variances.voltages),
                 samples: root(variances.samples),
+                conditions: variances.conditions.sqrt(),
                 misfit: variances.misfit.sqrt(),
             },
         }
@@ -263,6 +269,7 @@ impl Stiffness {
         let mut moment = Predicted::from(curvature);
         let parts = &mut moment.standard_deviation;
         parts.parameters = scale * parts.parameters.hypot(curvature.value * self.relative_error);
+        parts.conditions *= scale;
         parts.misfit *= scale;
         for part in [&mut parts.runs, &mut parts.voltages, &mut parts.samples] {
             *part = part.map(|part| part * scale);

@@ -3,7 +3,8 @@
 use super::asked::{AskedStrip, size_of};
 use super::misfit::{KnownMisfit, found_onset, known_misfit};
 use super::source::{Source, applied};
-use crate::analysis::forecast::{Applied, Forecast, Told, forecast};
+use super::surroundings::{BroughtEntry, Surroundings};
+use crate::analysis::forecast::{Applied, Beside, Forecast, Told, forecast};
 use crate::domain::tag::keys;
 use crate::domain::{Drive, Estimate, Quantity, RunRecord, Sample, range_of};
 use crate::model::scaling::prediction::LINKS;
@@ -13,21 +14,22 @@ use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::strip_modulus::{StripModulus, strip_modulus};
 use crate::pipeline::{Context, PipelineError};
 
-/// Runs are of the humidity asked for where theirs is at most this far from it, percent RH.
-const HUMIDITY_ALIKE_PERCENT: f64 = 5.0;
-
 /// What a prediction rests on.
 pub(in crate::pipeline::apart) struct Grounds {
     /// Sample asked for.
     pub sample: Sample,
     /// Environment of the runs.
     pub environment: String,
-    /// Mean humidity of the runs of the sample, percent, where all state one.
+    /// Humidity asked for, else the mean of the runs of the sample, percent, where all state one.
     pub humidity_percent: Option<f64>,
     /// Runs that tell; those of the sample first.
     pub sources: Vec<Source>,
     /// Runs in the same surroundings that tell nothing: path and reason.
     pub left_out: Vec<(String, String)>,
+    /// What brought the runs to conditions in which none was made, as entries and in words.
+    pub(super) brought: (Vec<BroughtEntry>, Vec<String>),
+    /// Share with which each of [`Source::variants`] counts.
+    pub(super) weights: Vec<f64>,
     /// Size of the sample.
     pub from: StripSize,
     /// Size of the strip asked for.
@@ -74,18 +76,21 @@ impl Grounds {
                 format!("one of {}", known.join(", ")),
             )
         })?;
-        let runs = standing::speaking(context)?;
-        let of_material = |run: &&RunRecord| {
+        let speaking = standing::speaking(context)?;
+        let is_of_material = |run: &&RunRecord| {
             let of = run.tag(keys::SAMPLE).and_then(|id| context.campaign.sample(id));
             of.is_some_and(|of| of.material == sample.material)
         };
-        let runs: Vec<RunRecord> = runs.iter().filter(of_material).cloned().collect();
-        let environment = environment(&runs, asked)?;
-        let runs = in_surroundings(runs, &environment, asked)?;
+        let of_material: Vec<RunRecord> = speaking.iter().filter(is_of_material).cloned().collect();
+        let environment = environment(&of_material, asked)?;
+        let of_environment = |run: &&RunRecord| run.tag(keys::ENVIRONMENT) == Some(&environment);
+        let of_environment: Vec<RunRecord> = of_material.iter().filter(of_environment).cloned().collect();
+        let surroundings = Surroundings::of(context, &speaking, of_environment, asked, &sample.material)?;
+        let runs = &surroundings.runs;
         let from = size_of(sample)?;
-        let (mut sources, mut left_out) = (Vec::new(), Vec::new());
+        let (mut sources, mut left_out) = (Vec::new(), surroundings.left_out.clone());
         let mut others: Vec<&str> = Vec::new();
-        for run in &runs {
+        for run in runs {
             let id = run.tag(keys::SAMPLE).unwrap_or_default();
             let number = match id == sample.id {
                 true => 0,
@@ -97,7 +102,10 @@ impl Grounds {
             };
             let curves = context.store.fit_curves(run.id)?;
             match size.and_then(|size| Source::of(run, &curves, number, &size)) {
-                Ok(source) => sources.push(source),
+                Ok(mut source) => {
+                    surroundings.bring(&mut source);
+                    sources.push(source);
+                }
                 Err(reason) => left_out.push((run.path.clone(), reason)),
             }
         }
@@ -124,7 +132,7 @@ impl Grounds {
         let findings = current_findings(context)?;
         let humidity_percent = asked
             .relative_humidity_percent
-            .or_else(|| mean_humidity(&runs, &sample.id));
+            .or_else(|| mean_humidity(runs, &sample.id));
         let modulus = match asked.modulus_mpa {
             Some(given) => StripModulus {
                 modulus_mpa: Estimate {
@@ -143,7 +151,7 @@ impl Grounds {
         Ok(Grounds {
             environment,
             humidity_percent,
-            misfit: known_misfit(&findings.groups, &sources, &runs, curves_of),
+            misfit: known_misfit(&findings.groups, &sources, runs, curves_of),
             onset_v: found_onset(&findings.groups, &sources),
             to: asked.size(&from),
             from,
@@ -154,9 +162,25 @@ impl Grounds {
                 .or(of_fits),
             sample: sample.clone(),
             modulus,
+            brought: (
+                surroundings.brought(),
+                surroundings.sentences(&all_keys(&sources)),
+            ),
+            weights: surroundings.weights(),
             sources,
             left_out,
         })
+    }
+
+    /// To which conditions the runs were taken, after the name of one; nothing where they were made there.
+    pub fn brought_in_short(&self) -> String {
+        let of = |brought: &BroughtEntry| {
+            format!(
+                ", taken to {} {} by the laws across runs",
+                brought.to, brought.unit
+            )
+        };
+        self.brought.0.iter().map(of).collect()
     }
 
     /// Whether any run of the sample tells how it bends.
@@ -197,22 +221,29 @@ impl Grounds {
         self.sources.iter().filter(relevant).map(said).collect()
     }
 
-    /// Curvature and tip as the centre of all sources has them, without intervals.
-    pub fn centre(&self, drive: &Drive, time_s: &[f64]) -> Result<(Vec<f64>, Vec<f64>), PipelineError> {
-        let exact = Grounds {
-            sources: self.sources.iter().map(without_errors).collect(),
+    /// The same of those sources, of which only the centre counts.
+    fn with(&self, sources: Vec<Source>) -> Grounds {
+        Grounds {
+            sources,
             sample: self.sample.clone(),
             environment: String::new(),
             left_out: Vec::new(),
+            brought: Default::default(),
+            weights: Vec::new(),
             misfit: KnownMisfit::default(),
             modulus: self.modulus.clone(),
             onset_v: None,
             ..*self
-        };
+        }
+    }
+
+    /// Curvature and tip as the centre of all sources has them, without intervals.
+    pub fn centre(&self, drive: &Drive, time_s: &[f64]) -> Result<(Vec<f64>, Vec<f64>), PipelineError> {
+        let exact = self.with(self.sources.iter().map(without_errors).collect());
         let told = exact.told(drive, time_s)?;
         let applied = applied_until(drive, time_s);
         let centre = |of: &dyn Fn(&Prediction) -> &Series| {
-            let all = self.of_series(&told, applied, true, 0.0, of);
+            let all = self.of_series(&[(1.0, told.as_slice())], applied, true, 0.0, of);
             all.iter().map(|forecast| forecast.value).collect()
         };
         Ok((
@@ -228,8 +259,20 @@ impl Grounds {
     pub(super) fn forecasts(&self, drive: &Drive, time_s: &[f64]) -> Result<Forecasts, PipelineError> {
         let told = self.told(drive, time_s)?;
         let applied = applied_until(drive, time_s);
+        let others: Vec<Grounds> = (0..self.weights.len()).map(|which| self.variant(which)).collect();
+        let told_by_others: Vec<Vec<(&Source, Prediction)>> = others
+            .iter()
+            .map(|other| other.told(drive, time_s))
+            .collect::<Result<_, _>>()?;
+        let mut all = vec![(1.0, told.as_slice())];
+        all.extend(
+            self.weights
+                .iter()
+                .copied()
+                .zip(told_by_others.iter().map(Vec::as_slice)),
+        );
         let of = |bends: bool, share: f64, of: &dyn Fn(&Prediction) -> &Series| {
-            self.of_series(&told, applied, bends, share, of)
+            self.of_series(&all, applied, bends, share, of)
         };
         let misfit = &self.misfit;
         let distributed = |(_, p): &(&Source, Prediction)| p.carried_by == CarriedBy::Distributed;
@@ -252,20 +295,32 @@ impl Grounds {
         })
     }
 
-    /// Forecasts of one response over its times; what the model gets wrong is a share of its range.
+    /// What a variant of the laws makes of the sources.
+    fn variant(&self, which: usize) -> Grounds {
+        let varied = |source: &Source| Source {
+            model: source.variants[which].clone(),
+            ..without_errors(source)
+        };
+        self.with(self.sources.iter().map(varied).collect())
+    }
+
+    /// Forecasts of one response over its times; what the model gets wrong is a share of its range. First what the sources
+    /// tell, then what each variant of the laws would, with the share with which it counts.
     fn of_series(
         &self,
-        told: &[(&Source, Prediction)],
+        told: &[(f64, &[(&Source, Prediction)])],
         applied: Applied,
         needs_bending: bool,
         misfit: f64,
         of: &dyn Fn(&Prediction) -> &Series,
     ) -> Vec<Forecast> {
-        let times = told
-            .first()
-            .map_or(0, |(_, prediction)| of(prediction).value.len());
-        let at = |k: usize, misfit: f64| {
-            let bending = told.iter().filter(|(source, _)| source.bends || !needs_bending);
+        let times = told[0].1.first();
+        let times = times.map_or(0, |(_, prediction)| of(prediction).value.len());
+        let at = |which: usize, k: usize, beside: Beside| {
+            let bending = told[which]
+                .1
+                .iter()
+                .filter(|(source, _)| source.bends || !needs_bending);
             let values: Vec<Told> = bending
                 .map(|(source, prediction)| Told {
                     sample: source.sample,
@@ -274,12 +329,34 @@ impl Grounds {
                     standard_error: of(prediction).standard_error[k],
                 })
                 .collect();
-            forecast(&values, applied, self.is_another, misfit)
+            forecast(&values, applied, self.is_another, beside)
         };
-        let centres: Vec<f64> = (0..times).filter_map(|k| Some(at(k, 0.0)?.value)).collect();
+        let centre = |which: usize, k: usize| Some(at(which, k, Beside::default())?.value);
+        let centres: Vec<f64> = (0..times).filter_map(|k| centre(0, k)).collect();
         let (low, high) = range_of(centres.iter().copied().chain([0.0]));
-        (0..times).filter_map(|k| at(k, misfit * (high - low))).collect()
+        let moved_by = |which: usize, k: usize| Some(centre(which, k)? - centres.get(k)?);
+        let of_laws = |k: usize| -> f64 {
+            let squares =
+                (1..told.len()).filter_map(|which| Some(told[which].0 * moved_by(which, k)?.powi(2)));
+            squares.sum::<f64>().sqrt()
+        };
+        let beside = |k: usize| Beside {
+            conditions: of_laws(k),
+            misfit: misfit * (high - low),
+        };
+        (0..times).filter_map(|k| at(0, k, beside(k))).collect()
     }
+}
+
+/// Keys of the parameters of all sources, each once.
+fn all_keys(sources: &[Source]) -> Vec<String> {
+    let mut keys: Vec<String> = Vec::new();
+    for key in sources.iter().flat_map(|source| &source.keys) {
+        if !keys.contains(key) {
+            keys.push(key.clone());
+        }
+    }
+    keys
 }
 
 /// The voltages of a drive up to the last of the times.
@@ -330,32 +407,6 @@ fn environment(runs: &[RunRecord], asked: &AskedStrip) -> Result<String, Pipelin
             format!("{:?}, which has no run in results", asked.sample),
             "a sample with fitted runs; `ieap status` lists the runs".to_owned(),
         )),
-    }
-}
-
-fn in_surroundings(
-    mut runs: Vec<RunRecord>,
-    environment: &str,
-    asked: &AskedStrip,
-) -> Result<Vec<RunRecord>, PipelineError> {
-    runs.retain(|run| run.tag(keys::ENVIRONMENT) == Some(environment));
-    let Some(percent) = asked.relative_humidity_percent else {
-        return Ok(runs);
-    };
-    let humidity = |run: &RunRecord| run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
-    let (low, high) = range_of(runs.iter().filter_map(humidity));
-    runs.retain(|run| humidity(run).is_some_and(|of| (of - percent).abs() <= HUMIDITY_ALIKE_PERCENT));
-    match runs.is_empty() {
-        false => Ok(runs),
-        true => {
-            let needed = match low <= high {
-                true => format!(
-                    "a humidity within {HUMIDITY_ALIKE_PERCENT} % of runs in {environment}, which have {low} to {high} % RH"
-                ),
-                false => format!("no --rh: runs in {environment} state no humidity"),
-            };
-            Err(PipelineError::bad_argument("--rh", percent.to_string(), needed))
-        }
     }
 }
 

@@ -9,6 +9,7 @@ pub(super) mod grounds;
 mod misfit;
 mod predict;
 pub(super) mod source;
+mod surroundings;
 
 pub use asked::AskedStrip;
 pub use course_drive::{DriveCourse, DriveDocument, ReachedRow, Wanted};

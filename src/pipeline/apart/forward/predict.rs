@@ -78,6 +78,7 @@ impl Predict {
             rows: places.iter().map(|&k| course[k].clone()).collect(),
             shapes: places.iter().filter_map(shape).collect(),
             course,
+            brought: grounds.brought.0.clone(),
             sources: Told::all(&grounds),
             left_out: left_out(&grounds),
             remarks,
@@ -123,6 +124,7 @@ pub(super) fn course_times(drive: &Drive, end_s: f64) -> Vec<f64> {
 /// What the intervals hold, what they leave out, and what would tell more.
 pub(super) fn remarks(grounds: &Grounds, forecasts: &Forecasts, drive: &Drive) -> Vec<String> {
     let mut remarks = vec![model_in_words(grounds, forecasts)];
+    remarks.extend(grounds.brought.1.iter().cloned());
     let (low_v, high_v) = grounds.measured_v();
     let step_v = drive.nominal_step_v();
     let near_v = 0.02 * low_v.abs().max(high_v.abs());

@@ -21,8 +21,12 @@ pub(in crate::pipeline::apart) struct Source {
     pub sample: usize,
     /// Typical voltage of its drive, V.
     pub step_v: f64,
+    /// Keys of the model's parameters, in the order of the covariance.
+    pub keys: Vec<String>,
     /// The model of its strip.
     pub model: LumpedModel,
+    /// Models that the laws allow as well which brought it to the conditions asked for.
+    pub variants: Vec<LumpedModel>,
     /// Covariance of the model's parameters.
     pub covariance: Vec<f64>,
     /// Its strip.
@@ -63,7 +67,9 @@ impl Source {
             sample,
             step_v: applied(drive, last_s).typical_v,
             covariance: correlated(fit, &read, drive, run.area_cm2.unwrap_or(1.0), curves),
+            keys: read.keys,
             model: read.model,
+            variants: Vec::new(),
             size: *size,
             electrode_resistance_ohm_per_sq: fit.parameter("re_ohm_per_sq").and_then(|e| e.value),
             bends: read.bends,

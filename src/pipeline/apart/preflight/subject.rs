@@ -105,7 +105,7 @@ impl Subject {
             )
         })?;
         Ok(Subject {
-            told_by: format!("{} ({})", source.run, fit.model),
+            told_by: format!("{} ({}){}", source.run, fit.model, grounds.brought_in_short()),
             options: FitOptions {
                 // It changes no estimate.
                 describes_noise: false,
