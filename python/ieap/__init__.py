@@ -17,7 +17,7 @@ from typing import Any, Mapping, Sequence
 
 from . import _native
 from ._errors import CampaignError, EngineFault, IeapError, InputError, MissingFileError
-from ._inputs import Drive, Measured, effects_of, exact_of, numbers_of, segments_of, stated as _stated, table_of, threads_of, times_of
+from ._inputs import Drive, Known, Measured, effects_of, exact_of, known_of, numbers_of, segments_of, stated as _stated, table_of, threads_of, times_of
 from ._native import ArrowTable, Table
 from ._results import Estimate, Finding, Fit, html_table
 
@@ -96,6 +96,7 @@ def fit(
     method: str | None = None,
     simultaneous: bool = False,
     seed: int | None = None,
+    known: Mapping[str, Known] | None = None,
     run: str | None = None,
 ) -> Fit:
     """Fits one run.
@@ -117,6 +118,8 @@ def fit(
         method: how minima are searched; None: variable projection.
         simultaneous: current and curvature together in place of one after the other.
         seed: of a random method.
+        known: what is known of parameters before the fit: ``{"r1_ohm_cm2": 120.0}`` (exact), ``{"r1_ohm_cm2": (120.0, 6.0)}``
+            (with its standard error) or ``{"lambda_per_s": "0.001..0.01"}`` (limits).
         run: a name for the run.
 
     Raises:
@@ -133,7 +136,7 @@ def fit(
         baseline_v=baseline_v,
         tags=tags,
     )
-    recipe = (run or table.source, table, said, model, method, simultaneous, seed)
+    recipe = (run or table.source, table, said, model, method, simultaneous, seed, known_of(known))
     return Fit(_native.fit(*recipe), recipe)
 
 
@@ -308,6 +311,7 @@ def fit_many(
     seed: int | None = None,
     threads: int | None = None,
     curves: bool = True,
+    known: Mapping[str, Known] | None = None,
 ) -> ArrowTable:
     """Fits many runs on all cores, one row a run. Ctrl-C ends it.
 
@@ -319,6 +323,7 @@ def fit_many(
         threads: None: all cores; more than these are not taken. The result does not depend on it.
         curves: for rows of a campaign, the result as ``ieap import-fits`` takes it, with the drawn curves: ten times as much.
             False leaves the columns `asked`, `fit`, `issue` and `checksum` empty.
+        known: what is known of parameters of every run, as in `fit`.
 
     Returns:
         One row a run in the order given: ``run``, ``model``, ``input_hash``, ``converged``, ``n_samples``, ``parameters``
@@ -326,7 +331,7 @@ def fit_many(
         ``r_squared_current``, ``issues``, ... A run that cannot be fitted has ``refused_place``, ``refused_reason`` and
         ``refused_remedy`` instead.
     """
-    return _native.fit_many(rows, model, method, simultaneous, seed, threads_of(threads), curves)
+    return _native.fit_many(rows, model, method, simultaneous, seed, threads_of(threads), curves, known_of(known))
 
 
 def diagnose_rows(

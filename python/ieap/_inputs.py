@@ -179,6 +179,23 @@ def exact_of(**given: float | None) -> dict[str, tuple[float, float]]:
     return numbers_of(**given)
 
 
+Known = float | tuple[float, float] | str
+"""What is known of a parameter: a number, a number with its standard error, or limits as a text, ``"0.001..0.01"``."""
+
+
+def known_of(known: "Mapping[str, Known] | None") -> list[str]:
+    """What is known of parameters, as ``ieap fit --set`` states it."""
+    said = []
+    for key, own in (known or {}).items():
+        if isinstance(own, str):
+            said.append(f"{key}={own}")
+            continue
+        for value, error in numbers_of(**{key: own}).values():
+            has_error = isinstance(own, (tuple, list))
+            said.append(f"{key}={value!r}±{error!r}" if has_error else f"{key}={value!r}")
+    return said
+
+
 def effects_of(effects: Any) -> list[tuple[str, str | None, dict[str, float]]]:
     """Effects as ``{id: {parameter: value}}``; the key ``variant`` names a variant."""
     found = []

@@ -47,6 +47,7 @@ pub fn row_at(batch: &RecordBatch, row: usize, name: &str) -> Result<CampaignRow
         drive: drive(batch, row)?,
         channels: channels.collect::<Result<_, _>>()?,
         chosen: AskedFit {
+            known: Vec::new(),
             model: Some(needed("model")?),
             method: Some(needed("method")?),
             simultaneous: number(batch, "simultaneous", row).map(|flag| flag != 0.0),

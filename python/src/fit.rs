@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
-use ieap::domain::{self, Quantity};
+use ieap::domain::known_parameter::NotKnown;
+use ieap::domain::{self, Issue, KnownParameter, Quantity};
 use ieap::model::fit_model;
 use ieap::pipeline::apart::at_hand::{self, FitAtHand, RunAtHand};
 use ieap::pipeline::apart::forward::fitted_covariance;
@@ -126,7 +127,17 @@ pub fn choice(
         method,
         simultaneous,
         seed,
+        known: Vec::new(),
     }
+}
+
+/// What is known of parameters, as `ieap fit --set` states it.
+pub fn known(py: Python<'_>, said: &[String]) -> PyResult<Vec<KnownParameter>> {
+    let parse = |text: &String| {
+        let refuse = |error: NotKnown| refused(py, &Issue::error("bad-argument", error.to_string()).at("known"));
+        KnownParameter::parse(text).map_err(refuse)
+    };
+    said.iter().map(parse).collect()
 }
 
 fn run_of(py: Python<'_>, name: &str, table: &Table, stated: &Stated) -> PyResult<RunAtHand> {
@@ -136,7 +147,7 @@ fn run_of(py: Python<'_>, name: &str, table: &Table, stated: &Stated) -> PyResul
 
 /// Fits one run.
 #[pyfunction]
-#[pyo3(signature = (name, table, stated, model = None, method = None, simultaneous = false, seed = None))]
+#[pyo3(signature = (name, table, stated, model = None, method = None, simultaneous = false, seed = None, known = Vec::new()))]
 #[expect(clippy::too_many_arguments, reason = "one for each thing that Python states")]
 pub fn fit(
     py: Python<'_>,
@@ -147,15 +158,19 @@ pub fn fit(
     method: Option<String>,
     simultaneous: bool,
     seed: Option<u64>,
+    known: Vec<String>,
 ) -> PyResult<Fit> {
-    let chosen = choice(model, method, simultaneous, seed);
+    let chosen = FitChoice {
+        known: self::known(py, &known)?,
+        ..choice(model, method, simultaneous, seed)
+    };
     let begun = Instant::now();
     let mut options = at_hand::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
     // Who fits one run looks at its residuals, all of them.
     options.whole_curves = true;
     let run = run_of(py, name, table, stated)?;
     let (fit, stated) = py
-        .detach(|| at_hand::fit(&run, &options))
+        .detach(|| at_hand::fit(&run, &options, &chosen.known))
         .map_err(|issue| refused(py, &issue))?;
     Ok(Fit {
         seconds: begun.elapsed().as_secs_f64(),

@@ -2,7 +2,7 @@
 
 use ieap::domain::Issue;
 use ieap::pipeline::apart::at_hand::{self, RunAtHand};
-use ieap::pipeline::{DiagnoseChoice, PipelineError};
+use ieap::pipeline::{DiagnoseChoice, FitChoice, PipelineError};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ use crate::work::interruptible;
 
 /// Fits every row of a table, on all cores; without `curves` rows of a campaign are not stated as `import-fits` takes them.
 #[pyfunction]
-#[pyo3(signature = (table, model = None, method = None, simultaneous = false, seed = None, threads = None, curves = true))]
+#[pyo3(signature = (table, model = None, method = None, simultaneous = false, seed = None, threads = None, curves = true, known = Vec::new()))]
 #[expect(clippy::too_many_arguments, reason = "one for each thing that Python states")]
 pub fn fit_many(
     py: Python<'_>,
@@ -26,14 +26,18 @@ pub fn fit_many(
     seed: Option<u64>,
     threads: Option<usize>,
     curves: bool,
+    known: Vec<String>,
 ) -> PyResult<ArrowTable> {
-    let chosen = choice(model, method, simultaneous, seed);
+    let chosen = FitChoice {
+        known: crate::fit::known(py, &known)?,
+        ..choice(model, method, simultaneous, seed)
+    };
     let options = at_hand::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
     let found = all_runs(table)?;
     let fitted: Vec<Fitted> = interruptible(py, threads, || {
         let fit = |(name, row): RowRun| {
             let (stated, result) = match row {
-                Ok(Found::AtHand(run)) => (at_hand::fit(&run, &options).map(|(_, stated)| stated), None),
+                Ok(Found::AtHand(run)) => (at_hand::fit(&run, &options, &chosen.known).map(|(_, stated)| stated), None),
                 Ok(Found::OfCampaign(row)) => {
                     let (stated, result) = row.fit(&chosen);
                     (stated, curves.then_some(result))

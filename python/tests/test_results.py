@@ -43,6 +43,31 @@ def test_curves_have_every_reading(fit):
         assert all(abs((own - fitted) / sigma - left) < 1e-9 for own, fitted, left in pairs)
 
 
+def test_what_is_known_is_taken_and_said():
+    table = ieap.simulate(PARAMETERS, drive=[(0, 1.5), (900, 0.0)], **STRIP, every_s=0.5, noise=NOISE)
+    r1 = PARAMETERS["r1_ohm_cm2"]
+    held = ieap.fit(table, known={"r1_ohm_cm2": r1})
+    assert held["r1"].value == pytest.approx(r1) and held["r1"].standard_error == 0.0
+    about = ieap.fit(table, known={"r1_ohm_cm2": (r1, 0.01 * r1), "lambda_per_s": "1e-5..1"})
+    assert {issue["code"] for issue in about.issues} >= {"known-parameter"}
+    wrong = ieap.fit(table, known={"r1_ohm_cm2": (3.0 * r1, 0.01 * r1)})
+    assert "known-contradicted" in {issue["code"] for issue in wrong.issues}
+    rows = ieap.fit_many(_rows(table), known={"r1_ohm_cm2": r1})
+    assert rows.column("converged") == [True]
+    for known in ({"r1_ohm_cm2": "much"}, {"r1_ohm_cm2": (1.0, -1.0)}, {"volts": 1.0}):
+        with pytest.raises(ieap.InputError):
+            ieap.fit(table, known=known)
+
+
+def _rows(table):
+    pyarrow = pytest.importorskip("pyarrow")
+    names = ["time_s", "current_a", "curvature_per_cm"]
+    lists = {name: pyarrow.array([list(table.column(name))]) for name in names}
+    drive = {"drive_start_s": pyarrow.array([[0.0, 900.0]]), "drive_voltage_v": pyarrow.array([[1.5, 0.0]])}
+    strip = {name: [value] for name, value in STRIP.items()}
+    return pyarrow.table({**lists, **drive, **strip, "run": ["a"]})
+
+
 def test_a_fit_gives_its_model_at_other_times_and_drives(fit):
     own = fit.eval()
     fitted = fit.current.column("fitted")

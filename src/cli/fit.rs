@@ -163,6 +163,9 @@ fn tell(args: &FitArgs, global: &Global, context: &Context, output: &Output) -> 
     match args.group.groups(args.fit.choice(global))? {
         None => document.fits.iter().for_each(|fit| print(fit, output)),
         Some(groups) => {
+            if !context.campaign.fit.known.is_empty() {
+                output.message("what [[fit.known]] in campaign.toml says is not used in these fits");
+            }
             let fitted = groups.run(context, output)?.into_iter();
             let groups: Vec<_> = fitted.map(entry).collect();
             groups.iter().for_each(|group| fit_group::print(group, output));

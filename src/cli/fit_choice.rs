@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::global::Global;
+use crate::domain::KnownParameter;
 use crate::pipeline::FitChoice;
 
 /// How runs are fitted.
@@ -17,6 +18,13 @@ pub struct FitChoiceArgs {
     /// Fit current and curvature together, each weighted by its noise, instead of one after the other
     #[arg(long)]
     simultaneous: bool,
+    /// What is known of a parameter before the fit: r1_ohm_cm2=120 (exact), r1_ohm_cm2=120±6, or lambda_per_s=0.001..0.01; repeat it for others
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = known)]
+    known: Vec<KnownParameter>,
+}
+
+fn known(text: &str) -> Result<KnownParameter, String> {
+    KnownParameter::parse(text).map_err(|error| error.to_string())
 }
 
 impl FitChoiceArgs {
@@ -27,6 +35,7 @@ impl FitChoiceArgs {
             method: self.method.clone(),
             simultaneous: self.simultaneous,
             seed: global.seed,
+            known: self.known.clone(),
         }
     }
 }

@@ -50,6 +50,11 @@ impl GroupArgs {
         if !self.group && !self.profile && self.bootstrap.is_none() {
             return Ok(None);
         }
+        if !choice.known.is_empty() {
+            return Err(CliError::usage(
+                "--set goes with fits of runs by themselves; leave --group, --profile and --bootstrap out",
+            ));
+        }
         if let Some(found) = self.bootstrap.filter(|&n| n < FEWEST_REFITS) {
             return Err(CliError::usage(&format!(
                 "--bootstrap: found {found}, needed {FEWEST_REFITS} or more (200 tell a standard error to 5 %)"

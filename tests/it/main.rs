@@ -43,6 +43,7 @@ mod imports;
 mod init_from;
 mod issue_codes;
 mod kill_loop;
+mod known;
 mod lab_origin;
 mod lumped_or_distributed;
 mod main_job;

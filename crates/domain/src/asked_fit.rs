@@ -2,11 +2,12 @@
 
 use std::fmt;
 
+use crate::KnownParameter;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What was said of how to fit; what is open is decided elsewhere.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AskedFit {
     /// Model, with the effects that extend it.
     pub model: Option<String>,
@@ -16,12 +17,15 @@ pub struct AskedFit {
     pub simultaneous: Option<bool>,
     /// Seed of a random method.
     pub seed: Option<u64>,
+    /// What is known of parameters.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub known: Vec<KnownParameter>,
 }
 
 impl AskedFit {
-    /// Whether nothing was said of model, method or steps; a seed alone asks for nothing.
+    /// Whether nothing was said of model, method, steps or parameters; a seed alone asks for nothing.
     pub fn is_open(&self) -> bool {
-        self.model.is_none() && self.method.is_none() && self.simultaneous.is_none()
+        self.model.is_none() && self.method.is_none() && self.simultaneous.is_none() && self.known.is_empty()
     }
 
     /// The same with what is open taken from `other`.
@@ -32,6 +36,10 @@ impl AskedFit {
             method: self.method.clone().or_else(|| other.method.clone()),
             simultaneous: self.simultaneous.or(other.simultaneous),
             seed: self.seed.or(other.seed),
+            known: match self.known.is_empty() {
+                true => other.known.clone(),
+                false => self.known.clone(),
+            },
         }
     }
 }
@@ -48,7 +56,8 @@ impl fmt::Display for AskedFit {
             self.method.as_ref().map(|method| format!("method {method}")),
             self.simultaneous.map(|together| steps(together).to_owned()),
         ];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        let known = self.known.iter().map(KnownParameter::to_string);
+        let parts: Vec<String> = parts.into_iter().flatten().chain(known).collect();
         formatter.write_str(&parts.join(", "))
     }
 }

@@ -139,6 +139,14 @@ pub enum FitError {
         /// The keys that may be shared, with commas.
         known: String,
     },
+    /// What is said to be known cannot be taken into the fit.
+    #[error("{found} cannot be taken as known: {reason}")]
+    Known {
+        /// What was said.
+        found: String,
+        /// Why not, and what can.
+        reason: String,
+    },
     /// A run without a current from which the electrical parameters of its group could start.
     #[error("the run cannot be part of a group: {reason}")]
     OutsideGroup {

@@ -6,7 +6,7 @@ use ieap_model::{FitModel, LumpedModel};
 use ieap_numerics::symmetric::Symmetric;
 
 use super::joint::feature::Feature;
-use super::joint::problem::Layout;
+use super::joint::layout::Layout;
 use super::joint::profile::Interval;
 use super::outcome::{joint_parameters, judged_response};
 use super::sampled::Sampled;

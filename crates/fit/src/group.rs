@@ -1,6 +1,7 @@
 //! Fits of several runs at once: parameters that all runs share, others free in every run.
 
 mod intervals;
+pub(super) mod known;
 mod open_edges;
 mod options;
 mod search;
@@ -11,8 +12,9 @@ use ieap_numerics::chance::chi_square_chance;
 use ieap_numerics::least_squares::{Local, Minimum};
 
 use super::joint::feature::Feature;
+use super::joint::layout::Layout;
 use super::joint::minimum::excess;
-use super::joint::problem::{JointProblem, Layout, Over};
+use super::joint::problem::{JointProblem, Over};
 use super::joint::readings::RunReadings;
 use super::joint::start::Start;
 use super::outcome;
@@ -180,14 +182,7 @@ fn shared_places(options: &GroupOptions) -> Result<Vec<usize>, FitError> {
             .contains(&key.as_str())
             .then(|| Feature::of_key(key, layout.branches))
             .flatten();
-        let local = match feature {
-            Some(Feature::Resistance(k)) => Some(layout.resistance(k)),
-            Some(Feature::Capacitance(k)) => Some(layout.capacitance(k)),
-            Some(Feature::Steady) => Some(layout.steady()),
-            Some(Feature::Coupling) => Some(layout.coupling()),
-            Some(Feature::Rate) => Some(layout.rate()),
-            _ => None,
-        };
+        let local = feature.and_then(|feature| feature.place(layout));
         local.ok_or_else(|| FitError::SharedParameter {
             found: key.clone(),
             known: known.join(", "),

@@ -37,13 +37,14 @@ mod uncertainty;
 mod whitened;
 mod widened;
 
-use ieap_domain::{Fit, Parameter};
+use ieap_domain::{Drive, Fit, KnownParameter, Parameter};
 use ieap_model::rival_law;
 
 pub use described::{Described, Left, Noise, describe};
 pub use edges::{EdgeTimes, Shift};
 pub use error::FitError;
 pub use given::{BaseKnowledge, Predict, fit_of_run};
+pub use group::known::can_be_known;
 pub use group::{
     Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, fit_group, shareable,
 };
@@ -83,6 +84,37 @@ pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
         widened::widen(&mut fit, &settled, |drive| {
             in_two_steps(&FitInput { drive, ..*input }, options)
         });
+    }
+    Ok(fit)
+}
+
+/// The same of a run of which something is known beforehand; with nothing known it is [`fit_run`].
+///
+/// Both responses are then fitted at once, and the fit says what was taken as known, and where the readings contradict it.
+///
+/// # Errors
+/// As [`fit_run`]; or [`FitError::Known`]: what is said to be known is none of a lumped model's parameters or cannot be, or
+/// the run's voltage moves all the time.
+pub fn fit_knowing(
+    input: &FitInput,
+    options: &FitOptions,
+    known: &[KnownParameter],
+) -> Result<Fit, FitError> {
+    if known.is_empty() {
+        return fit_run(input, options);
+    }
+    if input.drive.moves() {
+        return Err(FitError::Known {
+            found: known[0].to_string(),
+            reason: "the voltage moves all the time; leave it out, or fit a run of steps or pulses"
+                .to_owned(),
+        });
+    }
+    let settled = settled_edges::settled(input, options)?;
+    let with = |drive: &Drive| group::known::fit(&FitInput { drive, ..*input }, options.model, known);
+    let mut fit = with(settled.edges.drive())?;
+    if !settled.open.is_empty() {
+        widened::widen(&mut fit, &settled, |drive| Some(with(drive).ok()?.parameters));
     }
     Ok(fit)
 }

@@ -27,6 +27,8 @@ pub struct FitTask {
     pub electrode_resistance_ohm_per_sq: Option<f64>,
     /// Its standard error, where it is known.
     pub electrode_resistance_error_ohm_per_sq: Option<f64>,
+    /// Sample of the run, by its tag.
+    pub sample: Option<String>,
     /// Hash of the readings, with the clock offsets that are applied and the tags that leave readings out.
     pub data_hash: String,
     /// Input hash of the current fit, or of the last failure.
@@ -64,7 +66,8 @@ impl Store {
                           coalesce(fit.input_hash, fit_failure.input_hash),
                           run.electrode_resistance_ohm_per_sq, last.asked, last.id,
                           (SELECT CAST(value AS REAL) FROM tag WHERE run_id = run.id AND chosen = 1
-                              AND +key = 'electrode_resistance_error_ohm_per_sq')
+                              AND +key = 'electrode_resistance_error_ohm_per_sq'),
+                          (SELECT value FROM tag WHERE run_id = run.id AND chosen = 1 AND +key = 'sample')
                    FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
                             LEFT JOIN fit_failure ON fit_failure.run_id = run.id
                             LEFT JOIN (SELECT own.path, max(earlier.id) AS fit_id
@@ -98,6 +101,7 @@ impl Store {
                     electrode_resistance_error_ohm_per_sq: row
                         .get::<_, Option<f64>>(10)?
                         .filter(|error| error.is_finite() && *error > 0.0),
+                    sample: row.get(11)?,
                     last_asked: match row.get::<_, Option<String>>(8)? {
                         Some(asked) => from_json("how a fit was asked for", &asked)?,
                         None => AskedFit::default(),

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::domain::{AskedFit, Campaign};
-use crate::fit::{FitError, FitOptions, Steps};
-use crate::model::ModelChoice;
+use crate::domain::{AskedFit, Campaign, KnownParameter};
+use crate::fit::{FitError, FitOptions, Steps, can_be_known};
+use crate::model::{FitModel, ModelChoice};
 
 /// How runs are fitted.
 #[derive(Debug, Clone, Default)]
@@ -18,6 +18,8 @@ pub struct FitChoice {
     pub simultaneous: bool,
     /// Seed of a random method; none takes the default.
     pub seed: Option<u64>,
+    /// What is known of parameters; nothing takes what the campaign states.
+    pub known: Vec<KnownParameter>,
 }
 
 impl FitChoice {
@@ -33,6 +35,7 @@ impl FitChoice {
             method: self.method.clone(),
             simultaneous: self.simultaneous.then_some(true),
             seed: self.seed,
+            known: self.known.clone(),
         }
     }
 }
@@ -75,6 +78,7 @@ pub(crate) fn choose(
         last.model.is_some() && stated.model.is_none()
             || last.method.is_some() && stated.method.is_none()
             || last.simultaneous.is_some() && stated.simultaneous.is_none()
+            || !last.known.is_empty() && stated.known.is_empty()
     };
     let (said, held, by) = if !asked.is_open() {
         (asked.or(stated), asked.clone(), ChosenBy::Asked)
@@ -103,6 +107,9 @@ pub(crate) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOpti
     if let Some(method) = &said.method {
         options = options.with_method(method)?;
     }
+    if takes_known(model.base) && !model.is_extended() {
+        can_be_known(&said.known, model.base)?;
+    }
     if said.simultaneous == Some(true) {
         options.steps = Steps::Simultaneous;
     }
@@ -111,8 +118,13 @@ pub(crate) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOpti
     Ok(options)
 }
 
+/// Whether what is known of parameters is taken into fits with the model.
+pub(crate) fn takes_known(model: &FitModel) -> bool {
+    model.id.starts_with("lumped-")
+}
+
 /// A choice with the number of runs that it holds for.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct HeldChoice {
     /// What of it was said.
     pub said: AskedFit,
@@ -129,7 +141,9 @@ pub(crate) fn held<'a>(chosen: impl Iterator<Item = &'a Chosen>, campaign: &Camp
     let defaults = FitOptions::default();
     let mut held: Vec<HeldChoice> = Vec::new();
     for one in chosen.filter(|one| one.by != ChosenBy::Default) {
-        let differs = one.options.method.id() != defaults.method.id() || one.options.steps != defaults.steps;
+        let differs = one.options.method.id() != defaults.method.id()
+            || one.options.steps != defaults.steps
+            || !one.said.known.is_empty();
         if one.by == ChosenBy::Campaign && !differs {
             // The model stands with every fit.
             continue;

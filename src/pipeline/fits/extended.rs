@@ -1,7 +1,7 @@
 //! Fits groups of runs with an extended model; every run is stored with the parameters of its group.
 
 use super::input_hash::{library_hash, take_task};
-use super::outcome::{FitSummary, Outcome, fit_fault, save};
+use super::outcome::{FitSummary, Outcome, fit_fault, known_not_used, save};
 use super::plan::{ExtendedGroup, Planned};
 use crate::diagnose::{RunInput, fit_extended, model_version};
 use crate::domain::diagnosis::follows_a_tag;
@@ -121,7 +121,11 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
     };
     let outcome = |at: usize| if moves(at) { moving() } else { missing() };
     let mut outcomes: Vec<Outcome> = (0..group.runs.len()).map(outcome).collect();
-    for (place, fit) in found {
+    for (place, mut fit) in found {
+        let known = group.runs[fitted[place]].known();
+        if !known.is_empty() {
+            fit.issues.push(known_not_used(&known, &group.choice.to_string()));
+        }
         outcomes[fitted[place]] = Ok(fit);
     }
     outcomes
@@ -131,6 +135,9 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
 fn input_hash(group: &ExtendedGroup, library: &str) -> String {
     let mut hash = InputHash::new();
     group.runs.iter().for_each(|run| take_task(&mut hash, &run.task));
+    for known in group.runs.iter().flat_map(Planned::known) {
+        hash.text(&known.to_string());
+    }
     let ids = || group.choice.effects.iter().map(|effect| effect.about().id);
     if ids().any(follows_a_tag) {
         take_tags(&mut hash, &group.tags);

@@ -1,6 +1,7 @@
 //! Hashes of what fits and diagnoses are made from: the library of effects, and a run as it is handed to them.
 
-use crate::domain::InputHash;
+use crate::domain::{InputHash, KnownParameter};
+use crate::fit::{FitOptions, Steps, distributed};
 use crate::model::effects;
 use crate::store::FitTask;
 
@@ -32,4 +33,32 @@ pub(crate) fn take_task(hash: &mut InputHash, task: &FitTask) {
         .number(task.area_cm2)
         .number_or_none(task.length_cm)
         .number_or_none(task.electrode_resistance_ohm_per_sq);
+}
+
+/// Hash of everything that a fit depends on.
+pub(crate) fn input_hash(task: &FitTask, options: &FitOptions, known: &[KnownParameter]) -> String {
+    let mut hash = InputHash::new();
+    hash.text(&task.data_hash).drive(&task.drive);
+    hash.number(task.area_cm2).number_or_none(task.length_cm);
+    let along = task.electrode_resistance_ohm_per_sq;
+    if options.model.id == distributed::MODEL_ID || along.is_some() {
+        hash.number_or_none(along);
+        // Where none is known the form is that of fits before it could be.
+        if let Some(error) = task.electrode_resistance_error_ohm_per_sq {
+            hash.number(error);
+        }
+    }
+    let (model, method) = (options.model, options.method);
+    hash.text(model.id)
+        .whole(model.version.into())
+        .text(method.id())
+        .flag(options.steps == Steps::Simultaneous);
+    if method.is_random() {
+        hash.whole(options.seed);
+    }
+    // Where nothing is known the form is that of fits before it could be.
+    for known in known {
+        hash.text(&known.to_string());
+    }
+    hash.finished()
 }

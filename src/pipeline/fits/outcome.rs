@@ -2,14 +2,14 @@
 
 use super::choice::HeldChoice;
 use super::plan::Planned;
-use crate::domain::{Fit, Issue};
+use crate::domain::{Fit, Issue, KnownParameter};
 use crate::fit::FitError;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FitStamp;
 
 /// What `fit` did.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct FitSummary {
     /// Runs fitted.
     pub fitted: usize,
@@ -38,6 +38,16 @@ pub(crate) type Outcome = Result<Fit, Issue>;
 pub(crate) fn fit_fault(what: &str, reason: &str) -> Issue {
     Issue::error(FAULT, format!("{what} stopped on an internal fault: {reason}"))
         .mend("report it with the runs' files; all others are not affected")
+}
+
+/// What is said where known parameters take no part in a fit.
+pub(crate) fn known_not_used(known: &[KnownParameter], model: &str) -> Issue {
+    let known: Vec<String> = known.iter().map(KnownParameter::to_string).collect();
+    let message = format!(
+        "known and not used: {}; fits with {model} take all parameters from the readings",
+        known.join(", ")
+    );
+    Issue::note("known-not-used", message)
 }
 
 /// Code of what is said of a run whose fit failed by its readings.

@@ -4,8 +4,9 @@
 use std::collections::BTreeMap;
 
 use super::choice::{Chosen, choose};
+use super::input_hash::input_hash;
 use crate::analysis::groups::groups;
-use crate::domain::{AskedFit, RunRecord};
+use crate::domain::{AskedFit, KnownParameter, RunRecord};
 use crate::fit::{FitError, FitOptions};
 use crate::model::ModelChoice;
 use crate::model::effects::TagAt;
@@ -19,6 +20,20 @@ use crate::store::FitTask;
 pub(crate) struct Planned {
     pub(crate) task: FitTask,
     pub(crate) chosen: Chosen,
+}
+
+impl Planned {
+    /// What is known of the run's parameters.
+    pub(crate) fn known(&self) -> Vec<KnownParameter> {
+        let sample = self.task.sample.as_deref();
+        let all = self.chosen.said.known.iter();
+        all.filter(|known| known.holds_for(sample)).cloned().collect()
+    }
+
+    /// Hash of everything that its fit depends on.
+    pub(crate) fn input_hash(&self) -> String {
+        input_hash(&self.task, &self.chosen.options, &self.known())
+    }
 }
 
 /// Runs of a group that are fitted with one parameter set of an extended model.

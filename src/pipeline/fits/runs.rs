@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use super::along;
-use super::choice::{FitChoice, held};
+use super::choice::{FitChoice, held, takes_known};
 use super::extended;
-use super::outcome::{FitSummary, Outcome, fit_fault, not_fitted, save};
+use super::outcome::{FitSummary, Outcome, fit_fault, known_not_used, not_fitted, save};
 use super::plan::{Planned, fit_plan};
 use crate::domain::fault::caught;
-use crate::domain::{AskedFit, Channel, InputHash};
-use crate::fit::{FitInput, FitOptions, Steps, distributed, fit_run};
+use crate::domain::{AskedFit, Channel, KnownParameter};
+use crate::fit::{FitInput, FitOptions, distributed, fit_knowing};
 use crate::ingest::derived;
 use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -81,9 +81,7 @@ impl FitRuns {
 
     /// The runs of a plan whose fit is up to date, and the others.
     pub(crate) fn sorted(&self, single: Vec<Planned>) -> (Vec<Due>, Vec<Due>) {
-        let hashed = single
-            .into_iter()
-            .map(|run| (input_hash(&run.task, &run.chosen.options), run));
+        let hashed = single.into_iter().map(|run| (run.input_hash(), run));
         hashed.partition(|due| self.is_done(due))
     }
 
@@ -110,7 +108,7 @@ fn load(context: &Context, (_, run): &Due) -> Result<Vec<Channel>, PipelineError
 }
 
 fn make((_, run): &Due, channels: Vec<Channel>) -> Outcome {
-    fit_one(&run.task, &channels, &run.chosen.options)
+    fit_one(&run.task, &channels, &run.chosen.options, &run.known())
 }
 
 /// The fits of a batch in its order; none for those that an interruption met.
@@ -123,48 +121,39 @@ pub(crate) fn fit_batch(
 }
 
 /// Fits one run; a panic in a kernel is that run's failure, not the program's.
-pub(crate) fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
+pub(crate) fn fit_one(
+    task: &FitTask,
+    channels: &[Channel],
+    options: &FitOptions,
+    known: &[KnownParameter],
+) -> Outcome {
+    let taken = if takes_known(options.model) { known } else { &[] };
     let fitted = caught(|| match options.model.id {
         distributed::MODEL_ID => along::fit(task, channels, options),
-        _ => fit_whole(task, channels, options),
+        _ => fit_whole(task, channels, options, taken),
     });
-    fitted.unwrap_or_else(|reason| Err(fit_fault("the fit", &reason)))
+    let mut fit = fitted.unwrap_or_else(|reason| Err(fit_fault("the fit", &reason)))?;
+    if taken.len() < known.len() {
+        fit.issues.push(known_not_used(known, options.model.id));
+    }
+    Ok(fit)
 }
 
 /// The strip as a whole, with a lumped model.
-fn fit_whole(task: &FitTask, measured: &[Channel], options: &FitOptions) -> Outcome {
+fn fit_whole(
+    task: &FitTask,
+    measured: &[Channel],
+    options: &FitOptions,
+    known: &[KnownParameter],
+) -> Outcome {
     let channels = derived::responses(measured, task.length_cm);
     let input = FitInput {
         channels: &channels,
         drive: &task.drive,
         area_cm2: task.area_cm2,
     };
-    let mut fit = fit_run(&input, options).map_err(not_fitted)?;
+    let mut fit = fit_knowing(&input, options, known).map_err(not_fitted)?;
     fit.issues
         .extend(along::lumped_or_distributed(task, measured, &fit));
     Ok(fit)
-}
-
-/// Hash of everything that a fit depends on.
-pub(crate) fn input_hash(task: &FitTask, options: &FitOptions) -> String {
-    let mut hash = InputHash::new();
-    hash.text(&task.data_hash).drive(&task.drive);
-    hash.number(task.area_cm2).number_or_none(task.length_cm);
-    let along = task.electrode_resistance_ohm_per_sq;
-    if options.model.id == distributed::MODEL_ID || along.is_some() {
-        hash.number_or_none(along);
-        // Where none is known the form is that of fits before it could be.
-        if let Some(error) = task.electrode_resistance_error_ohm_per_sq {
-            hash.number(error);
-        }
-    }
-    let (model, method) = (options.model, options.method);
-    hash.text(model.id)
-        .whole(model.version.into())
-        .text(method.id())
-        .flag(options.steps == Steps::Simultaneous);
-    if method.is_random() {
-        hash.whole(options.seed);
-    }
-    hash.finished()
 }

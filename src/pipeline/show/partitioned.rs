@@ -74,7 +74,7 @@ impl ExportPartitioned {
         &self,
         context: &Context,
         runs: &[&RunRecord],
-        tasks: &BTreeMap<String, Task>,
+        tasks: &BTreeMap<String, Result<Task, String>>,
         path: &Path,
     ) -> Result<(), PipelineError> {
         let encoding = |source| {
@@ -103,7 +103,7 @@ impl ExportPartitioned {
 fn row<'a>(
     context: &Context,
     run: &'a RunRecord,
-    tasks: &BTreeMap<String, Task>,
+    tasks: &BTreeMap<String, Result<Task, String>>,
 ) -> Result<RunRow<'a>, PipelineError> {
     let why_not = || {
         let said: Vec<&str> = run.issues.iter().map(|issue| issue.message.as_str()).collect();
@@ -121,14 +121,14 @@ fn row<'a>(
         Some(_) if is_along => {
             Err("readings along the strip are not in this table: fit the run in the campaign".to_owned())
         }
-        Some(task) => Ok(task.clone()),
+        Some(task) => task.clone(),
         None => Err(why_not()),
     };
     Ok(RunRow { run, channels, task })
 }
 
 /// How each run is fitted, by its name.
-fn tasks(context: &Context) -> Result<BTreeMap<String, Task>, PipelineError> {
+fn tasks(context: &Context) -> Result<BTreeMap<String, Result<Task, String>>, PipelineError> {
     let fits = FitRuns::default();
     let plan = fit_plan(context, &fits.choice.asked(), &BTreeMap::new())?;
     let (done, due) = fits.sorted(plan.single);
@@ -142,6 +142,13 @@ fn tasks(context: &Context) -> Result<BTreeMap<String, Task>, PipelineError> {
             model: options.model.id.to_owned(),
             method: options.method.id().to_owned(),
             simultaneous: options.steps == Steps::Simultaneous,
+        };
+        let task = match planned.known().is_empty() {
+            true => Ok(task),
+            false => Err(
+                "what is known of its parameters is not in this table: fit the run in the campaign"
+                    .to_owned(),
+            ),
         };
         (planned.task.path, task)
     };

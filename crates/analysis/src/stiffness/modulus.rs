@@ -65,13 +65,16 @@ pub fn sample_modulus<'a>(
         of.is_some_and(|of| of.material == sample.material)
     };
     let own = modulus_points(logs, is_own);
-    let (points, is_meant): (Vec<ModulusPoint>, &dyn Fn(&str) -> bool) = match own.is_empty() {
-        false => (own, &is_own),
-        true => (modulus_points(logs, is_of_material), &is_of_material),
+    let has_own = !own.is_empty();
+    let points = match has_own {
+        true => own,
+        false => modulus_points(logs, is_of_material),
     };
-    let meant = logs
-        .iter()
-        .filter(|log| log.run.tag(keys::SAMPLE).is_some_and(is_meant));
+    let is_meant = |log: &&ModulusLog| {
+        let sample = log.run.tag(keys::SAMPLE);
+        sample.is_some_and(|id| if has_own { is_own(id) } else { is_of_material(id) })
+    };
+    let meant = logs.iter().filter(is_meant);
     let paths = meant.map(|log| log.run.path.as_str()).collect();
     (modulus_at(&points, humidity_percent), paths)
 }

@@ -172,6 +172,7 @@ impl<'p, 'a> WithEdges<'p, 'a> {
             layout: self.problem.layout,
             units: self.problem.units.clone(),
             bounds: self.problem.bounds.clone(),
+            known: Vec::new(),
         }
     }
 }

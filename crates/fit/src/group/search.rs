@@ -19,8 +19,14 @@ pub(super) fn search<'a>(
     shared: &[usize],
 ) -> (JointProblem<'a>, Minimum, u64) {
     let (problem, first) = problem(runs, starts, shared);
+    let (bottom, evaluations) = deepest(&problem, starts, first);
+    (problem, bottom, evaluations)
+}
+
+/// The same of a problem that is there; `first` is the place that the starts stand for.
+pub(super) fn deepest(problem: &JointProblem, starts: &[Start], first: Vec<f64>) -> (Minimum, u64) {
     let mut evaluations = 0;
-    let places = start_places(&problem, starts, &first);
+    let places = start_places(problem, starts, &first);
     let searched = places.iter().take(STARTS);
     let searched = searched.map(|at| problem.search(Over::Condensed, at, LIMIT, 1e-4));
     let best = Minimum::lowest(searched.inspect(|found| evaluations += found.evaluations));
@@ -32,7 +38,7 @@ pub(super) fn search<'a>(
         bottom = problem.search(Over::Whole, &bottom.at, LIMIT, 1e-4);
         evaluations += bottom.evaluations;
     }
-    (problem, bottom, evaluations)
+    (bottom, evaluations)
 }
 
 /// Places to start from: the shared parameters as each of the runs has them, and their mean.

@@ -6,8 +6,9 @@ use ieap_domain::quantiles::CHI_SQUARE_95;
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 use ieap_numerics::sums::dot;
 
+use super::layout::Layout;
 use super::minimum::{electrical_starts, excess, minimum};
-use super::problem::{JointProblem, Layout};
+use super::problem::JointProblem;
 use super::readings::RunReadings;
 
 /// Rise of the sum of squares beyond which a hidden branch is ruled out (95 %).

@@ -2,7 +2,7 @@
 
 use crate::search::MOST_BRANCHES;
 
-use super::problem::Layout;
+use super::layout::Layout;
 
 /// A reported number. Positive ones are looked at by their logarithm, in which intervals are near to even.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,6 +99,18 @@ impl Feature {
             Feature::Steady => value.recip(),
             _ if self.is_logarithm() => value.exp(),
             _ => value,
+        }
+    }
+
+    /// Where it stands among the local parameters; none of what follows from several.
+    pub(crate) fn place(self, layout: Layout) -> Option<usize> {
+        match self {
+            Feature::Resistance(k) => Some(layout.resistance(k)),
+            Feature::Capacitance(k) => Some(layout.capacitance(k)),
+            Feature::Steady => Some(layout.steady()),
+            Feature::Coupling => Some(layout.coupling()),
+            Feature::Rate => Some(layout.rate()),
+            Feature::TimeConstant(_) | Feature::TotalCapacitance | Feature::ParallelResistance => None,
         }
     }
 

@@ -3,47 +3,12 @@
 use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 
+use super::layout::Layout;
 use super::readings::{Offsets, RunReadings};
+use super::spring::Spring;
 
 /// Step of the difference quotients, in coordinates scaled to be of order one.
 const STEP: f64 = 1e-3;
-
-/// Where the local parameters of one run stand: `[ln R_k.., ln C_k.., 1/R_ss, alpha, lambda, offsets]`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Layout {
-    pub(crate) branches: usize,
-}
-
-impl Layout {
-    pub(crate) fn resistance(self, k: usize) -> usize {
-        k
-    }
-    pub(crate) fn capacitance(self, k: usize) -> usize {
-        self.branches + k
-    }
-    pub(crate) fn steady(self) -> usize {
-        2 * self.branches
-    }
-    pub(crate) fn coupling(self) -> usize {
-        2 * self.branches + 1
-    }
-    pub(crate) fn rate(self) -> usize {
-        2 * self.branches + 2
-    }
-    pub(crate) fn current_offset(self) -> usize {
-        2 * self.branches + 3
-    }
-    pub(crate) fn curvature_offset(self) -> usize {
-        2 * self.branches + 4
-    }
-    pub(crate) fn len(self) -> usize {
-        2 * self.branches + 5
-    }
-    /// Whether the parameter is stored as its logarithm.
-    pub(crate) fn is_logarithm(self, local: usize) -> bool {
-        local < 2 * self.branches
-    }
-}
 
 /// Where a local parameter of a run comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,6 +36,8 @@ pub(crate) struct JointProblem<'a> {
     /// Size of a local parameter of one coordinate unit.
     pub(crate) units: Vec<f64>,
     pub(crate) bounds: Bounds,
+    /// What is known of features before any reading.
+    pub(crate) known: Vec<Spring>,
 }
 
 /// Which readings a sum goes over.
@@ -131,7 +98,13 @@ impl<'a> JointProblem<'a> {
             self.residuals(run, &self.local(run, at), over, &mut out);
             inner(&out, &out)
         };
-        (0..self.runs.len()).map(of_run).sum()
+        let readings: f64 = (0..self.runs.len()).map(of_run).sum();
+        readings
+            + self
+                .known
+                .iter()
+                .map(|spring| spring.gap(self, at).powi(2))
+                .sum::<f64>()
     }
 
     /// The problem over some of the readings.
@@ -213,6 +186,10 @@ impl Problem for Weighed<'_, '_> {
         for (run, here) in residuals.iter().enumerate() {
             add_run(&problem.columns(run, at, here, self.over), here, &mut all);
         }
+        problem
+            .known
+            .iter()
+            .for_each(|spring| spring.add(problem, at, &mut all));
         all
     }
 }

@@ -5,6 +5,7 @@ use ieap_numerics::symmetric::Symmetric;
 
 use super::feature::Feature;
 use super::problem::{JointProblem, Over};
+use super::spring::{Spring, gradient};
 
 /// Evaluations allowed to one constrained search.
 const LIMIT: u64 = 40;
@@ -68,15 +69,7 @@ impl<'p, 'a> Solved<'p, 'a> {
     }
 
     pub(crate) fn gradient(&self, feature: Feature, run: usize, at: &[f64]) -> Vec<f64> {
-        const STEP: f64 = 1e-5;
-        let along = |k: usize| {
-            let mut moved = at.to_vec();
-            moved[k] += STEP;
-            let above = self.feature(feature, run, &moved);
-            moved[k] = at[k] - STEP;
-            (above - self.feature(feature, run, &moved)) / (2.0 * STEP)
-        };
-        (0..at.len()).map(along).collect()
+        gradient(self.problem, feature, run, at)
     }
 
     /// Correlation of two features under the covariance.
@@ -178,46 +171,35 @@ impl<'p, 'a> Solved<'p, 'a> {
     /// feature. Wherever it ends, it is the best place for the feature's value there.
     fn held_near(&self, feature: Feature, run: usize, from: &[f64], target: f64, stiffness: f64) -> Minimum {
         let held = HeldNear {
-            solved: self,
-            feature,
-            run,
-            target,
-            stiffness,
+            problem: self.problem,
+            spring: Spring {
+                run,
+                feature,
+                target,
+                stiffness,
+            },
         };
         Levenberg::by_diagonal(LIMIT, SETTLE).search(&held, from)
     }
 }
 
 /// The condensed problem with a spring on a feature.
-struct HeldNear<'s, 'p, 'a> {
-    solved: &'s Solved<'p, 'a>,
-    feature: Feature,
-    run: usize,
-    target: f64,
-    stiffness: f64,
+struct HeldNear<'p, 'a> {
+    problem: &'p JointProblem<'a>,
+    spring: Spring,
 }
 
-impl Problem for HeldNear<'_, '_, '_> {
+impl Problem for HeldNear<'_, '_> {
     fn bounds(&self) -> Bounds {
-        self.solved.problem.bounds.clone()
+        self.problem.bounds.clone()
     }
 
     fn local(&self, at: &[f64], most: f64) -> Local {
-        let (solved, stiffness) = (self.solved, self.stiffness);
-        let gap = stiffness * (self.target - solved.feature(self.feature, self.run, at));
+        let gap = self.spring.gap(self.problem, at);
         // Rounding of the difference must not refuse what is taken.
         let without = most - gap * gap + 1e-12 * most.abs();
-        let mut local = solved.problem.over(Over::Condensed).local(at, without);
-        local.square += gap * gap;
-        let gradient = solved.gradient(self.feature, self.run, at);
-        for (row, left) in gradient.iter().enumerate() {
-            local.descent[row] += stiffness * left * gap;
-            for (column, right) in gradient.iter().enumerate() {
-                local
-                    .normal
-                    .add(row, column, stiffness * stiffness * left * right);
-            }
-        }
+        let mut local = self.problem.over(Over::Condensed).local(at, without);
+        self.spring.add(self.problem, at, &mut local);
         local
     }
 }

@@ -4,7 +4,8 @@ use crate::bending::Bending;
 use crate::electrical::Electrical;
 use ieap_numerics::least_squares::Bounds;
 
-use super::problem::{JointProblem, Layout, Slot};
+use super::layout::Layout;
+use super::problem::{JointProblem, Slot};
 use super::readings::RunReadings;
 
 /// Logarithms may move this far from where they start.
@@ -107,6 +108,7 @@ pub(crate) fn problem<'a>(
         layout,
         slots: Vec::new(),
         bounds: Bounds::default(),
+        known: Vec::new(),
     };
     let mut at = Vec::new();
     let mut common: Vec<Option<usize>> = vec![None; layout.len()];

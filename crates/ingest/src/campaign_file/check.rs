@@ -45,6 +45,13 @@ impl Checker<'_> {
                 source,
             })?;
         }
+        let fit = AskedFit {
+            model: head.model.clone(),
+            method: file.fit.method,
+            simultaneous: file.fit.simultaneous,
+            seed: None,
+            known: self.known(file.fit.known, &samples)?,
+        };
         let campaign = Campaign {
             title: head.title.unwrap_or_else(|| id.clone()),
             id,
@@ -60,12 +67,7 @@ impl Checker<'_> {
             dma_name_pattern,
             impedance_folder: self.folder(file.impedance.folder, &impedance_folder())?,
             impedance_name_pattern,
-            fit: AskedFit {
-                model: head.model.clone(),
-                method: file.fit.method,
-                simultaneous: file.fit.simultaneous,
-                seed: None,
-            },
+            fit,
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
             group_by: self.group_by(head.group_by)?,
             adopted: self.adopted(file.adopted)?,

@@ -147,6 +147,28 @@ pub enum CampaignFileError {
         /// What is stated.
         found: &'static str,
     },
+    /// What is known of a parameter, stated so that nothing is.
+    #[error("{}, {place}: found {found}; needed value, value and a positive standard_error, or low and a higher high", path.display())]
+    BadKnown {
+        /// The file.
+        path: PathBuf,
+        /// The entry.
+        place: String,
+        /// What is stated.
+        found: String,
+    },
+    /// A sample that campaign.toml does not have.
+    #[error("{}, {place}: no [[sample]] is called {found:?}; there are {known}", path.display())]
+    UnknownSample {
+        /// The file.
+        path: PathBuf,
+        /// The entry.
+        place: String,
+        /// What is stated.
+        found: String,
+        /// The samples, with commas.
+        known: String,
+    },
     /// An offset from UTC that is none.
     #[error("{}, {place}: utc_offset = \"{found}\" is no offset from UTC; write it as \"+02:00\"", path.display())]
     BadOffset {

@@ -55,7 +55,7 @@ const KNOWN: [(&str, &[&str]); 16] = [
         &["id", "relative_humidity_percent", "temperature_c", "pressure_pa"],
     ),
     ("adopted", &["group", "model"]),
-    ("fit", &["method", "simultaneous"]),
+    ("fit", &["method", "simultaneous", "known"]),
     ("runs", &["folder", "name_pattern"]),
     ("dma", &["folder", "name_pattern"]),
     ("impedance", &["folder", "name_pattern"]),

@@ -5,6 +5,7 @@ mod climate;
 mod compare;
 mod error;
 mod keys;
+mod known;
 mod lines;
 mod monitoring;
 mod nearest;

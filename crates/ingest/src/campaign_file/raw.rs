@@ -49,6 +49,21 @@ pub(super) struct Tags {
 pub(super) struct Fit {
     pub method: Option<String>,
     pub simultaneous: Option<bool>,
+    #[serde(default)]
+    pub known: Vec<Spanned<Known>>,
+}
+
+/// `[[fit.known]]`. A key that is misspelt would turn an error into an exact value.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Known {
+    pub parameter: Option<String>,
+    pub value: Option<f64>,
+    pub standard_error: Option<f64>,
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+    pub source: Option<String>,
+    pub sample: Option<String>,
 }
 
 /// `[[adopted]]`.

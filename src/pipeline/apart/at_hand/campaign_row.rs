@@ -7,8 +7,8 @@ use crate::domain::{AskedFit, Channel, Drive, Issue};
 use crate::fit::FitOptions;
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::fits::choice::FitChoice;
+use crate::pipeline::fits::input_hash::input_hash;
 use crate::pipeline::fits::result::FitResult;
-use crate::pipeline::fits::runs::input_hash;
 use crate::store::FitTask;
 
 /// What a row says of a run and of its fit.
@@ -51,6 +51,7 @@ impl CampaignRow {
                 electrode_resistance_error_ohm_per_sq: self.electrode_resistance_error_ohm_per_sq,
                 data_hash: self.data_hash.clone(),
                 done_input_hash: None,
+                sample: None,
                 last_asked: AskedFit::default(),
             },
             tags: Default::default(),
@@ -63,7 +64,7 @@ impl CampaignRow {
         let asked = choice.asked();
         let run = self.at_hand();
         let options = self.options(&run, &asked);
-        let made = options.and_then(|options| fit(&run, &options));
+        let made = options.and_then(|options| fit(&run, &options, &asked.known));
         let hash = made
             .as_ref()
             .map_or(&self.input_hash, |(_, stated)| &stated.input_hash);
@@ -74,7 +75,7 @@ impl CampaignRow {
 
     fn options(&self, run: &RunAtHand, asked: &AskedFit) -> Result<FitOptions, Issue> {
         let options = options_as_asked(&asked.or(&self.chosen))?;
-        if asked.is_open() && input_hash(&run.task, &options) != self.input_hash {
+        if asked.is_open() && input_hash(&run.task, &options, &[]) != self.input_hash {
             let message = "what stands in the row is not what its input_hash is of";
             let issue = Issue::error("other-input", message).at("input_hash");
             return Err(issue.mend(format!(

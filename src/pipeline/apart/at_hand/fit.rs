@@ -3,14 +3,15 @@
 use serde::Serialize;
 
 use super::RunAtHand;
-use crate::domain::{AskedFit, Channel, ChannelNoise, Estimate, Fit, Issue, Severity};
+use crate::domain::{AskedFit, Channel, ChannelNoise, Estimate, Fit, Issue, KnownParameter, Severity};
 use crate::fit::{FitError, FitOptions};
 use crate::ingest::formats::columns::COLUMN_REFUSED;
 use crate::model::ModelChoice;
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::documents::fits::{as_object, parameter_entries};
 use crate::pipeline::fits::choice::{FitChoice, options_of};
-use crate::pipeline::fits::runs::{fit_one, input_hash};
+use crate::pipeline::fits::input_hash::input_hash;
+use crate::pipeline::fits::runs::fit_one;
 
 /// A fit as `ieap fit --json` states it, less what only a campaign knows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -72,19 +73,23 @@ pub(super) fn options_as_asked(said: &AskedFit) -> Result<FitOptions, Issue> {
     options_of(said, &model).map_err(refused)
 }
 
-/// Fits a run: the fit with its curves, and how `ieap fit --json` states it.
+/// Fits a run, `known` of its parameters beforehand: the fit with its curves, and how `ieap fit --json` states it.
 ///
 /// # Errors
 /// There is nothing to fit, or a fault of the program stopped the fit.
-pub fn fit(run: &RunAtHand, options: &FitOptions) -> Result<(Fit, FitAtHand), Issue> {
-    let fit = fit_one(&run.task, &run.channels, options).map_err(|issue| explained(issue, run))?;
+pub fn fit(
+    run: &RunAtHand,
+    options: &FitOptions,
+    known: &[KnownParameter],
+) -> Result<(Fit, FitAtHand), Issue> {
+    let fit = fit_one(&run.task, &run.channels, options, known).map_err(|issue| explained(issue, run))?;
     let stated = FitAtHand {
         run: run.task.path.clone(),
         model: fit.model.clone(),
         model_version: fit.model_version,
         code_version: CODE_VERSION,
         data_hash: run.task.data_hash.clone(),
-        input_hash: input_hash(&run.task, options),
+        input_hash: input_hash(&run.task, options, known),
         converged: fit.converged,
         why_stopped: fit.why_stopped.clone(),
         method: fit.method.clone(),

@@ -168,6 +168,7 @@ impl RunAtHand {
                 electrode_resistance_error_ohm_per_sq: None,
                 data_hash: stamp(&read.channels, &tags),
                 done_input_hash: None,
+                sample: None,
                 last_asked: AskedFit::default(),
             },
             tags,

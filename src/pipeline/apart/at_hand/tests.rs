@@ -87,6 +87,7 @@ fn a_fit_of_a_file_and_of_arrays_is_the_campaigns() {
     let of_file = fit(
         &run_of_file(&folder.path().join("runs/a.csv"), "runs/a.csv"),
         &options,
+        &[],
     )
     .unwrap()
     .1;
@@ -111,14 +112,14 @@ fn a_fit_of_a_file_and_of_arrays_is_the_campaigns() {
         .map(|name| (*name).to_owned())
         .zip([time_s].into_iter().chain(values));
     let arrays = arrays(columns.collect()).unwrap();
-    let of_arrays = fit(&RunAtHand::new("b", &arrays, &strip()).unwrap(), &options)
+    let of_arrays = fit(&RunAtHand::new("b", &arrays, &strip()).unwrap(), &options, &[])
         .unwrap()
         .1;
     assert_eq!(
         (&of_arrays.parameters, &of_arrays.data_hash),
         (&stored.parameters, &stored.data_hash)
     );
-    let of_store = fit(&RunAtHand::new("c", &table, &stated).unwrap(), &options)
+    let of_store = fit(&RunAtHand::new("c", &table, &stated).unwrap(), &options, &[])
         .unwrap()
         .1;
     assert_eq!(of_store.parameters, stored.parameters);
@@ -145,6 +146,7 @@ fn row_of(context: &Context, at: usize) -> CampaignRow {
             method: Some("variable-projection".to_owned()),
             simultaneous: Some(false),
             seed: None,
+            ..AskedFit::default()
         },
     }
 }

@@ -15,7 +15,7 @@ use crate::pipeline::campaign::context::now;
 use crate::pipeline::fits::outcome::NOT_FITTED;
 use crate::pipeline::fits::plan::fit_plan;
 use crate::pipeline::fits::result::FitResult;
-use crate::pipeline::fits::runs::{Due, FitRuns, input_hash};
+use crate::pipeline::fits::runs::{Due, FitRuns};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FitStamp;
 use crate::system::fs;
@@ -189,7 +189,7 @@ impl Known {
             None => {
                 let plan = fit_plan(context, asked, &BTreeMap::new())?;
                 let hashed = plan.single.into_iter().map(|planned| {
-                    let hash = input_hash(&planned.task, &planned.chosen.options);
+                    let hash = planned.input_hash();
                     (planned.task.path.clone(), (hash, planned))
                 });
                 self.plans.push((asked.clone(), hashed.collect()));
