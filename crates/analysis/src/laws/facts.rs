@@ -301,7 +301,8 @@ pub(super) fn in_order(places: &[usize], facts: &[RunFacts], runs: &[RunRecord])
     })
 }
 
-fn start_s(run: &RunRecord) -> Option<f64> {
+/// When a run was started, s since 1970 UTC, where a tag says it.
+pub fn start_s(run: &RunRecord) -> Option<f64> {
     let start: jiff::Timestamp = run.tag(keys::STARTED_AT)?.parse().ok()?;
     Some(start.as_millisecond() as f64 / 1000.0)
 }

@@ -220,12 +220,28 @@ mod tests {
             parameter: parameter.to_owned(),
             axis: Covariate::Cycle,
             runs: (0..40).collect(),
+            starts_s: Vec::new(),
             series,
             study,
             other_axes: Vec::new(),
             limit: None,
             left_out: 0,
         }
+    }
+
+    #[test]
+    fn a_place_of_the_axis_has_a_date_where_the_runs_say_when_they_were_started() {
+        let mut weekly = falling("alpha_per_c_cm", None, 0.0, 1);
+        assert_eq!(weekly.date_at(50.0), None);
+        let first: jiff::Timestamp = "2026-01-01T12:00:00Z".parse().unwrap();
+        let week_s = 7.0 * 86_400.0;
+        weekly.starts_s = (0..40)
+            .map(|k| first.as_second() as f64 + week_s * f64::from(k))
+            .collect();
+        // Ten weeks after the last of 40 weekly runs.
+        assert_eq!(weekly.date_at(50.0).unwrap(), "2026-12-10");
+        weekly.starts_s.reverse();
+        assert_eq!(weekly.date_at(50.0), None);
     }
 
     /// By little enough to be left to the charts.

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 use crate::laws::CampaignLaws;
 use crate::laws::covariate::Covariate;
-use crate::laws::facts::RunFacts;
+use crate::laws::facts::{RunFacts, start_s};
 use crate::laws::values::{keys, values};
 use ieap_domain::{Alarm, Campaign, RunRecord};
 use ieap_numerics::control_chart::Chart;
@@ -205,11 +205,13 @@ fn watch(
         };
         (limit.clone(), reaches)
     });
+    let starts_s: Option<Vec<f64>> = of_runs.iter().map(|run| start_s(&runs[*run])).collect();
     Some(Watched {
         material: fact.material.clone(),
         sample: fact.sample.clone(),
         parameter: key.to_owned(),
         axis,
+        starts_s: starts_s.unwrap_or_default(),
         runs: of_runs,
         series,
         study,

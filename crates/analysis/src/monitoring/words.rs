@@ -279,15 +279,33 @@ fn limit_words(watched: &Watched, limit: &Limit, reaches: &Reaches) -> String {
     match reaches {
         Reaches::Beyond => format!("It lies {side} its limit of {}.", short(number)),
         Reaches::At(at) => format!(
-            "On this trend it passes its limit of {} at {}.",
+            "On this trend it passes its limit of {} at {}{}.",
             short(number),
-            on_axis(watched, *at)
+            on_axis(watched, *at),
+            dated(watched, *at).unwrap_or_default()
         ),
         Reaches::Unknown(why) => format!(
             "When it passes its limit of {} cannot be told: {why}.",
             short(number)
         ),
     }
+}
+
+/// The same as dates, `, about 2027-03-14 [2027-03-02, 2027-03-30]`; none where the
+/// runs do not say when they were started.
+fn dated(watched: &Watched, at: Interval) -> Option<String> {
+    let date = |x: f64| watched.date_at(x);
+    let ends = match (at.low_95.and_then(date), at.high_95.and_then(date)) {
+        (Some(low), Some(high)) => format!(" [{low}, {high}]"),
+        (Some(low), None) => format!(" [{low} or later]"),
+        (None, Some(high)) => format!(" [{high} or earlier]"),
+        (None, None) => String::new(),
+    };
+    let pace = match watched.axis {
+        Covariate::Age => "",
+        _ => " at the pace so far",
+    };
+    Some(format!(", about {}{ends}{pace}", date(at.value)?))
 }
 
 /// A change that charts of one or more parameters of a sample show.
