@@ -328,3 +328,31 @@ fn a_limit_without_a_side_is_refused_with_its_place() {
         ended.stderr
     );
 }
+
+#[test]
+fn what_is_a_function_of_the_voltage_is_not_said_to_come_from_use() {
+    let folder = campaign(&["S1", "S2"], "");
+    let mut runs = String::new();
+    for sample in ["S1", "S2"] {
+        for cycle in 1..=8 {
+            // Each voltage once, rising: the cycle is a function of it, and lambda of both.
+            let volts = 0.8 + 0.2 * f64::from(cycle);
+            let tags = format!("sample = \"{sample}\", cycle = {cycle}");
+            let noise = 1.0 + 0.01 * scatter(cycle as usize + 20 * usize::from(sample == "S2"));
+            let on_lambda = (0.5 * (volts - 1.5)).exp() * noise;
+            let own = run(&format!("{sample}_{cycle}"), &tags, 1.0, on_lambda, 1.0);
+            runs += &own.replace("voltage_v = 2.0", &format!("voltage_v = {volts:.1}"));
+        }
+    }
+    simulate(&folder, &runs);
+    let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();
+    let claimed = of_lambda(&document);
+    assert!(!claimed.is_empty(), "{document}");
+    for one in claimed {
+        let sentence = one["sentence"].as_str().unwrap();
+        assert!(
+            sentence.contains("voltage, cycle") && sentence.contains("cannot be told"),
+            "{sentence}"
+        );
+    }
+}

@@ -264,6 +264,11 @@ impl Covariate {
         }
     }
 
+    /// Whether it is a factor of the design: what the drive or the surroundings were set to.
+    pub fn is_factor(self) -> bool {
+        self.effect().is_none()
+    }
+
     /// How its values compare.
     pub fn kind(self) -> Kind {
         match self {

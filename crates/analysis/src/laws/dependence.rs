@@ -181,7 +181,7 @@ impl Asking<'_> {
         let members: Vec<Covariate> = set
             .iter()
             .copied()
-            .filter(|covariate| covariate.effect().is_some())
+            .filter(|covariate| !covariate.is_factor())
             .collect();
         let first = *members.first()?;
         let (adjusted_for, not_adjusted_for) = self.adjusters(&table, set, first);
@@ -204,7 +204,14 @@ impl Asking<'_> {
         let answer = ask(&table.y, &null, &alternatives, &table.group, self.seed)?;
         let mut found = self.empty_of(&table, shapes[answer.best].0, answer);
         found.adjusted_for = adjusted_for;
-        found.not_adjusted_for = not_adjusted_for;
+        // A factor of the design that could not be taken out may be what the parameter follows.
+        let (factors, others): (Vec<Covariate>, Vec<Covariate>) =
+            not_adjusted_for.into_iter().partition(|one| one.is_factor());
+        found.confounded_with.retain(|one| !factors.contains(one));
+        found.confounded_with.extend(factors);
+        // What the drive or the surroundings were set to is named before what use or order may do.
+        found.confounded_with.sort_by_key(|one| !one.is_factor());
+        found.not_adjusted_for = others;
         Some(found)
     }
 
@@ -254,8 +261,7 @@ impl Asking<'_> {
             }
         };
         let inflation = |other: Covariate| self.rows.inflation(first, &[other]);
-        let is_factor = |covariate: &Covariate| covariate.effect().is_none();
-        for factor in table.columns.keys().copied().filter(is_factor) {
+        for factor in table.columns.keys().copied().filter(|one| one.is_factor()) {
             if inflation(factor) <= super::design::INFLATION_LIMIT {
                 take(factor, LEFT_FOR_FACTORS, true);
             }
@@ -269,7 +275,7 @@ impl Asking<'_> {
                 other
                     .iter()
                     .copied()
-                    .find(|one| !is_factor(one) && !set.contains(one))
+                    .find(|one| !one.is_factor() && !set.contains(one))
             })
             .map(|other| (inflation(other), other))
             .collect();

@@ -164,7 +164,11 @@ impl Ground<'_> {
             }
         };
         let n = self.null.freedom() as f64;
-        let evidence = criterion(allowed, n, plain.paid_for) - criterion(own.square, n, own.paid_for);
+        let evidence = match self.asking.numbers(self.table, rival) {
+            Some(_) => criterion(allowed, n, plain.paid_for) - criterion(own.square, n, own.paid_for),
+            // Names pay for each level, and would lose by that alone against a number that is a function of them.
+            None => per_freedom(&plain, n, own),
+        };
         Some((plain.square, evidence))
     }
 
@@ -222,13 +226,13 @@ impl Ground<'_> {
                 model.take_out_all(&columns);
             }
         }
-        let (n, left) = (self.null.freedom(), model.freedom());
-        let own_left = n.saturating_sub(own.paid_for);
-        if left == 0 || own_left == 0 {
-            return false;
-        }
-        let mean = square_left(&model, &self.table.y) / left as f64;
-        n as f64 * (mean / (own.square / own_left as f64)).ln() > RULED_OUT
+        let n = self.null.freedom();
+        let together = Alone {
+            square: square_left(&model, &self.table.y),
+            paid_for: n.saturating_sub(model.freedom()),
+            columns: Vec::new(),
+        };
+        per_freedom(&together, n as f64, own) > RULED_OUT
     }
 
     fn errors(&self, covariate: Covariate) -> Errors {
@@ -259,6 +263,19 @@ impl Ground<'_> {
             true => Errors::TooLarge,
             false => Errors::Known(own),
         }
+    }
+}
+
+/// Evidence for `own` against a rival where each number that they have paid for costs a degree of freedom of `n` only; none
+/// where either leaves nothing free.
+fn per_freedom(rival: &Alone, n: f64, own: &Alone) -> f64 {
+    let mean = |alone: &Alone| {
+        let left = n - alone.paid_for as f64;
+        (left > 0.0).then(|| alone.square / left)
+    };
+    match mean(rival).zip(mean(own)) {
+        Some((rival, own)) => n * (rival / own).ln(),
+        None => 0.0,
     }
 }
 

@@ -286,6 +286,8 @@ fn tied_sentence(found: &Dependence) -> String {
     };
     let mut names = vec![found.covariate];
     names.extend(&found.confounded_with);
+    // What the drive or the surroundings were set to is named before what use or order may do.
+    names.sort_by_key(|name| !name.is_factor());
     format!(
         "{what} changes, but {} changed {place}: which of them it follows cannot be told. Over the {}:",
         listed(&names),

@@ -205,7 +205,8 @@ pub(super) fn one_of(covariates: &[Covariate]) -> String {
     match labels.as_slice() {
         [one] => (*one).to_owned(),
         [one, other] => format!("{one} or {other}"),
-        many => format!("one of {} others", many.len()),
+        [first, rest @ ..] => format!("{first} or one of {} others", rest.len()),
+        [] => String::new(),
     }
 }
 
