@@ -251,6 +251,10 @@ fn steady(electrical: &Electrical, drive: &Drive) -> Estimate {
     )
 }
 
+/// Why the bending is open where a voltage that moves leaves the capacitance open.
+pub(super) const CHARGE_OPEN: &str =
+    "the voltage moves, and the capacitance is open: the charge that bends the strip is not known";
+
 /// Why the coupling is open where a branch charges faster than the readings follow each other.
 pub(super) const CHARGE_UNSEEN: &str = "a branch charges faster than the readings follow each other, so that the charge that bends the strip is not known";
 

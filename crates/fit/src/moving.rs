@@ -12,6 +12,10 @@ use crate::options::{FitInput, FitOptions};
 use crate::parabola;
 use crate::two_steps::Identified;
 
+/// Counts what changes fits of moving voltages and of no others.
+/// - 2: the bending is open where the capacitance is.
+pub const MOVING_VERSION: u32 = 2;
+
 /// Refuses a moving voltage.
 ///
 /// # Errors

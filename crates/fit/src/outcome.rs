@@ -9,7 +9,7 @@ use ieap_domain::{ChannelNoise, Drive, Estimate, Fit, Parameter, Quantity, RunCu
 use ieap_model::FitModel;
 use ieap_numerics::least_squares::Stop;
 
-use super::estimates::{CHARGE_UNSEEN, HIDES_BRANCH, bending_estimate, electrical_estimate};
+use super::estimates::{CHARGE_OPEN, CHARGE_UNSEEN, HIDES_BRANCH, bending_estimate, electrical_estimate};
 use super::group::Found;
 use super::joint::feature::Feature;
 use super::joint::readings::RunReadings;
@@ -154,9 +154,10 @@ fn parameters(
         }
         // The charge that bends the strip is that of a circuit.
         let hides_branch = matches!(&identified.current, Ok((_, electrical)) if electrical.hides_branch);
-        let bending = match hides_branch {
-            true => bending.and(Err(HIDES_BRANCH)),
-            false => bending,
+        let bending = match () {
+            () if hides_branch => bending.and(Err(HIDES_BRANCH)),
+            () if charge_is_open(input.drive, identified) => bending.and(Err(CHARGE_OPEN)),
+            () => bending,
         };
         bending_estimate(feature, bending).or_else(electrical)
     };
@@ -171,6 +172,16 @@ fn parameters(
         .iter()
         .filter_map(|description| with_estimate(description.key))
         .collect()
+}
+
+/// Whether a voltage that moves leaves the capacitance open, and with it the charge that bends the strip. After a step the
+/// charge is seen where it ends, whatever the branches are.
+fn charge_is_open(drive: &Drive, identified: &Identified) -> bool {
+    let Ok((_, electrical)) = &identified.current else {
+        return false;
+    };
+    let capacitance = electrical_estimate(Feature::TotalCapacitance, electrical, drive);
+    drive.moves() && capacitance.is_none_or(|estimate| estimate.value.is_none())
 }
 
 /// Parameters of a joint fit in the model's order.

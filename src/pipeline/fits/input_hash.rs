@@ -1,7 +1,7 @@
 //! Hashes of what fits and diagnoses are made from: the library of effects, and a run as it is handed to them.
 
 use crate::domain::{InputHash, KnownParameter};
-use crate::fit::{FitOptions, Steps, distributed};
+use crate::fit::{FitOptions, MOVING_VERSION, Steps, distributed};
 use crate::model::effects;
 use crate::store::FitTask;
 
@@ -53,6 +53,9 @@ pub(crate) fn input_hash(task: &FitTask, options: &FitOptions, known: &[KnownPar
         .whole(model.version.into())
         .text(method.id())
         .flag(options.steps == Steps::Simultaneous);
+    if task.drive.moves() {
+        hash.whole(MOVING_VERSION.into());
+    }
     if method.is_random() {
         hash.whole(options.seed);
     }

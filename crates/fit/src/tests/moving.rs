@@ -281,3 +281,22 @@ fn other_models_and_groups_say_that_they_do_not_take_it() {
     );
     assert!(matches!(describe(&input, lumped), Err(FitError::Moves { .. })));
 }
+
+#[test]
+fn a_sine_from_its_peak_states_no_bending_where_the_capacitance_is_open() {
+    let model = seen();
+    let mut open = 0;
+    for hz in [1e-3, 2e-3, 4e-3, 8e-3, 0.05] {
+        for seed in 0..3 {
+            let wave = move |t: f64| 2.0 * (TAU * hz * t).cos();
+            let fit = record(&model, wave, (0.05 / hz, 8.0 / hz), (0.0, 0.005), 100 + seed).fitted();
+            if fit.parameter("c_total_f_per_cm2").unwrap().value.is_none() {
+                open += 1;
+                let alpha = fit.parameter("alpha_per_c_cm").unwrap();
+                assert_eq!(alpha.value, None, "{hz} Hz, seed {seed}: {alpha:?}");
+                assert!(alpha.reason.is_some());
+            }
+        }
+    }
+    assert!(open > 5, "{open}");
+}
