@@ -63,6 +63,7 @@ mod published;
 mod random_strips;
 mod readouts;
 mod rebuild;
+mod reductions;
 #[cfg(unix)]
 mod regular_files;
 mod rendered;

@@ -23,6 +23,7 @@ fn table(input: &Input, name: &str) -> Table {
         frequency: &input.frequency,
         model_free: &input.model_free,
         cycles: &input.cycles,
+        reductions: &[],
         electrodes: &input.electrodes,
         files: &input.files,
         groups: &input.findings.groups,

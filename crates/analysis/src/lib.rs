@@ -29,6 +29,7 @@ pub mod plain_columns;
 pub mod plan;
 pub mod pooling;
 pub mod probe;
+pub mod reductions;
 pub mod run_rows;
 pub mod run_tables;
 pub mod same_tags;

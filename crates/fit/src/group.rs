@@ -4,6 +4,7 @@ mod intervals;
 pub(super) mod known;
 mod open_edges;
 mod options;
+pub(super) mod reductions;
 mod search;
 
 use ieap_domain::{Drive, Fit, Issue, Parameter};

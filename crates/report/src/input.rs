@@ -90,6 +90,7 @@ impl Input {
             frequency: &self.frequency,
             model_free: &self.model_free,
             cycles: &self.cycles,
+            reductions: &[],
             electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.findings.groups,

@@ -12,4 +12,5 @@ pub mod impedance;
 pub(super) mod model_free;
 pub(super) mod modulus;
 pub mod next_runs;
+pub mod reductions;
 pub mod strip_modulus;

@@ -6,6 +6,7 @@ use serde::Serialize;
 use crate::analysis::frequency::FrequencyRun;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::probe::Course;
+use crate::analysis::reductions::RunReductions;
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
 use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named, with_columns};
 use crate::domain::{
@@ -18,6 +19,7 @@ use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::frequency::frequency_runs;
 use crate::pipeline::findings::model_free::{WithoutModel, without_model};
+use crate::pipeline::findings::reductions::reductions_of;
 use crate::pipeline::intake::climate::electrode_courses;
 use crate::pipeline::{Context, PipelineError};
 use crate::report::tables::{FORMATS, Format, format_named, text_of};
@@ -26,6 +28,8 @@ use crate::store::Earlier;
 
 /// Tables that are made from the readings of all runs.
 const FROM_READINGS: [&str; 3] = ["model-free", "energy", "cycles"];
+/// The table for which every run is fitted with other circuits.
+const REDUCTIONS: &str = "reductions";
 
 /// What tables are made from, read from the database.
 pub(crate) struct TableData {
@@ -36,6 +40,7 @@ pub(crate) struct TableData {
     blocked: Vec<BlockedRun>,
     frequency: Vec<FrequencyRun>,
     without_model: WithoutModel,
+    reductions: Vec<RunReductions>,
     electrodes: Vec<Course>,
     files: Vec<SourceFile>,
     groups: Vec<GroupDiagnosis>,
@@ -82,6 +87,7 @@ impl TableData {
             blocked: blocked_runs(context, &runs)?,
             frequency: frequency_runs(context, &runs)?,
             without_model: WithoutModel::default(),
+            reductions: Vec::new(),
             electrodes: electrode_courses(context)?,
             runs,
             set_aside,
@@ -111,6 +117,9 @@ impl TableData {
         if FROM_READINGS.contains(&named.name) {
             self.without_model = without_model(context, &self.runs)?;
         }
+        if named.name == REDUCTIONS {
+            self.reductions = reductions_of(context, &self.runs)?;
+        }
         Ok(self)
     }
 
@@ -125,6 +134,7 @@ impl TableData {
             frequency: &self.frequency,
             model_free: &self.without_model.steps,
             cycles: &self.without_model.trains,
+            reductions: &self.reductions,
             electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.groups,

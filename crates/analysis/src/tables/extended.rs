@@ -111,6 +111,7 @@ mod tests {
             frequency: &[],
             model_free: &[],
             cycles: &[],
+            reductions: &[],
             electrodes: &[],
             files: &[],
             comparisons: &[],

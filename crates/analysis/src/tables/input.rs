@@ -5,6 +5,7 @@ use crate::frequency::FrequencyRun;
 use crate::laws::doubt::Doubts;
 use crate::model_free::ModelFree;
 use crate::probe::Course;
+use crate::reductions::RunReductions;
 use ieap_domain::{
     BlockedRun, Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun,
 };
@@ -30,6 +31,8 @@ pub struct TableInput<'a> {
     pub model_free: &'a [ModelFree],
     /// Trains, cycle by cycle.
     pub cycles: &'a [CycleRun],
+    /// Where simpler circuits would do.
+    pub reductions: &'a [RunReductions],
     /// The electrodes' resistance over time, by the probe.
     pub electrodes: &'a [Course],
     /// Every file that the last scan saw.

@@ -14,6 +14,7 @@ mod input;
 mod model_free;
 mod models;
 pub mod moved;
+mod reductions;
 mod refused;
 mod runs;
 mod spread;
@@ -56,7 +57,7 @@ impl NamedTable {
 }
 
 /// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 19] = [
+pub const TABLES: [NamedTable; 20] = [
     NamedTable {
         name: "table2",
         about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
@@ -128,6 +129,12 @@ pub const TABLES: [NamedTable; 19] = [
         about: "Trains cycle by cycle: amplitude, charge in and out, coulombic efficiency, energy, alpha, resistance, with their trends",
         compares_materials: false,
         make: cycles::make,
+    },
+    NamedTable {
+        name: "reductions",
+        about: "Where a simpler circuit would do in each run, one branch or none to leak, and what it costs",
+        compares_materials: false,
+        make: reductions::make,
     },
     NamedTable {
         name: "models",

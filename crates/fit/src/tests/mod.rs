@@ -11,6 +11,7 @@ mod memory;
 mod moving;
 mod one_fit;
 mod recovery;
+mod reductions;
 mod stopped;
 
 use std::sync::Arc;

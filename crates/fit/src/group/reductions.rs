@@ -1,0 +1,155 @@
+//! Where a simpler circuit would do: the run with one branch, without the leak, without either, against two branches with it.
+//!
+//! These are the circuits of the thesis's figure 7 (B, and G, which F equals) beside its two-branch one (figure 8). Each is
+//! fitted to both responses at once, weighted by their noise.
+
+use ieap_domain::range_of;
+use ieap_model::FitModel;
+use ieap_numerics::chance::chi_square_chance;
+use ieap_numerics::least_squares::{Minimum, Problem};
+
+use super::options::GroupOptions;
+use super::prepare;
+use super::search::search;
+use crate::error::FitError;
+use crate::joint::feature::Feature;
+use crate::joint::layout::Layout;
+use crate::joint::minimum::excess;
+use crate::joint::problem::{JointProblem, Over};
+use crate::options::{FitInput, FitOptions};
+
+/// A circuit with fewer elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Circuit {
+    /// Two branches without R_ss.
+    NoLeak,
+    /// One branch beside R_ss: figure 7G, and F.
+    OneBranch,
+    /// One branch alone: figure 7B.
+    OneBranchNoLeak,
+}
+
+impl Circuit {
+    /// All of them, the fullest first.
+    pub const ALL: [Circuit; 3] = [Circuit::NoLeak, Circuit::OneBranch, Circuit::OneBranchNoLeak];
+
+    fn model_id(self) -> &'static str {
+        match self {
+            Circuit::NoLeak => FULL,
+            Circuit::OneBranch | Circuit::OneBranchNoLeak => "lumped-1",
+        }
+    }
+
+    fn leaks(self) -> bool {
+        self == Circuit::OneBranch
+    }
+}
+
+/// The model that the others are held against.
+const FULL: &str = "lumped-2";
+
+/// What a simpler circuit costs in one run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reduction {
+    /// The circuit.
+    pub circuit: Circuit,
+    /// Parameters that it saves.
+    pub parameters_saved: usize,
+    /// By how much the weighted sum of squares rises.
+    pub chi_square_rise: f64,
+    /// Chance of such a rise where the simpler circuit is the true one; what the full model leaves beyond noise is allowed for.
+    pub p: f64,
+    /// Root mean square by which its current differs from the full model's, percent of that one's range.
+    pub current_differs_percent: f64,
+    /// The same of the curvature; none where no curvature was read.
+    pub curvature_differs_percent: Option<f64>,
+    /// R_1, C_1 and R_ss of the circuit (Ohm cm2, F/cm2, Ohm cm2) where it has one branch and leaks.
+    pub elements: Option<[f64; 3]>,
+}
+
+/// What simpler circuits cost in a run of steps or pulses whose edges are where its drive has them.
+///
+/// # Errors
+/// The run has too few readings or no current, or its voltage moves all the time.
+pub fn reductions(input: &FitInput) -> Result<Vec<Reduction>, FitError> {
+    let full = Fitted::of(input, FitOptions::for_model(FULL)?.model, true)?;
+    let condensed = Minimum {
+        local: full
+            .problem
+            .over(Over::Condensed)
+            .local(&full.bottom.at, f64::INFINITY),
+        ..full.bottom.clone()
+    };
+    let misfit = excess(&full.problem, &condensed).powi(2);
+    let of = |circuit: Circuit| {
+        let model = FitOptions::for_model(circuit.model_id())?.model;
+        let own = Fitted::of(input, model, circuit.leaks())?;
+        Ok(own.against(&full, circuit, misfit))
+    };
+    Circuit::ALL.into_iter().map(of).collect()
+}
+
+/// A circuit at its best.
+struct Fitted<'a> {
+    problem: JointProblem<'a>,
+    bottom: Minimum,
+    curves: [Option<Vec<f64>>; 2],
+}
+
+impl<'a> Fitted<'a> {
+    fn of(input: &FitInput<'a>, model: &'static FitModel, leaks: bool) -> Result<Fitted<'a>, FitError> {
+        if input.drive.moves() {
+            return Err(FitError::Moves { model: model.id });
+        }
+        let (run, mut start) = prepare(0, input, &GroupOptions::sharing_all(model))?;
+        let steady = Layout {
+            branches: model.branches,
+        }
+        .steady();
+        start.searched[steady] = leaks;
+        if !leaks {
+            start.local[steady] = 0.0;
+        }
+        let (problem, bottom, _) = search(vec![run], &[start], &[]);
+        let local = problem.local(0, &bottom.at);
+        let curves = problem.runs[0].fitted(&problem.model(&local), problem.offsets(&local));
+        Ok(Fitted {
+            problem,
+            bottom,
+            curves,
+        })
+    }
+
+    fn square(&self) -> f64 {
+        self.problem.square(&self.bottom.at, Over::Whole)
+    }
+
+    fn against(&self, full: &Fitted, circuit: Circuit, misfit: f64) -> Reduction {
+        let saved = full.bottom.at.len().saturating_sub(self.bottom.at.len());
+        // The full model can do what this one does: what falls below is what the searches leave.
+        let rise = (self.square() - full.square()).max(0.0);
+        let differs = |which: usize| {
+            let (own, other) = self.curves[which].as_ref().zip(full.curves[which].as_ref())?;
+            Some(100.0 * differs(own, other))
+        };
+        let local = self.problem.local(0, &self.bottom.at);
+        let stated = |feature: Feature| feature.stated(feature.of(self.problem.layout, &local));
+        let elements = [Feature::Resistance(0), Feature::Capacitance(0), Feature::Steady];
+        Reduction {
+            circuit,
+            parameters_saved: saved,
+            chi_square_rise: rise,
+            p: chi_square_chance(rise / misfit, saved),
+            current_differs_percent: differs(0).unwrap_or_default(),
+            curvature_differs_percent: differs(1),
+            elements: circuit.leaks().then(|| elements.map(stated)),
+        }
+    }
+}
+
+/// Root mean square of the difference of two curves, as a part of the range of the second, zero within it.
+fn differs(own: &[f64], other: &[f64]) -> f64 {
+    let (low, high) = range_of(other.iter().copied().chain([0.0]));
+    let square: f64 = own.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
+    (square / own.len().max(1) as f64).sqrt() / (high - low).max(f64::MIN_POSITIVE)
+}

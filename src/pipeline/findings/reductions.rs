@@ -1,0 +1,74 @@
+//! Where simpler circuits would do: every run of steps is fitted with them whenever it is asked. Nothing of it is stored.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use crate::analysis::reductions::{ReducedCircuit, RunReductions};
+use crate::domain::RunRecord;
+use crate::domain::fault::caught;
+use crate::fit::{Circuit, FitInput, Reduction, reductions};
+use crate::ingest::derived;
+use crate::pipeline::{Context, PipelineError};
+use crate::store::FitTask;
+
+/// Runs whose readings are in memory together.
+const TOGETHER: usize = 32;
+
+/// Every run that can be fitted, in the order of `runs`.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn reductions_of(context: &Context, runs: &[RunRecord]) -> Result<Vec<RunReductions>, PipelineError> {
+    let tasks = context.store.fit_tasks()?;
+    let by_id: BTreeMap<i64, &FitTask> = tasks.iter().map(|task| (task.run_id, task)).collect();
+    let ready: Vec<&FitTask> = runs
+        .iter()
+        .filter_map(|run| by_id.get(&run.id).copied())
+        .filter(|task| !task.drive.moves())
+        .collect();
+    let mut found = Vec::new();
+    for some in ready.chunks(TOGETHER) {
+        let read = some
+            .iter()
+            .map(|task| Ok((*task, context.store.channels(task.run_id)?)))
+            .collect::<Result<Vec<_>, PipelineError>>()?;
+        let of = |(task, channels): &(&FitTask, Vec<_>)| {
+            of_run(task, &derived::responses(channels, task.length_cm))
+        };
+        found.extend(read.par_iter().map(of).collect::<Vec<_>>());
+    }
+    Ok(found)
+}
+
+fn of_run(task: &FitTask, channels: &[crate::domain::Channel]) -> RunReductions {
+    let input = FitInput {
+        channels,
+        drive: &task.drive,
+        area_cm2: task.area_cm2,
+    };
+    let fitted = caught(|| reductions(&input).map_err(|error| error.to_string()));
+    RunReductions {
+        run_id: task.run_id,
+        path: task.path.clone(),
+        found: fitted
+            .unwrap_or_else(|reason| Err(format!("a fault of the program stopped the fit: {reason}")))
+            .map(|found| found.iter().map(as_shown).collect()),
+    }
+}
+
+fn as_shown(own: &Reduction) -> ReducedCircuit {
+    ReducedCircuit {
+        circuit: match own.circuit {
+            Circuit::NoLeak => "two branches, no leak",
+            Circuit::OneBranch => "one branch (7G, 7F)",
+            Circuit::OneBranchNoLeak => "one branch, no leak (7B)",
+        },
+        parameters_saved: own.parameters_saved,
+        chi_square_rise: own.chi_square_rise,
+        p: own.p,
+        current_differs_percent: own.current_differs_percent,
+        curvature_differs_percent: own.curvature_differs_percent,
+        elements: own.elements,
+    }
+}
