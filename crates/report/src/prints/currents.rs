@@ -64,7 +64,7 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
 }
 
 /// Indices of the voltages of smallest and largest magnitude; one where there is one only.
-fn lowest_and_highest(voltages_v: &[f64]) -> Vec<usize> {
+pub(super) fn lowest_and_highest(voltages_v: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..voltages_v.len()).collect();
     order.sort_by(|&a, &b| voltages_v[a].abs().total_cmp(&voltages_v[b].abs()));
     match order.as_slice() {

@@ -3,6 +3,7 @@
 
 mod along;
 mod bending;
+mod charge;
 mod currents;
 pub mod family;
 mod figure;
@@ -24,7 +25,7 @@ pub use figure::{FigureInput, NamedFigure};
 pub use print::{POINTS_PER_PIXEL, Print};
 
 /// Every figure, in the order in which they are listed.
-pub const FIGURES: [NamedFigure; 13] = [
+pub const FIGURES: [NamedFigure; 14] = [
     NamedFigure {
         name: "figure4",
         alias: "shapes",
@@ -87,6 +88,15 @@ pub const FIGURES: [NamedFigure; 13] = [
         of_strips: false,
         of_parameters: false,
         draw: bending::displacement,
+    },
+    NamedFigure {
+        name: "charge",
+        alias: "curvature-charge",
+        about: "Curvature against the charge that has passed, at the lowest and highest voltage, measured and simulated",
+        width_mm: 170.0,
+        of_strips: false,
+        of_parameters: false,
+        draw: charge::draw,
     },
     NamedFigure {
         name: "figure24",
