@@ -142,8 +142,8 @@ pub struct KramersKronig {
 /// A circuit fitted to a spectrum.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CircuitFit {
-    /// Id of the circuit, `lumped-2`.
-    pub circuit: &'static str,
+    /// Id of the circuit, `lumped-2`, or the circuit as a text, `R0-p(R1,CPE1)`.
+    pub circuit: String,
     /// Its parameters in the circuit's order, derived ones last; in Ohm and F of the whole sample.
     pub parameters: Vec<Parameter>,
     /// Root mean square of real and imaginary residual, percent of |Z|.
@@ -174,7 +174,7 @@ pub struct SpectrumAnalysis {
     /// Circuits in the order of the list.
     pub circuits: Vec<CircuitFit>,
     /// The one with the lowest criterion.
-    pub best: &'static str,
+    pub best: String,
     /// What a reader must know.
     pub issues: Vec<Issue>,
 }
