@@ -7,10 +7,12 @@ mod circuits;
 mod intervals;
 pub mod kramers_kronig;
 mod policy;
+pub mod relaxation;
 mod search;
 mod starts;
 #[cfg(test)]
 mod tests;
+pub mod z_hit;
 
 use ieap_domain::impedance::FEWEST_FREQUENCIES;
 use ieap_domain::{CircuitFit, Consistency, Issue, KramersKronig, Spectrum, SpectrumAnalysis};
@@ -67,6 +69,8 @@ pub fn analyse(spectrum: &Spectrum, asked: &[SpectrumCircuit]) -> Result<Spectru
     let circuits: Vec<CircuitFit> = circuits.collect();
     let issues = issues(&tested, &circuits);
     Ok(SpectrumAnalysis {
+        z_hit: z_hit::z_hit(spectrum),
+        relaxation: relaxation::relaxation_times(spectrum, &tested),
         kramers_kronig: tested,
         circuits,
         best,

@@ -20,3 +20,26 @@ pub const DRAWN_BEYOND: f64 = 10.0;
 pub const BEYOND: f64 = 1e4;
 /// Lowest exponent that is drawn for a start.
 pub const LEAST_DRAWN_EXPONENT: f64 = 0.5;
+
+/// Relaxation times a decade at which their distribution is sought: three between frequencies of five a decade.
+pub const TIMES_PER_DECADE: f64 = 12.0;
+/// Decades beyond the measured frequencies that the times reach, so that what is faster or slower has a place.
+pub const TIMES_BEYOND_DECADES: f64 = 1.0;
+/// The distribution is the smoothest that leaves no more than this many times the scatter of the readings (Morozov's
+/// discrepancy principle).
+pub const DISCREPANCY: f64 = 1.05;
+/// Scatter that is assumed at the least, part of |Z|: of computed readings, which have none.
+pub const LEAST_SCATTER: f64 = 1e-4;
+/// Weakest and strongest regularisation that are tried, and the halvings of the logarithm between them.
+pub const REGULARISATION: (f64, f64) = (1e-5, 1e2);
+/// Halvings of the logarithm of the regularisation.
+pub const REGULARISATION_HALVINGS: usize = 20;
+/// A peak counts where half its resistance, the height of its arc, is this many times the scatter of |Z| there.
+pub const PEAK_BEYOND_SCATTER: f64 = 2.0;
+/// and where it holds this share of all resistance of the distribution at the least.
+pub const PEAK_LEAST_SHARE: f64 = 0.005;
+
+/// Readings of the phase whose parabola gives its value and slope in Z-HIT.
+pub const Z_HIT_WINDOW: usize = 7;
+/// Lowest frequencies over which the modulus is averaged against that which the phase gives.
+pub const Z_HIT_LOWEST: usize = 5;

@@ -1,12 +1,16 @@
 //! Known truth through noise, how often intervals hold it, and what violates Kramers-Kronig.
 
 use ieap_domain::{Consistency, Spectrum};
-use ieap_model::impedance::spectrum_circuit;
+use ieap_model::impedance::{SpectrumCircuit, spectrum_circuit};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::{analyse, circuits, kramers_kronig};
+
+mod relaxation;
+mod texts;
+mod z_hit;
 
 /// `count` frequencies from 10 kHz to 3 mHz.
 fn frequencies(count: usize) -> Vec<f64> {
@@ -37,6 +41,21 @@ fn simulated(id: &str, values: &[f64], noise: f64, drift: f64, seed: u64) -> Spe
         spectrum
             .imaginary_ohm
             .push(z.im + noise * z.magnitude() * normal());
+    }
+    spectrum
+}
+
+/// A spectrum of `count` frequencies of a circuit with white noise, `noise` of |Z|.
+fn of_circuit(circuit: &SpectrumCircuit, values: &[f64], noise: f64, seed: u64, count: usize) -> Spectrum {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut spectrum = Spectrum::default();
+    for hz in frequencies(count) {
+        let z = circuit.impedance(values, hz);
+        let mut scatter =
+            || -> f64 { noise * z.magnitude() * Distribution::<f64>::sample(&StandardNormal, &mut random) };
+        spectrum.frequency_hz.push(hz);
+        spectrum.real_ohm.push(z.re + scatter());
+        spectrum.imaginary_ohm.push(z.im + scatter());
     }
     spectrum
 }

@@ -84,7 +84,10 @@ pub static ELEMENTS: [Element; 8] = [
     Element {
         symbol: "CPE",
         title: "constant-phase element, admittance Q (jω)ⁿ",
-        parameters: &[("s_sn", "S sⁿ", Scale::Storage), ("exponent", "", Scale::Exponent)],
+        parameters: &[
+            ("s_sn", "S sⁿ", Scale::Storage),
+            ("exponent", "", Scale::Exponent),
+        ],
         immittance: |v, w| Immittance::Admittance(Complex::power_of_imaginary(w, v[1]) * v[0]),
     },
     Element {

@@ -98,7 +98,9 @@ impl Reader<'_> {
             parts.push(self.series()?);
         }
         if parts.len() < 2 {
-            return Err(self.unexpected("`,` and what stands beside it is needed: p(R1,C1) sets R1 beside C1"));
+            return Err(
+                self.unexpected("`,` and what stands beside it is needed: p(R1,C1) sets R1 beside C1")
+            );
         }
         if !self.takes(')') {
             return Err(self.unexpected("`-`, `,` or the `)` of p( is needed"));
@@ -110,25 +112,35 @@ impl Reader<'_> {
         self.peek();
         let start = self.at;
         let is_of_name = |c: &char| c.is_ascii_alphanumeric() || *c == '_';
-        let name: String = self.characters[start..].iter().take_while(|c| is_of_name(c)).collect();
+        let name: String = self.characters[start..]
+            .iter()
+            .take_while(|c| is_of_name(c))
+            .collect();
         if name.is_empty() {
             return Err(self.unexpected("an element such as R0 or CPE1, or p(..,..), is needed"));
         }
         let Some(element) = element_of(&name) else {
             let known: Vec<&str> = ELEMENTS.iter().map(|element| element.symbol).collect();
-            let needed = format!("known elements are {}, each with a number: R0, CPE1", known.join(", "));
+            let needed = format!(
+                "known elements are {}, each with a number: R0, CPE1",
+                known.join(", ")
+            );
             return Err(self.error(format!("`{name}`"), needed));
         };
         let stem = name.replace('_', "").to_lowercase();
         if self.names.contains(&stem) {
-            return Err(self.error(format!("`{name}` again"), "give every element its own number".to_owned()));
+            return Err(self.error(
+                format!("`{name}` again"),
+                "give every element its own number".to_owned(),
+            ));
         }
         let first = self.parameters.len();
         let parameters = element.parameters.iter();
-        self.parameters.extend(parameters.map(|(unit, _, scale)| CircuitParameter {
-            key: format!("{stem}_{unit}"),
-            scale: *scale,
-        }));
+        self.parameters
+            .extend(parameters.map(|(unit, _, scale)| CircuitParameter {
+                key: format!("{stem}_{unit}"),
+                scale: *scale,
+            }));
         self.names.push(stem);
         self.at += name.len();
         Ok(Part::Element(element, first))
@@ -173,7 +185,10 @@ mod tests {
         let found = circuit(" R0 - p(R1, CPE1) - W1 ").unwrap();
         assert_eq!(found.id, "R0-p(R1,CPE1)-W1");
         let keys: Vec<&str> = found.parameters.iter().map(|p| p.key.as_str()).collect();
-        assert_eq!(keys, ["r0_ohm", "r1_ohm", "cpe1_s_sn", "cpe1_exponent", "w1_s_s05"]);
+        assert_eq!(
+            keys,
+            ["r0_ohm", "r1_ohm", "cpe1_s_sn", "cpe1_exponent", "w1_s_s05"]
+        );
     }
 
     #[test]
@@ -213,7 +228,10 @@ mod tests {
             for (hz, (re, im)) in [0.02, 1.0, 250.0].into_iter().zip(expected) {
                 let own = found.impedance(values, hz);
                 let told = Complex::new(re, im);
-                assert!((own - told).magnitude() < 1e-9 * told.magnitude(), "{text} {hz}: {own:?}");
+                assert!(
+                    (own - told).magnitude() < 1e-9 * told.magnitude(),
+                    "{text} {hz}: {own:?}"
+                );
             }
         }
     }
@@ -226,15 +244,29 @@ mod tests {
             ("R0-p(R1)", 8, "`)`", "stands beside"),
             ("R0-p(R1,C1", 11, "its end", "`)`"),
             ("R0-p R1", 6, "`R`", "`(`"),
-            ("R0-Gs1", 4, "`Gs1`", "known elements are R, C, L, CPE, W, Wo, Ws, TLMQ"),
+            (
+                "R0-Gs1",
+                4,
+                "`Gs1`",
+                "known elements are R, C, L, CPE, W, Wo, Ws, TLMQ",
+            ),
             ("R1-p(R1,C1)", 6, "`R1` again", "its own number"),
             ("R0)C1", 3, "`)`", "the end"),
         ] {
             let error = circuit(text).unwrap_err();
-            assert_eq!((error.character, error.found.as_str()), (character, found), "{text}");
+            assert_eq!(
+                (error.character, error.found.as_str()),
+                (character, found),
+                "{text}"
+            );
             assert!(error.needed.contains(needed), "{text}: {error}");
         }
-        assert!(circuit(&"R1-".repeat(200)).unwrap_err().found.contains("600 characters"));
+        assert!(
+            circuit(&"R1-".repeat(200))
+                .unwrap_err()
+                .found
+                .contains("600 characters")
+        );
     }
 
     #[test]

@@ -24,12 +24,14 @@ impl Part {
             Part::Element(element, first) => {
                 (element.immittance)(&values[*first..*first + element.parameters.len()], w)
             }
-            Part::Series(parts) => Immittance::Impedance(
-                (parts.iter()).fold(Complex::ZERO, |sum, part| sum + part.immittance(values, w).impedance()),
-            ),
-            Part::Parallel(parts) => Immittance::Admittance(
-                (parts.iter()).fold(Complex::ZERO, |sum, part| sum + part.immittance(values, w).admittance()),
-            ),
+            Part::Series(parts) => Immittance::Impedance((parts.iter()).fold(Complex::ZERO, |sum, part| {
+                sum + part.immittance(values, w).impedance()
+            })),
+            Part::Parallel(parts) => {
+                Immittance::Admittance((parts.iter()).fold(Complex::ZERO, |sum, part| {
+                    sum + part.immittance(values, w).admittance()
+                }))
+            }
         }
     }
 
