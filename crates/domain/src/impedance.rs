@@ -142,9 +142,16 @@ pub struct KramersKronig {
 /// The modulus against that which the phase gives (Z-HIT).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ZHit {
+    /// Whether the modulus of the lowest frequencies lies further from what the phase gives than noise and the method's own
+    /// error explain.
+    pub drifts: bool,
     /// Mean over the lowest frequencies by which |Z| lies above what the phase gives, percent.
     pub lowest_percent: f64,
-    /// Part of |Z| by which it lies above, in the order of the spectrum.
+    /// The mean that noise and the method's own error explain, percent.
+    pub limit_percent: f64,
+    /// The lowest frequencies, from and to, Hz.
+    pub lowest_hz: (f64, f64),
+    /// Logarithm of |Z| over what the phase gives, in the order of the spectrum.
     pub deviation: Vec<f64>,
 }
 

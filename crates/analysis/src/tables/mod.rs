@@ -2,6 +2,7 @@
 
 mod cells;
 mod chosen_columns;
+mod circuits;
 mod conditions_table;
 mod cycles;
 mod electrodes;
@@ -15,6 +16,7 @@ mod model_free;
 mod models;
 pub mod moved;
 mod refused;
+mod relaxation;
 mod runs;
 mod spread;
 mod stiffness;
@@ -56,7 +58,7 @@ impl NamedTable {
 }
 
 /// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 19] = [
+pub const TABLES: [NamedTable; 21] = [
     NamedTable {
         name: "table2",
         about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
@@ -158,6 +160,18 @@ pub const TABLES: [NamedTable; 19] = [
         about: "Circuits fitted to the impedance spectra, one row a spectrum and circuit",
         compares_materials: false,
         make: impedance::make,
+    },
+    NamedTable {
+        name: "circuits",
+        about: "Every number of every circuit fitted to the impedance spectra, also of circuits that campaign.toml asks for",
+        compares_materials: false,
+        make: circuits::make,
+    },
+    NamedTable {
+        name: "relaxation-times",
+        about: "Peaks of the distribution of relaxation times of the impedance spectra, one row a peak",
+        compares_materials: false,
+        make: relaxation::make,
     },
     NamedTable {
         name: "frequency",

@@ -69,7 +69,7 @@ pub fn analyse(spectrum: &Spectrum, asked: &[SpectrumCircuit]) -> Result<Spectru
     let circuits: Vec<CircuitFit> = circuits.collect();
     let issues = issues(&tested, &circuits);
     Ok(SpectrumAnalysis {
-        z_hit: z_hit::z_hit(spectrum),
+        z_hit: z_hit::z_hit(spectrum, 0.01 * tested.scatter_percent),
         relaxation: relaxation::relaxation_times(spectrum, &tested),
         kramers_kronig: tested,
         circuits,

@@ -33,13 +33,25 @@ pub const LEAST_SCATTER: f64 = 1e-4;
 /// Weakest and strongest regularisation that are tried, and the halvings of the logarithm between them.
 pub const REGULARISATION: (f64, f64) = (1e-5, 1e2);
 /// Halvings of the logarithm of the regularisation.
-pub const REGULARISATION_HALVINGS: usize = 20;
+pub const REGULARISATION_HALVINGS: usize = 12;
 /// A peak counts where half its resistance, the height of its arc, is this many times the scatter of |Z| there.
 pub const PEAK_BEYOND_SCATTER: f64 = 2.0;
-/// and where it holds this share of all resistance of the distribution at the least.
-pub const PEAK_LEAST_SHARE: f64 = 0.005;
+/// and where it holds this share of every larger peak that is no more than [`RIPPLE_DECADES`] away: regularisation makes
+/// ripples of up to a tenth beside a large peak (`peaks_are_as_many_as_arcs_in_a_hundred_spectra`).
+pub const RIPPLE_SHARE: f64 = 0.1;
+/// Decades over which ripples reach.
+pub const RIPPLE_DECADES: f64 = 2.5;
+/// A peak counts where it holds this share of the largest one: what is smaller, further away, is a ripple as well.
+pub const PEAK_LEAST_SHARE: f64 = 0.02;
 
 /// Readings of the phase whose parabola gives its value and slope in Z-HIT.
-pub const Z_HIT_WINDOW: usize = 7;
-/// Lowest frequencies over which the modulus is averaged against that which the phase gives.
-pub const Z_HIT_LOWEST: usize = 5;
+pub const Z_HIT_WINDOW: usize = 5;
+/// Decades above the lowest frequency over which the modulus is averaged against that which the phase gives.
+pub const Z_HIT_LOWEST_DECADES: f64 = 0.5;
+/// Decades above the lowest frequency in which a sweep spends nine tenths of its time, and a drift shows.
+pub const Z_HIT_DRIFT_DECADES: f64 = 1.0;
+/// What Z-HIT strays by itself at the lowest frequencies, part of |Z|: it does not know the phase below them. Of the eight
+/// circuits of `drift_is_seen_and_its_absence_is_no_alarm` none strays further without noise, at 50 frequencies and more.
+pub const Z_HIT_OWN_ERROR: f64 = 0.025;
+/// Standard errors of the noise beyond it.
+pub const Z_HIT_BEYOND_ERROR: f64 = 3.0;

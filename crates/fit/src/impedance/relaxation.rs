@@ -17,7 +17,8 @@ use ieap_numerics::symmetric::Symmetric;
 
 use super::policy::{
     DESCRIBES_WITHIN, DISCREPANCY, FINE_RMS, LEAST_SCATTER, PEAK_BEYOND_SCATTER, PEAK_LEAST_SHARE,
-    REGULARISATION, REGULARISATION_HALVINGS, TIMES_BEYOND_DECADES, TIMES_PER_DECADE,
+    REGULARISATION, REGULARISATION_HALVINGS, RIPPLE_DECADES, RIPPLE_SHARE, TIMES_BEYOND_DECADES,
+    TIMES_PER_DECADE,
 };
 
 /// Resistance, inductance and elastance (1/C) in series, which nothing smooths.
@@ -166,27 +167,37 @@ impl<'a> Sought<'a> {
         }
     }
 
-    /// Maxima between the least values on either side, within what was measured.
+    /// Maxima between the least values on either side, within what was measured, without those that noise or the
+    /// regularisation may have made.
     fn peaks(&self, gamma: &[f64], step: f64, scatter: f64, told_s: (f64, f64)) -> Vec<RelaxationPeak> {
-        let total: f64 = gamma.iter().map(|gamma| step * gamma).sum();
-        let all = stretches(gamma).into_iter().map(|(first, top, last)| {
-            // A least value between two peaks belongs half to each.
-            let whole: f64 = gamma[first..=last].iter().sum();
-            let ends = 0.5 * (gamma[first] + gamma[last]);
-            RelaxationPeak {
-                tau_s: (self.log_taus[top] + step * vertex(gamma, top)).exp(),
-                resistance_ohm: step * (whole - ends),
-                from_s: self.log_taus[first].exp(),
-                to_s: self.log_taus[last].exp(),
-            }
-        });
-        all.filter(|peak| {
+        let all: Vec<RelaxationPeak> = (stretches(gamma).into_iter())
+            .map(|(first, top, last)| {
+                // A least value between two peaks belongs half to each.
+                let whole: f64 = gamma[first..=last].iter().sum();
+                let ends = 0.5 * (gamma[first] + gamma[last]);
+                RelaxationPeak {
+                    tau_s: (self.log_taus[top] + step * vertex(gamma, top)).exp(),
+                    resistance_ohm: step * (whole - ends),
+                    from_s: self.log_taus[first].exp(),
+                    to_s: self.log_taus[last].exp(),
+                }
+            })
+            .collect();
+        let largest = all.iter().map(|peak| peak.resistance_ohm).fold(0.0, f64::max);
+        let is_ripple = |peak: &RelaxationPeak| {
+            all.iter().any(|other| {
+                (other.tau_s / peak.tau_s).log10().abs() < RIPPLE_DECADES
+                    && peak.resistance_ohm < RIPPLE_SHARE * other.resistance_ohm
+            })
+        };
+        let counts = |peak: &RelaxationPeak| {
             let arc = 0.5 * peak.resistance_ohm / self.magnitude_at(peak.tau_s);
             (told_s.0..=told_s.1).contains(&peak.tau_s)
                 && arc > PEAK_BEYOND_SCATTER * scatter
-                && peak.resistance_ohm > PEAK_LEAST_SHARE * total
-        })
-        .collect()
+                && peak.resistance_ohm > PEAK_LEAST_SHARE * largest
+                && !is_ripple(peak)
+        };
+        all.iter().filter(|peak| counts(peak)).copied().collect()
     }
 
     /// |Z| at the frequency nearest to a time constant, Ohm.

@@ -60,6 +60,7 @@ impl Checker<'_> {
             dma_name_pattern,
             impedance_folder: self.folder(file.impedance.folder, &impedance_folder())?,
             impedance_name_pattern,
+            impedance_circuits: file.impedance.circuits,
             fit: AskedFit {
                 model: head.model.clone(),
                 method: file.fit.method,
