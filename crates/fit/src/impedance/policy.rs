@@ -51,7 +51,7 @@ pub const Z_HIT_LOWEST_DECADES: f64 = 0.5;
 /// Decades above the lowest frequency in which a sweep spends nine tenths of its time, and a drift shows.
 pub const Z_HIT_DRIFT_DECADES: f64 = 1.0;
 /// What Z-HIT strays by itself at the lowest frequencies, part of |Z|: it does not know the phase below them. Of the eight
-/// circuits of `drift_is_seen_and_its_absence_is_no_alarm` none strays further without noise, at 50 frequencies and more.
+/// circuits of `drift_is_seen_and_its_absence_is_no_alarm_in_a_hundred_spectra` none strays further without noise, at 50 frequencies and more.
 pub const Z_HIT_OWN_ERROR: f64 = 0.025;
 /// Standard errors of the noise beyond it.
 pub const Z_HIT_BEYOND_ERROR: f64 = 3.0;
