@@ -24,6 +24,11 @@ warnings.filterwarnings("ignore")
 # Limits of relative differences, per kind of number.
 TEST_LIMIT = 1e-4  # residuals of the Kramers-Kronig test with the same elements: the same least squares
 FIT_LIMIT = 2e-3  # parameters: the same minimum
+Z_HIT_LIMIT = 3.0  # percent of |Z|: pyimpspec cuts the series after the first derivative, which strays by so much
+DRT_LIMIT = 0.15  # a peak's time: regularisations differ
+# A circuit as a text that every spectrum is fitted with, by ieap without first guesses.
+TEXT = "R0-p(R1,CPE1)-p(R2,CPE2)"
+TEXT_KEYS = ["r0_ohm", "r1_ohm", "cpe1_s_sn", "cpe1_exponent", "r2_ohm", "cpe2_s_sn", "cpe2_exponent"]
 OWN_SEED = 20261123
 
 
@@ -35,6 +40,8 @@ def simulate(folder):
     circuits = {
         "figure-7": 1 / (chain(220, 4e-3) + 1 / 3e4),
         "figure-8": 1 / (chain(220, 4e-3) + chain(1500, 1.2e-2) + 1 / 3e4),
+        "two-arcs": 50 + 1 / (1 / 100 + s * 2e-5) + 1 / (1 / 300 + s * 2e-3),
+        "two-depressed-arcs": 50 + 1 / (1 / 300 + 2e-5 * s**0.9) + 1 / (1 / 2000 + 2e-3 * s**0.8),
         "constant-phase": 1 / (1 / (220 + 1 / (5e-3 * s**0.8)) + 1 / 3e4),
     }
     circuits["figure-8-exact"] = circuits["figure-8"]
@@ -47,7 +54,7 @@ def simulate(folder):
 
 
 def run(ieap, folder):
-    ended = subprocess.run([ieap, "impedance", "--json", "--all", "-C", str(folder)], capture_output=True, text=True)
+    ended = subprocess.run([ieap, "impedance", "--json", "--all", "--circuit", TEXT, "-C", str(folder)], capture_output=True, text=True)
     if ended.returncode not in (0, 3):
         sys.exit(ended.stderr)
     print(ended.stderr.strip(), file=sys.stderr)
@@ -77,6 +84,40 @@ def impedance_py_fit(f, z, start):
     circuit = CustomCircuit("p(R0-C0,R1-C1,R2)", initial_guess=guess)
     circuit.fit(f, z, weight_by_modulus=True, ftol=1e-14, xtol=1e-14, maxfev=100000)
     return dict(zip(names, circuit.parameters_))
+
+
+def impedance_py_text(f, z, start):
+    """The same text, from the place that ieap found moved by a tenth: does it lead back?"""
+    from impedance.models.circuits import CustomCircuit
+
+    guess = [start[key] * (1.0 if key.endswith("exponent") else 1.1) for key in TEXT_KEYS]
+    circuit = CustomCircuit(TEXT, initial_guess=guess)
+    circuit.fit(f, z, weight_by_modulus=True, ftol=1e-14, xtol=1e-14, maxfev=100000)
+    left = (circuit.predict(f) - z) / abs(z)
+    return 100 * np.sqrt(np.mean(np.concatenate([left.real, left.imag]) ** 2)), dict(zip(TEXT_KEYS, circuit.parameters_))
+
+
+def pyimpspec_z_hit(f, z):
+    """Mean of ln |Z| over what the phase gives in the lowest half decade, with none above the lowest decade, percent."""
+    import pyimpspec
+
+    f, z = np.array(f), np.array(z)
+    data = pyimpspec.DataSet(frequencies=f, impedances=z)
+    given = pyimpspec.perform_zhit(data, smoothing="none", interpolation="makima", num_procs=1).get_impedances()
+    order = np.argsort(f)
+    x, apart = np.log10(f[order]), np.log(abs(z[order]) / abs(given[np.argsort(data.get_frequencies())]))
+    high = x > x[0] + 1
+    constant = np.trapezoid(apart[high], x[high]) / (x[high][-1] - x[high][0])
+    return 100 * (np.mean(apart[x <= x[0] + 0.5]) - constant)
+
+
+def pyimpspec_peaks(f, z):
+    import pyimpspec
+
+    data = pyimpspec.DataSet(frequencies=np.array(f), impedances=np.array(z))
+    drt = pyimpspec.calculate_drt(data, method="tr-rbf", num_procs=1)
+    tau, gamma = drt.get_peaks(threshold=0.1)[:2]
+    return sorted(tau)
 
 
 def pyimpspec_fit(f, z, start):
@@ -136,6 +177,24 @@ def main():
             mu, rms = impedance_py_test(f, z, test["elements"])
             row(name, "test, mu (impedance.py)", test["mu"], mu, TEST_LIMIT)
             row(name, "test, rms % (impedance.py)", test["residual_rms_percent"], rms, TEST_LIMIT)
+            own = values(entry, TEXT)
+            if all(own[key] is not None for key in TEXT_KEYS):
+                left, theirs = impedance_py_text(f, z, own)
+                mine = next(fit for fit in entry["circuits"] if fit["circuit"] == TEXT)["residual_rms_percent"]
+                row(name, "text, rms % (impedance.py)", mine, left, FIT_LIMIT)
+                for key, value in theirs.items():
+                    row(name, f"text, {key}", own[key], value, FIT_LIMIT)
+            if entry["z_hit"]:
+                mine, theirs = entry["z_hit"]["lowest_percent"], pyimpspec_z_hit(f, z)
+                wrong += abs(mine - theirs) > Z_HIT_LIMIT
+                print(f"{name:34} {'Z-HIT, lowest, %':26} {mine:13.3f} {theirs:13.3f} {abs(mine - theirs):11.2f}")
+            mine = [peak["tau_s"] for peak in entry["relaxation"]["peaks"]]
+            theirs = pyimpspec_peaks(f, z)
+            print(f"{name:34} DRT peaks, s: {[f'{tau:.3g}' for tau in mine]}, pyimpspec {[f'{tau:.3g}' for tau in theirs]}")
+            if name.startswith("two-arcs"):
+                for tau in (2e-3, 0.6):
+                    nearest = min(mine, key=lambda own: abs(np.log(own / tau)))
+                    row(name, f"peak at {tau} s (truth)", nearest, tau, DRT_LIMIT)
             # pyimpspec hands weighted squares to a minimiser that squares them again: its minimum is another where
             # there is noise, and the same where there is none.
             peers = {

@@ -423,9 +423,10 @@ class Campaign:
         """What ``ieap diagnose --json`` prints of the current findings."""
         return json.loads(self._native.diagnosis_document())
 
-    def impedance_document(self) -> dict[str, Any]:
-        """What ``ieap impedance --json`` prints of the spectra that were taken in."""
-        return json.loads(self._native.impedance_document())
+    def impedance_document(self, circuits: Sequence[str] = ()) -> dict[str, Any]:
+        """What ``ieap impedance --json`` prints of the spectra that were taken in; ``circuits`` such as
+        ``"R0-p(R1,CPE1)-W1"`` are fitted as well."""
+        return json.loads(self._native.impedance_document(list(circuits)))
 
     def table_document(self, name: str) -> dict[str, Any]:
         """A table that ``ieap table`` lists, such as ``models``, ``cycles`` or ``model-free``, as ``--format json`` prints it."""

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray};
 use ieap::analysis::plain_columns::{PlainCells, PlainColumn};
 use ieap::ingest::campaign_file;
+use ieap::model::impedance::circuit;
 use ieap::pipeline::apart::at_hand::{ReadTable, Stated};
 use ieap::pipeline::documents::diagnosis::diagnosis_document;
 use ieap::pipeline::documents::fits::fits_document;
@@ -123,9 +124,14 @@ impl Campaign {
         })
     }
 
-    /// What `ieap impedance --json` prints of the spectra that are there.
-    fn impedance_document(&self, py: Python<'_>) -> PyResult<String> {
-        let document = self.ask(py, |context| Ok(impedance_document(&spectra(context)?)))?;
+    /// What `ieap impedance --json` prints of the spectra that are there, with these circuits as well.
+    fn impedance_document(&self, py: Python<'_>, circuits: Vec<String>) -> PyResult<String> {
+        let asked: Result<Vec<_>, _> = circuits.iter().map(|text| circuit(text)).collect();
+        let asked = asked.map_err(|error| {
+            let remedy = "write it as impedance.py does: R0-p(R1,CPE1)-W1";
+            bad_argument(py, "circuits", &error.to_string(), remedy)
+        })?;
+        let document = self.ask(py, |context| Ok(impedance_document(&spectra(context, &asked)?)))?;
         json(py, &document)
     }
 

@@ -113,3 +113,8 @@ def test_conversions_tables_and_spectra(campaign, fits):
     own = ieap.Campaign(campaign)
     assert own.table_document("model-free") == json.loads(program("table", "model-free", "--format", "json", str(campaign)))
     assert own.impedance_document() == json.loads(program("impedance", "--json", str(campaign)))
+    text = "R0-p(R1,CPE1)"
+    asked = program("impedance", "--json", "--circuit", text, str(campaign))
+    assert own.impedance_document(circuits=[text]) == json.loads(asked)
+    with pytest.raises(ieap.InputError, match="character 4"):
+        own.impedance_document(circuits=["R0-Q1"])

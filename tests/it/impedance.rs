@@ -125,6 +125,54 @@ fn a_spectrum_and_a_step_of_one_strip_tell_one_circuit() {
 }
 
 #[test]
+fn a_circuit_of_ones_own_is_fitted_wherever_spectra_are_shown() {
+    let folder = campaign();
+    let file = folder.join("campaign.toml");
+    let own = "\n[impedance]\ncircuits = [\"p(R1-C1,R2-C2,R3)\", \"R0-p(R1)\"]\n";
+    std::fs::write(&file, std::fs::read_to_string(&file).unwrap() + own).unwrap();
+    let asked = ["impedance", "--json", "--circuit", "R0-CPE1"];
+    let document = folder.ieap(&asked).expect(0).json();
+    let found = &document["spectra"][0];
+    let circuits = found["circuits"].as_array().unwrap();
+    let names: Vec<&str> = circuits
+        .iter()
+        .map(|fit| fit["circuit"].as_str().unwrap())
+        .collect();
+    assert_eq!(names[5..], ["p(R1-C1,R2-C2,R3)", "R0-CPE1"]);
+    // The same circuit as a text has the same numbers as by its name.
+    for (key, named) in [("r1_ohm", "r1_ohm"), ("c2_f", "c2_f"), ("r3_ohm", "rss_ohm")] {
+        let of = |at: usize, key: &str| circuits[at]["parameters"][key]["value"].as_f64().unwrap();
+        assert!((of(5, key) / of(1, named) - 1.0).abs() < 1e-6, "{key}: {found:#}");
+    }
+    let refused = &document["refused_circuits"][0];
+    assert_eq!(refused["code"], "circuit-notation");
+    assert!(
+        refused["message"].as_str().unwrap().contains("character 8"),
+        "{refused:#}"
+    );
+    let wrong = folder.ieap(&["impedance", "--circuit", "R0-Q1"]);
+    assert!(
+        wrong.status != 0 && wrong.stderr.contains("known elements are R, C"),
+        "{wrong:#?}"
+    );
+    // Two chains beside a leak are, as relaxations, two arcs; the slow one is that of the leak.
+    assert_eq!(found["z_hit"]["drifts"], false, "{found:#}");
+    assert_eq!(found["relaxation"]["describes"], true, "{found:#}");
+    let peaks = found["relaxation"]["peaks"].as_array().unwrap().len();
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let page = std::fs::read_to_string(folder.join("report/impedance.html")).unwrap();
+    for text in ["p(R1-C1,R2-C2,R3)", "R3 (Ω)", "Relaxation times of S1", "Z-HIT"] {
+        assert!(page.contains(text), "{text}");
+    }
+    let rows = |table: &str, text: &str| {
+        let printed = folder.ieap(&["table", table, "--format", "csv"]).expect(0).stdout;
+        printed.lines().filter(|line| line.contains(text)).count()
+    };
+    assert_eq!(rows("circuits", "p(R1-C1,R2-C2,R3)"), 5);
+    assert_eq!(rows("relaxation-times", "CNaf-01"), peaks);
+}
+
+#[test]
 fn a_leak_above_an_onset_is_told_by_the_step_alone() {
     let folder = campaign();
     let mut leaking = STRIP;

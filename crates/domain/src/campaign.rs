@@ -119,6 +119,9 @@ pub struct Campaign {
     /// Pattern that reads tags from the file names of spectra; where there is none, that of the runs.
     #[serde(default)]
     pub impedance_name_pattern: Option<String>,
+    /// Circuits as texts that spectra are fitted with beside those that every one is fitted with.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub impedance_circuits: Vec<String>,
     /// Model that runs are fitted with.
     pub model: String,
     /// What the file states of how to fit; the rest is left to the program.

@@ -139,11 +139,71 @@ pub struct KramersKronig {
     pub residual_imaginary: Vec<f64>,
 }
 
+/// The modulus against that which the phase gives (Z-HIT).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ZHit {
+    /// Whether the modulus of the lowest frequencies lies further from what the phase gives than noise and the method's own
+    /// error explain.
+    pub drifts: bool,
+    /// Mean over the lowest frequencies by which |Z| lies above what the phase gives, percent.
+    pub lowest_percent: f64,
+    /// The mean that noise and the method's own error explain, percent.
+    pub limit_percent: f64,
+    /// The lowest frequencies, from and to, Hz.
+    pub lowest_hz: (f64, f64),
+    /// Logarithm of |Z| over what the phase gives, in the order of the spectrum.
+    pub deviation: Vec<f64>,
+}
+
+/// A maximum of the distribution of relaxation times.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct RelaxationPeak {
+    /// Its time constant, s.
+    pub tau_s: f64,
+    /// Resistance between the least values on either side, Ohm.
+    pub resistance_ohm: f64,
+    /// The least value before it, s.
+    pub from_s: f64,
+    /// The least value behind it, s.
+    pub to_s: f64,
+}
+
+/// The distribution of relaxation times of a spectrum, gamma(ln tau).
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct RelaxationTimes {
+    /// Strength of the regularisation, lambda.
+    pub regularisation: f64,
+    /// Scatter of the readings that it is chosen by, percent of |Z|.
+    pub scatter_percent: f64,
+    /// What the distribution leaves, root mean square, percent of |Z|.
+    pub residual_rms_percent: f64,
+    /// Whether that is no more than the spectrum's own scatter explains.
+    pub describes: bool,
+    /// Shortest and longest time constant that the frequencies tell of, s.
+    pub told_s: (f64, f64),
+    /// Resistance in series, Ohm: whatever is faster still.
+    pub series_ohm: f64,
+    /// Inductance in series, H.
+    pub series_h: f64,
+    /// Capacitance in series, F; none where direct current flows.
+    pub series_f: Option<f64>,
+    /// Resistance of what is faster than the frequencies tell of, Ohm.
+    pub faster_ohm: f64,
+    /// Resistance of what is slower, Ohm.
+    pub slower_ohm: f64,
+    /// Its maxima, from the fastest.
+    pub peaks: Vec<RelaxationPeak>,
+    /// Time constants, s.
+    pub tau_s: Vec<f64>,
+    /// The distribution at each, Ohm for a unit of the natural logarithm.
+    pub gamma_ohm: Vec<f64>,
+}
+
 /// A circuit fitted to a spectrum.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CircuitFit {
-    /// Id of the circuit, `lumped-2`.
-    pub circuit: &'static str,
+    /// Id of the circuit, `lumped-2`, or the circuit as a text, `R0-p(R1,CPE1)`.
+    pub circuit: String,
     /// Its parameters in the circuit's order, derived ones last; in Ohm and F of the whole sample.
     pub parameters: Vec<Parameter>,
     /// Root mean square of real and imaginary residual, percent of |Z|.
@@ -171,10 +231,14 @@ impl CircuitFit {
 pub struct SpectrumAnalysis {
     /// Whether it can be an impedance.
     pub kramers_kronig: KramersKronig,
+    /// The modulus against that which the phase gives; none of too few frequencies.
+    pub z_hit: Option<ZHit>,
+    /// The distribution of relaxation times; none where the scatter is not told.
+    pub relaxation: Option<RelaxationTimes>,
     /// Circuits in the order of the list.
     pub circuits: Vec<CircuitFit>,
     /// The one with the lowest criterion.
-    pub best: &'static str,
+    pub best: String,
     /// What a reader must know.
     pub issues: Vec<Issue>,
 }

@@ -65,7 +65,10 @@ pub use estimate::Estimate;
 pub use fault::Fault;
 pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Parameter};
 pub use gain::{Gain, HeldOutGain, Prediction};
-pub use impedance::{CircuitFit, Consistency, KramersKronig, Spectrum, SpectrumAnalysis, SpectrumRun, Sweep};
+pub use impedance::{
+    CircuitFit, Consistency, KramersKronig, RelaxationPeak, RelaxationTimes, Spectrum, SpectrumAnalysis,
+    SpectrumRun, Sweep, ZHit,
+};
 pub use input_hash::InputHash;
 pub use issue::{Issue, Severity};
 pub use known_parameter::{Knowledge, KnownParameter};

@@ -52,6 +52,7 @@ pub fn campaign() -> Campaign {
         dma_name_pattern: None,
         impedance_folder: "impedance".to_owned(),
         impedance_name_pattern: None,
+        impedance_circuits: Vec::new(),
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
         adopted: Vec::new(),

@@ -29,6 +29,9 @@ impl Complex {
 
     /// One over it; infinite for zero.
     pub fn reciprocal(self) -> Complex {
+        if self == Complex::ZERO {
+            return Complex::new(f64::INFINITY, 0.0);
+        }
         Complex::ONE / self
     }
 
@@ -123,6 +126,8 @@ mod tests {
             let quotient = a / b;
             assert!(close(quotient * b, a) || (quotient * b - a).magnitude() < 1e-12 * a.magnitude());
         }
+        assert_eq!(Complex::ZERO.reciprocal().re, f64::INFINITY);
+        assert_eq!(Complex::ZERO.reciprocal().reciprocal(), Complex::ZERO);
         assert!(close(
             Complex::new(0.0, 2.0).reciprocal(),
             Complex::new(0.0, -0.5)

@@ -1,5 +1,6 @@
 //! Numerical methods that know nothing of actuators.
 
+pub mod active_set;
 pub mod chance;
 pub mod column_memory;
 pub mod complex;

@@ -8,7 +8,9 @@ use serde::Serialize;
 use super::fits::as_object;
 use crate::analysis::impedance::{BesideRow, Comparison, StepSide};
 use crate::domain::tag::keys;
-use crate::domain::{Consistency, Estimate, Issue, KramersKronig, SpectrumAnalysis, SpectrumRun, Sweep};
+use crate::domain::{
+    Consistency, Estimate, Issue, KramersKronig, RelaxationTimes, SpectrumAnalysis, SpectrumRun, Sweep, ZHit,
+};
 use crate::pipeline::campaign::standing::SetAside;
 use crate::pipeline::findings::impedance::Spectra;
 
@@ -23,6 +25,8 @@ pub struct ImpedanceDocument {
     pub beside_steps: Vec<BesideEntry>,
     /// Spectra that no result is made from, with the reasons.
     pub set_aside: Vec<SetAside>,
+    /// Circuits of campaign.toml that are none, with the reasons.
+    pub refused_circuits: Vec<Issue>,
 }
 
 /// One sweep.
@@ -48,8 +52,12 @@ pub struct SpectrumEntry {
     pub highest_hz: Option<f64>,
     /// The Kramers-Kronig test; null where the sweep is not analysed.
     pub kramers_kronig: Option<TestEntry>,
+    /// The modulus against that which the phase gives (Z-HIT).
+    pub z_hit: Option<ZHitEntry>,
+    /// The distribution of relaxation times.
+    pub relaxation: Option<RelaxationTimes>,
     /// Circuit with the lowest criterion.
-    pub best: Option<&'static str>,
+    pub best: Option<String>,
     /// Circuits in the order of the list.
     pub circuits: Vec<CircuitEntry>,
     /// What a reader must know.
@@ -75,11 +83,25 @@ pub struct TestEntry {
     pub off_hz: Option<(f64, f64)>,
 }
 
+/// Z-HIT of a sweep.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ZHitEntry {
+    /// Whether the modulus of the lowest frequencies lies further from what the phase gives than noise and the method's own
+    /// error explain.
+    pub drifts: bool,
+    /// Mean over the lowest frequencies by which |Z| lies above what the phase gives, percent.
+    pub lowest_percent: f64,
+    /// The mean that noise and the method's own error explain, percent.
+    pub limit_percent: f64,
+    /// The lowest frequencies, from and to, Hz.
+    pub lowest_hz: (f64, f64),
+}
+
 /// One circuit.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CircuitEntry {
-    /// Its id.
-    pub circuit: &'static str,
+    /// Its id, or the circuit as a text.
+    pub circuit: String,
     /// Whether it describes the sweep.
     pub describes: bool,
     /// What it leaves, percent of |Z|.
@@ -100,7 +122,7 @@ pub struct BesideEntry {
     /// Number of the sweep in it, from 1.
     pub sweep: usize,
     /// The circuit of both.
-    pub circuit: &'static str,
+    pub circuit: String,
     /// Steps at the lowest voltage.
     pub steps: SideEntry,
     /// Steps at the highest voltage, where there are several.
@@ -150,6 +172,7 @@ pub fn impedance_document(spectra: &Spectra) -> ImpedanceDocument {
         spectra: entries.collect(),
         beside_steps: spectra.beside.iter().map(beside).collect(),
         set_aside: spectra.set_aside.clone(),
+        refused_circuits: spectra.refused.clone(),
     }
 }
 
@@ -170,7 +193,9 @@ fn entry(run: &SpectrumRun, at: usize, sweep: &Sweep) -> SpectrumEntry {
         lowest_hz: range.map(|range| range.0),
         highest_hz: range.map(|range| range.1),
         kramers_kronig: found.map(|found| test(&found.kramers_kronig)),
-        best: found.map(|found| found.best),
+        z_hit: found.and_then(|found| found.z_hit.as_ref()).map(z_hit),
+        relaxation: found.and_then(|found| found.relaxation.clone()),
+        best: found.map(|found| found.best.clone()),
         circuits: found.map_or_else(Vec::new, circuits),
         issues: record.issues.iter().chain(of_sweep).cloned().collect(),
     }
@@ -188,10 +213,19 @@ fn test(found: &KramersKronig) -> TestEntry {
     }
 }
 
+fn z_hit(found: &ZHit) -> ZHitEntry {
+    ZHitEntry {
+        drifts: found.drifts,
+        lowest_percent: found.lowest_percent,
+        limit_percent: found.limit_percent,
+        lowest_hz: found.lowest_hz,
+    }
+}
+
 fn circuits(found: &SpectrumAnalysis) -> Vec<CircuitEntry> {
     let fits = found.circuits.iter();
     fits.map(|fit| CircuitEntry {
-        circuit: fit.circuit,
+        circuit: fit.circuit.clone(),
         describes: fit.describes,
         residual_rms_percent: fit.residual_rms_percent,
         bic_above_best: fit.bic_above_best,
@@ -206,7 +240,7 @@ fn beside(found: &Comparison) -> BesideEntry {
     BesideEntry {
         run: found.spectrum.clone(),
         sweep: found.sweep + 1,
-        circuit: found.circuit,
+        circuit: found.circuit.clone(),
         steps: side(&found.lowest),
         steps_at_highest: found.highest.as_ref().map(side),
         numbers: found.rows.iter().map(number).collect(),

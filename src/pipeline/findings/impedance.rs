@@ -1,12 +1,15 @@
 //! The impedance spectra of a campaign with what is found in them, and beside the steps of the same samples. Nothing of
 //! it is stored: it follows from the readings and the current fits whenever it is read.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use crate::analysis::impedance::{Comparison, comparisons};
 use crate::domain::fault::caught;
-use crate::domain::{Channel, Issue, RunRecord, Spectrum, SpectrumRun, Sweep};
+use crate::domain::{Campaign, Channel, Issue, RunRecord, Spectrum, SpectrumRun, Sweep};
 use crate::fit::impedance;
+use crate::model::impedance::{SpectrumCircuit, circuit};
 use crate::pipeline::campaign::standing::{self, SetAside};
 use crate::pipeline::{Context, PipelineError};
 
@@ -16,6 +19,9 @@ const BATCH: usize = 64;
 /// Code of what is said of a sweep whose analysis a fault of the program stopped.
 const FAULT: &str = "analysis-fault";
 
+/// Code of what is said of a text that is no circuit.
+const NO_CIRCUIT: &str = "circuit-notation";
+
 /// Every spectrum of a campaign.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Spectra {
@@ -23,6 +29,8 @@ pub struct Spectra {
     pub runs: Vec<SpectrumRun>,
     /// The others.
     pub set_aside: Vec<SetAside>,
+    /// Circuits that were asked for and are none.
+    pub refused: Vec<Issue>,
     /// Those with steps of the same sample and condition, beside them.
     pub beside: Vec<Comparison>,
 }
@@ -37,11 +45,12 @@ impl Spectra {
     }
 }
 
-/// Reads and analyses every spectrum. The outcome does not depend on the number of threads.
+/// Reads and analyses every spectrum, with the circuits of campaign.toml and those in `more`. The outcome does not depend on
+/// the number of threads.
 ///
 /// # Errors
 /// The database cannot be read; a sweep that cannot be analysed is no error.
-pub fn spectra(context: &Context) -> Result<Spectra, PipelineError> {
+pub fn spectra(context: &Context, more: &[SpectrumCircuit]) -> Result<Spectra, PipelineError> {
     let found = standing::spectra(context)?;
     if found.speaking.is_empty() {
         return Ok(Spectra {
@@ -49,13 +58,17 @@ pub fn spectra(context: &Context) -> Result<Spectra, PipelineError> {
             ..Spectra::default()
         });
     }
+    let (asked, refused) = asked(&context.campaign, more);
     let mut runs = Vec::with_capacity(found.speaking.len());
     for batch in found.speaking.chunks(BATCH) {
         let read = batch.iter().map(|run| Ok((run, context.store.channels(run.id)?)));
         let read: Vec<(&RunRecord, Vec<Channel>)> = read.collect::<Result<_, PipelineError>>()?;
         let analysed = read.par_iter().map(|(run, channels)| SpectrumRun {
             run: (*run).clone(),
-            sweeps: Spectrum::of(channels).into_iter().map(analysed).collect(),
+            sweeps: Spectrum::of(channels)
+                .into_iter()
+                .map(|sweep| analysed(sweep, &asked))
+                .collect(),
         });
         runs.extend(analysed.collect::<Vec<_>>());
     }
@@ -63,13 +76,33 @@ pub fn spectra(context: &Context) -> Result<Spectra, PipelineError> {
     Ok(Spectra {
         runs,
         set_aside: found.set_aside.iter().map(SetAside::of).collect(),
+        refused,
         beside,
     })
 }
 
+/// The circuits of campaign.toml and `more`, each once, and what is said of those that are none.
+fn asked(campaign: &Campaign, more: &[SpectrumCircuit]) -> (Vec<SpectrumCircuit>, Vec<Issue>) {
+    let (mut asked, mut refused): (Vec<SpectrumCircuit>, Vec<Issue>) = (Vec::new(), Vec::new());
+    for text in &campaign.impedance_circuits {
+        match circuit(text) {
+            Ok(found) => asked.push(found),
+            Err(error) => {
+                let issue = Issue::warning(NO_CIRCUIT, error.to_string());
+                let issue = issue.at("campaign.toml, [impedance] circuits".to_owned());
+                refused.push(issue.mend("correct it there; the notation stands in docs/impedance.md"));
+            }
+        }
+    }
+    asked.extend(more.iter().cloned());
+    let mut seen = BTreeSet::new();
+    asked.retain(|circuit| seen.insert(circuit.id.clone()));
+    (asked, refused)
+}
+
 /// A fault of the analysis stops its sweep only.
-fn analysed(spectrum: Spectrum) -> Sweep {
-    let analysis = caught(|| impedance::analyse(&spectrum)).unwrap_or_else(|reason| {
+fn analysed(spectrum: Spectrum, asked: &[SpectrumCircuit]) -> Sweep {
+    let analysis = caught(|| impedance::analyse(&spectrum, asked)).unwrap_or_else(|reason| {
         let issue = Issue::error(
             FAULT,
             format!("the analysis stopped on an internal fault: {reason}"),

@@ -310,7 +310,7 @@ pub(crate) fn input(
     let (comparisons, outdated_comparisons) = or_nothing(compared, &mut faults)?;
     let plan = || next_runs::plan_from(context, &runs, &laws, &findings.groups);
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
-    let spectra = step("impedance spectra", || impedance::spectra(context));
+    let spectra = step("impedance spectra", || impedance::spectra(context, &[]));
     let spectra = or_nothing(spectra, &mut faults)?;
     let blocked = or_nothing(
         step("blocking forces", || blocked_runs(context, &runs)),

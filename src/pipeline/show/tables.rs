@@ -92,7 +92,7 @@ impl TableData {
             runs,
             set_aside,
             modulus_logs,
-            spectra: crate::pipeline::findings::impedance::spectra(context)?.runs,
+            spectra: crate::pipeline::findings::impedance::spectra(context, &[])?.runs,
             files: context
                 .store
                 .files()?

@@ -35,6 +35,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("bending-alone", By("crates/fit/src/tests/bending.rs", "of_charging_and_relaxation_the_slower_is_taken_for_relaxation_and_it_is_said")),
     ("broken-container", By("crates/ingest/src/formats/unpacking.rs", "a_damaged_archive_is_named")),
     ("broken-structure", Format("biologic-mpr/refused.row_width.mpr")),
+    ("circuit-notation", By("tests/it/impedance.rs", "a_circuit_of_ones_own_is_fitted_wherever_spectra_are_shown")),
     ("climate-above-limit", By("tests/it/chamber.rs", "pressure_oxygen_and_water_reach_the_runs_that_they_speak_for")),
     ("climate-left-tolerance", By("tests/it/climate.rs", "an_excursion_a_false_label_and_two_sensors_are_pointed_out")),
     ("climate-no-start", By("tests/it/climate.rs", "a_run_gets_what_the_log_says_and_nothing_it_does_not")),

@@ -61,11 +61,11 @@ pub struct Comparison {
     /// Which sweep of it, from 0.
     pub sweep: usize,
     /// The circuit of both, `lumped-2`.
-    pub circuit: &'static str,
+    pub circuit: String,
     /// Whether that circuit describes the spectrum.
     pub describes: bool,
     /// The circuit that describes the spectrum best.
-    pub best: &'static str,
+    pub best: String,
     /// What the compared circuit leaves of the spectrum, percent of |Z|.
     pub residual_rms_percent: f64,
     /// What the best one leaves.
@@ -148,14 +148,14 @@ fn compared(
         runs: runs.iter().map(|(run, _)| run.path.clone()).collect(),
     };
     let best_rms = analysis
-        .circuit(analysis.best)
+        .circuit(&analysis.best)
         .map_or(f64::NAN, |fit| fit.residual_rms_percent);
     let mut comparison = Comparison {
         spectrum: spectrum.path.clone(),
         sweep,
-        circuit: circuit.circuit,
+        circuit: circuit.circuit.clone(),
         describes: circuit.describes,
-        best: analysis.best,
+        best: analysis.best.clone(),
         residual_rms_percent: circuit.residual_rms_percent,
         best_rms_percent: best_rms,
         lowest_hz,

@@ -20,7 +20,7 @@ pub fn describe(comparison: &mut Comparison) {
              nearest such circuit, their intervals too narrow, and nothing is concluded from how they differ from the step's.",
             comparison.residual_rms_percent, comparison.best, comparison.best_rms_percent
         );
-        match comparison.best {
+        match comparison.best.as_str() {
             "constant-phase" => said.say(sentence, &["dispersion"]),
             "warburg-finite" | "warburg-parallel" => said.say(sentence, &["warburg"]),
             _ => said.say(sentence, &[]),

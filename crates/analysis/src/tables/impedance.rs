@@ -95,16 +95,9 @@ const NUMBERS: [Shown; 11] = [
 pub fn make(input: &TableInput) -> Table {
     let mut notes = Notes::default();
     let mut rows = Vec::new();
-    for spectrum in input.spectra {
-        for (at, sweep) in spectrum.sweeps.iter().enumerate() {
-            let Ok(analysis) = &sweep.analysis else { continue };
-            let name = match at {
-                0 => spectrum.run.path.clone(),
-                _ => format!("{}, sweep {}", spectrum.run.path, at + 1),
-            };
-            let of_circuit = |fit: &CircuitFit| row(spectrum, &name, analysis, fit, &mut notes);
-            rows.extend(analysis.circuits.iter().map(of_circuit));
-        }
+    for (spectrum, name, analysis) in sweeps(input.spectra) {
+        let of_circuit = |fit: &CircuitFit| row(spectrum, &name, analysis, fit, &mut notes);
+        rows.extend(analysis.circuits.iter().map(of_circuit));
     }
     let mut columns = vec![
         Column::plain("spectrum", "Spectrum", "run of the spectrum"),
@@ -152,6 +145,32 @@ pub fn make(input: &TableInput) -> Table {
     }
 }
 
+/// Every sweep that is analysed, with its name.
+pub(super) fn sweeps(
+    spectra: &[SpectrumRun],
+) -> impl Iterator<Item = (&SpectrumRun, String, &SpectrumAnalysis)> {
+    spectra.iter().flat_map(|spectrum| {
+        let sweeps = spectrum.sweeps.iter().enumerate();
+        sweeps.filter_map(move |(at, sweep)| {
+            let name = match at {
+                0 => spectrum.run.path.clone(),
+                _ => format!("{}, sweep {}", spectrum.run.path, at + 1),
+            };
+            Some((spectrum, name, sweep.analysis.as_ref().ok()?))
+        })
+    })
+}
+
+/// Whether a circuit describes its spectrum, in a word or two.
+pub(super) fn described(analysis: &SpectrumAnalysis, fit: &CircuitFit) -> &'static str {
+    match (fit.circuit == analysis.best, fit.describes) {
+        (true, true) => "best",
+        (true, false) => "best, but no",
+        (false, true) => "yes",
+        (false, false) => "no",
+    }
+}
+
 fn row(
     spectrum: &SpectrumRun,
     name: &str,
@@ -172,16 +191,11 @@ fn row(
         Consistency::Violated => "violated",
         Consistency::NotTested => "not tested",
     };
-    let describes = match (fit.circuit == analysis.best, fit.describes) {
-        (true, true) => "best",
-        (true, false) => "best, but no",
-        (false, true) => "yes",
-        (false, false) => "no",
-    };
+    let describes = described(analysis, fit);
     let tag = |key| spectrum.run.tag(key).map(str::to_owned);
     let mut cells = vec![
         Cell::text(Some(name), sources()),
-        Cell::text(Some(fit.circuit), sources()),
+        Cell::text(Some(&fit.circuit), sources()),
         Cell::text(tag(keys::SAMPLE), sources()),
         Cell::text(tag(keys::ENVIRONMENT), sources()),
         Cell::exact(

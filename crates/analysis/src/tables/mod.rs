@@ -2,6 +2,7 @@
 
 mod cells;
 mod chosen_columns;
+mod circuits;
 mod conditions_table;
 mod cycles;
 mod electrodes;
@@ -16,6 +17,7 @@ mod models;
 pub mod moved;
 mod reductions;
 mod refused;
+mod relaxation;
 mod runs;
 mod spread;
 mod stiffness;
@@ -57,7 +59,7 @@ impl NamedTable {
 }
 
 /// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 20] = [
+pub const TABLES: [NamedTable; 22] = [
     NamedTable {
         name: "table2",
         about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
@@ -165,6 +167,18 @@ pub const TABLES: [NamedTable; 20] = [
         about: "Circuits fitted to the impedance spectra, one row a spectrum and circuit",
         compares_materials: false,
         make: impedance::make,
+    },
+    NamedTable {
+        name: "circuits",
+        about: "Every number of every circuit fitted to the impedance spectra, also of circuits that campaign.toml asks for",
+        compares_materials: false,
+        make: circuits::make,
+    },
+    NamedTable {
+        name: "relaxation-times",
+        about: "Peaks of the distribution of relaxation times of the impedance spectra, one row a peak",
+        compares_materials: false,
+        make: relaxation::make,
     },
     NamedTable {
         name: "frequency",

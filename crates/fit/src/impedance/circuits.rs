@@ -3,22 +3,27 @@
 use std::f64::consts::TAU;
 
 use ieap_domain::{CircuitFit, Parameter, Spectrum};
-use ieap_model::impedance::{Scale, SpectrumCircuit};
+use ieap_model::impedance::{Part, Scale, SpectrumCircuit};
 use ieap_numerics::least_squares::Minimum;
 
 use super::intervals;
 use super::search::Simulated;
+use super::starts::starts;
 
-/// Starts that are searched from: those with the lowest sum of squares among all that are tried.
-const STARTS: usize = 4;
-/// Time constants that starts are laid over, a decade.
-const PER_DECADE: f64 = 1.5;
+/// Decades beyond the spectrum, and frequencies, over which parts are ordered by their times.
+const ORDER_DECADES: f64 = 3.0;
+const ORDER_FREQUENCIES: usize = 120;
 
-/// Fits a circuit; gives it with its Bayesian information criterion. None where no start gives a number.
-pub(super) fn fit(circuit: &'static SpectrumCircuit, spectrum: &Spectrum) -> Option<(CircuitFit, f64)> {
+/// Fits a circuit; gives it with its Bayesian information criterion. None where no start gives a number, or where the
+/// circuit has as many parameters as there are readings.
+pub(super) fn fit(circuit: &SpectrumCircuit, spectrum: &Spectrum) -> Option<(CircuitFit, f64)> {
     let problem = Simulated::new(circuit, spectrum);
-    let mut found = best_of(&problem)?;
-    order_chains(&problem, &mut found);
+    if circuit.parameters.len() >= problem.readings() {
+        return None;
+    }
+    let starts = starts(&problem);
+    let found = Minimum::lowest(starts.iter().map(|at| problem.lowest(at)))?;
+    let found = in_order(&problem, found);
     let values = problem.values(&found.at);
     let readings = problem.readings() as f64;
     let mean_square = (found.local.square / readings).max(f64::MIN_POSITIVE);
@@ -29,7 +34,7 @@ pub(super) fn fit(circuit: &'static SpectrumCircuit, spectrum: &Spectrum) -> Opt
     let mut parameters = intervals::of_parameters(&problem, &found);
     parameters.extend(derived(&problem, &found, &parameters));
     let fit = CircuitFit {
-        circuit: circuit.id,
+        circuit: circuit.id.clone(),
         parameters,
         residual_rms_percent: 100.0 * mean_square.sqrt(),
         bic_above_best: 0.0,
@@ -40,77 +45,50 @@ pub(super) fn fit(circuit: &'static SpectrumCircuit, spectrum: &Spectrum) -> Opt
     Some((fit, bic))
 }
 
-fn best_of(problem: &Simulated<'_>) -> Option<Minimum> {
-    let mut starts: Vec<(f64, Vec<f64>)> = starts(problem)
-        .into_iter()
-        .map(|values| {
-            let at = problem.place(&values);
-            (problem.square(&at), at)
-        })
-        .filter(|(square, _)| square.is_finite())
-        .collect();
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Minimum::lowest(starts.iter().take(STARTS).map(|(_, at)| problem.lowest(at)))
-}
-
-/// Values to begin from: resistances between those seen, capacitances from time constants over the range.
-fn starts(problem: &Simulated<'_>) -> Vec<Vec<f64>> {
-    let spectrum = problem.spectrum;
-    let magnitude = spectrum.magnitude_ohm();
-    let (least, most) = ieap_domain::range_of(magnitude);
-    let (slow, fast) = ieap_domain::range_of(spectrum.frequency_hz.iter().copied());
-    let decades = (fast / slow).log10();
-    let count = (PER_DECADE * decades).ceil().max(3.0) as usize;
-    let taus: Vec<f64> = (0..=count)
-        .map(|k| (TAU * fast).recip() * 10.0_f64.powf((decades + 1.0) * k as f64 / count as f64))
-        .collect();
-    let leaks = [1.5 * most, 100.0 * most];
-    let mut all = Vec::new();
-    for &tau in &taus {
-        for leak in leaks {
-            match problem.circuit.id {
-                "lumped-1" => all.push(vec![least, tau / least, leak]),
-                "lumped-2" => {
-                    for &slower in taus.iter().filter(|slower| **slower > 2.0 * tau) {
-                        for second in [least, 5.0 * least, 30.0 * least] {
-                            all.push(vec![1.2 * least, tau / least, second, slower / second, leak]);
-                        }
-                    }
-                }
-                "constant-phase" => {
-                    for exponent in [0.95, 0.75, 0.55] {
-                        all.push(vec![least, tau.powf(exponent) / least, exponent, leak]);
-                    }
-                }
-                "warburg-finite" => {
-                    for share in [0.2, 1.0, 5.0] {
-                        let line = share * least;
-                        all.push(vec![least, line, tau / line, leak]);
-                    }
-                }
-                _ => {
-                    for share in [0.03, 0.3, 1.0, 3.0] {
-                        all.push(vec![least, tau / least, share * tau.sqrt() / least, leak]);
-                    }
-                }
+/// Parts that are alike in the order of their times, the fastest first, as fits of steps have their chains.
+fn in_order(problem: &Simulated<'_>, found: Minimum) -> Minimum {
+    let mut at = found.at.clone();
+    for group in problem.circuit.root.exchangeable() {
+        let values = problem.values(&at);
+        let mut blocks: Vec<(f64, Vec<f64>)> = (group.iter())
+            .map(|part| {
+                let own = part.places().into_iter().map(|place| at[place]);
+                (time(part, &values, problem.spectrum), own.collect())
+            })
+            .collect();
+        blocks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (part, (_, block)) in group.iter().zip(blocks) {
+            for (place, x) in part.places().into_iter().zip(block) {
+                at[place] = x;
             }
         }
     }
-    all
-}
-
-/// Chains in order of their time constants, as fits of steps have them.
-fn order_chains(problem: &Simulated<'_>, found: &mut Minimum) {
-    if problem.circuit.id == "lumped-2" && found.at[0] + found.at[1] > found.at[2] + found.at[3] {
-        let mut at = found.at.clone();
-        at.rotate_left(2);
-        // R2, C2, R_ss, R1, C1 becomes R2, C2, R1, C1, R_ss.
-        at[2..5].rotate_left(1);
-        *found = problem.lowest(&at);
+    match at == found.at {
+        true => found,
+        false => problem.lowest(&at),
     }
 }
 
-/// Total capacitance and the resistance of the first current, where their parts are determined.
+/// Logarithm of the time, s, about which a part goes from resistor to capacitor: the mean over the logarithm of the
+/// frequency, weighted by |sin(2 phase)|, which is largest where both parts of its impedance are equal.
+fn time(part: &Part, values: &[f64], spectrum: &Spectrum) -> f64 {
+    let (low, high) = spectrum.range_hz().unwrap_or((1.0, 1.0));
+    let (low, high) = (low / 10f64.powf(ORDER_DECADES), high * 10f64.powf(ORDER_DECADES));
+    let (mut sum, mut weights) = (0.0, f64::MIN_POSITIVE);
+    for k in 0..ORDER_FREQUENCIES {
+        let w = TAU * low * (high / low).powf(k as f64 / (ORDER_FREQUENCIES - 1) as f64);
+        let z = part.immittance(values, w).impedance();
+        let size = z.magnitude();
+        let weight = (z.re / size * (z.im / size)).abs();
+        if weight.is_finite() {
+            sum -= weight * w.ln();
+            weights += weight;
+        }
+    }
+    sum / weights
+}
+
+/// What follows from the parameters, where those are determined that it is made of.
 fn derived(problem: &Simulated<'_>, found: &Minimum, parameters: &[Parameter]) -> Vec<Parameter> {
     let circuit = problem.circuit;
     let known = |scale: Scale| {
@@ -118,14 +96,13 @@ fn derived(problem: &Simulated<'_>, found: &Minimum, parameters: &[Parameter]) -
         let mut of_scale = of_scale.filter(|(p, _)| p.scale == scale && p.key != "rss_ohm");
         of_scale.all(|(_, estimate)| estimate.estimate.value.is_some())
     };
-    let mut all = Vec::new();
-    if (circuit.total_capacitance_f)(&problem.values(&found.at)).is_some() && known(Scale::Storage) {
-        let total = |at: &[f64]| (circuit.total_capacitance_f)(&problem.values(at)).unwrap_or(f64::NAN);
-        all.push(intervals::of_function(problem, found, "c_total_f", &total));
-    }
-    if known(Scale::Resistance) {
-        let fastest = |at: &[f64]| (circuit.fastest_resistance_ohm)(&problem.values(at));
-        all.push(intervals::of_function(problem, found, "r_parallel_ohm", &fastest));
-    }
-    all
+    let of_key = |key: &str| match key.ends_with("_f") {
+        true => Scale::Storage,
+        false => Scale::Resistance,
+    };
+    let told = circuit.derived.iter().filter(|(key, _)| known(of_key(key)));
+    told.map(|(key, function)| {
+        intervals::of_function(problem, found, key, &|at: &[f64]| function(&problem.values(at)))
+    })
+    .collect()
 }

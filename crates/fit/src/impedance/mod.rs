@@ -6,29 +6,27 @@
 mod circuits;
 mod intervals;
 pub mod kramers_kronig;
+mod policy;
+pub mod relaxation;
 mod search;
+mod starts;
 #[cfg(test)]
 mod tests;
+pub mod z_hit;
 
 use ieap_domain::impedance::FEWEST_FREQUENCIES;
 use ieap_domain::{CircuitFit, Consistency, Issue, KramersKronig, Spectrum, SpectrumAnalysis};
-use ieap_model::impedance::CIRCUITS;
+use ieap_model::impedance::{SpectrumCircuit, circuits as built_in};
+use policy::{DESCRIBES_WITHIN, FINE_RMS};
 
 /// Version of the analysis: raised when the same spectrum would give other numbers.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
-/// A circuit describes a spectrum where it leaves no more than this many times what the Kramers-Kronig test leaves,
-/// whose many elements stand for any circuit.
-const DESCRIBES_WITHIN: f64 = 1.5;
-/// Residual below which a circuit describes a spectrum in any case, part of |Z|: instruments state no better accuracy
-/// than a few parts in a thousand.
-const FINE_RMS: f64 = 0.003;
-
-/// Tests a spectrum and fits every circuit to it.
+/// Tests a spectrum and fits every circuit to it: those that every spectrum is fitted with, then those asked for.
 ///
 /// # Errors
 /// Too few frequencies, or no circuit can be fitted.
-pub fn analyse(spectrum: &Spectrum) -> Result<SpectrumAnalysis, Issue> {
+pub fn analyse(spectrum: &Spectrum, asked: &[SpectrumCircuit]) -> Result<SpectrumAnalysis, Issue> {
     if spectrum.len() < FEWEST_FREQUENCIES {
         let message = format!(
             "{} frequencies are too few to test a spectrum and to fit circuits to it: {FEWEST_FREQUENCIES} are needed",
@@ -49,13 +47,14 @@ pub fn analyse(spectrum: &Spectrum) -> Result<SpectrumAnalysis, Issue> {
         ));
     }
     let tested = kramers_kronig::test(spectrum);
-    let fitted: Vec<(CircuitFit, f64)> = CIRCUITS
+    let fitted: Vec<(CircuitFit, f64)> = built_in()
         .iter()
+        .chain(asked)
         .filter_map(|circuit| circuits::fit(circuit, spectrum))
         .collect();
     let lowest = fitted.iter().map(|(_, bic)| *bic).fold(f64::INFINITY, f64::min);
     let best = fitted.iter().find(|(_, bic)| *bic <= lowest);
-    let Some(best) = best.map(|(fit, _)| fit.circuit) else {
+    let Some(best) = best.map(|(fit, _)| fit.circuit.clone()) else {
         return Err(Issue::error(
             "no-circuit",
             "no circuit can be fitted to the spectrum",
@@ -70,6 +69,8 @@ pub fn analyse(spectrum: &Spectrum) -> Result<SpectrumAnalysis, Issue> {
     let circuits: Vec<CircuitFit> = circuits.collect();
     let issues = issues(&tested, &circuits);
     Ok(SpectrumAnalysis {
+        z_hit: z_hit::z_hit(spectrum, 0.01 * tested.scatter_percent),
+        relaxation: relaxation::relaxation_times(spectrum, &tested),
         kramers_kronig: tested,
         circuits,
         best,

@@ -1,9 +1,13 @@
 //! Sum of squares of a circuit over a spectrum, and its lowest place.
 
+use std::f64::consts::TAU;
+
 use ieap_domain::Spectrum;
 use ieap_model::impedance::{LEAST_EXPONENT, Scale, SpectrumCircuit};
 use ieap_numerics::least_squares::{Bounds, Damping, Levenberg, Local, Minimum, Problem, Settle};
 use ieap_numerics::sums::dot;
+
+use super::policy::BEYOND;
 
 /// A search settles where a step lowers the sum of squares by less than a part in 10^12.
 const METHOD: Levenberg = Levenberg {
@@ -13,39 +17,51 @@ const METHOD: Levenberg = Levenberg {
     resolution: 0.0,
     smallest_move: 1e-10,
 };
-/// How far beyond what was measured a parameter may lie.
-const BEYOND: f64 = 1e4;
 /// Step of the differences that stand for slopes, in natural logarithms (cube root of the rounding error).
 const SLOPE_STEP: f64 = 6e-6;
 
 /// A circuit held against a spectrum; coordinates are logarithms, but for exponents.
 pub(super) struct Simulated<'a> {
-    pub(super) circuit: &'static SpectrumCircuit,
+    pub(super) circuit: &'a SpectrumCircuit,
     pub(super) spectrum: &'a Spectrum,
     weights: Vec<f64>,
     pub(super) bounds: Bounds,
 }
 
 impl<'a> Simulated<'a> {
-    pub(super) fn new(circuit: &'static SpectrumCircuit, spectrum: &'a Spectrum) -> Simulated<'a> {
-        let magnitude = spectrum.magnitude_ohm();
-        let (least, most) = ieap_domain::range_of(magnitude.iter().copied());
-        let (slow, fast) = ieap_domain::range_of(spectrum.frequency_hz.iter().copied());
-        let bounds = |scale| match scale {
-            Scale::Resistance => ((least / BEYOND).ln(), (most * BEYOND).ln()),
-            Scale::Storage => {
-                let of = |hz: f64, ohm: f64| (std::f64::consts::TAU * hz * ohm).recip();
-                ((of(fast, most) / BEYOND).ln(), (of(slow, least) * BEYOND).ln())
-            }
-            Scale::Exponent => (LEAST_EXPONENT, 1.0),
-        };
-        let (low, high) = circuit.parameters.iter().map(|p| bounds(p.scale)).unzip();
-        Simulated {
+    pub(super) fn new(circuit: &'a SpectrumCircuit, spectrum: &'a Spectrum) -> Simulated<'a> {
+        let mut own = Simulated {
             circuit,
             spectrum,
-            weights: magnitude.iter().map(|size| size.recip()).collect(),
-            bounds: Bounds { low, high },
-        }
+            weights: spectrum.magnitude_ohm().iter().map(|size| size.recip()).collect(),
+            bounds: Bounds::even(0, 0.0, 0.0),
+        };
+        let limits = circuit.parameters.iter().map(|p| own.range(p.scale, BEYOND));
+        let (low, high) = limits.unzip();
+        own.bounds = Bounds { low, high };
+        own
+    }
+
+    /// Lowest and highest coordinate of a parameter, `beyond` times beyond what was measured.
+    pub(super) fn range(&self, scale: Scale, beyond: f64) -> (f64, f64) {
+        let (least, most) = ieap_domain::range_of(self.spectrum.magnitude_ohm());
+        let (slow, fast) = ieap_domain::range_of(self.spectrum.frequency_hz.iter().map(|hz| TAU * hz));
+        let (low, high) = match scale {
+            Scale::Resistance => (least, most),
+            Scale::Storage => ((fast * most).recip(), (slow * least).recip()),
+            Scale::Inductance => (least / fast, most / slow),
+            Scale::Time => (fast.recip(), slow.recip()),
+            Scale::Exponent => return (LEAST_EXPONENT, 1.0),
+        };
+        ((low / beyond).ln(), (high * beyond).ln())
+    }
+
+    /// Mean of the logarithm of |Z| as measured over |Z| at a place.
+    pub(super) fn mean_log_ratio(&self, at: &[f64]) -> f64 {
+        let simulated = self.simulated(at);
+        let n = self.spectrum.len();
+        let sum: f64 = (0..n).map(|k| simulated[k].hypot(simulated[n + k]).ln()).sum();
+        -sum / n as f64
     }
 
     /// Readings: two for each frequency.
@@ -62,17 +78,6 @@ impl<'a> Simulated<'a> {
                 _ => x.exp(),
             })
             .collect()
-    }
-
-    /// The place of parameters.
-    pub(super) fn place(&self, values: &[f64]) -> Vec<f64> {
-        let parameters = self.circuit.parameters.iter().zip(values);
-        let at = parameters.map(|(parameter, value)| match parameter.scale {
-            Scale::Exponent => *value,
-            _ => value.max(f64::MIN_POSITIVE).ln(),
-        });
-        let at = at.enumerate();
-        at.map(|(k, x)| self.bounds.nearest(k, x)).collect()
     }
 
     /// Simulated impedance at a place: real parts, then imaginary ones, each over |Z| as measured.

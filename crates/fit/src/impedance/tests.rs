@@ -1,12 +1,16 @@
 //! Known truth through noise, how often intervals hold it, and what violates Kramers-Kronig.
 
 use ieap_domain::{Consistency, Spectrum};
-use ieap_model::impedance::spectrum_circuit;
+use ieap_model::impedance::{SpectrumCircuit, spectrum_circuit};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::{analyse, circuits, kramers_kronig};
+
+mod relaxation;
+mod texts;
+mod z_hit;
 
 /// `count` frequencies from 10 kHz to 3 mHz.
 fn frequencies(count: usize) -> Vec<f64> {
@@ -37,6 +41,21 @@ fn simulated(id: &str, values: &[f64], noise: f64, drift: f64, seed: u64) -> Spe
         spectrum
             .imaginary_ohm
             .push(z.im + noise * z.magnitude() * normal());
+    }
+    spectrum
+}
+
+/// A spectrum of `count` frequencies of a circuit with white noise, `noise` of |Z|.
+fn of_circuit(circuit: &SpectrumCircuit, values: &[f64], noise: f64, seed: u64, count: usize) -> Spectrum {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut spectrum = Spectrum::default();
+    for hz in frequencies(count) {
+        let z = circuit.impedance(values, hz);
+        let mut scatter =
+            || -> f64 { noise * z.magnitude() * Distribution::<f64>::sample(&StandardNormal, &mut random) };
+        spectrum.frequency_hz.push(hz);
+        spectrum.real_ohm.push(z.re + scatter());
+        spectrum.imaginary_ohm.push(z.im + scatter());
     }
     spectrum
 }
@@ -73,7 +92,7 @@ fn the_circuit_that_made_the_spectrum_is_chosen_and_describes_it() {
         ("constant-phase", &[220.0, 5e-3, 0.8, 3e4]),
         ("warburg-finite", &[200.0, 900.0, 1.5e-2, 3e4]),
     ] {
-        let found = analyse(&simulated(id, truth, 0.005, 0.0, 7)).unwrap();
+        let found = analyse(&simulated(id, truth, 0.005, 0.0, 7), &[]).unwrap();
         assert_eq!(found.best, id);
         assert!(found.circuit(id).unwrap().describes, "{id}");
         assert_eq!(found.kramers_kronig.verdict, Consistency::Consistent, "{id}");
@@ -85,7 +104,7 @@ fn the_circuit_that_made_the_spectrum_is_chosen_and_describes_it() {
 fn a_leak_that_is_not_there_is_a_bound() {
     let mut truth = THICK;
     truth[4] = f64::INFINITY;
-    let found = analyse(&simulated("lumped-2", &truth, 0.005, 0.0, 3)).unwrap();
+    let found = analyse(&simulated("lumped-2", &truth, 0.005, 0.0, 3), &[]).unwrap();
     let leak = found.circuit("lumped-2").unwrap().parameter("rss_ohm").unwrap();
     assert!(leak.value.is_none() && leak.high_95.is_none(), "{leak:?}");
     assert!(leak.low_95.is_some_and(|low| low > 1e5) && leak.reason.is_some());
@@ -115,7 +134,7 @@ fn a_sample_that_changes_during_the_sweep_violates_kramers_kronig() {
     let jump = spectrum.frequency_hz[25];
     assert!(low < jump && jump < high, "{low} to {high} Hz, jump at {jump}");
     assert!(
-        analyse(&spectrum)
+        analyse(&spectrum, &[])
             .unwrap()
             .issues
             .iter()
@@ -140,7 +159,7 @@ fn few_frequencies_are_refused() {
     spectrum.frequency_hz.truncate(7);
     spectrum.real_ohm.truncate(7);
     spectrum.imaginary_ohm.truncate(7);
-    assert_eq!(analyse(&spectrum).unwrap_err().code, "few-frequencies");
+    assert_eq!(analyse(&spectrum, &[]).unwrap_err().code, "few-frequencies");
 }
 
 /// How many intervals of `count` spectra hold the truth, by parameter.
@@ -192,10 +211,10 @@ fn what_is_no_impedance_is_refused_and_what_no_circuit_describes_is_said() {
         }
     };
     let short = spectrum(|k| if k == 3.0 { (0.0, 0.0) } else { (50.0, -1.0) });
-    assert_eq!(analyse(&short).unwrap_err().code, "no-impedance");
+    assert_eq!(analyse(&short, &[]).unwrap_err().code, "no-impedance");
     // A resonance: no resistors and capacitors make it.
     let resonance = spectrum(|k| (50.0 + 2000.0 / (1.0 + (k - 12.0).powi(2)), -10.0 * (k - 12.0)));
-    let said = analyse(&resonance).unwrap().issues;
+    let said = analyse(&resonance, &[]).unwrap().issues;
     assert!(
         said.iter().any(|issue| issue.code == "no-circuit-describes"),
         "{said:?}"

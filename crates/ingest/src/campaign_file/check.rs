@@ -67,6 +67,7 @@ impl Checker<'_> {
             dma_name_pattern,
             impedance_folder: self.folder(file.impedance.folder, &impedance_folder())?,
             impedance_name_pattern,
+            impedance_circuits: file.impedance.circuits,
             fit,
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
             group_by: self.group_by(head.group_by)?,

@@ -58,7 +58,7 @@ const KNOWN: [(&str, &[&str]); 16] = [
     ("fit", &["method", "simultaneous", "known"]),
     ("runs", &["folder", "name_pattern"]),
     ("dma", &["folder", "name_pattern"]),
-    ("impedance", &["folder", "name_pattern"]),
+    ("impedance", &["folder", "name_pattern", "circuits"]),
     (
         "frames",
         &[

@@ -20,7 +20,7 @@ pub(super) struct File {
     #[serde(default)]
     pub dma: Folder,
     #[serde(default)]
-    pub impedance: Folder,
+    pub impedance: Spectra,
     #[serde(default)]
     pub sensor: Vec<Spanned<Sensor>>,
     #[serde(default)]
@@ -126,6 +126,15 @@ pub(super) struct Environment {
 pub(super) struct Folder {
     pub folder: Option<String>,
     pub name_pattern: Option<String>,
+}
+
+/// `[impedance]`.
+#[derive(Deserialize, Default)]
+pub(super) struct Spectra {
+    pub folder: Option<String>,
+    pub name_pattern: Option<String>,
+    #[serde(default)]
+    pub circuits: Vec<String>,
 }
 
 /// `[[sensor]]`.

@@ -20,6 +20,7 @@ pub mod overlaid;
 pub mod panel;
 mod positions;
 pub mod profile;
+pub mod relaxation;
 pub mod residual;
 pub mod response;
 mod shape;

@@ -207,7 +207,7 @@ mod tests {
             frequency_hz,
         };
         let fit = CircuitFit {
-            circuit: "lumped-2",
+            circuit: "lumped-2".to_owned(),
             parameters: vec![],
             residual_rms_percent: 0.5,
             bic_above_best: 0.0,

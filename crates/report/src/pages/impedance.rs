@@ -8,15 +8,27 @@ use super::Content;
 use super::wording::{EstimateText, IssueText, RunLink, counted};
 use crate::error::ReportError;
 use crate::figures::Ink;
+use crate::figures::relaxation::relaxation;
 use crate::figures::spectrum::{DrawnFit, bode, nyquist, residuals};
 use crate::number::{fixed, plain, significant};
 use crate::site::Site;
 use ieap_analysis::impedance::{Comparison, StepSide};
 use ieap_domain::tag::keys;
-use ieap_domain::{Consistency, Issue, KramersKronig, SpectrumAnalysis, SpectrumRun, Sweep};
+use ieap_domain::{
+    Consistency, Issue, KramersKronig, RelaxationPeak, RelaxationTimes, SpectrumAnalysis, SpectrumRun, Sweep,
+    ZHit,
+};
 
 /// Sweeps that have a section of their own; the table and the JSON have all.
 const MOST_SECTIONS: usize = 40;
+/// Circuits that every spectrum is fitted with; others were asked for, and are drawn.
+const BUILT_IN: [&str; 5] = [
+    "lumped-1",
+    "lumped-2",
+    "constant-phase",
+    "warburg-finite",
+    "warburg-parallel",
+];
 /// Keys of the circuits' numbers with how pages print them.
 const LABELS: [(&str, &str); 12] = [
     ("r1_ohm", "R₁ (Ω)"),
@@ -31,6 +43,16 @@ const LABELS: [(&str, &str); 12] = [
     ("warburg_s_s05", "Y_W (S s^½)"),
     ("c_total_f", "C_total (F)"),
     ("r_parallel_ohm", "R∥ (Ω)"),
+];
+/// Ends of the keys of circuits as texts with their units; an exponent is `n`.
+const UNITS: [(&str, &str); 7] = [
+    ("ohm", "Ω"),
+    ("f", "F"),
+    ("h", "H"),
+    ("s", "s"),
+    ("s_sn", "S sⁿ"),
+    ("s_s05", "S s^½"),
+    ("exponent", "n"),
 ];
 /// The same per unit area.
 const OF_AREA: [(&str, &str); 7] = [
@@ -81,17 +103,20 @@ struct Section {
     nyquist: String,
     bode: String,
     residuals: String,
+    z_hit: String,
+    relaxation: String,
+    relaxation_figure: String,
     circuits: Vec<Circuit>,
     issues: Vec<IssueText>,
 }
 
 #[derive(Debug, Serialize)]
 struct Circuit {
-    name: &'static str,
+    name: String,
     verdict: &'static str,
     residual: String,
     bic: String,
-    numbers: Vec<(&'static str, EstimateText)>,
+    numbers: Vec<(String, EstimateText)>,
 }
 
 #[derive(Debug, Serialize)]
@@ -205,7 +230,10 @@ fn section(
 ) -> Result<Section, ReportError> {
     let heading = heading(run, at);
     let mut drawn: Vec<DrawnFit> = Vec::new();
-    for (circuit, ink) in [("lumped-2", Ink::Vermillion), (found.best, Ink::Blue)] {
+    let asked = found.circuits.iter().map(|fit| fit.circuit.as_str());
+    let asked = asked.filter(|id| !BUILT_IN.contains(id));
+    let inks = [("lumped-2", Ink::Vermillion), (&found.best, Ink::Blue)];
+    for (circuit, ink) in inks.into_iter().chain(asked.map(|id| (id, Ink::Green))) {
         let is_new = drawn.iter().all(|fit| fit.name != circuit);
         drawn.extend(found.circuit(circuit).filter(|_| is_new).map(|fit| DrawnFit {
             name: circuit.to_owned(),
@@ -250,10 +278,72 @@ fn section(
                 left,
             ),
         )?,
+        z_hit: found.z_hit.as_ref().map_or(String::new(), z_hit),
+        relaxation: found.relaxation.as_ref().map_or(String::new(), relaxation_words),
+        relaxation_figure: match &found.relaxation {
+            Some(told) => draw(
+                "relaxation",
+                relaxation(told, &title("Relaxation times"), RELAXATION),
+            )?,
+            None => String::new(),
+        },
         circuits: circuits(found),
         issues: issues.into_iter().map(IssueText::from).collect(),
         heading,
     })
+}
+
+/// What stands under the figure of the relaxation times.
+const RELAXATION: &str = "Resistance for a unit of the natural logarithm of the time constant; the frequencies tell of what lies \
+     between the dashed lines; dots are peaks.";
+
+fn z_hit(found: &ZHit) -> String {
+    let (low, high) = found.lowest_hz;
+    let side = if found.lowest_percent < 0.0 {
+        "below"
+    } else {
+        "above"
+    };
+    let seen = format!(
+        "between {} and {} Hz |Z| lies {}\u{a0}% {side} what its phase gives, where noise and the method explain {}\u{a0}%.",
+        significant(low, 2),
+        significant(high, 2),
+        significant(found.lowest_percent.abs(), 2),
+        significant(found.limit_percent, 2)
+    );
+    match found.drifts {
+        true => format!("It drifted during the sweep (Z-HIT): {seen}"),
+        false => format!("No drift is seen (Z-HIT): {seen}"),
+    }
+}
+
+fn relaxation_words(found: &RelaxationTimes) -> String {
+    let peak = |peak: &RelaxationPeak| {
+        format!(
+            "{}\u{a0}s with {}\u{a0}Ω",
+            significant(peak.tau_s, 2),
+            significant(peak.resistance_ohm, 2)
+        )
+    };
+    let peaks: Vec<String> = found.peaks.iter().map(peak).collect();
+    let peaks = match peaks.as_slice() {
+        [] => "Relaxation times: no peak.".to_owned(),
+        [only] => format!("Relaxation times: one peak, at {only}."),
+        several => format!(
+            "Relaxation times: {} peaks, at {}.",
+            several.len(),
+            several.join(", ")
+        ),
+    };
+    let left = match found.describes {
+        true => String::new(),
+        false => " It does not describe the spectrum.".to_owned(),
+    };
+    format!(
+        "{peaks} The smoothest distribution that leaves no more than the readings scatter (Tikhonov, λ\u{a0}=\u{a0}{}) leaves {}\u{a0}% of |Z|.{left}",
+        significant(found.regularisation, 2),
+        significant(found.residual_rms_percent, 2)
+    )
 }
 
 fn facts(site: &Site, run: &SpectrumRun, sweep: &Sweep) -> Vec<(String, String)> {
@@ -311,15 +401,25 @@ fn test(found: &KramersKronig) -> String {
     }
 }
 
-fn circuits(found: &SpectrumAnalysis) -> Vec<Circuit> {
-    let label = |key: &str| {
-        LABELS
-            .iter()
-            .find(|(known, _)| *known == key)
-            .map(|(_, label)| *label)
+/// A key as pages print it: `cpe1_s_sn` of a circuit as a text is `CPE1 (S sⁿ)`.
+fn label(key: &str) -> String {
+    if let Some((_, label)) = LABELS.iter().find(|(known, _)| *known == key) {
+        return (*label).to_owned();
+    }
+    let (name, unit) = key.split_once('_').unwrap_or((key, ""));
+    let name = match name.chars().next() {
+        Some('w') => format!("W{}", &name[1..]),
+        _ => name.to_uppercase(),
     };
+    match UNITS.iter().find(|(known, _)| *known == unit) {
+        Some((_, unit)) => format!("{name} ({unit})"),
+        None => format!("{name} {unit}"),
+    }
+}
+
+fn circuits(found: &SpectrumAnalysis) -> Vec<Circuit> {
     let circuit = |fit: &ieap_domain::CircuitFit| Circuit {
-        name: fit.circuit,
+        name: fit.circuit.clone(),
         verdict: match (fit.circuit == found.best, fit.describes) {
             (true, true) => "describes it best",
             (true, false) => "best, and does not describe it",
@@ -329,9 +429,7 @@ fn circuits(found: &SpectrumAnalysis) -> Vec<Circuit> {
         residual: significant(fit.residual_rms_percent, 3),
         bic: fixed(fit.bic_above_best, 0),
         numbers: (fit.parameters.iter())
-            .filter_map(|parameter| {
-                Some((label(&parameter.key)?, EstimateText::of(&parameter.estimate, 1.0)))
-            })
+            .map(|parameter| (label(&parameter.key), EstimateText::of(&parameter.estimate, 1.0)))
             .collect(),
     };
     found.circuits.iter().map(circuit).collect()

@@ -1,0 +1,270 @@
+//! The distribution of relaxation times: what resistance each time constant has, gamma(ln tau), in
+//! Z = R + j w L + 1/(j w C) + INTEGRAL gamma(ln tau) / (1 + j w tau) d ln tau.
+//!
+//! Its values at fixed times, between which it is straight, are those with no negative one among them that leave the
+//! smallest sum of squares, each reading weighted by 1/|Z|, plus lambda^2 times the integral of the squared second
+//! derivative of gamma over the largest |Z| (Tikhonov regularisation). Lambda is the largest at which no more is left
+//! than the readings scatter (Morozov's discrepancy principle).
+
+use std::f64::consts::TAU;
+
+use ieap_domain::impedance::{RelaxationPeak, RelaxationTimes};
+use ieap_domain::{KramersKronig, Spectrum};
+use ieap_numerics::active_set::nonnegative;
+use ieap_numerics::complex::Complex;
+use ieap_numerics::sums::dot;
+use ieap_numerics::symmetric::Symmetric;
+
+use super::policy::{
+    DESCRIBES_WITHIN, DISCREPANCY, FINE_RMS, LEAST_SCATTER, PEAK_BEYOND_SCATTER, PEAK_LEAST_SHARE,
+    REGULARISATION, REGULARISATION_HALVINGS, RIPPLE_DECADES, RIPPLE_SHARE, TIMES_BEYOND_DECADES,
+    TIMES_PER_DECADE,
+};
+
+/// Resistance, inductance and elastance (1/C) in series, which nothing smooths.
+const SERIES: usize = 3;
+/// Parts of each side of a hat over which its kernel is summed.
+const PARTS: usize = 8;
+
+/// The distribution of a spectrum whose scatter the Kramers-Kronig test told; none without it.
+pub fn relaxation_times(spectrum: &Spectrum, tested: &KramersKronig) -> Option<RelaxationTimes> {
+    let scatter = (0.01 * tested.scatter_percent).max(LEAST_SCATTER);
+    if !scatter.is_finite() {
+        return None;
+    }
+    let sought = Sought::of(spectrum)?;
+    let (weakest, strongest) = REGULARISATION;
+    let loosest = sought.solution(weakest);
+    let target = DISCREPANCY * scatter.max(loosest.rms);
+    let (mut low, mut high) = (weakest.ln(), strongest.ln());
+    let mut found = loosest;
+    let mut lambda = weakest;
+    for _ in 0..REGULARISATION_HALVINGS {
+        let middle = 0.5 * (low + high);
+        let next = sought.solution(middle.exp());
+        if next.rms <= target {
+            (low, lambda, found) = (middle, middle.exp(), next);
+        } else {
+            high = middle;
+        }
+    }
+    let enough = (DESCRIBES_WITHIN * 0.01 * tested.residual_rms_percent).max(FINE_RMS);
+    Some(sought.told(&found, scatter, lambda, found.rms <= enough))
+}
+
+struct Solution {
+    /// Coefficients: those in series, then gamma.
+    x: Vec<f64>,
+    /// Root mean square of what is left, part of |Z|.
+    rms: f64,
+}
+
+/// The problem of a spectrum: everything over the largest |Z| and the mean time.
+struct Sought<'a> {
+    spectrum: &'a Spectrum,
+    scale_ohm: f64,
+    mean_omega: f64,
+    log_taus: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+    readings: Vec<f64>,
+    gram: Symmetric,
+    rough: Symmetric,
+    right: Vec<f64>,
+}
+
+impl<'a> Sought<'a> {
+    fn of(spectrum: &'a Spectrum) -> Option<Sought<'a>> {
+        let (low, high) = spectrum.range_hz()?;
+        let magnitude = spectrum.magnitude_ohm();
+        let (_, scale_ohm) = ieap_domain::range_of(magnitude.iter().copied());
+        let beyond = TIMES_BEYOND_DECADES * std::f64::consts::LN_10;
+        let (first, last) = (-(TAU * high).ln() - beyond, -(TAU * low).ln() + beyond);
+        let count = ((last - first) / std::f64::consts::LN_10 * TIMES_PER_DECADE).ceil() as usize + 1;
+        let step = (last - first) / (count - 1) as f64;
+        let log_taus: Vec<f64> = (0..count).map(|k| first + step * k as f64).collect();
+        let mean_omega = TAU * (low * high).sqrt();
+        let omegas: Vec<f64> = spectrum.frequency_hz.iter().map(|hz| TAU * hz).collect();
+        let column = |z: &dyn Fn(f64) -> Complex| -> Vec<f64> {
+            let all: Vec<Complex> = (omegas.iter().zip(&magnitude))
+                .map(|(&w, size)| z(w) * (scale_ohm / size))
+                .collect();
+            all.iter().map(|z| z.re).chain(all.iter().map(|z| z.im)).collect()
+        };
+        let mut columns = vec![
+            column(&|_| Complex::ONE),
+            column(&|w| Complex::new(0.0, w / mean_omega)),
+            column(&|w| Complex::new(0.0, -mean_omega / w)),
+        ];
+        columns.extend(log_taus.iter().map(|&log_tau| column(&|w| hat(w, log_tau, step))));
+        let of =
+            |part: &[f64]| -> Vec<f64> { part.iter().zip(&magnitude).map(|(z, size)| z / size).collect() };
+        let mut readings = of(&spectrum.real_ohm);
+        readings.extend(of(&spectrum.imaginary_ohm));
+        let gram = Symmetric::from_fn(columns.len(), |a, b| dot(&columns[a], &columns[b]));
+        let right = columns.iter().map(|column| dot(column, &readings)).collect();
+        Some(Sought {
+            spectrum,
+            scale_ohm,
+            mean_omega,
+            rough: roughness(count, step),
+            log_taus,
+            columns,
+            readings,
+            gram,
+            right,
+        })
+    }
+
+    fn solution(&self, lambda: f64) -> Solution {
+        let order = self.gram.order();
+        // Lambda is of the mean over readings, so that it means the same for any number of frequencies.
+        let weight = lambda * lambda * self.readings.len() as f64;
+        let matrix = Symmetric::from_fn(order, |a, b| {
+            let smooth = a.min(b).checked_sub(SERIES);
+            let rough = smooth.map_or(0.0, |_| weight * self.rough.get(a - SERIES, b - SERIES));
+            self.gram.get(a, b) + rough
+        });
+        let x = nonnegative(&matrix, &self.right);
+        let left = (0..self.readings.len()).map(|row| {
+            let sum: f64 = self
+                .columns
+                .iter()
+                .zip(&x)
+                .map(|(column, x)| column[row] * x)
+                .sum();
+            (self.readings[row] - sum).powi(2)
+        });
+        let rms = (left.sum::<f64>() / self.readings.len() as f64).sqrt();
+        Solution { x, rms }
+    }
+
+    fn told(&self, found: &Solution, scatter: f64, lambda: f64, describes: bool) -> RelaxationTimes {
+        let x: Vec<f64> = found.x.iter().map(|x| x * self.scale_ohm).collect();
+        let gamma_ohm = x[SERIES..].to_vec();
+        let step = self.log_taus[1] - self.log_taus[0];
+        let (low, high) = self.spectrum.range_hz().unwrap_or((f64::NAN, f64::NAN));
+        let told_s = ((TAU * high).recip(), (TAU * low).recip());
+        let sum = |keep: &dyn Fn(f64) -> bool| -> f64 {
+            let all = self.log_taus.iter().zip(&gamma_ohm);
+            all.filter(|(log_tau, _)| keep(log_tau.exp()))
+                .map(|(_, gamma)| step * gamma)
+                .sum()
+        };
+        RelaxationTimes {
+            regularisation: lambda,
+            scatter_percent: 100.0 * scatter,
+            residual_rms_percent: 100.0 * found.rms,
+            describes,
+            told_s,
+            series_ohm: x[0],
+            series_h: x[1] / self.mean_omega,
+            series_f: (x[2] > 0.0).then(|| (x[2] * self.mean_omega).recip()),
+            faster_ohm: sum(&|tau| tau < told_s.0),
+            slower_ohm: sum(&|tau| tau > told_s.1),
+            peaks: self.peaks(&gamma_ohm, step, scatter, told_s),
+            tau_s: self.log_taus.iter().map(|x| x.exp()).collect(),
+            gamma_ohm,
+        }
+    }
+
+    /// Maxima between the least values on either side, within what was measured, without those that noise or the
+    /// regularisation may have made.
+    fn peaks(&self, gamma: &[f64], step: f64, scatter: f64, told_s: (f64, f64)) -> Vec<RelaxationPeak> {
+        let all: Vec<RelaxationPeak> = (stretches(gamma).into_iter())
+            .map(|(first, top, last)| {
+                // A least value between two peaks belongs half to each.
+                let whole: f64 = gamma[first..=last].iter().sum();
+                let ends = 0.5 * (gamma[first] + gamma[last]);
+                RelaxationPeak {
+                    tau_s: (self.log_taus[top] + step * vertex(gamma, top)).exp(),
+                    resistance_ohm: step * (whole - ends),
+                    from_s: self.log_taus[first].exp(),
+                    to_s: self.log_taus[last].exp(),
+                }
+            })
+            .collect();
+        let largest = all.iter().map(|peak| peak.resistance_ohm).fold(0.0, f64::max);
+        let is_ripple = |peak: &RelaxationPeak| {
+            all.iter().any(|other| {
+                (other.tau_s / peak.tau_s).log10().abs() < RIPPLE_DECADES
+                    && peak.resistance_ohm < RIPPLE_SHARE * other.resistance_ohm
+            })
+        };
+        let counts = |peak: &RelaxationPeak| {
+            let arc = 0.5 * peak.resistance_ohm / self.magnitude_at(peak.tau_s);
+            (told_s.0..=told_s.1).contains(&peak.tau_s)
+                && arc > PEAK_BEYOND_SCATTER * scatter
+                && peak.resistance_ohm > PEAK_LEAST_SHARE * largest
+                && !is_ripple(peak)
+        };
+        all.iter().filter(|peak| counts(peak)).copied().collect()
+    }
+
+    /// |Z| at the frequency nearest to a time constant, Ohm.
+    fn magnitude_at(&self, tau_s: f64) -> f64 {
+        let away = |hz: f64| (TAU * hz * tau_s).ln().abs();
+        let hz = &self.spectrum.frequency_hz;
+        let nearest = (0..hz.len()).min_by(|a, b| away(hz[*a]).total_cmp(&away(hz[*b])));
+        nearest.map_or(f64::NAN, |k| {
+            self.spectrum.real_ohm[k].hypot(self.spectrum.imaginary_ohm[k])
+        })
+    }
+}
+
+/// What a distribution that rises from 0 to 1 over a step and falls back to 0 has as impedance.
+fn hat(omega: f64, log_tau: f64, step: f64) -> Complex {
+    let mut sum = Complex::ZERO;
+    for part in 0..2 * PARTS {
+        let away = (part as f64 + 0.5) / PARTS as f64 - 1.0;
+        let turn = omega * (log_tau + step * away).exp();
+        let below = 1.0 + turn * turn;
+        let height = (1.0 - away.abs()) * step / PARTS as f64;
+        sum = sum + Complex::new(height / below, -height * turn / below);
+    }
+    sum
+}
+
+/// Integral of the squared second derivative of values `step` apart, with nothing beyond their ends.
+fn roughness(count: usize, step: f64) -> Symmetric {
+    let factor = step.powi(-3);
+    let entry = |row: usize, column: usize| match row.abs_diff(column) {
+        0 => 6.0 * factor,
+        1 => -4.0 * factor,
+        2 => factor,
+        _ => 0.0,
+    };
+    Symmetric::from_fn(count, entry)
+}
+
+/// First place, top and last place of every rise and fall.
+fn stretches(gamma: &[f64]) -> Vec<(usize, usize, usize)> {
+    let last = gamma.len() - 1;
+    let is_top = |k: usize| {
+        let before = if k == 0 { 0.0 } else { gamma[k - 1] };
+        let after = if k == last { 0.0 } else { gamma[k + 1] };
+        gamma[k] > before && gamma[k] >= after
+    };
+    let tops: Vec<usize> = (0..gamma.len()).filter(|&k| is_top(k)).collect();
+    let least = |from: usize, to: usize| {
+        (from..=to)
+            .min_by(|a, b| gamma[*a].total_cmp(&gamma[*b]))
+            .unwrap_or(from)
+    };
+    let ends: Vec<usize> = tops.windows(2).map(|pair| least(pair[0], pair[1])).collect();
+    let first = std::iter::once(0).chain(ends.iter().copied());
+    let after = ends.iter().copied().chain(std::iter::once(last));
+    first
+        .zip(&tops)
+        .zip(after)
+        .map(|((first, &top), last)| (first, top, last))
+        .collect()
+}
+
+/// Place of the vertex of the parabola through a maximum and its neighbours, in steps from it.
+fn vertex(gamma: &[f64], top: usize) -> f64 {
+    if top == 0 || top + 1 == gamma.len() {
+        return 0.0;
+    }
+    let (before, at, after) = (gamma[top - 1], gamma[top], gamma[top + 1]);
+    0.5 * (before - after) / (before - 2.0 * at + after)
+}
