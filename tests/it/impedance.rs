@@ -173,6 +173,31 @@ fn a_circuit_of_ones_own_is_fitted_wherever_spectra_are_shown() {
 }
 
 #[test]
+fn a_step_and_a_spectrum_in_one_likelihood_have_one_circuit() {
+    let folder = campaign();
+    folder.ieap(&["fit"]).expect(0);
+    let table = folder
+        .ieap(&["table", "step-and-spectrum", "--format", "json"])
+        .expect(0);
+    let table: Value = serde_json::from_str(&table.stdout).unwrap();
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!(rows.len() % 3, 0);
+    let cell = |row: &Value, key: &str| row["cells"][key].clone();
+    let low: Vec<&Value> = rows
+        .iter()
+        .filter(|row| cell(row, "run")["text"] == "runs/low.csv")
+        .collect();
+    assert_eq!(low.len(), 3, "{table:#}");
+    assert_eq!(cell(low[2], "from")["text"], "both");
+    assert_eq!(cell(low[2], "agrees")["text"], "yes", "{table:#}");
+    let error = |row: &Value| cell(row, "c2_f_per_cm2")["standard_error"].as_f64().unwrap();
+    assert!(
+        error(low[2]) < error(low[0]) && error(low[2]) < 1.02 * error(low[1]),
+        "{table:#}"
+    );
+}
+
+#[test]
 fn a_leak_above_an_onset_is_told_by_the_step_alone() {
     let folder = campaign();
     let mut leaking = STRIP;

@@ -24,6 +24,7 @@ fn table(input: &Input, name: &str) -> Table {
         model_free: &input.model_free,
         cycles: &input.cycles,
         reductions: &[],
+        one_likelihood: &[],
         electrodes: &input.electrodes,
         files: &input.files,
         groups: &input.findings.groups,

@@ -6,6 +6,7 @@ mod open_edges;
 mod options;
 pub(super) mod reductions;
 mod search;
+pub(super) mod step_and_spectrum;
 
 use ieap_domain::{Drive, Fit, Issue, Parameter};
 use ieap_model::{FitModel, ParameterDescription};

@@ -46,6 +46,7 @@ pub use error::FitError;
 pub use given::{BaseKnowledge, Predict, fit_of_run};
 pub use group::known::can_be_known;
 pub use group::reductions::{Circuit, Reduction, reductions};
+pub use group::step_and_spectrum::{StepAndSpectrum, step_and_spectrum};
 pub use group::{
     Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, fit_group, shareable,
 };

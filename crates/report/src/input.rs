@@ -91,6 +91,7 @@ impl Input {
             model_free: &self.model_free,
             cycles: &self.cycles,
             reductions: &[],
+            one_likelihood: &[],
             electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.findings.groups,

@@ -12,5 +12,6 @@ pub mod impedance;
 pub(super) mod model_free;
 pub(super) mod modulus;
 pub mod next_runs;
+pub mod one_likelihood;
 pub mod reductions;
 pub mod strip_modulus;

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::analysis::frequency::FrequencyRun;
+use crate::analysis::impedance::OneLikelihood;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::probe::Course;
 use crate::analysis::reductions::RunReductions;
@@ -19,6 +20,7 @@ use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::frequency::frequency_runs;
 use crate::pipeline::findings::model_free::{WithoutModel, without_model};
+use crate::pipeline::findings::one_likelihood::in_one_likelihood;
 use crate::pipeline::findings::reductions::reductions_of;
 use crate::pipeline::intake::climate::electrode_courses;
 use crate::pipeline::{Context, PipelineError};
@@ -30,6 +32,8 @@ use crate::store::Earlier;
 const FROM_READINGS: [&str; 3] = ["model-free", "energy", "cycles"];
 /// The table for which every run is fitted with other circuits.
 const REDUCTIONS: &str = "reductions";
+/// The table for which steps are fitted together with spectra.
+const STEP_AND_SPECTRUM: &str = "step-and-spectrum";
 
 /// What tables are made from, read from the database.
 pub(crate) struct TableData {
@@ -41,6 +45,7 @@ pub(crate) struct TableData {
     frequency: Vec<FrequencyRun>,
     without_model: WithoutModel,
     reductions: Vec<RunReductions>,
+    one_likelihood: Vec<OneLikelihood>,
     electrodes: Vec<Course>,
     files: Vec<SourceFile>,
     groups: Vec<GroupDiagnosis>,
@@ -88,6 +93,7 @@ impl TableData {
             frequency: frequency_runs(context, &runs)?,
             without_model: WithoutModel::default(),
             reductions: Vec::new(),
+            one_likelihood: Vec::new(),
             electrodes: electrode_courses(context)?,
             runs,
             set_aside,
@@ -120,6 +126,9 @@ impl TableData {
         if named.name == REDUCTIONS {
             self.reductions = reductions_of(context, &self.runs)?;
         }
+        if named.name == STEP_AND_SPECTRUM {
+            self.one_likelihood = in_one_likelihood(context, &self.runs, &self.spectra)?;
+        }
         Ok(self)
     }
 
@@ -135,6 +144,7 @@ impl TableData {
             model_free: &self.without_model.steps,
             cycles: &self.without_model.trains,
             reductions: &self.reductions,
+            one_likelihood: &self.one_likelihood,
             electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.groups,

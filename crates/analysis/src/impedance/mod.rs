@@ -5,7 +5,9 @@
 //! spectrum first.
 
 mod beside;
+mod one_likelihood;
 mod words;
 
 pub use beside::{BesideRow, Comparison, StepSide, comparisons};
+pub use one_likelihood::{Both, OneLikelihood};
 pub use words::describe;

@@ -112,6 +112,7 @@ mod tests {
             model_free: &[],
             cycles: &[],
             reductions: &[],
+            one_likelihood: &[],
             electrodes: &[],
             files: &[],
             comparisons: &[],

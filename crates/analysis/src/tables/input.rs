@@ -2,6 +2,7 @@
 
 use crate::cycles::CycleRun;
 use crate::frequency::FrequencyRun;
+use crate::impedance::OneLikelihood;
 use crate::laws::doubt::Doubts;
 use crate::model_free::ModelFree;
 use crate::probe::Course;
@@ -31,6 +32,8 @@ pub struct TableInput<'a> {
     pub model_free: &'a [ModelFree],
     /// Trains, cycle by cycle.
     pub cycles: &'a [CycleRun],
+    /// Steps and spectra of the same strips in one likelihood.
+    pub one_likelihood: &'a [OneLikelihood],
     /// Where simpler circuits would do.
     pub reductions: &'a [RunReductions],
     /// The electrodes' resistance over time, by the probe.

@@ -20,6 +20,7 @@ mod refused;
 mod relaxation;
 mod runs;
 mod spread;
+mod step_and_spectrum;
 mod stiffness;
 mod table;
 mod table2;
@@ -59,7 +60,7 @@ impl NamedTable {
 }
 
 /// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 22] = [
+pub const TABLES: [NamedTable; 23] = [
     NamedTable {
         name: "table2",
         about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
@@ -173,6 +174,12 @@ pub const TABLES: [NamedTable; 22] = [
         about: "Every number of every circuit fitted to the impedance spectra, also of circuits that campaign.toml asks for",
         compares_materials: false,
         make: circuits::make,
+    },
+    NamedTable {
+        name: "step-and-spectrum",
+        about: "A step and a spectrum of the same strip in one likelihood: one set of parameters, and whether both can have it",
+        compares_materials: false,
+        make: step_and_spectrum::make,
     },
     NamedTable {
         name: "relaxation-times",

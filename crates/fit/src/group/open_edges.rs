@@ -173,6 +173,7 @@ impl<'p, 'a> WithEdges<'p, 'a> {
             units: self.problem.units.clone(),
             bounds: self.problem.bounds.clone(),
             known: Vec::new(),
+            spectra: Vec::new(),
         }
     }
 }

@@ -6,13 +6,28 @@ use ieap_domain::{CircuitFit, Parameter, Spectrum};
 use ieap_model::impedance::{Part, Scale, SpectrumCircuit};
 use ieap_numerics::least_squares::Minimum;
 
-use super::intervals;
 use super::search::Simulated;
 use super::starts::starts;
+use super::{Alone, intervals};
 
 /// Decades beyond the spectrum, and frequencies, over which parts are ordered by their times.
 const ORDER_DECADES: f64 = 3.0;
 const ORDER_FREQUENCIES: usize = 120;
+
+/// The circuit at its lowest place, without intervals.
+pub(super) fn lowest(circuit: &SpectrumCircuit, spectrum: &Spectrum) -> Option<Alone> {
+    let problem = Simulated::new(circuit, spectrum);
+    if circuit.parameters.len() >= problem.readings() {
+        return None;
+    }
+    let starts = starts(&problem);
+    let found = Minimum::lowest(starts.iter().map(|at| problem.lowest(at)))?;
+    let found = in_order(&problem, found);
+    Some(Alone {
+        residual_rms: (found.local.square / problem.readings() as f64).sqrt(),
+        values: problem.values(&found.at),
+    })
+}
 
 /// Fits a circuit; gives it with its Bayesian information criterion. None where no start gives a number, or where the
 /// circuit has as many parameters as there are readings.

@@ -78,6 +78,19 @@ pub fn analyse(spectrum: &Spectrum, asked: &[SpectrumCircuit]) -> Result<Spectru
     })
 }
 
+/// A circuit at its best in a spectrum.
+pub(crate) struct Alone {
+    /// Its parameters, Ohm and F.
+    pub(crate) values: Vec<f64>,
+    /// Root mean square of what it leaves, part of |Z|.
+    pub(crate) residual_rms: f64,
+}
+
+/// The circuit of a lumped model in a spectrum; none where it cannot be fitted.
+pub(crate) fn lumped_in_spectrum(circuit: &SpectrumCircuit, spectrum: &Spectrum) -> Option<Alone> {
+    circuits::lowest(circuit, spectrum)
+}
+
 fn issues(tested: &KramersKronig, circuits: &[CircuitFit]) -> Vec<Issue> {
     let mut issues = Vec::new();
     if tested.verdict == Consistency::Violated {

@@ -95,7 +95,7 @@ pub(crate) fn excess(problem: &JointProblem, bottom: &Minimum) -> f64 {
     if freedom < 1.0 {
         return 1.0;
     }
-    let ratio = bottom.local.square / freedom;
+    let ratio = (bottom.local.square - problem.beside(&bottom.at)) / freedom;
     let limit = reduced_chi_square_limit(freedom, NORMAL_ONE_SIDED_99);
     if ratio > limit { ratio.sqrt() } else { 1.0 }
 }

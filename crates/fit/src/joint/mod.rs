@@ -12,6 +12,7 @@ pub(super) mod problem;
 pub(super) mod profile;
 pub(super) mod readings;
 pub(super) mod single;
+pub(super) mod spectrum_rows;
 pub(super) mod spring;
 pub(super) mod start;
 pub(super) mod whitening;

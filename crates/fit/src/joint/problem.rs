@@ -5,10 +5,13 @@ use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 
 use super::layout::Layout;
 use super::readings::{Offsets, RunReadings};
+use super::spectrum_rows::SpectrumRows;
 use super::spring::Spring;
 
 /// Step of the difference quotients, in coordinates scaled to be of order one.
 const STEP: f64 = 1e-3;
+/// The same where the model is a closed form.
+const FINE_STEP: f64 = 1e-5;
 
 /// Where a local parameter of a run comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +41,8 @@ pub(crate) struct JointProblem<'a> {
     pub(crate) bounds: Bounds,
     /// What is known of features before any reading.
     pub(crate) known: Vec<Spring>,
+    /// Spectra of the runs' strips.
+    pub(crate) spectra: Vec<SpectrumRows>,
 }
 
 /// Which readings a sum goes over.
@@ -99,12 +104,50 @@ impl<'a> JointProblem<'a> {
             inner(&out, &out)
         };
         let readings: f64 = (0..self.runs.len()).map(of_run).sum();
-        readings
-            + self
-                .known
-                .iter()
-                .map(|spring| spring.gap(self, at).powi(2))
-                .sum::<f64>()
+        readings + self.beside(at)
+    }
+
+    /// The part of the sum of squares that is not of the runs' readings.
+    pub(crate) fn beside(&self, at: &[f64]) -> f64 {
+        let known = self.known.iter().map(|spring| spring.gap(self, at).powi(2));
+        let square = |left: &Vec<f64>| inner(left, left);
+        let spectra = self.spectra.iter().map(|own| square(&self.of_spectrum(own, at)));
+        known.chain(spectra).sum()
+    }
+
+    /// Weighted residuals of a spectrum at a place.
+    fn of_spectrum(&self, spectrum: &SpectrumRows, at: &[f64]) -> Vec<f64> {
+        spectrum.residuals(&self.model(&self.local(spectrum.run, at)))
+    }
+
+    /// Adds a spectrum to a sum of squares at a place.
+    fn add_spectrum(&self, spectrum: &SpectrumRows, at: &[f64], all: &mut Local) {
+        let here = self.of_spectrum(spectrum, at);
+        let column = |slot: &Slot| -> Option<Column> {
+            let Slot::Searched(k) = *slot else { return None };
+            let with = |step: f64| {
+                let mut moved = at.to_vec();
+                moved[k] += step;
+                self.of_spectrum(spectrum, &moved)
+            };
+            // One-sided at a limit; the model's derivative has the other sign than the residual's.
+            let below = if at[k] - FINE_STEP < self.bounds.low[k] {
+                0.0
+            } else {
+                FINE_STEP
+            };
+            let pairs = with(-below).into_iter().zip(with(FINE_STEP));
+            Some((
+                k,
+                pairs
+                    .map(|(low, high)| (low - high) / (FINE_STEP + below))
+                    .collect(),
+            ))
+        };
+        let electrical = &self.slots[spectrum.run][..=self.layout.steady()];
+        let columns: Vec<Column> = electrical.iter().filter_map(column).collect();
+        all.square += inner(&here, &here);
+        add_run(&columns, &here, all);
     }
 
     /// The problem over some of the readings.
@@ -190,6 +233,10 @@ impl Problem for Weighed<'_, '_> {
             .known
             .iter()
             .for_each(|spring| spring.add(problem, at, &mut all));
+        problem
+            .spectra
+            .iter()
+            .for_each(|spectrum| problem.add_spectrum(spectrum, at, &mut all));
         all
     }
 }

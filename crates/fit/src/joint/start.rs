@@ -109,6 +109,7 @@ pub(crate) fn problem<'a>(
         slots: Vec::new(),
         bounds: Bounds::default(),
         known: Vec::new(),
+        spectra: Vec::new(),
     };
     let mut at = Vec::new();
     let mut common: Vec<Option<usize>> = vec![None; layout.len()];

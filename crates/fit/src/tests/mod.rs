@@ -12,6 +12,7 @@ mod moving;
 mod one_fit;
 mod recovery;
 mod reductions;
+mod step_and_spectrum;
 mod stopped;
 
 use std::sync::Arc;
