@@ -41,6 +41,7 @@ mod impedance;
 mod imports;
 mod init_from;
 mod issue_codes;
+mod kept_pages;
 mod kill_loop;
 mod lab_origin;
 mod lumped_or_distributed;
