@@ -93,6 +93,11 @@ fn whatever_changes_the_report_is_the_one_made_from_nothing() {
     change(&["ingest"]);
     change(&["fit"]);
     assert_eq!(kept_pages(&folder, "another revision of it"), 2);
+    // It stands before all others in the lists, whose places move.
+    folder.write("runs/air/!.csv", run_table(79));
+    change(&["ingest"]);
+    change(&["fit"]);
+    assert_eq!(kept_pages(&folder, "a new run before all others"), 2);
     change(&["diagnose", "--draws", "99"]);
     assert_eq!(kept_pages(&folder, "findings of all groups"), 0);
     let toml = fs::read_to_string(folder.join("campaign.toml")).unwrap();
