@@ -66,7 +66,7 @@ impl Hash {
     /// The same with another value.
     pub fn with(mut self, value: &dyn fmt::Debug) -> Hash {
         // Hashing cannot fail.
-        let _ = write!(self, "{value:?}\n");
+        let _ = writeln!(self, "{value:?}");
         self
     }
 

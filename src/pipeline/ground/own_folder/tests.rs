@@ -248,7 +248,9 @@ fn files_are_taken_over() {
     let root = tempfile::tempdir().unwrap();
     let old = root.path().join("report");
     let first = Fresh::begin(root.path(), ".report-").unwrap();
-    ["a", "b"].map(|file| fs::write(first.path().join(file), file).unwrap());
+    for file in ["a", "b"] {
+        fs::write(first.path().join(file), file).unwrap();
+    }
     first.finish().unwrap();
     first.put(&old, &never).unwrap();
     let hashes = hashes(&old).unwrap();
