@@ -13,13 +13,17 @@ use super::fault::{REPORT_IT, guarded, reason_of};
 use super::figures::svg::dot_markers;
 use super::kept::{Earlier, Made};
 use super::pages::{Content, Page, finding_content, strip_content};
-use super::render::{INDEX, template_error, write};
 use super::shared_axes::share;
 use super::site::Site;
 use ieap_domain::{CurveSource, Fault};
+use ieap_system::fs;
 
 /// Template of the pages of runs.
 pub(super) const RUNS: &str = "run.html";
+/// The page that leads to all others.
+pub(super) const INDEX: &str = "index.html";
+/// What all pages have around them.
+pub(super) const LAYOUT: &str = include_str!("../../../templates/layout.html");
 
 /// Where a page lies and what it is about.
 pub(super) struct Place {
@@ -214,4 +218,21 @@ fn above_of(template: &str) -> &str {
         "strip.html" => "along.html",
         other => other,
     }
+}
+
+/// An error of a template.
+pub(super) fn template_error(page: &str, source: tera::Error) -> ReportError {
+    ReportError::Template {
+        page: page.to_owned(),
+        source: Box::new(source),
+    }
+}
+
+/// Writes a file; gives its bytes.
+pub(super) fn write(path: &Path, text: &str) -> Result<u64, ReportError> {
+    fs::write(path, text).map_err(|source| ReportError::Write {
+        path: path.to_owned(),
+        source,
+    })?;
+    Ok(text.len() as u64)
 }

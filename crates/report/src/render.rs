@@ -16,7 +16,7 @@ use super::fault::{guarded, reason_of};
 use super::input::Input;
 use super::kept::{self, Earlier};
 use super::pages::{FINDING_TEMPLATE, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, shown};
-use super::press::Press;
+use super::press::{INDEX, LAYOUT, Press, template_error, write};
 use super::readings_file;
 use super::run_index::{self, run_index};
 use super::run_press::make;
@@ -177,11 +177,8 @@ pub fn render_site(
 
 const STYLE: &str = include_str!("../../../templates/style.css");
 const SCRIPT: &str = include_str!("../../../templates/site.js");
-pub(super) const LAYOUT: &str = include_str!("../../../templates/layout.html");
 const ASIDE: &str = include_str!("../../../templates/aside.html");
 const FAULT: &str = include_str!("../../../templates/fault.html");
-/// The page that leads to all others.
-pub(super) const INDEX: &str = "index.html";
 
 /// All templates of the site's pages with the escaping of [`write_escaped`].
 fn templates(pages: &[&Page]) -> Result<Tera, ReportError> {
@@ -202,13 +199,6 @@ fn templates(pages: &[&Page]) -> Result<Tera, ReportError> {
     tera.add_raw_templates(all)
         .map_err(|source| template_error("templates", source))?;
     Ok(tera)
-}
-
-pub(super) fn template_error(page: &str, source: tera::Error) -> ReportError {
-    ReportError::Template {
-        page: page.to_owned(),
-        source: Box::new(source),
-    }
 }
 
 /// Tables beside the pages; one that cannot be made is left out and noted.
@@ -250,12 +240,4 @@ fn make_folder(path: &Path) -> Result<(), ReportError> {
         path: path.to_owned(),
         source,
     })
-}
-
-pub(super) fn write(path: &Path, text: &str) -> Result<u64, ReportError> {
-    fs::write(path, text).map_err(|source| ReportError::Write {
-        path: path.to_owned(),
-        source,
-    })?;
-    Ok(text.len() as u64)
 }

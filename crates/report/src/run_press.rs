@@ -11,9 +11,8 @@ use super::error::ReportError;
 use super::fault::guarded;
 use super::kept::Hash;
 use super::pages::{DrawnRun, Outline, RUN_TEMPLATE, drawn_content};
-use super::press::{Place, Press, RUNS};
+use super::press::{LAYOUT, Place, Press, RUNS, write};
 use super::readings_file;
-use super::render::{LAYOUT, write};
 use super::sparkline::Sparks;
 use ieap_domain::CurveSource;
 
