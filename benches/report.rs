@@ -1,6 +1,7 @@
 //! How long a report of 200 runs takes.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use ieap::report::kept::Earlier;
 use ieap::report::render;
 
 #[path = "../tests/it/report_fixture.rs"]
@@ -18,7 +19,7 @@ fn report_of_200_runs(criterion: &mut Criterion) {
     group.bench_function("200 runs, 2 curves each", |bencher| {
         bencher.iter(|| {
             let folder = tempfile::tempdir().expect("a folder");
-            render(&input, &curves, folder.path(), &|_, _| {}).expect("a site")
+            render(&input, &curves, &Earlier::none(), folder.path(), &|_, _| {}).expect("a site")
         });
     });
     group.finish();

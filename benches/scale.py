@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""How the cost grows with the number of runs: ingest, fit, diagnosis, report, status, one run more; time, memory, size.
+"""How the cost grows with the number of runs: ingest, fit, diagnosis, report, status, a tag, a run more; time, memory, size.
 
-Usage: benches/scale.py [--runs 100,1000,10000] [--diagnose-up-to 1000] [--work FOLDER] [--figure FILE.svg]
+Usage: benches/scale.py [--runs 100,1000,10000,100000] [--diagnose-up-to 1000] [--work FOLDER] [--figure FILE.svg]
 After `cargo build --release`. Needs Python 3.8 and nothing else; Linux (peak memory as the kernel counts it).
+
+100,000 runs take hours and 15 GB; leave them out with --runs where that is too much.
 
 Simulated campaigns of 700 readings of current and of bending a run, 25 runs a sample (five humidities, five voltages).
 Every command is a process of its own; the first campaign is made by `ieap simulate`, whose time is not counted.
@@ -121,6 +123,9 @@ def measured(ieap, work, runs, diagnose):
         found["diagnose"] = timed(quiet + ["diagnose", folder])
     found["report"] = timed(quiet + ["report", folder])
     found["status"] = timed(quiet + ["status", folder])
+    some = min((folder / "runs").rglob("*.csv")).relative_to(folder)
+    subprocess.run(quiet + ["tag", some, "note=looked at", folder], check=True, stdout=subprocess.DEVNULL)
+    found["report after a tag"] = timed(quiet + ["report", folder])
     shutil.move(aside, last)
     found["one run more"] = timed(quiet + ["run", "--no-diagnose", folder])
     return {
@@ -133,8 +138,8 @@ def measured(ieap, work, runs, diagnose):
     }
 
 
-COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00"]
-MARKS = ["circle", "square", "diamond", "up", "down", "cross"]
+COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
+MARKS = ["circle", "square", "diamond", "up", "down", "cross", "bar"]
 
 
 def mark(kind, x, y, colour):
@@ -145,6 +150,7 @@ def mark(kind, x, y, colour):
         "up": f"M{x} {y - 5}l5 9h-10z",
         "down": f"M{x} {y + 5}l5 -9h-10z",
         "cross": f"M{x - 4} {y - 4}l8 8M{x - 4} {y + 4}l8 -8",
+        "bar": f"M{x - 5} {y - 2}h10v4h-10z",
     }
     return f'<path d="{paths[kind]}" fill="{colour}" stroke="{colour}" stroke-width="1.5"/>'
 
@@ -199,7 +205,7 @@ def figure(rows):
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument("--runs", default="100,1000,10000")
+    arguments.add_argument("--runs", default="100,1000,10000,100000")
     arguments.add_argument("--diagnose-up-to", type=int, default=1000)
     arguments.add_argument("--work", type=pathlib.Path)
     arguments.add_argument("--figure", type=pathlib.Path)

@@ -7,6 +7,7 @@ use ieap::domain::{
     StripShape,
 };
 use ieap::report::figures::canvas::Shape;
+use ieap::report::kept::Earlier;
 use ieap::report::pages::{PAGES, strip_content};
 use ieap::report::prints::{FIGURES, FigureInput, POINTS_PER_PIXEL, figure_format_named};
 use ieap::report::{Input, Site, render};
@@ -190,7 +191,7 @@ fn what_pages_along_the_strip_say() {
 fn a_page_along_the_strip_stays_small_and_a_hole_stays_a_hole() {
     let input = along_input();
     let folder = tempfile::tempdir().expect("a folder");
-    render(&input, &Strips, folder.path(), &|_, _| {}).expect("a site");
+    render(&input, &Strips, &Earlier::none(), folder.path(), &|_, _| {}).expect("a site");
     let pages: Vec<PathBuf> = std::fs::read_dir(folder.path().join("along"))
         .expect("a folder")
         .map(|entry| entry.expect("an entry").path())

@@ -212,7 +212,7 @@ fn results_and_files_go_through_one_door_each() {
                 "src/pipeline/ground/own_folder.rs",
                 "src/pipeline/show/report.rs",
                 "src/pipeline/intake/trace",
-                "crates/report/src/render.rs",
+                "crates/report/src/press.rs",
             ],
         ),
         (" File::create(", &["crates/analysis/src/disk_file.rs"]),

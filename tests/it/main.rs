@@ -42,6 +42,7 @@ mod impedance;
 mod imports;
 mod init_from;
 mod issue_codes;
+mod kept_pages;
 mod kill_loop;
 mod known;
 mod lab_origin;

@@ -5,6 +5,7 @@ use std::process::Command;
 use ieap::domain::tag::keys;
 use ieap::domain::{CurveSource, Quantity, RunCurve};
 use ieap::report::figures::response::{TimeView, response};
+use ieap::report::kept::Earlier;
 use ieap::report::{Site, render};
 use serde_json::{Value, json};
 
@@ -95,7 +96,14 @@ fn a_browser_reads_what_is_stored() {
     let input = input(&["CNaf"], 1);
     let curves = MadeUpCurves::of(&input);
     let folder = tempfile::tempdir().unwrap();
-    render(&input, &curves, &folder.path().join("report"), &|_, _| {}).expect("a site");
+    render(
+        &input,
+        &curves,
+        &Earlier::none(),
+        &folder.path().join("report"),
+        &|_, _| {},
+    )
+    .expect("a site");
     let site = Site::new(&input);
     let with_fit = (0..input.runs.len())
         .filter(|&run| input.runs[run].fit.is_some())

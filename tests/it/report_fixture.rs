@@ -424,6 +424,13 @@ impl CurveSource for MadeUpCurves {
             .map(|(quantity, sigma)| curve(quantity, sigma, run_id as u64, fitted))
             .collect())
     }
+
+    fn drawn_from(&self, run_id: i64) -> Result<Option<String>, String> {
+        Ok(self
+            .fitted
+            .get(run_id as usize)
+            .map(|fitted| format!("{run_id} {fitted}")))
+    }
 }
 
 fn curve(quantity: Quantity, sigma: f64, seed: u64, fitted: bool) -> RunCurve {

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use ieap::domain::{ClimateCurve, CurveSource, RunCurve, RunRecord};
+use ieap::report::kept::{self, Earlier};
 use ieap::report::pages::{PAGES, Page, shown};
 use ieap::report::{Input, Site, render, render_site};
 
@@ -13,7 +14,14 @@ use super::report_fixture::{MadeUpCurves, current_only_input, input, troubled_in
 /// Every file of the site by its path.
 fn site(input: &Input) -> BTreeMap<String, String> {
     let folder = tempfile::tempdir().expect("a folder");
-    render(input, &MadeUpCurves::of(input), folder.path(), &|_, _| {}).expect("a site");
+    render(
+        input,
+        &MadeUpCurves::of(input),
+        &Earlier::none(),
+        folder.path(),
+        &|_, _| {},
+    )
+    .expect("a site");
     let mut files = BTreeMap::new();
     collect(folder.path(), "", &mut files);
     files
@@ -295,7 +303,14 @@ fn progress_ends_with_everything_done() {
     let folder = tempfile::tempdir().expect("a folder");
     let seen = std::cell::RefCell::new(Vec::new());
     let progress = |done, of| seen.borrow_mut().push((done, of));
-    let rendered = render(&input, &MadeUpCurves::of(&input), folder.path(), &progress).expect("a site");
+    let rendered = render(
+        &input,
+        &MadeUpCurves::of(&input),
+        &Earlier::none(),
+        folder.path(),
+        &progress,
+    )
+    .expect("a site");
     assert_eq!(seen.borrow().last(), Some(&(rendered.pages, rendered.pages)));
     assert!(seen.borrow().windows(2).all(|pair| pair[0].0 < pair[1].0));
     let once = PAGES.iter().filter(|page| (page.is_shown)(&input)).count();
@@ -319,7 +334,7 @@ fn a_run_without_curves_is_a_box_that_names_it_and_the_rest_is_rendered() {
     let curves = MadeUpCurves::of(&lost);
     lost.runs[3].id = 9999;
     let folder = tempfile::tempdir().expect("a folder");
-    let rendered = render(&lost, &curves, folder.path(), &|_, _| {}).expect("a site");
+    let rendered = render(&lost, &curves, &Earlier::none(), folder.path(), &|_, _| {}).expect("a site");
     let [fault] = &rendered.faults[..] else {
         panic!("{:?}", rendered.faults);
     };
@@ -344,6 +359,10 @@ impl CurveSource for Broken<'_> {
     fn climate_curves(&self, run_id: i64) -> Result<Vec<ClimateCurve>, String> {
         self.0.climate_curves(run_id)
     }
+
+    fn drawn_from(&self, run_id: i64) -> Result<Option<String>, String> {
+        self.0.drawn_from(run_id)
+    }
 }
 
 /// A page that stops the program.
@@ -363,8 +382,15 @@ fn what_panics_is_a_box_and_the_rest_is_as_it_would_be() {
     let curves = Broken(MadeUpCurves::of(&input), &input.runs[0]);
     let mut pages = shown(&input);
     pages.push(&STOPS);
-    let rendered =
-        render_site(Site::new(&input), &pages, &curves, folder.path(), &|_, _| {}).expect("a site");
+    let rendered = render_site(
+        Site::new(&input),
+        &pages,
+        &curves,
+        &Earlier::none(),
+        folder.path(),
+        &|_, _| {},
+    )
+    .expect("a site");
     let reasons: Vec<&str> = rendered
         .faults
         .iter()
@@ -402,6 +428,49 @@ fn empty_panels_say_why() {
     assert_eq!(page.matches(" class=figure>").count(), 3);
 }
 
+/// Renders into `new` what may take pages over from `old`; gives how many it took.
+fn kept(input: &Input, curves: &dyn CurveSource, old: &Path, new: &Path) -> usize {
+    let take = |files: &[String]| {
+        files
+            .iter()
+            .try_for_each(|file| std::fs::copy(old.join(file), new.join(file)).map(drop))?;
+        Ok(true)
+    };
+    let list = std::fs::read_to_string(old.join(kept::FILE)).unwrap_or_default();
+    let earlier = Earlier {
+        made: kept::read(&list, |_| true),
+        take: &take,
+    };
+    let rendered = render(input, curves, &earlier, new, &|_, _| {}).expect("a site");
+    rendered.kept
+}
+
+#[test]
+fn pages_of_runs_stand_until_the_program_or_what_they_show_changes() {
+    let mut input = input(&["CNaf"], 4);
+    let curves = MadeUpCurves::of(&input);
+    let folders: Vec<_> = (0..6).map(|_| tempfile::tempdir().expect("a folder")).collect();
+    let at = |place: usize| folders[place].path();
+    let pages = Site::new(&input).run_pages.len();
+    assert_eq!(kept(&input, &curves, at(5), at(0)), 0);
+    input.origin.database = "change 9 of another day".to_owned();
+    assert_eq!(kept(&input, &curves, at(0), at(1)), pages);
+    input.origin.program = "ieap 99.0.0".to_owned();
+    assert_eq!(kept(&input, &curves, at(1), at(2)), 0);
+    input.runs[0].issues.clear();
+    let issue = ieap::domain::Issue::note("odd", "what nobody said before");
+    input.runs[0].issues.push(issue);
+    assert_eq!(kept(&input, &curves, at(2), at(3)), pages - 1);
+    // A page that lacks a part is made, and its fault told, every time.
+    let first = input.runs[0].clone();
+    let broken = Broken(curves, &first);
+    input.campaign.notice = Some("Another notice.".to_owned());
+    for (old, new) in [(3, 4), (4, 5)] {
+        let stood = if old == 3 { 0 } else { pages - 1 };
+        assert_eq!(kept(&input, &broken, at(old), at(new)), stood);
+    }
+}
+
 /// Writes the sites to the folder named by `IEAP_REPORT_PREVIEW`, for looking at them.
 #[test]
 fn preview() {
@@ -412,6 +481,13 @@ fn preview() {
     let names = ["plain", "troubled", "current-only", "empty"];
     for (name, input) in names.into_iter().zip(all_inputs()) {
         let out = Path::new(&folder).join(name);
-        render(&input, &MadeUpCurves::of(&input), &out, &|_, _| {}).expect("a site");
+        render(
+            &input,
+            &MadeUpCurves::of(&input),
+            &Earlier::none(),
+            &out,
+            &|_, _| {},
+        )
+        .expect("a site");
     }
 }

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use ieap::analysis::PARAMETERS;
+use ieap::report::kept::Earlier;
 use ieap::report::{Input, render};
 
 use super::climate_fixture::climate_input;
@@ -109,7 +110,14 @@ fn list(sentences: &BTreeMap<String, BTreeSet<String>>) -> String {
 /// The pages of a campaign, those of runs and of groups under one name.
 fn pages(input: &Input, into: &mut BTreeMap<String, BTreeSet<String>>) {
     let folder = tempfile::tempdir().expect("a folder");
-    render(input, &MadeUpCurves::of(input), folder.path(), &|_, _| {}).expect("a site");
+    render(
+        input,
+        &MadeUpCurves::of(input),
+        &Earlier::none(),
+        folder.path(),
+        &|_, _| {},
+    )
+    .expect("a site");
     let mut read = |path: &Path, place: String| {
         let html = fs::read_to_string(path).expect("a page");
         let main = html.split_once("<main>").map_or(html.as_str(), |(_, main)| main);

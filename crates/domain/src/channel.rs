@@ -178,6 +178,15 @@ pub trait CurveSource {
         Ok(Vec::new())
     }
 
+    /// What the curves and the climate of that run are read from, as a checksum: as long as it is the same, so are they. None
+    /// where that is not known.
+    ///
+    /// # Errors
+    /// As [`CurveSource::curves`].
+    fn drawn_from(&self, _run_id: i64) -> Result<Option<String>, String> {
+        Ok(None)
+    }
+
     /// What is known along the strip of that run; none where it was not measured at several places.
     ///
     /// # Errors

@@ -30,22 +30,25 @@ pub fn batches(pages: &[RunPage]) -> Vec<Range<usize>> {
     batches
 }
 
-/// A page of runs before it is drawn: its index, and its runs.
-pub type ToDraw = (usize, Vec<DrawnRun>);
+/// Fetches what is drawn of a run; one whose curves cannot be had says why.
+pub fn to_draw(site: &Site, run: usize, curves: &dyn CurveSource) -> DrawnRun {
+    let made = caught(|| drawn_run(site.input, run, curves)).flatten();
+    made.unwrap_or_else(|reason| DrawnRun {
+        run,
+        curves: Vec::new(),
+        climate: Vec::new(),
+        failed: Some(reason),
+    })
+}
 
-/// Fetches page number `page` of the runs; a run whose curves cannot be had says why.
-pub fn to_draw(site: &Site, page: usize, curves: &dyn CurveSource) -> ToDraw {
-    let runs = site.run_pages[page].runs.iter();
-    let drawn = |&run: &usize| {
-        let made = caught(|| drawn_run(site.input, run, curves)).flatten();
-        made.unwrap_or_else(|reason| DrawnRun {
-            run,
-            curves: Vec::new(),
-            climate: Vec::new(),
-            failed: Some(reason),
-        })
+/// What the curves of the runs of a page are read from; none where that is not known of all of them.
+pub fn drawn_from(site: &Site, page: usize, curves: &dyn CurveSource) -> Option<Vec<String>> {
+    let from = |&run: &usize| {
+        caught(|| curves.drawn_from(site.input.record(run).id))
+            .flatten()
+            .ok()?
     };
-    (page, runs.map(drawn).collect())
+    site.run_pages[page].runs.iter().map(from).collect()
 }
 
 fn drawn_run(input: &Input, run: usize, curves: &dyn CurveSource) -> Result<DrawnRun, String> {

@@ -7,22 +7,19 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
 use tera::{Kwargs, State, Tera};
 
-use super::compact::{compact, without_comments};
-use super::drawn_runs::{ToDraw, batches, to_draw};
+use super::compact::without_comments;
+use super::drawn_runs::{batches, to_draw};
 use super::error::ReportError;
-use super::fault::{REPORT_IT, guarded, reason_of};
-use super::figures::svg::dot_markers;
+use super::fault::{guarded, reason_of};
 use super::input::Input;
-use super::pages::{
-    Content, FINDING_TEMPLATE, Page, RUN_TEMPLATE, STRIP_TEMPLATE, finding_content, run_page_content, shown,
-    strip_content,
-};
+use super::kept::{self, Earlier};
+use super::pages::{FINDING_TEMPLATE, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, shown};
+use super::press::{INDEX, LAYOUT, Press, template_error, write};
 use super::readings_file;
 use super::run_index::{self, run_index};
-use super::shared_axes::share;
+use super::run_press::make;
 use super::site::Site;
 use super::sparkline::Sparks;
 use super::visible::{indexed, write_escaped};
@@ -38,13 +35,16 @@ pub struct Rendered {
     pub index: PathBuf,
     /// Number of pages, those of the runs counted.
     pub pages: usize,
-    /// Bytes of all files.
+    /// Those of them that stood already and were taken over.
+    pub kept: usize,
+    /// Bytes of the files that were written.
     pub bytes: u64,
     /// What a fault of the program left out, steps before the report counted; boxes stand in the place of it.
     pub faults: Vec<Fault>,
 }
 
-/// Writes the whole site into `out_dir`, which is made where it is missing.
+/// Writes the whole site into `out_dir`, which is made where it is missing. Pages of runs that `earlier` has already are
+/// taken over.
 ///
 /// `progress` hears how many of how many pages are done. Curves are asked for on the calling thread, so that
 /// a database connection can be their source; pages are drawn in parallel, and the bytes are the same at any
@@ -55,10 +55,18 @@ pub struct Rendered {
 pub fn render(
     input: &Input,
     curves: &dyn CurveSource,
+    earlier: &Earlier,
     out_dir: &Path,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Rendered, ReportError> {
-    render_site(Site::new(input), &shown(input), curves, out_dir, progress)
+    render_site(
+        Site::new(input),
+        &shown(input),
+        curves,
+        earlier,
+        out_dir,
+        progress,
+    )
 }
 
 /// The same with these pages in place of those that a report of its input has.
@@ -69,6 +77,7 @@ pub fn render_site(
     mut site: Site,
     pages: &[&Page],
     curves: &dyn CurveSource,
+    earlier: &Earlier,
     out_dir: &Path,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Rendered, ReportError> {
@@ -96,7 +105,9 @@ pub fn render_site(
         site: &site,
         pages,
         out_dir,
+        earlier,
         faults: Mutex::new(site.faults.clone()),
+        made: Mutex::default(),
     };
     let (index, others): (Vec<&Page>, Vec<&Page>) =
         pages.iter().copied().partition(|page| page.file == INDEX);
@@ -111,15 +122,15 @@ pub fn render_site(
     bytes += sizes?.iter().sum::<u64>();
     let mut done = others.len() + groups;
     let mut sparks = BTreeMap::new();
+    let mut kept = 0;
     if groups > 0 {
         progress(done, total);
     }
     for batch in batches(&site.run_pages) {
-        let drawn: Vec<ToDraw> = batch.clone().map(|page| to_draw(&site, page, curves)).collect();
-        let runs = drawn.iter().flat_map(|(_, runs)| runs);
-        sparks.extend(runs.map(|drawn| (drawn.run, Sparks::of(&drawn.curves))));
-        let sizes: Result<Vec<u64>, ReportError> = drawn.par_iter().map(|drawn| press.runs(drawn)).collect();
-        bytes += sizes?.iter().sum::<u64>();
+        let made = make(&press, batch.clone(), curves)?;
+        bytes += made.bytes;
+        kept += made.kept;
+        sparks.extend(made.sparks);
         progress(done + batch.end, total);
     }
     done += site.run_pages.len();
@@ -129,6 +140,14 @@ pub fn render_site(
         progress(done + place + 1, total);
     }
     bytes += write_tables(&press)?;
+    let made = press.made.into_inner().unwrap_or_default();
+    bytes += write(&out_dir.join(kept::FILE), &kept::text(&made))?;
+    for run in listed(&site) {
+        // Of a page that was taken over nothing was drawn.
+        sparks
+            .entry(run)
+            .or_insert_with(|| Sparks::of(&to_draw(&site, run, curves).curves));
+    }
     let mut faults = press.faults.into_inner().unwrap_or_default();
     // Pages are made side by side, in no order.
     faults.sort_by(|a, b| (&a.place, &a.runs).cmp(&(&b.place, &b.runs)));
@@ -139,7 +158,9 @@ pub fn render_site(
         site: &site,
         pages,
         out_dir,
+        earlier,
         faults: Mutex::new(faults),
+        made: Mutex::default(),
     };
     for page in &index {
         bytes += press.page(page)?;
@@ -148,200 +169,16 @@ pub fn render_site(
     Ok(Rendered {
         index: out_dir.join(INDEX),
         pages: total,
+        kept,
         bytes,
         faults: press.faults.into_inner().unwrap_or_default(),
     })
 }
 
-/// Where a page lies and what it is about.
-struct Place {
-    /// Its file, relative to the site's root.
-    file: String,
-    /// The page of the list, or the template, that the navigation knows it by.
-    kind: &'static str,
-    title: String,
-    /// Indices of the runs that it shows.
-    runs: Vec<usize>,
-}
-
-/// Writes pages, and notes what could not be made.
-struct Press<'a> {
-    templates: &'a Tera,
-    site: &'a Site<'a>,
-    /// Pages that it has once, in the order of the navigation.
-    pages: &'a [&'a Page],
-    out_dir: &'a Path,
-    faults: Mutex<Vec<Fault>>,
-}
-
-impl Press<'_> {
-    fn page(&self, page: &Page) -> Result<u64, ReportError> {
-        let place = Place {
-            file: page.file.to_owned(),
-            kind: page.file,
-            title: page.title.to_owned(),
-            runs: Vec::new(),
-        };
-        self.put(&place, || (page.content)(self.site))
-    }
-
-    fn finding(&self, group: usize) -> Result<u64, ReportError> {
-        let found = &self.site.input.findings.groups[group];
-        let place = Place {
-            file: self.site.finding_href(group),
-            kind: "finding.html",
-            title: crate::pages::wording::group_title(&found.group),
-            runs: found
-                .runs
-                .iter()
-                .filter_map(|run| self.site.run_of(run))
-                .collect(),
-        };
-        self.put(&place, || finding_content(self.site, group))
-    }
-
-    fn runs(&self, (page, drawn): &ToDraw) -> Result<u64, ReportError> {
-        let place = Place {
-            file: self.site.run_page_href(*page),
-            kind: "run.html",
-            title: self.site.run_page_title(*page),
-            runs: self.site.run_pages[*page].runs.clone(),
-        };
-        let mut bytes = self.put(&place, || run_page_content(self.site, *page, drawn))?;
-        if drawn.iter().any(|run| !run.curves.is_empty()) {
-            let runs = drawn
-                .iter()
-                .map(|own| (self.site.run_name(own.run), own.curves.as_slice()));
-            let beside = self
-                .out_dir
-                .join(readings_file::file(&self.site.run_pages[*page].slug));
-            bytes += write(&beside, &readings_file::text(runs))?;
-        }
-        Ok(bytes)
-    }
-
-    fn strip(&self, run: usize, curves: &dyn CurveSource) -> Result<u64, ReportError> {
-        let record = &self.site.input.runs[run];
-        let place = Place {
-            file: self.site.strip_href(run),
-            kind: "strip.html",
-            title: format!("{}, along the strip", self.site.run_name(run)),
-            runs: vec![run],
-        };
-        self.put(&place, || {
-            let along = curves.along(record.id).map_err(|reason| ReportError::Curves {
-                run: record.path.clone(),
-                reason,
-            })?;
-            strip_content(self.site, run, along.as_ref())
-        })
-    }
-
-    /// Writes the page with that content, or with the reason why there is none.
-    fn put(
-        &self,
-        place: &Place,
-        content: impl FnOnce() -> Result<Content, ReportError>,
-    ) -> Result<u64, ReportError> {
-        let made = guarded(|| {
-            let mut content = content()?;
-            let faults = std::mem::take(&mut content.faults);
-            let html = self.filled(place, place.kind, content)?;
-            Ok((html, faults))
-        });
-        let (html, faults) = match made {
-            Ok(made) => made,
-            Err(error) => self.box_for(place, reason_of(error)?)?,
-        };
-        if let Ok(mut noted) = self.faults.lock() {
-            noted.extend(faults);
-        }
-        write(&self.out_dir.join(&place.file), &html)
-    }
-
-    /// The page that says what could not be made.
-    fn box_for(&self, place: &Place, reason: String) -> Result<(String, Vec<Fault>), ReportError> {
-        let path = |&run: &usize| self.site.input.runs[run].path.clone();
-        let run = |run: &usize| json!({ "slug": self.site.run_slug(*run), "path": path(run) });
-        let runs: Vec<Value> = place.runs.iter().map(run).collect();
-        let context = json!({ "reason": reason, "mend": REPORT_IT, "runs": runs });
-        let content = Content::new("fault.html", &context, BTreeMap::new())?;
-        let fault = Fault {
-            place: place.file.clone(),
-            runs: place.runs.iter().map(path).collect(),
-            reason,
-        };
-        let html = self.filled(place, "fault.html", content)?;
-        Ok((html, vec![fault]))
-    }
-
-    /// A page filled into `template`, with what the layout needs.
-    fn filled(&self, place: &Place, template: &str, content: Content) -> Result<String, ReportError> {
-        let (site, file) = (self.site, place.kind);
-        let campaign = &site.input.campaign;
-        let entry =
-            |page: &&&Page| json!({ "href": page.file, "title": page.title, "current": page.file == file });
-        let nav: Vec<Value> = self
-            .pages
-            .iter()
-            .filter(|page| page.under.is_none())
-            .map(|page| entry(&page))
-            .collect();
-        // Pages that stand together: the one above and those under it.
-        let above = self
-            .pages
-            .iter()
-            .find(|page| page.file == file)
-            .map_or(above_of(file), |page| page.under.unwrap_or(page.file));
-        let family = self
-            .pages
-            .iter()
-            .filter(|page| page.under == Some(above) || page.file == above);
-        let family: Vec<Value> = family.map(|page| entry(&page)).collect();
-        // The overview is made last, and lists what is missing.
-        let faults: Vec<String> = match file {
-            INDEX => site.faults.iter().map(Fault::sentence).collect(),
-            _ => Vec::new(),
-        };
-        let dots = dot_markers(content.figures.values());
-        let figures: Map<String, Value> = content
-            .figures
-            .into_iter()
-            .map(|(id, svg)| (id, Value::String(svg)))
-            .collect();
-        let context = json!({
-            "root": if place.file.contains('/') { "../" } else { "" },
-            "page_title": place.title,
-            "campaign_title": campaign.title,
-            "campaign_id": campaign.id,
-            "is_home": file == INDEX,
-            "faults": faults,
-            "notice": campaign.notice,
-            "nav": nav,
-            "above": above,
-            "family": if family.len() > 1 { family } else { vec![] },
-            "origin": { "program": site.input.origin.program, "database": site.input.origin.database },
-            "dots": dots,
-            "figures": figures,
-            "page": content.context,
-        });
-        let context =
-            tera::Context::from_serialize(&context).map_err(|source| template_error(file, source))?;
-        let html = self
-            .templates
-            .render(template, &context)
-            .map_err(|source| template_error(file, source))?;
-        Ok(share(&compact(&html)))
-    }
-}
-
 const STYLE: &str = include_str!("../../../templates/style.css");
 const SCRIPT: &str = include_str!("../../../templates/site.js");
-const LAYOUT: &str = include_str!("../../../templates/layout.html");
 const ASIDE: &str = include_str!("../../../templates/aside.html");
 const FAULT: &str = include_str!("../../../templates/fault.html");
-/// The page that leads to all others.
-const INDEX: &str = "index.html";
 
 /// All templates of the site's pages with the escaping of [`write_escaped`].
 fn templates(pages: &[&Page]) -> Result<Tera, ReportError> {
@@ -362,21 +199,6 @@ fn templates(pages: &[&Page]) -> Result<Tera, ReportError> {
     tera.add_raw_templates(all)
         .map_err(|source| template_error("templates", source))?;
     Ok(tera)
-}
-
-/// The page of the navigation that leads to pages of that template; the template itself where there is none.
-fn above_of(template: &str) -> &str {
-    match template {
-        "strip.html" => "along.html",
-        other => other,
-    }
-}
-
-fn template_error(page: &str, source: tera::Error) -> ReportError {
-    ReportError::Template {
-        page: page.to_owned(),
-        source: Box::new(source),
-    }
 }
 
 /// Tables beside the pages; one that cannot be made is left out and noted.
@@ -418,12 +240,4 @@ fn make_folder(path: &Path) -> Result<(), ReportError> {
         path: path.to_owned(),
         source,
     })
-}
-
-fn write(path: &Path, text: &str) -> Result<u64, ReportError> {
-    fs::write(path, text).map_err(|source| ReportError::Write {
-        path: path.to_owned(),
-        source,
-    })?;
-    Ok(text.len() as u64)
 }

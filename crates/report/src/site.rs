@@ -4,15 +4,18 @@ use std::collections::BTreeMap;
 
 use super::condemned::{Aside, aside};
 use super::input::Input;
+use super::lookup::Lookup;
 use super::number::fixed;
 use super::run_pages::{RunPage, run_pages};
 use super::slug::slugs;
 use super::sparkline::Sparks;
 use super::zone::Zone;
+use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::laws::facts::{RunFacts, facts};
+use ieap_analysis::model_free::ModelFree;
 use ieap_analysis::{Conditions, conditions};
-use ieap_domain::Fault;
 use ieap_domain::tag::keys;
+use ieap_domain::{Fault, GroupDiagnosis, RunRecord};
 
 /// What pages are made from: the input with the conditions and the names of the run pages.
 pub struct Site<'a> {
@@ -34,6 +37,7 @@ pub struct Site<'a> {
     pages_of_runs: Vec<usize>,
     slugs: Vec<String>,
     finding_slugs: Vec<String>,
+    lookup: Lookup<'a>,
 }
 
 impl<'a> Site<'a> {
@@ -51,6 +55,7 @@ impl<'a> Site<'a> {
         }
         let conditions = conditions(&input.runs, &input.campaign);
         let facts = facts(&input.runs, &input.campaign, &[]);
+        let lookup = Lookup::new(input, &conditions);
         Site {
             input,
             run_pages,
@@ -61,6 +66,7 @@ impl<'a> Site<'a> {
             conditions,
             facts,
             slugs: slugs(input.records().map(|run| run.path.as_str())),
+            lookup,
             finding_slugs: slugs(input.findings.groups.iter().map(|found| found.group.as_str())),
         }
     }
@@ -101,14 +107,47 @@ impl<'a> Site<'a> {
 
     /// The current run of that path.
     pub fn run_of(&self, path: &str) -> Option<usize> {
-        self.input.records().position(|run| run.path == path)
+        self.lookup.runs.get(path).copied()
     }
 
     /// The group that a run was diagnosed in.
     pub fn finding_of_run(&self, run: usize) -> Option<usize> {
-        let path = &self.input.record(run).path;
-        let groups = &self.input.findings.groups;
-        groups.iter().position(|found| found.runs.contains(path))
+        let path = self.input.record(run).path.as_str();
+        self.lookup.group_findings.get(path).copied()
+    }
+
+    /// What was found of a run alone.
+    pub fn finding_alone(&self, run: usize) -> Option<&'a GroupDiagnosis> {
+        let path = self.input.record(run).path.as_str();
+        let place = self.lookup.run_findings.get(path)?;
+        self.input.findings.runs.get(*place)
+    }
+
+    /// What a run says without a model.
+    pub fn model_free(&self, run: usize) -> Option<&'a ModelFree> {
+        let place = self.lookup.model_free.get(&self.input.record(run).id)?;
+        self.input.model_free.get(*place)
+    }
+
+    /// The cycles of a run.
+    pub fn cycles(&self, run: usize) -> Option<&'a CycleRun> {
+        let place = self.lookup.cycles.get(&self.input.record(run).id)?;
+        self.input.cycles.get(*place)
+    }
+
+    /// The condition that a run was measured in, by its place among those that were.
+    pub fn condition_of(&self, run: usize) -> Option<usize> {
+        self.lookup.conditions.get(&run).copied()
+    }
+
+    /// Earlier revisions of a run.
+    pub fn superseded(&self, run: usize) -> impl Iterator<Item = &'a RunRecord> {
+        let places = self.lookup.superseded.get(self.input.record(run).path.as_str());
+        let input = self.input;
+        places
+            .into_iter()
+            .flatten()
+            .map(move |&place| &input.superseded[place])
     }
 
     /// Name of a run as lists show it: its path without the folder that all runs share.

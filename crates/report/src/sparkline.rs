@@ -24,6 +24,11 @@ pub struct Sparks {
 }
 
 impl Sparks {
+    /// Whether there is any picture.
+    pub fn is_drawn(&self) -> bool {
+        !(self.current.is_empty() && self.motion.is_empty())
+    }
+
     /// Whether the strip was seen to move.
     pub fn is_moving(&self) -> bool {
         !self.motion.is_empty()

@@ -152,9 +152,25 @@ impl Store {
         self.rows("reading a fit's curves", sql, [fit_id], read_curve)
     }
 
+    /// The seals of all that curves of a run are read from; none where the database has no seals.
+    fn seals_of_curves(&self, run_id: i64) -> Result<Option<String>, StoreError> {
+        let mut subjects = vec![Subject::Readings(run_id), Subject::ClimateCurves(run_id)];
+        subjects.extend(self.current_fit_as_listed(run_id)?.map(Subject::FitCurves));
+        let seals: Result<Option<Vec<String>>, StoreError> = subjects
+            .iter()
+            .map(|subject| self.seal_in_words(subject))
+            .collect();
+        Ok(seals?.map(|seals| seals.join(" ")))
+    }
+
     /// Row id of the current fit of a run.
     pub(super) fn current_fit(&self, run_id: i64) -> Result<Option<i64>, StoreError> {
         self.check_seal(&Subject::Run(run_id))?;
+        self.current_fit_as_listed(run_id)
+    }
+
+    /// The same of a run that was held against its seal before.
+    fn current_fit_as_listed(&self, run_id: i64) -> Result<Option<i64>, StoreError> {
         self.connection
             .prepare_cached("SELECT id FROM fit WHERE run_id = ?1 AND superseded_at IS NULL")
             .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)).optional())
@@ -257,6 +273,10 @@ impl CurveSource for Store {
 
     fn climate_curves(&self, run_id: i64) -> Result<Vec<ClimateCurve>, String> {
         self.run_climate_curves(run_id).map_err(|e| e.to_string())
+    }
+
+    fn drawn_from(&self, run_id: i64) -> Result<Option<String>, String> {
+        self.seals_of_curves(run_id).map_err(|e| e.to_string())
     }
 }
 

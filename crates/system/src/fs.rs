@@ -366,6 +366,20 @@ pub fn rename(from: impl AsRef<Path>, to: impl AsRef<Path>) -> io::Result<()> {
     call_on(call, || std::fs::rename(path, to))
 }
 
+/// Gives a file another name beside the one that it has.
+///
+/// # Errors
+/// What the system says; some file systems cannot.
+pub fn hard_link(from: impl AsRef<Path>, to: impl AsRef<Path>) -> io::Result<()> {
+    let (path, to) = (from.as_ref(), to.as_ref());
+    let call = Call {
+        kind: Kind::Link,
+        path,
+        to: Some(to),
+    };
+    call_on(call, || std::fs::hard_link(path, to))
+}
+
 /// Exchanges two names in one step.
 ///
 /// # Errors

@@ -38,7 +38,7 @@ pub struct Call<'a> {
     pub kind: Kind,
     /// The file or folder; of an open file, the path that it was opened by.
     pub path: &'a Path,
-    /// The other one, of a renaming or an exchange.
+    /// The other one, of a renaming, an exchange or a further name.
     pub to: Option<&'a Path>,
 }
 
@@ -71,6 +71,8 @@ pub enum Kind {
     RenameToFree,
     /// Exchanging two names in one step.
     Exchange,
+    /// Giving a file another name beside the one that it has.
+    Link,
     /// Removing a file.
     Remove,
     /// Removing a folder that is empty.

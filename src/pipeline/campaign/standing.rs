@@ -45,7 +45,8 @@ pub struct Runs {
 }
 
 impl Runs {
-    fn of(all: Vec<RunRecord>) -> Runs {
+    /// Of all runs.
+    pub(crate) fn of(all: Vec<RunRecord>) -> Runs {
         let (speaking, set_aside) = all.into_iter().partition(|run| run.standing.speaks());
         Runs { speaking, set_aside }
     }

@@ -36,15 +36,11 @@ pub struct AlarmSummary {
     pub failed_commands: Vec<String>,
 }
 
-/// Monitoring of a campaign as it is now, without what only questions across all runs can say.
+/// Monitoring of a campaign, of whose runs these speak, without what only questions across all runs can say.
 ///
 /// # Errors
-/// The database cannot be read, or a fault of the program stops it.
-pub fn monitoring(context: &Context) -> Result<Monitoring, PipelineError> {
-    watched(context, &standing::speaking(context)?)
-}
-
-fn watched(context: &Context, runs: &[RunRecord]) -> Result<Monitoring, PipelineError> {
+/// A fault of the program stops it.
+pub fn watched(context: &Context, runs: &[RunRecord]) -> Result<Monitoring, PipelineError> {
     // The charge that passed is one axis among several and no alarm depends on it.
     let laws = || CampaignLaws {
         facts: facts(runs, &context.campaign, &vec![None; runs.len()]),

@@ -7,6 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -26,6 +27,8 @@ const OF_FILE_MANAGERS: [&str; 4] = [".ds_store", ".directory", "thumbs.db", "de
 #[derive(Debug)]
 pub struct Fresh {
     path: PathBuf,
+    /// Files taken over from another folder, with the hashes that they were found to have here.
+    kept: Mutex<BTreeMap<String, String>>,
 }
 
 impl Fresh {
@@ -43,7 +46,10 @@ impl Fresh {
             let path = parent.join(&name);
             match fs::create_dir(&path) {
                 Ok(()) => {
-                    let fresh = Fresh { path };
+                    let fresh = Fresh {
+                        path,
+                        kept: Mutex::default(),
+                    };
                     // First of all: whatever cuts this short, the next one knows what it may remove.
                     mark(&fresh.path, &name)?;
                     return Ok(fresh);
@@ -60,6 +66,47 @@ impl Fresh {
         &self.path
     }
 
+    /// Takes files of `other` over, a finished folder on the same disk, where all of them have the hashes that are given;
+    /// says whether they have, and takes none where they have not.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn keep(&self, other: &Path, files: &[(&str, &str)]) -> io::Result<bool> {
+        for (at, (name, hash)) in files.iter().enumerate() {
+            if !self.take(other, name, hash)? {
+                let taken = files[..at].iter();
+                taken
+                    .map(|(name, _)| name)
+                    .try_for_each(|name| fs::remove_file(self.path.join(name)))?;
+                return Ok(false);
+            }
+        }
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.extend(
+            files
+                .iter()
+                .map(|(name, hash)| ((*name).to_owned(), (*hash).to_owned())),
+        );
+        Ok(true)
+    }
+
+    fn take(&self, other: &Path, name: &str, hash: &str) -> io::Result<bool> {
+        let (from, to) = (other.join(name), self.path.join(name));
+        if fs::hard_link(&from, &to).is_err() {
+            // File systems without a second name for a file: its bytes.
+            let Ok(bytes) = fs::read_own(&from) else {
+                return Ok(false);
+            };
+            fs::write(&to, bytes)?;
+        }
+        // Looked at here, where nobody exchanges it any more.
+        let is_same = hash_of_file(&to).is_ok_and(|(found, _)| found == hash);
+        if !is_same {
+            fs::remove_file(&to)?;
+        }
+        Ok(is_same)
+    }
+
     /// Lists what was written, and brings all of it to the disk: from here on the folder is whole.
     ///
     /// # Errors
@@ -71,8 +118,12 @@ impl Fresh {
             .map(|entry| entry.name.as_str())
             .filter(|name| *name != PASSING)
             .collect();
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let line = |name: &&str| {
-            let (hash, _) = hash_of_file(&self.path.join(name))?;
+            let hash = match kept.get(*name) {
+                Some(hash) => hash.clone(),
+                None => hash_of_file(&self.path.join(name))?.0,
+            };
             Ok(format!("{hash}  {name}\n"))
         };
         let lines: io::Result<Vec<String>> = names.par_iter().map(line).collect();
@@ -208,6 +259,15 @@ fn listed(folder: &Path) -> io::Result<Option<BTreeMap<String, Option<String>>>>
 /// Whether the hashes of what was written into a folder are known.
 pub fn is_hashed(folder: &Path) -> bool {
     listed(folder).is_ok_and(|listed| listed.is_some_and(|files| files.values().all(Option::is_some)))
+}
+
+/// The files of a finished folder with the hashes of what was written; empty where these are not known.
+///
+/// # Errors
+/// The list cannot be read.
+pub fn hashes(folder: &Path) -> io::Result<BTreeMap<String, String>> {
+    let listed = listed(folder)?.unwrap_or_default().into_iter();
+    Ok(listed.filter_map(|(name, hash)| Some((name, hash?))).collect())
 }
 
 /// What became of a file that was written.

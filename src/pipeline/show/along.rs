@@ -92,6 +92,10 @@ impl CurveSource for PageCurves<'_> {
         self.store.climate_curves(run_id)
     }
 
+    fn drawn_from(&self, run_id: i64) -> Result<Option<String>, String> {
+        self.store.drawn_from(run_id)
+    }
+
     fn along(&self, run_id: i64) -> Result<Option<AlongStrip>, String> {
         match self.runs.iter().find(|run| run.id == run_id) {
             Some(run) if run.is_along() => self.strip(run).map_err(|error| error.to_string()),

@@ -26,11 +26,12 @@ use crate::pipeline::findings::frequency::frequency_runs;
 use crate::pipeline::findings::model_free::without_model;
 use crate::pipeline::findings::{impedance, next_runs};
 use crate::pipeline::ground::fault::{or_nothing, step};
-use crate::pipeline::ground::own_folder::{self, Fresh};
+use crate::pipeline::ground::own_folder::{self, Altered, Fresh};
 use crate::pipeline::intake::climate::electrode_courses;
 use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::report;
+use crate::report::kept::{self, Earlier, Made};
 use crate::system::fs;
 
 /// The verb `report`.
@@ -49,6 +50,8 @@ pub struct ReportSummary {
     pub rendered: bool,
     /// Number of pages written.
     pub pages: usize,
+    /// Number of pages that stood already and were taken over: nothing that they are made from changed.
+    pub pages_kept: usize,
     /// Why it was not made: the folder holds what the program did not write.
     pub refused: Option<String>,
     /// What a fault of the program left out of it.
@@ -97,6 +100,7 @@ impl RenderReport {
             index: index.clone(),
             rendered: false,
             pages: 0,
+            pages_kept: 0,
             refused,
             faults: Vec::new(),
             altered: Vec::new(),
@@ -121,7 +125,25 @@ impl RenderReport {
         }
         let fresh = Fresh::begin(&context.folder, FRESH)
             .map_err(failed(&context.folder, "making the report's folder"))?;
-        let rendered = write_fresh(context, &input, &fresh, &stamp, observer)?;
+        let hashes = match self.again {
+            true => BTreeMap::new(),
+            false => {
+                own_folder::hashes(&target).map_err(failed(&target, "looking what was written into it"))?
+            }
+        };
+        let earlier = standing_pages(&target, &hashes, &altered);
+        let take = |files: &[String]| {
+            let known: Option<Vec<(&str, &str)>> = files
+                .iter()
+                .map(|name| Some((name.as_str(), hashes.get(name)?.as_str())))
+                .collect();
+            known.map_or(Ok(false), |known| fresh.keep(&target, &known))
+        };
+        let earlier = Earlier {
+            made: earlier,
+            take: &take,
+        };
+        let rendered = write_fresh(context, &input, (&fresh, &earlier), &stamp, observer)?;
         let shown = found_tables::shown(&input)?;
         drop(snapshot);
         context.store.put_shown(&shown, changes, &now())?;
@@ -134,7 +156,8 @@ impl RenderReport {
         Ok(ReportSummary {
             index,
             rendered: true,
-            pages: rendered.pages,
+            pages: rendered.pages - rendered.kept,
+            pages_kept: rendered.kept,
             refused: None,
             faults: rendered.faults,
             altered: altered.into_iter().map(|(name, _)| name).collect(),
@@ -186,8 +209,9 @@ pub fn not_ours(campaign: &Path) -> Result<Option<String>, PipelineError> {
 /// Whether a report without a list of its files is one that an earlier version wrote: it carries the stamp, has the
 /// names that reports ever had and nothing else, and every page begins as the layout does.
 fn is_of_earlier_version(folder: &Path) -> bool {
-    const BESIDE_PAGES: [&str; 7] = [
+    const BESIDE_PAGES: [&str; 8] = [
         STAMP,
+        kept::FILE,
         "style.css",
         "site.js",
         "runs.js",
@@ -242,10 +266,20 @@ fn head(path: &Path) -> String {
     }
 }
 
+/// What pages of the report that stands were made from, as far as their files are as they were written.
+fn standing_pages(target: &Path, hashes: &BTreeMap<String, String>, altered: &[(String, Altered)]) -> Made {
+    let altered: BTreeSet<&str> = altered.iter().map(|(name, _)| name.as_str()).collect();
+    let is_whole = |name: &str| hashes.contains_key(name) && !altered.contains(name);
+    match fs::read_own_text(target.join(kept::FILE)) {
+        Ok(text) if is_whole(kept::FILE) => kept::read(&text, is_whole),
+        _ => Made::new(),
+    }
+}
+
 fn write_fresh(
     context: &Context,
     input: &report::Input,
-    fresh: &Fresh,
+    (fresh, earlier): (&Fresh, &Earlier),
     stamp: &str,
     observer: &dyn Observer,
 ) -> Result<report::Rendered, PipelineError> {
@@ -257,7 +291,7 @@ fn write_fresh(
         observer.reach((done * input.runs.len() / pages.max(1)) as u64);
     };
     let folder = fresh.path();
-    let rendered = report::render(input, &curves, folder, &reach);
+    let rendered = report::render(input, &curves, earlier, folder, &reach);
     observer.end();
     let rendered = rendered?;
     let (name, text) = match rendered.faults.is_empty() {

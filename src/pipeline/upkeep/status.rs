@@ -167,10 +167,13 @@ pub struct Gap {
 /// # Errors
 /// The database cannot be read.
 pub fn status(context: &Context) -> Result<Status, PipelineError> {
+    // Read once: of ten thousand runs every reading takes half a second.
+    let all = standing::all(context)?;
+    let planned = planned(context, &all)?;
     let Runs {
         speaking: runs,
         set_aside,
-    } = standing::runs(context)?;
+    } = Runs::of(all);
     let (logs, logs_aside) = standing::modulus_logs(context)?;
     let spectra = standing::spectra(context)?;
     let files = context.store.files()?;
@@ -215,7 +218,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         .collect();
     let waiting = diagnose::waiting(context)?;
     let mut faults = report_faults(&context.folder);
-    let watched = or_nothing(alarms::monitoring(context), &mut faults)?;
+    let watched = or_nothing(alarms::watched(context, &runs), &mut faults)?;
     let untagged = reasoned(&runs, |run| run.state == RunState::Untagged);
     Ok(Status {
         proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
@@ -264,7 +267,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         alarms_taken_back: alarms::taken_back(context, &set_aside)?,
         report_refused: not_ours(&context.folder)?,
         faults,
-        planned: planned(context, &standing::all(context)?)?,
+        planned,
         lumped_or_distributed: runs.iter().filter_map(LumpedOrDistributedEntry::of).collect(),
         gaps: gaps(context, &runs),
         fitted_by_older_program: runs

@@ -108,7 +108,10 @@ impl Disk {
             Kind::Rename => call.to,
             _ => None,
         };
-        if matches!(call.kind, Kind::Rename | Kind::Exchange | Kind::RenameToFree) {
+        if matches!(
+            call.kind,
+            Kind::Rename | Kind::Exchange | Kind::RenameToFree | Kind::Link
+        ) {
             self.known(call.path);
             if let Some(to) = call.to {
                 self.known(to);
@@ -138,6 +141,11 @@ impl Disk {
                     (self.id(call.path), self.name(call.path), self.name(to))
                 {
                     self.change(vec![(from, None), (to, Some(id))]);
+                }
+            }
+            (Kind::Link, Some(to)) => {
+                if let (Some(id), Some(to)) = (self.id(call.path), self.name(to)) {
+                    self.change(vec![(to, Some(id))]);
                 }
             }
             (Kind::Exchange, Some(to)) => {

@@ -44,15 +44,15 @@ pub struct Rows {
 /// The rows of `places` (indices in `facts`) at each level, with the covariates that differ there and the sets that
 /// cannot be told apart.
 pub fn rows(facts: &[RunFacts], places: &[usize]) -> [Rows; 2] {
-    let mut levels = columns_by_level(facts, places);
+    let mut levels = columns_by_level(facts, places, &asked(facts, places));
     for rows in &mut levels {
         rows.find_sets();
     }
     levels
 }
 
-/// The rows without the sets, which take longest to find.
-pub fn columns_by_level(facts: &[RunFacts], places: &[usize]) -> [Rows; 2] {
+/// The rows of these covariates, as far as the runs state them, without the sets, which take longest to find.
+pub fn columns_by_level(facts: &[RunFacts], places: &[usize], of: &BTreeSet<Covariate>) -> [Rows; 2] {
     let mut samples: Vec<&str> = places.iter().map(|&place| facts[place].sample.as_str()).collect();
     samples.sort_unstable();
     samples.dedup();
@@ -80,7 +80,7 @@ pub fn columns_by_level(facts: &[RunFacts], places: &[usize]) -> [Rows; 2] {
         sets: Vec::new(),
         confounded: BTreeMap::new(),
     };
-    for covariate in asked(facts, places) {
+    for &covariate in of {
         let Some(columns) = columns(facts, places, covariate) else {
             continue;
         };

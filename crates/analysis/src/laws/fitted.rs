@@ -1,6 +1,7 @@
 //! One law fitted to the values of one parameter, with its interval, and the laws compared.
 
 use super::shape::{self, Bend, Law, Span, at_progress, coefficient, is_of_amounts, progress};
+use super::sight::{Over, Sight};
 use ieap_numerics::grouped::{Grouped, dot};
 use ieap_numerics::student::quantile_95;
 
@@ -151,9 +152,9 @@ pub fn least(material: &Material, laws: &[Law]) -> Option<Least> {
 }
 
 /// A law's best bend and size, with every bend that was tried.
-struct Search {
+struct Search<'a> {
     freedom: usize,
-    left: Vec<f64>,
+    sight: Sight<'a>,
     bends: Vec<Bend>,
     shapes: Vec<Shape>,
     best: usize,
@@ -161,25 +162,21 @@ struct Search {
     square: f64,
 }
 
-fn search(material: &Material, law: Law) -> Option<Search> {
+fn search<'a>(material: &'a Material, law: Law) -> Option<Search<'a>> {
     let mut bends = shape::bends(law, material.levels, material.span);
     let freedom = material.nuisance.freedom().checked_sub(law.parameters())?;
     // A bend needs readings about it: three more for each number beyond the first.
     if bends.is_empty() || freedom + 2 < 3 * law.parameters() {
         return None;
     }
-    let left = material.nuisance.residual(material.y);
-    let all: Vec<usize> = (0..material.y.len()).collect();
-    let made = |bends: &[Bend]| -> Vec<Shape> {
-        bends
-            .iter()
-            .map(|&bend| Shape::new(material, law, bend))
-            .collect()
-    };
+    let sight = Sight::new(material);
+    let all = sight.over((0..material.y.len()).collect());
+    let made =
+        |bends: &[Bend]| -> Vec<Shape> { bends.iter().map(|&bend| Shape::new(&sight, law, bend)).collect() };
     let mut shapes = made(&bends);
     let best_of = |shapes: &[Shape]| -> Option<(f64, f64, usize)> {
         let each = shapes.iter().enumerate().map(|(k, shape)| {
-            let (size, square) = shape.best(material, &left, &all);
+            let (size, square) = shape.best(&all);
             (size, square, k)
         });
         each.min_by(|a, b| a.1.total_cmp(&b.1))
@@ -193,7 +190,7 @@ fn search(material: &Material, law: Law) -> Option<Search> {
     }
     Some(Search {
         freedom,
-        left,
+        sight,
         bends,
         shapes,
         best,
@@ -206,20 +203,18 @@ fn search(material: &Material, law: Law) -> Option<Search> {
 pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
     let Search {
         freedom,
-        left,
+        sight,
         bends,
         shapes,
         best: k,
         size,
         square,
     } = search(material, law)?;
-    let all: Vec<usize> = (0..material.y.len()).collect();
+    let all = sight.over((0..material.y.len()).collect());
     let spread = (square / freedom as f64).max(1.0);
     let allowed = square + quantile_95(freedom as f64).powi(2) * spread;
     let profile = |size: f64| -> f64 {
-        let each = shapes
-            .iter()
-            .map(|shape| shape.square(material, &left, size, &all));
+        let each = shapes.iter().map(|shape| shape.square(&all, size));
         each.fold(f64::INFINITY, f64::min)
     };
     let ends = (
@@ -237,69 +232,53 @@ pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
         law,
         size,
         coefficient: size.map(|size| coefficient(law, size, material.span, bend)),
-        bend_at: has_bend.then(|| bend_interval(material, law, &bends, &shapes, &left, k, allowed)),
+        bend_at: has_bend.then(|| bend_interval(material, law, (&bends, &shapes), &all, k, allowed)),
         bend,
         bic: criterion(square, material.readings, law.paid_for()),
-        left_out_rms: left_out(material, &left, &shapes),
+        left_out_rms: left_out(&sight, &shapes),
     })
 }
 
-/// A law with one bend: its progress at every row and, where it goes by factors, what nuisance leaves of it.
+/// A law with one bend: its progress at every value of the covariate.
 struct Shape {
     progress: Vec<f64>,
-    column: Vec<f64>,
     by_amount: bool,
 }
 
 impl Shape {
-    fn new(material: &Material, law: Law, bend: Bend) -> Shape {
-        let along: Vec<f64> = material
-            .x
-            .iter()
-            .map(|&x| progress(law, x, material.span, bend))
-            .collect();
+    fn new(sight: &Sight, law: Law, bend: Bend) -> Shape {
+        let material = sight.material;
+        let progress = |&x: &f64| progress(law, x, material.span, bend);
         Shape {
-            column: material.nuisance.residual(&along),
-            progress: along,
+            progress: sight.x.iter().map(progress).collect(),
             by_amount: material.is_log && is_of_amounts(law),
         }
     }
 
-    /// Sum of squares over `rows` with that size.
-    fn square(&self, material: &Material, left: &[f64], size: f64, rows: &[usize]) -> f64 {
-        match self.by_amount {
-            false => rows
-                .iter()
-                .map(|&r| (left[r] - size * self.column[r]).powi(2))
-                .sum(),
-            true => {
-                let curve: Vec<f64> = self
-                    .progress
-                    .iter()
-                    .map(|&g| at_progress(size, g, true))
-                    .collect();
-                let curve = material.nuisance.residual(&curve);
-                rows.iter().map(|&r| (left[r] - curve[r]).powi(2)).sum()
-            }
-        }
+    /// Sum of squares with that size.
+    fn square(&self, over: &Over, size: f64) -> f64 {
+        let curve: Vec<f64> = (self.progress.iter())
+            .map(|&g| at_progress(size, g, self.by_amount))
+            .collect();
+        over.square(&curve)
     }
 
-    /// Best size over `rows`, with its sum of squares.
-    fn best(&self, material: &Material, left: &[f64], rows: &[usize]) -> (f64, f64) {
-        let plain: f64 = rows.iter().map(|&r| self.column[r].powi(2)).sum();
+    /// Best size, with its sum of squares.
+    fn best(&self, over: &Over) -> (f64, f64) {
+        let (linear, plain) = over.factor(&self.progress);
         if plain <= 1e-14 {
-            return (0.0, self.square(material, left, 0.0, rows));
+            return (0.0, self.square(over, 0.0));
         }
-        let linear = rows.iter().map(|&r| self.column[r] * left[r]).sum::<f64>() / plain;
         if !self.by_amount {
-            return (linear, self.square(material, left, linear, rows));
+            return (linear, self.square(over, linear));
         }
-        let square = |size: f64| self.square(material, left, size, rows);
+        let square = |size: f64| self.square(over, size);
         let coarse = (-24..=24).map(|k| 0.5 * f64::from(k));
         let start = coarse
             .chain([linear.clamp(-LARGEST, LARGEST)])
-            .min_by(|a, b| square(*a).total_cmp(&square(*b)))
-            .unwrap_or(0.0);
+            .map(|size| (size, square(size)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(0.0, |(size, _)| size);
         let size = golden(&square, start - 0.5, start + 0.5);
         (size, square(size))
     }
@@ -352,13 +331,11 @@ fn end(profile: &dyn Fn(f64) -> f64, from: f64, direction: f64, allowed: f64) ->
 fn bend_interval(
     material: &Material,
     law: Law,
-    bends: &[Bend],
-    shapes: &[Shape],
-    left: &[f64],
+    (bends, shapes): (&[Bend], &[Shape]),
+    all: &Over,
     best: usize,
     allowed: f64,
 ) -> Interval {
-    let all: Vec<usize> = (0..material.y.len()).collect();
     let span = material.span;
     let in_unit = |at: f64| match law {
         Law::Threshold | Law::Knee | Law::Step => span.low + at * span.length(),
@@ -367,7 +344,7 @@ fn bend_interval(
     let held: Vec<f64> = bends
         .iter()
         .zip(shapes)
-        .filter(|(_, shape)| shape.best(material, left, &all).1 <= allowed)
+        .filter(|(_, shape)| shape.best(all).1 <= allowed)
         .map(|(bend, _)| bend.at)
         .collect();
     let (low, high) = (
@@ -393,8 +370,9 @@ fn bend_interval(
 }
 
 /// Leaves samples out in turn and predicts them.
-fn left_out(material: &Material, left: &[f64], shapes: &[Shape]) -> Option<f64> {
-    let samples = material.sample.iter().max().map_or(0, |last| last + 1);
+fn left_out(sight: &Sight, shapes: &[Shape]) -> Option<f64> {
+    let sample = sight.material.sample;
+    let samples = sample.iter().max().map_or(0, |last| last + 1);
     if samples < FEWEST_LEFT_OUT {
         return None;
     }
@@ -402,14 +380,15 @@ fn left_out(material: &Material, left: &[f64], shapes: &[Shape]) -> Option<f64> 
     let mut square = 0.0;
     for fold in 0..folds {
         let (out, kept): (Vec<usize>, Vec<usize>) =
-            (0..left.len()).partition(|&r| material.sample[r] % folds == fold);
+            (0..sample.len()).partition(|&r| sample[r] % folds == fold);
+        let (out, kept) = (sight.over(out), sight.over(kept));
         let best = shapes
             .iter()
-            .map(|shape| (shape, shape.best(material, left, &kept)))
+            .map(|shape| (shape, shape.best(&kept)))
             .min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
-        square += best.0.square(material, left, best.1.0, &out);
+        square += best.0.square(&out, best.1.0);
     }
-    Some((square / left.len() as f64).sqrt())
+    Some((square / sample.len() as f64).sqrt())
 }
 
 /// Root mean square of the deviations without a law, comparable with [`Fitted::left_out_rms`].

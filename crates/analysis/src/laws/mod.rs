@@ -21,6 +21,7 @@ pub mod rivals;
 pub mod samples;
 pub mod selection;
 pub mod shape;
+mod sight;
 pub mod table;
 pub mod values;
 pub mod words;

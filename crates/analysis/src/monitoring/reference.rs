@@ -112,11 +112,13 @@ fn tolerance(key: &str, wanted: f64) -> f64 {
 
 /// Environment, voltage and humidity (within the tolerance about each run's own) that most runs of one sample share.
 fn most_repeated(facts: &[RunFacts]) -> Option<Reference> {
+    let mut of_sample: BTreeMap<&str, Vec<&RunFacts>> = BTreeMap::new();
+    for fact in facts {
+        of_sample.entry(&fact.sample).or_default().push(fact);
+    }
     let repeats = |fact: &RunFacts| {
-        facts
-            .iter()
-            .filter(|other| other.sample == fact.sample && alike(fact, other))
-            .count()
+        let own = of_sample[fact.sample.as_str()].iter();
+        own.filter(|other| alike(fact, other)).count()
     };
     let counts: Vec<usize> = facts.iter().map(repeats).collect();
     let most = counts.iter().copied().max()?;

@@ -51,7 +51,10 @@ pub fn ties(set: &[Covariate]) -> Vec<Tie> {
 
 /// Inflation of each tie in the design of the runs at `places`; 1 where its covariates do not all differ at one level.
 pub fn inflations(facts: &[RunFacts], places: &[usize], ties: &[Tie]) -> Vec<f64> {
-    let levels = columns_by_level(facts, places);
+    let named = ties
+        .iter()
+        .flat_map(|tie| std::iter::once(&tie.one).chain(&tie.others));
+    let levels = columns_by_level(facts, places, &named.copied().collect());
     let of_tie = |tie: &Tie| {
         let names = || std::iter::once(&tie.one).chain(&tie.others);
         levels

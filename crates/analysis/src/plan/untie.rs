@@ -203,16 +203,19 @@ impl Design {
         let (ties, now) = self.tightest();
         let before = Tightness::of(&now);
         let found = candidates(&self.facts, &self.places, campaign, &set.covariates);
+        // Of all facts there is one copy a thread: a candidate is added to it and taken away again.
+        let copied = || (self.facts.clone(), self.places.clone());
         let judged: Vec<(f64, f64, usize, usize)> = found
             .par_iter()
             .enumerate()
             .filter(|(_, settings)| settings.len() <= room)
-            .map(|(k, settings)| {
-                let (mut facts, mut places) = (self.facts.clone(), self.places.clone());
+            .map_init(copied, |(facts, places), (k, settings)| {
                 for setting in settings {
-                    material.append(&mut facts, &mut places, setting);
+                    material.append(facts, places, setting);
                 }
-                let after = Tightness::of(&inflations(&facts, &places, &ties));
+                let after = Tightness::of(&inflations(facts, places, &ties));
+                facts.truncate(self.facts.len());
+                places.truncate(self.places.len());
                 let runs = settings.len() as f64;
                 let gain = |from: f64, to: f64| (from - to) / runs;
                 (

@@ -71,15 +71,22 @@ pub struct RunSection {
 }
 
 impl RunSection {
-    /// The box that stands for a run whose section could not be made.
-    pub fn failed(site: &Site, run: usize, reason: &str) -> RunSection {
+    /// The box that stands for a run whose section could not be made: of this anchor and name.
+    pub fn failed(slug: &str, name: &str, reason: &str) -> RunSection {
         let fault = Issue::error(
             "section-fault",
             format!("this section could not be made: {reason}"),
         );
         RunSection {
-            slug: site.run_slug(run).to_owned(),
-            name: site.run_name(run).to_owned(),
+            issues: vec![IssueText::from(&fault.mend(REPORT_IT))],
+            ..RunSection::empty(slug, name)
+        }
+    }
+
+    fn empty(slug: &str, name: &str) -> RunSection {
+        RunSection {
+            slug: slug.to_owned(),
+            name: name.to_owned(),
             condition: String::new(),
             summary: Vec::new(),
             responses: Vec::new(),
@@ -92,12 +99,43 @@ impl RunSection {
             fit: Vec::new(),
             alone: String::new(),
             group: None,
-            issues: vec![IssueText::from(&fault.mend(REPORT_IT))],
+            issues: Vec::new(),
             climate: None,
             evidence: Evidence::default(),
             readings: Vec::new(),
             tags: Vec::new(),
         }
+    }
+
+    /// Adds what is drawn of the run, which is number `place` of its page; its figures go to `figures`.
+    ///
+    /// # Errors
+    /// [`ReportError`]: the curves could not be had, or a fault of the program.
+    pub fn draw(
+        &mut self,
+        place: usize,
+        record: &RunRecord,
+        drawn: &DrawnRun,
+        figures: &mut BTreeMap<String, String>,
+    ) -> Result<(), ReportError> {
+        if let Some(reason) = &drawn.failed {
+            return Err(ReportError::Curves {
+                run: record.path.clone(),
+                reason: reason.clone(),
+            });
+        }
+        let id = format!("{place}-");
+        let subject = Subject {
+            name: &self.name,
+            id: &id,
+            drive: record.drive.as_ref(),
+            curves: &drawn.curves,
+            aside: !record.standing.speaks(),
+        };
+        let climate_id = format!("{id}climate");
+        (self.responses, self.drawn) = responses(&subject, figures)?;
+        self.climate = climate_panel(record, &drawn.climate, &self.name, climate_id, figures)?;
+        Ok(())
     }
 
     /// Tells mere notes among the facts of the fit: what is worth more stands above them.
@@ -130,48 +168,17 @@ struct AlongLine {
     decision: String,
 }
 
-/// Run number `place` of its page; its figures go to `figures`.
-///
-/// # Errors
-/// [`ReportError::Figure`]: a fault of the program.
-pub fn section(
-    site: &Site,
-    place: usize,
-    drawn: &DrawnRun,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<RunSection, ReportError> {
-    let run = drawn.run;
+/// What is known of a run without its curves; [`RunSection::draw`] adds what is drawn.
+pub fn section(site: &Site, run: usize) -> RunSection {
     let record = site.input.record(run);
-    if let Some(reason) = &drawn.failed {
-        return Err(ReportError::Curves {
-            run: record.path.clone(),
-            reason: reason.clone(),
-        });
-    }
-    let name = site.run_name(run);
-    let id = format!("{place}-");
-    let subject = Subject {
-        name,
-        id: &id,
-        drive: record.drive.as_ref(),
-        curves: &drawn.curves,
-        aside: !record.standing.speaks(),
-    };
-    let (responses, words) = responses(&subject, figures)?;
-    let climate_id = format!("{id}climate");
-    let findings = &site.input.findings;
-    let alone = findings.runs.iter().find(|found| found.group == record.path);
     let group = site.finding_of_run(run).map(|place| RunLink {
         href: site.finding_href(place),
-        name: group_title(&findings.groups[place].group),
+        name: group_title(&site.input.findings.groups[place].group),
     });
-    Ok(RunSection {
-        slug: site.run_slug(run).to_owned(),
-        name: name.to_owned(),
+    let alone = site.finding_alone(run);
+    RunSection {
         condition: condition(site, run),
         summary: summary(record, site.input.laws.doubts.is_of(&record.path)),
-        responses,
-        drawn: words,
         along: (record.is_along() && record.standing.speaks()).then(|| AlongLine {
             places: along_words::places(record),
             href: site.strip_href(run),
@@ -180,9 +187,8 @@ pub fn section(
         parameters: record.fit.as_ref().map_or_else(Vec::new, |fit| {
             fits::parameters(&site.input.laws.doubts, &record.path, fit)
         }),
-        model_free: fits::model_free(site.input, record),
-        cycles: fits::cycles(site.input, record),
-        remarks: Vec::new(),
+        model_free: fits::model_free(site.model_free(run)),
+        cycles: fits::cycles(site.cycles(run)),
         fit: record
             .fit
             .as_ref()
@@ -190,11 +196,9 @@ pub fn section(
         alone: alone.map_or_else(String::new, |found| readable(&found.sentence)),
         group,
         issues: worst_first(record),
-        climate: climate_panel(record, &drawn.climate, name, climate_id, figures)?,
-        evidence: evidence(site, record),
-        readings: Vec::new(),
-        tags: Vec::new(),
-    })
+        evidence: evidence(site, run),
+        ..RunSection::empty(site.run_slug(run), site.run_name(run))
+    }
 }
 
 /// What the fit says; of a run that no result is made from, that instead: its fit describes readings that are not used.

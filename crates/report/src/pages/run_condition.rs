@@ -30,11 +30,10 @@ pub(super) fn own_condition(site: &Site, run: usize) -> String {
 
 fn surroundings(site: &Site, run: usize, named: bool) -> Vec<String> {
     let conditions = &site.conditions;
-    let mut measured = conditions.measured.iter();
-    let Some(place) = measured.find(|condition| condition.runs.contains(&run)) else {
+    let Some(place) = site.condition_of(run) else {
         return Vec::new();
     };
-    let surroundings = &conditions.surroundings[place.surroundings];
+    let surroundings = &conditions.surroundings[conditions.measured[place].surroundings];
     let mut parts: Vec<String> = Vec::new();
     if named {
         parts.push(format!("in {}", surroundings.environment));

@@ -57,14 +57,15 @@ struct Revision {
     current: bool,
 }
 
-/// Gathers the evidence of `record`.
-pub fn evidence(site: &Site, record: &RunRecord) -> Evidence {
+/// Gathers the evidence of a run.
+pub fn evidence(site: &Site, run: usize) -> Evidence {
+    let record = site.input.record(run);
     Evidence {
         facts: facts(site, record),
         offsets: clocks::offsets(record),
         flags: clocks::flags(record),
         files: record.files.iter().map(file).collect(),
-        history: history(site, record),
+        history: history(site, run),
     }
 }
 
@@ -216,9 +217,9 @@ fn facts(site: &Site, record: &RunRecord) -> Vec<Fact> {
 }
 
 /// Every revision of this path, the newest first; empty where there has been one only.
-fn history(site: &Site, record: &RunRecord) -> Vec<Revision> {
-    let earlier = site.input.superseded.iter().filter(|old| old.path == record.path);
-    let mut revisions: Vec<&RunRecord> = earlier.chain([record]).collect();
+fn history(site: &Site, run: usize) -> Vec<Revision> {
+    let record = site.input.record(run);
+    let mut revisions: Vec<&RunRecord> = site.superseded(run).chain([record]).collect();
     if revisions.len() == 1 {
         return vec![];
     }

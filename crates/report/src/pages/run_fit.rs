@@ -4,12 +4,12 @@ use serde::Serialize;
 
 use super::run_evidence::Fact;
 use super::wording::{EstimateText, counted, in_unit, listed, why_unfitted};
-use crate::input::Input;
 use crate::number::{score, significant};
 use ieap_analysis::ParameterInfo;
+use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::figure::Figure;
 use ieap_analysis::laws::doubt::Doubts;
-use ieap_analysis::model_free::{ENERGIES, FIGURES};
+use ieap_analysis::model_free::{ENERGIES, FIGURES, ModelFree};
 use ieap_domain::{ChannelNoise, Estimate, Fit, Parameter, Quantity, RunRecord};
 
 /// Residual over noise up to which the model describes the readings.
@@ -135,8 +135,8 @@ pub fn parameters(doubts: &Doubts, run: &str, fit: &Fit) -> Vec<ParameterRow> {
 }
 
 /// What a run says without a model, a row each.
-pub fn model_free(input: &Input, record: &RunRecord) -> Vec<ParameterRow> {
-    let Some(own) = input.model_free.iter().find(|own| own.run_id == record.id) else {
+pub fn model_free(own: Option<&ModelFree>) -> Vec<ParameterRow> {
+    let Some(own) = own else {
         return Vec::new();
     };
     let row = |(figure, estimate): (&Figure, &Estimate)| ParameterRow {
@@ -150,8 +150,8 @@ pub fn model_free(input: &Input, record: &RunRecord) -> Vec<ParameterRow> {
 }
 
 /// What a train says of its cycles, in sentences.
-pub fn cycles(input: &Input, record: &RunRecord) -> Vec<String> {
-    let Some(own) = input.cycles.iter().find(|own| own.run_id == record.id) else {
+pub fn cycles(own: Option<&CycleRun>) -> Vec<String> {
+    let Some(own) = own else {
         return Vec::new();
     };
     let mut sentences = own.sentences.clone();

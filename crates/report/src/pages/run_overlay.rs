@@ -9,9 +9,8 @@ use super::wording::{counted, voltage_label};
 use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::overlaid::{Line, overlaid};
-use crate::site::Site;
 use ieap_analysis::conditions::nominal_voltage_v;
-use ieap_domain::{Drive, Quantity};
+use ieap_domain::{Drive, Quantity, RunRecord};
 
 /// Responses that are laid over each other.
 const DRAWN: [Quantity; 4] = [
@@ -60,11 +59,10 @@ struct Stepped<'a> {
 /// # Errors
 /// [`ReportError::Figure`] where a figure cannot be drawn.
 pub fn overlay(
-    site: &Site,
-    drawn: &[DrawnRun],
+    drawn: &[(&RunRecord, &DrawnRun)],
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Option<Overlay>, ReportError> {
-    let mut runs = stepped(site, drawn);
+    let mut runs = stepped(drawn);
     let is_first_only = runs.len() > MOST_LINES;
     if is_first_only {
         let mut seen = BTreeSet::new();
@@ -123,11 +121,10 @@ pub fn overlay(
     }))
 }
 
-fn stepped<'a>(site: &Site, drawn: &'a [DrawnRun]) -> Vec<Stepped<'a>> {
+fn stepped<'a>(drawn: &[(&RunRecord, &'a DrawnRun)]) -> Vec<Stepped<'a>> {
     let mut runs: Vec<Stepped> = drawn
         .iter()
-        .filter_map(|drawn| {
-            let record = site.input.record(drawn.run);
+        .filter_map(|&(record, drawn)| {
             let volts = nominal_voltage_v(record).filter(|volts| *volts != 0.0)?;
             let step_s = only_step(record.drive.as_ref())?;
             record.standing.speaks().then(|| Stepped {

@@ -1,7 +1,7 @@
 //! The page of the runs of one group: what they differ by and what was fitted side by side, then run by run, then what
 //! holds for all of them. A run without a group has such a page for itself.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ use crate::error::ReportError;
 use crate::fault::{guarded, reason_of};
 use crate::site::Site;
 use ieap_analysis::conditions::material;
-use ieap_domain::{Fault, Severity};
+use ieap_domain::{Fault, RunRecord, Severity};
 
 /// Links to other samples in the same condition: of more, the first stand there.
 const BESIDE: usize = 12;
@@ -48,54 +48,132 @@ struct Page {
     beside: Vec<RunLink>,
 }
 
+/// What the site says of a page of runs, without their curves. The page follows from it and the curves alone, so that one
+/// that stands is right as long as both are what they were.
+#[derive(Debug)]
+pub struct Outline<'a> {
+    title: String,
+    lead: String,
+    before: Option<RunLink>,
+    next: Option<RunLink>,
+    table: Option<RunsTable>,
+    parameters: Option<ParametersTable>,
+    beside: Vec<RunLink>,
+    runs: Vec<RunOutline<'a>>,
+}
+
+/// The same of one of its runs.
+#[derive(Debug)]
+struct RunOutline<'a> {
+    record: &'a RunRecord,
+    slug: &'a str,
+    name: &'a str,
+    href: String,
+    condition: String,
+    tags: Vec<TagText>,
+    /// What is known of it, or the fault that it cannot be said for.
+    section: Result<RunSection, String>,
+}
+
+impl<'a> Outline<'a> {
+    /// Of page number `page` of the runs' pages.
+    ///
+    /// # Errors
+    /// [`ReportError`]: a fault of the program.
+    pub fn of(site: &'a Site, page: usize) -> Result<Outline<'a>, ReportError> {
+        let runs = &site.run_pages[page].runs;
+        let several = runs.len() > 1;
+        let own: Result<Vec<RunOutline>, ReportError> =
+            runs.iter().map(|&run| run_outline(site, run)).collect();
+        Ok(Outline {
+            title: site.run_page_title(page),
+            lead: lead(site, page),
+            before: (page > 0).then(|| part(site, page, page - 1)).flatten(),
+            next: part(site, page, page + 1),
+            table: several.then(|| runs_table(site, runs)),
+            parameters: several.then(|| parameters_table(site, runs)).flatten(),
+            beside: beside(site, page),
+            runs: own?,
+        })
+    }
+}
+
+fn run_outline<'a>(site: &'a Site, run: usize) -> Result<RunOutline<'a>, ReportError> {
+    let record = site.input.record(run);
+    let section = match guarded(|| Ok(section(site, run))) {
+        Ok(section) => Ok(section),
+        Err(error) => Err(reason_of(error)?),
+    };
+    Ok(RunOutline {
+        record,
+        slug: site.run_slug(run),
+        name: site.run_name(run),
+        href: site.run_href(run),
+        condition: own_condition(site, run),
+        tags: tags(record, &site.zone()),
+        section,
+    })
+}
+
 /// Makes page number `page` of the runs' pages; `drawn` are its runs in its order.
 ///
 /// # Errors
 /// [`ReportError`]: a fault of the program.
 pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, ReportError> {
+    drawn_content(Outline::of(site, page)?, drawn)
+}
+
+/// Makes the page of that outline; `drawn` are its runs in its order.
+///
+/// # Errors
+/// [`ReportError`]: a fault of the program.
+pub fn drawn_content(outline: Outline, drawn: &[DrawnRun]) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
     let mut faults = Vec::new();
-    let mut one = |(place, drawn): (usize, &DrawnRun)| {
-        let made = guarded(|| section(site, place, drawn, &mut figures));
-        made.or_else(|error| {
-            let fault = Fault {
-                place: site.run_href(drawn.run),
-                runs: vec![site.input.record(drawn.run).path.clone()],
-                reason: reason_of(error)?,
-            };
-            let box_of_it = RunSection::failed(site, drawn.run, &fault.reason);
-            faults.push(fault);
-            Ok(box_of_it)
-        })
-    };
-    let sections: Result<Vec<RunSection>, ReportError> = drawn.iter().enumerate().map(&mut one).collect();
-    let sections = sections?;
-    let runs: Vec<usize> = drawn.iter().map(|drawn| drawn.run).collect();
-    let several = runs.len() > 1;
+    let several = outline.runs.len() > 1;
+    let mut sections = Vec::new();
+    let mut runs = Vec::new();
+    for (place, (mut own, drawn)) in outline.runs.into_iter().zip(drawn).enumerate() {
+        let section = std::mem::replace(&mut own.section, Err(String::new()));
+        let made = drawn_section((place, &own), section, drawn, &mut figures);
+        sections.push(made.or_else(|error| {
+            let reason = reason_of(error)?;
+            let box_of_it = RunSection::failed(own.slug, own.name, &reason);
+            faults.push(Fault {
+                place: own.href.clone(),
+                runs: vec![own.record.path.clone()],
+                reason,
+            });
+            Ok::<_, ReportError>(box_of_it)
+        })?);
+        runs.push((own, drawn));
+    }
+    let records: Vec<(&RunRecord, &DrawnRun)> =
+        runs.iter().map(|(own, drawn)| (own.record, *drawn)).collect();
     let overlay = match several {
-        true => overlay(site, drawn, &mut figures)?,
+        true => overlay(&records, &mut figures)?,
         false => None,
     };
     let mut page = Page {
-        title: site.run_page_title(page),
-        lead: lead(site, page),
+        title: outline.title,
+        lead: outline.lead,
         several,
         level: if several { 3 } else { 2 },
-        before: (page > 0).then(|| part(site, page, page - 1)).flatten(),
-        next: part(site, page, page + 1),
+        before: outline.before,
+        next: outline.next,
         diagnosis: None,
-        table: several.then(|| runs_table(site, &runs)),
-        parameters: several.then(|| parameters_table(site, &runs)).flatten(),
+        table: outline.table,
+        parameters: outline.parameters,
         overlay,
         drawn: String::new(),
         runs: sections,
         facts: Vec::new(),
         tags: Vec::new(),
-        beside: beside(site, page),
+        beside: outline.beside,
     };
     match several {
-        true => page.say_once(site, drawn),
-        false => page.say_all(site, drawn),
+        true => page.say_once(runs),
+        false => page.say_all(runs),
     }
     page.runs.iter_mut().for_each(RunSection::tell_notes);
     Ok(Content {
@@ -104,24 +182,38 @@ pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, 
     })
 }
 
+/// What is known of a run with what is drawn of it.
+fn drawn_section(
+    (place, own): (usize, &RunOutline),
+    section: Result<RunSection, String>,
+    drawn: &DrawnRun,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<RunSection, ReportError> {
+    let mut section = section.map_err(ReportError::Fault)?;
+    guarded(|| section.draw(place, own.record, drawn, figures))?;
+    Ok(section)
+}
+
+/// A run of a page with its curves.
+type Shown<'a, 'b> = (RunOutline<'a>, &'b DrawnRun);
+
 impl Page {
     /// Everything of the only run stands with it.
-    fn say_all(&mut self, site: &Site, drawn: &[DrawnRun]) {
-        for (section, drawn) in self.runs.iter_mut().zip(drawn) {
-            let record = site.input.record(drawn.run);
-            if let Some(fit) = &record.fit {
+    fn say_all(&mut self, runs: Vec<Shown>) {
+        for (section, (own, drawn)) in self.runs.iter_mut().zip(runs) {
+            if let Some(fit) = &own.record.fit {
                 section.fit.splice(3..3, r_squared(fit));
             }
-            section.readings = in_full(channels(record, &drawn.curves));
+            section.readings = in_full(channels(own.record, &drawn.curves));
             section.remarks = remarks(section);
-            section.tags = grouped(tags(record, &site.zone()));
+            section.tags = grouped(own.tags);
         }
     }
 
     /// Moves what holds for all runs from them to the page.
-    fn say_once(&mut self, site: &Site, drawn: &[DrawnRun]) {
-        for (section, drawn) in self.runs.iter_mut().zip(drawn) {
-            section.condition = own_condition(site, drawn.run);
+    fn say_once(&mut self, shown: Vec<Shown>) {
+        for (section, (own, _)) in self.runs.iter_mut().zip(&shown) {
+            section.condition.clone_from(&own.condition);
             // What an issue says already is not said again.
             let mut remarks = remarks(section);
             let told = |reason: &str| section.issues.iter().any(|issue| issue.message.contains(reason));
@@ -143,12 +235,8 @@ impl Page {
             self.diagnosis = runs[0].group.take();
             runs.iter_mut().for_each(|section| section.group = None);
         }
-        self.share_channels(site, drawn);
-        let record = |drawn: &DrawnRun| site.input.record(drawn.run);
-        let mut own: Vec<Vec<TagText>> = drawn
-            .iter()
-            .map(|drawn| tags(record(drawn), &site.zone()))
-            .collect();
+        self.share_channels(&shown);
+        let mut own: Vec<Vec<TagText>> = shown.into_iter().map(|(own, _)| own.tags).collect();
         self.tags = grouped(take_common(&mut own));
         for (section, tags) in self.runs.iter_mut().zip(own) {
             section.tags = grouped(tags);
@@ -156,9 +244,9 @@ impl Page {
     }
 
     /// Channels are named once where all runs have the same ones with as many readings.
-    fn share_channels(&mut self, site: &Site, drawn: &[DrawnRun]) {
-        let of = |drawn: &DrawnRun| channels(site.input.record(drawn.run), &drawn.curves);
-        let all: Vec<Vec<ChannelText>> = drawn.iter().map(of).collect();
+    fn share_channels(&mut self, shown: &[Shown]) {
+        let of = |(own, drawn): &Shown| channels(own.record, &drawn.curves);
+        let all: Vec<Vec<ChannelText>> = shown.iter().map(of).collect();
         let named = |channels: &[ChannelText]| -> Vec<Fact> {
             let pair = |channel: &ChannelText| (channel.quantity.clone(), channel.what.clone());
             channels.iter().map(pair).collect()
@@ -298,9 +386,13 @@ fn part(site: &Site, here: usize, there: usize) -> Option<RunLink> {
 /// Pages on which other runs were measured in the conditions of this one's.
 fn beside(site: &Site, page: usize) -> Vec<RunLink> {
     let here = &site.run_pages[page];
-    let conditions = site.conditions.measured.iter();
-    let shared = conditions.filter(|condition| condition.runs.iter().any(|run| here.runs.contains(run)));
-    let pages = shared.flat_map(|condition| condition.runs.iter().map(|&run| site.page_of_run(run)));
+    let shared: BTreeSet<usize> = here
+        .runs
+        .iter()
+        .filter_map(|&run| site.condition_of(run))
+        .collect();
+    let conditions = shared.iter().map(|&place| &site.conditions.measured[place]);
+    let pages = conditions.flat_map(|condition| condition.runs.iter().map(|&run| site.page_of_run(run)));
     let mut others: Vec<usize> = pages.filter(|&other| other != page).collect();
     others.sort_unstable();
     others.dedup();

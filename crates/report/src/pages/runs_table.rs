@@ -59,7 +59,33 @@ struct Row {
     flag: String,
 }
 
-/// The runs that were measured last first; where one does not say when it was, those that came in last.
+/// The runs of the table: those that were measured last first; where one does not say when it was, those that came in last.
+pub fn listed(site: &Site) -> Vec<usize> {
+    let runs = &site.input.runs;
+    let starts: Vec<Option<f64>> = runs.iter().map(start_s).collect();
+    let are_dated = starts.iter().all(Option::is_some);
+    let mut order: Vec<usize> = (0..runs.len()).collect();
+    order.sort_by(|&a, &b| {
+        let later = match are_dated {
+            true => starts[b].partial_cmp(&starts[a]).unwrap_or(Ordering::Equal),
+            false => runs[b].ingested_at.cmp(&runs[a].ingested_at),
+        };
+        later.then_with(|| runs[a].path.cmp(&runs[b].path))
+    });
+    order.truncate(MOST);
+    order
+}
+
+/// Whether every run says when it was.
+fn are_dated(site: &Site) -> bool {
+    site.input.runs.iter().all(|run| start_s(run).is_some())
+}
+
+fn start_s(run: &RunRecord) -> Option<f64> {
+    seconds(run.tag(keys::STARTED_AT)?)
+}
+
+/// The table of the runs that are listed.
 pub fn runs_table(site: &Site) -> RunsTable {
     // A column without a number says nothing.
     let is_known = |info: &&ParameterInfo| {
@@ -76,34 +102,21 @@ pub fn runs_table(site: &Site) -> RunsTable {
         name: info.name,
         unit: info.shown_unit,
     });
-    let runs = &site.input.runs;
-    let start = |run: &RunRecord| seconds(run.tag(keys::STARTED_AT)?);
-    let are_dated = runs.iter().all(|run| start(run).is_some());
-    let mut order: Vec<usize> = (0..runs.len()).collect();
-    order.sort_by(|&a, &b| {
-        let (a, b) = (&runs[a], &runs[b]);
-        let later = match are_dated {
-            true => start(b).partial_cmp(&start(a)).unwrap_or(Ordering::Equal),
-            false => b.ingested_at.cmp(&a.ingested_at),
-        };
-        later.then_with(|| a.path.cmp(&b.path))
-    });
-    let left = order.len().saturating_sub(MOST);
-    order.truncate(MOST);
-    let rows: Vec<Row> = order
+    let are_dated = are_dated(site);
+    let rows: Vec<Row> = listed(site)
         .into_iter()
         .map(|run| row(site, run, &parameters, are_dated))
         .collect();
     RunsTable {
         columns: columns.collect(),
-        is_drawn: !site.sparks.is_empty(),
+        is_drawn: rows.iter().any(|row| row.sparks.is_drawn()),
         is_moving: rows.iter().any(|row| row.sparks.is_moving()),
         is_flagged: rows.iter().any(|row| !row.flag.is_empty()),
         is_humid: rows.iter().any(|row| !row.humidity.is_empty()),
         when: if are_dated { "Measured" } else { "Taken in" },
         zone: site.zone().name().to_owned(),
+        left: site.input.runs.len() - rows.len(),
         rows,
-        left,
     }
 }
 

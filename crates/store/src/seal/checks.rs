@@ -3,7 +3,7 @@
 use rusqlite::Row;
 
 use super::Subject;
-use super::seals::{add_row, damaged, finished};
+use super::seals::{add_row, damaged, finished, stored};
 use crate::{StepError, Store, StoreError};
 
 impl Store {
@@ -11,6 +11,17 @@ impl Store {
     pub(crate) fn check_seal(&self, subject: &Subject) -> Result<(), StoreError> {
         let checked = self.seals.check(&self.connection, subject);
         checked.map_err(self.named("checking what is stored"))
+    }
+
+    /// What a seal says, hexadecimal; `-` where nothing is stored of the subject, and none where the database has no seals or
+    /// this one is open.
+    pub(crate) fn seal_in_words(&self, subject: &Subject) -> Result<Option<String>, StoreError> {
+        if !self.seals.are_there || self.seals.open.borrow().contains(subject) {
+            return Ok(None);
+        }
+        let seal = stored(&self.connection, subject).map_err(|e| self.failed("reading a seal", e))?;
+        let in_words = |seal: Vec<u8>| seal.iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Some(seal.map_or_else(|| "-".to_owned(), in_words)))
     }
 
     /// Whether a row is as it was sealed; its last column is the seal.

@@ -106,7 +106,7 @@ fn are_of_this_schema(connection: &Connection) -> rusqlite::Result<bool> {
     connection.query_row(sql, params![OF_SCHEMA, NEWEST], |row| row.get(0))
 }
 
-fn stored(connection: &Connection, subject: &Subject) -> rusqlite::Result<Option<Vec<u8>>> {
+pub(super) fn stored(connection: &Connection, subject: &Subject) -> rusqlite::Result<Option<Vec<u8>>> {
     connection
         .prepare_cached("SELECT sum FROM seal WHERE subject = ?1 AND id = ?2")?
         .query_row(params![subject.name(), subject.id()], |row| row.get(0))

@@ -226,6 +226,60 @@ fn a_file_that_is_not_as_it_was_written_is_found() {
     put(root.path(), "runs/a.html").unwrap();
 }
 
+/// Refuses further names for files, as some file systems do.
+struct NoLinks;
+
+impl World for NoLinks {
+    fn before(&self, call: &Call<'_>) -> io::Result<()> {
+        match call.kind {
+            Kind::Link => Err(io::ErrorKind::Unsupported.into()),
+            _ => Ok(()),
+        }
+    }
+
+    fn after(&self, _call: &Call<'_>) {}
+
+    fn now(&self) -> std::time::SystemTime {
+        std::time::SystemTime::now()
+    }
+}
+
+fn files_are_taken_over() {
+    let root = tempfile::tempdir().unwrap();
+    let old = root.path().join("report");
+    let first = Fresh::begin(root.path(), ".report-").unwrap();
+    for file in ["a", "b"] {
+        fs::write(first.path().join(file), file).unwrap();
+    }
+    first.finish().unwrap();
+    first.put(&old, &never).unwrap();
+    let hashes = hashes(&old).unwrap();
+    let both: Vec<(&str, &str)> = hashes
+        .iter()
+        .map(|(name, hash)| (name.as_str(), hash.as_str()))
+        .collect();
+    let fresh = Fresh::begin(root.path(), ".report-").unwrap();
+    // All or none: of two files the one that is as it was is not left behind.
+    fs::write(old.join("b"), "changed").unwrap();
+    assert!(!fresh.keep(&old, &both).unwrap());
+    fs::remove_file(old.join("b")).unwrap();
+    assert!(!fresh.keep(&old, &both).unwrap());
+    assert_eq!(names(fresh.path()), [PASSING]);
+    assert!(fresh.keep(&old, &both[..1]).unwrap());
+    fs::write(fresh.path().join("c"), "c").unwrap();
+    fresh.finish().unwrap();
+    fresh.put(&old, &never).unwrap();
+    assert_eq!(names(&old), [".written", "a", "c"]);
+    assert_eq!(fs::read_own_text(old.join("a")).unwrap(), "a");
+    assert!(altered(&old).unwrap().is_empty());
+}
+
+#[test]
+fn files_are_taken_over_all_or_none() {
+    files_are_taken_over();
+    within(Arc::new(NoLinks), files_are_taken_over);
+}
+
 /// Refuses to read the list of a folder.
 struct NoList;
 

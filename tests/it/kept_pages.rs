@@ -1,0 +1,159 @@
+//! Pages that a report takes over from the one before: whatever changes, the report is byte for byte the one that is made
+//! from nothing, and only what does not change is taken over.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use crate::campaign::{CampaignFolder, run_table};
+
+/// Three groups of three runs.
+fn campaign() -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    for (environment, seed) in [("air", 0), ("inert", 10), ("vacuum", 20)] {
+        let tags = format!("sample = \"S1\"\nenvironment = \"{environment}\"\n");
+        folder.write(&format!("runs/{environment}/tags.toml"), tags);
+        for at in 0..3 {
+            folder.write(&format!("runs/{environment}/{at}.csv"), run_table(seed + at + 1));
+        }
+    }
+    folder
+}
+
+/// Every file below a folder with its bytes.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut waiting = vec![folder.to_owned()];
+    while let Some(at) = waiting.pop() {
+        for entry in fs::read_dir(at).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => waiting.push(path),
+                false => {
+                    let name = path.strip_prefix(folder).unwrap().to_string_lossy().into_owned();
+                    found.insert(name, fs::read(&path).unwrap());
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Writes the report, and holds it against one that is made from nothing. Gives the number of pages that were taken over.
+fn kept_pages(folder: &CampaignFolder, what: &str) -> u64 {
+    let document = folder.ieap(&["report", "--json"]).expect(0).json();
+    let report = &document["report"];
+    assert_eq!(report["rendered"], true, "{what}");
+    let made = files(&folder.join("report"));
+    fs::remove_dir_all(folder.join("report")).unwrap();
+    let anew = folder.ieap(&["report", "--json"]).expect(0).json();
+    assert_eq!(anew["report"]["pages_kept"], 0, "{what}");
+    let from_nothing = files(&folder.join("report"));
+    let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&made), names(&from_nothing), "{what}");
+    let differ: Vec<&String> = made
+        .keys()
+        .filter(|name| made[*name] != from_nothing[*name])
+        .collect();
+    assert_eq!(differ, Vec::<&String>::new(), "{what}");
+    let (kept, written) = (&report["pages_kept"], &report["pages"]);
+    let all = kept.as_u64().unwrap() + written.as_u64().unwrap();
+    assert_eq!(all, anew["report"]["pages"].as_u64().unwrap(), "{what}");
+    kept.as_u64().unwrap()
+}
+
+fn page_of(folder: &CampaignFolder, environment: &str) -> String {
+    let names = files(&folder.join("report/runs"));
+    let mut names = names.into_keys().filter(|name| name.contains(environment));
+    format!("report/runs/{}", names.next().unwrap())
+}
+
+#[test]
+fn whatever_changes_the_report_is_the_one_made_from_nothing() {
+    let folder = campaign();
+    let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let change = |arguments: &[&str]| {
+        let _ = folder.ieap(arguments).expect(0);
+    };
+    change(&["tag", "runs/air/0.csv", "note=looked at twice"]);
+    assert_eq!(kept_pages(&folder, "a tag of one run"), 2);
+    change(&["tag", "runs/inert/0.csv", "voltage_v=2.4"]);
+    assert_eq!(kept_pages(&folder, "a tag that results are made from"), 2);
+    change(&["drop", "runs/inert/1.csv", "--why", "the strip was torn"]);
+    // The run has a page of its own from now on.
+    assert_eq!(kept_pages(&folder, "a run set aside"), 2);
+    change(&["undrop", "runs/inert/1.csv"]);
+    assert_eq!(kept_pages(&folder, "a run taken back"), 2);
+    folder.write("runs/vacuum/3.csv", run_table(77));
+    change(&["ingest"]);
+    assert_eq!(kept_pages(&folder, "a new run without a fit"), 2);
+    change(&["fit"]);
+    assert_eq!(kept_pages(&folder, "its fit"), 2);
+    folder.write("runs/vacuum/3.csv", run_table(78));
+    change(&["ingest"]);
+    change(&["fit"]);
+    assert_eq!(kept_pages(&folder, "another revision of it"), 2);
+    // It stands before all others in the lists, whose places move.
+    folder.write("runs/air/!.csv", run_table(79));
+    change(&["ingest"]);
+    change(&["fit"]);
+    assert_eq!(kept_pages(&folder, "a new run before all others"), 2);
+    change(&["diagnose", "--draws", "99"]);
+    assert_eq!(kept_pages(&folder, "findings of all groups"), 0);
+    let toml = fs::read_to_string(folder.join("campaign.toml")).unwrap();
+    folder.write(
+        "campaign.toml",
+        toml.replace("[campaign]", "[campaign]\nnotice = \"Not for others.\""),
+    );
+    change(&["ingest"]);
+    assert_eq!(kept_pages(&folder, "a notice on every page"), 0);
+}
+
+#[test]
+fn a_page_that_is_not_as_it_was_written_is_made_anew() {
+    let folder = campaign();
+    let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let page = page_of(&folder, "air");
+    let readings = page.replace("/runs/", "/readings/").replace(".html", ".js");
+    for (what, path, content) in [
+        ("a changed page", page.as_str(), Some("somebody's words")),
+        ("a page that is gone", page.as_str(), None),
+        ("changed readings", readings.as_str(), Some("")),
+        ("readings that are gone", readings.as_str(), None),
+    ] {
+        match content {
+            Some(content) => fs::write(folder.join(path), content).unwrap(),
+            None => fs::remove_file(folder.join(path)).unwrap(),
+        }
+        assert_eq!(kept_pages(&folder, what), 2, "{what}");
+    }
+    // A list of what pages were made from that is not the program's says nothing.
+    let list = folder.join("report/.made");
+    let text = fs::read_to_string(&list).unwrap();
+    assert_eq!(text.lines().count(), 6, "{text}");
+    fs::write(&list, text.replace("air", "inert")).unwrap();
+    assert_eq!(kept_pages(&folder, "a changed list"), 0);
+}
+
+#[test]
+fn the_report_before_is_not_touched_by_what_takes_its_pages_over() {
+    let folder = campaign();
+    let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let before = files(&folder.join("report"));
+    // As a backup by links keeps it.
+    fs::create_dir(folder.join("kept")).unwrap();
+    for name in before.keys() {
+        let to = folder.join("kept").join(name);
+        fs::create_dir_all(to.parent().unwrap()).unwrap();
+        fs::hard_link(folder.join("report").join(name), to).unwrap();
+    }
+    for turn in 0..3 {
+        let _ = folder
+            .ieap(&["tag", "runs/air/0.csv", &format!("note=turn {turn}")])
+            .expect(0);
+        assert_eq!(kept_pages(&folder, "a tag"), 2);
+        fs::write(folder.join(&page_of(&folder, "inert")), "changed").unwrap();
+        assert_eq!(kept_pages(&folder, "a changed page"), 2);
+    }
+    assert_eq!(files(&folder.join("kept")), before);
+}
