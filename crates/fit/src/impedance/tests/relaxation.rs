@@ -99,10 +99,13 @@ fn wrong(text: &str, values: &[f64], arcs: &[(f64, f64)], count: u64) -> (u64, f
     outcome
 }
 
+/// A circuit with its values, and the time (s) and resistance (Ohm) of its arcs.
+type Case<'a> = (&'a str, &'a [f64], &'a [(f64, f64)]);
+
 /// As many peaks as arcs, in as many spectra.
 fn peaks_are_as_many_as_arcs(count: u64) {
     let spread = |product: f64, n: f64| product.powf(n.recip());
-    let cases: [(&str, &[f64], &[(f64, f64)]); 7] = [
+    let cases: [Case<'_>; 7] = [
         ("R0-p(R1,C1)", &[50.0, 300.0, 2e-3], &[(0.6, 300.0)]),
         (
             "R0-p(R1,C1)-p(R2,C2)",
