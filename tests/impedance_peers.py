@@ -181,7 +181,8 @@ def main():
             if all(own[key] is not None for key in TEXT_KEYS):
                 left, theirs = impedance_py_text(f, z, own)
                 mine = next(fit for fit in entry["circuits"] if fit["circuit"] == TEXT)["residual_rms_percent"]
-                row(name, "text, rms % (impedance.py)", mine, left, FIT_LIMIT)
+                if mine > 1e-4:  # below it both leave nothing but where they stopped
+                    row(name, "text, rms % (impedance.py)", mine, left, FIT_LIMIT)
                 for key, value in theirs.items():
                     row(name, f"text, {key}", own[key], value, FIT_LIMIT)
             if entry["z_hit"]:

