@@ -118,6 +118,11 @@ mod tests {
         for text in ["Time constant (s)", "γ (Ω)"] {
             assert!(drawn.contains(text), "{text}: {drawn}");
         }
-        assert_eq!(drawn.matches("<circle").count(), 1);
+        let without = RelaxationTimes {
+            peaks: vec![],
+            ..found
+        };
+        let bare = relaxation(&without, "t", "d").unwrap();
+        assert!(drawn.len() > bare.len(), "a peak has a dot");
     }
 }
