@@ -829,7 +829,8 @@
     svg.setAttribute("aria-hidden", "true");
     if (!shape) return svg;
     const mark = shape.shape.cloneNode();
-    if (shape.dots) { mark.setAttribute("d", "M100 50h0"); mark.setAttribute("stroke-width", "70"); mark.removeAttribute("opacity"); }
+    if (mark.tagName === "circle") for (const [key, at] of Object.entries({ cx: 100, cy: 50, r: 32 })) mark.setAttribute(key, at);
+    else if (shape.dots) { mark.setAttribute("d", "M100 50h0"); mark.setAttribute("stroke-width", "70"); mark.removeAttribute("opacity"); }
     else if (shape.shape.classList.contains("s")) { mark.setAttribute("d", "M20 50h160"); mark.setAttribute("stroke-width", "30"); }
     else { mark.setAttribute("d", "M60 15h80v70h-80z"); }
     svg.append(mark);

@@ -388,6 +388,24 @@ class Campaign:
             runs = [run for run, standing in speaking if standing in ("speaks", "vouched")]
         return dict(zip(runs, self._native.readings_many(list(runs))))
 
+    def fit_rows(self, runs: Sequence[str] | None = None) -> Any:
+        """Runs as rows for `fit_many`, one a run with its readings, strip and how the campaign fits it, as a pyarrow table.
+
+        What ``ieap export --what traces --partitioned`` writes, without files; results go back by ``ieap import-fits``. None:
+        every run that results are made from.
+        """
+        try:
+            from pyarrow import BufferReader, parquet
+        except ImportError:
+            raise InputError("pyarrow is not installed", "fit_rows", "pip install pyarrow", "no-pyarrow") from None
+        rows = parquet.read_table(BufferReader(self._native.fit_rows(None if runs is None else list(runs))))
+        known = self.runs()
+        # In files they are the names of folders.
+        for name in ("material", "environment"):
+            of_run = dict(zip(known.column("run"), known.column(name)))
+            rows = rows.append_column(name, [[of_run[run] for run in rows.column("run").to_pylist()]])
+        return rows
+
     def laws(self) -> ArrowTable:
         """What holds across runs: one row a parameter and what it may follow, with the law where it is claimed."""
         return self._native.table("laws")

@@ -12,10 +12,12 @@ use ieap::pipeline::documents::diagnosis::diagnosis_document;
 use ieap::pipeline::documents::fits::fits_document;
 use ieap::pipeline::documents::impedance::impedance_document;
 use ieap::pipeline::findings::impedance::spectra;
+use ieap::pipeline::show::partitioned::run_rows_parquet;
 use ieap::pipeline::show::plain_tables::{plain_table, stored_readings};
 use ieap::pipeline::show::tables::{find_format, table};
 use ieap::pipeline::{Context, DiagnoseChoice, PipelineError};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::arrow::ArrowTable;
 use crate::error::{bad_argument, failed, fault, json};
@@ -88,6 +90,12 @@ impl Campaign {
             .zip(found)
             .map(|(run, found)| stored(run, found))
             .collect())
+    }
+
+    /// Runs as rows that can be fitted elsewhere: the bytes of a Parquet file.
+    fn fit_rows<'py>(&self, py: Python<'py>, runs: Option<Vec<String>>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.ask(py, |context| run_rows_parquet(context, runs.as_deref()))?;
+        Ok(PyBytes::new(py, &bytes))
     }
 
     /// The current findings of groups, one row a group.

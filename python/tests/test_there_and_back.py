@@ -56,6 +56,19 @@ def test_what_was_fitted_in_this_process_comes_back(away, fits, tmp_path):
     same_fits(away, fits)
 
 
+def test_rows_of_a_campaign_are_those_of_the_export(away, tmp_path):
+    written = parquet.read_table(rows_of(away, tmp_path / "rows"))
+    rows = ieap.Campaign(away).fit_rows()
+    assert set(rows.column_names) == set(written.column_names)
+    in_order = lambda table: sorted(table.select(written.column_names).to_pylist(), key=lambda row: row["run"])
+    assert in_order(rows) == in_order(written)
+    assert pa.table(ieap.fit_many(rows)).column("run").to_pylist() == rows.column("run").to_pylist()
+    one = ieap.Campaign(away).fit_rows(["runs/b.csv"])
+    assert one.column("run").to_pylist() == ["runs/b.csv"]
+    with pytest.raises(ieap.IeapError, match="runs/c.csv"):
+        ieap.Campaign(away).fit_rows(["runs/c.csv"])
+
+
 def test_another_model_is_asked_for_as_in_the_campaign(away, tmp_path):
     rows = parquet.read_table(rows_of(away, tmp_path / "rows"))
     parquet.write_table(pa.table(ieap.fit_many(rows, model="lumped-1")), tmp_path / "fits.parquet")

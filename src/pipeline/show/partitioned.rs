@@ -77,27 +77,56 @@ impl ExportPartitioned {
         tasks: &BTreeMap<String, Result<Task, String>>,
         path: &Path,
     ) -> Result<(), PipelineError> {
-        let encoding = |source| {
-            PipelineError::Export(ExportError::Table {
-                table: self.folder.display().to_string(),
-                source,
-            })
-        };
         let file = fs::OpenOptions::own()
             .write(true)
             .create_new(true)
             .open(path)
             .map_err(|source| self.failed(source))?;
-        let mut writer =
-            RunRowWriter::begin(BufWriter::new(file), &about(context, "traces")).map_err(encoding)?;
-        for batch in runs.chunks(BATCH) {
-            let rows = batch.iter().map(|run| row(context, run, tasks));
-            let rows: Vec<RunRow<'_>> = rows.collect::<Result<_, _>>()?;
-            writer.write(&rows).map_err(encoding)?;
-        }
-        let mut file = writer.finish().map_err(encoding)?;
+        let mut file = fill(context, runs, tasks, BufWriter::new(file))?;
         file.flush().map_err(|source| self.failed(source))
     }
+}
+
+/// The bytes of one Parquet file with the runs of these names, one row a run; none named: of every run that results are made
+/// from. What [`ExportPartitioned`] writes, without its folders.
+///
+/// # Errors
+/// A name is that of no such run, or the database cannot be read.
+pub fn run_rows_parquet(context: &Context, named: Option<&[String]>) -> Result<Vec<u8>, PipelineError> {
+    let runs = standing::speaking(context)?;
+    let one = |name: &String| {
+        let found = runs.iter().find(|run| run.path == *name);
+        found.ok_or_else(|| {
+            PipelineError::bad_argument("runs", format!("{name:?}"), "runs that results are made from")
+        })
+    };
+    let chosen: Vec<&RunRecord> = match named {
+        Some(named) => named.iter().map(one).collect::<Result<_, _>>()?,
+        None => runs.iter().collect(),
+    };
+    fill(context, &chosen, &tasks(context)?, Vec::new())
+}
+
+/// Writes runs into one file, a few at a time.
+fn fill<W: Write>(
+    context: &Context,
+    runs: &[&RunRecord],
+    tasks: &BTreeMap<String, Result<Task, String>>,
+    out: W,
+) -> Result<W, PipelineError> {
+    let encoding = |source| {
+        PipelineError::Export(ExportError::Table {
+            table: "traces".to_owned(),
+            source,
+        })
+    };
+    let mut writer = RunRowWriter::begin(out, &about(context, "traces")).map_err(encoding)?;
+    for batch in runs.chunks(BATCH) {
+        let rows = batch.iter().map(|run| row(context, run, tasks));
+        let rows: Vec<RunRow<'_>> = rows.collect::<Result<_, _>>()?;
+        writer.write(&rows).map_err(encoding)?;
+    }
+    writer.finish().map_err(encoding)
 }
 
 fn row<'a>(

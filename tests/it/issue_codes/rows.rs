@@ -101,6 +101,9 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("journal-set-aside", Open("told on stderr only: tests/it/two_stores.rs asserts the sentence")),
     ("journal-torn", By("tests/it/issue_codes/mod.rs", "what_verify_notes")),
     ("journal-written", Open("told on stderr only: tests/it/two_stores.rs asserts the sentence")),
+    ("known-contradicted", By("tests/it/known.rs", "what_is_known_by_hand_is_kept_and_a_contradiction_is_said")),
+    ("known-not-used", By("tests/it/known.rs", "what_campaign_toml_knows_is_in_every_fit_of_the_sample_and_said")),
+    ("known-parameter", By("tests/it/known.rs", "what_campaign_toml_knows_is_in_every_fit_of_the_sample_and_said")),
     ("kramers-kronig", By("crates/fit/src/impedance/tests.rs", "a_sample_that_changes_during_the_sweep_violates_kramers_kronig")),
     ("left-out", Open("told on stderr only: tests/it/backups.rs asserts the sentence")),
     ("left-out-by-tag", Campaign(|to| {

@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::asked::{AskedStrip, Condition};
 use super::source::Source;
 use crate::analysis::laws::design::Level;
-use crate::analysis::laws::facts::facts;
+use crate::analysis::laws::facts::{RunFacts, facts};
 use crate::analysis::laws::fitted::{Fitted, value_at};
 use crate::analysis::laws::words::{in_a_row, symbol};
 use crate::analysis::laws::{Covariate, Dependence};
@@ -108,7 +108,7 @@ impl Surroundings {
         let laws = campaign_laws(context, speaking, None)?.dependences;
         for way in &mut found.ways {
             way.laws = of_covariate(&laws, material, way.condition.covariate);
-            way.refuse_without_laws(material)?;
+            way.refuse_without_laws(&found.runs, material)?;
         }
         Ok(found)
     }
@@ -303,7 +303,7 @@ fn of_covariate(laws: &[Dependence], material: &str, covariate: Covariate) -> Ve
 fn numbers(context: &Context, speaking: &[RunRecord], covariate: Covariate) -> BTreeMap<String, f64> {
     // The charge of earlier runs is no condition that can be asked for.
     let facts = facts(speaking, &context.campaign, &vec![None; speaking.len()]);
-    let number = |fact: &crate::analysis::laws::facts::RunFacts| {
+    let number = |fact: &RunFacts| {
         let known = fact.numbers.get(&covariate)?;
         Some((speaking[fact.run].path.clone(), known.value))
     };
@@ -325,24 +325,31 @@ impl Way {
             covariate,
             option,
             to,
-            alike,
+            ..
         } = self.condition;
         let (low, high) = self.range(runs);
         if (low..=high).contains(&to) {
             return Ok(());
         }
-        let environment = runs
-            .first()
-            .and_then(|run| run.tag(keys::ENVIRONMENT))
-            .unwrap_or_default();
-        let (label, unit) = (covariate.label(), covariate.unit());
+        let environment = runs.first().and_then(|run| run.tag(keys::ENVIRONMENT));
+        let (environment, unit) = (environment.unwrap_or_default(), covariate.unit());
         let needed = format!(
-            "a {label} within {alike} {unit} of runs in {environment}, which have {low} to {high} {unit}, or between them"
+            "{low} to {high} {unit}, as runs in {environment} have{}",
+            self.near()
         );
         Err(PipelineError::bad_argument(option, to.to_string(), needed))
     }
 
-    fn refuse_without_laws(&self, material: &str) -> Result<(), PipelineError> {
+    /// `, or within 5 % RH of one`; nothing where runs have to have the very number.
+    fn near(&self) -> String {
+        let Condition { covariate, alike, .. } = self.condition;
+        match alike > 0.0 {
+            true => format!(", or within {alike} {} of one", covariate.unit()),
+            false => String::new(),
+        }
+    }
+
+    fn refuse_without_laws(&self, runs: &[RunRecord], material: &str) -> Result<(), PipelineError> {
         if !self.laws.is_empty() {
             return Ok(());
         }
@@ -350,11 +357,19 @@ impl Way {
             covariate,
             option,
             to,
-            alike,
+            ..
         } = self.condition;
-        let (label, unit) = (covariate.label(), covariate.unit());
+        let mut own: Vec<String> = runs
+            .iter()
+            .filter_map(|run| self.own.get(&run.path))
+            .map(f64::to_string)
+            .collect();
+        own.dedup();
         let needed = format!(
-            "a {label} within {alike} {unit} of runs of the sample: no parameter of {material} has a law over the {label} that takes runs elsewhere (`ieap explain` and the page \"Across runs\" say why)"
+            "what a run has ({}){}: no parameter of {material} has a law over the {} that takes runs elsewhere; the page \"Across runs\" of the report says what was asked",
+            own.join(", "),
+            self.near(),
+            covariate.label()
         );
         Err(PipelineError::bad_argument(option, to.to_string(), needed))
     }
