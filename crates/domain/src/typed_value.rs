@@ -119,11 +119,10 @@ impl ValueKind {
             None => (0.0, rest),
         };
         let canonical = |number| self.canonical(number, unit).ok_or_else(refused);
-        let found = canonical(value)?;
         Ok(Measured {
-            value: found,
+            value: canonical(value)?,
             // As a difference: scales of temperature have zeros of their own.
-            standard_error: (canonical(value + standard_error)? - found).abs(),
+            standard_error: (canonical(standard_error)? - canonical(0.0)?).abs(),
         })
     }
 }
