@@ -9,7 +9,7 @@ use crate::frames::png_bytes;
 use crate::rendered::Scene;
 
 /// What is in commands that are not run to their end, with the reason; whether a long test runs them.
-const HELD_BACK: [(&str, &str, bool); 14] = [
+const HELD_BACK: [(&str, &str, bool); 15] = [
     (
         "ieap watch",
         "runs until it is stopped; tests/it/watch.rs starts it",
@@ -23,6 +23,11 @@ const HELD_BACK: [(&str, &str, bool); 14] = [
     (
         "curvature-map",
         "needs runs along a strip; tests/it/along.rs draws it",
+        false,
+    ),
+    (
+        "--rh 45",
+        "needs a law across runs; tests/it/brought.rs has one",
         false,
     ),
     (
