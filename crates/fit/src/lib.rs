@@ -45,7 +45,7 @@ pub use edges::{EdgeTimes, Shift};
 pub use error::FitError;
 pub use given::{BaseKnowledge, Predict, fit_of_run};
 pub use group::known::can_be_known;
-pub use group::reductions::{Circuit, Reduction, reductions};
+pub use group::reductions::{Circuit, Reduction, Reductions, reductions};
 pub use group::step_and_spectrum::{StepAndSpectrum, step_and_spectrum};
 pub use group::{
     Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, fit_group, shareable,
@@ -56,6 +56,7 @@ pub use noise_again::{FoundAgain, NoiseAgain, Pair, Scaled};
 pub use options::{FitInput, FitOptions, Steps};
 pub use whitened::WhitenedChannel;
 
+use joint::minimum::MISFIT;
 use joint::readings::{Response, RunReadings};
 use joint::single::Judged;
 use sampled::Sampled;
@@ -208,10 +209,6 @@ fn judge(input: &FitInput, options: &FitOptions, identified: &mut Identified) ->
         parabolic,
     )
 }
-
-/// A root mean square of the residuals beyond this multiple of the noise is no chance: the noise is taken from the
-/// scatter of neighbours, which finds slow noise (correlation 0.8) up to three times too small.
-const MISFIT: f64 = 4.0;
 
 /// Whether the model plainly does not describe the readings. A likelihood that knows noise only would then state
 /// intervals far too narrow, about another place than the curve that is drawn; those of the two steps are

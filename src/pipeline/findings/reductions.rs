@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::analysis::reductions::{ReducedCircuit, RunReductions};
 use crate::domain::RunRecord;
 use crate::domain::fault::caught;
-use crate::fit::{Circuit, FitInput, Reduction, reductions};
+use crate::fit::{Circuit, FitInput, Reduction, Reductions, reductions};
 use crate::ingest::derived;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FitTask;
@@ -53,7 +53,18 @@ fn of_run(task: &FitTask, channels: &[crate::domain::Channel]) -> RunReductions 
         path: task.path.clone(),
         found: fitted
             .unwrap_or_else(|reason| Err(format!("a fault of the program stopped the fit: {reason}")))
-            .map(|found| found.iter().map(as_shown).collect()),
+            .and_then(shown),
+    }
+}
+
+/// Nothing where the full circuit misfits: then the readings are those of none of them.
+fn shown(found: Reductions) -> Result<Vec<ReducedCircuit>, String> {
+    match found.circuits.is_empty() {
+        true => Err(format!(
+            "two branches beside R_ss themselves leave {:.0} times the noise: none of these circuits is that of the run",
+            found.full_leaves
+        )),
+        false => Ok(found.circuits.iter().map(as_shown).collect()),
     }
 }
 

@@ -10,12 +10,13 @@ use ieap_numerics::least_squares::{Minimum, Problem};
 
 use super::options::GroupOptions;
 use super::prepare;
-use super::search::search;
+use super::search::deepest;
 use crate::error::FitError;
 use crate::joint::feature::Feature;
-use crate::joint::layout::Layout;
-use crate::joint::minimum::excess;
+use crate::joint::minimum::{MISFIT, excess};
 use crate::joint::problem::{JointProblem, Over};
+use crate::joint::readings::Response;
+use crate::joint::start::{Start, problem};
 use crate::options::{FitInput, FitOptions};
 
 /// A circuit with fewer elements.
@@ -67,12 +68,29 @@ pub struct Reduction {
     pub elements: Option<[f64; 3]>,
 }
 
+/// The simpler circuits of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reductions {
+    /// How many times the noise the full circuit itself leaves, root mean square of the worse response.
+    pub full_leaves: f64,
+    /// One for each circuit, the fullest first; empty where the full circuit misfits, for then neither is that of the run.
+    pub circuits: Vec<Reduction>,
+}
+
 /// What simpler circuits cost in a run of steps or pulses whose edges are where its drive has them.
+///
+/// Every circuit is searched from where the run's own fit puts it, and from where those that it contains have their lowest
+/// place: a fuller circuit never does worse.
 ///
 /// # Errors
 /// The run has too few readings or no current, or its voltage moves all the time.
-pub fn reductions(input: &FitInput) -> Result<Vec<Reduction>, FitError> {
-    let full = Fitted::of(input, FitOptions::for_model(FULL)?.model, true)?;
+pub fn reductions(input: &FitInput) -> Result<Reductions, FitError> {
+    let one_model = FitOptions::for_model(Circuit::OneBranch.model_id())?.model;
+    let two_model = FitOptions::for_model(FULL)?.model;
+    let bare = Fitted::of(input, one_model, false, &[])?;
+    let one = Fitted::of(input, one_model, true, &[&bare])?;
+    let two = Fitted::of(input, two_model, false, &[&bare])?;
+    let full = Fitted::of(input, two_model, true, &[&two, &one])?;
     let condensed = Minimum {
         local: full
             .problem
@@ -80,13 +98,21 @@ pub fn reductions(input: &FitInput) -> Result<Vec<Reduction>, FitError> {
             .local(&full.bottom.at, f64::INFINITY),
         ..full.bottom.clone()
     };
+    let full_leaves = full.leaves();
     let misfit = excess(&full.problem, &condensed).powi(2);
-    let of = |circuit: Circuit| {
-        let model = FitOptions::for_model(circuit.model_id())?.model;
-        let own = Fitted::of(input, model, circuit.leaks())?;
-        Ok(own.against(&full, circuit, misfit))
+    let own = |circuit: Circuit| match circuit {
+        Circuit::NoLeak => &two,
+        Circuit::OneBranch => &one,
+        Circuit::OneBranchNoLeak => &bare,
     };
-    Circuit::ALL.into_iter().map(of).collect()
+    let against = |circuit: Circuit| own(circuit).against(&full, circuit, misfit);
+    Ok(Reductions {
+        full_leaves,
+        circuits: match full_leaves > MISFIT {
+            true => Vec::new(),
+            false => Circuit::ALL.into_iter().map(against).collect(),
+        },
+    })
 }
 
 /// A circuit at its best.
@@ -96,21 +122,31 @@ struct Fitted<'a> {
     curves: [Option<Vec<f64>>; 2],
 }
 
+/// Resistance of a branch that is put beside those of a simpler circuit, in those of its last: it carries little.
+const BESIDE: f64 = 1e3;
+
 impl<'a> Fitted<'a> {
-    fn of(input: &FitInput<'a>, model: &'static FitModel, leaks: bool) -> Result<Fitted<'a>, FitError> {
+    fn of(
+        input: &FitInput<'a>,
+        model: &'static FitModel,
+        leaks: bool,
+        within: &[&Fitted],
+    ) -> Result<Fitted<'a>, FitError> {
         if input.drive.moves() {
             return Err(FitError::Moves { model: model.id });
         }
         let (run, mut start) = prepare(0, input, &GroupOptions::sharing_all(model))?;
-        let steady = Layout {
-            branches: model.branches,
-        }
-        .steady();
+        let steady = start.layout().steady();
         start.searched[steady] = leaks;
         if !leaks {
             start.local[steady] = 0.0;
         }
-        let (problem, bottom, _) = search(vec![run], &[start], &[]);
+        let (problem, first) = problem(vec![run], std::slice::from_ref(&start), &[]);
+        let starts = within.iter().map(|simpler| simpler.beside(&start));
+        let found = starts
+            .chain([start.clone()])
+            .map(|start| deepest(&problem, &[start], first.clone()).0);
+        let bottom = Minimum::lowest(found).ok_or(FitError::EmptyGroup)?;
         let local = problem.local(0, &bottom.at);
         let curves = problem.runs[0].fitted(&problem.model(&local), problem.offsets(&local));
         Ok(Fitted {
@@ -120,13 +156,45 @@ impl<'a> Fitted<'a> {
         })
     }
 
+    /// The start of a fuller circuit with the numbers of this one, and branches beside them that carry little.
+    fn beside(&self, start: &Start) -> Start {
+        let local = self.problem.local(0, &self.bottom.at);
+        let (own, fuller) = (self.problem.layout, start.layout());
+        let mut full = start.clone();
+        for k in 0..fuller.branches {
+            let from = k.min(own.branches - 1);
+            let more = if k < own.branches { 0.0 } else { BESIDE.ln() };
+            full.local[fuller.resistance(k)] = local[own.resistance(from)] + more;
+            full.local[fuller.capacitance(k)] = local[own.capacitance(from)] - more;
+        }
+        full.local[fuller.steady()..].copy_from_slice(&local[own.steady()..]);
+        full
+    }
+
+    /// How many times the noise it leaves, of the worse response.
+    fn leaves(&self) -> f64 {
+        let run = &self.problem.runs[0];
+        let of = |(response, curve): (&Option<Response>, &Option<Vec<f64>>)| {
+            let sampled = &response.as_ref()?.sampled;
+            let noise = sampled.scatter.as_ref()?.standard_deviation;
+            let left = sampled.values.iter().zip(curve.as_ref()?);
+            let square: f64 = left.map(|(own, curve)| (own - curve).powi(2)).sum();
+            Some((square / sampled.len().max(1) as f64).sqrt() / noise)
+        };
+        let responses = [&run.current, &run.curvature];
+        responses
+            .into_iter()
+            .zip(&self.curves)
+            .filter_map(of)
+            .fold(0.0, f64::max)
+    }
+
     fn square(&self) -> f64 {
         self.problem.square(&self.bottom.at, Over::Whole)
     }
 
     fn against(&self, full: &Fitted, circuit: Circuit, misfit: f64) -> Reduction {
         let saved = full.bottom.at.len().saturating_sub(self.bottom.at.len());
-        // The full model can do what this one does: what falls below is what the searches leave.
         let rise = (self.square() - full.square()).max(0.0);
         let differs = |which: usize| {
             let (own, other) = self.curves[which].as_ref().zip(full.curves[which].as_ref())?;

@@ -15,7 +15,9 @@ fn found(model: &LumpedModel, relative: f64, every_s: f64, seed: u64) -> Vec<Red
         drive: &drive,
         area_cm2: AREA_CM2,
     };
-    reductions(&input).unwrap()
+    let found = reductions(&input).unwrap();
+    assert!(found.full_leaves < 1.5, "{found:?}");
+    found.circuits
 }
 
 fn strip(branches: Vec<ieap_model::Branch>, rss: f64) -> LumpedModel {
