@@ -51,7 +51,7 @@ pub use group::{
     Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, fit_group, shareable,
 };
 
-pub use moving::MOVING_VERSION;
+pub use moving::{MOVING_VERSION, least_squares_place};
 pub use noise_again::{FoundAgain, NoiseAgain, Pair, Scaled};
 pub use options::{FitInput, FitOptions, Steps};
 pub use whitened::WhitenedChannel;

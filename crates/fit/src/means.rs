@@ -30,7 +30,7 @@ impl Means {
     /// of which has a level of its own.
     pub(super) fn of(sampled: Sampled, most: usize) -> (Sampled, Option<Means>) {
         let together = sampled.len().div_ceil(most.max(1));
-        if together <= 1 || sampled.moves {
+        if together <= 1 || sampled.moves || sampled.course.is_some() {
             return (sampled, None);
         }
         let spans = sampled.spans.len() as f64;

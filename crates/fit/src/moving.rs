@@ -5,12 +5,12 @@
 //! exponentials between edges) does not know of them.
 
 use ieap_domain::Drive;
-use ieap_model::FitModel;
+use ieap_model::{FitModel, LumpedModel};
 
 use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};
 use crate::parabola;
-use crate::two_steps::Identified;
+use crate::two_steps::{Identified, Readings, identify};
 
 /// Counts what changes fits of moving voltages and of no others.
 /// - 2: the bending is open where the capacitance is.
@@ -39,4 +39,17 @@ pub(crate) fn look_closer(input: &FitInput, options: &FitOptions, identified: &m
     } else {
         electrical.bends = electrical.in_doubt || !parabola::is_narrow(electrical);
     }
+}
+
+/// Where both steps end on a run of which the current shows a branch at least, whatever of it the readings determine: a place
+/// from which a search of several runs begins, and no result. It has the branches that the current shows, the coupling 0 where
+/// no bending follows.
+pub fn least_squares_place(input: &FitInput, options: &FitOptions) -> Option<LumpedModel> {
+    let found = identify(input, options, Readings::new(input).ok()?);
+    let (_, electrical) = found.current.ok()?;
+    let bending = found.curvature.map_or((0.0, 0.0), |(_, bending)| {
+        (bending.coupling_per_c_cm, bending.rate_per_s)
+    });
+    let place = electrical.model(bending.0, bending.1);
+    (!place.branches.is_empty()).then_some(place)
 }

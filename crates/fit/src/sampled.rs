@@ -41,6 +41,8 @@ pub(super) struct Sampled {
     pub(super) scatter: Option<LocalScatter>,
     /// Whether the voltage moves all the time: spans then hold many segments, blocks one each.
     pub(super) moves: bool,
+    /// The drive that moved it, where the readings were joined to the stretches between its edges: what they answer to.
+    pub(super) course: Option<Arc<Drive>>,
 }
 
 /// The mean before the step is off zero where it is this many standard errors from zero.
@@ -119,6 +121,7 @@ impl Sampled {
             blocks: Vec::new(),
             scatter: None,
             moves: false,
+            course: None,
         };
         sampled.cut();
         sampled
@@ -151,6 +154,19 @@ impl Sampled {
             residuals.into(),
             self.spans.clone(),
         )
+    }
+
+    /// The same readings with the stretches between the edges of the drive as their segments, where its voltage moves all the
+    /// time; a series in which no voltage moves stays what it is.
+    pub(super) fn between_edges(self, drive: &Drive) -> Sampled {
+        if !self.moves {
+            return self;
+        }
+        Sampled {
+            course: Some(Arc::new(drive.clone())),
+            scatter: self.scatter.clone(),
+            ..self.rest(&self.values)
+        }
     }
 
     /// Whether the readings follow each other evenly, so that noise by reading order is noise by time.
@@ -435,6 +451,7 @@ impl Sampled {
             blocks: Vec::new(),
             scatter: self.scatter.clone(),
             moves: self.moves,
+            course: self.course.clone(),
         };
         kept.cut();
         kept

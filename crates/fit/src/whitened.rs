@@ -97,7 +97,8 @@ impl WhitenedChannel {
     /// circuit was open are left out: the drive alone says that they are zero.
     /// A record of more than `most` is taken by means of neighbours ([`WhitenedChannel::nodes_s`]).
     pub fn new(channel: &Channel, drive: &Drive, needed: usize, most: usize) -> Option<WhitenedChannel> {
-        let sampled = Sampled::new(channel, drive, channel.quantity == Quantity::Curvature);
+        let sampled =
+            Sampled::new(channel, drive, channel.quantity == Quantity::Curvature).between_edges(drive);
         if sampled.after_step() < needed {
             return None;
         }

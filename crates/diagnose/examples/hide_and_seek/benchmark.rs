@@ -246,6 +246,9 @@ fn key(drives: Drives) -> &'static str {
         Drives::Discharge => "discharge",
         Drives::Repeated => "repeated",
         Drives::Five => "five",
+        Drives::Moving => "moving",
+        Drives::Sine => "sine",
+        Drives::StepsAndSine => "steps-and-sine",
     }
 }
 

@@ -35,7 +35,16 @@ pub enum Drives {
     Repeated,
     /// +2 V, +1 V, -2 V, +2 V then 0 V, and pulses of 20 s.
     Five,
+    /// A sine of 2 V and eight periods, a chirp of 2 V from 1 to 16 periods a record, and a triangle of 1 V and five.
+    Moving,
+    /// The sine alone.
+    Sine,
+    /// +2 V, -1 V and the sine.
+    StepsAndSine,
 }
+
+/// Levels between two readings of a voltage that truly moves.
+const TRULY_BETWEEN: usize = 15;
 
 /// What the noise is like beside its memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,6 +116,9 @@ impl Default for Plan {
                 Ok("three") => Drives::Three,
                 Ok("discharge") => Drives::Discharge,
                 Ok("repeated") => Drives::Repeated,
+                Ok("moving") => Drives::Moving,
+                Ok("sine") => Drives::Sine,
+                Ok("steps-and-sine") => Drives::StepsAndSine,
                 _ => Drives::Five,
             },
             readings: match std::env::var("READINGS").as_deref() {
@@ -185,12 +197,22 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         .map(|k| (pulse_s * k as f64, if k % 2 == 0 { 2.0 } else { 0.0 }))
         .collect();
     let discharge = vec![(0.0, 2.0), (0.5 * lasting_s, 0.0)];
+    // The drives below are replaced by these.
+    let courses: [Option<fn(f64) -> f64>; 3] = match plan.drives {
+        Drives::Moving => [Some(sine), Some(chirp), Some(triangle)],
+        Drives::Sine => [Some(sine), None, None],
+        Drives::StepsAndSine => [None, None, Some(sine)],
+        _ => [None; 3],
+    };
     let drives = match plan.drives {
         Drives::Step => vec![vec![(0.0, 2.0)]],
         Drives::Same => vec![vec![(0.0, 2.0)]; 3],
         Drives::Voltages => vec![vec![(0.0, 2.0)], vec![(0.0, 1.0)]],
         Drives::Three => vec![vec![(0.0, 2.0)], vec![(0.0, 1.5)], vec![(0.0, 1.0)]],
         Drives::Discharge => vec![vec![(0.0, 2.0)], discharge],
+        Drives::Moving => vec![vec![(0.0, 2.0)]; 3],
+        Drives::Sine => vec![vec![(0.0, 2.0)]],
+        Drives::StepsAndSine => vec![vec![(0.0, 2.0)], vec![(0.0, -1.0)], vec![(0.0, 2.0)]],
         Drives::Repeated => {
             let each = vec![vec![(0.0, 2.0)], vec![(0.0, -2.0)], pulses];
             [each.clone(), each].concat()
@@ -231,13 +253,23 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         run.current_time_s = clocked(&run.current_time_s, plan, &run.drive, &mut clock);
         run.curvature_time_s.clone_from(&run.current_time_s);
     }
-    let seen = match plan.clock {
+    for (run, course) in design.iter_mut().zip(courses) {
+        if let Some(course) = course {
+            run.drive = staircase(course, &run.current_time_s, TRULY_BETWEEN, lasting_s);
+        }
+    }
+    let mut seen: Vec<Drive> = match plan.clock {
         Clock::OnEdges | Clock::IrregularOnEdges => design.iter().map(|run| run.drive.clone()).collect(),
         Clock::Beside | Clock::Irregular => {
             let seen = |run: &DesignRun| run.drive.as_seen(&run.current_time_s);
             design.iter().map(seen).collect()
         }
     };
+    for ((run, course), seen) in design.iter().zip(courses).zip(&mut seen) {
+        if let Some(course) = course {
+            *seen = staircase(course, &run.current_time_s, 0, lasting_s);
+        }
+    }
     let mut scatter = ChaCha8Rng::seed_from_u64(seed ^ 0x5ca7_7e12);
     let own = design
         .iter()
@@ -251,6 +283,36 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         plan,
         seen,
     }
+}
+
+/// Voltages over the record's part that has passed.
+fn sine(part: f64) -> f64 {
+    2.0 * (std::f64::consts::TAU * 8.0 * part).sin()
+}
+
+fn chirp(part: f64) -> f64 {
+    2.0 * (std::f64::consts::TAU * 15.0 / 16.0_f64.ln() * (16.0_f64.powf(part) - 1.0) / 15.0).sin()
+}
+
+fn triangle(part: f64) -> f64 {
+    let phase = (5.0 * part + 0.25).fract();
+    4.0 * (phase - 0.5).abs() - 1.0
+}
+
+/// That course in levels about each reading, and about so many places between every two.
+fn staircase(course: fn(f64) -> f64, read_s: &[f64], between: usize, lasting_s: f64) -> Drive {
+    let read_s: Vec<f64> = std::iter::once(0.0)
+        .chain(read_s.iter().copied().filter(|t| *t > 0.0))
+        .collect();
+    let parts = between + 1;
+    let place = |pair: &[f64], part: usize| pair[0] + (pair[1] - pair[0]) * part as f64 / parts as f64;
+    let time_s: Vec<f64> = read_s
+        .windows(2)
+        .flat_map(|pair| (0..parts).map(move |part| place(pair, part)))
+        .chain(read_s.last().copied())
+        .collect();
+    let volts: Vec<f64> = time_s.iter().map(|t| course(t / lasting_s)).collect();
+    Drive::staircase(&time_s, &volts, 0.0)
 }
 
 /// The parameters of a run that scatter by that part about those of its sample.

@@ -14,7 +14,7 @@
 //!
 //! Environment: `SHOW=1` and `NOISE=1` print details (`SHOW=wrong` of wrong names only, `SHOW=strength` of strengths
 //! outside of their intervals); `DRIVES=step`, `same` (three of it), `voltages`, `three` (voltages) or `discharge` (two runs) are taken in place of five drives,
-//! `repeated` takes three drives twice each; `STRENGTHS=16,32` and `DRIVES=five` take a part of the benchmark's table of single causes; `READINGS=uneven`, `quantised` or `outliers` (1 %, ten
+//! `repeated` takes three drives twice each, `moving` a sine, a chirp and a triangle, `sine` the first, `steps-and-sine` two steps beside it; `STRENGTHS=16,32` and `DRIVES=five` take a part of the benchmark's table of single causes; `READINGS=uneven`, `quantised` or `outliers` (1 %, ten
 //! standard deviations off) says how groups are read; `GROWING=1` lets the noise at the largest signal
 //! of a run be `sqrt(1 + GROWING^2)` times that at none. `FIRST` is the first seed of `effects` and
 //! `together` (1000 without it), of `outside` (5000), `foreign` (7000), `differs` (8000), `rednoise` (9000) and `reliability` (10000); `SHOW=proof` prints what the acceptance of each group's causes rests on.

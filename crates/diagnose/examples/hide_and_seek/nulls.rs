@@ -25,10 +25,8 @@ fn conditions() -> Vec<(&'static str, Plan)> {
     };
     let clock = |clock| Plan { clock, ..white };
     let slow = |slow| Plan { slow, ..white };
-    let step = |plan| Plan {
-        drives: Drives::Step,
-        ..plan
-    };
+    let driven = |drives, plan| Plan { drives, ..plan };
+    let step = |plan| driven(Drives::Step, plan);
     vec![
         ("600 readings, on the edges, correlations 0 to 0.8", own),
         ("3600 readings, 1 Hz", long(3_600, 1.0, 30)),
@@ -84,6 +82,17 @@ fn conditions() -> Vec<(&'static str, Plan)> {
             },
         ),
         ("runs scatter by 3 %", Plan { scatter: 0.03, ..own }),
+        ("sine, chirp and triangle", driven(Drives::Moving, own)),
+        ("one sine", driven(Drives::Sine, white)),
+        ("two steps and a sine", driven(Drives::StepsAndSine, own)),
+        (
+            "sine, chirp and triangle, irregular",
+            driven(Drives::Moving, clock(Clock::Irregular)),
+        ),
+        (
+            "sine, chirp and triangle, red noise of 30 s",
+            driven(Drives::Moving, slow(Slow::Red(30.0))),
+        ),
         (
             "three repeats scatter by 1 %",
             Plan {

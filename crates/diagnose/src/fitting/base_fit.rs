@@ -1,7 +1,7 @@
 //! The base model fitted to a whole group: one parameter set for all of its runs.
 
 use ieap_domain::Estimate;
-use ieap_fit::{FitOptions, fit_run};
+use ieap_fit::{FitOptions, fit_run, least_squares_place};
 use ieap_model::{Branch, FitModel, LumpedModel};
 
 use crate::fitting::fitted::Fitted;
@@ -13,6 +13,9 @@ pub(crate) fn base_fit<'g>(group: &'g RunGroup<'g>, model: &'static FitModel) ->
     let is_whole = |start: &LumpedModel| start.branches.len() == model.branches;
     let each = of_each_run(group, model).into_iter().flatten();
     let mut starts: Vec<LumpedModel> = each.filter(is_whole).collect();
+    if starts.is_empty() {
+        starts.extend(of_moving_runs(group, model));
+    }
     starts.push(guess(group, model.branches)?);
     let problem = ExtendedProblem::new(group, starts.first()?, Vec::new());
     let at: Vec<Vec<f64>> = starts
@@ -39,6 +42,42 @@ pub(crate) fn of_each_run(group: &RunGroup, model: &'static FitModel) -> Vec<Opt
         start_of(&|key: &str| fit.parameter(key).and_then(best), guess.as_ref()?)
     };
     group.runs.iter().map(of_run).collect()
+}
+
+/// Factors of time and resistance by which a branch that a run does not show may lie beside the one that it shows.
+const BESIDE: [(f64, f64); 4] = [(10.0, 1.0), (10.0, 5.0), (0.1, 1.0), (0.1, 5.0)];
+
+/// Places from which to search where the voltage moves all the time: such a run alone often determines no branch.
+fn of_moving_runs(group: &RunGroup, model: &'static FitModel) -> Vec<LumpedModel> {
+    let options = FitOptions {
+        model,
+        ..FitOptions::default()
+    };
+    let moving = group.runs.iter().filter(|run| run.drive().moves());
+    let places = moving.filter_map(|run| least_squares_place(&run.given.input, &options));
+    places
+        .flat_map(|place| with_branches(place, model.branches))
+        .collect()
+}
+
+/// The place with as many branches, those that it lacks beside its first one.
+fn with_branches(place: LumpedModel, branches: usize) -> Vec<LumpedModel> {
+    let shown = place.branches[0];
+    if place.branches.len() >= branches {
+        return vec![place];
+    }
+    let with = |(longer, larger): (f64, f64)| {
+        let mut place = place.clone();
+        for k in place.branches.len()..branches {
+            let resistance_ohm_cm2 = larger * shown.resistance_ohm_cm2;
+            place.branches.push(Branch {
+                resistance_ohm_cm2,
+                capacitance_f_per_cm2: longer.powi(k as i32) * shown.time_constant_s() / resistance_ohm_cm2,
+            });
+        }
+        place
+    };
+    BESIDE.into_iter().map(with).collect()
 }
 
 /// The base fitted to the same readings with another noise, from where it was.

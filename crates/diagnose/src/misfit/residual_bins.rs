@@ -1,6 +1,6 @@
 //! Bins of time over which residuals are averaged: where the simulation is wrong, whatever the cause.
 
-use ieap_domain::Level;
+use ieap_domain::{Drive, Level, range_of};
 use ieap_numerics::sums::dot;
 
 use crate::fitting::fitted::Fitted;
@@ -22,7 +22,7 @@ const MOST_EDGE_RESPONSES: usize = 32;
 pub(crate) enum Kind {
     /// Those between two times, s since the start of the drive.
     Clock(f64, f64),
-    /// Those as long after every edge to the same level.
+    /// Those as long after every edge to the same level; of a moving voltage those in the same part of its course.
     Phase,
     /// The answer to one edge, or to some that follow one another.
     EdgeResponse,
@@ -113,15 +113,25 @@ fn of_block(group: &RunGroup, place: usize, block: &Block, found: &mut Vec<Resid
         ((part * count as f64) as usize).min(count - 1)
     };
     let levels = levels(group, block);
+    let courses = drive.moves().then(|| courses(drive));
     let mut clock: Vec<Vec<usize>> = vec![Vec::new(); BY_CLOCK + 1];
-    let mut phase: Vec<Vec<usize>> = vec![Vec::new(); BY_PHASE * levels.len()];
+    let mut phase: Vec<Vec<usize>> = vec![Vec::new(); BY_PHASE * levels.len().max(1)];
     for (k, &t) in times.iter().enumerate() {
         let row = block.first + k;
-        let Some(segment) = drive.segments.iter().rev().find(|segment| segment.start_s <= t) else {
+        let Some(last) = drive
+            .segments
+            .partition_point(|segment| segment.start_s <= t)
+            .checked_sub(1)
+        else {
             clock[BY_CLOCK].push(row);
             continue;
         };
+        let segment = &drive.segments[last];
         clock[logarithmic(t - start_s, BY_CLOCK)].push(row);
+        if let Some(courses) = &courses {
+            phase[courses[last]].push(row);
+            continue;
+        }
         let level = levels
             .iter()
             .position(|level| same(*level, segment.level))
@@ -145,6 +155,21 @@ fn same(left: Level, right: Level) -> bool {
         (Level::Voltage(a), Level::Voltage(b)) => (a - b).abs() < 0.01,
         (left, right) => left == right,
     }
+}
+
+/// Which part of its course a moving voltage is in at every segment: below or above the middle of its range, falling or rising.
+fn courses(drive: &Drive) -> Vec<usize> {
+    let mut last_v = drive.baseline_v;
+    let held = drive.segments.iter().map(|segment| {
+        if let Level::Voltage(volts) = segment.level {
+            last_v = volts;
+        }
+        last_v
+    });
+    let levels_v: Vec<f64> = std::iter::once(drive.baseline_v).chain(held).collect();
+    let (low, high) = range_of(levels_v.iter().copied());
+    let of = |pair: &[f64]| 2 * usize::from(pair[1] > 0.5 * (low + high)) + usize::from(pair[1] > pair[0]);
+    levels_v.windows(2).map(of).collect()
 }
 
 /// Different levels of a run's drive.

@@ -6,6 +6,7 @@ use ieap_model::effects::TagAt;
 use ieap_model::extended::{ExtendedModel, RunContext};
 use ieap_numerics::robust::median_step;
 
+use crate::readings::course::followed;
 use crate::readings::left_open::LeftOpen;
 use crate::readings::scatter::{Scatter, left_open};
 use crate::readings::spikes::without_spikes;
@@ -405,7 +406,7 @@ fn usual_step_s(channel: &WhitenedChannel) -> f64 {
 impl<'a> GroupRun<'a> {
     fn new(given: &RunInput<'a>) -> Option<GroupRun<'a>> {
         let mut spikes = [0, 0];
-        let edges = EdgeTimes::of(given.input.drive);
+        let edges = EdgeTimes::of(&followed(given.input.drive));
         let channels = std::array::from_fn(|k| {
             let wanted = |channel: &&Channel| channel.is_whole(QUANTITIES[k]);
             let channel = given.input.channels.iter().find(wanted)?;

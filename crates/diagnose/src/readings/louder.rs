@@ -48,7 +48,7 @@ fn remark(group: &RunGroup, channel: usize) -> Option<String> {
 /// the middle of the second differences, so that a few jumps count nothing.
 fn fast_noise(channel: &Channel, drive: &Drive) -> Option<f64> {
     let (time_s, values) = channel.included();
-    let last_edge_s = drive.segments.last().map_or(0.0, |segment| segment.start_s);
+    let last_edge_s = drive.edges_s().last().copied().unwrap_or(0.0);
     let end_s = *time_s.last()?;
     let first = time_s.partition_point(|t| *t < 0.5 * (last_edge_s + end_s));
     let late = values.get(first..).filter(|late| late.len() >= ENOUGH)?;

@@ -17,9 +17,12 @@ pub(crate) struct PowerLaw {
     pub(crate) rms_a: f64,
 }
 
-/// The power law that describes these readings best, with `step_s` between them; none of a circuit that is opened, or of too
-/// few readings.
+/// The power law that describes these readings best, with `step_s` between them; none of a circuit that is opened, of a
+/// voltage that moves all the time, or of too few readings.
 pub(crate) fn fitted(time_s: &[f64], current_a: &[f64], drive: &Drive, step_s: f64) -> Option<PowerLaw> {
+    if drive.moves() {
+        return None;
+    }
     let mut level_v = drive.baseline_v;
     let mut edges: Vec<(f64, f64)> = Vec::new();
     for segment in &drive.segments {

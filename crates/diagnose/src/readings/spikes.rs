@@ -36,9 +36,10 @@ pub(crate) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
         return (channel.clone(), 0);
     }
     let spread = spreads(&off);
+    let edges_s = drive.edges_s();
     let near_edge = |k: usize| {
-        drive.segments.iter().any(|segment| {
-            let first = time_s.partition_point(|&t| t < segment.start_s);
+        edges_s.iter().any(|&start_s| {
+            let first = time_s.partition_point(|&t| t < start_s);
             (first.saturating_sub(BEFORE_EDGE)..first + AFTER_EDGE).contains(&k)
         })
     };

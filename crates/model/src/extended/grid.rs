@@ -138,16 +138,12 @@ fn resolved_s(system: &System, opens: bool) -> Option<f64> {
 }
 
 /// With steps of `first_s` after every edge that grow by `growth` of the time since. No step is below what the
-/// resolution of numbers lets time go on by.
+/// resolution of numbers lets time go on by. The levels of a voltage that moves all the time are no edges: they are as fine
+/// as it is followed at all, and each is a step.
 fn refined(time_s: &[f64], run: &RunContext, first_s: f64, growth: f64) -> Vec<f64> {
     let furthest_s = time_s.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
     let first_s = first_s.max(FINEST * furthest_s);
-    let mut edges = run
-        .drive
-        .segments
-        .iter()
-        .map(|segment| segment.start_s)
-        .peekable();
+    let mut edges = run.drive.edges_s().into_iter().peekable();
     let mut edge_s = f64::NEG_INFINITY;
     let mut out = Vec::with_capacity(2 * time_s.len());
     for pair in time_s.windows(2) {

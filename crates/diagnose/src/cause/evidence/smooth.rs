@@ -173,15 +173,15 @@ pub(super) fn blocks_of<'g>(group: &'g RunGroup, channel: usize) -> impl Iterato
 fn since_edge(group: &RunGroup, block: usize) -> Vec<f64> {
     let own = &group.blocks[block];
     let run = &group.runs[own.run];
-    let segments = &run.drive().segments;
+    let edges_s = run.drive().edges_s();
     let mut next = 0;
     let since = |&t: &f64| {
-        while segments.get(next).is_some_and(|segment| segment.start_s <= t) {
+        while edges_s.get(next).is_some_and(|start_s| *start_s <= t) {
             next += 1;
         }
         match next {
             0 => -1.0,
-            after => t - segments[after - 1].start_s,
+            after => t - edges_s[after - 1],
         }
     };
     run.times(own.channel).iter().map(since).collect()

@@ -72,17 +72,21 @@ fn answers(group: &RunGroup) -> Vec<Column> {
         .collect()
 }
 
-/// Size of the last step of the voltage at every reading of a block, V; 0 before the first.
+/// Size of the last step of the voltage at every reading of a block, V; 0 before the first. Of a voltage that moves all the
+/// time the voltage itself: it has gone there from rest.
 fn step_v(group: &RunGroup, place: usize) -> Vec<f64> {
     let block = &group.blocks[place];
     let run = &group.runs[block.run];
     let drive = run.drive();
     let mut steps: Vec<(f64, f64)> = Vec::new();
     let mut before_v = drive.baseline_v;
+    let moves = drive.moves();
     for segment in &drive.segments {
         if let Level::Voltage(v) = segment.level {
             steps.push((segment.start_s, v - before_v));
-            before_v = v;
+            if !moves {
+                before_v = v;
+            }
         }
     }
     let last = |t: &f64| {
