@@ -1,0 +1,99 @@
+//! The staircase of a voltage that moves all the time, made as fine as a diagnosis needs it.
+//!
+//! A level held about a reading is right at the reading's own time only to the square of its length: the charge of a fast
+//! branch has met the level for half of it. What a fit of one run takes up in its parameters, a diagnosis of several runs sees.
+
+use ieap_domain::{Drive, Level, drive::jumps, range_of};
+use ieap_numerics::waveform::{LEAST_TURN, finer, turns};
+
+use crate::levels::STEPS_IN_HALF_PERIOD;
+
+/// The same course in levels that are enough; other drives, and those with an open circuit in them, stay what they are.
+pub(crate) fn followed(drive: &Drive) -> Drive {
+    let levels: Option<Vec<f64>> = drive
+        .segments
+        .iter()
+        .map(|segment| volts(segment.level))
+        .collect();
+    match levels {
+        Some(levels_v) if drive.moves() => {
+            let time_s = middles_s(drive, &levels_v);
+            let (low, high) = range_of(levels_v.iter().copied());
+            let turns = turns(&levels_v, LEAST_TURN * (high - low));
+            let (time_s, levels_v) = finer(
+                &time_s,
+                &levels_v,
+                &turns,
+                &jumps(&levels_v),
+                STEPS_IN_HALF_PERIOD,
+            );
+            Drive::staircase(&time_s, &levels_v, drive.baseline_v)
+        }
+        _ => drive.clone(),
+    }
+}
+
+fn volts(level: Level) -> Option<f64> {
+    match level {
+        Level::Voltage(volts) => Some(volts),
+        Level::OpenCircuit => None,
+    }
+}
+
+/// The times of the readings that [`Drive::staircase`] made these levels of: each level begins midway between two, or at its own
+/// where it is reached by a jump.
+fn middles_s(drive: &Drive, levels_v: &[f64]) -> Vec<f64> {
+    let jumps = jumps(levels_v);
+    let mut time_s: Vec<f64> = Vec::with_capacity(levels_v.len());
+    for (k, segment) in drive.segments.iter().enumerate() {
+        let start_s = segment.start_s;
+        time_s.push(match time_s.last() {
+            Some(before_s) if jumps.binary_search(&k).is_err() => 2.0 * start_s - before_s,
+            _ => start_s,
+        });
+    }
+    time_s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_finer_staircase_goes_through_the_same_readings_and_jumps_where_it_did() {
+        let time_s: Vec<f64> = (0..200)
+            .map(|k| 0.5 * f64::from(k) + 0.1 * f64::from(k % 3))
+            .collect();
+        let course = |t: f64| (t / 6.0).sin() + if t < 40.0 { 0.0 } else { 1.5 };
+        let levels_v: Vec<f64> = time_s.iter().map(|t| course(*t)).collect();
+        let drive = Drive::staircase(&time_s, &levels_v, 0.0);
+        let middles = middles_s(&drive, &levels_v);
+        assert!(middles.iter().zip(&time_s).all(|(a, b)| (a - b).abs() < 1e-9));
+        let fine = followed(&drive);
+        assert!(fine.segments.len() > 1000, "{}", fine.segments.len());
+        let at = |t: f64| {
+            let segment = fine.segments.iter().rev().find(|segment| segment.start_s <= t);
+            segment.and_then(|segment| volts(segment.level)).unwrap_or(0.0)
+        };
+        let off = time_s[1..]
+            .iter()
+            .map(|t| (at(*t) - course(*t)).abs())
+            .fold(0.0, f64::max);
+        assert!(off < 1e-9, "{off}");
+        let between = (100..900)
+            .map(|k| 0.1 * f64::from(k))
+            .filter(|t| (t - 40.0).abs() > 0.7);
+        let off = between.map(|t| (at(t) - course(t)).abs()).fold(0.0, f64::max);
+        assert!(off < 0.02, "{off}");
+    }
+
+    #[test]
+    fn steps_and_open_circuits_stay_what_they_are() {
+        let mut drive = Drive::step(2.0);
+        assert_eq!(followed(&drive), drive);
+        drive
+            .segments
+            .push(ieap_domain::Segment::at(10.0, Level::OpenCircuit));
+        assert_eq!(followed(&drive), drive);
+    }
+}
