@@ -109,7 +109,7 @@ def fit(
         area_cm2: active area of the strip, cm2; or length and width.
         length_mm: free length, mm. A tip displacement gives a curvature only with it.
         width_mm: width, mm.
-        model: ``lumped-1`` to ``lumped-4`` or ``distributed``; None: ``lumped-2``.
+        model: ``lumped-1`` to ``lumped-4``, ``distributed``, or a rival, as ``ieap models`` lists them; None: ``lumped-2``.
         voltage_v: the step at time zero, V, where no voltage was recorded.
         drive: start (s) and voltage (V; None: open circuit) of each segment, in place of what was recorded.
         baseline_v: voltage held before `drive`, V.
@@ -194,6 +194,7 @@ def diagnose(
 def simulate(
     parameters: Fit | Mapping[str, float],
     *,
+    model: str | None = None,
     drive: Drive | None = None,
     effects: Mapping[str, Mapping[str, Any]] | None = None,
     area_cm2: float | None = None,
@@ -203,40 +204,50 @@ def simulate(
     time_s: Any = None,
     until_s: float | None = None,
     every_s: float | None = None,
+    places_mm: Sequence[float] | None = None,
     noise: Mapping[str, float] | None = None,
     seed: int = 1,
 ) -> Table:
-    """Simulates a run of a lumped model.
+    """Simulates a run of any model that runs are fitted with.
 
     Args:
-        parameters: a `Fit`, which gives area, length and drive too; or values by key (``r1_ohm_cm2``, ``c1_f_per_cm2``,
-            ..., ``rss_ohm_cm2``, ``alpha_per_c_cm``, ``lambda_per_s``). Those left out are 0, or absent branches.
-        drive: start (s) and voltage (V; None: open circuit) of each segment.
-        effects: effects that act in the run, ``{"faradaic-leak": {"onset_v": 1.2, ...}}``; docs/hidden-effects.md lists
-            them; the key ``variant`` names a variant.
+        parameters: a `Fit`, which gives model, area, length, drive and places too; or values by key (``r1_ohm_cm2``,
+            ``c1_f_per_cm2``, ..., ``rss_ohm_cm2``, ``alpha_per_c_cm``, ``lambda_per_s``). Those left out are 0, or absent
+            branches; those of a rival's bending cannot be left out.
+        model: the model that values by key are of, as ``ieap models`` lists them; None: ``lumped-2``.
+        drive: start (s) and voltage (V; None: open circuit) of each segment. None: that of the fit, its edges where the
+            fit takes them to be.
+        effects: effects that act in the run of a lumped model, ``{"faradaic-leak": {"onset_v": 1.2, ...}}``;
+            docs/hidden-effects.md lists them; the key ``variant`` names a variant.
         area_cm2: active area, cm2; or `length_mm` and `width_mm`, mm.
         baseline_v: voltage held before the drive, V; None: that of the fit's drive, else 0.
         time_s: times of the readings, s; or `until_s` and `every_s`. None: 600 even intervals, to as long after the last
             switching as before it, 600 s for one step.
+        places_mm: places, mm from the clamp, at which the distributed model gives the curvature, a column each
+            (``curvature_per_cm@2``); None: those of the fit's readings, or none.
         noise: standard deviations ``current_a`` (A) and ``curvature_per_cm`` (1/cm), and ``autocorrelation`` of
             neighbouring readings; None: no noise.
         seed: of the noise.
 
     Returns:
         A table of n rows with ``time_s``, ``voltage_v``, ``current_a`` and ``curvature_per_cm``. It knows its strip and its
-        drive, so that ``ieap.fit(table)`` needs neither.
+        drive, so that ``ieap.fit(table)`` needs neither. An offset that a fit finds beside its model is not in it.
 
     Raises:
         InputError: something asked for makes no sense, or a parameter of the fit that is needed is not determined.
     """
     if isinstance(parameters, Fit):
-        given = _known(parameters)
+        if model not in (None, parameters.model):
+            found = f"model is {model!r}, and the fit is of {parameters.model}"
+            raise InputError(found, "model", "leave it out, or give the parameters as a mapping", "contradiction")
+        model, given = parameters.model, _known(parameters)
         if not drive:
-            drive = parameters.drive
-            baseline_v = parameters.baseline_v if baseline_v is None else baseline_v
+            before_v, drive = parameters._native.drive_as_fitted()
+            baseline_v = before_v if baseline_v is None else baseline_v
         if area_cm2 is None and (length_mm is None or width_mm is None):
             area_cm2 = parameters.area_cm2
         length_mm = parameters.length_mm if length_mm is None else length_mm
+        places_mm = parameters._native.places_mm if places_mm is None else places_mm
     else:
         given = {key: float(value) for key, value in parameters.items()}
     if not drive:
@@ -247,7 +258,8 @@ def simulate(
     own_noise = tuple(float(sizes.pop(key, 0.0)) for key in ("current_a", "curvature_per_cm", "autocorrelation"))
     if sizes:
         raise InputError(f"found {', '.join(sizes)}", "noise", "one of current_a, curvature_per_cm, autocorrelation")
-    return _native.simulate(given, said, effects_of(effects), times, own_noise, seed)
+    places = [float(place) for place in places_mm or ()]
+    return _native.simulate(model or "lumped-2", given, said, effects_of(effects), times, own_noise, seed, places)
 
 
 def convert(
@@ -293,13 +305,13 @@ def convert(
 
 
 def _known(fit: Fit) -> dict[str, float]:
-    """Values of the fitted parameters; one that is not determined cannot be simulated and is never made up."""
-    fitted = {key: fit[key] for key in fit._native.fitted_keys if key in fit.parameters}
-    missing = [f"{key}: {own}" for key, own in fitted.items() if own.value is None]
+    """Values of the parameters that the fit's curves are made of; one that is not determined is never made up."""
+    needed = {key: fit[key] for key in fit._native.needed_keys}
+    missing = [f"{key}: {own}" for key, own in needed.items() if own.value is None]
     if missing:
-        remedy = "give the parameters as a mapping, with a value for it or without it"
+        remedy = f"give the parameters as a mapping with model={fit.model!r}, with a value for it or without it"
         raise InputError(f"not determined: {'; '.join(missing)}", fit.run, remedy, "not-determined")
-    return {key: own.value for key, own in fitted.items() if own.value is not None}
+    return {key: own.value for key, own in needed.items() if own.value is not None}
 
 
 def fit_many(
@@ -449,6 +461,15 @@ class Campaign:
     def table_document(self, name: str) -> dict[str, Any]:
         """A table that ``ieap table`` lists, such as ``models``, ``cycles`` or ``model-free``, as ``--format json`` prints it."""
         return json.loads(self._native.table_document(name))
+
+    def compare(self, models: Sequence[str] = ()) -> dict[str, Any]:
+        """Which model is best for which material in which environment: the document `ieap/comparison/1` that
+        ``ieap compare --json`` prints.
+
+        `models` are ids, None given: the two lumped ones of the thesis and every rival. What ``ieap compare`` has stored of
+        the same models is taken; the rest is fitted now, on all cores, and not stored. Ctrl-C ends it.
+        """
+        return json.loads(self._native.compare(list(models)))
 
     def predict(
         self,

@@ -265,7 +265,7 @@ class Fit:
 
     def eval(self, time_s: Any = None, drive: Any = None, **options: Any) -> _native.Table:
         """What the fitted model gives at `time_s` (s) under `drive`; as `ieap.simulate` of this fit, whose options it takes.
-        None: the readings' own times and drive."""
+        None: the readings' own times and drive, which give the curve of the fit."""
         from . import simulate
 
         if time_s is None and drive is None:

@@ -8,6 +8,7 @@ use ieap::analysis::plain_columns::{PlainCells, PlainColumn};
 use ieap::ingest::campaign_file;
 use ieap::model::impedance::circuit;
 use ieap::pipeline::apart::at_hand::{ReadTable, Stated};
+use ieap::pipeline::documents::comparison::comparison_document;
 use ieap::pipeline::documents::diagnosis::diagnosis_document;
 use ieap::pipeline::documents::fits::fits_document;
 use ieap::pipeline::documents::impedance::impedance_document;
@@ -15,7 +16,7 @@ use ieap::pipeline::findings::impedance::spectra;
 use ieap::pipeline::show::partitioned::run_rows_parquet;
 use ieap::pipeline::show::plain_tables::{plain_table, stored_readings};
 use ieap::pipeline::show::tables::{find_format, table};
-use ieap::pipeline::{Context, DiagnoseChoice, PipelineError};
+use ieap::pipeline::{CompareModels, Context, DiagnoseChoice, PipelineError, Silent};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -25,6 +26,7 @@ use crate::forward::{self, Numbers};
 use crate::results::{self, FoundGroup};
 use crate::stated::drive_of;
 use crate::table::Table;
+use crate::work::interruptible;
 
 /// Readings with what the campaign states of them.
 type Stored = (ReadTable, Stated);
@@ -141,6 +143,18 @@ impl Campaign {
         })?;
         let document = self.ask(py, |context| Ok(impedance_document(&spectra(context, &asked)?)))?;
         json(py, &document)
+    }
+
+    /// What `ieap compare --json` prints; what is missing or out of date is compared, and not stored.
+    fn compare(&self, py: Python<'_>, models: Vec<String>) -> PyResult<String> {
+        let compare = CompareModels { models, again: false };
+        let found = interruptible(py, None, || {
+            compare.look(&Context::open_read_only(&self.folder)?, &Silent)
+        })?;
+        json(
+            py,
+            &comparison_document(&found.map_err(|error| failed(py, &error))?),
+        )
     }
 
     /// What `ieap predict --json` prints.

@@ -35,6 +35,12 @@ pub fn failed(py: Python<'_>, error: &PipelineError) -> PyErr {
             ];
             return raised(py, "MissingFileError", parts);
         }
+        // An argument of the program has the name of that of Python.
+        PipelineError::BadArgument { what, found, needed } => {
+            let (found, needed) = (format!("found {found}"), format!("give {needed}"));
+            let place = what.trim_start_matches('-').replace('-', "_");
+            return bad_argument(py, &place, &found, &needed);
+        }
         error if error.is_storage() => "CampaignError",
         _ => "InputError",
     };

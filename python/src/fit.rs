@@ -7,7 +7,7 @@ use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
 use ieap::domain::known_parameter::NotKnown;
 use ieap::domain::{self, Issue, KnownParameter, Quantity};
-use ieap::model::fit_model;
+use ieap::fit::FitOptions;
 use ieap::pipeline::apart::at_hand::{self, FitAtHand, RunAtHand};
 use ieap::pipeline::apart::forward::fitted_covariance;
 use ieap::pipeline::{DiagnoseChoice, FitChoice};
@@ -25,6 +25,7 @@ pub struct Fit {
     pub fit: domain::Fit,
     pub stated: FitAtHand,
     pub run: RunAtHand,
+    options: FitOptions,
     seconds: f64,
 }
 
@@ -41,12 +42,16 @@ impl Fit {
         serde_json::to_string(&self.stated).map_err(|error| fault(py, "a document", &error.to_string()))
     }
 
-    /// Keys of the parameters that were fitted: the others follow from them.
+    /// Keys of the parameters that simulating the fit needs.
     #[getter]
-    fn fitted_keys(&self) -> Vec<&'static str> {
-        let model = fit_model(&self.stated.model);
-        let all = model.map_or(&[][..], |model| model.parameters).iter();
-        all.filter(|own| !own.derived).map(|own| own.key).collect()
+    fn needed_keys(&self) -> Vec<&str> {
+        at_hand::needed_keys(&self.fit)
+    }
+
+    /// Places whose curvatures were fitted, mm from the clamp; none but of the distributed model.
+    #[getter]
+    fn places_mm(&self) -> Vec<f64> {
+        at_hand::fitted_places_mm(&self.fit, &self.run)
     }
 
     /// Active area, cm2.
@@ -66,6 +71,12 @@ impl Fit {
     fn drive(&self) -> (f64, Vec<(f64, Option<f64>)>) {
         let drive = self.run.drive();
         (drive.baseline_v, segments_of(Some(drive)))
+    }
+
+    /// The same with the edges where the fit takes them to be, of those that only readings tell.
+    fn drive_as_fitted(&self, py: Python<'_>) -> (f64, Vec<(f64, Option<f64>)>) {
+        let drive = py.detach(|| at_hand::drive_as_fitted(&self.run, &self.options));
+        (drive.baseline_v, segments_of(Some(&drive)))
     }
 
     /// Keys of the determined parameters and their covariance, a row each; None where the model is no lumped one.
@@ -134,7 +145,8 @@ pub fn choice(
 /// What is known of parameters, as `ieap fit --set` states it.
 pub fn known(py: Python<'_>, said: &[String]) -> PyResult<Vec<KnownParameter>> {
     let parse = |text: &String| {
-        let refuse = |error: NotKnown| refused(py, &Issue::error("bad-argument", error.to_string()).at("known"));
+        let refuse =
+            |error: NotKnown| refused(py, &Issue::error("bad-argument", error.to_string()).at("known"));
         KnownParameter::parse(text).map_err(refuse)
     };
     said.iter().map(parse).collect()
@@ -177,6 +189,7 @@ pub fn fit(
         fit,
         stated,
         run,
+        options,
     })
 }
 

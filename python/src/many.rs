@@ -37,7 +37,10 @@ pub fn fit_many(
     let fitted: Vec<Fitted> = interruptible(py, threads, || {
         let fit = |(name, row): RowRun| {
             let (stated, result) = match row {
-                Ok(Found::AtHand(run)) => (at_hand::fit(&run, &options, &chosen.known).map(|(_, stated)| stated), None),
+                Ok(Found::AtHand(run)) => (
+                    at_hand::fit(&run, &options, &chosen.known).map(|(_, stated)| stated),
+                    None,
+                ),
                 Ok(Found::OfCampaign(row)) => {
                     let (stated, result) = row.fit(&chosen);
                     (stated, curves.then_some(result))

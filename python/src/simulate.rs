@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use ieap::domain::Quantity;
 use ieap::pipeline::apart::at_hand::{self, CurvesAsked};
 use ieap::pipeline::apart::simulate::Noise;
 use ieap::truth::HiddenEffect;
@@ -14,17 +15,20 @@ use crate::table::Table;
 use crate::work::interruptible;
 
 /// Simulates readings at `time_s` (s); `noise` is that of the current (A), of the curvature (1/cm), and the correlation of
-/// neighbouring readings.
+/// neighbouring readings; `places_mm` are those at which the distributed model gives the curvature.
 #[pyfunction]
-#[pyo3(signature = (parameters, stated, effects, time_s, noise = (0.0, 0.0, 0.0), seed = 1))]
+#[pyo3(signature = (model, parameters, stated, effects, time_s, noise = (0.0, 0.0, 0.0), seed = 1, places_mm = Vec::new()))]
+#[expect(clippy::too_many_arguments, reason = "one for each thing that Python states")]
 pub fn simulate(
     py: Python<'_>,
+    model: String,
     parameters: BTreeMap<String, f64>,
     stated: &Stated,
     effects: Vec<(String, Option<String>, BTreeMap<String, f64>)>,
     time_s: Vec<f64>,
     noise: (f64, f64, f64),
     seed: u64,
+    places_mm: Vec<f64>,
 ) -> PyResult<Table> {
     let hidden = |(id, variant, parameters)| HiddenEffect {
         id,
@@ -32,6 +36,7 @@ pub fn simulate(
         parameters,
     };
     let asked = CurvesAsked {
+        model,
         parameters,
         strip: stated.inner.strip,
         baseline_v: stated.inner.drive.as_ref().map_or(0.0, |drive| drive.baseline_v),
@@ -45,6 +50,7 @@ pub fn simulate(
         },
         seed,
         time_s,
+        places_mm,
     };
     let curves =
         interruptible(py, Some(1), || at_hand::simulate(&asked))?.map_err(|issue| refused(py, &issue))?;
@@ -52,8 +58,11 @@ pub fn simulate(
         ("time_s".to_owned(), curves.time_s),
         ("voltage_v".to_owned(), curves.voltage_v),
         ("current_a".to_owned(), curves.current_a),
-        ("curvature_per_cm".to_owned(), curves.curvature_per_cm),
     ];
+    columns.extend(curves.curvatures.into_iter().map(|own| {
+        let place = own.place_mm.map_or(String::new(), |place| format!("@{place} mm"));
+        (format!("{}{place}", Quantity::Curvature.column()), own.per_cm)
+    }));
     if curves.is_open.contains(&true) {
         let open = curves.is_open.iter().map(|&is_open| f64::from(u8::from(is_open)));
         columns.push(("open_circuit".to_owned(), open.collect()));

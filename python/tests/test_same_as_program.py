@@ -118,3 +118,24 @@ def test_conversions_tables_and_spectra(campaign, fits):
     assert own.impedance_document(circuits=[text]) == json.loads(asked)
     with pytest.raises(ieap.InputError, match="character 4"):
         own.impedance_document(circuits=["R0-Q1"])
+
+
+def test_models_compared(campaign, fits):
+    own = ieap.Campaign(campaign)
+    models = ["lumped-2", "maxwell"]
+    now = own.compare(models)
+    told = json.loads(program("compare", "--models", ",".join(models), "--json", str(campaign)))
+    assert now["conditions"][0]["sentence"] and without_times(now) == without_times(told)
+    # What is stored is taken, the times that it took with it.
+    assert own.compare(models) == told
+    assert {run["run"] for run in own.compare()["runs"]} == {"runs/a.csv", "runs/b.csv"}
+    assert own.compare(models) == told, "nothing was stored"
+    with pytest.raises(ieap.InputError, match="models: found no-such-model. To mend it: give models of a strip as a whole"):
+        own.compare(["no-such-model"])
+
+
+def without_times(document: object) -> object:
+    """The same without the times that fits took, which differ from call to call."""
+    if isinstance(document, dict):
+        return {key: without_times(own) for key, own in document.items() if key != "seconds"}
+    return [without_times(own) for own in document] if isinstance(document, list) else document

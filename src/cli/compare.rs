@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use clap::Args;
-use serde_json::json;
 
 use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
 use super::global::Global;
 use super::ingest;
 use super::output::{Output, counted};
+use crate::pipeline::documents::comparison::comparison_document;
 use crate::pipeline::{CompareModels, CompareSummary, ComparedCondition, ComparedModel, Ingest};
 
 /// Hold several models against each other on the same runs: what each leaves in units of the noise, what it predicts of
@@ -44,13 +44,7 @@ pub fn run(args: &CompareArgs, global: &Global, output: &Output) -> Result<u8, C
     if found.is_empty() {
         output.result("no run that models could be compared on: one needs a voltage in steps and a current");
     }
-    output.document(&json!({
-        "schema": "ieap/comparison/1",
-        "conditions": found.iter().map(|condition| document(condition, &summary)).collect::<Vec<_>>(),
-        "runs": summary.comparisons.iter().map(of_run).collect::<Vec<_>>(),
-        "not_compared": summary.failed.iter().map(|(run, why)| json!({ "run": run, "reason": why })).collect::<Vec<_>>(),
-        "faults": summary.faults,
-    }))?;
+    output.document(&comparison_document(&summary))?;
     let all_taken = !ingest.left_out_inputs();
     Ok(exit::after(!summary.faults.is_empty(), all_taken))
 }
@@ -136,32 +130,4 @@ fn line(model: &ComparedModel) -> String {
         bic,
         model.seconds
     )
-}
-
-fn document(condition: &ComparedCondition, summary: &CompareSummary) -> serde_json::Value {
-    let model = |model: &ComparedModel| {
-        json!({
-            "model": model.model,
-            "runs": model.runs,
-            "parameters": model.parameters,
-            "leaves_current": model.leaves_current,
-            "leaves_curvature": model.leaves_curvature,
-            "later": model.later,
-            "other_voltages": model.other_voltages,
-            "bic_beyond_best": model.bic_beyond_best,
-            "seconds": model.seconds,
-        })
-    };
-    json!({
-        "material": condition.material,
-        "surroundings": condition.surroundings,
-        "deciding": condition.deciding.column(),
-        "runs": condition.comparisons.iter().map(|&place| &summary.comparisons[place].run).collect::<Vec<_>>(),
-        "models": condition.models.iter().map(model).collect::<Vec<_>>(),
-        "sentence": condition.sentence,
-    })
-}
-
-fn of_run(found: &crate::domain::RunComparison) -> serde_json::Value {
-    json!({ "run": found.run, "models": found.models })
 }

@@ -30,7 +30,7 @@ pub struct ComparedCondition {
 }
 
 /// One model on these runs: medians over them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ComparedModel {
     /// Model id.
     pub model: String,
@@ -46,7 +46,7 @@ pub struct ComparedModel {
     pub later: Option<f64>,
     /// What it leaves of the deciding response with parameters of the nearest other voltages.
     pub other_voltages: Option<f64>,
-    /// Sum of its BIC over the runs, less that of the best; none where it does not describe all runs.
+    /// Sum of its BIC over the runs, less that of the best; null where it does not describe all runs.
     pub bic_beyond_best: Option<f64>,
     /// Time that its fits took together, s.
     pub seconds: f64,

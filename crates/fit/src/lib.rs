@@ -123,6 +123,15 @@ pub fn fit_knowing(
     Ok(fit)
 }
 
+/// The drive of a run with its edges where [`fit_run`] takes them to be: those that only readings tell of are sought between
+/// these.
+///
+/// # Errors
+/// As [`fit_run`].
+pub fn placed_drive(input: &FitInput, options: &FitOptions) -> Result<Drive, FitError> {
+    Ok(settled_edges::settled(input, options)?.edges.drive().clone())
+}
+
 /// The parameters of a run in two steps, of its bending alone, or by the law of a rival, and nothing further; none where there
 /// is nothing to fit.
 fn in_two_steps(input: &FitInput, options: &FitOptions) -> Option<Vec<Parameter>> {

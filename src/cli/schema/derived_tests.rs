@@ -18,6 +18,7 @@ use crate::pipeline::apart::forward::document::PredictionDocument;
 use crate::pipeline::apart::inspect::Inspection;
 use crate::pipeline::apart::preflight::PlanDocument;
 use crate::pipeline::apart::profile::ProposedProfile;
+use crate::pipeline::documents::comparison::ComparisonDocument;
 use crate::pipeline::documents::diagnosis::DiagnosisDocument;
 use crate::pipeline::documents::dma::DmaDocument;
 use crate::pipeline::documents::fits::FitsDocument;
@@ -35,21 +36,9 @@ use crate::pipeline::{
 };
 
 /// Documents that verbs put together themselves, without a struct.
-const BY_HAND: [&str; 14] = [
-    "comparison",
-    "effects",
-    "explain",
-    "export",
-    "figure",
-    "figures",
-    "formats",
-    "init",
-    "models",
-    "schemas",
-    "serve",
-    "simulate",
-    "table",
-    "tables",
+const BY_HAND: [&str; 13] = [
+    "effects", "explain", "export", "figure", "figures", "formats", "init", "models", "schemas", "serve",
+    "simulate", "table", "tables",
 ];
 /// Width of a line, above which a value is spread over several.
 const WIDTH: usize = 125;
@@ -77,6 +66,7 @@ fn derived() -> Vec<Derived> {
         document("backup/1", "backup", |of| {
             keys([("backup", value::<BackedUp>(of))])
         }),
+        document("comparison/1", "compare", whole::<ComparisonDocument>),
         document("convert/1", "convert NAME=VALUE", whole::<ConversionDocument>),
         document("diagnosis/2", "diagnose", whole::<DiagnosisDocument>),
         document("dma/1", "dma", whole::<DmaDocument>),

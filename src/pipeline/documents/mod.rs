@@ -1,6 +1,7 @@
 //! What `--json` prints, from what is stored.
 
 pub mod campaign;
+pub mod comparison;
 pub mod diagnosis;
 pub mod dma;
 pub mod estimate_words;

@@ -28,6 +28,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("ambiguous-format", By("crates/ingest/src/profiles/tests.rs", "two_profiles_that_fit_are_named")),
     ("ambiguous-numbers", Format("plain-table/refused.two_readings.csv")),
     ("analysis-fault", Open("a fault of the program: none is known")),
+    ("bad-drive", By("src/pipeline/apart/at_hand/tests.rs", "what_a_model_does_not_describe_is_said")),
     ("bad-effect", By("src/pipeline/apart/at_hand/tests.rs", "what_is_missing_or_wrong_is_said_with_its_remedy")),
     ("bad-encoding", Campaign(|to| to.write("runs/a.csv", with_half_a_pair()))),
     ("bad-value", By("src/pipeline/apart/at_hand/tests.rs", "what_is_missing_or_wrong_is_said_with_its_remedy")),

@@ -86,13 +86,8 @@ fn noise(fitted: &[(&SeriesGroup, Vec<f64>)], kind: Kind) -> Option<ChannelNoise
             series += 1.0;
         }
     }
-    let quantity = match kind {
-        Kind::Voltage => Quantity::Voltage,
-        Kind::Current => Quantity::Current,
-        Kind::Curvature => Quantity::Curvature,
-    };
     (readings > 0).then(|| ChannelNoise {
-        quantity,
+        quantity: kind.quantity(),
         standard_deviation: f64::sqrt(noise_square / series),
         basis: format!("scatter of neighbouring readings about a smooth curve, mean of {series} places"),
         character: NoiseCharacter::default(),
@@ -105,11 +100,10 @@ fn noise(fitted: &[(&SeriesGroup, Vec<f64>)], kind: Kind) -> Option<ChannelNoise
 
 /// The current, and the mean of the curvatures along the strip, as they are drawn.
 fn curve(group: &SeriesGroup, values: &[f64], step_s: f64) -> Option<RunCurve> {
-    let quantity = match group.kind {
-        Kind::Current => Quantity::Current,
-        Kind::Curvature => Quantity::Curvature,
-        Kind::Voltage => return None,
-    };
+    let quantity = group.kind.quantity();
+    if quantity == Quantity::Voltage {
+        return None;
+    }
     let (times, places) = (group.time_s.len(), group.values.len() as f64);
     let mean = |at: &dyn Fn(usize, usize) -> f64, time: usize| {
         (0..group.values.len()).map(|place| at(place, time)).sum::<f64>() / places

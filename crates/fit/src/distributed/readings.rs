@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use ieap_domain::{Channel, Drive, Level, Quantity};
+use ieap_domain::{Channel, Quantity};
+use ieap_model::distributed::driven::steps;
 use ieap_numerics::noise::scatter_between;
 
 use super::input::DistributedInput;
@@ -19,6 +20,17 @@ pub(super) enum Kind {
     Current,
     /// Curvature at a place.
     Curvature,
+}
+
+impl Kind {
+    /// As channels call it.
+    pub fn quantity(self) -> Quantity {
+        match self {
+            Kind::Voltage => Quantity::Voltage,
+            Kind::Current => Quantity::Current,
+            Kind::Curvature => Quantity::Curvature,
+        }
+    }
 }
 
 /// Series of one kind that were sampled together.
@@ -188,18 +200,4 @@ fn noise_of(time_s: &[f64], values: &[f64], edges_s: &[f64]) -> f64 {
         .iter()
         .fold((0.0f64, 0.0f64), |(low, high), &v| (low.min(v), high.max(v)));
     scatter.max(1e-6 * (high - low)).max(f64::MIN_POSITIVE)
-}
-
-/// Changes of the held voltage: when (s) and by how much (V).
-pub(super) fn steps(drive: &Drive) -> Vec<(f64, f64)> {
-    let mut before = drive.baseline_v;
-    let mut steps = Vec::new();
-    for segment in &drive.segments {
-        let Level::Voltage(voltage_v) = segment.level else {
-            continue;
-        };
-        steps.push((segment.start_s, voltage_v - before));
-        before = voltage_v;
-    }
-    steps
 }

@@ -73,6 +73,16 @@ pub trait BendingLaw: Sync + RefUnwindSafe {
     /// What a fit reports, derived numbers last.
     fn reported(&self) -> &'static [Reported];
 
+    /// The couplings, followed by the shapes, of which the first that [`BendingLaw::reported`] lists have these values: as
+    /// many as there are couplings and shapes.
+    fn natural(&self, reported: &[f64]) -> Vec<f64> {
+        let of = |(own, value): (&Reported, &f64)| match own.stated {
+            Stated::Time => value.recip(),
+            _ => *value,
+        };
+        self.reported().iter().zip(reported).map(of).collect()
+    }
+
     /// Why it does not describe runs under `drive`; none where it does.
     fn refuses(&self, _drive: &Drive) -> Option<&'static str> {
         None

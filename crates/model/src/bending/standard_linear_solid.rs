@@ -47,6 +47,10 @@ impl BendingLaw for StandardLinearSolid {
         ]
     }
 
+    fn natural(&self, reported: &[f64]) -> Vec<f64> {
+        vec![reported[0], reported[2].recip(), reported[1] / reported[0] - 1.0]
+    }
+
     /// Without the arm's spring nothing creeps, and the rate has nothing to shape.
     fn is_idle(&self, shapes: &[f64]) -> bool {
         shapes[1] <= 0.0

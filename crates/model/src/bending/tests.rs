@@ -256,3 +256,27 @@ fn every_rival_has_its_parameters_in_the_registry() {
     );
     assert!(bending_law("lumped-3").is_some() && bending_law("distributed").is_none());
 }
+
+#[test]
+fn couplings_and_shapes_follow_from_what_a_law_reports() {
+    let laws = fit_models().iter().filter_map(|model| bending_law(model.id));
+    for law in laws {
+        let natural: Vec<f64> = (1..=law.couplings() + law.shapes().len())
+            .map(|k| 0.3 / k as f64)
+            .collect();
+        let value = |own: &Reported| match own.stated {
+            Stated::Time => (own.of)(&natural).recip(),
+            _ => (own.of)(&natural),
+        };
+        let reported: Vec<f64> = law.reported().iter().take(natural.len()).map(value).collect();
+        let again = law.natural(&reported);
+        assert_eq!(again.len(), natural.len());
+        for (one, other) in natural.iter().zip(&again) {
+            assert!(
+                (one - other).abs() < 1e-15,
+                "{}: {natural:?} {again:?}",
+                law.about().equation
+            );
+        }
+    }
+}

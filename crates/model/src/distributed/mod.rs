@@ -9,6 +9,7 @@
 pub mod branched;
 pub mod broken;
 pub mod criterion;
+pub mod driven;
 pub mod field;
 mod heads;
 mod kernel;
@@ -21,6 +22,7 @@ mod tests;
 
 pub use broken::BrokenStrip;
 pub use criterion::LumpedError;
+pub use driven::DrivenStrip;
 pub use field::StripField;
 pub use ladder::{Ladder, LadderError, LadderResponse};
 pub use model::{DistributedModel, Laminate};

@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::RunAtHand;
-use crate::domain::{AskedFit, Channel, ChannelNoise, Estimate, Fit, Issue, KnownParameter, Severity};
-use crate::fit::{FitError, FitOptions};
+use crate::domain::{AskedFit, Channel, ChannelNoise, Drive, Estimate, Fit, Issue, KnownParameter, Severity};
+use crate::fit::{EdgeTimes, FitError, FitInput, FitOptions, distributed, placed_drive};
+use crate::ingest::derived;
 use crate::ingest::formats::columns::COLUMN_REFUSED;
 use crate::model::ModelChoice;
 use crate::pipeline::campaign::context::CODE_VERSION;
@@ -101,6 +102,22 @@ pub fn fit(
         issues: run.issues.iter().chain(&fit.issues).cloned().collect(),
     };
     Ok((fit, stated))
+}
+
+/// The drive of a run with its edges where a fit of it takes them to be: of those that only readings tell, the fit looks for
+/// the time between these.
+pub fn drive_as_fitted(run: &RunAtHand, options: &FitOptions) -> Drive {
+    let drive = &run.task.drive;
+    if options.model.id == distributed::MODEL_ID {
+        return EdgeTimes::of(drive).drive().clone();
+    }
+    let channels = derived::responses(&run.channels, run.task.length_cm);
+    let input = FitInput {
+        channels: &channels,
+        drive,
+        area_cm2: run.task.area_cm2,
+    };
+    placed_drive(&input, options).unwrap_or_else(|_| drive.clone())
 }
 
 /// Why there is nothing to fit: a response whose column was refused says it better.

@@ -5,7 +5,9 @@
 
 mod campaign_row;
 mod diagnose;
+mod exact;
 mod fit;
+mod needed;
 mod read;
 mod run;
 mod simulate;
@@ -14,7 +16,8 @@ mod tests;
 
 pub use campaign_row::CampaignRow;
 pub use diagnose::diagnose;
-pub use fit::{FitAtHand, fit, fit_options};
+pub use fit::{FitAtHand, drive_as_fitted, fit, fit_options};
+pub use needed::{fitted_places_mm, needed_keys};
 pub use read::{ReadTable, arrays, read};
 pub use run::{RunAtHand, Stated, Strip};
-pub use simulate::{Curves, CurvesAsked, simulate};
+pub use simulate::{Curvature, Curves, CurvesAsked, simulate};

@@ -3,16 +3,19 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use super::exact::exact;
 use super::run::{NO_AREA, Strip, sample};
 use crate::domain::{Drive, Issue, Level};
-use crate::pipeline::apart::simulate::{Noise, RunSpec, SegmentSpec, checked_run, exact_responses};
+use crate::pipeline::apart::simulate::{Noise, RunSpec, SegmentSpec};
 use crate::truth::noise::NoisyChannel;
 use crate::truth::{HiddenEffect, noise};
 
 /// What is to be simulated.
 #[derive(Debug, Clone)]
 pub struct CurvesAsked {
-    /// Parameters by their stored keys; those left out are 0, or absent branches.
+    /// Id of the model, `lumped-2`.
+    pub model: String,
+    /// Parameters by their stored keys; those left out are 0, or absent branches. A rival's own cannot be left out.
     pub parameters: BTreeMap<String, f64>,
     /// The strip; some effects need its length.
     pub strip: Strip,
@@ -28,6 +31,8 @@ pub struct CurvesAsked {
     pub seed: u64,
     /// Times of the readings, s, rising.
     pub time_s: Vec<f64>,
+    /// Places at which the distributed model gives the curvature, mm from the clamp; the others bend evenly.
+    pub places_mm: Vec<f64>,
 }
 
 /// Simulated readings, one for each time.
@@ -41,8 +46,26 @@ pub struct Curves {
     pub is_open: Vec<bool>,
     /// Current, A.
     pub current_a: Vec<f64>,
-    /// Curvature, 1/cm.
-    pub curvature_per_cm: Vec<f64>,
+    /// Curvatures: one of a strip that bends evenly, else one for each place.
+    pub curvatures: Vec<Curvature>,
+}
+
+/// The curvature of a strip, or of a place of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curvature {
+    /// The place, mm from the clamp; none: the whole strip.
+    pub place_mm: Option<f64>,
+    /// Curvature at each time, 1/cm.
+    pub per_cm: Vec<f64>,
+}
+
+impl Curvature {
+    pub(super) fn whole(per_cm: Vec<f64>) -> Curvature {
+        Curvature {
+            place_mm: None,
+            per_cm,
+        }
+    }
 }
 
 /// Simulates readings. The same request gives the same bytes.
@@ -66,15 +89,10 @@ pub fn simulate(asked: &CurvesAsked) -> Result<Curves, Issue> {
             .mend("give finite times in s, each later than the one before"));
     }
     let run = run_spec(asked)?;
-    checked_run(&run, &asked.noise, &asked.effects)?;
-    let exact = exact_responses(&run, &asked.effects, (&asked.time_s, &asked.time_s), 0)
-        .map_err(|error| Issue::error("not-solved", error.to_string()).at("effects"))?;
-    if !exact
-        .current_a
-        .iter()
-        .chain(&exact.curvature_per_cm)
-        .all(|value| value.is_finite())
-    {
+    let drive = run.drive();
+    let exact = exact(asked, run)?;
+    let bent = exact.curvatures.iter().flat_map(|own| &own.per_cm);
+    if !exact.current_a.iter().chain(bent).all(|value| value.is_finite()) {
         let issue = Issue::error("not-solved", "the equations give no finite current or curvature");
         return Err(issue.at("parameters").mend("give values that a strip can have"));
     }
@@ -86,7 +104,15 @@ pub fn simulate(asked: &CurvesAsked) -> Result<Curves, Issue> {
             stream,
         )
     };
-    let drive = run.drive();
+    let noisy_curvature = |(own, stream): (Curvature, u64)| Curvature {
+        per_cm: noisy(
+            &own.per_cm,
+            NoisyChannel::Curvature,
+            asked.noise.curvature(),
+            stream,
+        ),
+        ..own
+    };
     let applied: Vec<Level> = asked.time_s.iter().map(|&time_s| level(&drive, time_s)).collect();
     Ok(Curves {
         time_s: asked.time_s.clone(),
@@ -99,12 +125,12 @@ pub fn simulate(asked: &CurvesAsked) -> Result<Curves, Issue> {
             .collect(),
         is_open: applied.iter().map(|level| *level == Level::OpenCircuit).collect(),
         current_a: noisy(&exact.current_a, NoisyChannel::Current, asked.noise.current(), 0),
-        curvature_per_cm: noisy(
-            &exact.curvature_per_cm,
-            NoisyChannel::Curvature,
-            asked.noise.curvature(),
-            1,
-        ),
+        curvatures: exact
+            .curvatures
+            .into_iter()
+            .zip(1..)
+            .map(noisy_curvature)
+            .collect(),
     })
 }
 

@@ -226,7 +226,7 @@ fn simulated_curves_are_those_of_the_run_file() {
     for (index, row) in rows.iter().enumerate() {
         assert_eq!(row[1], curves.voltage_v[index].to_string());
         assert_eq!(row[2], format!("{:.5e}", curves.current_a[index]));
-        assert_eq!(row[3], format!("{:.5}", curves.curvature_per_cm[index]));
+        assert_eq!(row[3], format!("{:.5}", curves.curvatures[0].per_cm[index]));
     }
 }
 
@@ -241,6 +241,8 @@ fn asked(effects: Vec<HiddenEffect>) -> CurvesAsked {
         ("lambda_per_s", 0.002),
     ];
     CurvesAsked {
+        model: "lumped-2".to_owned(),
+        places_mm: Vec::new(),
         parameters: parameters
             .iter()
             .map(|(key, value)| ((*key).to_owned(), *value))
@@ -316,6 +318,35 @@ fn what_is_missing_or_wrong_is_said_with_its_remedy() {
     assert_eq!(fit_options(&unknown).unwrap_err().code, "not-known");
     let none = diagnose("none", &[], &DiagnoseChoice::default()).unwrap();
     assert_eq!(none.unwrap_err().code, "no-runs");
+}
+
+#[test]
+fn what_a_model_does_not_describe_is_said() {
+    let with = |model: &str, keys: &[&str], drive: &[(f64, Option<f64>)]| {
+        let mut asked = asked(Vec::new());
+        asked.model = model.to_owned();
+        asked.parameters = keys.iter().map(|key| ((*key).to_owned(), 1.0)).collect();
+        asked.drive = drive.to_vec();
+        asked.strip.length_mm = Some(5.0);
+        simulate(&asked)
+    };
+    let along = ["rc_ohm_cm2", "c_f_per_cm2"];
+    let open = with("distributed", &along, &[(0.0, Some(1.0)), (9.0, None)]).unwrap_err();
+    assert_eq!((&*open.code, &*open.place), ("bad-drive", "drive"));
+    // Without a place there is a current, and no curvature.
+    let held = with("distributed", &along, &[(0.0, Some(1.0))]).unwrap();
+    assert!(held.curvatures.is_empty() && held.current_a.len() == held.time_s.len());
+    let bent = [
+        "alpha_final_per_c_cm",
+        "e1_per_e0_per_s",
+        "e2_per_e0",
+        "stiffening_rate_per_s",
+    ];
+    let again = [(0.0, Some(1.0)), (9.0, Some(0.0))];
+    let several = with("yagasaki-tamagawa", &bent, &again).unwrap_err();
+    assert_eq!((&*several.code, &*several.place), ("bad-drive", "drive"));
+    let lacking = with("yagasaki-tamagawa", &bent[1..], &again[..1]).unwrap_err();
+    assert!(lacking.message.contains("alpha_final_per_c_cm"), "{lacking:?}");
 }
 
 #[test]

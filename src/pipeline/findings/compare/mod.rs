@@ -12,6 +12,7 @@ use crate::domain::{Channel, RunComparison, RunRecord};
 use crate::fit::FitError;
 use crate::ingest::derived;
 use crate::model::{FitModel, bending_law, fit_models};
+use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::campaign::standing;
@@ -67,9 +68,18 @@ struct Group {
     hash: String,
 }
 
+/// What is asked of a campaign's runs.
+struct Asked {
+    models: Vec<&'static FitModel>,
+    runs: Vec<RunRecord>,
+    /// Groups to compare.
+    due: Vec<Group>,
+    up_to_date: usize,
+}
+
 impl CompareModels {
-    /// Compares what is missing or out of date. The outcome does not depend on the number of threads, the times that
-    /// fits took left aside.
+    /// Compares what is missing or out of date, and stores it. The outcome does not depend on the number of threads, the
+    /// times that fits took left aside.
     ///
     /// # Errors
     /// A model is not known or none of a strip as a whole, or the database fails.
@@ -78,6 +88,48 @@ impl CompareModels {
         context: &mut Context,
         observer: &dyn Observer,
     ) -> Result<CompareSummary, PipelineError> {
+        let asked = self.asked(context)?;
+        let mut summary = asked.summary();
+        let make = |group: &Group, channels: Vec<Vec<Channel>>| asked.scored(group, &channels);
+        making(observer).run(context, &asked.due, load, make, |context, made| {
+            save(context, made, &mut summary)
+        })?;
+        summary.comparisons = asked.stored(context)?;
+        asked.sum_up(context, &mut summary);
+        Ok(summary)
+    }
+
+    /// The same without a change of the campaign: what is missing or out of date is compared anew in every call.
+    ///
+    /// # Errors
+    /// As of [`CompareModels::run`].
+    pub fn look(&self, context: &Context, observer: &dyn Observer) -> Result<CompareSummary, PipelineError> {
+        let asked = self.asked(context)?;
+        let mut summary = asked.summary();
+        let is_due = |run: &str| {
+            let mut tasks = asked.due.iter().flat_map(|group| &group.tasks);
+            tasks.any(|task| task.path == run)
+        };
+        summary.comparisons = asked.stored(context)?;
+        summary.comparisons.retain(|found| !is_due(&found.run));
+        let make = |group: &Group, channels: Vec<Vec<Channel>>| asked.scored(group, &channels);
+        for batch in asked.due.chunks(BATCH) {
+            let made = making(observer).batch(context, batch, load, make)?;
+            for (group, made) in batch.iter().zip(made) {
+                match made {
+                    Some(Ok(found)) => summary.took(found),
+                    Some(Err(reason)) => summary.faults.push(format!("{}: {reason}", group.name)),
+                    None => {}
+                }
+            }
+            interrupt::check();
+        }
+        summary.comparisons.sort_by(|a, b| a.run.cmp(&b.run));
+        asked.sum_up(context, &mut summary);
+        Ok(summary)
+    }
+
+    fn asked(&self, context: &Context) -> Result<Asked, PipelineError> {
         let models = self.models()?;
         let runs = standing::speaking(context)?;
         let all = grouped(context, &runs, &models)?;
@@ -92,39 +144,12 @@ impl CompareModels {
             !self.again && tasks.all(|task| known.get(&task.run_id) == Some(&group.hash))
         };
         let (done, due): (Vec<Group>, Vec<Group>) = all.into_iter().partition(is_done);
-        let mut summary = CompareSummary {
+        Ok(Asked {
+            models,
+            runs,
+            due,
             up_to_date: done.iter().map(|group| group.tasks.len()).sum(),
-            ..CompareSummary::default()
-        };
-        let making = Making {
-            doing: "comparing models",
-            at_once: BATCH,
-            observer,
-            may_go_on: TO_THE_END,
-        };
-        let make =
-            |group: &Group, channels: Vec<Vec<Channel>>| caught(|| scored(&group.tasks, &channels, &models));
-        making.run(context, &due, load, make, |context, made| {
-            save(context, made, &mut summary)
-        })?;
-        let ids: Vec<&str> = models.iter().map(|model| model.id).collect();
-        let is_asked = |found: &RunComparison| {
-            found
-                .models
-                .iter()
-                .map(|score| &*score.model)
-                .eq(ids.iter().copied())
-        };
-        summary.comparisons = current_comparisons(context, &runs)?.0;
-        summary.comparisons.retain(is_asked);
-        summary.conditions = models_compared(&summary.comparisons, &runs, &context.campaign);
-        for found in &summary.comparisons {
-            if found.curves.is_empty() {
-                let why = found.models.first().and_then(|score| score.missing.clone());
-                summary.failed.push((found.run.clone(), why.unwrap_or_default()));
-            }
-        }
-        Ok(summary)
+        })
     }
 
     fn models(&self) -> Result<Vec<&'static FitModel>, PipelineError> {
@@ -159,6 +184,57 @@ impl CompareModels {
             models.push(model);
         }
         Ok(models)
+    }
+}
+
+impl Asked {
+    fn summary(&self) -> CompareSummary {
+        CompareSummary {
+            up_to_date: self.up_to_date,
+            ..CompareSummary::default()
+        }
+    }
+
+    /// The comparisons of a group's runs, or the fault that stopped them.
+    fn scored(&self, group: &Group, channels: &[Vec<Channel>]) -> Result<Vec<RunComparison>, String> {
+        caught(|| scored(&group.tasks, channels, &self.models))
+    }
+
+    /// Every stored comparison with these models that still stands, by the runs' names.
+    fn stored(&self, context: &Context) -> Result<Vec<RunComparison>, PipelineError> {
+        let mut found = current_comparisons(context, &self.runs)?.0;
+        found.retain(|found| {
+            let ids = found.models.iter().map(|score| &*score.model);
+            ids.eq(self.models.iter().map(|model| model.id))
+        });
+        Ok(found)
+    }
+
+    /// Sums up the comparisons of a summary.
+    fn sum_up(&self, context: &Context, summary: &mut CompareSummary) {
+        summary.conditions = models_compared(&summary.comparisons, &self.runs, &context.campaign);
+        for found in &summary.comparisons {
+            if found.curves.is_empty() {
+                let why = found.models.first().and_then(|score| score.missing.clone());
+                summary.failed.push((found.run.clone(), why.unwrap_or_default()));
+            }
+        }
+    }
+}
+
+impl CompareSummary {
+    fn took(&mut self, found: Vec<RunComparison>) {
+        self.compared += found.len();
+        self.comparisons.extend(found);
+    }
+}
+
+fn making(observer: &dyn Observer) -> Making<'_> {
+    Making {
+        doing: "comparing models",
+        at_once: BATCH,
+        observer,
+        may_go_on: TO_THE_END,
     }
 }
 
