@@ -14,7 +14,7 @@ const LEAST_MOVING: usize = 30;
 /// Middle step of such a voltage at most, as a part of its range: twenty readings in a period of a sine step by up to a
 /// sixth of the range, pulses by all of it and trains of a few levels by a third.
 const MOVES_BY: f64 = 0.2;
-/// A step within such a voltage exceeds this many times the larger of its neighbours ...
+/// A step within such a voltage exceeds this many times the larger of its neighbours, and is so many times as steep ...
 const JUMP_BESIDE: f64 = 5.0;
 /// ... and this part of the range.
 const JUMP_OF_RANGE: f64 = 0.05;
@@ -35,17 +35,24 @@ pub enum Level {
     OpenCircuit,
 }
 
-/// Which of the levels of a moving voltage are reached by a jump: a step far larger than those beside it.
-pub fn jumps(levels_v: &[f64]) -> Vec<usize> {
+/// Which of the levels of a moving voltage are reached by a jump: a step far larger than those beside it, and far steeper,
+/// for of readings at uneven times a larger step may just have taken longer. `time_s` are the times of the levels, s.
+pub fn jumps(time_s: &[f64], levels_v: &[f64]) -> Vec<usize> {
     let (low, high) = range_of(levels_v.iter().copied());
-    let step = |at: usize| match (at.checked_sub(1), levels_v.get(at)) {
-        (Some(before), Some(level_v)) => (level_v - levels_v[before]).abs(),
-        _ => 0.0,
+    let step = |at: usize| match (at.checked_sub(1), levels_v.get(at), time_s.get(at)) {
+        (Some(before), Some(level_v), Some(t)) => {
+            let size_v = (level_v - levels_v[before]).abs();
+            (size_v, size_v / (t - time_s[before]).max(f64::MIN_POSITIVE))
+        }
+        _ => (0.0, 0.0),
     };
     (1..levels_v.len())
         .filter(|&at| {
-            let beside = step(at - 1).max(step(at + 1));
-            step(at) > JUMP_OF_RANGE * (high - low) && step(at) > JUMP_BESIDE * beside
+            let ((before_v, before), (after_v, after)) = (step(at - 1), step(at + 1));
+            let (own_v, own) = step(at);
+            own_v > JUMP_OF_RANGE * (high - low)
+                && own_v > JUMP_BESIDE * before_v.max(after_v)
+                && own > JUMP_BESIDE * before.max(after)
         })
         .collect()
 }
@@ -94,19 +101,23 @@ impl Drive {
     }
 
     /// The staircase of a moving voltage's readings: each is held from midway to the one before to midway to the one after,
-    /// from rest at `baseline_v`; a jump lies at the first reading that saw it. Times that do not increase are passed over.
+    /// from rest at `baseline_v`; a jump lies between the reading before it and the first one that saw it. Times that do not increase are passed over.
     pub fn staircase(time_s: &[f64], volts: &[f64], baseline_v: f64) -> Drive {
-        let jumps = jumps(volts);
+        let jumps = jumps(time_s, volts);
         let mut segments: Vec<Segment> = Vec::with_capacity(volts.len());
         for (k, (&t, &volts)) in time_s.iter().zip(volts).enumerate() {
-            let start_s = match k {
-                0 => t,
-                _ if jumps.binary_search(&k).is_ok() => t,
-                _ => 0.5 * (time_s[k - 1] + t),
+            let before_s = k.checked_sub(1).map(|before| time_s[before]);
+            let last_before_s = before_s.filter(|_| jumps.binary_search(&k).is_ok());
+            let start_s = match (before_s, last_before_s) {
+                (Some(before_s), None) => 0.5 * (before_s + t),
+                _ => t,
             };
             if segments.last().is_none_or(|last| last.start_s < start_s) {
-                let level = Level::Voltage(volts);
-                segments.push(Segment::at(start_s, level));
+                segments.push(Segment {
+                    start_s,
+                    level: Level::Voltage(volts),
+                    last_before_s,
+                });
             }
         }
         Drive { baseline_v, segments }
@@ -143,7 +154,7 @@ impl Drive {
             return (0..self.segments.len()).collect();
         }
         let is_open = |at: usize| self.segments[at].level == Level::OpenCircuit;
-        let jumps = jumps(&self.levels_v());
+        let jumps = jumps(&self.middles_s(), &self.levels_v());
         (0..self.segments.len())
             .filter(|&at| at == 0 || is_open(at) || is_open(at - 1) || jumps.binary_search(&at).is_ok())
             .collect()
@@ -164,6 +175,15 @@ impl Drive {
         let middle = steps.len() / 2;
         let (_, middle_v, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
         high > low && *middle_v <= MOVES_BY * (high - low)
+    }
+
+    /// The middles of the segments in their order, s; the last one has no end, and gives its start.
+    fn middles_s(&self) -> Vec<f64> {
+        let end_s = |at: usize| self.segments.get(at + 1).unwrap_or(&self.segments[at]).start_s;
+        let segments = self.segments.iter().enumerate();
+        segments
+            .map(|(at, segment)| 0.5 * (segment.start_s + end_s(at)))
+            .collect()
     }
 
     /// The voltages of the segments in their order, V; of an open circuit the one before.
@@ -259,6 +279,23 @@ mod tests {
             baseline_v: 0.0,
             segments: levels_v.enumerate().map(segment).collect(),
         }
+    }
+
+    #[test]
+    fn a_step_that_took_longer_is_no_jump() {
+        let time_s: Vec<f64> = (0..120)
+            .map(|k| f64::from(k) + if k % 7 == 3 { 0.95 } else { 0.0 })
+            .collect();
+        let volts: Vec<f64> = time_s.iter().map(|t| (t / 4.0).sin()).collect();
+        assert_eq!(jumps(&time_s, &volts), Vec::<usize>::new());
+        let jumping: Vec<f64> = time_s
+            .iter()
+            .zip(&volts)
+            .map(|(t, v)| v + if *t < 60.5 { 0.0 } else { 2.0 })
+            .collect();
+        let at = time_s.partition_point(|t| *t < 60.5);
+        assert_eq!(jumps(&time_s, &jumping), [at]);
+        assert_eq!(Drive::staircase(&time_s, &jumping, 0.0).edges(), [0, at]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 8;
+pub const VERSION: u32 = 9;
 
 /// More steps than this share of the readings is a sweep, not a piecewise-constant drive: between few levels ...
 const MOST_PULSES_SHARE: f64 = 0.34;

@@ -89,7 +89,7 @@ pub fn crossings_s(time_s: &[f64], values: &[f64], turns: &[usize]) -> Vec<f64> 
 }
 
 /// A wave with values between its readings, so that from each of its `turns` to the next there are `least` or more: on the
-/// cubics that have the readings' values, and the slopes across their neighbours. `breaks` are readings before which the
+/// cubics of [`between`]. `breaks` are readings before which the
 /// wave jumps: nothing is put in there.
 pub fn finer(
     time_s: &[f64],
@@ -132,13 +132,18 @@ fn readings_between_turns(turns: &[usize], at: usize) -> usize {
     (turns[after] - turns[after - 1]).max(1)
 }
 
-/// The wave at a time within its readings: the cubic that has their values, and the slopes across their neighbours.
+/// The wave at a time within its readings: the cubic that has their values, and at each the slope of the parabola through it and
+/// its neighbours.
 pub fn between(time_s: &[f64], values: &[f64], t: f64) -> f64 {
     let b = time_s.partition_point(|own| *own < t).clamp(1, time_s.len() - 1);
     let a = b - 1;
+    let chord = |k: usize| (values[k + 1] - values[k]) / (time_s[k + 1] - time_s[k]);
     let slope = |k: usize| {
-        let (from, to) = (k.saturating_sub(1), (k + 1).min(time_s.len() - 1));
-        (values[to] - values[from]) / (time_s[to] - time_s[from])
+        if k == 0 || k + 1 == time_s.len() {
+            return chord(k.saturating_sub(1));
+        }
+        let (before_s, after_s) = (time_s[k] - time_s[k - 1], time_s[k + 1] - time_s[k]);
+        (after_s * chord(k - 1) + before_s * chord(k)) / (before_s + after_s)
     };
     let width_s = time_s[b] - time_s[a];
     let x = (t - time_s[a]) / width_s;

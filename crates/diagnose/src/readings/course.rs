@@ -3,7 +3,7 @@
 //! A level held about a reading is right at the reading's own time only to the square of its length: the charge of a fast
 //! branch has met the level for half of it. What a fit of one run takes up in its parameters, a diagnosis of several runs sees.
 
-use ieap_domain::{Drive, Level, drive::jumps, range_of};
+use ieap_domain::{Drive, Level, Segment, range_of};
 use ieap_numerics::waveform::{LEAST_TURN, finer, turns};
 
 use crate::levels::STEPS_IN_HALF_PERIOD;
@@ -17,16 +17,13 @@ pub(crate) fn followed(drive: &Drive) -> Drive {
         .collect();
     match levels {
         Some(levels_v) if drive.moves() => {
-            let time_s = middles_s(drive, &levels_v);
+            let time_s = middles_s(drive);
+            let jumps: Vec<usize> = (1..levels_v.len())
+                .filter(|&k| is_jump(&drive.segments[k]))
+                .collect();
             let (low, high) = range_of(levels_v.iter().copied());
             let turns = turns(&levels_v, LEAST_TURN * (high - low));
-            let (time_s, levels_v) = finer(
-                &time_s,
-                &levels_v,
-                &turns,
-                &jumps(&levels_v),
-                STEPS_IN_HALF_PERIOD,
-            );
+            let (time_s, levels_v) = finer(&time_s, &levels_v, &turns, &jumps, STEPS_IN_HALF_PERIOD);
             Drive::staircase(&time_s, &levels_v, drive.baseline_v)
         }
         _ => drive.clone(),
@@ -42,17 +39,20 @@ fn volts(level: Level) -> Option<f64> {
 
 /// The times of the readings that [`Drive::staircase`] made these levels of: each level begins midway between two, or at its own
 /// where it is reached by a jump.
-fn middles_s(drive: &Drive, levels_v: &[f64]) -> Vec<f64> {
-    let jumps = jumps(levels_v);
-    let mut time_s: Vec<f64> = Vec::with_capacity(levels_v.len());
-    for (k, segment) in drive.segments.iter().enumerate() {
-        let start_s = segment.start_s;
+fn middles_s(drive: &Drive) -> Vec<f64> {
+    let mut time_s: Vec<f64> = Vec::with_capacity(drive.segments.len());
+    for segment in &drive.segments {
         time_s.push(match time_s.last() {
-            Some(before_s) if jumps.binary_search(&k).is_err() => 2.0 * start_s - before_s,
-            _ => start_s,
+            Some(before_s) if !is_jump(segment) => 2.0 * segment.start_s - before_s,
+            _ => segment.start_s,
         });
     }
     time_s
+}
+
+/// Whether a level of a staircase is reached by a jump, which its readings have between them.
+fn is_jump(segment: &Segment) -> bool {
+    segment.last_before_s.is_some()
 }
 
 #[cfg(test)]
@@ -67,7 +67,7 @@ mod tests {
         let course = |t: f64| (t / 6.0).sin() + if t < 40.0 { 0.0 } else { 1.5 };
         let levels_v: Vec<f64> = time_s.iter().map(|t| course(*t)).collect();
         let drive = Drive::staircase(&time_s, &levels_v, 0.0);
-        let middles = middles_s(&drive, &levels_v);
+        let middles = middles_s(&drive);
         assert!(middles.iter().zip(&time_s).all(|(a, b)| (a - b).abs() < 1e-9));
         let fine = followed(&drive);
         assert!(fine.segments.len() > 1000, "{}", fine.segments.len());
@@ -91,9 +91,7 @@ mod tests {
     fn steps_and_open_circuits_stay_what_they_are() {
         let mut drive = Drive::step(2.0);
         assert_eq!(followed(&drive), drive);
-        drive
-            .segments
-            .push(ieap_domain::Segment::at(10.0, Level::OpenCircuit));
+        drive.segments.push(Segment::at(10.0, Level::OpenCircuit));
         assert_eq!(followed(&drive), drive);
     }
 }

@@ -119,7 +119,7 @@ fn course(time_s: &[f64], volts: &[f64], open: &[(f64, f64)]) -> Result<Course, 
         );
         return Err(refused(found).mend(mend));
     }
-    if is_staircase(volts, scatter_v) || jumps(volts).len() > jumps_of_wave(turns.len()) {
+    if is_staircase(volts, scatter_v) || jumps(time_s, volts).len() > jumps_of_wave(turns.len()) {
         let found = "the voltage steps and moves in between, or steps too often: neither steps nor a course, as where an open circuit is \
                      not stated";
         let mend = "say when the circuit was open, by a column open_circuit or the tag of that name; hold each of many voltages for \
@@ -201,7 +201,7 @@ fn pause(time_s: &[f64], volts: &[f64], scatter_v: f64, open: &[(f64, f64)]) -> 
 /// The course from its start on, so finely that its staircase errs by less than the readings do: between the readings,
 /// and at the times of a current that is read at others, since its answer within a step would be off by the step.
 fn fine(time_s: &[f64], volts: &[f64], turns: &[usize], channels: &[Channel]) -> (Vec<f64>, Vec<f64>) {
-    let breaks = jumps(volts);
+    let breaks = jumps(time_s, volts);
     let (mut fine_s, mut fine_v) = finer(time_s, volts, turns, &breaks, STEPS_IN_HALF_PERIOD);
     let current = channels
         .iter()
