@@ -7,7 +7,6 @@ use ieap_numerics::correlation::Autoregression;
 
 use super::electrical::{Electrical, FOLLOWED};
 use super::law::identify_law;
-use super::moving::refuse;
 use super::sampled::Sampled;
 use super::uncertainty::Residuals;
 use super::{FitError, FitInput, FitOptions, Readings, electrical, needed};
@@ -119,7 +118,6 @@ impl Described {
 /// [`FitError`] where there is no current to fit, or the model is none of a strip as a whole.
 pub fn describe(input: &FitInput, model: &'static FitModel) -> Result<Described, FitError> {
     let law = bending_law(model.id).ok_or(FitError::WholeStrip { found: model.id })?;
-    refuse(input.drive, model)?;
     let options = FitOptions {
         model,
         ..FitOptions::default()

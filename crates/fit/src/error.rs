@@ -74,7 +74,7 @@ pub enum FitError {
     },
     /// A model that is fitted to steps, where the voltage moves all the time.
     #[error(
-        "the voltage moves all the time, and {model} is fitted to steps and pulses: fit a lumped model, each run by itself"
+        "the voltage moves all the time, and {model} is fitted to steps and pulses: fit a lumped or a rival model"
     )]
     Moves {
         /// Model id.

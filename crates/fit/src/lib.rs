@@ -157,7 +157,6 @@ fn bending_alone(input: &FitInput, options: &FitOptions, identified: &Identified
 fn fit_placed(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let readings = Readings::new(input)?;
     if let Some(law) = rival_law(options.model.id) {
-        moving::refuse(input.drive, options.model)?;
         return Ok(law::fit(input, options, law, readings));
     }
     let mut identified = identify(input, options, readings);

@@ -1,31 +1,19 @@
-//! Runs whose voltage moves all the time: which models are fitted to them, and what they leave open.
+//! Runs whose voltage moves all the time: how models are fitted to them, and what they leave open.
 //!
 //! They are fitted in two steps, with the errors that the covariance of the residuals gives and, where the sum of squares
 //! bends, that its rise at the ends gives. What judges steps further (noise without the circuit, as sums of
 //! exponentials between edges) does not know of them.
 
-use ieap_domain::Drive;
-use ieap_model::{FitModel, LumpedModel};
+use ieap_model::LumpedModel;
 
-use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};
 use crate::parabola;
 use crate::two_steps::{Identified, Readings, identify};
 
 /// Counts what changes fits of moving voltages and of no others.
 /// - 2: the bending is open where the capacitance is.
-pub const MOVING_VERSION: u32 = 2;
-
-/// Refuses a moving voltage.
-///
-/// # Errors
-/// [`FitError::Moves`] where the voltage moves.
-pub(crate) fn refuse(drive: &Drive, model: &FitModel) -> Result<(), FitError> {
-    match drive.moves() {
-        true => Err(FitError::Moves { model: model.id }),
-        false => Ok(()),
-    }
-}
+/// - 3: rival and extended models, and comparisons.
+pub const MOVING_VERSION: u32 = 3;
 
 /// Follows the sum of squares where the covariance alone would mislead, and says where a branch may hide.
 pub(crate) fn look_closer(input: &FitInput, options: &FitOptions, identified: &mut Identified) {

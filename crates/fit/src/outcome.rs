@@ -153,11 +153,9 @@ fn parameters(
             return Some(Estimate::not_determined(CHARGE_UNSEEN));
         }
         // The charge that bends the strip is that of a circuit.
-        let hides_branch = matches!(&identified.current, Ok((_, electrical)) if electrical.hides_branch);
-        let bending = match () {
-            () if hides_branch => bending.and(Err(HIDES_BRANCH)),
-            () if charge_is_open(input.drive, identified) => bending.and(Err(CHARGE_OPEN)),
-            () => bending,
+        let bending = match charge_open(input.drive, identified) {
+            Some(why) => bending.and(Err(why)),
+            None => bending,
         };
         bending_estimate(feature, bending).or_else(electrical)
     };
@@ -174,14 +172,16 @@ fn parameters(
         .collect()
 }
 
-/// Whether a voltage that moves leaves the capacitance open, and with it the charge that bends the strip. After a step the
-/// charge is seen where it ends, whatever the branches are.
-fn charge_is_open(drive: &Drive, identified: &Identified) -> bool {
-    let Ok((_, electrical)) = &identified.current else {
-        return false;
-    };
+/// Why a voltage that moves leaves the capacitance open, and with it the charge that bends the strip; none where it does not.
+/// After a step the charge is seen where it ends, whatever the branches are.
+pub(super) fn charge_open(drive: &Drive, identified: &Identified) -> Option<&'static str> {
+    let (_, electrical) = identified.current.as_ref().ok()?;
+    if electrical.hides_branch {
+        return Some(HIDES_BRANCH);
+    }
     let capacitance = electrical_estimate(Feature::TotalCapacitance, electrical, drive);
-    drive.moves() && capacitance.is_none_or(|estimate| estimate.value.is_none())
+    let is_open = drive.moves() && capacitance.is_none_or(|estimate| estimate.value.is_none());
+    is_open.then_some(CHARGE_OPEN)
 }
 
 /// Parameters of a joint fit in the model's order.

@@ -7,7 +7,7 @@ use crate::diagnose::{RunInput, fit_extended, model_version};
 use crate::domain::diagnosis::follows_a_tag;
 use crate::domain::fault::caught;
 use crate::domain::{Channel, InputHash, Issue};
-use crate::fit::FitInput;
+use crate::fit::{FitInput, MOVING_VERSION};
 use crate::ingest::derived;
 use crate::pipeline::campaign::group_tags::take_tags;
 use crate::pipeline::campaign::making::{Making, TO_THE_END};
@@ -68,18 +68,16 @@ fn sorted(groups: &[ExtendedGroup], again: bool) -> (Vec<Hashed<'_>>, Vec<Hashed
 
 /// One outcome for every run of the group; a panic in a kernel is that group's failure, not the program's.
 fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
-    let moves = |at: usize| group.runs[at].task.drive.moves();
-    let fitted: Vec<usize> = (0..group.runs.len()).filter(|at| !moves(*at)).collect();
     let work = || {
-        let tasks = fitted.iter().map(|&at| &group.runs[at].task);
+        let tasks = group.runs.iter().map(|run| &run.task);
         let responses: Vec<Vec<Channel>> = tasks
             .clone()
-            .zip(fitted.iter().map(|&at| &channels[at]))
+            .zip(channels)
             .map(|(task, channels)| derived::responses(channels, task.length_cm))
             .collect();
         let inputs: Vec<RunInput> = tasks
             .zip(&responses)
-            .zip(fitted.iter().map(|&at| &group.tags[at]))
+            .zip(&group.tags)
             .map(|((task, channels), tags)| RunInput {
                 name: &task.path,
                 input: FitInput {
@@ -112,21 +110,13 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
         )
         .mend("`ieap effects ID` says what an effect needs; take it out of the model, or fit with the base alone"))
     };
-    let moving = || {
-        let message = format!(
-            "{} is not fitted where the voltage moves all the time",
-            group.choice
-        );
-        Err(Issue::warning("not-fitted", message).mend("fit the run with a lumped model alone"))
-    };
-    let outcome = |at: usize| if moves(at) { moving() } else { missing() };
-    let mut outcomes: Vec<Outcome> = (0..group.runs.len()).map(outcome).collect();
+    let mut outcomes: Vec<Outcome> = group.runs.iter().map(|_| missing()).collect();
     for (place, mut fit) in found {
-        let known = group.runs[fitted[place]].known();
+        let known = group.runs[place].known();
         if !known.is_empty() {
             fit.issues.push(known_not_used(&known, &group.choice.to_string()));
         }
-        outcomes[fitted[place]] = Ok(fit);
+        outcomes[place] = Ok(fit);
     }
     outcomes
 }
@@ -137,6 +127,10 @@ fn input_hash(group: &ExtendedGroup, library: &str) -> String {
     group.runs.iter().for_each(|run| take_task(&mut hash, &run.task));
     for known in group.runs.iter().flat_map(Planned::known) {
         hash.text(&known.to_string());
+    }
+    // Where none moves the form is that of fits before it could be.
+    if group.runs.iter().any(|run| run.task.drive.moves()) {
+        hash.whole(MOVING_VERSION.into());
     }
     let ids = || group.choice.effects.iter().map(|effect| effect.about().id);
     if ids().any(follows_a_tag) {

@@ -11,6 +11,7 @@ use ieap_domain::{Fit, Issue, Parameter, Quantity};
 use ieap_model::BendingLaw;
 
 use super::electrical::Electrical;
+use super::moving;
 use super::outcome::{self, current_words, judged_response, not_converged, parameter_issues};
 use super::sampled::Sampled;
 use super::{FitInput, FitOptions, Identified, Readings, Steps, identify, judge, needed};
@@ -47,7 +48,13 @@ pub(super) fn fit(
         identified.unfitted_curvature.clone_from(&unfitted.sampled);
         identified.curvature = Err(unfitted.why.clone());
     }
-    let judged = judge(input, options, &mut identified);
+    let judged = match input.drive.moves() {
+        true => {
+            moving::look_closer(input, options, &mut identified);
+            None
+        }
+        false => judge(input, options, &mut identified),
+    };
     let mut fit = outcome::fit(input, options, &identified, judged.as_ref());
     add_law(&mut fit, input, law, &identified, &outcome);
     fit.method.push_str(INTERVALS);
@@ -119,7 +126,10 @@ fn add_law(
             return;
         }
     };
-    let parameters = stated(law, bent);
+    let parameters = match outcome::charge_open(input.drive, identified) {
+        Some(why) => law.reported().iter().map(|own| not_known(own, why)).collect(),
+        None => stated(law, bent),
+    };
     fit.issues.extend(parameter_issues(&parameters));
     fit.parameters.extend(parameters);
     if let Some(offset_per_cm) = bent.offset_per_cm {

@@ -161,6 +161,40 @@ fn every_rival_finds_its_own_parameters_through_little_noise() {
     }
 }
 
+/// A chirp of 2 V from 0.5 to 50 mHz, in two levels for each of 1,800 readings.
+fn chirp() -> Drive {
+    let slow_s = 3600.0 / 100.0_f64.ln();
+    let time_s: Vec<f64> = (0..3600).map(f64::from).collect();
+    let phase = |t: &f64| std::f64::consts::TAU * 5e-4 * slow_s * ((t / slow_s).exp() - 1.0);
+    let volts: Vec<f64> = time_s.iter().map(|t| 2.0 * phase(t).sin()).collect();
+    Drive::staircase(&time_s, &volts, 0.0)
+}
+
+#[test]
+fn under_a_chirp_intervals_of_the_rivals_hold_too() {
+    let (mut inside, mut determined) = (0, 0);
+    // The law of the strip that stiffens is one of a step.
+    for truth in &TRUTHS[1..] {
+        for seed in 0..6 {
+            let (drive, relative) = (chirp(), [0.003, 0.01][seed as usize % 2]);
+            let run = channels(truth, &drive, 1800, relative, 77_000 + seed);
+            let fit = fitted(truth.model, &run, &drive, Steps::TwoStep);
+            for (key, expected) in truth.reported {
+                let estimate = fit.parameter(key).unwrap();
+                if let (Some(low), Some(high)) = (estimate.low_95, estimate.high_95) {
+                    determined += 1;
+                    inside += u64::from(low <= *expected && *expected <= high);
+                }
+            }
+        }
+    }
+    println!("{inside} of {determined}");
+    assert!(
+        determined >= 40 && inside as f64 >= 0.88 * determined as f64,
+        "{inside} of {determined}"
+    );
+}
+
 /// Coverage of 95 % intervals: `runs` runs of every rival, and how many of the intervals hold.
 fn coverage(runs: u64) -> (u64, u64, u64, u64) {
     let (mut inside, mut determined, mut held, mut bounds) = (0, 0, 0, 0);

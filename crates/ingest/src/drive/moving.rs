@@ -263,8 +263,8 @@ impl Course {
             Waveform::Other => format!("between {} V and {} V", short(low), short(high)),
         };
         let message = format!(
-            "the voltage moves all the time: {what}; its readings scatter by {:.1e} of their range; the run is fitted by itself \
-             with lumped models, and is neither diagnosed nor compared",
+            "the voltage moves all the time: {what}; its readings scatter by {:.1e} of their range; the distributed \
+             model and fits of whole groups leave the run out",
             self.scatter_v / (high - low)
         );
         let mut issues = vec![Issue::note(MOVES, message).at("column voltage_v")];

@@ -1,6 +1,7 @@
 //! What a comparison depends on.
 
 use crate::domain::InputHash;
+use crate::fit::MOVING_VERSION;
 use crate::model::FitModel;
 use crate::store::FitTask;
 
@@ -14,6 +15,10 @@ pub(super) fn input_hash(tasks: &[FitTask], models: &[&'static FitModel]) -> Str
     for task in tasks {
         hash.text(&task.path).text(&task.data_hash).drive(&task.drive);
         hash.number(task.area_cm2).number_or_none(task.length_cm);
+    }
+    // Where none moves the form is that of comparisons before it could be.
+    if tasks.iter().any(|task| task.drive.moves()) {
+        hash.whole(MOVING_VERSION.into());
     }
     for model in models {
         hash.text(model.id).whole(model.version.into());

@@ -45,11 +45,9 @@ pub(super) fn subjects(
     tasks: &[FitTask],
 ) -> Result<(Vec<Subject>, Vec<String>), PipelineError> {
     let runs = standing::to_diagnose(context)?;
-    // What is sought after edges of the drive is not to be found where the voltage moves all the time.
     let places: BTreeMap<i64, usize> = tasks
         .iter()
         .enumerate()
-        .filter(|(_, task)| !task.drive.moves())
         .map(|(place, task)| (task.run_id, place))
         .collect();
     let group_by = &context.campaign.group_by;
