@@ -3,6 +3,7 @@
 mod causes;
 mod edge_responses;
 mod laboratory;
+mod moving;
 mod noise;
 mod one_fit;
 mod predicted;
@@ -87,6 +88,18 @@ impl Runs {
 
     /// Of a sample with those base parameters.
     fn beside(base: &LumpedModel, hidden: &[Hidden], drives: &[Levels], seed: u64) -> Runs {
+        let of_drive = |levels: &Levels| Drive {
+            baseline_v: 0.0,
+            segments: levels
+                .iter()
+                .map(|&(start_s, v)| Segment::at(start_s, Level::Voltage(v)))
+                .collect(),
+        };
+        Runs::under(base, hidden, drives.iter().map(of_drive).collect(), seed)
+    }
+
+    /// Under any drives.
+    fn under(base: &LumpedModel, hidden: &[Hidden], drives: Vec<Drive>, seed: u64) -> Runs {
         let effects = hidden.iter().map(|&(id, variant, parameters)| HiddenEffect {
             id: id.to_owned(),
             variant: variant.map(str::to_owned),
@@ -112,14 +125,6 @@ impl Runs {
             let values: Vec<f64> = values.iter().map(noise).collect();
             Channel::new(quantity, time_s.clone().into(), values.into())
         };
-        let of_drive = |levels: &Levels| Drive {
-            baseline_v: 0.0,
-            segments: levels
-                .iter()
-                .map(|&(start_s, v)| Segment::at(start_s, Level::Voltage(v)))
-                .collect(),
-        };
-        let drives: Vec<Drive> = drives.iter().map(of_drive).collect();
         let first_s: f64 = base.branches.iter().map(|b| b.resistance_ohm_cm2.recip()).sum();
         let whole_f: f64 = base.branches.iter().map(|b| b.capacitance_f_per_cm2).sum();
         let peak_a = AREA_CM2 * 2.0 * first_s;

@@ -198,15 +198,18 @@ impl Drive {
         self.segments.iter().map(level).collect()
     }
 
-    /// The held voltage farthest from the baseline (for a discharge, the baseline itself): the nominal step, V.
+    /// The held voltage farthest from the baseline (for a discharge, the baseline itself): the nominal step, V. Of a moving
+    /// voltage that goes as far to both sides its positive end: which of them reaches farther is chance.
     pub fn nominal_step_v(&self) -> f64 {
         let levels = self.segments.iter().filter_map(|segment| match segment.level {
             Level::Voltage(voltage_v) => Some(voltage_v),
             Level::OpenCircuit => None,
         });
-        levels
+        let far = levels
             .chain([self.baseline_v])
-            .fold(0.0, |far: f64, v| if v.abs() > far.abs() { v } else { far })
+            .fold(0.0, |far: f64, v| if v.abs() > far.abs() { v } else { far });
+        let has_both = far < 0.0 && self.has_level_near(-far) && self.moves();
+        if has_both { -far } else { far }
     }
 
     /// Whether it holds that voltage at some time, to within what a nominal value is rounded to ([`NOMINAL_AGREES_V`]).
@@ -279,6 +282,16 @@ mod tests {
             baseline_v: 0.0,
             segments: levels_v.enumerate().map(segment).collect(),
         }
+    }
+
+    #[test]
+    fn the_nominal_voltage_of_a_wave_is_its_positive_end() {
+        let time_s: Vec<f64> = (0..200).map(f64::from).collect();
+        let wave =
+            |about_v: f64| -> Vec<f64> { time_s.iter().map(|t| about_v - 2.0 * (t / 8.0).sin()).collect() };
+        let nominal = |about_v: f64| Drive::staircase(&time_s, &wave(about_v), 0.0).nominal_step_v();
+        assert!((nominal(-0.001) - 2.0).abs() < 0.01, "{}", nominal(-0.001));
+        assert!((nominal(-1.0) + 3.0).abs() < 0.01);
     }
 
     #[test]

@@ -61,15 +61,22 @@ fn unequal_edge_responses(group: &RunGroup, bins: &[ResidualBin], scores: &[f64]
     let largest = own.iter().fold(0.0_f64, |most, z| most.max(z.abs()));
     let block = &group.blocks[place];
     let run = &group.runs[block.run].given;
+    let what = match run.input.drive.moves() {
+        true => format!("the moving voltage of {}", run.name),
+        false => format!(
+            "the {} edges of the drive of {}",
+            run.input.drive.segments.len(),
+            run.name
+        ),
+    };
     Some(format!(
-        "the {} answers the {} edges of the drive of {} unequally, by up to {largest:.0} standard errors more or less than simulated",
+        "the {} answers {what} unequally, by up to {largest:.0} standard errors more or less than simulated",
         channel_name(block.channel),
-        run.input.drive.segments.len(),
-        run.name,
     ))
 }
 
-/// Of bins that are off, of which there is one at least, the worst first.
+/// Of bins that are off, of which there is one at least, the worst first. A moving voltage has no level to name, and no sign in
+/// which too large and too small are meant.
 fn sentence(group: &RunGroup, segments: &[MisfitStretch]) -> String {
     let worst = &segments[0];
     let alike: Vec<&MisfitStretch> = segments
@@ -82,21 +89,20 @@ fn sentence(group: &RunGroup, segments: &[MisfitStretch]) -> String {
         group
             .runs
             .iter()
-            .find(|r| r.given.name == run)
+            .find(|r| r.given.name == run && !r.drive().moves())
             .map(|r| r.drive().nominal_step_v())
     };
     let mut volts: Vec<f64> = alike.iter().filter_map(|s| of_run(&s.run)).collect();
     volts.sort_by(f64::total_cmp);
     volts.dedup();
     // Too large and too small are meant in size: a current of -2 mA where -1 mA was simulated is too large.
-    let signs = alike.iter().filter_map(|s| Some(s.sigma * of_run(&s.run)?));
+    let signs = alike
+        .iter()
+        .map(|s| of_run(&s.run).map_or(0.0, |volts| s.sigma * volts));
     let (mut simulated_small, mut simulated_large) = (false, false);
     signs.for_each(|sign| {
-        if sign > 0.0 {
-            simulated_small = true
-        } else {
-            simulated_large = true
-        }
+        simulated_small |= sign >= 0.0;
+        simulated_large |= sign <= 0.0;
     });
     let wrong = match (simulated_small, simulated_large) {
         (true, false) => "too small",

@@ -158,11 +158,7 @@ fn compared(
 /// Runs at the nearest lower and the nearest higher voltage with their weights: what lies between is interpolated, what
 /// lies beyond is taken from the nearest.
 fn neighbours(run: usize, inputs: &[FitInput]) -> Vec<(usize, f64)> {
-    // Which end of a wave reaches farther is chance.
-    let volts = |at: usize| match inputs[at].drive.moves() {
-        true => inputs[at].drive.nominal_step_v().abs(),
-        false => inputs[at].drive.nominal_step_v(),
-    };
+    let volts = |at: usize| inputs[at].drive.nominal_step_v();
     let own = volts(run);
     // Levels of a source are set to 10 mV.
     let is_other = |at: &usize| (volts(*at) - own).abs() > 0.01;
