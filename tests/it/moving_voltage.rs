@@ -83,13 +83,22 @@ fn a_chirp_and_a_sine_go_from_the_file_to_table_figure_and_page() {
         .ieap(&["figure", "frequency", "-o", figure.to_str().unwrap()])
         .expect(0);
 
-    // The step alone is a condition, and alone is diagnosed.
+    // The step alone is a condition, for a wave has no voltage; all of them are diagnosed and compared.
     let fits = folder
         .ieap(&["table", "conditions", "--format", "json"])
         .expect(0)
         .json();
     assert_eq!(fits["rows"].as_array().map(Vec::len), Some(1));
-    assert!(!folder.report("findings.html").contains("chirp"));
+    let found = folder.ieap(&["diagnose", "--json"]).expect(0).json();
+    let group = &found["groups"][0];
+    assert_eq!(
+        (&group["verdict"], group["runs"].as_array().map(Vec::len)),
+        (&"consistent".into(), Some(3)),
+        "{group}"
+    );
+    assert!(folder.report("findings.html").contains("chirp"));
+    let compared = folder.ieap(&["compare", "--json"]).expect(0).stdout;
+    assert!(compared.contains("runs/chirp.csv"), "{compared}");
     let drawn = folder
         .ieap(&["table", "fits", "--format", "json"])
         .expect(0)

@@ -21,7 +21,7 @@
 //!   |E0| in place of e and E0.
 //! - `self-discharge`: `q_2' = i_2 - g e_2`; what is lost inside has no current outside, and the bending goes with q_2.
 //!   "threshold": what |e_2| has above 0.1 V in place of e_2; "first": branch 1 in place of 2.
-//! - `residual-charge`: `e_k(0) = baseline_v + f V`, V the first voltage held. The bending charge starts there too,
+//! - `residual-charge`: `e_k(0) = baseline_v + f V`, V the first voltage held (the nominal one of a moving voltage). The bending charge starts there too,
 //!   and the shape that it has gives the zero of curvature. The current before the drive is that of the baseline.
 //!   "uneven": both, branch 1 half as much; "fixed": f times 2 V in place of V.
 //! - `unequal-coupling`: b_2 = 1 + r. "fading": `1 + r exp(-|e|/20 V)`; "threshold": 1 + 2 r above 1 V ([`passed`]).

@@ -77,7 +77,7 @@ struct Course {
     kind: Waveform,
     scatter_v: f64,
     range_v: (f64, f64),
-    /// First reading that is no rest.
+    /// The first reading of the course: the last one of the rest, the one that jumps from it, or the first where there is none.
     start: usize,
     /// Readings from there on at which it turns round.
     turns: Vec<usize>,
@@ -119,7 +119,8 @@ fn course(time_s: &[f64], volts: &[f64], open: &[(f64, f64)]) -> Result<Course, 
         );
         return Err(refused(found).mend(mend));
     }
-    if is_staircase(volts, scatter_v) || jumps(time_s, volts).len() > jumps_of_wave(turns.len()) {
+    let found_jumps = jumps(time_s, volts);
+    if is_staircase(volts, scatter_v) || found_jumps.len() > jumps_of_wave(turns.len()) {
         let found = "the voltage steps and moves in between, or steps too often: neither steps nor a course, as where an open circuit is \
                      not stated";
         let mend = "say when the circuit was open, by a column open_circuit or the tag of that name; hold each of many voltages for \
@@ -137,7 +138,13 @@ fn course(time_s: &[f64], volts: &[f64], open: &[(f64, f64)]) -> Result<Course, 
         .take_while(|v| (*v - volts[0]).abs() <= near_v)
         .count();
     let rests = rest >= REST.max(half_period / 4);
-    let start = if rests { rest } else { 0 };
+    // From the last reading of the rest on, unless it ends with a jump: the way from there to the first reading that moved is
+    // part of the course.
+    let start = match rests {
+        true if found_jumps.contains(&rest) => rest,
+        true => rest - 1,
+        false => 0,
+    };
     Ok(Course {
         kind: recognise(time_s, volts, &turns),
         scatter_v,

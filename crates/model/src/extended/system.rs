@@ -39,8 +39,12 @@ impl RunContext<'_> {
         self.drive.segments.first().map_or(0.0, |segment| segment.start_s)
     }
 
-    /// Voltage of the first segment, V; 0 for an open circuit.
+    /// Voltage of the first segment, V; 0 for an open circuit. Of a voltage that moves all the time its nominal one, for it
+    /// begins at none.
     pub fn first_voltage_v(&self) -> f64 {
+        if self.drive.moves() {
+            return self.drive.nominal_step_v();
+        }
         match self.drive.segments.first().map(|segment| segment.level) {
             Some(ieap_domain::Level::Voltage(voltage_v)) => voltage_v,
             _ => 0.0,
