@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::condemned::{Aside, aside};
+use super::figures::residual::Clock;
 use super::input::Input;
 use super::lookup::Lookup;
 use super::number::fixed;
@@ -15,7 +16,7 @@ use ieap_analysis::laws::facts::{RunFacts, facts};
 use ieap_analysis::model_free::ModelFree;
 use ieap_analysis::{Conditions, conditions};
 use ieap_domain::tag::keys;
-use ieap_domain::{Fault, GroupDiagnosis, RunRecord};
+use ieap_domain::{Drive, Fault, GroupDiagnosis, RunRecord};
 
 /// What pages are made from: the input with the conditions and the names of the run pages.
 pub struct Site<'a> {
@@ -108,6 +109,17 @@ impl<'a> Site<'a> {
     /// The current run of that path.
     pub fn run_of(&self, path: &str) -> Option<usize> {
         self.lookup.runs.get(path).copied()
+    }
+
+    /// How the time of the run of that path is drawn beside a model.
+    pub fn clock_of(&self, path: &str) -> Clock {
+        let drive = self
+            .run_of(path)
+            .and_then(|run| self.input.record(run).drive.as_ref());
+        match drive.is_some_and(Drive::moves) {
+            true => Clock::Even,
+            false => Clock::SinceStep,
+        }
     }
 
     /// The group that a run was diagnosed in.

@@ -198,7 +198,7 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         .collect();
     let discharge = vec![(0.0, 2.0), (0.5 * lasting_s, 0.0)];
     // The drives below are replaced by these.
-    let courses: [Option<fn(f64) -> f64>; 3] = match plan.drives {
+    let courses: [Option<Course>; 3] = match plan.drives {
         Drives::Moving => [Some(sine), Some(chirp), Some(triangle)],
         Drives::Sine => [Some(sine), None, None],
         Drives::StepsAndSine => [None, None, Some(sine)],
@@ -285,7 +285,9 @@ pub fn case(seed: u64, plan: Plan) -> Case {
     }
 }
 
-/// Voltages over the record's part that has passed.
+/// A voltage over the record's part that has passed.
+type Course = fn(f64) -> f64;
+
 fn sine(part: f64) -> f64 {
     2.0 * (std::f64::consts::TAU * 8.0 * part).sin()
 }
@@ -300,7 +302,7 @@ fn triangle(part: f64) -> f64 {
 }
 
 /// That course in levels about each reading, and about so many places between every two.
-fn staircase(course: fn(f64) -> f64, read_s: &[f64], between: usize, lasting_s: f64) -> Drive {
+fn staircase(course: Course, read_s: &[f64], between: usize, lasting_s: f64) -> Drive {
     let read_s: Vec<f64> = std::iter::once(0.0)
         .chain(read_s.iter().copied().filter(|t| *t > 0.0))
         .collect();

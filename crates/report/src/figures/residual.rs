@@ -33,6 +33,15 @@ pub struct Called<'a> {
     pub extension: &'a str,
 }
 
+/// How the time of a run is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clock {
+    /// Since the step, so that seconds and hours have equal room.
+    SinceStep,
+    /// Evenly, as a voltage that moves all the time asks for.
+    Even,
+}
+
 /// Draws the residuals of `curve`, the models `called` so. None where there is too little to draw.
 ///
 /// # Errors
@@ -40,10 +49,11 @@ pub struct Called<'a> {
 pub fn residual(
     curve: &ResidualCurve,
     called: Called,
+    clock: Clock,
     title: &str,
     desc: &str,
 ) -> Result<Option<String>, String> {
-    let Some(drawing) = Drawing::of(curve, called)? else {
+    let Some(drawing) = Drawing::of(curve, called, clock)? else {
         return Ok(None);
     };
     let drawn = svg((WIDTH, HEIGHT), title, desc, |area| drawing.residuals(area))?;
@@ -58,10 +68,11 @@ pub fn residual(
 pub fn overlay(
     curve: &ResidualCurve,
     called: Called,
+    clock: Clock,
     title: &str,
     desc: &str,
 ) -> Result<Option<String>, String> {
-    let drawing = match Drawing::of(curve, called)? {
+    let drawing = match Drawing::of(curve, called, clock)? {
         Some(drawing) if !curve.measured.is_empty() => drawing,
         _ => return Ok(None),
     };
@@ -82,7 +93,11 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    fn of<'a>(curve: &'a ResidualCurve, called: Called<'a>) -> Result<Option<Drawing<'a>>, String> {
+    fn of<'a>(
+        curve: &'a ResidualCurve,
+        called: Called<'a>,
+        clock: Clock,
+    ) -> Result<Option<Drawing<'a>>, String> {
         check_lengths(curve)?;
         let last_s = curve.time_s.last().copied().unwrap_or(0.0);
         let after: Vec<f64> = curve
@@ -95,7 +110,10 @@ impl Drawing<'_> {
             return Ok(None);
         }
         let (first_s, _) = finite_range(curve.time_s.iter().copied());
-        let x = Axis::about_step(first_s.min(0.0), after[0], last_s, "Time since the step");
+        let x = match clock {
+            Clock::SinceStep => Axis::about_step(first_s.min(0.0), after[0], last_s, "Time since the step"),
+            Clock::Even => Axis::linear(first_s, last_s, "Time", "s", 6),
+        };
         Ok(Some(Drawing { curve, called, x }))
     }
 
@@ -257,24 +275,36 @@ mod tests {
 
     #[test]
     fn a_figure_of_160_points_stays_small() {
-        let drawn = residual(&curve(160), CALLED, "t", "d").unwrap().unwrap();
+        let drawn = residual(&curve(160), CALLED, Clock::SinceStep, "t", "d")
+            .unwrap()
+            .unwrap();
         assert!(drawn.len() < 8_000, "{} bytes", drawn.len());
     }
 
     #[test]
     fn too_little_and_uneven_are_said() {
-        assert_eq!(residual(&curve(1), CALLED, "t", "d").unwrap(), None);
+        assert_eq!(
+            residual(&curve(1), CALLED, Clock::SinceStep, "t", "d").unwrap(),
+            None
+        );
         let mut uneven = curve(20);
         uneven.before_sigma.pop();
-        assert!(residual(&uneven, CALLED, "t", "d").is_err_and(|reason| reason.contains("19")));
+        assert!(
+            residual(&uneven, CALLED, Clock::SinceStep, "t", "d").is_err_and(|reason| reason.contains("19"))
+        );
         let mut earlier = curve(20);
         earlier.measured.clear();
-        assert_eq!(overlay(&earlier, CALLED, "t", "d").unwrap(), None);
+        assert_eq!(
+            overlay(&earlier, CALLED, Clock::SinceStep, "t", "d").unwrap(),
+            None
+        );
     }
 
     #[test]
     fn an_overlay_has_readings_two_models_and_what_they_leave() {
-        let drawn = overlay(&curve(160), CALLED, "t", "d").unwrap().unwrap();
+        let drawn = overlay(&curve(160), CALLED, Clock::SinceStep, "t", "d")
+            .unwrap()
+            .unwrap();
         assert!(
             drawn.contains("Current (mA)") && drawn.contains("Residual"),
             "{drawn}"
@@ -285,13 +315,21 @@ mod tests {
     }
 
     #[test]
+    fn a_moving_voltage_is_drawn_over_an_even_clock() {
+        let of = |clock| overlay(&curve(160), CALLED, clock, "t", "d").unwrap().unwrap();
+        assert!(of(Clock::SinceStep).contains("Time since the step"));
+        let even = of(Clock::Even);
+        assert!(even.contains("Time (s)") && !even.contains("since"), "{even}");
+    }
+
+    #[test]
     fn an_extension_that_is_not_the_finding_is_not_drawn() {
         let withheld = ResidualCurve {
             after_sigma: vec![],
             extended: vec![1.0; 200],
             ..curve(200)
         };
-        let drawn = overlay(&withheld, CALLED, "t", "d").unwrap();
+        let drawn = overlay(&withheld, CALLED, Clock::SinceStep, "t", "d").unwrap();
         assert!(!drawn.unwrap_or_default().contains("data-s=\"after\""));
     }
 
@@ -300,6 +338,10 @@ mod tests {
         let mut curve = curve(20);
         curve.before_sigma[3] = f64::NAN;
         curve.after_sigma[4] = f64::INFINITY;
-        assert!(residual(&curve, CALLED, "t", "d").unwrap().is_some());
+        assert!(
+            residual(&curve, CALLED, Clock::SinceStep, "t", "d")
+                .unwrap()
+                .is_some()
+        );
     }
 }

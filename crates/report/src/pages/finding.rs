@@ -166,8 +166,8 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     let found = &findings.groups[place];
     let mut figures = BTreeMap::new();
     let answer = answer(site, found, &mut figures)?;
-    let residuals = residuals(found, &mut figures)?;
-    let held_out = held_out(found, &mut figures)?;
+    let residuals = residuals(site, found, &mut figures)?;
+    let held_out = held_out(site, found, &mut figures)?;
     let profiles = profiles(found, findings, &mut figures)?;
     let bars = bars(found, &mut figures)?;
     let differs = match found.verdict {
@@ -379,6 +379,7 @@ fn candidate_row(candidate: &Candidate, findings: &Findings) -> CandidateRow {
 
 /// The residuals that are drawn, the largest first.
 fn residuals(
+    site: &Site,
     found: &GroupDiagnosis,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Vec<ResidualBlock>, ReportError> {
@@ -396,7 +397,7 @@ fn residuals(
             "Dots: measured minus base model; line: measured minus {}; band: two standard deviations of single readings.",
             extension(found)
         );
-        let drawn = residual(curve, called(found), &title, &desc);
+        let drawn = residual(curve, called(found), site.clock_of(&curve.run), &title, &desc);
         blocks.extend(block(id, heading, drawn, figures)?);
     }
     Ok(blocks)
@@ -421,6 +422,7 @@ fn block(
 
 /// What the models leave of what took no part in their fits, the largest misfits of the base first.
 fn held_out(
+    site: &Site,
     found: &GroupDiagnosis,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Vec<ResidualBlock>, ReportError> {
@@ -434,7 +436,13 @@ fn held_out(
             "Measured minus what models predict that were fitted without these readings. Dots: base model; line: {}.",
             extension(found)
         );
-        let drawn = residual(curve, called_held_out(found), &title, &desc);
+        let drawn = residual(
+            curve,
+            called_held_out(found),
+            site.clock_of(&curve.run),
+            &title,
+            &desc,
+        );
         let heading = format!("{}: {}", curve.run, curve.channel);
         blocks.extend(block(id, heading, drawn, figures)?);
     }

@@ -62,7 +62,13 @@ pub fn answer(
     for curve in shown {
         let id = format!("answer-{}", curve.channel);
         let title = format!("{} of {}, measured and simulated", curve.channel, curve.run);
-        let drawn = overlay(curve, called(found), &title, &seen(curve, found));
+        let drawn = overlay(
+            curve,
+            called(found),
+            site.clock_of(&curve.run),
+            &title,
+            &seen(curve, found),
+        );
         let drawn = drawn.map_err(|reason| ReportError::Figure {
             figure: id.clone(),
             reason,
