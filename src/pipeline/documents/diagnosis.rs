@@ -1,7 +1,8 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
 pub use crate::analysis::groups::title as group_title;
-use std::collections::BTreeMap;
+use crate::analysis::kept::Kept;
+pub use std::collections::BTreeMap;
 
 use crate::domain::Estimate;
 
@@ -219,11 +220,14 @@ pub fn diagnosis_document(
     let mut faults = Vec::new();
     let across = match group {
         Some(_) => CampaignLaws::default(),
-        None => or_nothing(campaign_laws(context, &runs, choice.seed), &mut faults)?,
+        None => or_nothing(
+            campaign_laws(context, &runs, choice.seed, &Kept::default()),
+            &mut faults,
+        )?,
     };
     let plan = || match group {
         Some(_) => Ok(Plan::default()),
-        None => next_runs::plan_from(context, &runs, &across, &findings.groups),
+        None => next_runs::plan_from(context, &runs, &across, &findings.groups, &Kept::default()),
     };
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
     let compared = || {

@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::across_runs::campaign_laws;
+use crate::analysis::kept::Kept;
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::design::Level;
@@ -113,11 +114,12 @@ pub struct UntyingEntry {
 /// The database cannot be read.
 pub fn plan(context: &Context) -> Result<Plan, PipelineError> {
     let runs = standing::speaking(context)?;
-    let laws = campaign_laws(context, &runs, None)?;
-    plan_from(context, &runs, &laws, &current_findings(context)?.groups)
+    let kept = Kept::default();
+    let laws = campaign_laws(context, &runs, None, &kept)?;
+    plan_from(context, &runs, &laws, &current_findings(context)?.groups, &kept)
 }
 
-/// Plans from laws and findings that are known already.
+/// Plans from laws and findings that are known already; what was planned for them before is taken from `kept`.
 ///
 /// # Errors
 /// The database cannot be read.
@@ -126,8 +128,9 @@ pub fn plan_from(
     runs: &[RunRecord],
     laws: &CampaignLaws,
     groups: &[GroupDiagnosis],
+    kept: &Kept,
 ) -> Result<Plan, PipelineError> {
-    let untying = untie(laws, runs, &context.campaign);
+    let untying = untie(laws, runs, &context.campaign, kept);
     let made = standing::all(context)?;
     let sheets = planned(context, &made)?;
     let open: Vec<RowOfSheet> = sheets.open.iter().map(|row| row.row.clone()).collect();

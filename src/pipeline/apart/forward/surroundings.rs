@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::asked::{AskedStrip, Condition};
 use super::source::Source;
+use crate::analysis::kept::Kept;
 use crate::analysis::laws::design::Level;
 use crate::analysis::laws::facts::{RunFacts, facts};
 use crate::analysis::laws::fitted::{Fitted, value_at};
@@ -105,7 +106,7 @@ impl Surroundings {
         for way in &found.ways {
             way.refuse_outside(&found.runs)?;
         }
-        let laws = campaign_laws(context, speaking, None)?.dependences;
+        let laws = campaign_laws(context, speaking, None, &Kept::default())?.dependences;
         for way in &mut found.ways {
             way.laws = of_covariate(&laws, material, way.condition.covariate);
             way.refuse_without_laws(&found.runs, material)?;
