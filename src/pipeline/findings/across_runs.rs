@@ -9,25 +9,24 @@ use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::pipeline::PipelineError;
 use crate::pipeline::campaign::context::Context;
 use crate::pipeline::campaign::planned::{PlannedRow, planned};
-use crate::pipeline::findings::current::current_findings;
+use crate::pipeline::findings::current::CurrentFindings;
 use crate::pipeline::ground::fault::step;
 
 /// Seed of the draws where none is asked for.
 const SEED: u64 = 1;
 
-/// Seeks laws, offsets and selection over the current runs; what was found of a material before is taken from `kept`.
+/// Seeks laws, offsets and selection over the current runs, of which a diagnosis found this; what was found of a material before is taken from `kept`.
 ///
 /// # Errors
 /// The database cannot be read, or a fault of the program stops the search.
 pub fn campaign_laws(
     context: &Context,
-    runs: &[RunRecord],
+    (runs, findings): (&[RunRecord], &CurrentFindings),
     seed: Option<u64>,
     kept: &Kept,
 ) -> Result<CampaignLaws, PipelineError> {
     let charge_c = charges(context, runs, kept)?;
     let attempts = attempts(context, runs)?;
-    let findings = current_findings(context)?;
     step("what holds across runs", || {
         Ok(find(&Evidence {
             findings: Findings {

@@ -194,13 +194,21 @@ pub(super) fn found_table(
     table: Table,
 ) -> Result<Vec<PlainColumn>, PipelineError> {
     let campaign = &context.campaign;
+    let laws = || {
+        campaign_laws(
+            context,
+            (runs, &current_findings(context)?),
+            None,
+            &Kept::default(),
+        )
+    };
     Ok(match table {
         Table::Findings => {
             let found = current_findings(context)?;
             found_tables::findings_table((&found.groups, &found.runs), runs, campaign)
         }
         Table::Monitoring => {
-            let laws = campaign_laws(context, runs, None, &Kept::default())?;
+            let laws = laws()?;
             let monitoring = step("monitoring", || Ok(monitor(runs, campaign, &laws)))?;
             found_tables::monitoring_table(&monitoring)
         }
@@ -212,7 +220,7 @@ pub(super) fn found_table(
         Table::Cycles => {
             found_tables::cycles_table(&without_model(context, runs, &Kept::default())?.trains, runs)
         }
-        _ => found_tables::laws_table(&campaign_laws(context, runs, None, &Kept::default())?),
+        _ => found_tables::laws_table(&laws()?),
     })
 }
 

@@ -22,10 +22,11 @@ use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
-use crate::pipeline::findings::current::current_findings;
+use crate::pipeline::findings::current::{CurrentFindings, findings_among};
 use crate::pipeline::findings::frequency::frequency_runs;
+use crate::pipeline::findings::impedance;
 use crate::pipeline::findings::model_free::without_model;
-use crate::pipeline::findings::{impedance, next_runs};
+use crate::pipeline::findings::next_runs::{self, PlannedIds};
 use crate::pipeline::ground::fault::{or_nothing, step};
 use crate::pipeline::ground::own_folder::{self, Altered, Fresh};
 use crate::pipeline::intake::climate::electrode_courses;
@@ -354,15 +355,19 @@ pub(crate) fn input(
     changed_at: &str,
     kept: &Kept,
 ) -> Result<report::Input, PipelineError> {
+    // Each of these may fail by itself: the report then lacks it, and says so.
+    let mut faults = Vec::new();
+    let all = standing::all(context)?;
+    let found = or_nothing(step("findings", || findings_among(context, &all)), &mut faults)?;
+    let ids = step("run sheets", || PlannedIds::of(context, &all));
+    let ids = or_nothing(ids, &mut faults)?;
     let Runs {
         speaking: mut runs,
         set_aside,
-    } = standing::runs(context)?;
+    } = Runs::of(all);
     same_tags::annotate(&mut runs);
     sequence::annotate(&mut runs);
-    // Each of these may fail by itself: the report then lacks it, and says so.
-    let mut faults = Vec::new();
-    let mut laws = or_nothing(campaign_laws(context, &runs, None, kept), &mut faults)?;
+    let mut laws = or_nothing(campaign_laws(context, (&runs, &found), None, kept), &mut faults)?;
     if laws.facts.len() != runs.len() {
         laws.facts = facts(&runs, &context.campaign, &vec![None; runs.len()]);
     }
@@ -375,10 +380,21 @@ pub(crate) fn input(
         ))
     };
     let contrasts = or_nothing(step("environments and voltages compared", contrasts), &mut faults)?;
-    let findings = or_nothing(step("findings", || findings(context, &runs)), &mut faults)?;
+    let findings = or_nothing(
+        step("findings", || Ok(findings(context, &runs, found))),
+        &mut faults,
+    )?;
     let compared = step("models compared", || current_comparisons(context, &runs));
     let (comparisons, outdated_comparisons) = or_nothing(compared, &mut faults)?;
-    let plan = || next_runs::plan_from(context, &runs, &laws, &findings.groups, kept);
+    let plan = || {
+        Ok(next_runs::plan_from(
+            context,
+            (&runs, &ids),
+            &laws,
+            &findings.groups,
+            kept,
+        ))
+    };
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
     let spectra = step("impedance spectra", || impedance::spectra(context, &[]));
     let spectra = or_nothing(spectra, &mut faults)?;
@@ -455,8 +471,7 @@ fn source_files(context: &Context) -> Result<Vec<SourceFile>, PipelineError> {
     Ok(files.into_values().collect())
 }
 
-fn findings(context: &Context, runs: &[RunRecord]) -> Result<report::Findings, PipelineError> {
-    let found = current_findings(context)?;
+fn findings(context: &Context, runs: &[RunRecord], found: CurrentFindings) -> report::Findings {
     let of_effect = |effect: &&dyn Effect| {
         let about = effect.about();
         report::EffectText {
@@ -495,13 +510,13 @@ fn findings(context: &Context, runs: &[RunRecord]) -> Result<report::Findings, P
             (effect, said)
         })
         .collect();
-    Ok(report::Findings {
+    report::Findings {
         shared,
         groups: found.groups,
         runs: found.runs,
         turns: found.turns,
         effects: effects::ALL.iter().chain(&of_tags).map(of_effect).collect(),
-    })
+    }
 }
 
 fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::Error) -> PipelineError {
