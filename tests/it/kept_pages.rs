@@ -107,6 +107,42 @@ fn whatever_changes_the_report_is_the_one_made_from_nothing() {
     );
     change(&["ingest"]);
     assert_eq!(kept_pages(&folder, "a notice on every page"), 0);
+    let toml = fs::read_to_string(folder.join("campaign.toml")).unwrap();
+    let thicker = toml.replace("width_mm = 2.0", "width_mm = 2.0\nthickness_mm = 0.2");
+    assert_ne!(thicker, toml);
+    folder.write("campaign.toml", thicker);
+    change(&["ingest"]);
+    change(&["fit"]);
+    let _ = kept_pages(
+        &folder,
+        "a size of the sample, which runs say their strain rate by",
+    );
+}
+
+#[test]
+fn values_kept_for_the_next_report_are_taken_only_as_they_were_written() {
+    let folder = campaign();
+    let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let values = folder.join("report/.values");
+    let written = fs::read(&values).unwrap();
+    // Of every run what it says without a model, and the charge that passed: more than a few bytes.
+    assert!(written.len() > 9 * 500, "{} bytes", written.len());
+    let mut changed = written.clone();
+    changed[written.len() / 2] ^= 1;
+    for (what, bytes) in [
+        ("changed", &changed),
+        ("torn", &written[..100].to_vec()),
+        ("none", &Vec::new()),
+    ] {
+        fs::write(&values, bytes).unwrap();
+        let _ = folder
+            .ieap(&["tag", "runs/air/0.csv", &format!("note={what}")])
+            .expect(0);
+        assert_eq!(kept_pages(&folder, what), 2, "{what}");
+    }
+    fs::remove_file(&values).unwrap();
+    let _ = folder.ieap(&["tag", "runs/air/0.csv", "note=gone"]).expect(0);
+    assert_eq!(kept_pages(&folder, "values that are gone"), 2);
 }
 
 #[test]

@@ -16,6 +16,7 @@ pub mod frequency;
 pub mod groups;
 pub mod impedance;
 pub mod json_rows;
+pub mod kept;
 pub mod laws;
 pub mod misread;
 pub mod model_free;

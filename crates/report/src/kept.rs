@@ -2,7 +2,6 @@
 //! made from is that page, and is taken over. A hash over all of them stands for them; a file of the report lists the hashes.
 
 use std::collections::BTreeMap;
-use std::fmt::{self, Write as _};
 use std::io;
 
 /// File of the list, one file of the report a line: what it was made from, two blanks, its path.
@@ -58,31 +57,6 @@ pub fn read(text: &str, is_whole: impl Fn(&str) -> bool) -> Made {
     made
 }
 
-/// A hash over values as they print for debugging, which tells any two apart that differ.
-#[derive(Default)]
-pub struct Hash(blake3::Hasher);
-
-impl Hash {
-    /// The same with another value.
-    pub fn with(mut self, value: &dyn fmt::Debug) -> Hash {
-        // Hashing cannot fail.
-        let _ = writeln!(self, "{value:?}");
-        self
-    }
-
-    /// Hexadecimal.
-    pub fn text(&self) -> String {
-        self.0.finalize().to_hex().to_string()
-    }
-}
-
-impl fmt::Write for Hash {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.0.update(text.as_bytes());
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,13 +84,5 @@ mod tests {
         assert_eq!(earlier.take("a").unwrap(), Some(&["one".to_owned()][..]));
         assert_eq!(earlier.take("b").unwrap(), None);
         assert_eq!(earlier.take("c").unwrap(), None);
-    }
-
-    #[test]
-    fn values_that_differ_have_other_hashes() {
-        let of = |a: f64, b: &str| Hash::default().with(&a).with(&b).text();
-        assert_eq!(of(0.1, "x"), of(0.1, "x"));
-        assert_ne!(of(0.1, "x"), of(0.1f64.next_up(), "x"));
-        assert_ne!(of(0.1, "x\"\n\"y"), of(0.1, "x"));
     }
 }

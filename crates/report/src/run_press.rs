@@ -9,11 +9,11 @@ use rayon::prelude::*;
 use super::drawn_runs::{drawn_from, to_draw};
 use super::error::ReportError;
 use super::fault::guarded;
-use super::kept::Hash;
 use super::pages::{DrawnRun, Outline, RUN_TEMPLATE, drawn_content};
 use super::press::{LAYOUT, Place, Press, RUNS, write};
 use super::readings_file;
 use super::sparkline::Sparks;
+use ieap_analysis::kept::Hash;
 use ieap_domain::CurveSource;
 
 /// What became of a few pages.

@@ -153,7 +153,10 @@ impl Store {
     }
 
     /// The seals of all that curves of a run are read from; none where the database has no seals.
-    fn seals_of_curves(&self, run_id: i64) -> Result<Option<String>, StoreError> {
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn seals_of_curves(&self, run_id: i64) -> Result<Option<String>, StoreError> {
         let mut subjects = vec![Subject::Readings(run_id), Subject::ClimateCurves(run_id)];
         subjects.extend(self.current_fit_as_listed(run_id)?.map(Subject::FitCurves));
         let seals: Result<Option<Vec<String>>, StoreError> = subjects
@@ -161,6 +164,19 @@ impl Store {
             .map(|subject| self.seal_in_words(subject))
             .collect();
         Ok(seals?.map(|seals| seals.join(" ")))
+    }
+
+    /// The seals of a run and of its readings, by which anyone knows whether they changed; none where the database has no
+    /// seals.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn seals_of_readings(&self, run_id: i64) -> Result<Option<String>, StoreError> {
+        let run = self.seal_in_words(&Subject::Run(run_id))?;
+        let readings = self.seal_in_words(&Subject::Readings(run_id))?;
+        Ok(run
+            .zip(readings)
+            .map(|(run, readings)| format!("{run} {readings}")))
     }
 
     /// Row id of the current fit of a run.

@@ -368,8 +368,16 @@ impl Store {
         let _moment = self.snapshot()?;
         self.check_seal(&Subject::Runs)?;
         let aliases = self.aliases()?;
-        let sql = "SELECT id FROM run WHERE superseded_at IS NULL ORDER BY path";
-        self.records(sql, kind, |record| self.complete(record, &aliases))
+        // Every row is held against its seal where the runs are read; to look for a few logs and spectra among them it need
+        // not be done again.
+        let sql = match kind {
+            RunKind::Actuation => "SELECT id FROM run WHERE superseded_at IS NULL ORDER BY path".to_owned(),
+            _ => format!(
+                "SELECT id FROM run WHERE superseded_at IS NULL AND kind = '{}' ORDER BY path",
+                kind.key()
+            ),
+        };
+        self.records(&sql, kind, |record| self.complete(record, &aliases))
     }
 
     /// The runs of a kind among those whose ids a query gives, with what `complete` fills in from other tables.

@@ -82,7 +82,18 @@ pub fn speaking(context: &Context) -> Result<Vec<RunRecord>, PipelineError> {
 /// # Errors
 /// The database cannot be read.
 pub(crate) fn to_diagnose(context: &Context) -> Result<Vec<RunRecord>, PipelineError> {
-    Ok(Runs::of(decided(context, context.store.runs()?, None)?).speaking)
+    to_diagnose_of(context, context.store.runs()?)
+}
+
+/// The same where all runs were read already, with a standing or without.
+///
+/// # Errors
+/// The database cannot be read.
+pub(crate) fn to_diagnose_of(
+    context: &Context,
+    all: Vec<RunRecord>,
+) -> Result<Vec<RunRecord>, PipelineError> {
+    Ok(Runs::of(decided(context, all, None)?).speaking)
 }
 
 /// The runs that results are made from once diagnoses that are due have condemned those of `ahead`: row id and reason.

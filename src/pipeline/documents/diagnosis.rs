@@ -1,7 +1,8 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
 pub use crate::analysis::groups::title as group_title;
-use std::collections::BTreeMap;
+use crate::analysis::kept::Kept;
+pub use std::collections::BTreeMap;
 
 use crate::domain::Estimate;
 
@@ -19,10 +20,10 @@ use crate::domain::{
     GroupDiagnosis, Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterScatter, ParameterShift,
     RunAlone, StrengthProfile, VaryingParameter, Verdict, Whereabouts,
 };
-use crate::pipeline::campaign::standing;
+use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::across_runs::campaign_laws;
-use crate::pipeline::findings::current::current_findings;
-use crate::pipeline::findings::next_runs::{self, NextRunEntry, Plan, UntyingEntry};
+use crate::pipeline::findings::current::findings_among;
+use crate::pipeline::findings::next_runs::{self, NextRunEntry, Plan, PlannedIds, UntyingEntry};
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::ground::fault::{or_nothing, step};
 use crate::pipeline::{Context, DiagnoseChoice, PipelineError};
@@ -205,7 +206,8 @@ pub fn diagnosis_document(
     group: Option<&str>,
 ) -> Result<DiagnosisDocument, PipelineError> {
     let options = choice.options(&context.campaign)?;
-    let mut findings = current_findings(context)?;
+    let all = standing::all(context)?;
+    let mut findings = findings_among(context, &all)?;
     if let Some(name) = group {
         findings.groups.retain(|found| found.group == name);
         let members: Vec<String> = findings
@@ -215,15 +217,25 @@ pub fn diagnosis_document(
             .collect();
         findings.runs.retain(|found| members.contains(&found.group));
     }
-    let runs = standing::speaking(context)?;
-    let mut faults = Vec::new();
+    let ids = PlannedIds::of(context, &all)?;
+    let runs = Runs::of(all).speaking;
+    let (mut faults, kept) = (Vec::new(), Kept::default());
     let across = match group {
         Some(_) => CampaignLaws::default(),
-        None => or_nothing(campaign_laws(context, &runs, choice.seed), &mut faults)?,
+        None => or_nothing(
+            campaign_laws(context, (&runs, &findings), choice.seed, &kept),
+            &mut faults,
+        )?,
     };
     let plan = || match group {
         Some(_) => Ok(Plan::default()),
-        None => next_runs::plan_from(context, &runs, &across, &findings.groups),
+        None => Ok(next_runs::plan_from(
+            context,
+            (&runs, &ids),
+            &across,
+            &findings.groups,
+            &kept,
+        )),
     };
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
     let compared = || {

@@ -1,5 +1,6 @@
 //! What holds across the runs of a campaign, found from the current fits whenever it is read.
 
+use crate::analysis::kept::{Hash, Kept};
 use crate::analysis::laws::doubt::Findings;
 use crate::analysis::laws::{Attempt, CampaignLaws, Evidence, find};
 use crate::domain::tag::keys;
@@ -8,24 +9,24 @@ use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::pipeline::PipelineError;
 use crate::pipeline::campaign::context::Context;
 use crate::pipeline::campaign::planned::{PlannedRow, planned};
-use crate::pipeline::findings::current::current_findings;
+use crate::pipeline::findings::current::CurrentFindings;
 use crate::pipeline::ground::fault::step;
 
 /// Seed of the draws where none is asked for.
 const SEED: u64 = 1;
 
-/// Seeks laws, offsets and selection over the current runs.
+/// Seeks laws, offsets and selection over the current runs, of which a diagnosis found this; what was found of a material before is taken from `kept`.
 ///
 /// # Errors
 /// The database cannot be read, or a fault of the program stops the search.
 pub fn campaign_laws(
     context: &Context,
-    runs: &[RunRecord],
+    (runs, findings): (&[RunRecord], &CurrentFindings),
     seed: Option<u64>,
+    kept: &Kept,
 ) -> Result<CampaignLaws, PipelineError> {
-    let charge_c = charges(context, runs)?;
+    let charge_c = charges(context, runs, kept)?;
     let attempts = attempts(context, runs)?;
-    let findings = current_findings(context)?;
     step("what holds across runs", || {
         Ok(find(&Evidence {
             findings: Findings {
@@ -37,20 +38,33 @@ pub fn campaign_laws(
             charge_c: &charge_c,
             attempts: &attempts,
             seed: seed.unwrap_or(SEED),
+            kept,
         }))
     })
 }
 
 /// Charge that passed in each run, C: the magnitude of the current integrated over its stored curve, which keeps the
 /// extremes of each stretch of time.
-pub fn charges(context: &Context, runs: &[RunRecord]) -> Result<Vec<Option<f64>>, PipelineError> {
-    let charge = |run: &RunRecord| -> Result<Option<f64>, PipelineError> {
-        if run.fit.is_none() {
-            return Ok(None);
-        }
+fn charges(context: &Context, runs: &[RunRecord], kept: &Kept) -> Result<Vec<Option<f64>>, PipelineError> {
+    let read = |run: &RunRecord| -> Result<Option<f64>, PipelineError> {
         let curves = context.store.fit_curves(run.id)?;
         let current = curves.iter().find(|curve| curve.quantity == Quantity::Current);
         Ok(current.map(integral))
+    };
+    let charge = |run: &RunRecord| {
+        if run.fit.is_none() {
+            return Ok(None);
+        }
+        let Some(seals) = context.store.seals_of_curves(run.id)? else {
+            return read(run);
+        };
+        let hash = Hash::default().with(&"charge").with(&seals).text();
+        if let Some(charge) = kept.earlier(&hash) {
+            return Ok(charge);
+        }
+        let charge = read(run)?;
+        kept.put(&hash, &charge);
+        Ok(charge)
     };
     runs.iter().map(charge).collect()
 }

@@ -25,12 +25,22 @@ pub struct CurrentFindings {
 /// # Errors
 /// The database cannot be read.
 pub fn current_findings(context: &Context) -> Result<CurrentFindings, PipelineError> {
+    findings_among(context, &standing::all(context)?)
+}
+
+/// The same where all runs with their standing were read already.
+///
+/// # Errors
+/// The database cannot be read.
+pub(crate) fn findings_among(
+    context: &Context,
+    known: &[RunRecord],
+) -> Result<CurrentFindings, PipelineError> {
     let (groups, runs): (Vec<_>, Vec<_>) = context
         .store
         .diagnoses()?
         .into_iter()
         .partition(|stored| stored.kind == DiagnosisKind::Group);
-    let known = standing::all(context)?;
     let silent: BTreeSet<&str> = (known.iter().filter(|run| !run.standing.speaks()))
         .map(|run| run.path.as_str())
         .collect();
@@ -50,14 +60,14 @@ pub fn current_findings(context: &Context) -> Result<CurrentFindings, PipelineEr
         runs: found(runs),
         turns: BTreeMap::new(),
     };
-    findings.turns = turns_of(known, &findings.runs);
+    findings.turns = turns_of(known.iter().collect(), &findings.runs);
     judge_together(&mut findings.groups);
     judge_together(&mut findings.runs);
     Ok(findings)
 }
 
 /// Tests the runs in the order in which they were stored. Runs that were stored again count as new.
-fn turns_of(mut runs: Vec<RunRecord>, found: &[GroupDiagnosis]) -> BTreeMap<String, Turn> {
+fn turns_of(mut runs: Vec<&RunRecord>, found: &[GroupDiagnosis]) -> BTreeMap<String, Turn> {
     let p: BTreeMap<&str, f64> = found
         .iter()
         .filter_map(|found| Some((found.group.as_str(), found.p_misfit?)))
@@ -65,7 +75,7 @@ fn turns_of(mut runs: Vec<RunRecord>, found: &[GroupDiagnosis]) -> BTreeMap<Stri
     runs.sort_by_key(|run| run.id);
     let (paths, p): (Vec<String>, Vec<f64>) = runs
         .into_iter()
-        .filter_map(|run| Some((p.get(run.path.as_str()).copied()?, run.path)))
+        .filter_map(|run| Some((p.get(run.path.as_str()).copied()?, run.path.clone())))
         .map(|(p, path)| (path, p))
         .unzip();
     paths.into_iter().zip(turns(&p)).collect()

@@ -1,13 +1,14 @@
-//! What runs say without a model, and trains cycle by cycle. Nothing of it is stored: it follows from the readings whenever
-//! it is read.
+//! What runs say without a model, and trains cycle by cycle. No table holds it: it follows from the readings, and a report
+//! keeps it for the next one (`analysis::kept`).
 
 use rayon::prelude::*;
 
 use crate::analysis::cycles::{CycleRun, cycle_run};
+use crate::analysis::kept::{Hash, Kept};
 use crate::analysis::model_free::{ModelFree, model_free};
 use crate::analysis::stiffness::sample_modulus;
 use crate::domain::tag::keys;
-use crate::domain::{Channel, Quantity, RunRecord};
+use crate::domain::{Channel, Estimate, ModulusLog, Quantity, RunRecord, Sample};
 use crate::ingest::derived;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, PipelineError};
@@ -24,33 +25,84 @@ pub struct WithoutModel {
     pub trains: Vec<CycleRun>,
 }
 
-/// What the runs with a drive say, in their order.
+/// What one run says: as a step, and as a train.
+type Said = (Option<ModelFree>, Option<CycleRun>);
+
+/// A run that is asked.
+struct Asked<'a> {
+    run: &'a RunRecord,
+    sample: Option<&'a Sample>,
+    /// Of the strip at the humidity of the run.
+    modulus_mpa: Estimate,
+    /// The hash of what its answer is made from, where that is known.
+    hash: Option<String>,
+}
+
+/// What the runs with a drive say, in their order; what one said before is taken from `kept`.
 ///
 /// # Errors
 /// The database cannot be read.
-pub fn without_model(context: &Context, runs: &[RunRecord]) -> Result<WithoutModel, PipelineError> {
-    let campaign = &context.campaign;
+pub fn without_model(
+    context: &Context,
+    runs: &[RunRecord],
+    kept: &Kept,
+) -> Result<WithoutModel, PipelineError> {
     let (logs, _) = standing::modulus_logs(context)?;
     let driven: Vec<&RunRecord> = runs.iter().filter(|run| run.drive.is_some()).collect();
     let mut found = WithoutModel::default();
     for some in driven.chunks(TOGETHER) {
-        let read: Vec<(&RunRecord, Vec<Channel>)> = some
-            .iter()
-            .map(|run| Ok((*run, channels(context, run)?)))
-            .collect::<Result<_, PipelineError>>()?;
-        let sample = |run: &RunRecord| run.tag(keys::SAMPLE).and_then(|id| campaign.sample(id));
-        let of = |(run, channels): &(&RunRecord, Vec<Channel>)| {
-            let (sample, humidity) = (sample(run), run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT));
-            let (modulus_mpa, _) = sample_modulus(&logs, campaign, sample, humidity);
-            let step = model_free(run, channels, sample, &modulus_mpa);
-            (step, cycle_run(run, channels))
-        };
-        for (step, train) in read.par_iter().map(of).collect::<Vec<_>>() {
+        let read = some.iter().map(|run| {
+            let asked = asked(context, run, &logs)?;
+            let known: Option<Said> = asked.hash.as_deref().and_then(|hash| kept.earlier(hash));
+            match known {
+                Some(said) => Ok((asked, Ok(said))),
+                None => Ok((asked, Err(channels(context, run)?))),
+            }
+        });
+        let read = read.collect::<Result<Vec<(Asked, Result<Said, Vec<Channel>>)>, PipelineError>>()?;
+        let said = read.into_par_iter().map(|(asked, read)| match read {
+            Ok(said) => said,
+            Err(channels) => asked.answer(&channels, kept),
+        });
+        for (step, train) in said.collect::<Vec<Said>>() {
             found.steps.extend(step);
             found.trains.extend(train);
         }
     }
     Ok(found)
+}
+
+fn asked<'a>(
+    context: &'a Context,
+    run: &'a RunRecord,
+    logs: &[ModulusLog],
+) -> Result<Asked<'a>, PipelineError> {
+    let campaign = &context.campaign;
+    let sample = run.tag(keys::SAMPLE).and_then(|id| campaign.sample(id));
+    let humidity = run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
+    let (modulus_mpa, _) = sample_modulus(logs, campaign, sample, humidity);
+    let seals = context.store.seals_of_readings(run.id)?;
+    let hash = seals.map(|seals| {
+        let hash = Hash::default().with(&"without a model").with(&seals);
+        hash.with(&sample).with(&modulus_mpa).text()
+    });
+    Ok(Asked {
+        run,
+        sample,
+        modulus_mpa,
+        hash,
+    })
+}
+
+impl Asked<'_> {
+    fn answer(&self, channels: &[Channel], kept: &Kept) -> Said {
+        let step = model_free(self.run, channels, self.sample, &self.modulus_mpa);
+        let said = (step, cycle_run(self.run, channels));
+        if let Some(hash) = &self.hash {
+            kept.put(hash, &said);
+        }
+        said
+    }
 }
 
 /// The channels of the strip as a whole.

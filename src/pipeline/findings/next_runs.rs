@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::across_runs::campaign_laws;
+use crate::analysis::kept::Kept;
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::design::Level;
@@ -18,8 +19,8 @@ use crate::domain::{GroupDiagnosis, RunRecord};
 use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::ingest::run_sheet::{self, COLUMNS, SheetRow};
 use crate::pipeline::campaign::planned::planned;
-use crate::pipeline::campaign::standing;
-use crate::pipeline::findings::current::current_findings;
+use crate::pipeline::campaign::standing::{self, Runs};
+use crate::pipeline::findings::current::findings_among;
 use crate::pipeline::ground::whole_file::put_bytes;
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;
@@ -112,47 +113,65 @@ pub struct UntyingEntry {
 /// # Errors
 /// The database cannot be read.
 pub fn plan(context: &Context) -> Result<Plan, PipelineError> {
-    let runs = standing::speaking(context)?;
-    let laws = campaign_laws(context, &runs, None)?;
-    plan_from(context, &runs, &laws, &current_findings(context)?.groups)
+    let all = standing::all(context)?;
+    let findings = findings_among(context, &all)?;
+    let ids = PlannedIds::of(context, &all)?;
+    let runs = Runs::of(all).speaking;
+    let kept = Kept::default();
+    let laws = campaign_laws(context, (&runs, &findings), None, &kept)?;
+    Ok(plan_from(context, (&runs, &ids), &laws, &findings.groups, &kept))
 }
 
-/// Plans from laws and findings that are known already.
-///
-/// # Errors
-/// The database cannot be read.
-pub fn plan_from(
+/// What the sheets and the runs say of planned ids, runs that were set aside too.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PlannedIds {
+    /// Rows of sheets whose runs have not been made.
+    open: Vec<RowOfSheet>,
+    /// Number of the last id that was used.
+    last_number: u32,
+}
+
+impl PlannedIds {
+    /// Of all runs, by path.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub(crate) fn of(context: &Context, all: &[RunRecord]) -> Result<PlannedIds, PipelineError> {
+        let sheets = planned(context, all)?;
+        let rows = sheets.done.iter().chain(&sheets.open);
+        let ids = rows.map(|row| row.row.planned.as_str());
+        let tagged = all.iter().filter_map(|run| run.tag(keys::PLANNED));
+        let number = |id: &str| id.strip_prefix('P')?.parse::<u32>().ok();
+        Ok(PlannedIds {
+            last_number: ids.chain(tagged).filter_map(number).max().unwrap_or(0),
+            open: sheets.open.into_iter().map(|row| row.row).collect(),
+        })
+    }
+}
+
+/// Plans from laws and findings that are known already; what was planned for them before is taken from `kept`.
+pub(crate) fn plan_from(
     context: &Context,
-    runs: &[RunRecord],
+    (runs, ids): (&[RunRecord], &PlannedIds),
     laws: &CampaignLaws,
     groups: &[GroupDiagnosis],
-) -> Result<Plan, PipelineError> {
-    let untying = untie(laws, runs, &context.campaign);
-    let made = standing::all(context)?;
-    let sheets = planned(context, &made)?;
-    let open: Vec<RowOfSheet> = sheets.open.iter().map(|row| row.row.clone()).collect();
-    let ids = sheets
-        .done
-        .iter()
-        .chain(&sheets.open)
-        .map(|row| row.row.planned.as_str());
-    let tagged = made.iter().filter_map(|run| run.tag(keys::PLANNED));
-    let number = |id: &str| id.strip_prefix('P')?.parse::<u32>().ok();
-    let last_number = ids.chain(tagged).filter_map(number).max().unwrap_or(0);
+    kept: &Kept,
+) -> Plan {
+    let untying = untie(laws, runs, &context.campaign, kept);
     let mut planned_runs = next_runs(&Grounds {
         runs,
         campaign: &context.campaign,
         laws,
         plans: &untying,
         groups,
-        open: &open,
-        last_number,
+        open: &ids.open,
+        last_number: ids.last_number,
     });
     shorten_misread(context, &mut planned_runs);
-    Ok(Plan {
+    Plan {
         untying,
         runs: planned_runs,
-    })
+    }
 }
 
 /// Names that `name_pattern` would read tags from become the bare id, so that a name says nothing beside the sheet.

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::found_tables;
 pub use crate::analysis::TableFormat;
-use crate::analysis::monitoring::monitor;
+use crate::analysis::kept::Kept;
+pub use crate::analysis::monitoring::monitor;
 use crate::analysis::plain_columns::{PlainColumn, frame_of};
 use crate::analysis::{self, About, ExportError};
 use crate::domain::RunRecord;
@@ -193,21 +194,33 @@ pub(super) fn found_table(
     table: Table,
 ) -> Result<Vec<PlainColumn>, PipelineError> {
     let campaign = &context.campaign;
+    let laws = || {
+        campaign_laws(
+            context,
+            (runs, &current_findings(context)?),
+            None,
+            &Kept::default(),
+        )
+    };
     Ok(match table {
         Table::Findings => {
             let found = current_findings(context)?;
             found_tables::findings_table((&found.groups, &found.runs), runs, campaign)
         }
         Table::Monitoring => {
-            let laws = campaign_laws(context, runs, None)?;
+            let laws = laws()?;
             let monitoring = step("monitoring", || Ok(monitor(runs, campaign, &laws)))?;
             found_tables::monitoring_table(&monitoring)
         }
-        Table::ModelFree => {
-            found_tables::model_free_table(&without_model(context, runs)?.steps, runs, campaign)
+        Table::ModelFree => found_tables::model_free_table(
+            &without_model(context, runs, &Kept::default())?.steps,
+            runs,
+            campaign,
+        ),
+        Table::Cycles => {
+            found_tables::cycles_table(&without_model(context, runs, &Kept::default())?.trains, runs)
         }
-        Table::Cycles => found_tables::cycles_table(&without_model(context, runs)?.trains, runs),
-        _ => found_tables::laws_table(&campaign_laws(context, runs, None)?),
+        _ => found_tables::laws_table(&laws()?),
     })
 }
 

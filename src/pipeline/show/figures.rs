@@ -3,6 +3,7 @@
 use super::along::PageCurves;
 use super::report::input;
 use super::simulated_figures::{SIMULATED, simulated_named};
+use crate::analysis::kept::Kept;
 use crate::pipeline::{Context, PipelineError};
 use crate::report::Site;
 use crate::report::prints::{
@@ -115,7 +116,7 @@ impl MakeFigure {
         let format = self.checked_format()?;
         let width_mm = self.width_mm.unwrap_or(figure.width_mm);
         let (changes, changed_at) = context.store.changes()?;
-        let input = input(context, changes, &changed_at)?;
+        let input = input(context, changes, &changed_at, &Kept::default())?;
         let site = Site::new(&input);
         if self.run.is_some() && !figure.of_strips && figure.name != "models" {
             let needed = "no run: this figure shows them all".to_owned();

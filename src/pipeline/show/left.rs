@@ -1,7 +1,7 @@
 //! What is left to be made in a campaign, after work that was cut short.
 
 use super::report::is_current;
-use crate::domain::RunState;
+use crate::domain::{RunRecord, RunState};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::diagnose;
 use crate::pipeline::fits::outcome::is_of_failed_fit;
@@ -25,12 +25,11 @@ pub struct Left {
 pub fn left(context: &Context) -> Result<Left, PipelineError> {
     let runs = standing::all(context)?;
     let waits = |issues: &[_]| !issues.iter().any(is_of_failed_fit);
-    let waiting = diagnose::waiting(context)?;
+    let is_due = |run: &&RunRecord| run.state == RunState::Ready && run.fit.is_none() && waits(&run.issues);
+    let fits = runs.iter().filter(is_due).count();
+    let waiting = diagnose::waiting(context, runs)?;
     Ok(Left {
-        fits: runs
-            .iter()
-            .filter(|run| run.state == RunState::Ready && run.fit.is_none() && waits(&run.issues))
-            .count(),
+        fits,
         diagnoses: waiting.missing.len() + waiting.outdated.len(),
         report: !is_current(context)?,
     })

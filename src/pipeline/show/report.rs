@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::along::PageCurves;
 use super::found_tables;
+use crate::analysis::kept::Kept;
 use crate::analysis::laws::contrast;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::laws::matrix::confounding_maps;
@@ -16,15 +17,16 @@ use crate::domain::{Fault, GroupDiagnosis, RunRecord, SourceFile};
 use crate::model::effects::{self, Effect};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
-use crate::pipeline::campaign::places::{FAULTS, REPORT_FOLDER, STAMP};
+use crate::pipeline::campaign::places::{FAULTS, KEPT_VALUES, REPORT_FOLDER, STAMP};
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
-use crate::pipeline::findings::current::current_findings;
+use crate::pipeline::findings::current::{CurrentFindings, findings_among};
 use crate::pipeline::findings::frequency::frequency_runs;
+use crate::pipeline::findings::impedance;
 use crate::pipeline::findings::model_free::without_model;
-use crate::pipeline::findings::{impedance, next_runs};
+use crate::pipeline::findings::next_runs::{self, PlannedIds};
 use crate::pipeline::ground::fault::{or_nothing, step};
 use crate::pipeline::ground::own_folder::{self, Altered, Fresh};
 use crate::pipeline::intake::climate::electrode_courses;
@@ -88,7 +90,7 @@ impl RenderReport {
         let target = context.folder.join(REPORT_FOLDER);
         let index = target.join("index.html");
         // Also where nothing is to be rendered: what was cut short would stay until something changes.
-        let kept = own_folder::remove_leftovers(&context.folder, FRESH);
+        let leftovers = own_folder::remove_leftovers(&context.folder, FRESH);
         // What others write meanwhile is shown the next time, whole.
         let snapshot = context.store.snapshot()?;
         let (changes, changed_at) = context.store.changes()?;
@@ -116,8 +118,7 @@ impl RenderReport {
         if let Some(refused) = not_ours(&context.folder)? {
             return Ok(unchanged(Some(refused)));
         }
-        let input = input(context, changes, &changed_at)?;
-        for kept in kept {
+        for kept in leftovers {
             observer.warn(&format!(
                 "{}: looks like what a rendering left that was cut short, but carries no mark of ours; it stays. Remove it if it is not yours.",
                 kept.display()
@@ -131,7 +132,9 @@ impl RenderReport {
                 own_folder::hashes(&target).map_err(failed(&target, "looking what was written into it"))?
             }
         };
-        let earlier = standing_pages(&target, &hashes, &altered);
+        let standing = Standing::of(&target, &hashes, &altered);
+        let values = standing.values();
+        let input = input(context, changes, &changed_at, &values)?;
         let take = |files: &[String]| {
             let known: Option<Vec<(&str, &str)>> = files
                 .iter()
@@ -140,10 +143,10 @@ impl RenderReport {
             known.map_or(Ok(false), |known| fresh.keep(&target, &known))
         };
         let earlier = Earlier {
-            made: earlier,
+            made: standing.pages(),
             take: &take,
         };
-        let rendered = write_fresh(context, &input, (&fresh, &earlier), &stamp, observer)?;
+        let rendered = write_fresh(context, (&input, &values), (&fresh, &earlier), &stamp, observer)?;
         let shown = found_tables::shown(&input)?;
         drop(snapshot);
         context.store.put_shown(&shown, changes, &now())?;
@@ -209,9 +212,10 @@ pub fn not_ours(campaign: &Path) -> Result<Option<String>, PipelineError> {
 /// Whether a report without a list of its files is one that an earlier version wrote: it carries the stamp, has the
 /// names that reports ever had and nothing else, and every page begins as the layout does.
 fn is_of_earlier_version(folder: &Path) -> bool {
-    const BESIDE_PAGES: [&str; 8] = [
+    const BESIDE_PAGES: [&str; 9] = [
         STAMP,
         kept::FILE,
+        KEPT_VALUES,
         "style.css",
         "site.js",
         "runs.js",
@@ -266,19 +270,50 @@ fn head(path: &Path) -> String {
     }
 }
 
-/// What pages of the report that stands were made from, as far as their files are as they were written.
-fn standing_pages(target: &Path, hashes: &BTreeMap<String, String>, altered: &[(String, Altered)]) -> Made {
-    let altered: BTreeSet<&str> = altered.iter().map(|(name, _)| name.as_str()).collect();
-    let is_whole = |name: &str| hashes.contains_key(name) && !altered.contains(name);
-    match fs::read_own_text(target.join(kept::FILE)) {
-        Ok(text) if is_whole(kept::FILE) => kept::read(&text, is_whole),
-        _ => Made::new(),
+/// The report that stands, as far as its files are as they were written.
+struct Standing<'a> {
+    folder: &'a Path,
+    hashes: &'a BTreeMap<String, String>,
+    altered: BTreeSet<&'a str>,
+}
+
+impl<'a> Standing<'a> {
+    fn of(
+        folder: &'a Path,
+        hashes: &'a BTreeMap<String, String>,
+        altered: &'a [(String, Altered)],
+    ) -> Standing<'a> {
+        Standing {
+            folder,
+            hashes,
+            altered: altered.iter().map(|(name, _)| name.as_str()).collect(),
+        }
+    }
+
+    fn is_whole(&self, name: &str) -> bool {
+        self.hashes.contains_key(name) && !self.altered.contains(name)
+    }
+
+    /// What its pages were made from.
+    fn pages(&self) -> Made {
+        match fs::read_own_text(self.folder.join(kept::FILE)) {
+            Ok(text) if self.is_whole(kept::FILE) => kept::read(&text, |name| self.is_whole(name)),
+            _ => Made::new(),
+        }
+    }
+
+    /// Values that it was made from and that took long to make.
+    fn values(&self) -> Kept {
+        match fs::read_own(self.folder.join(KEPT_VALUES)) {
+            Ok(bytes) if self.is_whole(KEPT_VALUES) => Kept::read(&bytes),
+            _ => Kept::default(),
+        }
     }
 }
 
 fn write_fresh(
     context: &Context,
-    input: &report::Input,
+    (input, values): (&report::Input, &Kept),
     (fresh, earlier): (&Fresh, &Earlier),
     stamp: &str,
     observer: &dyn Observer,
@@ -299,6 +334,8 @@ fn write_fresh(
         false => (FAULTS, faults_text(stamp, &rendered.faults)),
     };
     fs::write(folder.join(name), text).map_err(failed(folder, "stamping the report"))?;
+    fs::write(folder.join(KEPT_VALUES), values.bytes())
+        .map_err(failed(folder, "keeping values for the next report"))?;
     fresh
         .finish()
         .map_err(failed(folder, "bringing the report to the disk"))?;
@@ -317,16 +354,21 @@ pub(crate) fn input(
     context: &Context,
     changes: u64,
     changed_at: &str,
+    kept: &Kept,
 ) -> Result<report::Input, PipelineError> {
+    // Each of these may fail by itself: the report then lacks it, and says so.
+    let mut faults = Vec::new();
+    let all = standing::all(context)?;
+    let found = or_nothing(step("findings", || findings_among(context, &all)), &mut faults)?;
+    let ids = step("run sheets", || PlannedIds::of(context, &all));
+    let ids = or_nothing(ids, &mut faults)?;
     let Runs {
         speaking: mut runs,
         set_aside,
-    } = standing::runs(context)?;
+    } = Runs::of(all);
     same_tags::annotate(&mut runs);
     sequence::annotate(&mut runs);
-    // Each of these may fail by itself: the report then lacks it, and says so.
-    let mut faults = Vec::new();
-    let mut laws = or_nothing(campaign_laws(context, &runs, None), &mut faults)?;
+    let mut laws = or_nothing(campaign_laws(context, (&runs, &found), None, kept), &mut faults)?;
     if laws.facts.len() != runs.len() {
         laws.facts = facts(&runs, &context.campaign, &vec![None; runs.len()]);
     }
@@ -339,10 +381,21 @@ pub(crate) fn input(
         ))
     };
     let contrasts = or_nothing(step("environments and voltages compared", contrasts), &mut faults)?;
-    let findings = or_nothing(step("findings", || findings(context, &runs)), &mut faults)?;
+    let findings = or_nothing(
+        step("findings", || Ok(findings(context, &runs, found))),
+        &mut faults,
+    )?;
     let compared = step("models compared", || current_comparisons(context, &runs));
     let (comparisons, outdated_comparisons) = or_nothing(compared, &mut faults)?;
-    let plan = || next_runs::plan_from(context, &runs, &laws, &findings.groups);
+    let plan = || {
+        Ok(next_runs::plan_from(
+            context,
+            (&runs, &ids),
+            &laws,
+            &findings.groups,
+            kept,
+        ))
+    };
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
     let spectra = step("impedance spectra", || impedance::spectra(context, &[]));
     let spectra = or_nothing(spectra, &mut faults)?;
@@ -352,7 +405,9 @@ pub(crate) fn input(
     )?;
     let frequency = step("responses against frequency", || frequency_runs(context, &runs));
     let frequency = or_nothing(frequency, &mut faults)?;
-    let without_model = step("what runs say without a model", || without_model(context, &runs));
+    let without_model = step("what runs say without a model", || {
+        without_model(context, &runs, kept)
+    });
     let without_model = or_nothing(without_model, &mut faults)?;
     let electrodes = step("electrode resistance", || electrode_courses(context));
     let electrodes = or_nothing(electrodes, &mut faults)?;
@@ -417,8 +472,7 @@ fn source_files(context: &Context) -> Result<Vec<SourceFile>, PipelineError> {
     Ok(files.into_values().collect())
 }
 
-fn findings(context: &Context, runs: &[RunRecord]) -> Result<report::Findings, PipelineError> {
-    let found = current_findings(context)?;
+fn findings(context: &Context, runs: &[RunRecord], found: CurrentFindings) -> report::Findings {
     let of_effect = |effect: &&dyn Effect| {
         let about = effect.about();
         report::EffectText {
@@ -457,13 +511,13 @@ fn findings(context: &Context, runs: &[RunRecord]) -> Result<report::Findings, P
             (effect, said)
         })
         .collect();
-    Ok(report::Findings {
+    report::Findings {
         shared,
         groups: found.groups,
         runs: found.runs,
         turns: found.turns,
         effects: effects::ALL.iter().chain(&of_tags).map(of_effect).collect(),
-    })
+    }
 }
 
 fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::Error) -> PipelineError {

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::analysis::frequency::FrequencyRun;
 use crate::analysis::impedance::OneLikelihood;
+use crate::analysis::kept::Kept;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::probe::Course;
 use crate::analysis::reductions::RunReductions;
@@ -121,7 +122,7 @@ impl TableData {
         named: &NamedTable,
     ) -> Result<TableData, PipelineError> {
         if FROM_READINGS.contains(&named.name) {
-            self.without_model = without_model(context, &self.runs)?;
+            self.without_model = without_model(context, &self.runs, &Kept::default())?;
         }
         if named.name == REDUCTIONS {
             self.reductions = reductions_of(context, &self.runs)?;

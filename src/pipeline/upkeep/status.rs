@@ -170,6 +170,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
     // Read once: of ten thousand runs every reading takes half a second.
     let all = standing::all(context)?;
     let planned = planned(context, &all)?;
+    let waiting = diagnose::waiting(context, all.clone())?;
     let Runs {
         speaking: runs,
         set_aside,
@@ -216,7 +217,6 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
             issues: log.run.issues.clone(),
         })
         .collect();
-    let waiting = diagnose::waiting(context)?;
     let mut faults = report_faults(&context.folder);
     let watched = or_nothing(alarms::watched(context, &runs), &mut faults)?;
     let untagged = reasoned(&runs, |run| run.state == RunState::Untagged);

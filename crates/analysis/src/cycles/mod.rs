@@ -6,6 +6,8 @@ mod of_cycle;
 mod tests;
 mod train;
 
+use serde::{Deserialize, Serialize};
+
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Channel, Drive, Estimate, Level, Quantity, RunRecord};
 use ieap_numerics::robust::{median, sd_on_a_slope};
@@ -58,7 +60,7 @@ pub const CYCLE_FIGURES: [Figure; 7] = [
 ];
 
 /// One cycle.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cycle {
     /// Its number in the run, from 1.
     pub number: usize,
@@ -69,7 +71,7 @@ pub struct Cycle {
 }
 
 /// The cycles of a run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CycleRun {
     /// Row id of the run.
     pub run_id: i64,

@@ -22,7 +22,7 @@ const AS_GOOD: f64 = 0.5;
 const FEWEST_ORDERS: f64 = 2000.0;
 
 /// What a p-value rests on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Basis {
     /// Orders drawn within blocks.
     Permutation,

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Something that differs between runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 pub enum Covariate {
     /// Relative humidity, percent.
     RelativeHumidity,
@@ -47,7 +47,7 @@ pub enum Covariate {
 }
 
 /// The key of a tag that campaign.toml declares.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
 pub struct DeclaredTag(&'static str);
 
 impl DeclaredTag {
@@ -65,6 +65,12 @@ impl DeclaredTag {
                 DeclaredTag(kept)
             }
         }
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for DeclaredTag {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<DeclaredTag, D::Error> {
+        String::deserialize(from).map(|key| DeclaredTag::of(&key))
     }
 }
 

@@ -29,7 +29,7 @@ pub const LEAST_RELIABILITY: f64 = 0.5;
 
 /// A point of a figure: the parameter of one run (or the mean of one sample) brought to the mean sample and to the
 /// means of what was taken out.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Point {
     /// Sample, as an index in [`Dependence::samples`].
     pub sample: usize,
@@ -48,7 +48,7 @@ pub struct Point {
 }
 
 /// The answer to one question.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Dependence {
     /// Material.
     pub material: String,

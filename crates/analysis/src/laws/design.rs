@@ -16,7 +16,7 @@ const WITHIN_PART: f64 = 0.2;
 const MOST_LEVELS: usize = 12;
 
 /// Where a covariate differs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 pub enum Level {
     /// Between the runs of a sample.
     Within,

@@ -94,6 +94,11 @@ impl Doubts {
         Doubts { of_runs }
     }
 
+    /// Everything that is said against the fit of the run, to be hashed.
+    pub(super) fn of(&self, run: &str) -> impl std::fmt::Debug {
+        self.of_runs.get(run)
+    }
+
     /// Whether a finding says anything against the fit of the run.
     pub fn is_of(&self, run: &str) -> bool {
         self.of_runs.contains_key(run)

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::covariate::Covariate;
 use super::dependence::{Asking, Dependence};
@@ -15,6 +16,7 @@ use super::selection::{Attempt, Selection, selections};
 use super::table::Table;
 use super::values::{Values, keys, values};
 use crate::false_discovery::{CLAIMED_BELOW, q_values, q_values_dependent};
+use crate::kept::{Hash, Kept};
 use ieap_domain::{Campaign, Quantity, RunRecord};
 
 /// What laws are sought in.
@@ -32,10 +34,12 @@ pub struct Evidence<'a> {
     pub findings: Findings<'a>,
     /// Seed of the draws.
     pub seed: u64,
+    /// What was found of materials before.
+    pub kept: &'a Kept,
 }
 
 /// Covariates that the design of a material ties together.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TiedSet {
     /// Material.
     pub material: String,
@@ -81,19 +85,23 @@ impl CampaignLaws {
 pub fn find(evidence: &Evidence) -> CampaignLaws {
     let facts = facts(evidence.runs, evidence.campaign, evidence.charge_c);
     let doubts = Doubts::new(evidence.findings, evidence.runs);
-    let mut of_material: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    let mut by_material: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (place, fact) in facts.iter().enumerate() {
         let run = &evidence.runs[fact.run];
         if run.fit.as_ref().is_some_and(|fit| fit.converged) && !doubts.leaves_out(&run.path) {
-            of_material.entry(fact.material.clone()).or_default().push(place);
+            by_material.entry(fact.material.clone()).or_default().push(place);
         }
     }
     let mut laws = CampaignLaws {
         doubted: doubts.told(evidence.findings),
         ..CampaignLaws::default()
     };
-    for (material, places) in &of_material {
-        add_material(&mut laws, evidence, &doubts, (&facts, places), material);
+    for (material, places) in &by_material {
+        let hash = hash_of(evidence, &doubts, (&facts, places), material);
+        let make = || of_material(evidence, &doubts, (&facts, places), material);
+        laws.add(evidence.kept.or_make(&hash, make), material, |place| {
+            facts[places[place]].run
+        });
     }
     laws.selections = selections(evidence.attempts, evidence.seed);
     laws.facts = facts;
@@ -102,31 +110,70 @@ pub fn find(evidence: &Evidence) -> CampaignLaws {
     laws
 }
 
-fn add_material(
-    laws: &mut CampaignLaws,
+/// What is found of one material alone.
+#[derive(Default, Serialize, Deserialize)]
+struct OfMaterial {
+    tied: Vec<TiedSet>,
+    /// Runs are counted among those of the material: which number they have among all is nothing that this is made from.
+    lacking: Vec<Lacking>,
+    asked: Vec<Covariate>,
+    dependences: Vec<Dependence>,
+    lengths: Vec<LengthDoubt>,
+}
+
+impl CampaignLaws {
+    fn add(&mut self, found: OfMaterial, material: &str, run_at: impl Fn(usize) -> usize) {
+        self.tied.extend(found.tied);
+        self.lacking
+            .extend(found.lacking.into_iter().map(|lacking| Lacking {
+                without: lacking.without.iter().map(|&place| run_at(place)).collect(),
+                ..lacking
+            }));
+        self.asked.insert(material.to_owned(), found.asked);
+        self.dependences.extend(found.dependences);
+        self.lengths.extend(found.lengths);
+    }
+}
+
+/// A hash over all that [`of_material`] is made from.
+fn hash_of(
     evidence: &Evidence,
     doubts: &Doubts,
     (facts, places): (&[RunFacts], &[usize]),
     material: &str,
-) {
+) -> String {
+    let hash = Hash::default().with(&"laws").with(&material).with(&evidence.seed);
+    let runs = places.iter().map(|&place| &evidence.runs[facts[place].run]);
+    let is_length = from_displacement(&runs.collect::<Vec<_>>());
+    let of_run = |hash: Hash, &place: &usize| {
+        let (fact, run) = (&facts[place], &evidence.runs[facts[place].run]);
+        hash.with(&(&fact.sample, &fact.numbers, &fact.names))
+            .with(&run.fit)
+            .with(&doubts.of(&run.path))
+    };
+    places.iter().fold(hash.with(&is_length), of_run).text()
+}
+
+/// Asks every question of a material, of whose runs the facts are those at `places`.
+fn of_material(
+    evidence: &Evidence,
+    doubts: &Doubts,
+    (facts, places): (&[RunFacts], &[usize]),
+    material: &str,
+) -> OfMaterial {
     let parts = parts(facts, places);
+    let mut found = OfMaterial::default();
     for part in &parts {
-        laws.tied.extend(
-            part.sets
-                .iter()
-                .filter(|(_, set)| set.len() > 1)
-                .map(|(level, set)| TiedSet {
-                    material: material.to_owned(),
-                    level: *level,
-                    covariates: set.clone(),
-                }),
-        );
-        laws.lacking.extend(part.lacking(facts, places, material));
-        laws.asked
-            .entry(material.to_owned())
-            .or_default()
-            .extend(part.differing());
-        laws.dependences
+        let several = part.sets.iter().filter(|(_, set)| set.len() > 1);
+        found.tied.extend(several.map(|(level, set)| TiedSet {
+            material: material.to_owned(),
+            level: *level,
+            covariates: set.clone(),
+        }));
+        found.lacking.extend(part.lacking(facts, places, material));
+        found.asked.extend(part.differing());
+        found
+            .dependences
             .extend(answers(evidence, doubts, facts, part, material));
     }
     let whole = &parts[0];
@@ -139,8 +186,8 @@ fn add_material(
         .iter()
         .map(|&place| &evidence.runs[facts[place].run])
         .collect();
-    laws.lengths
-        .extend(length_doubts(facts, material, &tables, from_displacement(&runs)));
+    found.lengths = length_doubts(facts, material, &tables, from_displacement(&runs));
+    found
 }
 
 /// Values of every parameter that the fits of a part hold.

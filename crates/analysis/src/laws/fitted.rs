@@ -40,7 +40,7 @@ pub struct Material<'a> {
 }
 
 /// A number with its 95 % interval; an open end is none.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Interval {
     /// Value.
     pub value: f64,
@@ -65,7 +65,7 @@ impl Interval {
 }
 
 /// A fitted law.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Fitted {
     /// The law.
     pub law: Law,

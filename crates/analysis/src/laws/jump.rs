@@ -8,7 +8,7 @@ use ieap_numerics::grouped::{Grouped, dot};
 use ieap_numerics::student::quantile_95;
 
 /// The two names that lie farthest apart.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Jump {
     /// Name with the lower value.
     pub from: String,

@@ -66,7 +66,7 @@ impl Asking<'_> {
 }
 
 /// A sample whose parameters lie off the others' as a wrong free length would put them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LengthDoubt {
     /// Material.
     pub material: String,

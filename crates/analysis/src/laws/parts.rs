@@ -30,13 +30,13 @@ pub struct Part {
 }
 
 /// A covariate that some runs do not state.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Lacking {
     /// Material.
     pub material: String,
     /// The covariate.
     pub covariate: Covariate,
-    /// Runs that do not state it, as indices of runs.
+    /// Runs that do not state it, as indices of runs; of [`Part::lacking`] as places among those of the material.
     pub without: Vec<usize>,
     /// Runs of the material.
     pub runs: usize,
@@ -119,8 +119,8 @@ impl Part {
 
     /// What the other runs of the material (`all`) do not state.
     pub fn lacking(&self, facts: &[RunFacts], all: &[usize], material: &str) -> Vec<Lacking> {
-        let others = || all.iter().filter(|place| !self.places.contains(place));
-        let environment = |&place: &usize| facts[place].names.get(&Covariate::Environment).cloned();
+        let others = || (0..all.len()).filter(|&own| !self.places.contains(&all[own]));
+        let environment = |own: usize| facts[all[own]].names.get(&Covariate::Environment).cloned();
         let environments: BTreeSet<String> = others().filter_map(environment).collect();
         // The direction follows from the humidity, and is said with it.
         let is_told = |one: &Covariate| !self.is_whole && *one != Covariate::Direction;
@@ -129,7 +129,7 @@ impl Part {
             .map(|covariate| Lacking {
                 material: material.to_owned(),
                 covariate,
-                without: others().map(|&place| facts[place].run).collect(),
+                without: others().collect(),
                 runs: all.len(),
                 environments: environments.iter().cloned().collect(),
             })

@@ -28,7 +28,7 @@ const TEMPERATURE_ERROR_C: f64 = 0.3;
 const SLOPE_OVER: f64 = 0.01;
 
 /// A covariate that changed together with another one and was ruled out by the readings.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RuledOut {
     /// The covariate.
     pub covariate: Covariate,
@@ -39,7 +39,7 @@ pub struct RuledOut {
 }
 
 /// What the readings say of covariates that changed together.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct ToldApart {
     /// Part of the variation that the better covariate leaves alone.
     pub left: f64,

@@ -8,7 +8,7 @@ pub const STEP_PAID: usize = 3;
 const STEP_SIDE: usize = 3;
 
 /// A law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 pub enum Law {
     /// By the same factor for every unit.
     Exponential,
@@ -108,7 +108,7 @@ impl Law {
 }
 
 /// The span over which a law is stated.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Span {
     /// Smallest value.
     pub low: f64,
@@ -132,7 +132,7 @@ impl Span {
 }
 
 /// What shapes a law beside its size: fractions of the span.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Bend {
     /// Threshold, knee, step, or time constant over the span's length.
     pub at: f64,

@@ -9,6 +9,8 @@ mod held;
 #[cfg(test)]
 mod tests;
 
+use serde::{Deserialize, Serialize};
+
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Channel, Estimate, Quantity, RunRecord, Sample};
 use ieap_numerics::local_parabola::{Course, Local, MOST_GOES_ON};
@@ -69,7 +71,7 @@ pub const FIGURES: [Figure; 7] = [
 ];
 
 /// What a run says without a model.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelFree {
     /// Row id of the run.
     pub run_id: i64,

@@ -11,7 +11,7 @@ use ieap_domain::Campaign;
 const SAME_HUMIDITY_PERCENT: f64 = 3.0;
 
 /// What a run is to be made with.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Setting {
     /// Sample id.
     pub sample: String,

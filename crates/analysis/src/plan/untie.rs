@@ -6,6 +6,7 @@ use super::candidates::candidates;
 use super::future::{Material, Setting};
 use super::ties::{Tie, Tightness, class, inflations, ties};
 use crate::groups::HUMIDITY_TOLERANCE_PERCENT;
+use crate::kept::{Hash, Kept};
 use crate::laws::CampaignLaws;
 use crate::laws::covariate::Covariate;
 use crate::laws::design::{INFLATION_LIMIT, Level};
@@ -21,7 +22,7 @@ const JUDGED_BY: usize = 24;
 const REPEATS: usize = 4;
 
 /// A run of a plan, and what it does.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Step {
     /// What it is made with.
     pub setting: Setting,
@@ -34,7 +35,7 @@ pub struct Step {
 }
 
 /// A tied set and the runs that would untie it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Untying {
     /// Material.
     pub material: String,
@@ -67,20 +68,31 @@ impl Untying {
     }
 }
 
-/// A plan for every tied set. Deterministic, whatever the number of threads.
-pub fn untie(laws: &CampaignLaws, runs: &[RunRecord], campaign: &Campaign) -> Vec<Untying> {
+/// A plan for every tied set, taken from `kept` where it was made before. Deterministic, whatever the number of threads.
+pub fn untie(laws: &CampaignLaws, runs: &[RunRecord], campaign: &Campaign, kept: &Kept) -> Vec<Untying> {
     let of_set = |set: &TiedSet| {
-        let fact_places = 0..laws.facts.len();
-        let places: Vec<usize> = fact_places
-            .filter(|&place| {
-                let fact = &laws.facts[place];
-                let fit = runs[fact.run].fit.as_ref();
-                fact.material == set.material && fit.is_some_and(|fit| fit.converged)
-            })
-            .collect();
-        plan(set, &laws.facts, &places, campaign)
+        let of_material = laws.facts.iter().filter(|fact| fact.material == set.material);
+        let facts: Vec<RunFacts> = of_material.cloned().collect();
+        let is_fitted = |&place: &usize| {
+            let fit = runs[facts[place].run].fit.as_ref();
+            fit.is_some_and(|fit| fit.converged)
+        };
+        let places: Vec<usize> = (0..facts.len()).filter(is_fitted).collect();
+        let hash = hash_of(set, &facts, &places, campaign);
+        kept.or_make(&hash, || plan(set, &facts, &places, campaign))
     };
     laws.tied.iter().map(of_set).collect()
+}
+
+/// A hash over all that a plan is made from: which numbers the runs have among all is no part of it.
+fn hash_of(set: &TiedSet, facts: &[RunFacts], places: &[usize], campaign: &Campaign) -> String {
+    let hash = Hash::default()
+        .with(&"plan")
+        .with(set)
+        .with(campaign)
+        .with(&places);
+    let of_fact = |hash: Hash, fact: &RunFacts| hash.with(&(&fact.sample, &fact.numbers, &fact.names));
+    facts.iter().fold(hash, of_fact).text()
 }
 
 /// The plan for one set over the runs at `places`.

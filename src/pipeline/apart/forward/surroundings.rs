@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::asked::{AskedStrip, Condition};
 use super::source::Source;
+use crate::analysis::kept::Kept;
 use crate::analysis::laws::design::Level;
 use crate::analysis::laws::facts::{RunFacts, facts};
 use crate::analysis::laws::fitted::{Fitted, value_at};
@@ -22,6 +23,7 @@ use crate::domain::tag::keys;
 use crate::domain::{RunRecord, range_of};
 use crate::model::scaling::propagation::{values, with_values};
 use crate::pipeline::findings::across_runs::campaign_laws;
+use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::{Context, PipelineError};
 
 /// Runs that tell of the surroundings asked for.
@@ -105,7 +107,13 @@ impl Surroundings {
         for way in &found.ways {
             way.refuse_outside(&found.runs)?;
         }
-        let laws = campaign_laws(context, speaking, None)?.dependences;
+        let laws = campaign_laws(
+            context,
+            (speaking, &current_findings(context)?),
+            None,
+            &Kept::default(),
+        )?
+        .dependences;
         for way in &mut found.ways {
             way.laws = of_covariate(&laws, material, way.condition.covariate);
             way.refuse_without_laws(&found.runs, material)?;

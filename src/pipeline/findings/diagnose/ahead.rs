@@ -9,6 +9,7 @@ use super::subject::{Subject, subjects};
 use crate::diagnose::condemned;
 use crate::domain::fault::caught;
 use crate::numerics::interrupt;
+use crate::pipeline::campaign::standing;
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::DiagnosisKind;
@@ -25,7 +26,7 @@ pub(crate) fn condemned_ahead(
 ) -> Result<BTreeMap<i64, String>, PipelineError> {
     let options = choice.options(&context.campaign)?;
     let tasks = context.store.fit_tasks()?;
-    let (all, _) = subjects(context, &tasks)?;
+    let (all, _) = subjects(context, &tasks, &standing::to_diagnose(context)?);
     let (stored, library) = (context.store.diagnoses()?, library_hash());
     let is_due = |subject: &&Subject| {
         let found = stored

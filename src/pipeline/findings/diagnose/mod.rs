@@ -15,6 +15,7 @@ use crate::domain::fault::caught;
 use crate::domain::{Channel, GroupDiagnosis};
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::campaign::making::Making;
+use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::fits::along;
 use crate::pipeline::fits::input_hash::library_hash;
@@ -105,7 +106,7 @@ impl DiagnoseRuns {
     ) -> Result<DiagnoseSummary, PipelineError> {
         let options = self.choice.options(&context.campaign)?;
         let tasks = context.store.fit_tasks()?;
-        let (all, unknown_keys) = subjects(context, &tasks)?;
+        let (all, unknown_keys) = subjects(context, &tasks, &standing::to_diagnose(context)?);
         retire_gone(context, &all)?;
         let asked = self.asked(&all)?;
         let library = library_hash();

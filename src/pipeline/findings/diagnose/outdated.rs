@@ -4,6 +4,8 @@ use super::choice::DiagnoseChoice;
 use super::input_hash::input_hash;
 use super::subject::subjects;
 use crate::diagnose::DiagnoseOptions;
+use crate::domain::RunRecord;
+use crate::pipeline::campaign::standing;
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::DiagnosisKind;
@@ -17,14 +19,15 @@ pub struct Waiting {
     pub outdated: Vec<String>,
 }
 
-/// Compares what every group depends on with what its finding was made from. Seed and draws may be any.
+/// Compares what every group of these runs, which are all, depends on with what its finding was made from. Seed and draws
+/// may be any.
 ///
 /// # Errors
 /// The model of campaign.toml is not known, or the database cannot be read.
-pub fn waiting(context: &Context) -> Result<Waiting, PipelineError> {
+pub fn waiting(context: &Context, all: Vec<RunRecord>) -> Result<Waiting, PipelineError> {
     let options = DiagnoseChoice::default().options(&context.campaign)?;
     let tasks = context.store.fit_tasks()?;
-    let (all, _) = subjects(context, &tasks)?;
+    let (all, _) = subjects(context, &tasks, &standing::to_diagnose_of(context, all)?);
     let stored = context.store.diagnoses()?;
     let library = library_hash();
     let mut waiting = Waiting::default();

@@ -6,9 +6,8 @@ use crate::analysis::groups::groups;
 use crate::diagnose::DiagnoseOptions;
 use crate::domain::{Issue, RunRecord};
 use crate::model::effects::TagAt;
+use crate::pipeline::Context;
 use crate::pipeline::campaign::group_tags::group_tags;
-use crate::pipeline::campaign::standing;
-use crate::pipeline::{Context, PipelineError};
 use crate::store::{DiagnosisKind, FitTask};
 
 /// A group of runs, or one run alone.
@@ -39,12 +38,12 @@ impl Subject {
     }
 }
 
-/// All groups, then all runs; and the keys of `group_by` that no run carries.
+/// All groups of the runs that are diagnosed, then all of these runs; and the keys of `group_by` that no run carries.
 pub(super) fn subjects(
     context: &Context,
     tasks: &[FitTask],
-) -> Result<(Vec<Subject>, Vec<String>), PipelineError> {
-    let runs = standing::to_diagnose(context)?;
+    runs: &[RunRecord],
+) -> (Vec<Subject>, Vec<String>) {
     let places: BTreeMap<i64, usize> = tasks
         .iter()
         .enumerate()
@@ -63,7 +62,7 @@ pub(super) fn subjects(
         let members = members.iter().map(|&index| &runs[index]).filter(|run| ready(run));
         group_tags(&members.collect::<Vec<_>>(), &context.campaign.extra_tags)
     };
-    let mut found: Vec<Subject> = groups(&runs, group_by, &ready)
+    let mut found: Vec<Subject> = groups(runs, group_by, &ready)
         .into_iter()
         .map(|group| Subject {
             kind: DiagnosisKind::Group,
@@ -92,5 +91,5 @@ pub(super) fn subjects(
         .collect();
     found.extend(alone);
     let unknown = |key: &&String| !runs.is_empty() && runs.iter().all(|run| run.tag(key).is_none());
-    Ok((found, group_by.iter().filter(unknown).cloned().collect()))
+    (found, group_by.iter().filter(unknown).cloned().collect())
 }
