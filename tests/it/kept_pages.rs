@@ -138,11 +138,12 @@ fn values_kept_for_the_next_report_are_taken_only_as_they_were_written() {
         let _ = folder
             .ieap(&["tag", "runs/air/0.csv", &format!("note={what}")])
             .expect(0);
-        assert_eq!(kept_pages(&folder, what), 2, "{what}");
+        // Which build of the program made the pages is not known then either.
+        assert_eq!(kept_pages(&folder, what), 0, "{what}");
     }
     fs::remove_file(&values).unwrap();
     let _ = folder.ieap(&["tag", "runs/air/0.csv", "note=gone"]).expect(0);
-    assert_eq!(kept_pages(&folder, "values that are gone"), 2);
+    assert_eq!(kept_pages(&folder, "values that are gone"), 0);
 }
 
 #[test]

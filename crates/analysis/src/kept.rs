@@ -13,29 +13,33 @@ use ciborium::Value;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Version of the program: what another one made is made anew.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
-
 /// Values by the hash of what they were made from, as CBOR, which gives every number back as it was, infinite ones too.
 #[derive(Debug, Default)]
 pub struct Kept {
+    program: String,
     earlier: HashMap<String, Vec<u8>>,
     /// Those that were asked for: what nobody asks for any more is not kept on.
     asked: Mutex<BTreeMap<String, Vec<u8>>>,
 }
 
 impl Kept {
-    /// Those that a file holds; none where it is not what [`Kept::bytes`] gave.
-    pub fn read(bytes: &[u8]) -> Kept {
-        let entry = |(hash, value): (Value, Value)| Some((hash.into_text().ok()?, value.into_bytes().ok()?));
-        let read = ciborium::from_reader::<(String, Value), _>(bytes).ok();
-        let of_this_version = read.filter(|(version, _)| version == VERSION);
-        let entries = of_this_version.and_then(|(_, map)| map.into_map().ok());
-        let entries = entries.unwrap_or_default();
+    /// None yet, to be made by that program.
+    pub fn by(program: &str) -> Kept {
         Kept {
-            earlier: entries.into_iter().filter_map(entry).collect(),
-            asked: Mutex::default(),
+            program: program.to_owned(),
+            ..Kept::default()
         }
+    }
+
+    /// Those that a file holds; none where it is not what [`Kept::bytes`] gave, or another program made them.
+    pub fn read(bytes: &[u8], program: &str) -> Option<Kept> {
+        let entry = |(hash, value): (Value, Value)| Some((hash.into_text().ok()?, value.into_bytes().ok()?));
+        let (by, map) = ciborium::from_reader::<(String, Value), _>(bytes).ok()?;
+        let entries = map.into_map().ok().filter(|_| by == program)?;
+        Some(Kept {
+            earlier: entries.into_iter().filter_map(entry).collect(),
+            ..Kept::by(program)
+        })
     }
 
     /// The value that was made from what has that hash; none where it was not kept.
@@ -77,7 +81,7 @@ impl Kept {
         let mut bytes = Vec::new();
         // Writing into memory cannot fail.
         let map = Value::Map(asked.iter().map(entry).collect());
-        let _ = ciborium::into_writer(&(VERSION, map), &mut bytes);
+        let _ = ciborium::into_writer(&(&self.program, map), &mut bytes);
         bytes
     }
 }
@@ -113,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_value_comes_back_as_it_was_and_only_under_its_hash() {
-        let made = Kept::default();
+        let made = Kept::by("a program");
         let value = (
             Some(f64::INFINITY),
             [0.1, -0.0, f64::MIN_POSITIVE],
@@ -121,7 +125,8 @@ mod tests {
         );
         assert_eq!(made.or_make("a", || value.clone()), value);
         assert!(made.or_make("b", || f64::NAN).is_nan());
-        let read = Kept::read(&made.bytes());
+        assert!(Kept::read(&made.bytes(), "another").is_none());
+        let read = Kept::read(&made.bytes(), "a program").unwrap();
         assert_eq!(read.or_make("a", || (None, [0.0; 3], String::new())), value);
         assert!(read.or_make::<f64>("b", || 1.0).is_nan());
         assert_eq!(read.earlier::<f64>("c"), None);
@@ -130,16 +135,16 @@ mod tests {
 
     #[test]
     fn what_is_not_asked_for_is_not_kept_on_and_what_is_torn_not_read() {
-        let made = Kept::default();
+        let made = Kept::by("p");
         made.put("a", &1.0);
         made.put("b", &2.0);
         let bytes = made.bytes();
-        let read = Kept::read(&bytes);
+        let read = Kept::read(&bytes, "p").unwrap();
         assert_eq!(read.earlier("b"), Some(2.0));
-        assert_eq!(Kept::read(&read.bytes()).earlier::<f64>("a"), None);
-        assert_eq!(Kept::read(&bytes[..bytes.len() - 1]).earlier::<f64>("b"), None);
+        assert_eq!(Kept::read(&read.bytes(), "p").unwrap().earlier::<f64>("a"), None);
+        assert!(Kept::read(&bytes[..bytes.len() - 1], "p").is_none());
         // Of another form than is asked for.
-        assert_eq!(Kept::read(&bytes).earlier::<String>("b"), None);
+        assert_eq!(Kept::read(&bytes, "p").unwrap().earlier::<String>("b"), None);
     }
 
     #[test]

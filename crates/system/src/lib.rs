@@ -16,6 +16,19 @@ use std::time::SystemTime;
 
 pub use temporary::Temporary;
 
+/// Length and time of the file of the program that runs, which another build of the same version does not share; empty where the
+/// system does not tell. Asked of the system itself, for it is no part of a campaign.
+pub fn program_mark() -> String {
+    let file = std::env::current_exe().and_then(std::fs::metadata);
+    let mark = |file: std::fs::Metadata| Some((file.len(), file.modified().ok()?));
+    let since = |time: SystemTime| Some(time.duration_since(SystemTime::UNIX_EPOCH).ok()?.as_nanos());
+    let text = file
+        .ok()
+        .and_then(mark)
+        .and_then(|(bytes, time)| Some(format!("{bytes} {}", since(time)?)));
+    text.unwrap_or_default()
+}
+
 /// Stands in for the computer that the program runs on.
 pub trait World: Send + Sync {
     /// Asked before a call; nothing is done where it refuses.

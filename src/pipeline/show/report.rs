@@ -34,7 +34,7 @@ use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::report;
 use crate::report::kept::{self, Earlier, Made};
-use crate::system::fs;
+use crate::system::{fs, program_mark};
 
 /// The verb `report`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -133,7 +133,11 @@ impl RenderReport {
             }
         };
         let standing = Standing::of(&target, &hashes, &altered);
-        let values = standing.values();
+        let program = format!("{CODE_VERSION} {}", program_mark());
+        // What another build of the program made may differ though nothing else does.
+        let kept = standing.values(&program);
+        let made = kept.as_ref().map_or_else(Made::new, |_| standing.pages());
+        let values = kept.unwrap_or_else(|| Kept::by(&program));
         let input = input(context, changes, &changed_at, &values)?;
         let take = |files: &[String]| {
             let known: Option<Vec<(&str, &str)>> = files
@@ -142,10 +146,7 @@ impl RenderReport {
                 .collect();
             known.map_or(Ok(false), |known| fresh.keep(&target, &known))
         };
-        let earlier = Earlier {
-            made: standing.pages(),
-            take: &take,
-        };
+        let earlier = Earlier { made, take: &take };
         let rendered = write_fresh(context, (&input, &values), (&fresh, &earlier), &stamp, observer)?;
         let shown = found_tables::shown(&input)?;
         drop(snapshot);
@@ -302,11 +303,11 @@ impl<'a> Standing<'a> {
         }
     }
 
-    /// Values that it was made from and that took long to make.
-    fn values(&self) -> Kept {
+    /// Values that it was made from and that took long to make; none where another program made it.
+    fn values(&self, program: &str) -> Option<Kept> {
         match fs::read_own(self.folder.join(KEPT_VALUES)) {
-            Ok(bytes) if self.is_whole(KEPT_VALUES) => Kept::read(&bytes),
-            _ => Kept::default(),
+            Ok(bytes) if self.is_whole(KEPT_VALUES) => Kept::read(&bytes, program),
+            _ => None,
         }
     }
 }
