@@ -13,6 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::rednoise::add_slow;
+use crate::waves;
 
 /// Active area, cm2, and free length, cm, of every sample.
 pub const AREA: f64 = 0.1;
@@ -42,9 +43,6 @@ pub enum Drives {
     /// +2 V, -1 V and the sine.
     StepsAndSine,
 }
-
-/// Levels between two readings of a voltage that truly moves.
-const TRULY_BETWEEN: usize = 15;
 
 /// What the noise is like beside its memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -197,13 +195,6 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         .map(|k| (pulse_s * k as f64, if k % 2 == 0 { 2.0 } else { 0.0 }))
         .collect();
     let discharge = vec![(0.0, 2.0), (0.5 * lasting_s, 0.0)];
-    // The drives below are replaced by these.
-    let courses: [Option<Course>; 3] = match plan.drives {
-        Drives::Moving => [Some(sine), Some(chirp), Some(triangle)],
-        Drives::Sine => [Some(sine), None, None],
-        Drives::StepsAndSine => [None, None, Some(sine)],
-        _ => [None; 3],
-    };
     let drives = match plan.drives {
         Drives::Step => vec![vec![(0.0, 2.0)]],
         Drives::Same => vec![vec![(0.0, 2.0)]; 3],
@@ -253,9 +244,16 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         run.current_time_s = clocked(&run.current_time_s, plan, &run.drive, &mut clock);
         run.curvature_time_s.clone_from(&run.current_time_s);
     }
+    // A moving voltage in the place of the drives above.
+    let courses = waves::courses(plan.drives);
     for (run, course) in design.iter_mut().zip(courses) {
         if let Some(course) = course {
-            run.drive = staircase(course, &run.current_time_s, TRULY_BETWEEN, lasting_s);
+            run.drive = waves::staircase(
+                course,
+                &run.current_time_s,
+                waves::truly_between(plan.count),
+                lasting_s,
+            );
         }
     }
     let mut seen: Vec<Drive> = match plan.clock {
@@ -267,7 +265,7 @@ pub fn case(seed: u64, plan: Plan) -> Case {
     };
     for ((run, course), seen) in design.iter().zip(courses).zip(&mut seen) {
         if let Some(course) = course {
-            *seen = staircase(course, &run.current_time_s, 0, lasting_s);
+            *seen = waves::staircase(course, &run.current_time_s, 0, lasting_s);
         }
     }
     let mut scatter = ChaCha8Rng::seed_from_u64(seed ^ 0x5ca7_7e12);
@@ -283,38 +281,6 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         plan,
         seen,
     }
-}
-
-/// A voltage over the record's part that has passed.
-type Course = fn(f64) -> f64;
-
-fn sine(part: f64) -> f64 {
-    2.0 * (std::f64::consts::TAU * 8.0 * part).sin()
-}
-
-fn chirp(part: f64) -> f64 {
-    2.0 * (std::f64::consts::TAU * 15.0 / 16.0_f64.ln() * (16.0_f64.powf(part) - 1.0) / 15.0).sin()
-}
-
-fn triangle(part: f64) -> f64 {
-    let phase = (5.0 * part + 0.25).fract();
-    4.0 * (phase - 0.5).abs() - 1.0
-}
-
-/// That course in levels about each reading, and about so many places between every two.
-fn staircase(course: Course, read_s: &[f64], between: usize, lasting_s: f64) -> Drive {
-    let read_s: Vec<f64> = std::iter::once(0.0)
-        .chain(read_s.iter().copied().filter(|t| *t > 0.0))
-        .collect();
-    let parts = between + 1;
-    let place = |pair: &[f64], part: usize| pair[0] + (pair[1] - pair[0]) * part as f64 / parts as f64;
-    let time_s: Vec<f64> = read_s
-        .windows(2)
-        .flat_map(|pair| (0..parts).map(move |part| place(pair, part)))
-        .chain(read_s.last().copied())
-        .collect();
-    let volts: Vec<f64> = time_s.iter().map(|t| course(t / lasting_s)).collect();
-    Drive::staircase(&time_s, &volts, 0.0)
 }
 
 /// The parameters of a run that scatter by that part about those of its sample.

@@ -37,6 +37,7 @@ mod rednoise;
 mod reliability;
 mod verdicts;
 mod visible;
+mod waves;
 
 use count::{ceilings, effects, outsides, together};
 use hidden::{OUTSIDE, PUBLISHED};

@@ -101,6 +101,48 @@ fn conditions() -> Vec<(&'static str, Plan)> {
                 ..white
             },
         ),
+        (
+            "two steps and a sine, beside the edges",
+            driven(Drives::StepsAndSine, clock(Clock::Beside)),
+        ),
+        (
+            "two steps and a sine, 2 % outliers",
+            driven(
+                Drives::StepsAndSine,
+                Plan {
+                    outliers: 0.02,
+                    ..white
+                },
+            ),
+        ),
+        (
+            "two steps and a sine, runs scatter by 1 %",
+            driven(
+                Drives::StepsAndSine,
+                Plan {
+                    scatter: 0.01,
+                    ..white
+                },
+            ),
+        ),
+        (
+            "sine, chirp and triangle, 2 % outliers",
+            driven(
+                Drives::Moving,
+                Plan {
+                    outliers: 0.02,
+                    ..white
+                },
+            ),
+        ),
+        (
+            "sine, chirp and triangle, 3600 readings, 10 Hz",
+            driven(Drives::Moving, long(3_600, 10.0, 30)),
+        ),
+        (
+            "one sine, 36000 readings, 10 Hz",
+            driven(Drives::Sine, long(36_000, 10.0, 30)),
+        ),
     ]
 }
 

@@ -8,7 +8,8 @@ use ieap_numerics::waveform::{LEAST_TURN, finer, turns};
 
 use crate::levels::STEPS_IN_HALF_PERIOD;
 
-/// The same course in levels that are enough; other drives, and those with an open circuit in them, stay what they are.
+/// The same course in levels that are enough; other drives, and those with an open circuit in them, stay what they are. So does
+/// a course of levels that are stated, each held until the next: it truly goes in steps.
 pub(crate) fn followed(drive: &Drive) -> Drive {
     let levels: Option<Vec<f64>> = drive
         .segments
@@ -17,7 +18,9 @@ pub(crate) fn followed(drive: &Drive) -> Drive {
         .collect();
     match levels {
         Some(levels_v) if drive.moves() => {
-            let time_s = middles_s(drive);
+            let Some(time_s) = middles_s(drive) else {
+                return drive.clone();
+            };
             let jumps: Vec<usize> = (1..levels_v.len())
                 .filter(|&k| is_jump(&drive.segments[k]))
                 .collect();
@@ -38,8 +41,8 @@ fn volts(level: Level) -> Option<f64> {
 }
 
 /// The times of the readings that [`Drive::staircase`] made these levels of: each level begins midway between two, or at its own
-/// where it is reached by a jump.
-fn middles_s(drive: &Drive) -> Vec<f64> {
+/// where it is reached by a jump. None where they would lie outside of their levels: no readings made these.
+fn middles_s(drive: &Drive) -> Option<Vec<f64>> {
     let mut time_s: Vec<f64> = Vec::with_capacity(drive.segments.len());
     for segment in &drive.segments {
         time_s.push(match time_s.last() {
@@ -47,7 +50,17 @@ fn middles_s(drive: &Drive) -> Vec<f64> {
             _ => segment.start_s,
         });
     }
-    time_s
+    let mut ends_s = drive.segments.iter().skip(1).map(|next| next.start_s);
+    let is_within = |(segment, t): (&Segment, &f64)| {
+        let end_s = ends_s.next().unwrap_or(f64::INFINITY);
+        (segment.start_s..end_s).contains(t)
+    };
+    drive
+        .segments
+        .iter()
+        .zip(&time_s)
+        .all(is_within)
+        .then_some(time_s)
 }
 
 /// Whether a level of a staircase is reached by a jump, which its readings have between them.
@@ -67,7 +80,7 @@ mod tests {
         let course = |t: f64| (t / 6.0).sin() + if t < 40.0 { 0.0 } else { 1.5 };
         let levels_v: Vec<f64> = time_s.iter().map(|t| course(*t)).collect();
         let drive = Drive::staircase(&time_s, &levels_v, 0.0);
-        let middles = middles_s(&drive);
+        let middles = middles_s(&drive).unwrap();
         assert!(middles.iter().zip(&time_s).all(|(a, b)| (a - b).abs() < 1e-9));
         let fine = followed(&drive);
         assert!(fine.segments.len() > 1000, "{}", fine.segments.len());
@@ -93,5 +106,12 @@ mod tests {
         assert_eq!(followed(&drive), drive);
         drive.segments.push(Segment::at(10.0, Level::OpenCircuit));
         assert_eq!(followed(&drive), drive);
+        let held = |k: u32| Segment::at(f64::from(k), Level::Voltage((f64::from(k) / 10.0).sin()));
+        let stated = Drive {
+            baseline_v: 0.0,
+            segments: (0..200).map(held).collect(),
+        };
+        assert!(stated.moves());
+        assert_eq!(followed(&stated), stated);
     }
 }
