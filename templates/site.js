@@ -3,7 +3,7 @@
 //
 // Numbers are read back from the drawn shapes: a panel is <g data-f="left top right bottom">, an axis in it <g class="axes"
 // data-x="scale low high"> or data-y, a series <g data-s="name" data-r="runs">. Scales: 0 linear, 1 logarithm, 2 seconds since 1970 UTC,
-// 3 names, 4 time about a step (with its unit and the positions per second before it). Runs are indices in runs.js, which is loaded when it is first needed.
+// 3 names, 4 time about a step (with its unit and the positions per second before it). Runs are indices in runs.js and its further parts, which are loaded when they are first needed.
 "use strict";
 (() => {
   const root = document.documentElement.dataset.root || "";
@@ -60,24 +60,34 @@
   };
 
   // ---------------------------------------------------------------- runs
-  let runsLoaded;
-  const runs = () => {
-    runsLoaded ??= new Promise((resolve) => {
-      const script = make("script", { src: root + "runs.js" });
-      const done = () => {
-        const index = window.ieapRuns || { keys: [], values: [], pages: [], runs: [] };
-        resolve(index.runs.map(([name, place, page, ...tags]) => {
-          const run = { name, place, href: root + "runs/" + index.pages[page] + ".html" + (place && "#" + place), tags: {} };
-          tags.forEach((at, k) => { if (at >= 0) run.tags[index.keys[k]] = index.values[k][at]; });
-          run.text = (name + " " + Object.entries(run.tags).map(([key, value]) => key + "=" + value).join(" ")).toLowerCase();
-          return run;
-        }));
-      };
-      script.onload = done;
-      script.onerror = done;
+  const loading = new Map();
+  const load = (file) => {
+    if (!loading.has(file)) loading.set(file, new Promise((resolve) => {
+      const script = make("script", { src: root + file });
+      script.onload = resolve;
+      script.onerror = resolve;
       document.head.append(script);
-    });
-    return runsLoaded;
+    }));
+    return loading.get(file);
+  };
+  const known = [], readParts = new Set();
+  // Runs at their indices: all, or only the parts of the index that hold those wanted.
+  const runs = async (wanted) => {
+    await load("runs.js");
+    const index = window.ieapRuns || { keys: [], values: [], pages: [], files: [], each: 1, runs: [] };
+    const parts = wanted ? new Set([...wanted].map((run) => Math.floor(run / index.each))) : new Set(index.files.keys());
+    await Promise.all([...parts].map((part) => index.files[part] && load(index.files[part])));
+    for (const part of parts) {
+      if (readParts.has(part) || !index.runs[part]) continue;
+      readParts.add(part);
+      index.runs[part].forEach(([name, place, page, ...tags], k) => {
+        const run = { name, place, href: root + "runs/" + index.pages[page] + ".html" + (place && "#" + place), tags: {} };
+        tags.forEach((at, k) => { if (at >= 0) run.tags[index.keys[k]] = index.values[k][at]; });
+        run.text = (name + " " + Object.entries(run.tags).map(([key, value]) => key + "=" + value).join(" ")).toLowerCase();
+        known[part * index.each + k] = run;
+      });
+    }
+    return known;
   };
   // Whether a run answers every word: `air`, `voltage_v=2.5`, `relative_humidity_percent>60`.
   const matcher = (query) => {
@@ -665,7 +675,7 @@
           this.zoom(ends);
           this.again(event);
         } else if (this.near?.run !== undefined && event.type === "pointerup" && event.pointerType !== "touch") {
-          runs().then((all) => { if (all[this.near?.run]) location.href = all[this.near.run].href; });
+          this.open();
         }
         from = null;
       };
@@ -731,12 +741,17 @@
         case "+": case "=": this.scale(0.5, middle()); break;
         case "-": this.scale(2, middle()); break;
         case "Escape": case "0": this.zoom(null); this.leave(); break;
-        case "Enter": if (this.near?.run === undefined) return; runs().then((all) => { location.href = all[this.near.run].href; }); break;
+        case "Enter": if (this.near?.run === undefined) return; this.open(); break;
         default: return;
       }
       event.preventDefault();
     }
     leave() { hide(); this.near = null; }
+    // The page of the run that is nearest.
+    async open() {
+      const { run } = this.near, all = await runs([run]);
+      if (all[run]) location.href = all[run].href;
+    }
     nearest(panel, series, px, py) {
       let best = null, least = Infinity;
       for (const point of series.points) {
@@ -766,7 +781,7 @@
         lines.push([panel.quantity, number(panel, found.point.py) + interval(panel, found.point)]);
         if (panel.x.scale !== 3) lines.push(across(found.point.px));
         if (found.point.run !== undefined) {
-          const run = (await runs())[found.point.run];
+          const run = (await runs([found.point.run]))[found.point.run];
           if (this.near !== found.point) return;
           if (run) lines[0] = [run.name, ""];
         }
@@ -928,10 +943,10 @@
     const place = document.querySelector("[data-by-tags]");
     const own = charts.filter((chart) => chart.byRun);
     if (!place || !own.length) return;
-    const all = await runs();
     const panels = own.flatMap((chart) => chart.panels);
     for (const panel of panels) panel.points = panel.series.flatMap((s) => s.points.filter((p) => p.run !== undefined));
     const drawnRuns = new Set(panels.flatMap((p) => p.points.map((point) => point.run)));
+    const all = await runs(drawnRuns);
     const keys = new Map();
     for (const run of drawnRuns) for (const [key, value] of Object.entries(all[run]?.tags || {})) {
       if (!keys.has(key)) keys.set(key, new Set());

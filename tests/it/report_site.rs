@@ -7,6 +7,7 @@ use std::path::Path;
 use ieap::domain::{ClimateCurve, CurveSource, RunCurve, RunRecord};
 use ieap::report::kept::{self, Earlier};
 use ieap::report::pages::{PAGES, Page, shown};
+use ieap::report::run_index::run_index;
 use ieap::report::{Input, Site, render, render_site};
 
 use super::report_fixture::{MadeUpCurves, current_only_input, input, troubled_input};
@@ -31,11 +32,10 @@ fn collect(folder: &Path, prefix: &str, files: &mut BTreeMap<String, String>) {
     for entry in fs::read_dir(folder).expect("a folder") {
         let entry = entry.expect("an entry");
         let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
-        match entry.path().is_dir() {
-            true => collect(&entry.path(), &format!("{name}/"), files),
-            false => {
-                files.insert(name, fs::read_to_string(entry.path()).expect("text"));
-            }
+        if entry.path().is_dir() {
+            collect(&entry.path(), &format!("{name}/"), files)
+        } else {
+            files.insert(name, fs::read_to_string(entry.path()).expect("text"));
         }
     }
 }
@@ -490,4 +490,42 @@ fn preview() {
         )
         .expect("a site");
     }
+}
+
+#[test]
+fn the_index_of_many_runs_is_cut_in_parts() {
+    let input = input(&["CNaf", "CPvf"], 200);
+    let site = Site::new(&input);
+    let parts = run_index(&site);
+    let count = input.runs.len();
+    assert!(count > 2000, "{count} runs");
+    let mut listed = Vec::new();
+    for (part, (file, text)) in parts.iter().enumerate() {
+        let rows: serde_json::Value = match part {
+            0 => {
+                assert_eq!(file, "runs.js");
+                let head = text.trim_end().strip_prefix("window.ieapRuns=").unwrap();
+                let head: serde_json::Value = serde_json::from_str(head.trim_end_matches(';')).unwrap();
+                let files: Vec<&str> = parts.iter().map(|(file, _)| file.as_str()).collect();
+                assert_eq!(head["files"], serde_json::json!(files));
+                assert_eq!(head["each"], 1000);
+                head["runs"][0].clone()
+            }
+            part => {
+                let begin = format!("window.ieapRuns.runs[{part}]=");
+                let rows = text.trim_end().strip_prefix(begin.as_str()).unwrap();
+                serde_json::from_str(rows.trim_end_matches(';')).unwrap()
+            }
+        };
+        let names = rows
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|row| row[0].as_str().unwrap().to_owned());
+        let before = listed.len();
+        listed.extend(names);
+        assert!(listed.len() == before + 1000 || listed.len() == count, "{file}");
+    }
+    let names: Vec<String> = (0..count).map(|run| site.run_name(run).to_owned()).collect();
+    assert_eq!(listed, names);
 }

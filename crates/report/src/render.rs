@@ -18,7 +18,7 @@ use super::kept::{self, Earlier};
 use super::pages::{FINDING_TEMPLATE, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, shown};
 use super::press::{INDEX, LAYOUT, Press, template_error, write};
 use super::readings_file;
-use super::run_index::{self, run_index};
+use super::run_index::run_index;
 use super::run_press::make;
 use super::site::Site;
 use super::sparkline::Sparks;
@@ -99,7 +99,9 @@ pub fn render_site(
     let total = pages.len() + groups + site.run_pages.len() + strips.len();
     let mut bytes = write(&out_dir.join("style.css"), &without_comments(STYLE))?;
     bytes += write(&out_dir.join("site.js"), &without_comments(SCRIPT))?;
-    bytes += write(&out_dir.join(run_index::FILE), &run_index(&site))?;
+    for (file, text) in run_index(&site) {
+        bytes += write(&out_dir.join(file), &text)?;
+    }
     let press = Press {
         templates: &templates,
         site: &site,

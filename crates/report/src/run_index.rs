@@ -1,5 +1,6 @@
 //! The index of runs for a page's script: names, pages and tags, so that a run is found by typing and points are
-//! grouped and filtered by any tag. One file for the whole site, loaded when it is first needed.
+//! grouped and filtered by any tag. A part for every thousand runs, each loaded when it is first needed: a page that
+//! shows a few runs of many reads the parts that these are in.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,8 +12,10 @@ use ieap_analysis::conditions::material;
 use ieap_domain::RunRecord;
 use ieap_domain::tag::keys;
 
-/// File of the index.
-pub const FILE: &str = "runs.js";
+/// Runs of one part: some 60 kB.
+const EACH: usize = 1000;
+/// The part that the others hang on: what their rows refer to, and the first runs.
+const FIRST: &str = "runs.js";
 /// Day of a run's start: as a tag that runs can be grouped by.
 const DAY: &str = "started_on";
 /// The sample's material, beside the tags.
@@ -20,9 +23,12 @@ const MATERIAL: &str = "material";
 /// Longest value taken in, characters: notes are not for grouping.
 const LONGEST: usize = 60;
 
-/// `window.ieapRuns = {"keys": [...], "values": [[...]], "pages": [...], "runs": [[name, place on its page, page, place of
-/// the value of each key or -1]]}`; a page of one run has no places.
-pub fn run_index(site: &Site) -> String {
+/// Files of the index, with their texts.
+///
+/// The first is `window.ieapRuns = {"keys": [...], "values": [[...]], "pages": [...], "files": [...], "each": 1000,
+/// "runs": [part]}`, every other one adds its part to `runs`. A part is `[[name, place on its page, page, place of the value
+/// of each key or -1]]`; a page of one run has no places.
+pub fn run_index(site: &Site) -> Vec<(String, String)> {
     let tags: Vec<BTreeMap<&str, String>> = site.input.records().map(|run| tags_of(site, run)).collect();
     let keys: BTreeSet<&str> = tags.iter().flat_map(|tags| tags.keys().copied()).collect();
     let mut values: Vec<Vec<&str>> = Vec::new();
@@ -54,9 +60,29 @@ pub fn run_index(site: &Site) -> String {
         )
     };
     let runs: Vec<Value> = tags.iter().enumerate().map(row).collect();
+    let mut parts = runs.chunks(EACH);
+    let first: Vec<&[Value]> = parts.next().into_iter().collect();
+    let files: Vec<String> = (0..runs.len().div_ceil(EACH)).map(file_of).collect();
     let pages: Vec<&str> = site.run_pages.iter().map(|page| page.slug.as_str()).collect();
-    let index = json!({ "keys": keys, "values": values, "pages": pages, "runs": runs });
-    format!("window.ieapRuns={index};\n")
+    let head = json!({
+        "keys": keys, "values": values, "pages": pages, "files": files, "each": EACH, "runs": first,
+    });
+    let others = (1..).zip(parts).map(|(part, rows)| {
+        (
+            file_of(part),
+            format!("window.ieapRuns.runs[{part}]={};\n", json!(rows)),
+        )
+    });
+    std::iter::once((FIRST.to_owned(), format!("window.ieapRuns={head};\n")))
+        .chain(others)
+        .collect()
+}
+
+fn file_of(part: usize) -> String {
+    match part {
+        0 => FIRST.to_owned(),
+        later => format!("runs-{}.js", later + 1),
+    }
 }
 
 fn tags_of<'a>(site: &Site<'a>, run: &'a RunRecord) -> BTreeMap<&'a str, String> {
