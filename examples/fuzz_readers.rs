@@ -148,9 +148,10 @@ fn again(id: &str, path: &Path) -> ExitCode {
         outcome.largest,
         outcome.broken
     );
-    match outcome.broken.is_empty() {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::FAILURE,
+    if outcome.broken.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
     }
 }
 

@@ -28,10 +28,10 @@ fn is_refused() -> bool {
 // SAFETY: every call is passed on to the system's allocator unchanged, or answered as one without memory does.
 unsafe impl GlobalAlloc for Refusing {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        match is_refused() {
-            true => std::ptr::null_mut(),
-            // SAFETY: as above.
-            false => unsafe { System.alloc(layout) },
+        if is_refused() {
+            std::ptr::null_mut()
+        } else {
+            unsafe { System.alloc(layout) }
         }
     }
 
@@ -41,10 +41,10 @@ unsafe impl GlobalAlloc for Refusing {
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        match is_refused() {
-            true => std::ptr::null_mut(),
-            // SAFETY: as above.
-            false => unsafe { System.realloc(pointer, layout, size) },
+        if is_refused() {
+            std::ptr::null_mut()
+        } else {
+            unsafe { System.realloc(pointer, layout, size) }
         }
     }
 }

@@ -94,9 +94,10 @@ impl Painted {
                 let fall = (1.0 + self.vignette * (u * u + v * v)).powi(-2);
                 let lit = fall * (1.0 + self.tilt.0 * u + self.tilt.1 * v);
                 let cover = f64::from(strip[y * width + x]);
-                let value = match self.dark {
-                    true => 0.75 * lit * (1.0 - self.contrast * cover),
-                    false => 0.75 * lit * (1.0 - self.contrast * (1.0 - cover)),
+                let value = if self.dark {
+                    0.75 * lit * (1.0 - self.contrast * cover)
+                } else {
+                    0.75 * lit * (1.0 - self.contrast * (1.0 - cover))
                 };
                 values.push(value as f32);
             }

@@ -58,9 +58,10 @@ pub fn is_wanted(choice: ColorChoice, is_terminal: bool) -> bool {
 
 /// `text` in that ink.
 pub fn painted(text: &str, ink: Ink, is_wanted: bool) -> Cow<'_, str> {
-    match is_wanted {
-        true => format!("\u{1b}[{}m{text}\u{1b}[0m", ink.code()).into(),
-        false => text.into(),
+    if is_wanted {
+        format!("\u{1b}[{}m{text}\u{1b}[0m", ink.code()).into()
+    } else {
+        text.into()
     }
 }
 

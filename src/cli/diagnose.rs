@@ -165,9 +165,10 @@ fn later_words(gain: &Gain) -> String {
 
 fn print(group: &GroupEntry, output: &Output) {
     let count = counted(group.runs.len(), "run");
-    let doubt = match group.verdict.names_a_cause() && group.gain_is_clear == Some(false) {
-        true => ", not proved",
-        false => "",
+    let doubt = if group.verdict.names_a_cause() && group.gain_is_clear == Some(false) {
+        ", not proved"
+    } else {
+        ""
     };
     let verdict = group.verdict.key();
     let title = group_title(&group.group);
@@ -264,9 +265,12 @@ fn print_effect(effect: &EffectEntry, output: &Output) {
         .variant
         .as_ref()
         .map_or_else(String::new, |variant| format!(" ({variant})"));
-    let chance = |name: &str, p: f64| match p < 1e-3 {
-        true => format!("{name} < 0.001"),
-        false => format!("{name} = {p:.3}"),
+    let chance = |name: &str, p: f64| {
+        if p < 1e-3 {
+            format!("{name} < 0.001")
+        } else {
+            format!("{name} = {p:.3}")
+        }
     };
     let q = effect
         .q

@@ -91,9 +91,10 @@ fn speak(mut said: SpeakOfRuns, global: &Global, output: &Output) -> Result<u8, 
             .for_each(|run| output.result(&format!("  {run}")));
     }
     list("on your word, against the program's", &spoken.overruled, false);
-    match spoken.speaking.is_empty() && spoken.set_aside.is_empty() {
-        true => output.result("no run's files are gone: nothing was dropped"),
-        false => output.message("The next `ieap run` (or the running `ieap watch`) makes the results anew."),
+    if spoken.speaking.is_empty() && spoken.set_aside.is_empty() {
+        output.result("no run's files are gone: nothing was dropped")
+    } else {
+        output.message("The next `ieap run` (or the running `ieap watch`) makes the results anew.")
     }
     output.document(&json!({ "schema": "ieap/drop/1", "drop": spoken }))?;
     Ok(DONE)

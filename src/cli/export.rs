@@ -189,9 +189,10 @@ fn to_stdout(args: &ExportArgs, context: &Context, output: &Output) -> Result<u8
     if !is_csv && output.is_terminal() {
         return Err(CliError::usage("stdout is a terminal: name a file with --output"));
     }
-    let plain = match is_csv {
-        true => TableFormat::Csv,
-        false => TableFormat::Parquet,
+    let plain = if is_csv {
+        TableFormat::Csv
+    } else {
+        TableFormat::Parquet
     };
     let format = with_comma(args, is_csv)?.unwrap_or(plain);
     let (bytes, rows) = Export::bytes(context, table, format)?;

@@ -62,11 +62,12 @@ pub fn run(args: &FigureArgs, output: &Output) -> Result<u8, CliError> {
         run: args.run.clone(),
         parameter: args.parameter.clone(),
     };
-    let bytes = match needs_no_campaign(name) {
-        true => figure.simulated()?,
-        false => figure.run(&Context::open_read_only(&super::campaign::folder(
+    let bytes = if needs_no_campaign(name) {
+        figure.simulated()?
+    } else {
+        figure.run(&Context::open_read_only(&super::campaign::folder(
             folder.as_deref(),
-        )?)?)?,
+        )?)?)?
     };
     let path = args
         .output

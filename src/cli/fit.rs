@@ -143,9 +143,10 @@ fn beside(
         )));
     }
     tell(args, global, &context, output)?;
-    Ok(match left_out_inputs(&context)? {
-        true => exit::SOME_REFUSED,
-        false => exit::DONE,
+    Ok(if left_out_inputs(&context)? {
+        exit::SOME_REFUSED
+    } else {
+        exit::DONE
     })
 }
 

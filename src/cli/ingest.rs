@@ -119,9 +119,10 @@ fn told(output: &Output, all: &[Together]) {
 /// A name pattern that would tag runs which lack tags.
 pub fn pattern(output: &Output, proposed: Option<&ProposedPattern>) {
     let Some(found) = proposed else { return };
-    let declared = match found.extra.is_empty() {
-        true => String::new(),
-        false => format!(" (with [tags] extra = {:?})", found.extra),
+    let declared = if found.extra.is_empty() {
+        String::new()
+    } else {
+        format!(" (with [tags] extra = {:?})", found.extra)
     };
     output.message(&format!(
         "  name_pattern = \"{}\" in campaign.toml, [runs], reads tags from {} of these {} names{declared}",

@@ -106,13 +106,14 @@ fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
         .iter()
         .for_each(|open| output.result(&format!("  {}", one_line(open))));
     let folder = args.folder.display();
-    match proposed.written {
-        true => output.message(&format!(
+    if proposed.written {
+        output.message(&format!(
             "Made {folder}. Next: fill in what is listed, then `ieap run {folder}`."
-        )),
-        false => output.message(
+        ))
+    } else {
+        output.message(
             "Nothing was written. The same command with --yes makes the campaign, with copies of the files.",
-        ),
+        )
     }
 }
 

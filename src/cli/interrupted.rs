@@ -28,9 +28,10 @@ pub fn interrupted(context: &Context, goes_on: &GoesOn, output: &Output) -> Resu
     if left.report && goes_on.reports {
         parts.push("the report to be written anew".to_owned());
     }
-    let left = match parts.is_empty() {
-        true => "new files, if there are any".to_owned(),
-        false => parts.join(", "),
+    let left = if parts.is_empty() {
+        "new files, if there are any".to_owned()
+    } else {
+        parts.join(", ")
     };
     output.message(&format!(
         "Interrupted. What was made so far is kept. Left: {left}. `ieap {}` goes on from there.",

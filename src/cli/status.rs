@@ -69,9 +69,10 @@ fn alarms_only(status: &Status, output: &Output) -> Result<u8, CliError> {
         taken_back: &status.alarms_taken_back,
         not_watched: status.monitoring.as_deref(),
     })?;
-    Ok(match status.alarms.iter().any(|alarm| !alarm.acknowledged) {
-        true => ALARM,
-        false => DONE,
+    Ok(if status.alarms.iter().any(|alarm| !alarm.acknowledged) {
+        ALARM
+    } else {
+        DONE
     })
 }
 
@@ -373,9 +374,10 @@ fn set_aside(status: &Status, output: &Output) {
 
 /// An issue with its place and the way to mend it.
 fn issue(output: &Output, indent: &str, issue: &Issue) {
-    let place = match issue.place.is_empty() {
-        true => String::new(),
-        false => format!("{}: ", issue.place),
+    let place = if issue.place.is_empty() {
+        String::new()
+    } else {
+        format!("{}: ", issue.place)
     };
     output.result(&format!("{indent}{place}{}", issue.message));
     if !issue.mend.is_empty() {

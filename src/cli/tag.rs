@@ -82,11 +82,12 @@ fn split(arguments: &[String]) -> Result<(Pairs, Option<PathBuf>), CliError> {
             }
         }
     }
-    match pairs.is_empty() {
-        true => Err(CliError::usage(
+    if pairs.is_empty() {
+        Err(CliError::usage(
             "found no tag, needed key=value after the runs, such as environment=air",
-        )),
-        false => Ok((pairs, campaign)),
+        ))
+    } else {
+        Ok((pairs, campaign))
     }
 }
 

@@ -101,9 +101,10 @@ pub fn run(args: &TraceArgs, output: &Output) -> Result<u8, CliError> {
     let summary = verb.run(output)?;
     print(&summary, output);
     output.document(&summary)?;
-    Ok(match summary.refused.is_empty() {
-        true => DONE,
-        false => SOME_REFUSED,
+    Ok(if summary.refused.is_empty() {
+        DONE
+    } else {
+        SOME_REFUSED
     })
 }
 

@@ -100,10 +100,10 @@ impl Run {
         } = self.make(context, observer)?;
         let condemned = context.store.condemned_by_diagnosis()?;
         let mut first = None;
-        let diagnose = match self.skip_diagnosis {
-            true => DiagnoseSummary::default(),
-            false => self
-                .diagnosis()
+        let diagnose = if self.skip_diagnosis {
+            DiagnoseSummary::default()
+        } else {
+            self.diagnosis()
                 .run_while(context, observer, &|| true, &mut |context| {
                     // What a fault stops here is tried again at the end, and told then.
                     let rendered = render(context, observer, &mut Vec::new())?;
@@ -112,7 +112,7 @@ impl Run {
                     }
                     first = Some(rendered);
                     Ok(())
-                })?,
+                })?
         };
         if context.store.condemned_by_diagnosis()? != condemned {
             // A run that shared its parameters with others does so no more, and what was watched with it is watched without.

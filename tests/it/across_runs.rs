@@ -143,9 +143,10 @@ fn without_current(folder: &CampaignFolder) {
         let text = std::fs::read_to_string(&path).unwrap();
         let head = text.lines().find(|line| !line.starts_with('#')).unwrap();
         let current = head.split(',').position(|name| name == "current_a").unwrap();
-        let lines = text.lines().map(|line| match line.starts_with('#') {
-            true => line.to_owned(),
-            false => {
+        let lines = text.lines().map(|line| {
+            if line.starts_with('#') {
+                line.to_owned()
+            } else {
                 let cells = line.split(',').enumerate().filter(|(place, _)| *place != current);
                 cells.map(|(_, cell)| cell).collect::<Vec<_>>().join(",")
             }

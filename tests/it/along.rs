@@ -330,11 +330,13 @@ fn a_campaign_of_strips_has_its_pages_and_figures() {
     let blanked: Vec<String> = text
         .lines()
         .enumerate()
-        .map(|(at, line)| match (24..28).contains(&at) {
-            true => line
-                .rsplit_once(',')
-                .map_or_else(String::new, |(rest, _)| format!("{rest},")),
-            false => line.to_owned(),
+        .map(|(at, line)| {
+            if (24..28).contains(&at) {
+                line.rsplit_once(',')
+                    .map_or_else(String::new, |(rest, _)| format!("{rest},"))
+            } else {
+                line.to_owned()
+            }
         })
         .collect();
     folder.write("runs/CNaf_1.5V.csv", blanked.join("\n") + "\n");

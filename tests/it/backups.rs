@@ -30,11 +30,10 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     while let Some(below) = waiting.pop() {
         for entry in std::fs::read_dir(&below).unwrap() {
             let path = entry.unwrap().path();
-            match path.is_dir() {
-                true => waiting.push(path),
-                false => {
-                    found.insert(path.clone(), std::fs::read(&path).unwrap());
-                }
+            if path.is_dir() {
+                waiting.push(path)
+            } else {
+                found.insert(path.clone(), std::fs::read(&path).unwrap());
             }
         }
     }
@@ -277,12 +276,13 @@ impl ieap::system::World for Failing {
         if reads && call.path.ends_with(self.name) && !call.path.ends_with(format!("backup/{}", self.name)) {
             return Err(std::io::Error::from_raw_os_error(5));
         }
-        match self
+        if self
             .interrupted
             .fetch_xor(true, std::sync::atomic::Ordering::Relaxed)
         {
-            true => Ok(()),
-            false => Err(std::io::ErrorKind::Interrupted.into()),
+            Ok(())
+        } else {
+            Err(std::io::ErrorKind::Interrupted.into())
         }
     }
 
@@ -344,9 +344,10 @@ impl ieap::system::World for RefusesFrom {
         let refuses = asked == self.call || self.for_good && asked > self.call;
         // ENOSPC for good, EIO once.
         let errno = if self.for_good { 28 } else { 5 };
-        match refuses {
-            true => Err(std::io::Error::from_raw_os_error(errno)),
-            false => Ok(()),
+        if refuses {
+            Err(std::io::Error::from_raw_os_error(errno))
+        } else {
+            Ok(())
         }
     }
 

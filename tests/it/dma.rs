@@ -24,9 +24,12 @@ fn log(seed: u32, header: &str, columns: &[&str]) -> String {
     let mut text = header.to_owned();
     for row in 0..=400 {
         let time_s = 30.0 * f64::from(row);
-        let lag = |start_s: f64, tau_s: f64| match time_s > start_s {
-            true => 1.0 - (-(time_s - start_s) / tau_s).exp(),
-            false => 0.0,
+        let lag = |start_s: f64, tau_s: f64| {
+            if time_s > start_s {
+                1.0 - (-(time_s - start_s) / tau_s).exp()
+            } else {
+                0.0
+            }
         };
         let percent = 40.0 * (lag(2400.0, 40.0) - lag(7200.0, 40.0)) + 0.3 * noise();
         let complex_mpa = 100.0 - 20.0 * (lag(2400.0, 300.0) - lag(7200.0, 300.0)) + 0.5 * noise();

@@ -366,9 +366,10 @@ fn copy_all(from: &Path, to: &Path) {
     for entry in std::fs::read_dir(from).unwrap() {
         let path = entry.unwrap().path();
         let target = to.join(path.file_name().unwrap());
-        match path.is_dir() {
-            true => copy_all(&path, &target),
-            false => drop(std::fs::copy(&path, target).unwrap()),
+        if path.is_dir() {
+            copy_all(&path, &target)
+        } else {
+            std::fs::copy(&path, target).unwrap();
         }
     }
 }

@@ -339,9 +339,10 @@ fn names_below(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => found.extend(names_below(&path)),
-            false => found.push(path),
+        if path.is_dir() {
+            found.extend(names_below(&path))
+        } else {
+            found.push(path)
         }
     }
     found

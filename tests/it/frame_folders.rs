@@ -160,9 +160,10 @@ impl Sample {
                 ..Scene::default()
             };
             // A curvature that the strip had before, which is to be taken off.
-            let frame = match t > 0.0 {
-                true => scene.draw(520.0, |s| 0.0004 + bent(s)),
-                false => scene.draw(520.0, |_| 0.0004),
+            let frame = if t > 0.0 {
+                scene.draw(520.0, |s| 0.0004 + bent(s))
+            } else {
+                scene.draw(520.0, |_| 0.0004)
             };
             folder.write(&format!("runs/a.frames/f{k:04}.png"), png_bytes(&frame));
         }
@@ -310,9 +311,10 @@ fn walk(folder: &std::path::Path) -> Vec<String> {
     let mut texts = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => texts.extend(walk(&path)),
-            false => texts.extend(std::fs::read_to_string(&path)),
+        if path.is_dir() {
+            texts.extend(walk(&path))
+        } else {
+            texts.extend(std::fs::read_to_string(&path))
         }
     }
     texts

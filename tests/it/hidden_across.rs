@@ -228,9 +228,12 @@ fn a_humidity_law_stands_first_and_vacuum_runs_without_a_humidity_do_not_hide_it
     let dry = "tags = { environment = \"vacuum\"";
     let runs: Vec<String> = runs
         .split("[[run]]")
-        .map(|text| match text.contains("relative_humidity_percent") {
-            true => text.to_owned(),
-            false => text.replace("tags = { environment = \"air\"", dry),
+        .map(|text| {
+            if text.contains("relative_humidity_percent") {
+                text.to_owned()
+            } else {
+                text.replace("tags = { environment = \"air\"", dry)
+            }
         })
         .collect();
     simulate(&folder, &runs.join("[[run]]"));

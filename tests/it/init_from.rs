@@ -183,13 +183,14 @@ fn listed(folder: &Path) -> Vec<(String, u64, std::time::SystemTime)> {
         for entry in fs::read_dir(at).unwrap() {
             let entry = entry.unwrap();
             let about = entry.metadata().unwrap();
-            match about.is_dir() {
-                true => open.push(entry.path()),
-                false => found.push((
+            if about.is_dir() {
+                open.push(entry.path())
+            } else {
+                found.push((
                     entry.path().display().to_string(),
                     about.len(),
                     about.modified().unwrap(),
-                )),
+                ))
             }
         }
     }

@@ -27,12 +27,11 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     while let Some(at) = waiting.pop() {
         for entry in fs::read_dir(at).unwrap() {
             let path = entry.unwrap().path();
-            match path.is_dir() {
-                true => waiting.push(path),
-                false => {
-                    let name = path.strip_prefix(folder).unwrap().to_string_lossy().into_owned();
-                    found.insert(name, fs::read(&path).unwrap());
-                }
+            if path.is_dir() {
+                waiting.push(path)
+            } else {
+                let name = path.strip_prefix(folder).unwrap().to_string_lossy().into_owned();
+                found.insert(name, fs::read(&path).unwrap());
             }
         }
     }

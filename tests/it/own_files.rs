@@ -178,9 +178,10 @@ fn a_record_of_a_constant_current_is_told_by_one_sentence() {
     for (run, said) in &told {
         let about = |text: &&String| text.contains("voltage");
         assert_eq!(said.iter().filter(about).count(), 1, "{run}: {said:#?}");
-        let wanted = match run.ends_with("mpt") {
-            true => "this technique is no response to voltage steps",
-            false => "the current is held at 1.00",
+        let wanted = if run.ends_with("mpt") {
+            "this technique is no response to voltage steps"
+        } else {
+            "the current is held at 1.00"
         };
         assert!(said.iter().any(|text| text.contains(wanted)), "{run}: {said:#?}");
         let wrong = |text: &String| text.contains("changes") || text.contains("missing");

@@ -95,9 +95,10 @@ impl Scene {
                 );
                 let light = 1.0 - self.uneven * (0.35 * (u * u + v * v) + 0.15 * (u - v));
                 let c = f64::from(cover[y * self.width + x]);
-                let value = match self.dark {
-                    true => 215.0 * light * (1.0 - 0.86 * c),
-                    false => 12.0 * light + 190.0 * light * c,
+                let value = if self.dark {
+                    215.0 * light * (1.0 - 0.86 * c)
+                } else {
+                    12.0 * light + 190.0 * light * c
                 };
                 pixels.push(
                     (value + self.noise * normal(random.next_u64()))

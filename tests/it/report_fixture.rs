@@ -39,8 +39,8 @@ struct Truth {
 }
 
 fn truth(ionic: bool, water: f64, voltage_v: f64) -> Truth {
-    match ionic {
-        true => Truth {
+    if ionic {
+        Truth {
             r: [
                 90.0 + 400.0 * water / voltage_v.abs().max(1.0),
                 330.0 + 500.0 * water,
@@ -49,14 +49,15 @@ fn truth(ionic: bool, water: f64, voltage_v: f64) -> Truth {
             rss_ohm_cm2: 71_000.0 / (1.0 + 14.0 * water * voltage_v),
             alpha_per_c_cm: 23.0 - 9.5 * water,
             lambda_per_s: 1.1e-4 * (1.0 + 2.6 * water * (voltage_v - 1.0)).powi(3),
-        },
-        false => Truth {
+        }
+    } else {
+        Truth {
             r: [36.0 - 14.0 * water, 74.0 - 32.0 * water],
             c: [0.042, 1.4 + 0.4 * water],
             rss_ohm_cm2: 1_700.0 / (1.0 + 0.6 * water * voltage_v),
             alpha_per_c_cm: 4.2 - 1.1 * water,
             lambda_per_s: 2.1e-5 + 9e-5 * water,
-        },
+        }
     }
 }
 
@@ -150,9 +151,10 @@ fn channel(quantity: Quantity, last: f64) -> ChannelSummary {
 
 fn fit(truth: Truth, seed: u64, ionic: bool) -> Fit {
     let miss = |k: u64| 1.2 * noise(31 * seed + k);
-    let lambda = match truth.lambda_per_s < 3e-5 {
-        true => Estimate::below(4.2e-5, "the run is too short against 1/λ"),
-        false => estimate(truth.lambda_per_s, 0.06, miss(7)),
+    let lambda = if truth.lambda_per_s < 3e-5 {
+        Estimate::below(4.2e-5, "the run is too short against 1/λ")
+    } else {
+        estimate(truth.lambda_per_s, 0.06, miss(7))
     };
     let parallel = 1.0 / (1.0 / truth.r[0] + 1.0 / truth.r[1]);
     let ratio = if ionic { 1.08 } else { 12.4 };

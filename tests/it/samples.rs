@@ -202,10 +202,7 @@ fn compound(name: &str, stream: &[u8]) -> Vec<u8> {
     );
     file.extend([FREE; 108].map(u32::to_le_bytes).concat());
     let mut table = vec![0xFFFF_FFFD, END];
-    table.extend((0..sectors as u32).map(|k| match k + 1 == sectors as u32 {
-        true => END,
-        false => k + 3,
-    }));
+    table.extend((0..sectors as u32).map(|k| if k + 1 == sectors as u32 { END } else { k + 3 }));
     table.resize(SECTOR / 4, FREE);
     file.extend(table.iter().flat_map(|entry| entry.to_le_bytes()));
     file.extend(folder_entry("Root Entry", 5, 1, END, 0));

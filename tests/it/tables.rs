@@ -248,9 +248,10 @@ fn thesis_run(index: usize, row: &csv::StringRecord) -> ieap::domain::RunRecord 
             .find(|p| p.key == key)
             .expect("the parameter");
         let error = RELATIVE_ERROR * value;
-        parameter.estimate = match value > 0.0 {
-            true => Estimate::determined(value, error, value - 1.96 * error, value + 1.96 * error),
-            false => Estimate::below(1e-6, "the thesis prints 0"),
+        parameter.estimate = if value > 0.0 {
+            Estimate::determined(value, error, value - 1.96 * error, value + 1.96 * error)
+        } else {
+            Estimate::below(1e-6, "the thesis prints 0")
         };
     }
     made

@@ -242,9 +242,10 @@ fn quantile(total: f64, estimated: &[(f64, f64)]) -> f64 {
         .iter()
         .map(|(variance, freedom)| variance * variance / freedom)
         .sum();
-    match sum > 0.0 {
-        true => quantile_95(total * total / sum),
-        false => NORMAL_95,
+    if sum > 0.0 {
+        quantile_95(total * total / sum)
+    } else {
+        NORMAL_95
     }
 }
 
@@ -335,9 +336,10 @@ mod tests {
                 (level, told)
             };
             let strips: Vec<(f64, Vec<Told>)> = (0..samples).map(&mut strip).collect();
-            let truth = match of_another_strip {
-                true => 10.0 + 2.0 * normal() + normal(),
-                false => strips[0].0 + normal(),
+            let truth = if of_another_strip {
+                10.0 + 2.0 * normal() + normal()
+            } else {
+                strips[0].0 + normal()
             };
             let all: Vec<Told> = strips.into_iter().flat_map(|(_, told)| told).collect();
             let found = forecast(&all, Applied::step(2.0), of_another_strip, Beside::default()).unwrap();

@@ -395,13 +395,17 @@ fn undecided(runs: &[&RunRecord], run: usize, what: Misread, factor: f64, other:
 
 /// `its times are 1000 times too long`
 fn times(what: Misread, factor: f64) -> String {
-    let plain = |factor: f64| match factor >= 1e6 {
-        true => format!("{factor:.0e}"),
-        false => format!("{factor:.0}"),
+    let plain = |factor: f64| {
+        if factor >= 1e6 {
+            format!("{factor:.0e}")
+        } else {
+            format!("{factor:.0}")
+        }
     };
-    let said = match factor >= 1.0 {
-        true => format!("{} times", plain(factor)),
-        false => format!("a {}th of", plain(1.0 / factor)),
+    let said = if factor >= 1.0 {
+        format!("{} times", plain(factor))
+    } else {
+        format!("a {}th of", plain(1.0 / factor))
     };
     match what {
         Misread::Current => format!("its current is {said} what it should be"),

@@ -125,12 +125,13 @@ fn condition(
     places: Vec<usize>,
 ) -> ComparedCondition {
     let of_runs: Vec<&RunComparison> = places.iter().map(|&place| &comparisons[place]).collect();
-    let deciding = match of_runs
+    let deciding = if of_runs
         .iter()
         .any(|one| one.deciding() == Some(Quantity::Curvature))
     {
-        true => Quantity::Curvature,
-        false => Quantity::Current,
+        Quantity::Curvature
+    } else {
+        Quantity::Current
     };
     let mut ids: Vec<&str> = Vec::new();
     for score in of_runs.iter().flat_map(|one| &one.models) {

@@ -209,9 +209,10 @@ fn cells(column: &Column) -> Result<(String, Cells), PolarsError> {
     let cells = match column.dtype() {
         DataType::String => {
             let texts = column.str()?.iter();
-            match MOMENTS.contains(&name.as_str()) {
-                true => Cells::Moments(texts.map(|text| moment_us(text?)).collect()),
-                false => Cells::Texts(texts.map(|text| text.map(str::to_owned)).collect()),
+            if MOMENTS.contains(&name.as_str()) {
+                Cells::Moments(texts.map(|text| moment_us(text?)).collect())
+            } else {
+                Cells::Texts(texts.map(|text| text.map(str::to_owned)).collect())
             }
         }
         DataType::Boolean => Cells::Flags(column.bool()?.iter().collect()),

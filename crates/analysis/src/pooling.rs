@@ -85,9 +85,10 @@ pub fn pooled(repeats: &[Repeat], averaging: Averaging) -> Option<Pooled> {
 }
 
 fn to_scale(repeat: &Repeat, averaging: Averaging) -> Option<Repeat> {
-    let error = match repeat.standard_error.is_finite() {
-        true => repeat.standard_error.max(0.0),
-        false => 0.0,
+    let error = if repeat.standard_error.is_finite() {
+        repeat.standard_error.max(0.0)
+    } else {
+        0.0
     };
     let (value, standard_error) = match averaging {
         Averaging::Linear => (repeat.value, error),

@@ -286,9 +286,12 @@ fn p_equal(repeats: &[Repeat], is_log: bool) -> Option<f64> {
     if repeats.len() < 2 || repeats.iter().any(|repeat| repeat.standard_error <= 0.0) {
         return None;
     }
-    let on_scale = |repeat: &Repeat| match is_log {
-        true => (repeat.value.ln(), repeat.standard_error / repeat.value),
-        false => (repeat.value, repeat.standard_error),
+    let on_scale = |repeat: &Repeat| {
+        if is_log {
+            (repeat.value.ln(), repeat.standard_error / repeat.value)
+        } else {
+            (repeat.value, repeat.standard_error)
+        }
     };
     let weighted: Vec<(f64, f64)> = repeats
         .iter()

@@ -63,12 +63,13 @@ impl AlongCurve {
             return None;
         }
         let rows = |pick: for<'a> fn(&PlaceSeries<'a>) -> &'a [f64]| -> Vec<Vec<f64>> {
-            match places.iter().all(|place| pick(place).is_empty()) {
-                true => Vec::new(),
-                false => places
+            if places.iter().all(|place| pick(place).is_empty()) {
+                Vec::new()
+            } else {
+                places
                     .iter()
                     .map(|place| spread(&time_s, place.time_s, pick(place)))
-                    .collect(),
+                    .collect()
             }
         };
         let (measured, fitted) = (rows(|place| place.measured), rows(|place| place.fitted));

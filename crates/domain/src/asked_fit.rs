@@ -36,9 +36,10 @@ impl AskedFit {
             method: self.method.clone().or_else(|| other.method.clone()),
             simultaneous: self.simultaneous.or(other.simultaneous),
             seed: self.seed.or(other.seed),
-            known: match self.known.is_empty() {
-                true => other.known.clone(),
-                false => self.known.clone(),
+            known: if self.known.is_empty() {
+                other.known.clone()
+            } else {
+                self.known.clone()
             },
         }
     }
@@ -47,9 +48,12 @@ impl AskedFit {
 impl fmt::Display for AskedFit {
     /// `model lumped-3, method differential-evolution, both responses at once`.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let steps = |together: bool| match together {
-            true => "both responses at once",
-            false => "one response after the other",
+        let steps = |together: bool| {
+            if together {
+                "both responses at once"
+            } else {
+                "one response after the other"
+            }
         };
         let parts = [
             self.model.as_ref().map(|model| format!("model {model}")),

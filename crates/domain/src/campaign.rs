@@ -197,9 +197,10 @@ impl Campaign {
     /// What the files of the folder of `path` (relative, with `/`) measure; a spectrum is told by its columns.
     pub fn kind_of(&self, path: &str) -> RunKind {
         let rest = path.strip_prefix(self.dma_folder.as_str());
-        match rest.is_some_and(|rest| rest.starts_with('/')) {
-            true => RunKind::Dma,
-            false => RunKind::Actuation,
+        if rest.is_some_and(|rest| rest.starts_with('/')) {
+            RunKind::Dma
+        } else {
+            RunKind::Actuation
         }
     }
 

@@ -20,9 +20,10 @@ pub struct Fault {
 impl Fault {
     /// `runs/a.html (runs/a.csv): index out of bounds`
     pub fn sentence(&self) -> String {
-        let runs = match self.runs.is_empty() {
-            true => String::new(),
-            false => format!(" ({})", self.runs.join(", ")),
+        let runs = if self.runs.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", self.runs.join(", "))
         };
         format!("{}{runs}: {}", self.place, self.reason)
     }
@@ -38,9 +39,12 @@ pub struct Interrupted;
 /// # Errors
 /// The message of the panic.
 pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| match payload.is::<Interrupted>() {
-        true => resume_unwind(payload),
-        false => message(&*payload),
+    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| {
+        if payload.is::<Interrupted>() {
+            resume_unwind(payload)
+        } else {
+            message(&*payload)
+        }
     })
 }
 

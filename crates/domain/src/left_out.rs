@@ -5,9 +5,10 @@ use super::{Channel, FlaggedStretch, Quantity};
 /// Stretches of seconds as tags state them: `600-1200, 1800-2400`, or the list `[[600, 1200], [1800, 2400]]`. `None`
 /// where the text is neither, or a stretch does not end after it begins.
 pub fn stretches(text: &str) -> Option<Vec<(f64, f64)>> {
-    let found: Vec<(f64, f64)> = match text.trim_start().starts_with('[') {
-        true => serde_json::from_str(text).ok()?,
-        false => text.split(',').map(stretch).collect::<Option<_>>()?,
+    let found: Vec<(f64, f64)> = if text.trim_start().starts_with('[') {
+        serde_json::from_str(text).ok()?
+    } else {
+        text.split(',').map(stretch).collect::<Option<_>>()?
     };
     found.iter().all(|(from, to)| from < to).then_some(found)
 }

@@ -63,9 +63,12 @@ pub fn csv_text(text: &str) -> Cow<'_, str> {
     if !calculates {
         return visible;
     }
-    let marked = |(piece, end): (&str, &str)| match is_formula(piece) {
-        true => format!("{TEXT_MARK}{piece}{end}"),
-        false => format!("{piece}{end}"),
+    let marked = |(piece, end): (&str, &str)| {
+        if is_formula(piece) {
+            format!("{TEXT_MARK}{piece}{end}")
+        } else {
+            format!("{piece}{end}")
+        }
     };
     Cow::Owned(pieces(&visible).map(marked).collect())
 }
@@ -116,9 +119,10 @@ pub fn replaced(text: &str, which: fn(char) -> bool, by: impl Fn(char) -> String
     }
     let mut out = String::with_capacity(text.len() + 8);
     for character in text.chars() {
-        match which(character) {
-            true => out.push_str(&by(character)),
-            false => out.push(character),
+        if which(character) {
+            out.push_str(&by(character))
+        } else {
+            out.push(character)
         }
     }
     Cow::Owned(out)

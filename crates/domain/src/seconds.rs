@@ -22,9 +22,10 @@ pub fn span(from_s: f64, to_s: f64) -> String {
 /// Decimals of a time that keep two significant digits below 10 s.
 fn decimals(time_s: f64) -> i32 {
     let magnitude = time_s.abs();
-    match magnitude > 0.0 && magnitude < 10.0 {
-        true => 1 - magnitude.log10().floor() as i32,
-        false => 0,
+    if magnitude > 0.0 && magnitude < 10.0 {
+        1 - magnitude.log10().floor() as i32
+    } else {
+        0
     }
 }
 
@@ -38,9 +39,10 @@ fn written(time_s: f64, decimals: i32) -> String {
         return format!("{time_s:.*e}", decimals.saturating_sub(leading));
     }
     let text = format!("{time_s:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
     }
 }
 

@@ -27,9 +27,10 @@ pub(super) fn moved_by_circuit(
     let branches = electrical.conductances_a_per_v.len();
     for parameter in 0..=2 * branches {
         let mut by = [0.0; CAPACITY];
-        by[parameter] = match parameter == branches {
-            true => STEP * electrical.steady_a_per_v.max(electrical.conductances_a_per_v[0]),
-            false => STEP,
+        by[parameter] = if parameter == branches {
+            STEP * electrical.steady_a_per_v.max(electrical.conductances_a_per_v[0])
+        } else {
+            STEP
         };
         let moved = bend(&electrical.moved(&by));
         let pairs = moved.iter().zip(base);

@@ -75,9 +75,10 @@ impl Current<'_> {
     fn jacobian(&self, place: &[f64], here: &[f64]) -> Vec<Vec<f64>> {
         let column = |k: usize| {
             let mut there = place.to_vec();
-            let step = match there[k] + STEP > self.bounds.high[k] {
-                true => -STEP,
-                false => STEP,
+            let step = if there[k] + STEP > self.bounds.high[k] {
+                -STEP
+            } else {
+                STEP
             };
             there[k] += step;
             self.at(&there)

@@ -92,9 +92,12 @@ impl NoiseAgain {
     /// What [`FoundAgain::product`] needs to know of two series.
     pub fn pair(&self, a: &Scaled, b: &Scaled) -> Pair {
         let is_found = self.again.taken().1.is_none();
-        let of_stretch = |(a, b): (&[f64], &[f64])| match is_found {
-            true => products(a, b),
-            false => [dot(a, b), 0.0, 0.0, 0.0],
+        let of_stretch = |(a, b): (&[f64], &[f64])| {
+            if is_found {
+                products(a, b)
+            } else {
+                [dot(a, b), 0.0, 0.0, 0.0]
+            }
         };
         Pair(self.taken.stretches_of(&a.0, &b.0).map(of_stretch).collect())
     }

@@ -259,9 +259,10 @@ impl Sampled {
     pub(super) fn time_scales_s(&self) -> (f64, f64) {
         let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
         for span in self.spans.iter().filter(|span| span.segment.is_some()) {
-            let elapsed_s = match self.moves {
-                true => &self.time_s[span.first..span.end],
-                false => &self.elapsed_s[span.first..span.end],
+            let elapsed_s = if self.moves {
+                &self.time_s[span.first..span.end]
+            } else {
+                &self.elapsed_s[span.first..span.end]
             };
             if let Some(later) = elapsed_s.get(2..) {
                 shortest = shortest.min(0.5 * sums::least_difference(later, elapsed_s));

@@ -57,9 +57,12 @@ fn wider(estimate: &mut Estimate, relative: f64) -> bool {
     };
     let added = NORMAL_95 * relative;
     let is_logarithm = low > 0.0;
-    let half = |end: f64| match is_logarithm {
-        true => (end / value).ln().abs(),
-        false => ((end - value) / value).abs(),
+    let half = |end: f64| {
+        if is_logarithm {
+            (end / value).ln().abs()
+        } else {
+            ((end - value) / value).abs()
+        }
     };
     let [down, up] = [low, high].map(|end| half(end).hypot(added));
     if down.max(up) <= (1.0 + WORTH) * half(low).max(half(high)) {
@@ -72,9 +75,10 @@ fn wider(estimate: &mut Estimate, relative: f64) -> bool {
     let error = estimate
         .standard_error
         .map(|error| error.hypot(relative * value.abs()));
-    (estimate.low_95, estimate.high_95) = match is_logarithm {
-        true => (Some(value * (-down).exp()), Some(value * up.exp())),
-        false => (Some(value - down * value.abs()), Some(value + up * value.abs())),
+    (estimate.low_95, estimate.high_95) = if is_logarithm {
+        (Some(value * (-down).exp()), Some(value * up.exp()))
+    } else {
+        (Some(value - down * value.abs()), Some(value + up * value.abs()))
     };
     estimate.standard_error = error;
     true

@@ -128,20 +128,19 @@ fn from_channel(
             issues: vec![issue],
         };
     }
-    let mut found = match rest.is_empty() {
-        true => held_throughout(*first, time_zero_is_step, &time_s),
-        false => {
-            let threshold_v = step_threshold(&values, &closed, change_noise_v(&values, &closed));
-            let closed_s = readings(&time_s);
-            let start = before_steps(
-                *first,
-                rest[0],
-                threshold_v,
-                time_zero_is_step,
-                (&closed_s, channels),
-            );
-            stepped(start, rest, time_zero_is_step)
-        }
+    let mut found = if rest.is_empty() {
+        held_throughout(*first, time_zero_is_step, &time_s)
+    } else {
+        let threshold_v = step_threshold(&values, &closed, change_noise_v(&values, &closed));
+        let closed_s = readings(&time_s);
+        let start = before_steps(
+            *first,
+            rest[0],
+            threshold_v,
+            time_zero_is_step,
+            (&closed_s, channels),
+        );
+        stepped(start, rest, time_zero_is_step)
     };
     if let Some(drive) = &found.drive {
         let told = unseen::pauses((&time_s, &values), is_open, drive);
@@ -248,9 +247,10 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
         return Err(NoLevels::Moves);
     }
     let held = without_edges(stretches, threshold);
-    let most = match distinct_levels(&held, threshold) <= FEW_LEVELS {
-        true => share(MOST_PULSES_SHARE),
-        false => share(MOST_STEPS_SHARE),
+    let most = if distinct_levels(&held, threshold) <= FEW_LEVELS {
+        share(MOST_PULSES_SHARE)
+    } else {
+        share(MOST_STEPS_SHARE)
     };
     match held.len() > most {
         // Levels that are held, but too many and too short.

@@ -105,9 +105,10 @@ fn value(table: &RunTable, moment: f64, faces: usize) -> Option<Value> {
         let is_of = |k: &usize| faces == 1 || of_face.get(*k) == Some(&(face as f64));
         let own: Vec<f64> = (0..ohms.len()).filter(is_of).map(|k| ohms[k]).collect();
         // Errors belong to readings only where every reading has one.
-        let stated: Vec<f64> = match errors.len() == ohms.len() {
-            true => (0..ohms.len()).filter(is_of).map(|k| errors[k]).collect(),
-            false => Vec::new(),
+        let stated: Vec<f64> = if errors.len() == ohms.len() {
+            (0..ohms.len()).filter(is_of).map(|k| errors[k]).collect()
+        } else {
+            Vec::new()
         };
         let mean = own.iter().sum::<f64>() / own.len() as f64;
         if own.is_empty() {

@@ -77,9 +77,10 @@ impl ModelChoice {
             });
         }
         let twice = (1..effects.len()).any(|k| (0..k).any(|j| id(j) == id(k)));
-        let what = match twice {
-            true => Some("an effect twice"),
-            false => (effects.len() > MOST_EFFECTS).then_some("too many effects"),
+        let what = if twice {
+            Some("an effect twice")
+        } else {
+            (effects.len() > MOST_EFFECTS).then_some("too many effects")
         };
         match what {
             Some(what) => Err(ChoiceError::Effects {

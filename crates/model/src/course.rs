@@ -86,9 +86,10 @@ pub fn course(pulse: &[f64], wanted: WantedAt, limits: &VoltageLimits) -> Course
     }
     let (inside, least_square) = search(pulse, wanted, limits);
     let searched = limits.within(&inside);
-    let voltage_v = match miss(pulse, wanted, &searched) < miss(pulse, wanted, &greedy) {
-        true => searched,
-        false => greedy,
+    let voltage_v = if miss(pulse, wanted, &searched) < miss(pulse, wanted, &greedy) {
+        searched
+    } else {
+        greedy
     };
     Course {
         least_square: least_square.clamp(0.0, miss(pulse, wanted, &voltage_v)),
@@ -156,9 +157,12 @@ impl Rows {
     fn transposed(&self, y: &[f64]) -> Vec<f64> {
         let n = self.samples;
         let level = |k: usize| y[k] - y[n + k];
-        let change = |k: usize| match self.steers() && k < n {
-            true => y[2 * n + k] - y[3 * n + k],
-            false => 0.0,
+        let change = |k: usize| {
+            if self.steers() && k < n {
+                y[2 * n + k] - y[3 * n + k]
+            } else {
+                0.0
+            }
         };
         (0..n).map(|k| level(k) + change(k) - change(k + 1)).collect()
     }
@@ -167,9 +171,12 @@ impl Rows {
     fn added_to(&self, squares: &Symmetric, w: &[f64]) -> Symmetric {
         let n = self.samples;
         let mut sum = squares.clone();
-        let change = |k: usize| match self.steers() && k < n {
-            true => w[2 * n + k] + w[3 * n + k],
-            false => 0.0,
+        let change = |k: usize| {
+            if self.steers() && k < n {
+                w[2 * n + k] + w[3 * n + k]
+            } else {
+                0.0
+            }
         };
         for k in 0..n {
             sum.add(k, k, w[k] + w[n + k] + change(k) + change(k + 1));

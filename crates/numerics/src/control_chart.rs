@@ -55,9 +55,10 @@ impl Chart {
         let (mut low, mut high) = (0.5_f64, 16.0_f64);
         for _ in 0..30 {
             let middle = 0.5 * (low + high);
-            match self.run_length(middle, 0.0) < run_length {
-                true => low = middle,
-                false => high = middle,
+            if self.run_length(middle, 0.0) < run_length {
+                low = middle
+            } else {
+                high = middle
             }
         }
         0.5 * (low + high)

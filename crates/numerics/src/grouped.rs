@@ -163,9 +163,10 @@ pub fn shared_variance(y: &[f64], variance: &[f64], group: &[usize], columns: &[
     let (mut low, mut high) = (floor.ln(), (1e3 * mean_square).ln());
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
-        match excess(middle.exp()) > 0.0 {
-            true => low = middle,
-            false => high = middle,
+        if excess(middle.exp()) > 0.0 {
+            low = middle
+        } else {
+            high = middle
         }
     }
     (0.5 * (low + high)).exp()

@@ -174,9 +174,12 @@ pub fn recognise(time_s: &[f64], values: &[f64], turns: &[usize]) -> Waveform {
         );
     }
     let (first, last) = (halves[0], halves[halves.len() - 1]);
-    let goes_on = |pair: &[f64]| match last < first {
-        true => pair[1] <= pair[0] * (1.0 + ALIKE),
-        false => pair[1] >= pair[0] * (1.0 - ALIKE),
+    let goes_on = |pair: &[f64]| {
+        if last < first {
+            pair[1] <= pair[0] * (1.0 + ALIKE)
+        } else {
+            pair[1] >= pair[0] * (1.0 - ALIKE)
+        }
     };
     let even = heights
         .iter()
@@ -216,12 +219,13 @@ fn periodic(time_s: &[f64], values: &[f64], frequency_hz: f64, amplitude: f64) -
         let rest = Complex::new(0.0, turned.im).magnitude();
         TRIANGLE.contains(&(turned.re / size)) && rest < PURE * size
     });
-    match peaked {
-        true => Waveform::Triangle {
+    if peaked {
+        Waveform::Triangle {
             frequency_hz,
             amplitude,
-        },
-        false => Waveform::Other,
+        }
+    } else {
+        Waveform::Other
     }
 }
 

@@ -87,8 +87,9 @@ pub fn beyond_words<'a>(
     let said: Vec<String> = beyond
         .map(|mark| format!("{} ({}{unit})", mark.name, significant(mark.y, 2)))
         .collect();
-    match said.is_empty() {
-        true => String::new(),
-        false => format!("Beyond the axes, at an arrow: {}.", listed(&said)),
+    if said.is_empty() {
+        String::new()
+    } else {
+        format!("Beyond the axes, at an arrow: {}.", listed(&said))
     }
 }

@@ -56,9 +56,10 @@ fn drawn_run(input: &Input, run: usize, curves: &dyn CurveSource) -> Result<Draw
     Ok(DrawnRun {
         run,
         curves: curves.curves(record.id)?,
-        climate: match record.climate.is_empty() {
-            true => Vec::new(),
-            false => curves.climate_curves(record.id)?,
+        climate: if record.climate.is_empty() {
+            Vec::new()
+        } else {
+            curves.climate_curves(record.id)?
         },
         failed: None,
     })

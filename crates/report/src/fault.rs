@@ -20,8 +20,9 @@ pub fn guarded<T>(work: impl FnOnce() -> Result<T, ReportError>) -> Result<T, Re
 /// # Errors
 /// The error itself where the disk refuses: no other page would fare better.
 pub fn reason_of(error: ReportError) -> Result<String, ReportError> {
-    match error.is_of_disk() {
-        true => Err(error),
-        false => Ok(error.to_string()),
+    if error.is_of_disk() {
+        Err(error)
+    } else {
+        Ok(error.to_string())
     }
 }

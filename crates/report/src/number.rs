@@ -203,9 +203,10 @@ const NO_NUMBER: &str = "–";
 fn signed(text: &str) -> String {
     let unsigned = text.trim_start_matches('-');
     let is_zero = unsigned.chars().all(|c| c == '0' || c == '.');
-    match text.starts_with('-') && !is_zero {
-        true => format!("−{unsigned}"),
-        false => unsigned.to_owned(),
+    if text.starts_with('-') && !is_zero {
+        format!("−{unsigned}")
+    } else {
+        unsigned.to_owned()
     }
 }
 
@@ -280,9 +281,10 @@ pub fn si_prefix(largest: f64) -> Prefix {
 pub fn with_unit(value: f64, unit: &str) -> String {
     let prefix = si_prefix(value);
     let number = significant(value * prefix.factor, 3);
-    match unit.is_empty() {
-        true => number,
-        false => format!("{number} {}{unit}", prefix.symbol),
+    if unit.is_empty() {
+        number
+    } else {
+        format!("{number} {}{unit}", prefix.symbol)
     }
 }
 
@@ -346,9 +348,10 @@ fn scaled(value: f64, power: i32) -> f64 {
         value *= 10f64.powi(STEP);
         left -= STEP;
     }
-    match left < 0 {
-        true => value / 10f64.powi(-left),
-        false => value * 10f64.powi(left),
+    if left < 0 {
+        value / 10f64.powi(-left)
+    } else {
+        value * 10f64.powi(left)
     }
 }
 
@@ -361,18 +364,20 @@ fn outward(bound: f64, round: fn(f64) -> f64) -> Rounded {
     let in_places_of = scaled(bound, -place);
     // A bound that already has two digits must not move to the next because of its binary representation.
     let nearest = in_places_of.round();
-    let kept = match (in_places_of - nearest).abs() < 1e-9 * nearest.abs() {
-        true => nearest,
-        false => round(in_places_of),
+    let kept = if (in_places_of - nearest).abs() < 1e-9 * nearest.abs() {
+        nearest
+    } else {
+        round(in_places_of)
     };
     // 99.5 of a place became 100.
     let leading = place + if kept.abs() >= 100.0 { 2 } else { 1 };
     let is_plain = (PLAIN_DOWN_TO..PLAIN_UP_TO).contains(&leading);
     let value = in_places(kept, if is_plain { place } else { place - leading });
     Rounded {
-        value: match value.contains('.') {
-            true => value.trim_end_matches('0').trim_end_matches('.').to_owned(),
-            false => value,
+        value: if value.contains('.') {
+            value.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            value
         },
         error: None,
         exponent: (!is_plain).then_some(leading),

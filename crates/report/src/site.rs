@@ -116,9 +116,10 @@ impl<'a> Site<'a> {
         let drive = self
             .run_of(path)
             .and_then(|run| self.input.record(run).drive.as_ref());
-        match drive.is_some_and(Drive::moves) {
-            true => Clock::Even,
-            false => Clock::SinceStep,
+        if drive.is_some_and(Drive::moves) {
+            Clock::Even
+        } else {
+            Clock::SinceStep
         }
     }
 
@@ -192,9 +193,10 @@ impl<'a> Site<'a> {
                 (low, high) => format!("at {low}–{high} % RH"),
             }),
         ];
-        match parts[0].is_some() {
-            true => parts.into_iter().flatten().collect::<Vec<_>>().join(" "),
-            false => page.group.clone(),
+        if parts[0].is_some() {
+            parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
+        } else {
+            page.group.clone()
         }
     }
 }

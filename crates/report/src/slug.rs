@@ -38,9 +38,10 @@ fn readable(path: &str) -> String {
         }
     }
     let trimmed = slug.trim_matches(['-', '.']);
-    match trimmed.is_empty() {
-        true => "run".to_owned(),
-        false => trimmed.to_owned(),
+    if trimmed.is_empty() {
+        "run".to_owned()
+    } else {
+        trimmed.to_owned()
     }
 }
 

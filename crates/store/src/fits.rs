@@ -340,9 +340,10 @@ fn insert_fit(
                  why_stopped, n_samples, r_squared_current, r_squared_curvature, noise, issues, evaluations, made_at,
                  asked)
                VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)";
-    let asked = match stamp.asked.is_open() {
-        true => None,
-        false => Some(to_json("how a fit was asked for", &stamp.asked)?),
+    let asked = if stamp.asked.is_open() {
+        None
+    } else {
+        Some(to_json("how a fit was asked for", &stamp.asked)?)
     };
     transaction.prepare_cached(sql)?.execute(params![
         stamp.run_id,
@@ -389,9 +390,10 @@ fn say_how_asked(transaction: &Transaction<'_>, now: &str, stamp: &FitStamp) -> 
         Some(asked) => from_json("how a fit was asked for", &asked)?,
         None => AskedFit::default(),
     };
-    let asked = match stamp.asked.is_open() {
-        true => AskedFit::default(),
-        false => stamp.asked.clone(),
+    let asked = if stamp.asked.is_open() {
+        AskedFit::default()
+    } else {
+        stamp.asked.clone()
     };
     if asked != last {
         transaction.says(now, Entry::Asked { run, asked });

@@ -119,12 +119,13 @@ fn ended_in_order(file: &mut File, path: &Path) -> Result<bool, StoreError> {
         doing: "reading the lock file",
         source,
     })?;
-    match is_ours(&head) {
-        true => Ok(head == ENDED.as_bytes()),
-        false => Err(StoreError::NotALock {
+    if is_ours(&head) {
+        Ok(head == ENDED.as_bytes())
+    } else {
+        Err(StoreError::NotALock {
             path: path.to_owned(),
             found: "it holds something else",
-        }),
+        })
     }
 }
 
@@ -236,9 +237,10 @@ mod tests {
 
     impl World for Heard {
         fn before(&self, call: &Call<'_>) -> std::io::Result<()> {
-            match self.0 == Some(call.kind) {
-                true => Err(std::io::Error::from_raw_os_error(5)),
-                false => Ok(()),
+            if self.0 == Some(call.kind) {
+                Err(std::io::Error::from_raw_os_error(5))
+            } else {
+                Ok(())
             }
         }
 

@@ -91,11 +91,12 @@ fn is_of_schema(error: &rusqlite::Error) -> bool {
 /// Refuses a database that holds tables and says that it holds none.
 pub(super) fn refuse_unversioned(connection: &Connection, path: &Path, found: i64) -> Result<(), StoreError> {
     let failed = |e| StoreError::from_sql(path, "reading the schema", e);
-    match found == 0 && !has_no_tables(connection).map_err(failed)? {
-        true => Err(StoreError::NoVersion {
+    if found == 0 && !has_no_tables(connection).map_err(failed)? {
+        Err(StoreError::NoVersion {
             path: path.to_owned(),
-        }),
-        false => Ok(()),
+        })
+    } else {
+        Ok(())
     }
 }
 

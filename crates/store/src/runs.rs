@@ -332,11 +332,12 @@ impl Store {
             .prepare_cached("SELECT data_hash FROM run WHERE id = ?1")
             .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)))
             .map_err(|e| self.failed(doing, e))?;
-        match stored == data_hash(&channels) {
-            true => Ok(channels),
-            false => Err(StoreError::Damaged {
+        if stored == data_hash(&channels) {
+            Ok(channels)
+        } else {
+            Err(StoreError::Damaged {
                 what: format!("readings of run {run_id}"),
-            }),
+            })
         }
     }
 
@@ -561,13 +562,14 @@ fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
         kind: from_key("a run's kind", &row.get::<_, String>("kind")?, RunKind::from_key)?,
         path: row.get("path")?,
         revision: row.get("revision")?,
-        state: match row.get("no_steps")? {
-            true => RunState::NoSteps,
-            false => from_key(
+        state: if row.get("no_steps")? {
+            RunState::NoSteps
+        } else {
+            from_key(
                 "a run's state",
                 &row.get::<_, String>("state")?,
                 RunState::from_key,
-            )?,
+            )?
         },
         status: from_key(
             "a run's status",

@@ -88,9 +88,10 @@ impl Store {
             }
             Ok((outcome, intended))
         };
-        let outcome = match in_batch {
-            true => step(&mut self.connection, whole).map(|(outcome, _)| outcome),
-            false => alone(&mut self.connection, journal, whole),
+        let outcome = if in_batch {
+            step(&mut self.connection, whole).map(|(outcome, _)| outcome)
+        } else {
+            alone(&mut self.connection, journal, whole)
         };
         if outcome.is_err() {
             self.journal.keep_first(said_before);
@@ -120,12 +121,11 @@ impl Store {
     /// # Errors
     /// See [`StoreError`]; also where the database gave the batch up because of an earlier error.
     pub fn commit_batch(&mut self) -> Result<(), StoreError> {
-        let ended = match self.in_batch() {
-            true => {
-                let in_place = || self.place.check(&self.path);
-                end_changes((&self.seals, &self.journal), &self.connection, in_place)
-            }
-            false => Ok(None),
+        let ended = if self.in_batch() {
+            let in_place = || self.place.check(&self.path);
+            end_changes((&self.seals, &self.journal), &self.connection, in_place)
+        } else {
+            Ok(None)
         };
         let committed = ended.and_then(|intended| {
             let committed = self.connection.execute_batch("COMMIT").map_err(StepError::from);

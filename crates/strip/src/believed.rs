@@ -46,9 +46,10 @@ pub fn believed(edges: &Edges, noise: f64, unsettled: bool) -> [Vec<bool>; 2] {
 /// The side whose number is clearly the smaller one.
 fn clearly(numbers: [Option<f64>; 2]) -> Option<usize> {
     let [low, high] = [numbers[0]?, numbers[1]?];
-    match low < high {
-        true => (low < CLEARLY * high).then_some(0),
-        false => (high < CLEARLY * low).then_some(1),
+    if low < high {
+        (low < CLEARLY * high).then_some(0)
+    } else {
+        (high < CLEARLY * low).then_some(1)
     }
 }
 

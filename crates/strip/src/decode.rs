@@ -97,13 +97,14 @@ pub fn decode(bytes: &[u8]) -> Result<Gray, DecodeError> {
 
 fn check_size(format: &'static str, width: usize, height: usize) -> Result<(), DecodeError> {
     let fits = width.max(height) <= MOST_TO_A_SIDE && width.saturating_mul(height) <= MOST_PIXELS;
-    match fits {
-        true => Ok(()),
-        false => Err(DecodeError::TooLarge {
+    if fits {
+        Ok(())
+    } else {
+        Err(DecodeError::TooLarge {
             format,
             width,
             height,
-        }),
+        })
     }
 }
 

@@ -90,9 +90,10 @@ pub fn measure(gray: &Gray, ground: &Ground, curve: &Curve, width: &[f64], settl
         .copied()
         .filter(|width| width.is_finite())
         .collect();
-    let width_at_tip = match last.is_empty() {
-        true => thickness[n - 1],
-        false => median(&mut last),
+    let width_at_tip = if last.is_empty() {
+        thickness[n - 1]
+    } else {
+        median(&mut last)
     };
     let middle = |distance: &[Option<f64>], sign: f64| {
         distance
@@ -129,9 +130,10 @@ impl Profile {
             let offset = (i as f64 - half as f64) * SPACING;
             ground.level_at(gray, x + offset * nx, y + offset * ny)
         };
-        let skipped = match settled {
-            true => (((0.5 * width - INWARD) / SPACING).max(0.0)) as usize,
-            false => 0,
+        let skipped = if settled {
+            (((0.5 * width - INWARD) / SPACING).max(0.0)) as usize
+        } else {
+            0
         };
         let core = ((0.15 * width / SPACING) as usize).max(1).min(half);
         Profile {

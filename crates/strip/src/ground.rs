@@ -225,9 +225,10 @@ fn tone(differences: &[f64], noise: f64) -> Result<Tone, Untraceable> {
     let largest = differences.iter().fold(0.0f64, |most, d| most.max(d.abs()));
     for difference in differences {
         let beyond = (difference.abs() - 5.0 * noise).max(0.0).powi(2);
-        match *difference > 0.0 {
-            true => bright += beyond,
-            false => dark += beyond,
+        if *difference > 0.0 {
+            bright += beyond
+        } else {
+            dark += beyond
         }
     }
     // The tails of the noise are no strip.

@@ -84,13 +84,11 @@ impl<'a> Walk<'a> {
                 if let Some(width) = width {
                     // Near the clamp the side cuts the strip at an angle: the thickness is learnt soon.
                     self.widths.push(width);
-                    match self.widths.len() < 8 {
-                        true => self.width += 0.5 * (width - self.width),
-                        // A shine makes it thinner for a stretch: the median of a long way back is not led astray.
-                        false => {
-                            let from = self.widths.len().saturating_sub(LEARNT_FROM);
-                            self.width = median(&mut self.widths[from..].to_vec());
-                        }
+                    if self.widths.len() < 8 {
+                        self.width += 0.5 * (width - self.width)
+                    } else {
+                        let from = self.widths.len().saturating_sub(LEARNT_FROM);
+                        self.width = median(&mut self.widths[from..].to_vec());
                     }
                 }
                 self.unseen = 0;

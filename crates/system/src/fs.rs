@@ -346,9 +346,10 @@ pub fn check_own(path: impl AsRef<Path>) -> io::Result<()> {
 /// # Errors
 /// What the system says.
 pub fn sync_names(folder: impl AsRef<Path>) -> io::Result<()> {
-    match cfg!(unix) {
-        true => File::open(folder)?.sync_all(),
-        false => Ok(()),
+    if cfg!(unix) {
+        File::open(folder)?.sync_all()
+    } else {
+        Ok(())
     }
 }
 

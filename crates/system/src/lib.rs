@@ -177,9 +177,10 @@ mod tests {
 
     impl World for Refuses {
         fn before(&self, call: &Call<'_>) -> io::Result<()> {
-            match call.kind == self.0 {
-                true => Err(io::Error::from_raw_os_error(5)),
-                false => Ok(()),
+            if call.kind == self.0 {
+                Err(io::Error::from_raw_os_error(5))
+            } else {
+                Ok(())
             }
         }
 

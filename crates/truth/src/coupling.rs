@@ -203,9 +203,12 @@ impl Coupling {
     }
 
     fn square_now(&self, y: &[f64]) -> f64 {
-        let even = |charge: f64| match self.quartic {
-            true => charge.powi(4) / (EVEN_C * EVEN_C),
-            false => charge * charge,
+        let even = |charge: f64| {
+            if self.quartic {
+                charge.powi(4) / (EVEN_C * EVEN_C)
+            } else {
+                charge * charge
+            }
         };
         even(self.area_cm2 * y[self.x]) - even(self.q0)
     }
@@ -214,9 +217,10 @@ impl Coupling {
     pub fn curvature(&self, factor: f64, y: &[f64]) -> f64 {
         let moved = self.drive(y) - self.p0;
         let strain = self.relaxation.strain(moved, y);
-        let staying = match self.partial_saturates {
-            true => moved / (1.0 + moved.abs() / STAYING_C_PER_CM2),
-            false => moved,
+        let staying = if self.partial_saturates {
+            moved / (1.0 + moved.abs() / STAYING_C_PER_CM2)
+        } else {
+            moved
         };
         let mut whole = (1.0 - self.partial) * strain + self.partial * staying;
         if let Some(counter) = self.counter {

@@ -142,9 +142,10 @@ fn built(
     });
     let conditions = Conditions {
         baseline_v: drive.baseline_v,
-        step_v: match drive.moves() {
-            true => drive.nominal_step_v(),
-            false => held.unwrap_or(0.0),
+        step_v: if drive.moves() {
+            drive.nominal_step_v()
+        } else {
+            held.unwrap_or(0.0)
         },
         start_s,
         run_s: times().copied().fold(start_s, f64::max) - start_s,

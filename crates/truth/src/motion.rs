@@ -151,9 +151,10 @@ impl Motion {
 
     /// The play at that curvature.
     fn of(&self, play: &Play, moved: f64) -> Play {
-        match self.friction_grows {
-            true => play.widened(moved.abs() / STOP_PER_CM),
-            false => *play,
+        if self.friction_grows {
+            play.widened(moved.abs() / STOP_PER_CM)
+        } else {
+            *play
         }
     }
 

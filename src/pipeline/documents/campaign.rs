@@ -207,9 +207,10 @@ pub fn tests(laws: &CampaignLaws) -> Vec<CampaignTest> {
         confounded_with: Vec::new(),
         p: found.p,
         q: found.q,
-        sentence: match found.q <= CLAIMED_BELOW && found.explains_all {
-            true => words::length(found),
-            false => format!("The parameters of sample {} show no wrong length.", found.sample),
+        sentence: if found.q <= CLAIMED_BELOW && found.explains_all {
+            words::length(found)
+        } else {
+            format!("The parameters of sample {} show no wrong length.", found.sample)
         },
     });
     let of_failures = laws.selections.iter().map(|found| CampaignTest {
@@ -220,9 +221,10 @@ pub fn tests(laws: &CampaignLaws) -> Vec<CampaignTest> {
         confounded_with: Vec::new(),
         p: found.p,
         q: found.q,
-        sentence: match found.q <= CLAIMED_BELOW {
-            true => words::selection(found),
-            false => "That runs failed otherwise than at random is not shown.".to_owned(),
+        sentence: if found.q <= CLAIMED_BELOW {
+            words::selection(found)
+        } else {
+            "That runs failed otherwise than at random is not shown.".to_owned()
         },
     });
     of_laws.chain(of_lengths).chain(of_failures).collect()

@@ -102,12 +102,13 @@ fn of_run(run: &RunRecord, channels: &[Channel], campaign: &Campaign) -> Blocked
         per_charge_mn_mm_per_c: size(number(&fit, "alpha_per_c_cm")),
         per_volt_mn_mm_per_v: per_volt(&fit, area_cm2),
         relaxation_per_s: number(&fit, "lambda_per_s"),
-        issues: match fit.converged {
-            true => Vec::new(),
-            false => vec![Issue::warning(
+        issues: if fit.converged {
+            Vec::new()
+        } else {
+            vec![Issue::warning(
                 NO_MOMENT,
                 format!("the fit of the moment did not converge: {}", fit.why_stopped),
-            )],
+            )]
         },
     }
 }

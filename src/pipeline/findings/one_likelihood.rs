@@ -68,9 +68,10 @@ fn of_pair(
     OneLikelihood {
         run_id: task.run_id,
         path: task.path.clone(),
-        spectrum: match several {
-            true => format!("{}, sweep {}", comparison.spectrum, comparison.sweep + 1),
-            false => comparison.spectrum.clone(),
+        spectrum: if several {
+            format!("{}, sweep {}", comparison.spectrum, comparison.sweep + 1)
+        } else {
+            comparison.spectrum.clone()
         },
         of_spectrum: comparison
             .rows

@@ -59,12 +59,13 @@ fn of_run(task: &FitTask, channels: &[crate::domain::Channel]) -> RunReductions 
 
 /// Nothing where the full circuit misfits: then the readings are those of none of them.
 fn shown(found: Reductions) -> Result<Vec<ReducedCircuit>, String> {
-    match found.circuits.is_empty() {
-        true => Err(format!(
+    if found.circuits.is_empty() {
+        Err(format!(
             "two branches beside R_ss themselves leave {:.0} times the noise: none of these circuits is that of the run",
             found.full_leaves
-        )),
-        false => Ok(found.circuits.iter().map(as_shown).collect()),
+        ))
+    } else {
+        Ok(found.circuits.iter().map(as_shown).collect())
     }
 }
 

@@ -174,9 +174,10 @@ mod tests {
             let Ok(read) = serde_json::from_slice::<FitResult>(&flipped) else {
                 continue;
             };
-            match read.sum() == read.checksum {
-                true => assert_eq!(read, result, "byte {at}, bit {bit}"),
-                false => noticed += 1,
+            if read.sum() == read.checksum {
+                assert_eq!(read, result, "byte {at}, bit {bit}")
+            } else {
+                noticed += 1
             }
         }
         assert!(noticed > 1000, "{noticed} were noticed by the checksum");

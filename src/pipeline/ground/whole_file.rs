@@ -21,13 +21,14 @@ pub fn put_file<T>(
     overwrite: bool,
     fill: impl FnOnce(&Path) -> Result<T, PipelineError>,
 ) -> Result<T, PipelineError> {
-    match is_of_campaign(path) {
-        false => exchanged(path, overwrite, fill),
-        true => Err(PipelineError::BadArgument {
+    if !is_of_campaign(path) {
+        exchanged(path, overwrite, fill)
+    } else {
+        Err(PipelineError::BadArgument {
             what: "the file to write",
             found: format!("{}, of which a campaign consists", path.display()),
             needed: "another name; nothing was written".to_owned(),
-        }),
+        })
     }
 }
 
@@ -79,9 +80,10 @@ fn exchanged<T>(
         file.set_permissions(known.permissions()).map_err(failed)?;
     }
     file.sync_all().map_err(failed)?;
-    let placed = match overwrite {
-        true => part.persist(&target),
-        false => part.persist_to_free(&target),
+    let placed = if overwrite {
+        part.persist(&target)
+    } else {
+        part.persist_to_free(&target)
     };
     placed.map_err(failed)?;
     Ok(done)

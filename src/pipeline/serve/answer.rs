@@ -99,9 +99,10 @@ impl Answer {
                 .split(',')
                 .any(|one| [tag.as_str(), "*"].contains(&one.trim()))
         };
-        let (status, body) = match request.known_tags.as_ref().is_some_and(is_known) {
-            true => ("304 Not Modified", Body::Text(Vec::new())),
-            false => ("200 OK", body),
+        let (status, body) = if request.known_tags.as_ref().is_some_and(is_known) {
+            ("304 Not Modified", Body::Text(Vec::new()))
+        } else {
+            ("200 OK", body)
         };
         Answer {
             status,

@@ -146,10 +146,13 @@ fn serve(stream: &TcpStream, root: &Path, only_loopback: bool, limits: Limits) -
     let (answer, head_only) = match request::read(&mut asking) {
         Ok(None) => return Ok(()),
         Err(why) => (Answer::refusal(why), false),
-        Ok(Some(request)) => match only_loopback && !request.host.as_deref().is_none_or(is_loopback_name) {
-            true => (Answer::wrong_host(), request.head_only),
-            false => (Answer::to(&request, root), request.head_only),
-        },
+        Ok(Some(request)) => {
+            if only_loopback && !request.host.as_deref().is_none_or(is_loopback_name) {
+                (Answer::wrong_host(), request.head_only)
+            } else {
+                (Answer::to(&request, root), request.head_only)
+            }
+        }
     };
     let of_size = Duration::from_secs(answer.body.size_bytes() / limits.slowest_bytes_per_s.max(1));
     let mut taking = Timed::new(stream, limits.patience + of_size, limits.patience);

@@ -226,9 +226,10 @@ fn shape(curve: &AlongCurve, frame: usize, length_mm: Option<f64>) -> StripShape
     StripShape {
         frame,
         measured_mm: placed(&|place| curve.measured_at(place)[frame]),
-        fitted_mm: match curve.fitted.is_empty() {
-            true => Vec::new(),
-            false => placed(&|place| curve.fitted_at(place)[frame]),
+        fitted_mm: if curve.fitted.is_empty() {
+            Vec::new()
+        } else {
+            placed(&|place| curve.fitted_at(place)[frame])
         },
     }
 }
@@ -253,22 +254,19 @@ fn ends_ratio(curve: &AlongCurve, frame: usize, near: usize) -> Option<EndsRatio
     if clamp_error.is_nan() || clamp.abs() <= CLEAR * clamp_error {
         return None;
     }
-    let ratio = match tip.abs() > SEEN * tip_error {
-        true => {
-            let ratio = clamp / tip;
-            let error = ratio.abs() * (clamp_error / clamp).hypot(tip_error / tip);
-            Estimate::determined(
-                ratio,
-                error,
-                ratio - NORMAL_95_ROUNDED * error,
-                ratio + NORMAL_95_ROUNDED * error,
-            )
-        }
-        false => {
-            let least = clamp.abs() - NORMAL_95_ROUNDED * clamp_error;
-            let most = tip.abs() + NORMAL_95_ROUNDED * tip_error;
-            Estimate::above(least / most, "the bending near the tip cannot be told from none")
-        }
+    let ratio = if tip.abs() > SEEN * tip_error {
+        let ratio = clamp / tip;
+        let error = ratio.abs() * (clamp_error / clamp).hypot(tip_error / tip);
+        Estimate::determined(
+            ratio,
+            error,
+            ratio - NORMAL_95_ROUNDED * error,
+            ratio + NORMAL_95_ROUNDED * error,
+        )
+    } else {
+        let least = clamp.abs() - NORMAL_95_ROUNDED * clamp_error;
+        let most = tip.abs() + NORMAL_95_ROUNDED * tip_error;
+        Estimate::above(least / most, "the bending near the tip cannot be told from none")
     };
     Some(EndsRatio {
         time_s: curve.time_s[frame],

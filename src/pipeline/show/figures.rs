@@ -155,12 +155,13 @@ fn within(
     found: f64,
     range: &std::ops::RangeInclusive<f64>,
 ) -> Result<(), PipelineError> {
-    match range.contains(&found) {
-        true => Ok(()),
-        false => Err(PipelineError::BadArgument {
+    if range.contains(&found) {
+        Ok(())
+    } else {
+        Err(PipelineError::BadArgument {
             what,
             found: found.to_string(),
             needed: format!("{} to {}", range.start(), range.end()),
-        }),
+        })
     }
 }

@@ -136,12 +136,13 @@ fn row<'a>(
 ) -> Result<RunRow<'a>, PipelineError> {
     let why_not = || {
         let said: Vec<&str> = run.issues.iter().map(|issue| issue.message.as_str()).collect();
-        match said.is_empty() {
-            true => format!(
+        if said.is_empty() {
+            format!(
                 "the run is {} and is not fitted by itself",
                 run.state.key().replace('_', " ")
-            ),
-            false => said.join("; "),
+            )
+        } else {
+            said.join("; ")
         }
     };
     let channels = context.store.channels(run.id)?;
@@ -172,12 +173,13 @@ fn tasks(context: &Context) -> Result<BTreeMap<String, Result<Task, String>>, Pi
             method: options.method.id().to_owned(),
             simultaneous: options.steps == Steps::Simultaneous,
         };
-        let task = match planned.known().is_empty() {
-            true => Ok(task),
-            false => Err(
+        let task = if planned.known().is_empty() {
+            Ok(task)
+        } else {
+            Err(
                 "what is known of its parameters is not in this table: fit the run in the campaign"
                     .to_owned(),
-            ),
+            )
         };
         (planned.task.path, task)
     };

@@ -126,11 +126,10 @@ impl RenderReport {
         }
         let fresh = Fresh::begin(&context.folder, FRESH)
             .map_err(failed(&context.folder, "making the report's folder"))?;
-        let hashes = match self.again {
-            true => BTreeMap::new(),
-            false => {
-                own_folder::hashes(&target).map_err(failed(&target, "looking what was written into it"))?
-            }
+        let hashes = if self.again {
+            BTreeMap::new()
+        } else {
+            own_folder::hashes(&target).map_err(failed(&target, "looking what was written into it"))?
         };
         let standing = Standing::of(&target, &hashes, &altered);
         let program = format!("{CODE_VERSION} {}", program_mark());
@@ -241,9 +240,12 @@ fn is_of_earlier_version(folder: &Path) -> bool {
         |folder: &Path| names(folder).is_some_and(|all| all.iter().all(|(_, path)| is_page(path)));
     folder.join(STAMP).is_file()
         && names(folder).is_some_and(|all| {
-            all.iter().all(|(name, path)| match path.is_dir() {
-                true => FOLDERS.contains(&name.as_str()) && pages_only(path),
-                false => BESIDE_PAGES.contains(&name.as_str()) || is_page(path),
+            all.iter().all(|(name, path)| {
+                if path.is_dir() {
+                    FOLDERS.contains(&name.as_str()) && pages_only(path)
+                } else {
+                    BESIDE_PAGES.contains(&name.as_str()) || is_page(path)
+                }
             })
         })
 }
@@ -330,9 +332,10 @@ fn write_fresh(
     let rendered = report::render(input, &curves, earlier, folder, &reach);
     observer.end();
     let rendered = rendered?;
-    let (name, text) = match rendered.faults.is_empty() {
-        true => (STAMP, stamp.to_owned()),
-        false => (FAULTS, faults_text(stamp, &rendered.faults)),
+    let (name, text) = if rendered.faults.is_empty() {
+        (STAMP, stamp.to_owned())
+    } else {
+        (FAULTS, faults_text(stamp, &rendered.faults))
     };
     fs::write(folder.join(name), text).map_err(failed(folder, "stamping the report"))?;
     fs::write(folder.join(KEPT_VALUES), values.bytes())

@@ -14,9 +14,10 @@ use crate::store::journal::{self, Entry, Line};
 /// # Errors
 /// They are of two courses; the database, the archive or the disk refuses.
 pub fn agree(context: &mut Context, whole: bool) -> Result<Vec<Issue>, PipelineError> {
-    let mut done = match context.store.has_course()? {
-        false => taken_up(context)?,
-        true => Vec::new(),
+    let mut done = if !context.store.has_course()? {
+        taken_up(context)?
+    } else {
+        Vec::new()
     };
     if !whole && context.store.is_agreed(&context.folder)? {
         return Ok(done);

@@ -153,10 +153,10 @@ impl Context {
             Err(StoreError::Older { .. }) => false,
             Err(error) => return Err(error.into()),
         };
-        let agreed = match is_ready {
-            true => Vec::new(),
-            // Only who holds the lock brings a database up to date, and it and its journal together.
-            false => Context::open(folder, allow_network)?.agreed,
+        let agreed = if is_ready {
+            Vec::new()
+        } else {
+            Context::open(folder, allow_network)?.agreed
         };
         let store = Store::open(folder)?;
         holdings::check(folder, &store)?;
@@ -183,15 +183,15 @@ impl Context {
             }
             Err(error) => {
                 let compared = context.store.compared(folder)?;
-                match compared.is_database_whole() {
-                    // The journal lacks something: who writes next makes it good.
-                    true => Ok(context),
-                    false => Err(StoreError::Lags {
+                if compared.is_database_whole() {
+                    Ok(context)
+                } else {
+                    Err(StoreError::Lags {
                         path: context.store.path().to_owned(),
                         lacks: compared.lacks(),
                         why: error.to_string(),
                     }
-                    .into()),
+                    .into())
                 }
             }
         }

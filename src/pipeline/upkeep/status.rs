@@ -311,9 +311,10 @@ fn without_humidity(runs: &[RunRecord]) -> Vec<String> {
     let fitted = runs.iter().filter(|run| run.fit.is_some());
     let (with, without): (Vec<&RunRecord>, Vec<&RunRecord>) =
         fitted.partition(|run| run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT).is_some());
-    match with.is_empty() {
-        true => Vec::new(),
-        false => without.into_iter().map(|run| run.path.clone()).collect(),
+    if with.is_empty() {
+        Vec::new()
+    } else {
+        without.into_iter().map(|run| run.path.clone()).collect()
     }
 }
 

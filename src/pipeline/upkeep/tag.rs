@@ -114,9 +114,10 @@ impl SetTags {
     fn known_runs(&self, context: &Context) -> Result<Vec<String>, PipelineError> {
         let mut known: Vec<String> = Vec::new();
         for given in &self.runs {
-            let found = match given.contains(['*', '?']) {
-                true => runs_like(context, given)?,
-                false => vec![known_run(context, given)?],
+            let found = if given.contains(['*', '?']) {
+                runs_like(context, given)?
+            } else {
+                vec![known_run(context, given)?]
             };
             for run in found {
                 if !known.contains(&run) {
@@ -172,9 +173,10 @@ fn runs_like(context: &Context, pattern: &str) -> Result<Vec<String>, PipelineEr
     let found: Vec<String> = names
         .filter(|name| whole.matches(name) || end.matches(name))
         .collect();
-    match found.is_empty() {
-        true => Err(unknown(pattern, "")),
-        false => Ok(found),
+    if found.is_empty() {
+        Err(unknown(pattern, ""))
+    } else {
+        Ok(found)
     }
 }
 

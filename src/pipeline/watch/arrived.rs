@@ -85,9 +85,10 @@ fn parameter(fit: &Fit, (key, name, unit): (&str, &str, &str)) -> Option<String>
 /// Three digits, with a power of ten where there would be zeros.
 fn rounded(value: f64) -> String {
     let power = value.abs().log10().floor();
-    match (-2.0..5.0).contains(&power) {
-        true => format!("{value:.*}", (2.0 - power).max(0.0) as usize),
-        false => format!("{value:.2e}"),
+    if (-2.0..5.0).contains(&power) {
+        format!("{value:.*}", (2.0 - power).max(0.0) as usize)
+    } else {
+        format!("{value:.2e}")
     }
 }
 

@@ -39,9 +39,10 @@ fn thesis_run(index: usize, row: &csv::StringRecord) -> RunRecord {
             .find(|p| p.key == key)
             .expect("the parameter");
         let error = RELATIVE_ERROR * value;
-        parameter.estimate = match value > 0.0 {
-            true => Estimate::determined(value, error, value - 1.96 * error, value + 1.96 * error),
-            false => Estimate::not_determined("the thesis prints 0"),
+        parameter.estimate = if value > 0.0 {
+            Estimate::determined(value, error, value - 1.96 * error, value + 1.96 * error)
+        } else {
+            Estimate::not_determined("the thesis prints 0")
         };
     }
     made

@@ -149,10 +149,10 @@ impl World for Computer {
         }
         if state.left.is_some() {
             drop(state);
-            return match std::thread::panicking() {
-                true => Err(error(5)),
-                // The hook that prints panics is not asked.
-                false => std::panic::resume_unwind(Box::new(PowerLost)),
+            return if std::thread::panicking() {
+                Err(error(5))
+            } else {
+                std::panic::resume_unwind(Box::new(PowerLost))
             };
         }
         if let Some(errno) = state.refuses(call) {

@@ -331,9 +331,10 @@ impl Disk {
         }
         let waiting = std::mem::take(&mut self.waiting);
         for (change, goes) in waiting.into_iter().zip(goes) {
-            match goes {
-                true => apply(&mut self.safe, &change),
-                false => self.waiting.push(change),
+            if goes {
+                apply(&mut self.safe, &change)
+            } else {
+                self.waiting.push(change)
             }
         }
     }

@@ -19,9 +19,10 @@ struct Refuses(Kind, &'static str);
 
 impl World for Refuses {
     fn before(&self, call: &Call<'_>) -> io::Result<()> {
-        match call.kind == self.0 && call.path.ends_with(self.1) {
-            true => Err(io::Error::from_raw_os_error(5)),
-            false => Ok(()),
+        if call.kind == self.0 && call.path.ends_with(self.1) {
+            Err(io::Error::from_raw_os_error(5))
+        } else {
+            Ok(())
         }
     }
 

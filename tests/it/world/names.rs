@@ -161,9 +161,10 @@ impl History {
             }
             assert_eq!(holders.len(), 1, "{path}: {holders:?}");
             let (run, own) = &holders[0];
-            match *own == path {
-                true => assert_eq!(alias, None),
-                false => assert_eq!(alias.map(|alias| &alias.run), Some(run), "{path} is another name"),
+            if *own == path {
+                assert_eq!(alias, None)
+            } else {
+                assert_eq!(alias.map(|alias| &alias.run), Some(run), "{path} is another name")
             }
         }
     }

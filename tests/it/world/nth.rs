@@ -87,12 +87,11 @@ fn whichever_call_fails_or_is_the_last_the_next_run_makes_it_good() {
 fn copied(from: &Path, to: &Path) {
     for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
         let (path, to) = (entry.path(), to.join(entry.file_name()));
-        match path.is_dir() {
-            true => {
-                std::fs::create_dir_all(&to).unwrap();
-                copied(&path, &to);
-            }
-            false => drop(std::fs::copy(&path, &to).unwrap()),
+        if path.is_dir() {
+            std::fs::create_dir_all(&to).unwrap();
+            copied(&path, &to);
+        } else {
+            std::fs::copy(&path, &to).unwrap();
         }
     }
 }

@@ -213,9 +213,10 @@ fn disagreement(pairs: &[&SensorPair]) -> Option<Issue> {
     })?;
     let (unit, name) = (worst.quantity.unit(), worst.quantity.label().to_lowercase());
     let (bias, deviation) = difference(worst);
-    let against = match worst.accuracies_are_stated {
-        true => "their stated accuracies",
-        false => "the campaign's tolerance, for accuracies are not stated",
+    let against = if worst.accuracies_are_stated {
+        "their stated accuracies"
+    } else {
+        "the campaign's tolerance, for accuracies are not stated"
     };
     let message = format!(
         "{} of {} pairs of sensors in one place differ in {name} by more than is allowed, the most: {} shows {:.2} {unit} \

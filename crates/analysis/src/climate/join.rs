@@ -51,9 +51,12 @@ impl NoClimate {
 
 /// `40 s`, `25 min`, `3.5 h`, `12 d`.
 pub fn duration(seconds: f64) -> String {
-    let with = |number: f64, unit: &str| match number < 10.0 {
-        true => format!("{} {unit}", (10.0 * number).round() / 10.0),
-        false => format!("{} {unit}", number.round()),
+    let with = |number: f64, unit: &str| {
+        if number < 10.0 {
+            format!("{} {unit}", (10.0 * number).round() / 10.0)
+        } else {
+            format!("{} {unit}", number.round())
+        }
     };
     match seconds {
         s if s < 90.0 => format!("{} s", s.round()),

@@ -196,13 +196,14 @@ fn resistance(levels: &[Held], current: &Readings) -> Estimate {
         amperes += change_v.signum() * (current.values[after] - current.values[after - 1]);
         edges += 1.0;
     }
-    match edges > 0.0 && amperes > 0.0 {
-        true => ratio(
+    if edges > 0.0 && amperes > 0.0 {
+        ratio(
             (volts, 0.0),
             (amperes, current.noise * f64::sqrt(2.0 * edges)),
             1.0,
-        ),
-        false => missing("the current does not step with the voltage"),
+        )
+    } else {
+        missing("the current does not step with the voltage")
     }
 }
 
@@ -250,9 +251,10 @@ pub(super) fn of_wave(
         let (t, flow) = (current.time_s[k], current.values[k] * weight);
         let error = current.noise * weight;
         // Which way it flows is told by the wave: noise about zero would be counted as charge both ways.
-        let into = match (angle + turn_per_s * (t - from_s)).cos() > 0.0 {
-            true => &mut inward,
-            false => &mut outward,
+        let into = if (angle + turn_per_s * (t - from_s)).cos() > 0.0 {
+            &mut inward
+        } else {
+            &mut outward
         };
         into.0 += flow;
         into.1 = into.1.hypot(error);

@@ -31,9 +31,10 @@ pub(super) enum Train {
 
 /// The train that a drive is; none where it is none.
 pub(super) fn train(drive: &Drive, last_s: f64) -> Option<Train> {
-    match drive.moves() {
-        true => wave(drive),
-        false => held(drive, last_s),
+    if drive.moves() {
+        wave(drive)
+    } else {
+        held(drive, last_s)
     }
 }
 

@@ -268,9 +268,10 @@ fn join(stretches: &mut Vec<Stretch>, points: &Points, smallest: f64) {
         stretches[at] = Stretch {
             first: before.first,
             end: after.end,
-            mean: match is_whole {
-                true => level.iter().sum::<f64>() / level.len() as f64,
-                false => (a * before.mean + b * after.mean) / (a + b),
+            mean: if is_whole {
+                level.iter().sum::<f64>() / level.len() as f64
+            } else {
+                (a * before.mean + b * after.mean) / (a + b)
             },
         };
     }

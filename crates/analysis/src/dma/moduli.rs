@@ -103,9 +103,12 @@ pub fn moduli(channels: &[Channel]) -> Result<Moduli, Issue> {
         };
         issues.extend(disagreement(&rows, "the loss factor", check));
     }
-    let factor = |row: &Row| match gives_factor {
-        true => row.loss_factor,
-        false => row.computed_loss_factor(),
+    let factor = |row: &Row| {
+        if gives_factor {
+            row.loss_factor
+        } else {
+            row.computed_loss_factor()
+        }
     };
     let loss_factor: Option<Vec<f64>> = pairs
         .iter()

@@ -152,9 +152,10 @@ fn time_to_equilibrium(trial: &Trial, points: &Points, before: f64) -> f64 {
     }
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        match left(middle) > within {
-            true => low = middle,
-            false => high = middle,
+        if left(middle) > within {
+            low = middle
+        } else {
+            high = middle
         }
     }
     high

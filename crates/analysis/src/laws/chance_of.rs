@@ -111,9 +111,10 @@ pub fn ask(
         drawn: 1.0,
         freedom,
     };
-    let basis = match orders(block) < FEWEST_ORDERS {
-        true => Basis::NormalErrors,
-        false => Basis::Permutation,
+    let basis = if orders(block) < FEWEST_ORDERS {
+        Basis::NormalErrors
+    } else {
+        Basis::Permutation
     };
     let mut draw = residual.clone();
     let places = places_of(block);
@@ -143,14 +144,15 @@ pub fn ask(
         }
     }
     let drawn = (as_strong + 1) as f64 / (DRAWS + 1) as f64;
-    Some(match as_strong < RESOLVED {
-        true => Answer { drawn, ..from_f },
-        false => Answer {
+    Some(if as_strong < RESOLVED {
+        Answer { drawn, ..from_f }
+    } else {
+        Answer {
             p: drawn,
             basis,
             drawn,
             ..from_f
-        },
+        }
     })
 }
 
@@ -255,9 +257,12 @@ mod tests {
         let fat = StudentT::new(3.0).unwrap();
         let one = |k: u64| {
             let mut random = ChaCha8Rng::seed_from_u64(1000 + k);
-            let mut draw = || match heavy {
-                true => fat.sample(&mut random),
-                false => StandardNormal.sample(&mut random),
+            let mut draw = || {
+                if heavy {
+                    fat.sample(&mut random)
+                } else {
+                    StandardNormal.sample(&mut random)
+                }
             };
             let offsets: Vec<f64> = (0..samples).map(|_| 3.0 * draw()).collect();
             let y: Vec<f64> = group

@@ -391,10 +391,7 @@ fn said(ratio: &Ratio, over: &Over) -> String {
             }),
             _,
         ) => {
-            let (near, far) = match value >= 0.0 {
-                true => (low, high),
-                false => (-high, -low),
-            };
+            let (near, far) = if value >= 0.0 { (low, high) } else { (-high, -low) };
             if near <= 0.0 {
                 let width = 2.0 * (high.exp() - low.exp());
                 return format!(

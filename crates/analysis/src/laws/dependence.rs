@@ -281,9 +281,10 @@ impl Asking<'_> {
             .collect();
         others.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         for (inflation, other) in others {
-            match inflation > TIED_ABOVE {
-                true => take(other, LEFT_FOR_TIED, true),
-                false => take(other, LEFT_FOR_OTHERS, false),
+            if inflation > TIED_ABOVE {
+                take(other, LEFT_FOR_TIED, true)
+            } else {
+                take(other, LEFT_FOR_OTHERS, false)
             }
         }
         (taken, missed)

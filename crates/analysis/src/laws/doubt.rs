@@ -118,9 +118,10 @@ impl Doubts {
             Some(Doubt::Widened { shifts, .. }) => shifts,
         };
         let (before, after) = both_ways(shifts, key)?;
-        let shift = match is_log {
-            true => (before / after).ln(),
-            false => before - after,
+        let shift = if is_log {
+            (before / after).ln()
+        } else {
+            before - after
         };
         shift.is_finite().then_some(shift.abs())
     }

@@ -326,9 +326,10 @@ fn judge(laws: &mut CampaignLaws, is_shared: bool) {
     for family in [&mut of_laws, &mut of_samples, &mut of_lengths, &mut of_failures] {
         questions += family.len();
         let p: Vec<f64> = family.iter().map(|(p, _)| *p).collect();
-        let q = match is_shared {
-            true => q_values_dependent(&p),
-            false => q_values(&p),
+        let q = if is_shared {
+            q_values_dependent(&p)
+        } else {
+            q_values(&p)
         };
         for ((_, target), q) in family.iter_mut().zip(q) {
             **target = q;

@@ -320,9 +320,10 @@ fn end(profile: &dyn Fn(f64) -> f64, from: f64, direction: f64, allowed: f64) ->
     let mut outside = outside;
     for _ in 0..30 {
         let middle = 0.5 * (inside + outside);
-        match profile(middle) > allowed {
-            true => outside = middle,
-            false => inside = middle,
+        if profile(middle) > allowed {
+            outside = middle
+        } else {
+            inside = middle
         }
     }
     Some(0.5 * (inside + outside))

@@ -121,9 +121,10 @@ fn cell(found: &Dependence) -> MatrixCell {
     MatrixCell {
         covariate: found.covariate,
         is_told_apart: found.confounded_with.is_empty() && !found.told_apart.ruled_out.is_empty(),
-        change: match found.is_log {
-            true => change.map(|change| change.map(f64::exp)),
-            false => change,
+        change: if found.is_log {
+            change.map(|change| change.map(f64::exp))
+        } else {
+            change
         },
         is_factor: found.is_log,
         is_directed: found.jump.is_none(),

@@ -259,9 +259,10 @@ impl Ground<'_> {
         let plain = Grouped::new(&vec![1.0; x.len()], &self.table.group, &[]);
         let whole = square_left(&plain, &x) / plain.freedom().max(1) as f64;
         let error = dot(&own, &own) / own.len() as f64;
-        match 1.0 - error / whole < LEAST_RELIABILITY {
-            true => Errors::TooLarge,
-            false => Errors::Known(own),
+        if 1.0 - error / whole < LEAST_RELIABILITY {
+            Errors::TooLarge
+        } else {
+            Errors::Known(own)
         }
     }
 }

@@ -231,9 +231,10 @@ pub fn is_of_amounts(law: Law) -> bool {
 /// Logarithm of the ratio at progress `g`, where it is `size` at progress 1. `by_amount` is
 /// [`is_of_amounts`] on a logarithmic scale, false elsewhere.
 pub fn at_progress(size: f64, g: f64, by_amount: bool) -> f64 {
-    match by_amount {
-        true => (1.0 + size.exp_m1() * g).max(1e-12).ln(),
-        false => size * g,
+    if by_amount {
+        (1.0 + size.exp_m1() * g).max(1e-12).ln()
+    } else {
+        size * g
     }
 }
 

@@ -99,17 +99,20 @@ pub fn values(runs: &[RunRecord], facts: &[RunFacts], places: &[usize], key: &st
     let is_log = known.iter().all(|(_, (value, ..))| *value > 0.0);
     let values = known
         .into_iter()
-        .map(|(place, (value, error, low, high))| match is_log {
-            true => Value {
-                place,
-                y: value.ln(),
-                variance: log_error(value, error, low, high).powi(2),
-            },
-            false => Value {
-                place,
-                y: value,
-                variance: error * error,
-            },
+        .map(|(place, (value, error, low, high))| {
+            if is_log {
+                Value {
+                    place,
+                    y: value.ln(),
+                    variance: log_error(value, error, low, high).powi(2),
+                }
+            } else {
+                Value {
+                    place,
+                    y: value,
+                    variance: error * error,
+                }
+            }
         })
         .collect();
     Values {

@@ -26,9 +26,10 @@ pub fn sentence(found: &Dependence) -> String {
         () if found.q <= CLAIMED_BELOW => claim(found),
         () => return open(found),
     };
-    let mut text = match found.confounded_with.is_empty() {
-        true => lead,
-        false => format!("{} {lead}", tied_sentence(found)),
+    let mut text = if found.confounded_with.is_empty() {
+        lead
+    } else {
+        format!("{} {lead}", tied_sentence(found))
     };
     text += &told_apart(found);
     if found.differs_between_samples {
@@ -95,9 +96,10 @@ fn claim(found: &Dependence) -> String {
     };
     // The forms that are asked about are more than the laws that are stated.
     if !is_directed(change) {
-        let ends = match found.is_log {
-            true => ends(change.low_95, change.high_95, f64::exp),
-            false => ends(change.low_95, change.high_95, |x| x),
+        let ends = if found.is_log {
+            ends(change.low_95, change.high_95, f64::exp)
+        } else {
+            ends(change.low_95, change.high_95, |x| x)
         };
         return format!(
             "{what} changes with {}, but by no law that is known here: what it changes by {between} cannot be told{ends}, {n}.",
@@ -154,9 +156,10 @@ fn law_words(found: &Dependence) -> String {
     let bend = law
         .bend_at
         .map_or_else(String::new, |at| bend_words(found, law, at));
-    match others.is_empty() {
-        true => format!("; the law is {}{bend}", law.law.key()),
-        false => format!("; {}{bend} as well as {}", law.law.key(), others.join(", ")),
+    if others.is_empty() {
+        format!("; the law is {}{bend}", law.law.key())
+    } else {
+        format!("; {}{bend} as well as {}", law.law.key(), others.join(", "))
     }
 }
 
@@ -184,9 +187,10 @@ pub fn moves(change: Interval, is_log: bool) -> String {
     }
     let verb = if change.value >= 0.0 { "rises" } else { "falls" };
     // Of a fall the other ends count.
-    let (near, far) = match change.value >= 0.0 {
-        true => (change.low_95, change.high_95),
-        false => (change.high_95.map(|x| -x), change.low_95.map(|x| -x)),
+    let (near, far) = if change.value >= 0.0 {
+        (change.low_95, change.high_95)
+    } else {
+        (change.high_95.map(|x| -x), change.low_95.map(|x| -x))
     };
     let ends = ends(near, far, f64::exp);
     let half = near
@@ -218,9 +222,10 @@ fn sample_sentence(found: &Dependence) -> String {
         true if found.is_log => format!(
             "{what} differs between samples by more than between runs: standard deviation {} ({n}).",
             // A factor of 1.0 would say nothing.
-            match deviation < std::f64::consts::LN_2 {
-                true => format!("{} %", short(100.0 * deviation.exp_m1())),
-                false => format!("a factor of {}", short(deviation.exp())),
+            if deviation < std::f64::consts::LN_2 {
+                format!("{} %", short(100.0 * deviation.exp_m1()))
+            } else {
+                format!("a factor of {}", short(deviation.exp()))
             }
         ),
         true => format!("{what} differs between samples by more than between runs ({n})."),
@@ -249,9 +254,10 @@ fn open(found: &Dependence) -> String {
         }
         _ => String::new(),
     };
-    let tied = match found.confounded_with.is_empty() {
-        true => String::new(),
-        false => format!(", and {} changed with it", listed(&found.confounded_with)),
+    let tied = if found.confounded_with.is_empty() {
+        String::new()
+    } else {
+        format!(", and {} changed with it", listed(&found.confounded_with))
     };
     format!(
         "Whether {what} follows {} cannot be told{allowed} (q = {}, {}, {n}{tied}).",
@@ -342,9 +348,10 @@ pub fn tied(set: &TiedSet, laws: &CampaignLaws) -> String {
         .filter(is_told)
         .map(|found| symbol(&found.parameter))
         .collect();
-    let all_the_same = match told.is_empty() {
-        true => String::new(),
-        false => format!(" Of {} the readings themselves tell.", in_a_row(&told)),
+    let all_the_same = if told.is_empty() {
+        String::new()
+    } else {
+        format!(" Of {} the readings themselves tell.", in_a_row(&told))
     };
     format!(
         "In the runs of {}, {} are confounded: {where_} they changed together, and by the design alone what follows one of them cannot be told from what follows another.{all_the_same}",
@@ -466,12 +473,11 @@ pub fn round(value: f64, width: f64) -> String {
     if !(-3..5).contains(&largest) {
         return format!("{value:.*e}", (largest - place).max(0) as usize);
     }
-    match place >= 0 {
-        true => {
-            let unit = 10f64.powi(place);
-            format!("{:.0}", (value / unit).round() * unit)
-        }
-        false => format!("{value:.*}", (-place) as usize),
+    if place >= 0 {
+        let unit = 10f64.powi(place);
+        format!("{:.0}", (value / unit).round() * unit)
+    } else {
+        format!("{value:.*}", (-place) as usize)
     }
 }
 
@@ -481,9 +487,10 @@ fn end(value: f64, width: f64) -> String {
         return "0".to_owned();
     }
     let text = round(value, width);
-    match text.contains('.') && !text.contains('e') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
     }
 }
 

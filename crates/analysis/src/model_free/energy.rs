@@ -192,9 +192,10 @@ fn efficiency(flow: &Flow, first: &Held, elastic_uj: &Estimate, to_peak: &Estima
     };
     let (joule, error) = until(at_s);
     // The peak may lie anywhere in its interval.
-    let of_place = match at_s.is_finite() {
-        true => (until(high_s).0 - until(low_s).0) / (2.0 * NORMAL_95),
-        false => 0.0,
+    let of_place = if at_s.is_finite() {
+        (until(high_s).0 - until(low_s).0) / (2.0 * NORMAL_95)
+    } else {
+        0.0
     };
     let error = error.hypot(of_place);
     if joule <= TOLD * error {
@@ -204,12 +205,13 @@ fn efficiency(flow: &Flow, first: &Held, elastic_uj: &Estimate, to_peak: &Estima
     }
     let share = product(&[(elastic_uj, 1.0), (&symmetric(joule, error), -1.0)]);
     let percent = scaled(&share, 100.0 * MICRO);
-    match at_s.is_finite() || percent.value.is_none() {
-        true => percent,
-        false => Estimate {
+    if at_s.is_finite() || percent.value.is_none() {
+        percent
+    } else {
+        Estimate {
             reason: Some("until the end of the level: the curvature may still grow then".to_owned()),
             ..percent
-        },
+        }
     }
 }
 

@@ -255,12 +255,11 @@ impl Seen<'_> {
     /// A time with the error of its logarithm and that of the step.
     fn time(&self, time_s: f64, of_logarithm: f64) -> Estimate {
         let error = of_logarithm.hypot(self.held.step_error_s / time_s);
-        match error < 1.0 {
-            true => {
-                let width = (NORMAL_95 * error).exp();
-                Estimate::determined(time_s, time_s * error, time_s / width, time_s * width)
-            }
-            false => Estimate::not_determined("the curvature is too flat around it for its noise"),
+        if error < 1.0 {
+            let width = (NORMAL_95 * error).exp();
+            Estimate::determined(time_s, time_s * error, time_s / width, time_s * width)
+        } else {
+            Estimate::not_determined("the curvature is too flat around it for its noise")
         }
     }
 
@@ -343,9 +342,10 @@ impl Seen<'_> {
         let starts_above = of(&self.places[from].1) > 0.0;
         for _ in 0..24 {
             let middle = 0.5 * (low + high);
-            match (of(&self.course.at(middle)) > 0.0) == starts_above {
-                true => low = middle,
-                false => high = middle,
+            if (of(&self.course.at(middle)) > 0.0) == starts_above {
+                low = middle
+            } else {
+                high = middle
             }
         }
         let (u, local) = (0.5 * (low + high), self.course.at(0.5 * (low + high)));

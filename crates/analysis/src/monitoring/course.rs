@@ -77,9 +77,12 @@ impl Innovations {
     }
 
     fn column(&self, column: &[f64]) -> Vec<f64> {
-        let before = |k: usize| match self.correlation > 0.0 {
-            true => self.correlation * column[k - 1],
-            false => 0.0,
+        let before = |k: usize| {
+            if self.correlation > 0.0 {
+                self.correlation * column[k - 1]
+            } else {
+                0.0
+            }
         };
         self.kept.iter().map(|&k| column[k] - before(k)).collect()
     }

@@ -49,9 +49,10 @@ pub fn reference(
     facts: &[RunFacts],
     rules: &MonitoringRules,
 ) -> Result<Reference, String> {
-    let found = match rules.reference.is_empty() {
-        true => most_repeated(facts),
-        false => Some(named(runs, facts, rules)),
+    let found = if rules.reference.is_empty() {
+        most_repeated(facts)
+    } else {
+        Some(named(runs, facts, rules))
     };
     let most = |reference: &Reference| {
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();

@@ -75,17 +75,19 @@ fn as_well(laws: &[Fitted]) -> String {
         .filter(|other| other.bic <= best + AS_GOOD)
         .map(|other| other.law.key())
         .collect();
-    match others.is_empty() {
-        true => String::new(),
-        false => format!(" as well as {}", others.join(", ")),
+    if others.is_empty() {
+        String::new()
+    } else {
+        format!(" as well as {}", others.join(", "))
     }
 }
 
 fn nothing(watched: &Watched) -> String {
     let (what, n) = (subject(watched), counted(watched.series.x.len(), "run"));
-    let apart = match watched.study.steps.is_empty() {
-        true => "",
-        false => "Apart from that ",
+    let apart = if watched.study.steps.is_empty() {
+        ""
+    } else {
+        "Apart from that "
     };
     match watched.study.p_trend {
         Some(p) => format!(
@@ -108,13 +110,14 @@ fn at_step(watched: &Watched, at: Interval) -> String {
     // The ends are places that are excluded: what is held lies between the readings next to them.
     let first = at.low_95.and_then(above).unwrap_or(watched.study.span.low);
     let last = at.high_95.and_then(below).unwrap_or(watched.study.span.high);
-    let within = match first < before || last > after {
-        true => format!(
+    let within = if first < before || last > after {
+        format!(
             " [{} to {}]",
             short_axis(watched, first),
             short_axis(watched, last)
-        ),
-        false => String::new(),
+        )
+    } else {
+        String::new()
     };
     format!(
         "between {} {} and {}{within}{}",
@@ -151,9 +154,10 @@ fn jumps(watched: &Watched) -> String {
         );
     }
     let told = |step: &super::series::Step| {
-        let why = match step.is_stated {
-            true => "where the instrument or its calibration changed",
-            false => "from one run to the next",
+        let why = if step.is_stated {
+            "where the instrument or its calibration changed"
+        } else {
+            "from one run to the next"
         };
         format!(
             " {} jumps {} at {} {}, {why}: that is left out of the trend and of the charts.",
@@ -183,9 +187,10 @@ pub fn steps(watched: &Watched) -> Vec<StepText> {
     let jumps = study.steps.iter().map(|step| StepText {
         at: watched.series.x[step.at],
         size: by(step.size, is_log),
-        what: match step.is_stated {
-            true => "the instrument or its calibration changed; left out of the trend and of the charts",
-            false => "jump from one run to the next; left out of the trend and of the charts",
+        what: if step.is_stated {
+            "the instrument or its calibration changed; left out of the trend and of the charts"
+        } else {
+            "jump from one run to the next; left out of the trend and of the charts"
         }
         .to_owned(),
     });
@@ -245,9 +250,10 @@ fn short_axis(watched: &Watched, x: f64) -> String {
     if x == 0.0 {
         return "0".to_owned();
     }
-    match x.fract() == 0.0 && x.abs() < 1e6 {
-        true => format!("{x:.0}"),
-        false => round(x, watched.study.span.length()),
+    if x.fract() == 0.0 && x.abs() < 1e6 {
+        format!("{x:.0}")
+    } else {
+        round(x, watched.study.span.length())
     }
 }
 
@@ -415,9 +421,10 @@ fn split_of(laws: &CampaignLaws, material: &str, parameter: &str) -> String {
     let (age, humidity) = (known(is_of_age), known(is_of_humidity));
     let is_mixed = |found: &&Dependence| {
         let others = &found.confounded_with;
-        match is_of_age(found) {
-            true => others.contains(&Covariate::RelativeHumidity),
-            false => others.iter().any(|other| Covariate::OF_AGE.contains(other)),
+        if is_of_age(found) {
+            others.contains(&Covariate::RelativeHumidity)
+        } else {
+            others.iter().any(|other| Covariate::OF_AGE.contains(other))
         }
     };
     let mixed = [age, humidity].into_iter().flatten();
@@ -447,27 +454,29 @@ fn split_of(laws: &CampaignLaws, material: &str, parameter: &str) -> String {
             format!("{what}: {} and stays so; {}.", stays(age), returns(humidity))
         }
         (Some(age), other) if claimed(Some(age)) => {
-            match asked_about(other, age, |one| one == Covariate::RelativeHumidity) {
-                true => format!(
+            if asked_about(other, age, |one| one == Covariate::RelativeHumidity) {
+                format!(
                     "{what}: {}; that any of it follows humidity is not shown.",
                     stays(age)
-                ),
-                false => format!(
+                )
+            } else {
+                format!(
                     "{what}: {}; humidity did not change enough to say what follows it.",
                     stays(age)
-                ),
+                )
             }
         }
         (other, Some(humidity)) => {
-            match asked_about(other, humidity, |one| Covariate::OF_AGE.contains(&one)) {
-                true => format!(
+            if asked_about(other, humidity, |one| Covariate::OF_AGE.contains(&one)) {
+                format!(
                     "{what}: {}; that any of it stays with age is not shown.",
                     returns(humidity)
-                ),
-                false => format!(
+                )
+            } else {
+                format!(
                     "{what}: {}; the order of the runs is not known well enough to say what stays with age.",
                     returns(humidity)
-                ),
+                )
             }
         }
         _ => String::new(),

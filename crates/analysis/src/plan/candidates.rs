@@ -80,9 +80,10 @@ pub fn candidates(
     set: &[Covariate],
 ) -> Vec<Vec<Setting>> {
     let conditions = conditions(facts, places);
-    let between = match set.contains(&Covariate::RelativeHumidity) {
-        true => new_humidities(&conditions),
-        false => Vec::new(),
+    let between = if set.contains(&Covariate::RelativeHumidity) {
+        new_humidities(&conditions)
+    } else {
+        Vec::new()
     };
     let variants: Vec<Condition> = conditions
         .iter()

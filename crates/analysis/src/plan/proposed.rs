@@ -114,9 +114,10 @@ fn of_step(plan: &Untying, step: &Step, runs: &[RunRecord], campaign: &Campaign,
         why: vec![format!(
             "{told}: {}{}",
             words::brings(step.inflation_before, step.inflation_after),
-            match setting.is_new_humidity {
-                true => "; a humidity that was not measured yet",
-                false => "",
+            if setting.is_new_humidity {
+                "; a humidity that was not measured yet"
+            } else {
+                ""
             }
         )],
         closes,

@@ -18,9 +18,10 @@ pub struct Tie {
 
 /// The name that stands for all that say the same: cycle, age, order, charge and exposure grow with every run.
 pub fn class(covariate: Covariate) -> Covariate {
-    match Covariate::OF_AGE.contains(&covariate) {
-        true => Covariate::Cycle,
-        false => covariate,
+    if Covariate::OF_AGE.contains(&covariate) {
+        Covariate::Cycle
+    } else {
+        covariate
     }
 }
 

@@ -37,14 +37,16 @@ pub fn reached(plan: &Untying) -> Vec<String> {
     let mut sentences = Vec::new();
     let names = listed(&plan.covariates);
     let runs = counted(plan.steps.len(), "run");
-    let part = match plan.left.is_empty() {
-        true => "",
-        false => ", as far as runs in the conditions of the design can",
+    let part = if plan.left.is_empty() {
+        ""
+    } else {
+        ", as far as runs in the conditions of the design can"
     };
     if plan.gains() {
-        let end = match plan.is_reached() {
-            true => "",
-            false => "; that is a start, more of the same kind are needed",
+        let end = if plan.is_reached() {
+            ""
+        } else {
+            "; that is a start, more of the same kind are needed"
         };
         sentences.push(format!(
             "{}: {runs} more to tell {names} apart{part}{end}.",
@@ -169,9 +171,10 @@ pub fn drive(drive: &Drive, duration_s: f64) -> String {
             format!("{level} for {} s", seconds(end - segment.start_s))
         })
         .collect();
-    let more = match drive.segments.len() > SHOWN {
-        true => format!(", and so on for {} s", seconds(duration_s)),
-        false => String::new(),
+    let more = if drive.segments.len() > SHOWN {
+        format!(", and so on for {} s", seconds(duration_s))
+    } else {
+        String::new()
     };
     format!("hold {}{more}", parts.join(", then "))
 }

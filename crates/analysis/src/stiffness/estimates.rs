@@ -37,9 +37,10 @@ pub(crate) fn size(alpha: &Estimate) -> Estimate {
 /// An estimate in another unit.
 pub(crate) fn scaled(estimate: &Estimate, factor: f64) -> Estimate {
     let times = |number: Option<f64>| number.map(|number| number * factor);
-    let (low, high) = match factor < 0.0 {
-        true => (estimate.high_95, estimate.low_95),
-        false => (estimate.low_95, estimate.high_95),
+    let (low, high) = if factor < 0.0 {
+        (estimate.high_95, estimate.low_95)
+    } else {
+        (estimate.low_95, estimate.high_95)
     };
     Estimate {
         value: times(estimate.value),

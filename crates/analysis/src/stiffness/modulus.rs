@@ -66,9 +66,10 @@ pub fn sample_modulus<'a>(
     };
     let own = modulus_points(logs, is_own);
     let has_own = !own.is_empty();
-    let points = match has_own {
-        true => own,
-        false => modulus_points(logs, is_of_material),
+    let points = if has_own {
+        own
+    } else {
+        modulus_points(logs, is_of_material)
     };
     let is_meant = |log: &&ModulusLog| {
         let sample = log.run.tag(keys::SAMPLE);
@@ -103,9 +104,10 @@ pub fn modulus_at(points: &[ModulusPoint], humidity_percent: Option<f64>) -> Est
 
 fn between(below: ModulusPoint, above: ModulusPoint, humidity: f64) -> (f64, f64) {
     let width = above.humidity_percent - below.humidity_percent;
-    let share = match width > 0.0 {
-        true => (humidity - below.humidity_percent) / width,
-        false => 0.5,
+    let share = if width > 0.0 {
+        (humidity - below.humidity_percent) / width
+    } else {
+        0.5
     };
     let logarithm = (1.0 - share) * below.logarithm + share * above.logarithm;
     (

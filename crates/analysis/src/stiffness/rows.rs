@@ -91,9 +91,10 @@ fn row(input: &TableInput, (at, condition): (usize, &Condition), id: &str) -> Sa
     // A strip that is held does not bend as its charge would have it: it says nothing of alpha.
     let (held, free): (Vec<usize>, Vec<usize>) = own.iter().partition(|run| is_held(&input.runs[**run]));
     let sample = input.campaign.sample(id);
-    let alpha = match free.is_empty() {
-        true => Estimate::not_determined("no run of the free strip"),
-        false => alpha(input, &free),
+    let alpha = if free.is_empty() {
+        Estimate::not_determined("no run of the free strip")
+    } else {
+        alpha(input, &free)
     };
     let humidities = own
         .iter()
@@ -225,9 +226,10 @@ fn change(own: &SampleRow, reference: &SampleRow, at: usize) -> Change {
     let ratios = both_ways(&alpha, &by_modulus, &by_force);
     Change {
         reference: at,
-        cause: match ratios.agree {
-            true => cause(&alpha, &ratios.stiffness, &ratios.coupling),
-            false => Cause::Open,
+        cause: if ratios.agree {
+            cause(&alpha, &ratios.stiffness, &ratios.coupling)
+        } else {
+            Cause::Open
         },
         alpha,
         ratios,

@@ -73,13 +73,15 @@ fn sentence(table: &Conditions, rows: &[SampleRow], row: &SampleRow, change: &Ch
         let own = &table.surroundings[place(row).surroundings];
         surroundings_text(own)
     };
-    let name = match row.sample.is_empty() {
-        true => &table.materials[place(row).material],
-        false => &row.sample,
+    let name = if row.sample.is_empty() {
+        &table.materials[place(row).material]
+    } else {
+        &row.sample
     };
-    let of = match reference.sample == row.sample {
-        true => String::new(),
-        false => format!(" of {}", reference.sample),
+    let of = if reference.sample == row.sample {
+        String::new()
+    } else {
+        format!(" of {}", reference.sample)
     };
     let whole = format!(
         "{name} in {} at {}: α is {} of that{of} in {}",

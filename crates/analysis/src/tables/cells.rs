@@ -89,9 +89,10 @@ impl<'a> Shown<'a> {
         ];
         // Of a parameter of an effect nothing is known here.
         let is_of_effect = self.key.contains('.');
-        match is_of_effect || signed.iter().any(|start| self.key.starts_with(start)) {
-            true => Averaging::Linear,
-            false => Averaging::Logarithmic,
+        if is_of_effect || signed.iter().any(|start| self.key.starts_with(start)) {
+            Averaging::Linear
+        } else {
+            Averaging::Logarithmic
         }
     }
 }
@@ -373,9 +374,10 @@ pub fn estimate_cell(estimate: &Estimate, factor: f64, sources: Vec<Source>, not
 pub fn score_cell(input: &TableInput, runs: &[usize], score: fn(&ieap_domain::Fit) -> Option<f64>) -> Cell {
     let fits = runs.iter().filter_map(|&run| input.runs[run].fit.as_ref());
     let scores: Vec<f64> = fits.filter(|fit| fit.converged).filter_map(score).collect();
-    let content = match scores.is_empty() {
-        true => Content::Missing,
-        false => Content::Score(scores.iter().sum::<f64>() / scores.len() as f64),
+    let content = if scores.is_empty() {
+        Content::Missing
+    } else {
+        Content::Score(scores.iter().sum::<f64>() / scores.len() as f64)
     };
     Cell::new(content, run_sources(input, runs))
 }
@@ -428,9 +430,10 @@ pub fn humidity_text(surroundings: &Surroundings) -> Option<String> {
         format!("{:.0}", level.low_percent),
         format!("{:.0}", level.high_percent),
     );
-    Some(match low == high {
-        true => low,
-        false => format!("{low}–{high}"),
+    Some(if low == high {
+        low
+    } else {
+        format!("{low}–{high}")
     })
 }
 
@@ -445,9 +448,10 @@ pub fn surroundings_text(surroundings: &Surroundings) -> String {
 /// `2.0 V`
 pub fn volts(voltage_v: f64) -> String {
     let shortest = format!("{voltage_v}");
-    match shortest.contains('.') {
-        true => format!("{shortest} V"),
-        false => format!("{shortest}.0 V"),
+    if shortest.contains('.') {
+        format!("{shortest} V")
+    } else {
+        format!("{shortest}.0 V")
     }
 }
 

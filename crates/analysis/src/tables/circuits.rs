@@ -19,11 +19,10 @@ pub fn make(input: &TableInput) -> Table {
             rows.extend(fit.parameters.iter().map(of_number));
         }
     }
-    let remark = match rows.is_empty() {
-        true => "No impedance spectrum is there: put files into impedance/ or beside the runs.",
-        false => {
-            "The unit stands at the end of the number's name; values are those of the whole sample. Circuits as texts are those of [impedance] circuits in campaign.toml."
-        }
+    let remark = if rows.is_empty() {
+        "No impedance spectrum is there: put files into impedance/ or beside the runs."
+    } else {
+        "The unit stands at the end of the number's name; values are those of the whole sample. Circuits as texts are those of [impedance] circuits in campaign.toml."
     };
     Table {
         title: "Numbers of the circuits fitted to the impedance spectra".to_owned(),

@@ -27,10 +27,10 @@ pub fn make(input: &TableInput) -> Table {
                 .map(|sentence| format!("{}: {sentence}", own.path))
         })
         .collect();
-    remarks.push(match rows.is_empty() {
-        true => "No run has a train of three cycles or more.".to_owned(),
-        false => "Errors are those of the noise, or what neighbouring cycles differ by where that is more."
-            .to_owned(),
+    remarks.push(if rows.is_empty() {
+        "No run has a train of three cycles or more.".to_owned()
+    } else {
+        "Errors are those of the noise, or what neighbouring cycles differ by where that is more.".to_owned()
     });
     Table {
         title: "Trains, cycle by cycle".to_owned(),

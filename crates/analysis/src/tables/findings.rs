@@ -32,9 +32,10 @@ pub fn make(input: &TableInput) -> Table {
             "residual of the extended model in units of the noise",
         ),
     ];
-    let remarks = match input.groups.is_empty() {
-        true => "No group is diagnosed yet: `ieap diagnose` does it.",
-        false => "Residuals are the root mean square of the whitened residuals, 1 where only noise is left.",
+    let remarks = if input.groups.is_empty() {
+        "No group is diagnosed yet: `ieap diagnose` does it."
+    } else {
+        "Residuals are the root mean square of the whitened residuals, 1 where only noise is left."
     };
     Table {
         title: "What the base model gets wrong".to_owned(),
@@ -48,9 +49,10 @@ pub fn make(input: &TableInput) -> Table {
 
 /// The verdict, no stronger than its proof.
 fn verdict(found: &GroupDiagnosis) -> String {
-    let doubt = match found.verdict.names_a_cause() && !found.gains_clearly() {
-        true => ", not proved",
-        false => "",
+    let doubt = if found.verdict.names_a_cause() && !found.gains_clearly() {
+        ", not proved"
+    } else {
+        ""
     };
     format!("{}{doubt}", found.verdict.key())
 }

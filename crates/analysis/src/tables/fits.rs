@@ -37,9 +37,10 @@ pub fn make(input: &TableInput) -> Table {
         let mut cells = vec![Cell::text(Some(run.path.as_str()), sources()), model];
         for shown in &shown {
             let has_it = fit.is_some_and(|fit| fit.parameter(shown.key).is_some());
-            cells.push(match has_it {
-                true => parameter_cell(input, &[index], shown, &mut notes),
-                false => Cell::text(None::<String>, sources()),
+            cells.push(if has_it {
+                parameter_cell(input, &[index], shown, &mut notes)
+            } else {
+                Cell::text(None::<String>, sources())
             });
         }
         cells.extend(

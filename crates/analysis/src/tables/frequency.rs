@@ -22,11 +22,10 @@ pub fn make(input: &TableInput) -> Table {
         (0..own.measured.len()).map(move |at| row(own, run, at))
     });
     let rows: Vec<Row> = rows.collect();
-    let remark = match rows.is_empty() {
-        true => "No run has a sine or a chirp for its voltage.",
-        false => {
-            "Measured by least squares of a sine and a cosine of the voltage's own phase beside a trend; intervals allow for correlated residuals. A phase is how far the response leads the voltage. The model is that of the run's fit, in closed form; nothing stands there where the fit leaves the circuit open."
-        }
+    let remark = if rows.is_empty() {
+        "No run has a sine or a chirp for its voltage."
+    } else {
+        "Measured by least squares of a sine and a cosine of the voltage's own phase beside a trend; intervals allow for correlated residuals. A phase is how far the response leads the voltage. The model is that of the run's fit, in closed form; nothing stands there where the fit leaves the circuit open."
     };
     Table {
         title: "Current and bending per volt against frequency".to_owned(),

@@ -128,11 +128,10 @@ pub fn make(input: &TableInput) -> Table {
         ),
     ];
     columns.extend(NUMBERS.iter().map(Shown::column));
-    let remark = match rows.is_empty() {
-        true => "No impedance spectrum is there: put files into impedance/ or beside the runs.",
-        false => {
-            "Values are those of the whole sample, with their standard error; intervals and bounds are by the profile of the sum of squares, every reading weighted by 1/|Z|."
-        }
+    let remark = if rows.is_empty() {
+        "No impedance spectrum is there: put files into impedance/ or beside the runs."
+    } else {
+        "Values are those of the whole sample, with their standard error; intervals and bounds are by the profile of the sum of squares, every reading weighted by 1/|Z|."
     };
     Table {
         title: "Circuits fitted to the impedance spectra".to_owned(),

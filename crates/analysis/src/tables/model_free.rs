@@ -40,9 +40,10 @@ fn table(input: &TableInput, title: &str, told: Told, remark: &str) -> Table {
         row(input, told, (own, run), &mut notes)
     });
     let rows: Vec<Row> = rows.collect();
-    let remark = match rows.is_empty() {
-        true => "No run steps its voltage and holds it.",
-        false => remark,
+    let remark = if rows.is_empty() {
+        "No run steps its voltage and holds it."
+    } else {
+        remark
     };
     Table {
         title: title.to_owned(),

@@ -29,9 +29,10 @@ impl MovedCell {
     /// What became something else first, then the farthest in standard errors, then what has none: a score without an
     /// error is no finding.
     fn rank(&self) -> f64 {
-        match self.became_other() {
-            true => f64::INFINITY,
-            false => self.sigma.unwrap_or(-1.0),
+        if self.became_other() {
+            f64::INFINITY
+        } else {
+            self.sigma.unwrap_or(-1.0)
         }
     }
 }

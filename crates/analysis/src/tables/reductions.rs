@@ -22,9 +22,10 @@ pub fn make(input: &TableInput) -> Table {
         rows(input, own, run, &mut notes)
     };
     let rows: Vec<Row> = input.reductions.iter().flat_map(of_run).collect();
-    let remark = match rows.is_empty() {
-        true => "No run steps its voltage and has a current.",
-        false => REMARK,
+    let remark = if rows.is_empty() {
+        "No run steps its voltage and has a current."
+    } else {
+        REMARK
     };
     Table {
         title: "Where a simpler circuit would do".to_owned(),

@@ -39,9 +39,10 @@ pub fn make(input: &TableInput) -> Table {
         Column::plain("mend", "Mend", "how to mend it"),
     ];
     let rows: Vec<Row> = files.chain(runs).collect();
-    let remarks = match rows.is_empty() {
-        true => vec!["Every file was taken in and every run is fitted.".to_owned()],
-        false => vec![],
+    let remarks = if rows.is_empty() {
+        vec!["Every file was taken in and every run is fitted.".to_owned()]
+    } else {
+        vec![]
     };
     Table {
         title: "Files and runs that were refused, wait, or are not fitted".to_owned(),

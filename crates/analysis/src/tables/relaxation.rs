@@ -20,11 +20,10 @@ pub fn make(input: &TableInput) -> Table {
         let peaks = found.peaks.iter().enumerate();
         rows.extend(peaks.map(|(at, peak)| row(spectrum, &name, found, (at + 1, peak))));
     }
-    let remark = match rows.is_empty() {
-        true => "No impedance spectrum has a peak of relaxation times.",
-        false => {
-            "The smoothest distribution (Tikhonov, of the second derivative) that leaves no more than the readings scatter; a peak has no interval, for its width is that of the regularisation."
-        }
+    let remark = if rows.is_empty() {
+        "No impedance spectrum has a peak of relaxation times."
+    } else {
+        "The smoothest distribution (Tikhonov, of the second derivative) that leaves no more than the readings scatter; a peak has no interval, for its width is that of the regularisation."
     };
     Table {
         title: "Relaxation times of the impedance spectra".to_owned(),

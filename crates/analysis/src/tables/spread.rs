@@ -54,11 +54,10 @@ pub fn make(input: &TableInput) -> Table {
         Column::plain("samples", "Samples", "number of samples that determine it"),
         Column::plain("runs", "Runs", "number of runs that determine it"),
     ]);
-    let remark = match rows.is_empty() {
-        true => "No condition has more than one run.",
-        false => {
-            "Standard deviations by the method of moments (DerSimonian and Laird); 0 means that the runs differ by no more than the fits' errors explain. A single sample says nothing of the spread between samples."
-        }
+    let remark = if rows.is_empty() {
+        "No condition has more than one run."
+    } else {
+        "Standard deviations by the method of moments (DerSimonian and Laird); 0 means that the runs differ by no more than the fits' errors explain. A single sample says nothing of the spread between samples."
     };
     Table {
         title: "Means over repeats, and where their uncertainty comes from".to_owned(),

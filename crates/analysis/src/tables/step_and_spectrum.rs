@@ -32,9 +32,10 @@ pub fn make(input: &TableInput) -> Table {
         rows(input, own, run, &mut notes)
     };
     let rows: Vec<Row> = input.one_likelihood.iter().flat_map(of_pair).collect();
-    let remark = match rows.is_empty() {
-        true => "No spectrum has a step of the same sample and condition beside it.",
-        false => REMARK,
+    let remark = if rows.is_empty() {
+        "No spectrum has a step of the same sample and condition beside it."
+    } else {
+        REMARK
     };
     let mut columns = vec![
         Column::plain("run", "Step", "run of the step"),

@@ -49,9 +49,10 @@ pub fn make(input: &TableInput) -> Table {
                 cells.push(Cell::text(Some("reference"), of_runs()));
             }
         }
-        let label = match own.sample.is_empty() {
-            true => label,
-            false => format!("{}, {label}", own.sample),
+        let label = if own.sample.is_empty() {
+            label
+        } else {
+            format!("{}, {label}", own.sample)
         };
         Row { label, cells }
     };

@@ -211,9 +211,10 @@ impl Classes {
 
     fn word(&self, interval: Interval) -> String {
         let (low, high) = (self.class(interval.low), self.class(interval.high));
-        match low == high {
-            true => self.words[low].to_owned(),
-            false => format!("{} to {}", self.words[low], self.words[high]),
+        if low == high {
+            self.words[low].to_owned()
+        } else {
+            format!("{} to {}", self.words[low], self.words[high])
         }
     }
 }

@@ -45,21 +45,19 @@ const FAULTS: [Fault; 8] = [
         let sd = [case.noise.current_a, case.noise.curvature_per_cm];
         for run in runs {
             for (channel, sd) in run.iter_mut().zip(sd) {
-                let spiked = channel
-                    .values
-                    .iter()
-                    .map(|v| match case.generator.random_bool(0.05) {
-                        true => {
-                            v + 30.0
-                                * sd
-                                * if case.generator.random_bool(0.5) {
-                                    1.0
-                                } else {
-                                    -1.0
-                                }
-                        }
-                        false => *v,
-                    });
+                let spiked = channel.values.iter().map(|v| {
+                    if case.generator.random_bool(0.05) {
+                        v + 30.0
+                            * sd
+                            * if case.generator.random_bool(0.5) {
+                                1.0
+                            } else {
+                                -1.0
+                            }
+                    } else {
+                        *v
+                    }
+                });
                 channel.values = spiked.collect();
             }
         }

@@ -100,9 +100,10 @@ fn traces(case: &Case, plain: &[f64], basis: &[Vec<f64>]) -> Vec<Trace> {
             let absent = search.absent;
             for probe in search.probes {
                 let one_sided = strength.held
-                    || match probe[0] > absent {
-                        true => strength.low >= absent,
-                        false => strength.high <= absent,
+                    || if probe[0] > absent {
+                        strength.low >= absent
+                    } else {
+                        strength.high <= absent
                     };
                 let mut parameters = probe;
                 parameters[0] *= if absent == 0.0 { SMALL } else { 1.0 };

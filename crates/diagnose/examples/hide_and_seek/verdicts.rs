@@ -57,9 +57,10 @@ impl Count {
             (None, false) => (0, within),
             (Some(node), false) => (node.depth, path_of(truth.unwrap_or("")).starts_with(&node.path)),
         };
-        match is_right {
-            true => self.right[depth] += 1,
-            false => self.wrong[depth] += 1,
+        if is_right {
+            self.right[depth] += 1
+        } else {
+            self.wrong[depth] += 1
         }
         if named && !is_right {
             *self.called.entry(found.set.join(" + ")).or_default() += 1;

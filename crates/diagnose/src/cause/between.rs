@@ -170,9 +170,10 @@ impl Form {
             .sum();
         let absorbed: f64 = self.absorbed.iter().map(|parts| dot(at, parts).powi(2)).sum();
         let left = whole - absorbed;
-        match left > ABSORBED * whole {
-            true => dot(at, &self.with_residuals).powi(2) / left,
-            false => 0.0,
+        if left > ABSORBED * whole {
+            dot(at, &self.with_residuals).powi(2) / left
+        } else {
+            0.0
         }
     }
 }

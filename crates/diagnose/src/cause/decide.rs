@@ -74,13 +74,14 @@ pub(crate) fn decide(facts: &Facts) -> Decision {
     let sure: Vec<String> = names.sure().map(str::to_owned).collect();
     let is_sure = |id: &&str| sure.iter().any(|own| own == id);
     if !facts.is_adequate {
-        return match facts.explains_most && facts.lead.iter().any(is_sure) {
-            true => Decision {
+        return if facts.explains_most && facts.lead.iter().any(is_sure) {
+            Decision {
                 verdict: Verdict::Partial,
                 node: names.node(&sure, MECHANISM.min(shared_depth(&sure))),
                 set: sure,
-            },
-            false => unknown,
+            }
+        } else {
+            unknown
         };
     }
     if facts.lead.iter().all(is_sure) {
@@ -92,9 +93,10 @@ pub(crate) fn decide(facts: &Facts) -> Decision {
         };
     }
     let set = said(Verdict::Set, names.smallest_set(Names::held_whole));
-    match set.node.is_some() || (1..=LARGEST_SET).contains(&set.set.len()) {
-        true => set,
-        false => unknown,
+    if set.node.is_some() || (1..=LARGEST_SET).contains(&set.set.len()) {
+        set
+    } else {
+        unknown
     }
 }
 
@@ -146,9 +148,10 @@ fn names_of(hypothesis: &Hypothesis) -> Vec<String> {
 
 /// What an id is called on the way from the root of the tree of causes.
 fn path_of(id: &str) -> Vec<String> {
-    let place = match id.starts_with(VARIES) {
-        true => Some((Site::Runs, FROM_RUN_TO_RUN)),
-        false => mechanism_of(id).map(|own| (own.site, own.id)),
+    let place = if id.starts_with(VARIES) {
+        Some((Site::Runs, FROM_RUN_TO_RUN))
+    } else {
+        mechanism_of(id).map(|own| (own.site, own.id))
     };
     place.map_or_else(Vec::new, |(site, mechanism)| {
         vec![site.name().to_owned(), mechanism.to_owned(), id.to_owned()]

@@ -83,9 +83,10 @@ impl WithEdges<'_, '_> {
         let first = |run: usize| self.open.iter().position(|(own, _)| *own == run).unwrap_or(0);
         Symmetric::from_fn(self.open.len(), |a, b| {
             let (run, other) = (self.open[a].0, self.open[b].0);
-            match run == other {
-                true => each[run].get(a - first(run), b - first(run)),
-                false => 0.0,
+            if run == other {
+                each[run].get(a - first(run), b - first(run))
+            } else {
+                0.0
             }
         })
     }

@@ -105,9 +105,10 @@ fn crossing(points: &[(f64, f64)], bound: f64, logarithmic: bool) -> Option<f64>
     let ((x, rise), (further, higher)) = (points[inside], *points.get(inside + 1)?);
     // Roots of rises go along straight lines where the profile is a parabola.
     let part = ((bound.sqrt() - rise.sqrt()) / (higher.sqrt() - rise.sqrt())).clamp(0.0, 1.0);
-    Some(match logarithmic {
-        true => x * (further / x).powf(part),
-        false => x + part * (further - x),
+    Some(if logarithmic {
+        x * (further / x).powf(part)
+    } else {
+        x + part * (further - x)
     })
 }
 

@@ -325,17 +325,19 @@ impl<'g> ExtendedProblem<'g> {
                 .zip(column)
                 .for_each(|(sum, own)| *sum += own);
         }
-        let by_size = match self.bends {
-            true => self.column(at, 2 * self.branches + 1, &here),
-            false => vec![0.0; here.len()],
+        let by_size = if self.bends {
+            self.column(at, 2 * self.branches + 1, &here)
+        } else {
+            vec![0.0; here.len()]
         };
         [by_resistance, by_size]
     }
 
     fn column(&self, at: &[f64], k: usize, here: &[f64]) -> Vec<f64> {
-        let step = match at[k] + Self::STEP > self.bounds.high[k] {
-            true => -Self::STEP,
-            false => Self::STEP,
+        let step = if at[k] + Self::STEP > self.bounds.high[k] {
+            -Self::STEP
+        } else {
+            Self::STEP
         };
         let mut there = at.to_vec();
         there[k] += step;

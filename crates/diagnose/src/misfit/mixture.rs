@@ -31,9 +31,10 @@ impl Mixture {
         let most = gains.iter().copied().fold(0.0, f64::max);
         let part = |(share, gain): (&f64, &f64)| share * (0.5 * SHRUNK * (gain - most)).exp();
         let sum: f64 = self.shares.iter().zip(gains).map(part).sum();
-        match sum > 0.0 {
-            true => 0.5 * SHRUNK * most + sum.ln(),
-            false => 0.0,
+        if sum > 0.0 {
+            0.5 * SHRUNK * most + sum.ln()
+        } else {
+            0.0
         }
     }
 }

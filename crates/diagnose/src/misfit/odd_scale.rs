@@ -51,9 +51,10 @@ impl Likeness {
         }
         let decades = self.factor.abs().log10();
         let prefix = 3.0 * (decades / 3.0).round();
-        let (nearest, off) = match (decades - prefix).abs() < OFF_PREFIXES {
-            true => (prefix, OFF_PREFIXES),
-            false => (decades.round(), OFF_LENGTHS),
+        let (nearest, off) = if (decades - prefix).abs() < OFF_PREFIXES {
+            (prefix, OFF_PREFIXES)
+        } else {
+            (decades.round(), OFF_LENGTHS)
         };
         let turned = self.factor < 0.0 && self.factor.abs() < ALIKE && self.factor.abs() > 1.0 / ALIKE;
         let scaled = (1.0..=MOST_DECADES).contains(&nearest.abs()) && (decades - nearest).abs() < off;

@@ -38,9 +38,10 @@ pub(crate) fn whereabouts(
         .into_iter()
         .chain(unequal_edge_responses(group, bins, &scores))
         .collect();
-    let text = match said.is_empty() {
-        true => "no single stretch of time stands out".to_owned(),
-        false => said.join("; "),
+    let text = if said.is_empty() {
+        "no single stretch of time stands out".to_owned()
+    } else {
+        said.join("; ")
     };
     Whereabouts { text, segments }
 }
@@ -61,13 +62,14 @@ fn unequal_edge_responses(group: &RunGroup, bins: &[ResidualBin], scores: &[f64]
     let largest = own.iter().fold(0.0_f64, |most, z| most.max(z.abs()));
     let block = &group.blocks[place];
     let run = &group.runs[block.run].given;
-    let what = match run.input.drive.moves() {
-        true => format!("the moving voltage of {}", run.name),
-        false => format!(
+    let what = if run.input.drive.moves() {
+        format!("the moving voltage of {}", run.name)
+    } else {
+        format!(
             "the {} edges of the drive of {}",
             run.input.drive.segments.len(),
             run.name
-        ),
+        )
     };
     Some(format!(
         "the {} answers {what} unequally, by up to {largest:.0} standard errors more or less than simulated",

@@ -61,9 +61,10 @@ fn joined(
     }
     // Two questions were asked of the group: its course in time, and its places.
     found.p_misfit = found.p_misfit.map(|of_time| (2.0 * of_time.min(p)).min(1.0));
-    match p < PROVED {
-        true => proved(found, clearest, p, leftover),
-        false => unseen(found, &asked),
+    if p < PROVED {
+        proved(found, clearest, p, leftover)
+    } else {
+        unseen(found, &asked)
     }
 }
 
@@ -133,9 +134,10 @@ fn proved(
 }
 
 fn chance(p: f64) -> String {
-    match p > LEAST {
-        true => format!("p = {p:.1e}"),
-        false => format!("p below {LEAST:.0e}"),
+    if p > LEAST {
+        format!("p = {p:.1e}")
+    } else {
+        format!("p below {LEAST:.0e}")
     }
 }
 

@@ -87,20 +87,21 @@ fn course(parameter: &VaryingParameter) -> Option<String> {
         _ => String::new(),
     };
     let shown = |own: &VaryingValue| short(factor * own.value);
-    Some(match apart && (rises || falls) {
-        true => format!(
+    Some(if apart && (rises || falls) {
+        format!(
             "{name} {} from {} to {} {unit}{times} from {} to {} V",
             if rises { "rises" } else { "falls" },
             shown(first),
             shown(last),
             volts(first),
             volts(last),
-        ),
-        false => format!(
+        )
+    } else {
+        format!(
             "{name} lies between {} and {} {unit}{times}",
             shown(low),
             shown(high)
-        ),
+        )
     })
 }
 

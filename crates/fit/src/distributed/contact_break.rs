@@ -60,14 +60,15 @@ impl ContactBreak {
         let ((share, half), (log, log_half)) = (self.share(), self.factor());
         let mm = 10.0 * self.length_cm;
         let quantile = quantile_95(self.fitted.freedom);
-        let place = match half < WIDEST {
-            true => Estimate::determined(
+        let place = if half < WIDEST {
+            Estimate::determined(
                 share * mm,
                 half / quantile * mm,
                 (share - half).max(0.0) * mm,
                 (share + half).min(1.0) * mm,
-            ),
-            false => Estimate::not_determined("the readings show a break and not where it is"),
+            )
+        } else {
+            Estimate::not_determined("the readings show a break and not where it is")
         };
         let factor = Estimate::determined(
             log.exp(),

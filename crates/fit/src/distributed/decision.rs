@@ -152,18 +152,16 @@ impl Decision {
                 low_first,
                 high_first,
             }) => {
-                let interval = match low_first < high_first {
-                    true => {
-                        // As many decimals as tell its ends apart.
-                        let digits =
-                            (1.0 - (100.0 * (high_first - low_first)).log10()).clamp(1.0, 4.0) as usize;
-                        format!(
-                            " (95 % interval {:.digits$} to {:.digits$} %)",
-                            100.0 * low_first,
-                            100.0 * high_first
-                        )
-                    }
-                    false => String::new(),
+                let interval = if low_first < high_first {
+                    // As many decimals as tell its ends apart.
+                    let digits = (1.0 - (100.0 * (high_first - low_first)).log10()).clamp(1.0, 4.0) as usize;
+                    format!(
+                        " (95 % interval {:.digits$} to {:.digits$} %)",
+                        100.0 * low_first,
+                        100.0 * high_first
+                    )
+                } else {
+                    String::new()
                 };
                 format!(
                     "a lumped model with these parameters is wrong at the tip by {} % of its first motion{interval} and by {} % in the end",

@@ -24,9 +24,12 @@ pub(super) fn parameters(found: &Identified) -> Vec<Parameter> {
     let (width_cm, length_cm) = (found.input.strip.width_cm, found.input.strip.length_cm);
     let electrical = &found.electrical;
     // With R_e set to what any other would do for, nothing but ratios is said.
-    let absolute = |estimate: Estimate| match found.is_relative {
-        true => Estimate::not_determined(NO_SCALE),
-        false => estimate,
+    let absolute = |estimate: Estimate| {
+        if found.is_relative {
+            Estimate::not_determined(NO_SCALE)
+        } else {
+            estimate
+        }
     };
     let of = |index: usize, factor: f64| absolute(positive(electrical, index, factor));
     let (mu, rate, alpha) = mechanical_estimates(found.mechanical.as_ref(), length_cm);
@@ -114,9 +117,10 @@ fn steady(estimate: Estimate, fitted: &Fitted, width_cm: f64) -> Estimate {
     }
     let error = fitted.covariance.get(2, 2).max(0.0).sqrt();
     let low = (fitted.at[2] - quantile_95(fitted.freedom) * error).exp() * width_cm;
-    match low.is_finite() && low > 0.0 {
-        true => Estimate::above(low, interval_rule::NO_STEADY_CURRENT),
-        false => estimate,
+    if low.is_finite() && low > 0.0 {
+        Estimate::above(low, interval_rule::NO_STEADY_CURRENT)
+    } else {
+        estimate
     }
 }
 

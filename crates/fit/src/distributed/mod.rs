@@ -91,9 +91,10 @@ fn fit_placed(input: &DistributedInput, steps: Steps) -> Result<Fit, FitError> {
     let mut broken = alone.clone().unwrap_or_else(|| joint.clone());
     break_search::look(&mut broken);
     let is_broken = broken.contact_break.is_some();
-    let mut fit = match is_broken {
-        true => outcome::fit(&broken, &Decision::of(&broken)),
-        false => outcome::fit(&found, &Decision::of(&joint)),
+    let mut fit = if is_broken {
+        outcome::fit(&broken, &Decision::of(&broken))
+    } else {
+        outcome::fit(&found, &Decision::of(&joint))
     };
     let told = alone.map(|alone| if is_broken { broken } else { alone });
     fit.issues.extend(contradiction::issue(input, told.as_ref()));

@@ -67,9 +67,10 @@ fn channels(model: &DistributedModel, case: &Case, seed: u64) -> Vec<Channel> {
         .collect();
     let (place, factor) = case.contact_break.unwrap_or((1.4, 1.0));
     let strip = BrokenStrip::new(model, place, factor);
-    let (quantity, field) = match case.voltages {
-        true => (Quantity::Voltage, strip.voltage_v(1.5, &places, &time_s)),
-        false => (Quantity::Curvature, strip.curvature_per_cm(1.5, &places, &time_s)),
+    let (quantity, field) = if case.voltages {
+        (Quantity::Voltage, strip.voltage_v(1.5, &places, &time_s))
+    } else {
+        (Quantity::Curvature, strip.curvature_per_cm(1.5, &places, &time_s))
     };
     let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, v| most.max(v.abs()));
     let sd = case.noise * largest(&field.values);

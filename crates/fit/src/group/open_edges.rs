@@ -136,10 +136,7 @@ impl<'p, 'a> WithEdges<'p, 'a> {
         let first = self.problem.bounds.count() + self.first(run);
         let column = |(k, shift): (usize, &Shift)| {
             let step_s = STEP * shift.standard_deviation_s();
-            let step_s = match by_s[k] > 0.0 {
-                true => -step_s,
-                false => step_s,
-            };
+            let step_s = if by_s[k] > 0.0 { -step_s } else { step_s };
             let mut moved = by_s.to_vec();
             moved[k] += step_s;
             let there = self.residuals(run, local, &self.edges[run].shifted(&moved));

@@ -108,9 +108,10 @@ pub fn reductions(input: &FitInput) -> Result<Reductions, FitError> {
     let against = |circuit: Circuit| own(circuit).against(&full, circuit, misfit);
     Ok(Reductions {
         full_leaves,
-        circuits: match full_leaves > MISFIT {
-            true => Vec::new(),
-            false => Circuit::ALL.into_iter().map(against).collect(),
+        circuits: if full_leaves > MISFIT {
+            Vec::new()
+        } else {
+            Circuit::ALL.into_iter().map(against).collect()
         },
     })
 }

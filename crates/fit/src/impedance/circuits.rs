@@ -78,9 +78,10 @@ fn in_order(problem: &Simulated<'_>, found: Minimum) -> Minimum {
             }
         }
     }
-    match at == found.at {
-        true => found,
-        false => problem.lowest(&at),
+    if at == found.at {
+        found
+    } else {
+        problem.lowest(&at)
     }
 }
 
@@ -111,9 +112,12 @@ fn derived(problem: &Simulated<'_>, found: &Minimum, parameters: &[Parameter]) -
         let mut of_scale = of_scale.filter(|(p, _)| p.scale == scale && p.key != "rss_ohm");
         of_scale.all(|(_, estimate)| estimate.estimate.value.is_some())
     };
-    let of_key = |key: &str| match key.ends_with("_f") {
-        true => Scale::Storage,
-        false => Scale::Resistance,
+    let of_key = |key: &str| {
+        if key.ends_with("_f") {
+            Scale::Storage
+        } else {
+            Scale::Resistance
+        }
     };
     let told = circuit.derived.iter().filter(|(key, _)| known(of_key(key)));
     told.map(|(key, function)| {

@@ -104,9 +104,10 @@ impl Noise {
             .iter()
             .map(|noise| noise.by_correlation.as_slice())
             .collect();
-        match curves.iter().any(|curve| curve.is_empty()) {
-            true => None,
-            false => shared::shared(&curves),
+        if curves.iter().any(|curve| curve.is_empty()) {
+            None
+        } else {
+            shared::shared(&curves)
         }
     }
 
@@ -150,9 +151,10 @@ impl Noise {
         // The logarithm of slow noise's variance is known to 2/n from its size and, the correlation being
         // known to (1-rho2)/n, to 4 (1+rho)/(1-rho)/n from its memory.
         let from_size = (sampled.len() as f64 - smooth.terms()).max(1.0);
-        let freedom = match found.autocorrelation == Autocorrelation::Order(Vec::new()) {
-            true => from_size,
-            false => from_size / (1.0 + 2.0 * crowding(sampled, &found.autocorrelation)),
+        let freedom = if found.autocorrelation == Autocorrelation::Order(Vec::new()) {
+            from_size
+        } else {
+            from_size / (1.0 + 2.0 * crowding(sampled, &found.autocorrelation))
         };
         let floor = found.standard_deviation.max(least);
         Noise {

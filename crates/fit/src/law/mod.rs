@@ -48,12 +48,11 @@ pub(super) fn fit(
         identified.unfitted_curvature.clone_from(&unfitted.sampled);
         identified.curvature = Err(unfitted.why.clone());
     }
-    let judged = match input.drive.moves() {
-        true => {
-            moving::look_closer(input, options, &mut identified);
-            None
-        }
-        false => judge(input, options, &mut identified),
+    let judged = if input.drive.moves() {
+        moving::look_closer(input, options, &mut identified);
+        None
+    } else {
+        judge(input, options, &mut identified)
     };
     let mut fit = outcome::fit(input, options, &identified, judged.as_ref());
     add_law(&mut fit, input, law, &identified, &outcome);

@@ -31,9 +31,10 @@ pub(super) fn stated(law: &dyn BendingLaw, bent: &Bent) -> Vec<Parameter> {
     let open = !bent.evident || !is_coupled(law, bent);
     let of = |reported: &Reported| Parameter {
         key: reported.key.to_owned(),
-        estimate: match open {
-            true => Estimate::not_determined(if bent.evident { OPEN } else { interval_rule::FLAT }),
-            false => estimate(law, reported, bent),
+        estimate: if open {
+            Estimate::not_determined(if bent.evident { OPEN } else { interval_rule::FLAT })
+        } else {
+            estimate(law, reported, bent)
         },
     };
     law.reported().iter().map(of).collect()

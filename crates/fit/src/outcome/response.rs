@@ -67,9 +67,10 @@ impl Response {
         } else {
             DRAWN_STRETCHES
         };
-        let drawn = match wanted.whole_curve {
-            true => (0..sampled.len()).collect(),
-            false => drawn_indices(&sampled.time_s, series, step_s, stretches),
+        let drawn = if wanted.whole_curve {
+            (0..sampled.len()).collect()
+        } else {
+            drawn_indices(&sampled.time_s, series, step_s, stretches)
         };
         let at =
             |column: &[f64]| -> Vec<f64> { drawn.iter().filter_map(|&k| column.get(k).copied()).collect() };

@@ -26,9 +26,10 @@ fn assert_says(fit: &Fit, stop: Stop) {
         .filter(|issue| issue.code == "not-converged")
         .map(|issue| issue.message.as_str())
         .collect();
-    let expected = match stop.converged() {
-        true => Vec::new(),
-        false => vec![format!("the search did not settle: {}", stop.words())],
+    let expected = if stop.converged() {
+        Vec::new()
+    } else {
+        vec![format!("the search did not settle: {}", stop.words())]
     };
     assert_eq!(
         (fit.converged, said),
@@ -73,9 +74,10 @@ fn a_fit_in_two_steps_settled_only_where_both_did() {
             else {
                 panic!("both responses are there")
             };
-            match of_current {
-                true => electrical.stop = stop,
-                false => bending.stop = stop,
+            if of_current {
+                electrical.stop = stop
+            } else {
+                bending.stop = stop
             }
             assert_says(&outcome::fit(&input, &options, &identified, None), stop);
         }

@@ -71,8 +71,9 @@ fn stated(entry: &raw::Known) -> String {
         .iter()
         .filter_map(|(key, number)| number.map(|number| format!("{key} = {number}")))
         .collect();
-    match said.is_empty() {
-        true => "no number".to_owned(),
-        false => said.join(", "),
+    if said.is_empty() {
+        "no number".to_owned()
+    } else {
+        said.join(", ")
     }
 }

@@ -290,8 +290,9 @@ impl Course {
 fn short(value: f64) -> String {
     let digits = (2 - value.abs().max(1e-12).log10().floor() as i32).clamp(0, 9) as usize;
     let text = format!("{value:.digits$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
     }
 }

@@ -41,9 +41,10 @@ pub(super) fn held_throughout(held: Stretch, time_zero_is_step: bool, time_s: &[
         };
     }
     let level = Level::Voltage(held.level_v);
-    let segment = match time_zero_is_step {
-        true => Segment::at(0.0, level),
-        false => just_before(time_s, level),
+    let segment = if time_zero_is_step {
+        Segment::at(0.0, level)
+    } else {
+        just_before(time_s, level)
     };
     let drive = Drive {
         baseline_v: 0.0,
@@ -115,9 +116,10 @@ fn share_of_an_edge(first: Stretch, next: Stretch, channels: &[Channel]) -> Opti
     let (before, after) = (values.get(from..edge)?, values.get(edge..)?);
     let (&begins, &ends) = (before.first()?, before.last()?);
     // What falls in as many readings after either edge; of too few the height itself, in which a leak is counted as well.
-    let (at_start, at_edge) = match before.len() >= HELD_READINGS && after.len() >= before.len() {
-        true => (begins - ends, after[0] - after[before.len() - 1]),
-        false => (begins, after.first()? - ends),
+    let (at_start, at_edge) = if before.len() >= HELD_READINGS && after.len() >= before.len() {
+        (begins - ends, after[0] - after[before.len() - 1])
+    } else {
+        (begins, after.first()? - ends)
     };
     let share = (at_start / first.level_v) / (at_edge / (next.level_v - first.level_v));
     share.is_finite().then_some(share)

@@ -45,11 +45,12 @@ pub(super) fn departure(driving: &Channel, channels: &[Channel]) -> Option<Issue
         driving.len()
     );
     let place = format!("column {}", measured.raw_name);
-    Some(match 2 * apart.len() > driving.len() {
-        true => Issue::warning("control-not-held", message).at(place).mend(
+    Some(if 2 * apart.len() > driving.len() {
+        Issue::warning("control-not-held", message).at(place).mend(
             "check the wiring and the limits of the source: the strip may not have had the stated voltage",
-        ),
-        false => Issue::note("control-not-held", message).at(place),
+        )
+    } else {
+        Issue::note("control-not-held", message).at(place)
     })
 }
 

@@ -76,16 +76,17 @@ pub(super) fn pauses(
         let within = |at_s: f64| time_s[*k] < at_s && at_s <= time_s[k + 1];
         drive.segments.iter().any(|segment| within(segment.start_s))
     };
-    let course = match changed(&longest) {
-        true => format!(
+    let course = if changed(&longest) {
+        format!(
             "it went from {:.4} V to {:.4} V, at a time that is not known",
             volts[longest],
             volts[longest + 1]
-        ),
-        false => format!(
+        )
+    } else {
+        format!(
             "it is {:.4} V on both sides, and a pulse there would not be seen",
             volts[longest + 1]
-        ),
+        )
     };
     let others = match hidden.len() - 1 {
         0 => String::new(),
@@ -93,15 +94,15 @@ pub(super) fn pauses(
     };
     let message =
         format!("between {from_s} s and {to_s} s there are no readings of the voltage{others}: {course}");
-    let told = match hidden.iter().any(changed) {
-        true => Issue::warning(PAUSES, message),
-        false => Issue::note(PAUSES, message),
+    let told = if hidden.iter().any(changed) {
+        Issue::warning(PAUSES, message)
+    } else {
+        Issue::note(PAUSES, message)
     };
-    let mend = match changed(&longest) {
-        true => {
-            "record the voltage without pauses; a fit looks for the edge between these readings and widens its intervals"
-        }
-        false => "nothing is to be done if the source kept its level; a fit takes it as kept",
+    let mend = if changed(&longest) {
+        "record the voltage without pauses; a fit looks for the edge between these readings and widens its intervals"
+    } else {
+        "nothing is to be done if the source kept its level; a fit takes it as kept"
     };
     Some(told.at("column voltage_v").mend(mend))
 }

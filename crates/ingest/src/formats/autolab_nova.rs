@@ -44,9 +44,10 @@ impl Format for AutolabNova {
                 .collect();
             is_nova(&headers)
         });
-        match is_nova {
-            true => Match::Certain("the first line names Time (s) and WE(1) signals"),
-            false => Match::No,
+        if is_nova {
+            Match::Certain("the first line names Time (s) and WE(1) signals")
+        } else {
+            Match::No
         }
     }
 

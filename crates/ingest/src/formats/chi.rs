@@ -54,9 +54,10 @@ impl Format for Chi {
         if has_model && stamp::civil(first, DateOrder::MonthFirst).is_some() {
             return Match::Certain("a date, then Instrument Model");
         }
-        match first.starts_with("Init E (V) =") && Lines::new(&text).any(|line| names(line.text).is_some()) {
-            true => Match::Certain("the file begins with Init E (V)"),
-            false => Match::No,
+        if first.starts_with("Init E (V) =") && Lines::new(&text).any(|line| names(line.text).is_some()) {
+            Match::Certain("the file begins with Init E (V)")
+        } else {
+            Match::No
         }
     }
 

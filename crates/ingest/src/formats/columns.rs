@@ -36,9 +36,10 @@ pub fn judge_columns(raw: &Raw, issues: &mut Vec<Issue>) -> Vec<Meaning> {
         issues.extend(refused_unit(header).map(|issue| issue.at(place(raw.cells.header_line))));
         issues.extend(text(header, column).map(|issue| issue.at(place(column.text.line()))));
         issues.extend(not_finite(header, column).map(|issue| issue.at(place(column.not_finite.line()))));
-        match holds_text(column) {
-            true => Meaning::Other,
-            false => header.meaning.clone(),
+        if holds_text(column) {
+            Meaning::Other
+        } else {
+            header.meaning.clone()
         }
     };
     let mut meanings: Vec<Meaning> = raw.headers.iter().enumerate().map(judge).collect();

@@ -128,9 +128,10 @@ pub fn header_number(text: &str) -> Option<f64> {
 /// # Errors
 /// [`ReadError::Empty`]: there are no bytes.
 pub fn decoded(bytes: &[u8]) -> Result<Decoded<'_>, ReadError> {
-    match bytes.is_empty() {
-        true => Err(ReadError::Empty),
-        false => Ok(decode(bytes)),
+    if bytes.is_empty() {
+        Err(ReadError::Empty)
+    } else {
+        Ok(decode(bytes))
     }
 }
 

@@ -72,9 +72,10 @@ impl Format for EplexorXls {
                 .any(|window| window == mark.as_bytes())
         };
         let is_compound = head.bytes.starts_with(&[0xD0, 0xCF, 0x11, 0xE0]);
-        match is_compound && holds(READINGS) && holds(SETTINGS) {
-            true => Match::Certain("a compound file with the sheets of an Eplexor export"),
-            false => Match::No,
+        if is_compound && holds(READINGS) && holds(SETTINGS) {
+            Match::Certain("a compound file with the sheets of an Eplexor export")
+        } else {
+            Match::No
         }
     }
 

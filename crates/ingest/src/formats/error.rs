@@ -347,9 +347,10 @@ impl ReadError {
             return Issue::note(self.code(), self.to_string());
         }
         let is_advised = self.mend().contains("ieap profile");
-        let mend = match self.is_mended_by_profile() && !is_advised {
-            true => format!("{}{OR_A_PROFILE}", self.mend()),
-            false => self.mend().to_owned(),
+        let mend = if self.is_mended_by_profile() && !is_advised {
+            format!("{}{OR_A_PROFILE}", self.mend())
+        } else {
+            self.mend().to_owned()
         };
         Issue::error(self.code(), self.to_string())
             .at(self.place())

@@ -47,9 +47,10 @@ impl Format for GamryDta {
         let text = head.text().unwrap_or_default();
         let mut lines = Lines::new(&text).map(|line| line.text);
         let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
-        match first.trim_end() == "EXPLAIN" || second.starts_with("TAG\t") {
-            true => Match::Certain("the file begins with EXPLAIN and TAG"),
-            false => Match::No,
+        if first.trim_end() == "EXPLAIN" || second.starts_with("TAG\t") {
+            Match::Certain("the file begins with EXPLAIN and TAG")
+        } else {
+            Match::No
         }
     }
 

@@ -39,9 +39,10 @@ impl Format for Netzsch {
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        match head.text().unwrap_or_default().starts_with("#EXPORTTYPE:") {
-            true => Match::Certain("the file begins with #EXPORTTYPE"),
-            false => Match::No,
+        if head.text().unwrap_or_default().starts_with("#EXPORTTYPE:") {
+            Match::Certain("the file begins with #EXPORTTYPE")
+        } else {
+            Match::No
         }
     }
 

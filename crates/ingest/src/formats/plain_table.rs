@@ -54,12 +54,13 @@ impl Format for PlainTable {
                 }
             }
         }
-        match is_table {
-            true => Match::Possible {
+        if is_table {
+            Match::Possible {
                 score: 0.1,
                 reason: "text with delimiters",
-            },
-            false => Match::No,
+            }
+        } else {
+            Match::No
         }
     }
 

@@ -43,9 +43,10 @@ pub fn implausible(
 
 /// A number in words: as long as a number is, and with a power of ten where its digits would fill a line.
 fn number(value: f64) -> String {
-    match value == 0.0 || (1e-6..1e12).contains(&value.abs()) {
-        true => value.to_string(),
-        false => format!("{value:e}"),
+    if value == 0.0 || (1e-6..1e12).contains(&value.abs()) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
     }
 }
 

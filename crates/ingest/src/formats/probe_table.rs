@@ -280,9 +280,10 @@ fn moments(
         }
     }
     let with_dots = rows[0].date.chars().find(|c| matches!(c, '.' | '/' | '-')) == Some('.');
-    let wanted = match with_dots {
-        true => Some(DateOrder::DayFirst),
-        false => stated,
+    let wanted = if with_dots {
+        Some(DateOrder::DayFirst)
+    } else {
+        stated
     };
     if found.len() > 1
         && let Some(wanted) = wanted

@@ -71,9 +71,10 @@ pub fn rebuild(raw: &mut Raw, index: usize, clock: SampleClock, issues: &mut Vec
 
 /// Half a unit of the last of `digits` significant digits.
 fn rounding(value: f64, digits: i32) -> f64 {
-    match value == 0.0 {
-        true => 0.0,
-        false => 0.5 * 10f64.powi(value.abs().log10().floor() as i32 + 1 - digits),
+    if value == 0.0 {
+        0.0
+    } else {
+        0.5 * 10f64.powi(value.abs().log10().floor() as i32 + 1 - digits)
     }
 }
 

@@ -63,9 +63,12 @@ pub struct Sheet {
 /// The workbook is damaged, or holds more cells than any measurement fills.
 pub fn read(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
     // The library indexes into damaged records here and there; such a file is refused and stops no other one.
-    let attempt = catch_unwind(AssertUnwindSafe(|| match bytes.starts_with(b"PK") {
-        true => read_xlsx(bytes),
-        false => read_xls(bytes),
+    let attempt = catch_unwind(AssertUnwindSafe(|| {
+        if bytes.starts_with(b"PK") {
+            read_xlsx(bytes)
+        } else {
+            read_xls(bytes)
+        }
     }));
     attempt.unwrap_or_else(|_| Err(broken("spreadsheet", &"its records contradict each other")))
 }
@@ -183,9 +186,10 @@ fn from_data(value: &Data) -> Option<SheetCell> {
 fn day_number(date: &ExcelDateTime) -> f64 {
     const FROM_1904: f64 = 1462.0;
     let from_1900 = ExcelDateTime::new(date.as_f64(), ExcelDateTimeType::DateTime, false);
-    match date.is_duration() || date.to_ymd_hms_milli() == from_1900.to_ymd_hms_milli() {
-        true => date.as_f64(),
-        false => date.as_f64() + FROM_1904,
+    if date.is_duration() || date.to_ymd_hms_milli() == from_1900.to_ymd_hms_milli() {
+        date.as_f64()
+    } else {
+        date.as_f64() + FROM_1904
     }
 }
 

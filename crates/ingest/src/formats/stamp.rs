@@ -28,9 +28,10 @@ pub fn in_order(raw: &str, order: DateOrder, kind: Timestamp, basis: &str) -> (S
 /// Days since 1899-12-30, as spreadsheets and Delphi programs count them, to the nearest second or, where the
 /// number has the digits for it, millisecond.
 pub fn from_day_number(days: f64, to_milliseconds: bool) -> Option<DateTime> {
-    let milliseconds = match to_milliseconds {
-        true => (days * 86_400_000.0).round(),
-        false => (days * 86_400.0).round() * 1000.0,
+    let milliseconds = if to_milliseconds {
+        (days * 86_400_000.0).round()
+    } else {
+        (days * 86_400.0).round() * 1000.0
     };
     let epoch = Date::new(1899, 12, 30)
         .ok()?

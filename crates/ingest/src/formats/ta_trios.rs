@@ -49,9 +49,10 @@ impl Format for TaTrios {
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
         let is_export = text.starts_with("[Version]") && text.contains("TA Instruments");
-        match is_export || (text.starts_with("Filename\t") && text.contains("[File Parameters]")) {
-            true => Match::Certain("sections of a TRIOS export"),
-            false => Match::No,
+        if is_export || (text.starts_with("Filename\t") && text.contains("[File Parameters]")) {
+            Match::Certain("sections of a TRIOS export")
+        } else {
+            Match::No
         }
     }
 
@@ -69,9 +70,10 @@ impl Format for TaTrios {
         let mut tables: Vec<RunTable> = Vec::new();
         for step in &steps {
             let is_taken = tables.iter().any(|table| table.name == step.name);
-            let name = match is_taken {
-                true => format!("{} ({})", step.name, tables.len() + 1),
-                false => step.name.to_owned(),
+            let name = if is_taken {
+                format!("{} ({})", step.name, tables.len() + 1)
+            } else {
+                step.name.to_owned()
             };
             tables.push(table(name, step, &mut issues)?);
         }
@@ -167,9 +169,12 @@ fn step<'a>(lines: &[Line<'a>]) -> Option<Step<'a>> {
 }
 
 fn table(name: String, step: &Step<'_>, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
-    let unit = |index: usize| match step.units.is_empty() {
-        true => None,
-        false => Some(step.units.get(index).copied().unwrap_or("")),
+    let unit = |index: usize| {
+        if step.units.is_empty() {
+            None
+        } else {
+            Some(step.units.get(index).copied().unwrap_or(""))
+        }
     };
     let headers: Vec<Header> = step
         .names
@@ -194,9 +199,10 @@ fn header(name: &str, unit: Option<&str>) -> Header {
     };
     let is_kept = |quantity| matches!(quantity, Quantity::Time | Quantity::Temperature);
     Header {
-        meaning: match header.meaning.quantity().is_some_and(is_kept) {
-            true => header.meaning,
-            false => Meaning::Other,
+        meaning: if header.meaning.quantity().is_some_and(is_kept) {
+            header.meaning
+        } else {
+            Meaning::Other
         },
         ..header
     }

@@ -52,8 +52,9 @@ fn text(head: &FileHead<'_>) -> Option<Kind> {
     if is_json && (first == "{" || first == "[" || first.starts_with("{\"") || first.starts_with("[{")) {
         return Some(("a JSON document", "it begins with a brace", AS_TABLE));
     }
-    match first.starts_with("<?xml") || first.starts_with("<!DOCTYPE") || first.starts_with("<html") {
-        true => Some(("an XML or HTML document", "it begins with a tag", AS_TABLE)),
-        false => None,
+    if first.starts_with("<?xml") || first.starts_with("<!DOCTYPE") || first.starts_with("<html") {
+        Some(("an XML or HTML document", "it begins with a tag", AS_TABLE))
+    } else {
+        None
     }
 }

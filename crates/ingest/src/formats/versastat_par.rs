@@ -213,9 +213,10 @@ fn started_at(section: &Section<'_>, issues: &mut Vec<Issue>) -> Option<StartedA
         .find(", ")
         .filter(|at| date[..*at].chars().all(char::is_alphabetic));
     let day = weekday_ends.map_or(date, |at| &date[at + 2..]);
-    let order = match day.starts_with(|c: char| c.is_ascii_digit()) {
-        true => DateOrder::DayFirst,
-        false => DateOrder::MonthFirst,
+    let order = if day.starts_with(|c: char| c.is_ascii_digit()) {
+        DateOrder::DayFirst
+    } else {
+        DateOrder::MonthFirst
     };
     let has_month_name = day.chars().any(|c| c.is_ascii_alphabetic());
     let shown = if has_month_name {

@@ -58,9 +58,10 @@ pub(super) enum Says {
 
 /// The words of a name, between `_` and blanks; between `-` where there are neither.
 pub(super) fn words(stem: &str) -> Vec<Word> {
-    let is_separator: &dyn Fn(char) -> bool = match stem.contains(['_', ' ']) {
-        true => &|c| matches!(c, '_' | ' '),
-        false => &|c| c == '-',
+    let is_separator: &dyn Fn(char) -> bool = if stem.contains(['_', ' ']) {
+        &|c| matches!(c, '_' | ' ')
+    } else {
+        &|c| c == '-'
     };
     let (mut words, mut before, mut text) = (Vec::new(), String::new(), String::new());
     for c in stem.chars() {
@@ -165,9 +166,10 @@ fn is_day(text: &str) -> bool {
 /// Text before, number, text behind: `rh`, `34`, ``.
 fn around_number(text: &str) -> Option<(&str, &str, &str)> {
     let start = text.find(|c: char| c.is_ascii_digit())?;
-    let start = match text[..start].ends_with('-') {
-        true => start - 1,
-        false => start,
+    let start = if text[..start].ends_with('-') {
+        start - 1
+    } else {
+        start
     };
     let of_number = |c: char| c.is_ascii_digit() || matches!(c, '.' | ',');
     let length = text[start..].trim_start_matches('-').find(|c| !of_number(c));

@@ -50,12 +50,13 @@ pub struct Choice<'p> {
 /// As [`recognition::recognise`]; or several profiles fit.
 pub fn choose<'p>(profiles: &'p [Profile], name: &str, bytes: &[u8]) -> Result<Choice<'p>, ReadError> {
     let head = FileHead::of(name, bytes);
-    let fitting: Vec<&Profile> = match bytes.is_empty() {
-        true => Vec::new(),
-        false => profiles
+    let fitting: Vec<&Profile> = if bytes.is_empty() {
+        Vec::new()
+    } else {
+        profiles
             .iter()
             .filter(|profile| profile.fits(name, bytes).is_ok())
-            .collect(),
+            .collect()
     };
     let highest = fitting.iter().map(|profile| score(profile)).fold(0.0, f64::max);
     let mut best = fitting.iter().filter(|profile| score(profile) == highest);

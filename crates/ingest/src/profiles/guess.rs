@@ -371,9 +371,10 @@ fn time(decimal: Decimal, names: &[String], units: &[String], rows: &[Vec<String
         return Some(match epoch_unit {
             Some(unit) => TimeGuess::Epoch { index, unit },
             None => {
-                let parsed = match is_unit_of_time(&names[index]) {
-                    true => names[index].clone(),
-                    false => Header::parse(&names[index]).raw_unit,
+                let parsed = if is_unit_of_time(&names[index]) {
+                    names[index].clone()
+                } else {
+                    Header::parse(&names[index]).raw_unit
                 };
                 let stated = unit.cloned().or((!parsed.is_empty()).then_some(parsed));
                 let unit = stated.filter(|unit| ieap_domain::unit::conversion(Quantity::Time, unit).is_ok());

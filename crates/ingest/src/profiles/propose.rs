@@ -42,9 +42,10 @@ pub fn propose(name: &str, bytes: &[u8], stated: &[StatedColumn]) -> Result<Prop
         return Err(ReadError::Empty);
     }
     let is_workbook = bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0");
-    let guess = match is_workbook {
-        true => guess_sheet(&sheet_cells::read(bytes)?),
-        false => guess_text(bytes, 1),
+    let guess = if is_workbook {
+        guess_sheet(&sheet_cells::read(bytes)?)
+    } else {
+        guess_text(bytes, 1)
     };
     let guess = guess.ok_or_else(|| ReadError::NoHeader {
         line: 0,
@@ -329,9 +330,10 @@ fn column(
 /// A column by its name where that is its own, else by its number.
 fn column_ref(guess: &Guess, index: usize) -> String {
     let name = &guess.names[index];
-    match guess.names.iter().filter(|other| *other == name).count() == 1 && !name.is_empty() {
-        true => quoted(name),
-        false => (index + 1).to_string(),
+    if guess.names.iter().filter(|other| *other == name).count() == 1 && !name.is_empty() {
+        quoted(name)
+    } else {
+        (index + 1).to_string()
     }
 }
 

@@ -64,9 +64,12 @@ impl Profile {
 
     /// Meaning of every column: what the profile says, or none.
     fn headers(&self, names: &[String], places: &[usize]) -> Vec<Header> {
-        let named = |(index, name): (usize, &String)| match name.is_empty() {
-            true => Header::other(&format!("column {}", index + 1)),
-            false => Header::other(name),
+        let named = |(index, name): (usize, &String)| {
+            if name.is_empty() {
+                Header::other(&format!("column {}", index + 1))
+            } else {
+                Header::other(name)
+            }
         };
         let mut headers: Vec<Header> = names.iter().enumerate().map(named).collect();
         for (column, place) in self.columns.iter().zip(&places[self.time.columns().len()..]) {

@@ -193,10 +193,10 @@ pub fn among<'a>(
 ) -> Vec<&'a str> {
     let is_one = |file: &&Arc<SeenFile>| {
         let name = file.display.rsplit('/').next().unwrap_or(&file.display);
-        match fresh.contains(file.display.as_str()) {
-            // What was a sheet may have become a run.
-            true => has_name(name) || (may_be(name) && starts_as_one(campaign, file)),
-            false => known.contains(file.display.as_str()),
+        if fresh.contains(file.display.as_str()) {
+            has_name(name) || (may_be(name) && starts_as_one(campaign, file))
+        } else {
+            known.contains(file.display.as_str())
         }
     };
     let sheets = files.iter().filter(is_one);

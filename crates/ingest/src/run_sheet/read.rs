@@ -217,9 +217,10 @@ fn row(
 
 /// The value of a tag, or what is wrong with it and how to mend it.
 fn tag_value(key: &str, cell: &str, delimiter: u8) -> Result<String, (String, &'static str)> {
-    let value = match is_numeric(key) {
-        true => number_of(cell, delimiter).map(|number| number.to_string()),
-        false => Some(cell.to_owned()),
+    let value = if is_numeric(key) {
+        number_of(cell, delimiter).map(|number| number.to_string())
+    } else {
+        Some(cell.to_owned())
     };
     let Some(value) = value else {
         let mend = "write one, such as 2.5, or leave the cell empty";

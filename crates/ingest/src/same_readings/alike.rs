@@ -48,9 +48,10 @@ impl Alike {
             let has_fine = has_fine(&alike.sizes[place]);
             for mark in marks {
                 let holders = alike.holders.entry(*mark).or_default();
-                match has_fine {
-                    true => holders.fine.push(place as u32),
-                    false => holders.coarse.push(place as u32),
+                if has_fine {
+                    holders.fine.push(place as u32)
+                } else {
+                    holders.coarse.push(place as u32)
                 }
             }
         }
@@ -67,9 +68,10 @@ impl Alike {
                 continue;
             };
             // Coarse marks say nothing of two records that both have fine ones.
-            let fine = match has_fine(&own) && !is_fine(kind) {
-                true => &[][..],
-                false => &holders.fine[..],
+            let fine = if has_fine(&own) && !is_fine(kind) {
+                &[][..]
+            } else {
+                &holders.fine[..]
             };
             for &place in fine.iter().chain(&holders.coarse) {
                 let shared = &mut self.shared[place as usize];

@@ -51,9 +51,10 @@ impl Digits {
 
     /// What the last printed digit of a number stands for: exports round or cut off.
     pub(super) fn last(self, value: f64) -> f64 {
-        let own = match value == 0.0 {
-            true => 0.0,
-            false => 10f64.powi(exponent(value) - self.most + 1),
+        let own = if value == 0.0 {
+            0.0
+        } else {
+            10f64.powi(exponent(value) - self.most + 1)
         };
         let step = if self.step.is_finite() { self.step } else { 0.0 };
         1.001 * step.max(own)

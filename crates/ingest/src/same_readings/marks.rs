@@ -125,9 +125,10 @@ fn rounded(value: f64, digits: i32) -> u64 {
     let decade = exponent(value);
     // What rounds up to the next decade is its first number.
     let mantissa = (value * 10f64.powi(digits - 1 - decade)).round();
-    let (mantissa, decade) = match mantissa.abs() >= 10f64.powi(digits) {
-        true => (mantissa / 10.0, decade + 1),
-        false => (mantissa, decade),
+    let (mantissa, decade) = if mantissa.abs() >= 10f64.powi(digits) {
+        (mantissa / 10.0, decade + 1)
+    } else {
+        (mantissa, decade)
     };
     (mantissa as i64)
         .cast_unsigned()

@@ -59,9 +59,10 @@ pub fn scan(
     };
     let mut starts = vec![plain(runs_folder)];
     for folder in optional {
-        match walk.is_present(&plain(folder)) {
-            true => starts.push(plain(folder)),
-            false => walk.found.unreadable.push((*folder).to_owned()),
+        if walk.is_present(&plain(folder)) {
+            starts.push(plain(folder))
+        } else {
+            walk.found.unreadable.push((*folder).to_owned())
         }
     }
     let whole = walk.everything(starts);

@@ -77,9 +77,10 @@ fn is_wording(tag: &Tag) -> bool {
 }
 
 fn origin(tag: &Tag) -> String {
-    match tag.detail.is_empty() {
-        true => tag.source.label().to_owned(),
-        false => format!("{}: {}", tag.source.label(), tag.detail),
+    if tag.detail.is_empty() {
+        tag.source.label().to_owned()
+    } else {
+        format!("{}: {}", tag.source.label(), tag.detail)
     }
 }
 

@@ -181,12 +181,11 @@ fn choose(request: &TagRequest, mut offered: Vec<Offered>) -> (Vec<Tag>, Vec<Iss
             None => chosen.push(next),
             Some(winner) => {
                 issues.extend(
-                    match winner.of == next.of || !is_of_a_name(&winner.tag) || !is_of_a_name(&next.tag) {
-                        true => agreement::disagreement(&winner.tag, &next.tag),
-                        false => {
-                            let names = (name(request, winner.of), name(request, next.of));
-                            agreement::contradiction(&winner.tag, &next.tag, names)
-                        }
+                    if winner.of == next.of || !is_of_a_name(&winner.tag) || !is_of_a_name(&next.tag) {
+                        agreement::disagreement(&winner.tag, &next.tag)
+                    } else {
+                        let names = (name(request, winner.of), name(request, next.of));
+                        agreement::contradiction(&winner.tag, &next.tag, names)
                     },
                 );
                 overruled.push(next.tag);

@@ -72,12 +72,13 @@ fn number(key: &str, text: &str) -> Result<String, Fault> {
         keys::CYCLE => (number >= 0.0 && number.fract() == 0.0, "a whole number is needed"),
         _ => (true, ""),
     };
-    match possible {
-        true => Ok(shortest(number)),
-        false => Err(Fault {
+    if possible {
+        Ok(shortest(number))
+    } else {
+        Err(Fault {
             reason: needed,
             mend: "correct it",
-        }),
+        })
     }
 }
 
@@ -128,9 +129,10 @@ fn rfc_3339(moment: &Zoned) -> String {
 }
 
 fn unusable(tag: &Tag, fault: Fault) -> Issue {
-    let origin = match tag.detail.is_empty() {
-        true => String::new(),
-        false => format!(": {}", tag.detail),
+    let origin = if tag.detail.is_empty() {
+        String::new()
+    } else {
+        format!(": {}", tag.detail)
     };
     let message = format!(
         "`{} = {}` ({}{origin}) is not used: {}",

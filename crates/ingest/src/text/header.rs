@@ -267,9 +267,10 @@ fn interpret(name: &str, unit: &str) -> Meaning {
     for &quantity in candidates(name) {
         match unit::conversion(quantity, unit) {
             Ok(conversion) => {
-                let conversion = match is_negative(quantity, name) {
-                    true => conversion.negated(),
-                    false => conversion,
+                let conversion = if is_negative(quantity, name) {
+                    conversion.negated()
+                } else {
+                    conversion
                 };
                 return Meaning::Known { quantity, conversion };
             }
@@ -521,9 +522,10 @@ fn without_channel(name: &str) -> &str {
         .trim()
         .trim_start_matches(|c: char| c.is_ascii_digit())
         .trim_start();
-    match label.starts_with('<') && label.ends_with('>') {
-        true => label,
-        false => name.trim(),
+    if label.starts_with('<') && label.ends_with('>') {
+        label
+    } else {
+        name.trim()
     }
 }
 

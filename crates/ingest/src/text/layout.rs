@@ -259,9 +259,10 @@ fn judge(found: &Found, index: usize, decimal: Decimal, sample: &[Line<'_>]) -> 
     let is_number = |k: usize| obeys(numeric[k], filled[k]);
     let known = (0..width).filter(|&k| found.headers[k].meaning.named_quantity().is_some() && is_number(k));
     let meanings = meanings(&found.headers);
-    let axis = match is_spectrum(&meanings) || is_modulus_sweep(&meanings) {
-        true => Quantity::Frequency,
-        false => Quantity::Time,
+    let axis = if is_spectrum(&meanings) || is_modulus_sweep(&meanings) {
+        Quantity::Frequency
+    } else {
+        Quantity::Time
     };
     let time = |k: &usize| found.headers[*k].meaning.named_quantity() == Some(axis);
     if !obeys(even_lines, sample.len()) || !known.clone().any(|k| time(&k)) {

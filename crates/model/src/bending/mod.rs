@@ -37,8 +37,9 @@ pub fn rival_law(model: &str) -> Option<&'static dyn BendingLaw> {
 
 /// The law behind the fit model of that id: a rival's own, and the thesis's for lumped models.
 pub fn bending_law(model: &str) -> Option<&'static dyn BendingLaw> {
-    match model.starts_with("lumped") {
-        true => Some(&back_relaxation::BackRelaxation),
-        false => rival_law(model),
+    if model.starts_with("lumped") {
+        Some(&back_relaxation::BackRelaxation)
+    } else {
+        rival_law(model)
     }
 }

@@ -168,9 +168,10 @@ impl BranchedStrip<'_> {
         let all: f64 = (0..branches.len()).map(conductance).sum::<f64>() + steady.recip();
         let raised = 1.0 + series_ohm_cm2 * all;
         let entry = |j: usize, k: usize| {
-            let own = match j == k {
-                true => conductance(k) / branches[k].capacitance_f_per_cm2,
-                false => 0.0,
+            let own = if j == k {
+                conductance(k) / branches[k].capacitance_f_per_cm2
+            } else {
+                0.0
             };
             own - series_ohm_cm2 / raised * conductance(j) * conductance(k) / (root(j) * root(k))
         };

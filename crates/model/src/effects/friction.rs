@@ -54,9 +54,10 @@ impl Observation for Play {
         for (k, kappa) in curvature_per_cm.iter_mut().enumerate() {
             // A search may try parameters at which the model has no number: it is passed on, for the search to turn back.
             let mut visit = |y: f64| {
-                seen = match y.is_nan() {
-                    true => f64::NAN,
-                    false => seen.clamp(y - self.width, y + self.width),
+                seen = if y.is_nan() {
+                    f64::NAN
+                } else {
+                    seen.clamp(y - self.width, y + self.width)
                 };
             };
             if let Some(y) = turned.take() {

@@ -137,9 +137,10 @@ impl Search {
     /// One addition to the curvature, of either sign and as large as the curvature itself.
     pub fn of_offset(scale: &Scale) -> Search {
         let most = scale.curvature_per_cm;
-        match most == 0.0 {
-            true => Search::none(),
-            false => Search::over(0.01 * most, vec![Limits::linear(-most, most)], &[]),
+        if most == 0.0 {
+            Search::none()
+        } else {
+            Search::over(0.01 * most, vec![Limits::linear(-most, most)], &[])
         }
     }
 

@@ -184,9 +184,10 @@ pub fn mechanism(id: &str) -> Option<&'static Mechanism> {
 
 /// The mechanism that an effect is one of; none of an unknown id.
 pub fn mechanism_of(effect: &str) -> Option<&'static Mechanism> {
-    match follows_a_tag(effect) {
-        true => mechanism("from-run-to-run"),
-        false => MECHANISMS.iter().find(|own| own.effects.contains(&effect)),
+    if follows_a_tag(effect) {
+        mechanism("from-run-to-run")
+    } else {
+        MECHANISMS.iter().find(|own| own.effects.contains(&effect))
     }
 }
 

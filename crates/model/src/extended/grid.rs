@@ -83,9 +83,12 @@ impl Grid {
                 GROWTH * coarser / finer,
             );
         }
-        let places = |of: &[f64]| match is_thinned {
-            true => Places::between(&time_s, &merged(&edges, &jumps), of),
-            false => Places::on(&time_s, of),
+        let places = |of: &[f64]| {
+            if is_thinned {
+                Places::between(&time_s, &merged(&edges, &jumps), of)
+            } else {
+                Places::on(&time_s, of)
+            }
         };
         Grid {
             current: places(current_s),

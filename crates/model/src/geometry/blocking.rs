@@ -43,9 +43,10 @@ mod tests {
         let (mut low, mut high) = (free, 3.0 * free);
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
-            match height(free, middle) > 0.0 {
-                true => low = middle,
-                false => high = middle,
+            if height(free, middle) > 0.0 {
+                low = middle
+            } else {
+                high = middle
             }
         }
         0.5 * (low + high)

@@ -219,9 +219,10 @@ pub fn curvature_from_tip(tip_displacement_mm: f64, length_mm: f64) -> Option<f6
         }
         let slope = (turn * turn.sin() - 1.0 + turn.cos()) / (turn * turn);
         let next = turn - miss / slope;
-        let next = match next > low && next < high {
-            true => next,
-            false => 0.5 * (low + high),
+        let next = if next > low && next < high {
+            next
+        } else {
+            0.5 * (low + high)
         };
         if (next - turn).abs() <= 1e-16 * turn {
             break;

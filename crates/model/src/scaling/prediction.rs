@@ -107,9 +107,12 @@ pub fn predict(
             let of: Vec<&[f64]> = slopes.iter().map(|slope| slope[which].as_slice()).collect();
             let value = found.series[which].clone();
             let of_parameters = deviations(identified.covariance, &of, time_s.len());
-            let of_size = |k: usize| match which < PER_AREA {
-                true => value[k] * areas,
-                false => by_length[which][k] * to.length.standard_error_mm,
+            let of_size = |k: usize| {
+                if which < PER_AREA {
+                    value[k] * areas
+                } else {
+                    by_length[which][k] * to.length.standard_error_mm
+                }
             };
             let error = |k: usize| of_parameters[k].hypot(of_size(k));
             Series {
@@ -288,9 +291,10 @@ pub fn largest_electrode_resistance(model: &LumpedModel, to: &StripSize, toleran
     }
     for _ in 0..60 {
         let middle = 0.5 * (enough + too_much);
-        match is_enough(middle) {
-            true => enough = middle,
-            false => too_much = middle,
+        if is_enough(middle) {
+            enough = middle
+        } else {
+            too_much = middle
         }
     }
     enough

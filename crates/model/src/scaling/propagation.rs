@@ -71,9 +71,10 @@ pub(super) fn derivatives(
         if variance <= 0.0 || !parameters[k].is_finite() {
             return none();
         }
-        let above = match parameters[k] == 0.0 {
-            true => 1e-3 * variance.sqrt(),
-            false => 1e-4 * parameters[k].abs(),
+        let above = if parameters[k] == 0.0 {
+            1e-3 * variance.sqrt()
+        } else {
+            1e-4 * parameters[k].abs()
         };
         let below = if parameters[k] == 0.0 { 0.0 } else { above };
         let with = |change: f64| {
@@ -121,9 +122,12 @@ pub struct ReadAt<'a> {
 pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -> Vec<f64> {
     let n = standard_errors.len();
     let diagonal: Vec<f64> = (0..n * n)
-        .map(|k| match k / n == k % n {
-            true => standard_errors[k / n].powi(2),
-            false => 0.0,
+        .map(|k| {
+            if k / n == k % n {
+                standard_errors[k / n].powi(2)
+            } else {
+                0.0
+            }
         })
         .collect();
     let respond = |model: &LumpedModel| {
@@ -140,10 +144,8 @@ pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -
     };
     let at = respond(model).unwrap_or_default();
     let slopes = derivatives(&identified, &at, respond);
-    let weights = [read.current.1, read.curvature.1].map(|deviation| match deviation > 0.0 {
-        true => deviation.powi(-2),
-        false => 0.0,
-    });
+    let weights = [read.current.1, read.curvature.1]
+        .map(|deviation| if deviation > 0.0 { deviation.powi(-2) } else { 0.0 });
     let mut information = Symmetric::zero(n);
     for j in 0..n {
         for k in 0..n {
@@ -158,9 +160,10 @@ pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -
     let inverse = information.inverse(1e-14);
     let entry = |j: usize, k: usize| {
         let scale = (inverse.get(j, j) * inverse.get(k, k)).sqrt();
-        let correlation = match scale > 0.0 && j != k {
-            true => (inverse.get(j, k) / scale).clamp(-1.0, 1.0),
-            false => f64::from(u8::from(j == k)),
+        let correlation = if scale > 0.0 && j != k {
+            (inverse.get(j, k) / scale).clamp(-1.0, 1.0)
+        } else {
+            f64::from(u8::from(j == k))
         };
         correlation * standard_errors[j] * standard_errors[k]
     };

@@ -154,9 +154,10 @@ mod tests {
         fn local(&self, at: &[f64], most: f64) -> Local {
             let residuals = [10.0 * (at[1] - at[0] * at[0]), 1.0 - at[0]];
             let local = Local::of(&residuals, &[[20.0 * at[0], 1.0], [-10.0, 0.0]]);
-            match local.square <= most {
-                true => local,
-                false => Local::refused(local.square, 2),
+            if local.square <= most {
+                local
+            } else {
+                Local::refused(local.square, 2)
             }
         }
     }

@@ -74,9 +74,10 @@ impl Damped {
             }
             Damped::Diagonal(part) => {
                 let is_taken = fall > 0.0;
-                *part = match is_taken {
-                    true => (*part * 0.1_f64).max(LEAST_PART),
-                    false => part.max(LEAST_PART_AFTER_RISE) * 10.0,
+                *part = if is_taken {
+                    (*part * 0.1_f64).max(LEAST_PART)
+                } else {
+                    part.max(LEAST_PART_AFTER_RISE) * 10.0
                 };
                 (is_taken, *part <= MOST_PART)
             }

@@ -140,9 +140,10 @@ impl Axis {
         let unit_s = unit_s.max(SHORTEST_UNIT * last_s);
         let first_s = if first_s.is_finite() { first_s } else { 0.0 };
         let after = Scale::AboutStep { unit_s, before: 0.0 }.position(last_s);
-        let before = match first_s < 0.0 {
-            true => STRIP_BEFORE * after / -first_s,
-            false => 0.0,
+        let before = if first_s < 0.0 {
+            STRIP_BEFORE * after / -first_s
+        } else {
+            0.0
         };
         let scale = Scale::AboutStep { unit_s, before };
         let zero = Tick {
@@ -200,9 +201,10 @@ fn takes_prefix(base: &str) -> bool {
 }
 
 fn titled(quantity: &str, unit: &str) -> String {
-    match unit.is_empty() {
-        true => quantity.to_owned(),
-        false => format!("{quantity} ({unit})"),
+    if unit.is_empty() {
+        quantity.to_owned()
+    } else {
+        format!("{quantity} ({unit})")
     }
 }
 
@@ -247,16 +249,15 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     let (low, high) = (low.min(high), high.max(low));
     let (low, high) = (low.clamp(-LARGEST, LARGEST), high.clamp(-LARGEST, LARGEST));
     let magnitude = low.abs().max(high.abs());
-    match high - low > (NARROWEST * magnitude).max(SMALLEST) {
-        true => (low, high),
-        false => {
-            let half = if magnitude <= SMALLEST {
-                1.0
-            } else {
-                0.1 * magnitude
-            };
-            (low - half, high + half)
-        }
+    if high - low > (NARROWEST * magnitude).max(SMALLEST) {
+        (low, high)
+    } else {
+        let half = if magnitude <= SMALLEST {
+            1.0
+        } else {
+            0.1 * magnitude
+        };
+        (low - half, high + half)
     }
 }
 
@@ -333,17 +334,19 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
         for &factor in factors {
             let at = f64::from(decade) + factor.log10();
             if at >= low - 1e-9 && at <= high + 1e-9 {
-                let label = match decade.rem_euclid(every) == 0 {
-                    true => log_label(decade, factor, plain),
-                    false => String::new(),
+                let label = if decade.rem_euclid(every) == 0 {
+                    log_label(decade, factor, plain)
+                } else {
+                    String::new()
                 };
                 ticks.push(Tick { at, label });
             }
         }
     }
-    match ticks.len() < 3 && (NARROWEST..NARROW).contains(&(high - low)) {
-        true => narrow_log_ticks(low, high, plain),
-        false => ticks,
+    if ticks.len() < 3 && (NARROWEST..NARROW).contains(&(high - low)) {
+        narrow_log_ticks(low, high, plain)
+    } else {
+        ticks
     }
 }
 

@@ -23,9 +23,10 @@ const STEPS: [((i64, i64, i64), &str); 12] = [
 
 /// An axis from `low_s` to `high_s` (s since 1970 UTC) with about `wanted` ticks at most, by the clock of `zone`.
 pub fn calendar_axis(low_s: f64, high_s: f64, wanted: usize, zone: &Zone) -> Axis {
-    let (low_s, high_s) = match high_s > low_s {
-        true => (low_s, high_s),
-        false => (low_s - 1800.0, low_s + 1800.0),
+    let (low_s, high_s) = if high_s > low_s {
+        (low_s, high_s)
+    } else {
+        (low_s - 1800.0, low_s + 1800.0)
     };
     let length_s = |(hours, days, months): (i64, i64, i64)| {
         3600.0 * (hours + 24 * days) as f64 + 2_629_800.0 * months as f64
@@ -44,9 +45,10 @@ pub fn calendar_axis(low_s: f64, high_s: f64, wanted: usize, zone: &Zone) -> Axi
         low: low_s,
         high: high_s,
         ticks: ticks((low_s, high_s), *step, format, zone),
-        title: match from.is_empty() {
-            true => format!("Time ({})", zone.name()),
-            false => format!("Time ({}), from {from}", zone.name()),
+        title: if from.is_empty() {
+            format!("Time ({})", zone.name())
+        } else {
+            format!("Time ({}), from {from}", zone.name())
         },
         shown_factor: 1.0,
     }

@@ -108,9 +108,10 @@ impl DrawingBackend for Canvas<'_> {
         fill: bool,
     ) -> Drawn {
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-        match fill {
-            true => self.fill_polygon(corners, style),
-            false => self.draw_path(corners.into_iter().chain([(left, top)]), style),
+        if fill {
+            self.fill_polygon(corners, style)
+        } else {
+            self.draw_path(corners.into_iter().chain([(left, top)]), style)
         }
     }
 
@@ -134,14 +135,15 @@ impl DrawingBackend for Canvas<'_> {
         fill: bool,
     ) -> Drawn {
         let (color, width) = (style.color(), style.stroke_width());
-        self.shapes.push(match fill {
-            true => Shape::Dot { at, radius, color },
-            false => Shape::Ring {
+        self.shapes.push(if fill {
+            Shape::Dot { at, radius, color }
+        } else {
+            Shape::Ring {
                 at,
                 radius,
                 width,
                 color,
-            },
+            }
         });
         Ok(())
     }

@@ -60,13 +60,12 @@ pub fn around_run(
         let mut rest = area.clone();
         for (at, curve) in curves.iter().enumerate() {
             let is_last = at + 1 == curves.len();
-            let own = match is_last {
-                true => rest.clone(),
-                false => {
-                    let (above, below) = rest.split_vertically(PANEL_HEIGHT as i32 * TENTHS);
-                    rest = below;
-                    above
-                }
+            let own = if is_last {
+                rest.clone()
+            } else {
+                let (above, below) = rest.split_vertically(PANEL_HEIGHT as i32 * TENTHS);
+                rest = below;
+                above
             };
             let y = value_axis(curve.quantity, curve.values.iter().copied());
             let mut chart = panel(&own, margins(is_last), &x, &y, is_last)?;

@@ -60,9 +60,10 @@ fn linear([lightness, a, b]: Lab) -> [f64; 3] {
 /// sRGB's curve.
 fn encoded(linear: f64) -> f64 {
     let linear = linear.clamp(0.0, 1.0);
-    match linear <= 0.003_130_8 {
-        true => 12.92 * linear,
-        false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
     }
 }
 
@@ -74,9 +75,10 @@ mod tests {
     fn decoded((red, green, blue): Rgb) -> [f64; 3] {
         [red, green, blue].map(|part| {
             let part = f64::from(part) / 255.0;
-            match part <= 0.040_45 {
-                true => part / 12.92,
-                false => ((part + 0.055) / 1.055).powf(2.4),
+            if part <= 0.040_45 {
+                part / 12.92
+            } else {
+                ((part + 0.055) / 1.055).powf(2.4)
             }
         })
     }

@@ -107,9 +107,10 @@ fn panel_on(area: &Area, groups: &[Group], y: &Axis, level: Option<f64>) -> Resu
     }
     // A title wider than the plot ends with it: room for what is longer is on the left.
     let is_wide = names.axis_title.chars().count() as f64 * CHARACTER > width * pixels_per_slot;
-    let (at, anchor) = match is_wide {
-        true => (width - 0.5, HPos::Right),
-        false => (0.5 * width - 0.5, HPos::Center),
+    let (at, anchor) = if is_wide {
+        (width - 0.5, HPos::Right)
+    } else {
+        (0.5 * width - 0.5, HPos::Center)
     };
     let axis_title = text_style(Ink::Muted, TICK_SIZE, anchor, VPos::Top);
     let below = (0, 51 + lower as i32);
@@ -174,9 +175,10 @@ impl Names {
             } else {
                 1
             },
-            axis_title: match said {
-                true => format!("Steps of {} V", all.join(", ")),
-                false => "Step voltage (V)".to_owned(),
+            axis_title: if said {
+                format!("Steps of {} V", all.join(", "))
+            } else {
+                "Step voltage (V)".to_owned()
             },
         }
     }
@@ -232,9 +234,10 @@ fn placed_aside(group: &Group, left: f64) -> Vec<AsideMark> {
 /// Position of a number, brought to the ends of the axis. One at or below zero has no place on a log axis: it stands at
 /// the frame.
 fn position(y: &Axis, number: f64) -> f64 {
-    match number > 0.0 || y.shows(number) {
-        true => y.position(number).clamp(y.low, y.high),
-        false => y.low,
+    if number > 0.0 || y.shows(number) {
+        y.position(number).clamp(y.low, y.high)
+    } else {
+        y.low
     }
 }
 
@@ -260,13 +263,15 @@ fn draw_names(
     let middle = left + 0.5 * (count - 1.0);
     let room = names.lanes as usize * room(group, names.pixels_per_slot);
     let name = text_style(Ink::Text, TICK_SIZE, HPos::Center, VPos::Top);
-    let text = match group.humidity.is_empty() {
-        true => group.label.clone(),
-        false => format!("{}, {}", group.label, group.humidity),
+    let text = if group.humidity.is_empty() {
+        group.label.clone()
+    } else {
+        format!("{}, {}", group.label, group.humidity)
     };
-    let short = match !group.humidity.is_empty() && names.by_humidity.contains(&group.label) {
-        true => group.humidity.trim_end_matches("RH").trim_end().to_owned(),
-        false => group.label.clone(),
+    let short = if !group.humidity.is_empty() && names.by_humidity.contains(&group.label) {
+        group.humidity.trim_end_matches("RH").trim_end().to_owned()
+    } else {
+        group.label.clone()
     };
     let rule = [(left - 0.3, y.low), (left + count - 0.7, y.low)];
     let style = ink(group.style).color().stroke_width(20);

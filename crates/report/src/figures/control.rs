@@ -52,9 +52,10 @@ pub fn control_charts(
     let svg = svg((WIDTH, height), title, desc, |area| {
         let mut rest = area.clone();
         for (place, chart) in drawn.iter().enumerate() {
-            let (own, below) = match place == last {
-                true => (rest.clone(), rest),
-                false => rest.split_vertically(CHART_HEIGHT as i32 * TENTHS),
+            let (own, below) = if place == last {
+                (rest.clone(), rest)
+            } else {
+                rest.split_vertically(CHART_HEIGHT as i32 * TENTHS)
             };
             draw(&own, chart, x, place == last)?;
             rest = below;
@@ -101,9 +102,10 @@ fn draw(area: &Area, of: &ControlChart, x: &Axis, x_labels: bool) -> Result<(), 
             .map_err(|error| error.to_string())
     })?;
     // The text stands on the side of the point that has room.
-    let (anchor, shift) = match first.0 < 0.5 * (x.low + x.high) {
-        true => (HPos::Left, 6),
-        false => (HPos::Right, -6),
+    let (anchor, shift) = if first.0 < 0.5 * (x.low + x.high) {
+        (HPos::Left, 6)
+    } else {
+        (HPos::Right, -6)
     };
     let style = text_style(Ink::Text, TICK_SIZE, anchor, VPos::Center);
     label(&mut chart, first, (shift, 0), &of.first_beyond, &style)

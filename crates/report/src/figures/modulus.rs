@@ -119,9 +119,10 @@ pub fn log_panels(curves: &[&RunCurve], steps_s: &[f64], title: &str, desc: &str
         for (at, curve) in curves.iter().enumerate() {
             let is_last = at + 1 == curves.len();
             let height = if at == 0 { FIRST_HEIGHT } else { FURTHER_HEIGHT };
-            let (here, below) = match is_last {
-                true => (rest.clone(), rest.clone()),
-                false => rest.split_vertically(height as i32 * TENTHS),
+            let (here, below) = if is_last {
+                (rest.clone(), rest.clone())
+            } else {
+                rest.split_vertically(height as i32 * TENTHS)
             };
             rest = below;
             let all = curve.measured.iter().chain(&curve.fitted).copied();
@@ -181,13 +182,12 @@ fn points(curve: &RunCurve, x: impl Fn(f64) -> f64, y: impl Fn(f64) -> f64) -> V
 fn fitted_stretches(curve: &RunCurve, x: impl Fn(f64) -> f64) -> Vec<Vec<(f64, f64)>> {
     let mut stretches = vec![Vec::new()];
     for (&t, &value) in curve.time_s.iter().zip(&curve.fitted) {
-        match value.is_finite() {
-            true => {
-                if let Some(last) = stretches.last_mut() {
-                    last.push((x(t), value));
-                }
+        if value.is_finite() {
+            if let Some(last) = stretches.last_mut() {
+                last.push((x(t), value));
             }
-            false => stretches.push(Vec::new()),
+        } else {
+            stretches.push(Vec::new())
         }
     }
     stretches.retain(|stretch| stretch.len() > 1);
@@ -271,9 +271,10 @@ fn draw_legend(area: &Area, logs: &[NormalisedLog], entries: u32) -> Result<(), 
 /// A name that fits into an entry of the legend.
 fn shortened(name: &str) -> String {
     const LONGEST: usize = 32;
-    match name.chars().count() > LONGEST {
-        true => name.chars().take(LONGEST - 1).chain(['…']).collect(),
-        false => name.to_owned(),
+    if name.chars().count() > LONGEST {
+        name.chars().take(LONGEST - 1).chain(['…']).collect()
+    } else {
+        name.to_owned()
     }
 }
 
@@ -326,9 +327,10 @@ mod tests {
         let after = |(&t, &v): (&f64, &f64)| if t > 3600.0 { v } else { f64::NAN };
         RunCurve {
             quantity,
-            fitted: match fitted {
-                true => time_s.iter().zip(&measured).map(after).collect(),
-                false => Vec::new(),
+            fitted: if fitted {
+                time_s.iter().zip(&measured).map(after).collect()
+            } else {
+                Vec::new()
             },
             residual_sigma: Vec::new(),
             readings: time_s.len(),

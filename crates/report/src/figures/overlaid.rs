@@ -37,9 +37,10 @@ pub struct Line<'a> {
 impl Line<'_> {
     /// What is drawn: the fit, where there is one, for readings of several runs would hide each other.
     fn values(&self) -> &[f64] {
-        match self.curve.fitted.len() == self.curve.time_s.len() {
-            true => &self.curve.fitted,
-            false => &self.curve.measured,
+        if self.curve.fitted.len() == self.curve.time_s.len() {
+            &self.curve.fitted
+        } else {
+            &self.curve.measured
         }
     }
 

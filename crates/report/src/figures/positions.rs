@@ -38,9 +38,10 @@ impl Ranged for Positions {
         let along = (position - self.low) / (self.high - self.low);
         let along = along.clamp(-FARTHEST, FARTHEST) * f64::from(length);
         // The small number keeps a position on a whole pixel there in spite of rounding.
-        match length > 0 {
-            true => from + (along + 1e-3).floor() as i32,
-            false => from + (along - 1e-3).ceil() as i32,
+        if length > 0 {
+            from + (along + 1e-3).floor() as i32
+        } else {
+            from + (along - 1e-3).ceil() as i32
         }
     }
 

@@ -47,19 +47,19 @@ pub fn profile(
     }
     let over_decades = ends.0 > 0.0 && ends.1 > DECADES * ends.0;
     // Decades are short by themselves.
-    let exponent = match over_decades {
-        true => 0,
-        false => decimal_exponent(ends.0.abs().max(ends.1.abs())),
+    let exponent = if over_decades {
+        0
+    } else {
+        decimal_exponent(ends.0.abs().max(ends.1.abs()))
     };
     let (points, ends, quantity) = in_short_numbers(points, ends, quantity, unit, exponent);
     let most = points.iter().fold(2.0 * BOUND, |most, (_, y)| most.max(*y));
     let most = most.min(HIGHEST * BOUND);
-    let x = match over_decades {
-        true => Axis::log(ends.0, ends.1, &quantity, ""),
-        false => {
-            let margin = 0.04 * (ends.1 - ends.0);
-            Axis::linear(ends.0 - margin, ends.1 + margin, &quantity, "", 4)
-        }
+    let x = if over_decades {
+        Axis::log(ends.0, ends.1, &quantity, "")
+    } else {
+        let margin = 0.04 * (ends.1 - ends.0);
+        Axis::linear(ends.0 - margin, ends.1 + margin, &quantity, "", 4)
     };
     let y = Axis::linear(-0.03 * most, 1.05 * most, "Rise of the sum of squares", "", 5);
     let points: Vec<(f64, f64)> = points
@@ -115,9 +115,10 @@ fn in_short_numbers(
         (false, true) => power,
         (false, false) => format!("{power} {unit}"),
     };
-    let title = match unit.is_empty() {
-        true => quantity.to_owned(),
-        false => format!("{quantity} ({unit})"),
+    let title = if unit.is_empty() {
+        quantity.to_owned()
+    } else {
+        format!("{quantity} ({unit})")
     };
     let points = points.into_iter().map(|(x, y)| (factor * x, y)).collect();
     (points, (factor * ends.0, factor * ends.1), title)

@@ -147,9 +147,10 @@ impl Drawing<'_> {
 
     /// What the extended model says; nothing where its residuals are withheld, because the finding is not about it.
     fn extended(&self) -> &[f64] {
-        match self.curve.after_sigma.is_empty() {
-            true => &[],
-            false => &self.curve.extended,
+        if self.curve.after_sigma.is_empty() {
+            &[]
+        } else {
+            &self.curve.extended
         }
     }
 
@@ -182,14 +183,15 @@ fn check_lengths(curve: &ResidualCurve) -> Result<(), String> {
     let n = curve.time_s.len();
     let even = |values: &Vec<f64>| [0, n].contains(&values.len());
     let rest = [&curve.after_sigma, &curve.measured, &curve.base, &curve.extended];
-    match curve.before_sigma.len() == n && rest.into_iter().all(even) {
-        true => Ok(()),
-        false => Err(format!(
+    if curve.before_sigma.len() == n && rest.into_iter().all(even) {
+        Ok(())
+    } else {
+        Err(format!(
             "a residual of {n} times has {} and {} values, and {} readings",
             curve.before_sigma.len(),
             curve.after_sigma.len(),
             curve.measured.len()
-        )),
+        ))
     }
 }
 

@@ -212,14 +212,15 @@ fn margins(x_labels: bool) -> Margins {
 fn check_lengths(curve: &RunCurve) -> Result<(), String> {
     let n = curve.time_s.len();
     let fits = |series: &[f64]| series.is_empty() || series.len() == n;
-    match curve.measured.len() == n && fits(&curve.fitted) && fits(&curve.residual_sigma) {
-        true => Ok(()),
-        false => Err(format!(
+    if curve.measured.len() == n && fits(&curve.fitted) && fits(&curve.residual_sigma) {
+        Ok(())
+    } else {
+        Err(format!(
             "a curve of {n} times has {} measured, {} fitted and {} residual values",
             curve.measured.len(),
             curve.fitted.len(),
             curve.residual_sigma.len()
-        )),
+        ))
     }
 }
 
@@ -285,9 +286,10 @@ impl TimeView {
 
 /// Title of an axis of times since a step.
 fn since(step_s: f64) -> String {
-    match step_s == 0.0 {
-        true => "Time since the step".to_owned(),
-        false => format!("Time since the step at {} s", significant(step_s, 4)),
+    if step_s == 0.0 {
+        "Time since the step".to_owned()
+    } else {
+        format!("Time since the step at {} s", significant(step_s, 4))
     }
 }
 

@@ -208,9 +208,10 @@ impl Body {
                 let [left, top, right, bottom] = frame;
                 let ends = if self.in_panel { "</g>" } else { "" };
                 self.in_panel = true;
-                let across = match self.across == Some(*x) {
-                    true => String::new(),
-                    false => format!(" data-x=\"{}\"", span(x)),
+                let across = if self.across == Some(*x) {
+                    String::new()
+                } else {
+                    format!(" data-x=\"{}\"", span(x))
                 };
                 write!(
                     self.out,
@@ -233,9 +234,10 @@ impl Body {
                 self.aside = *aside;
                 self.form = form % FORMS.len();
                 self.dot_unit = if *to_the_pixel { TENTHS } else { 1 };
-                let runs = match runs.is_empty() {
-                    true => String::new(),
-                    false => format!(" data-r=\"{}\"", run_list(runs)),
+                let runs = if runs.is_empty() {
+                    String::new()
+                } else {
+                    format!(" data-r=\"{}\"", run_list(runs))
                 };
                 let aside = if *aside { " data-aside=\"1\"" } else { "" };
                 let attributes = format!(" data-s=\"{}\"{runs}{aside}", escaped(name));
@@ -264,9 +266,10 @@ impl Body {
                     1 => String::new(),
                     unit => format!(" transform=\"scale({unit})\""),
                 };
-                let form = match self.aside {
-                    true => OPEN.to_owned(),
-                    false => self.form.to_string(),
+                let form = if self.aside {
+                    OPEN.to_owned()
+                } else {
+                    self.form.to_string()
                 };
                 let _ = write!(
                     self.out,
@@ -451,11 +454,12 @@ fn span(span: &Span) -> String {
 
 /// As many digits as a position on a screen has, and for a moment those of its seconds.
 fn shortest(number: f64) -> String {
-    match number.abs() >= 1e7 {
-        true => format!("{number:.0}"),
-        false => format!("{number:.6e}")
+    if number.abs() >= 1e7 {
+        format!("{number:.0}")
+    } else {
+        format!("{number:.6e}")
             .parse::<f64>()
-            .map_or_else(|_| number.to_string(), |rounded| rounded.to_string()),
+            .map_or_else(|_| number.to_string(), |rounded| rounded.to_string())
     }
 }
 
@@ -482,9 +486,10 @@ pub(super) fn path_data(points: &[BackendCoord]) -> String {
 fn moved(data: &str, start: BackendCoord, end: BackendCoord) -> String {
     let absolute = format!("M{} {}", start.0, start.1);
     let (dx, dy) = (start.0 - end.0, start.1 - end.1);
-    let relative = match dy < 0 {
-        true => format!("m{dx}{dy}"),
-        false => format!("m{dx} {dy}"),
+    let relative = if dy < 0 {
+        format!("m{dx}{dy}")
+    } else {
+        format!("m{dx} {dy}")
     };
     match data.strip_prefix(&absolute) {
         Some(rest) if relative.len() < absolute.len() => format!("{relative}{rest}"),
@@ -501,9 +506,10 @@ fn corners(points: &[BackendCoord], with_axes: bool) -> String {
     if let (&[(x0, y0), (x1, y1)], true) = (points, with_axes)
         && (x0 == x1 || y0 == y1)
     {
-        let _ = match y0 == y1 {
-            true => write!(data, "h{}", x1 - x0),
-            false => write!(data, "v{}", y1 - y0),
+        let _ = if y0 == y1 {
+            write!(data, "h{}", x1 - x0)
+        } else {
+            write!(data, "v{}", y1 - y0)
         };
         return data;
     }
@@ -528,9 +534,10 @@ fn line_width(width: u32) -> String {
 }
 
 fn opacity(alpha: f64) -> String {
-    match alpha < 1.0 {
-        true => format!(" opacity=\"{alpha}\""),
-        false => String::new(),
+    if alpha < 1.0 {
+        format!(" opacity=\"{alpha}\"")
+    } else {
+        String::new()
     }
 }
 

@@ -73,9 +73,10 @@ pub fn line(points: &[(f64, f64)], pixels: Pixels) -> Vec<(f64, f64)> {
 fn distance(p: (f64, f64), a: (f64, f64), b: (f64, f64)) -> f64 {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let length = dx * dx + dy * dy;
-    let along = match length > 0.0 {
-        true => (((p.0 - a.0) * dx + (p.1 - a.1) * dy) / length).clamp(0.0, 1.0),
-        false => 0.0,
+    let along = if length > 0.0 {
+        (((p.0 - a.0) * dx + (p.1 - a.1) * dy) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
     };
     (p.0 - a.0 - along * dx).hypot(p.1 - a.1 - along * dy)
 }

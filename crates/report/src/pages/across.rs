@@ -133,9 +133,10 @@ fn cell_text(cell: Option<&MatrixCell>, set: &[Covariate], parameter: &str) -> C
         (true, true) => format!("rise-{}", cell.strength),
         (true, false) => format!("fall-{}", cell.strength),
     };
-    let by = match cell.is_told_apart {
-        true => cell.covariate.label(),
-        false => "",
+    let by = if cell.is_told_apart {
+        cell.covariate.label()
+    } else {
+        ""
     };
     let with = match by {
         "" => law_words::listed(set),

@@ -90,12 +90,13 @@ fn shows(site: &Site, claimed: &[&Dependence]) -> Option<Said> {
 
 /// `λ of NC rises by a factor of 23 [20, 27] from 0 to 75 % RH (2 samples).`
 fn law_words(found: &Dependence) -> String {
-    let or = match found.confounded_with.is_empty() {
-        true => String::new(),
-        false => format!(
+    let or = if found.confounded_with.is_empty() {
+        String::new()
+    } else {
+        format!(
             ", or with {}, which changed with it",
             one_of(&found.confounded_with)
-        ),
+        )
     };
     format!(
         "{} of {} {}{or} ({}).",
@@ -143,9 +144,10 @@ fn cause_words(found: &GroupDiagnosis) -> String {
 
 fn groups_words(groups: &[&GroupDiagnosis]) -> String {
     let names: Vec<String> = groups.iter().map(|found| group_title(&found.group)).collect();
-    match names.len() > NAMED {
-        true => format!("in {} groups", names.len()),
-        false => listed(&names),
+    if names.len() > NAMED {
+        format!("in {} groups", names.len())
+    } else {
+        listed(&names)
     }
 }
 

@@ -290,27 +290,32 @@ fn sensor(sensor: &SensorSummary, zone: &Zone) -> SensorRow {
     stated.extend(sensor.calibration.clone());
     let is_used = sensor.not_used.is_none();
     // Pressures and traces span decades.
-    let number = |value: f64| match sensor.quantity.is_of_air() {
-        true => fixed(value, 1),
-        false => significant(value, 3),
+    let number = |value: f64| {
+        if sensor.quantity.is_of_air() {
+            fixed(value, 1)
+        } else {
+            significant(value, 3)
+        }
     };
     SensorRow {
         sensor: sensor.sensor.clone(),
         quantity: sensor.quantity.label().to_owned(),
         readings: format!("{} in {}", sensor.readings, counted(sensor.files, "file")),
-        span: match is_used {
-            true => format!("{} to {}", zone.short(&sensor.from), zone.short(&sensor.to)),
-            false => String::new(),
+        span: if is_used {
+            format!("{} to {}", zone.short(&sensor.from), zone.short(&sensor.to))
+        } else {
+            String::new()
         },
         interval: format!("{} s", seconds(sensor.interval_s)),
-        range: match is_used {
-            true => format!(
+        range: if is_used {
+            format!(
                 "{} … {} … {} {unit}",
                 number(sensor.least),
                 number(sensor.mean),
                 number(sensor.most)
-            ),
-            false => String::new(),
+            )
+        } else {
+            String::new()
         },
         clock: sensor.clock.clone(),
         stated: stated.join("; "),
@@ -335,9 +340,10 @@ fn pair(pair: &SensorPair) -> PairRow {
         hours: fixed(pair.hours, 1),
         bias: as_it_is(bias, pair.bias),
         standard_deviation: as_it_is(deviation, pair.standard_deviation),
-        allowed: match pair.accuracies_are_stated {
-            true => format!("{} {unit}", fixed(pair.allowed, 2)),
-            false => format!("{} {unit} (tolerance)", fixed(pair.allowed, 2)),
+        allowed: if pair.accuracies_are_stated {
+            format!("{} {unit}", fixed(pair.allowed, 2))
+        } else {
+            format!("{} {unit} (tolerance)", fixed(pair.allowed, 2))
         },
         clock: match pair.clock_ahead_h {
             Some(ahead_h) if ahead_h > 0.0 => format!("{} is {ahead_h} h ahead", pair.second),

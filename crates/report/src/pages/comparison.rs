@@ -165,9 +165,10 @@ const FOLD: f64 = 1.15;
 
 /// ` 4.3-fold`, or ` by 2.4 %`
 fn ratio_words(ratio: f64) -> String {
-    match ratio < FOLD {
-        true => format!(" by {}\u{a0}%", significant(100.0 * (ratio - 1.0), 2)),
-        false => format!(" {}-fold", significant(ratio, 2)),
+    if ratio < FOLD {
+        format!(" by {}\u{a0}%", significant(100.0 * (ratio - 1.0), 2))
+    } else {
+        format!(" {}-fold", significant(ratio, 2))
     }
 }
 
@@ -410,9 +411,12 @@ pub fn axis<'a>(parameter: &ParameterInfo, groups: impl Iterator<Item = &'a Grou
             positive().fold(0.0, f64::max),
         );
         let (low, high) = if high > 0.0 { (low, high) } else { (0.1, 1.0) };
-        let reach = |(l, h): (f64, f64), end: f64| match end > 0.0 {
-            true => (l.min(end.max(low / STRETCH)), h.max(end.min(high * STRETCH))),
-            false => (l, h),
+        let reach = |(l, h): (f64, f64), end: f64| {
+            if end > 0.0 {
+                (l.min(end.max(low / STRETCH)), h.max(end.min(high * STRETCH)))
+            } else {
+                (l, h)
+            }
         };
         let (low, high) = ends.fold((low, high), reach);
         // Room for the arrow below an upper bound: a seventh of the height.

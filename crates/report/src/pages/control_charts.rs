@@ -112,8 +112,9 @@ fn seen(watched: &Watched) -> String {
         .iter()
         .filter(|charted| charted.first_alarm.is_some());
     let signal: Vec<&str> = signal.map(name).collect();
-    match signal.is_empty() {
-        true => "All within their limits.".to_owned(),
-        false => format!("Beyond its limits: {}.", signal.join(", ")),
+    if signal.is_empty() {
+        "All within their limits.".to_owned()
+    } else {
+        format!("Beyond its limits: {}.", signal.join(", "))
     }
 }

@@ -265,9 +265,10 @@ fn cell(estimate: Option<&Estimate>, factor: f64, reasons: &mut Vec<String>) -> 
         }) + 1
     });
     Cell {
-        hover: match shown.interval.is_empty() {
-            true => String::new(),
-            false => format!("95 %: {}", shown.interval),
+        hover: if shown.interval.is_empty() {
+            String::new()
+        } else {
+            format!("95 %: {}", shown.interval)
         },
         text: shown.stacked.0,
         error: shown.stacked.1,

@@ -217,12 +217,13 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
             .iter()
             .map(|c| candidate_row(c, findings))
             .collect(),
-        not_drawn: match drawn_of > residuals.len() {
-            true => format!(
+        not_drawn: if drawn_of > residuals.len() {
+            format!(
                 "{} of {drawn_of} residuals are drawn, the largest first.",
                 residuals.len()
-            ),
-            false => String::new(),
+            )
+        } else {
+            String::new()
         },
         residuals,
         stretches: stretches(found),
@@ -367,11 +368,12 @@ fn candidate_row(candidate: &Candidate, findings: &Findings) -> CandidateRow {
         extra: candidate.extra_parameters,
         left: format!("{} %", significant(100.0 * candidate.left_after_refit, 2)),
         likeness: fixed(candidate.likeness, 2),
-        detectable: match strength.is_finite() {
-            true => format!("{} {unit}", significant(strength, 2))
+        detectable: if strength.is_finite() {
+            format!("{} {unit}", significant(strength, 2))
                 .trim_end()
-                .to_owned(),
-            false => "–".to_owned(),
+                .to_owned()
+        } else {
+            "–".to_owned()
         },
         accepted: candidate.accepted,
     }

@@ -116,13 +116,14 @@ fn seen(curve: &ResidualCurve, found: &GroupDiagnosis) -> String {
             .fold(0.0, |most: f64, s| most.max(s.abs()))
     };
     let before = significant(most(&curve.before_sigma), 2);
-    match curve.after_sigma.is_empty() {
-        true => format!("The base model is off by up to {before} standard deviations of the noise."),
-        false => format!(
+    if curve.after_sigma.is_empty() {
+        format!("The base model is off by up to {before} standard deviations of the noise.")
+    } else {
+        format!(
             "The base model is off by up to {before} standard deviations of the noise, the {} by up to {}.",
             extension(found),
             significant(most(&curve.after_sigma), 2)
-        ),
+        )
     }
 }
 
@@ -152,9 +153,10 @@ fn size_words(found: &GroupDiagnosis) -> String {
     .into_iter()
     .flatten()
     .collect();
-    match sizes.is_empty() {
-        true => String::new(),
-        false => format!("The simulation is off by {}.", listed(&sizes)),
+    if sizes.is_empty() {
+        String::new()
+    } else {
+        format!("The simulation is off by {}.", listed(&sizes))
     }
 }
 

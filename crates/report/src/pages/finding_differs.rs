@@ -93,15 +93,16 @@ fn figure(
         return Ok(None);
     }
     let margin = 0.06 * (last - first);
-    let x = match over_voltage {
-        true => Axis::linear(first - margin, last + margin, "Voltage", "V", 5),
-        false => Axis::linear(
+    let x = if over_voltage {
+        Axis::linear(first - margin, last + margin, "Voltage", "V", 5)
+    } else {
+        Axis::linear(
             first - margin,
             last + margin,
             "Run, in the order of the table",
             "",
             5,
-        ),
+        )
     };
     let y = Axis::linear_rounded(low, high, symbol, unit, 5);
     let marks: Vec<Mark> = parameter

@@ -74,9 +74,10 @@ const BASE: &str = "Base model";
 /// What the models are called beside a curve of one run. Where runs scatter, what is drawn of a run holds its own deviations.
 pub fn called(found: &GroupDiagnosis) -> Called<'static> {
     Called {
-        base: match found.scatter_is_noise {
-            true => "Base model, with this run's own deviations",
-            false => BASE,
+        base: if found.scatter_is_noise {
+            "Base model, with this run's own deviations"
+        } else {
+            BASE
         },
         extension: in_legend(found),
     }
@@ -174,12 +175,11 @@ fn sentence(what: &str, gain: &HeldOutGain, subject: &str) -> String {
         (_, true) => format!("{better} of {all} better than the base model does, and better in the sum"),
         (_, false) => format!("{better} of {all} better than the base model does, and worse in the sum"),
     };
-    let doubt = match gain.deviance > 0.0 && error_rises(gain) {
-        true => {
-            " Its best guess lies farther off than that of the base model, but it claims to know less: the deviance \
-             counts both."
-        }
-        false => "",
+    let doubt = if gain.deviance > 0.0 && error_rises(gain) {
+        " Its best guess lies farther off than that of the base model, but it claims to know less: the deviance \
+         counts both."
+    } else {
+        ""
     };
     format!("Asked to predict {what}, the {subject} predicts {which}.{doubt}")
 }

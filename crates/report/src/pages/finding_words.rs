@@ -55,9 +55,10 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
     let taken: Vec<String> = found.effects.iter().map(|effect| effect.effect.clone()).collect();
     match found.verdict {
         Verdict::Consistent => {
-            let scatter = match found.scatter_is_noise {
-                true => " and what they scatter by",
-                false => "",
+            let scatter = if found.scatter_is_noise {
+                " and what they scatter by"
+            } else {
+                ""
             };
             format!(
                 "The simulation describes {runs} to within the noise{scatter}; nothing is seen to be missing."
@@ -144,13 +145,17 @@ fn is_least(p: f64, draws: usize) -> bool {
 /// A probability that was counted from draws of what chance does, and its q: `≤ 0.001` where no draw reached what was
 /// found. A q that rests on such a p is known no better.
 pub fn counted_from_draws(p: Option<f64>, q: Option<f64>, draws: usize) -> (String, String) {
-    let at_most = |text: String| match text.starts_with(['<', '–']) {
-        true => text,
-        false => format!("≤ {text}"),
+    let at_most = |text: String| {
+        if text.starts_with(['<', '–']) {
+            text
+        } else {
+            format!("≤ {text}")
+        }
     };
-    match p.is_some_and(|p| is_least(p, draws)) {
-        true => (at_most(probability(p)), at_most(probability(q))),
-        false => (probability(p), probability(q)),
+    if p.is_some_and(|p| is_least(p, draws)) {
+        (at_most(probability(p)), at_most(probability(q)))
+    } else {
+        (probability(p), probability(q))
     }
 }
 
@@ -161,9 +166,10 @@ pub fn equation(symbol: &str, p: Option<f64>) -> String {
 
 /// The same of a number as it is printed.
 pub fn equation_of(symbol: &str, text: &str) -> String {
-    match text.starts_with(['<', '≤']) {
-        true => format!("{symbol} {text}"),
-        false => format!("{symbol} = {text}"),
+    if text.starts_with(['<', '≤']) {
+        format!("{symbol} {text}")
+    } else {
+        format!("{symbol} = {text}")
     }
 }
 
@@ -174,9 +180,10 @@ pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
     };
     let misfit = format!(
         "If the simulation were right, chance alone would leave residuals at least as bad {} ({}).",
-        match is_least(p, found.draws) {
-            true => chance(p).replacen("in 1 of", "in at most 1 of", 1),
-            false => chance(p),
+        if is_least(p, found.draws) {
+            chance(p).replacen("in 1 of", "in at most 1 of", 1)
+        } else {
+            chance(p)
         },
         equation_of("p", &counted_from_draws(Some(p), None, found.draws).0)
     );

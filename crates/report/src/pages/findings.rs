@@ -165,13 +165,15 @@ fn shared_section(effect: &SharedEffect, said: &str, groups: &[GroupDiagnosis]) 
         sample: sample.to_owned(),
         group: group.to_owned(),
         from: held.samples.join(", "),
-        fall: match held.fall.is_finite() {
-            true => measured(held.fall, held.standard_error),
-            false => "cannot be held against it".to_owned(),
+        fall: if held.fall.is_finite() {
+            measured(held.fall, held.standard_error)
+        } else {
+            "cannot be held against it".to_owned()
         },
-        own: match held.fall_own_strength.is_finite() {
-            true => significant(held.fall_own_strength, 4),
-            false => String::new(),
+        own: if held.fall_own_strength.is_finite() {
+            significant(held.fall_own_strength, 4)
+        } else {
+            String::new()
         },
     };
     SharedSection {

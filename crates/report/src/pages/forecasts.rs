@@ -33,9 +33,10 @@ pub struct Forecast {
 impl Forecast {
     /// `α of CNaf-1, limit below 0.8: 12 Mar 2027 (3 Feb 2027 to 8 Jun 2027)`.
     pub fn sentence(&self) -> String {
-        let within = match self.interval.is_empty() {
-            true => String::new(),
-            false => format!(" ({})", self.interval),
+        let within = if self.interval.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", self.interval)
         };
         format!("{}, limit {}: {}{within}", self.what, self.limit, self.when)
     }

@@ -72,9 +72,10 @@ fn answer(runs: &[FrequencyRun]) -> String {
         all if all == runs.len() => "the lines are those of their fits".to_owned(),
         some => format!("of {some} the fit determines a circuit, whose line is drawn"),
     };
-    let range = match high > low * 1.001 {
-        true => format!("{} to {} Hz", significant(low, 3), significant(high, 3)),
-        false => format!("{} Hz", significant(low, 3)),
+    let range = if high > low * 1.001 {
+        format!("{} to {} Hz", significant(low, 3), significant(high, 3))
+    } else {
+        format!("{} Hz", significant(low, 3))
     };
     format!(
         "{} under a sine or a chirp, {range}; {line}.",

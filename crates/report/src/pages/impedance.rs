@@ -311,9 +311,10 @@ fn z_hit(found: &ZHit) -> String {
         significant(found.lowest_percent.abs(), 2),
         significant(found.limit_percent, 2)
     );
-    match found.drifts {
-        true => format!("It drifted during the sweep (Z-HIT): {seen}"),
-        false => format!("No drift is seen (Z-HIT): {seen}"),
+    if found.drifts {
+        format!("It drifted during the sweep (Z-HIT): {seen}")
+    } else {
+        format!("No drift is seen (Z-HIT): {seen}")
     }
 }
 
@@ -335,9 +336,10 @@ fn relaxation_words(found: &RelaxationTimes) -> String {
             several.join(", ")
         ),
     };
-    let left = match found.describes {
-        true => String::new(),
-        false => " It does not describe the spectrum.".to_owned(),
+    let left = if found.describes {
+        String::new()
+    } else {
+        " It does not describe the spectrum.".to_owned()
     };
     format!(
         "{peaks} The smoothest distribution that leaves no more than the readings scatter (Tikhonov, λ\u{a0}=\u{a0}{}) leaves {}\u{a0}% of |Z|.{left}",

@@ -139,9 +139,10 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
 fn lead(site: &Site) -> String {
     let runs = &site.input.runs;
     if runs.is_empty() {
-        let said = match site.input.set_aside.is_empty() {
-            true => "No run has been taken in yet.",
-            false => "Every run is set aside: see below.",
+        let said = if site.input.set_aside.is_empty() {
+            "No run has been taken in yet."
+        } else {
+            "Every run is set aside: see below."
         };
         return said.to_owned();
     }
@@ -150,9 +151,10 @@ fn lead(site: &Site) -> String {
         "{} in {}; {} fitted.",
         counted(runs.len(), "run"),
         counted(site.conditions.measured.len(), "condition"),
-        match fitted == runs.len() {
-            true => "all are".to_owned(),
-            false => format!("{fitted} {}", if fitted == 1 { "is" } else { "are" }),
+        if fitted == runs.len() {
+            "all are".to_owned()
+        } else {
+            format!("{fitted} {}", if fitted == 1 { "is" } else { "are" })
         }
     )
 }

@@ -54,14 +54,15 @@ pub fn common_notes(cards: &mut [LawCard]) -> Vec<String> {
         return Vec::new();
     };
     let is_common = |note: &String| rest.iter().all(|card| card.notes.contains(note));
-    let common: Vec<String> = match rest.is_empty() {
-        true => Vec::new(),
-        false => first
+    let common: Vec<String> = if rest.is_empty() {
+        Vec::new()
+    } else {
+        first
             .notes
             .iter()
             .filter(|note| is_common(note))
             .cloned()
-            .collect(),
+            .collect()
     };
     for card in cards {
         card.notes.retain(|note| !common.contains(note));
@@ -173,13 +174,15 @@ fn described(found: &Dependence, (figure, beyond): (Option<String>, String)) -> 
         symbol: words::symbol(&found.parameter).to_owned(),
         name: ParameterInfo::of(&found.parameter).map_or("", |info| info.name),
         material: found.material.clone(),
-        said: match is_claimed {
-            true => words::brief(found),
-            false => format!("open: {}", words::allowed(found)),
+        said: if is_claimed {
+            words::brief(found)
+        } else {
+            format!("open: {}", words::allowed(found))
         },
-        badge: match is_claimed && !found.confounded_with.is_empty() {
-            true => format!("or {}", one_of(&found.confounded_with)),
-            false => String::new(),
+        badge: if is_claimed && !found.confounded_with.is_empty() {
+            format!("or {}", one_of(&found.confounded_with))
+        } else {
+            String::new()
         },
         q: equation("q", Some(found.q)),
         figure,
@@ -272,9 +275,10 @@ pub fn figure_of(found: &Dependence, aside: &[AsideMark]) -> Option<LawFigure> {
     }
     let shown = marks.iter().map(|mark| mark.y).chain(curve.y.iter().copied());
     let (low, high) = range_of(shown);
-    let y = match found.is_log && low > 0.0 {
-        true => Axis::log(low / 1.25, high * 1.25, symbol, unit),
-        false => Axis::linear_rounded(low, high, symbol, unit, 5),
+    let y = if found.is_log && low > 0.0 {
+        Axis::log(low / 1.25, high * 1.25, symbol, unit)
+    } else {
+        Axis::linear_rounded(low, high, symbol, unit, 5)
     };
     let margin = 0.04 * span.length();
     let x_unit = match found.covariate {

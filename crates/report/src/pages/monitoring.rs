@@ -176,9 +176,10 @@ fn summary(site: &Site) -> Vec<String> {
         0 => "No alarm.".to_owned(),
         some => format!("{}.", counted(some, "alarm")),
     };
-    let how = match reference.is_named {
-        true => "named in campaign.toml",
-        false => "the condition repeated most",
+    let how = if reference.is_named {
+        "named in campaign.toml"
+    } else {
+        "the condition repeated most"
     };
     let mut sentences = vec![
         lead,
@@ -404,9 +405,10 @@ pub fn figure_of(watched: &Watched, aside: &[AsideMark]) -> Option<LawFigure> {
         .chain(curve.y.iter().copied())
         .chain(limits.iter().copied());
     let (low, high) = range_of(shown);
-    let y = match series.is_log && low > 0.0 && high / low > 5.0 {
-        true => Axis::log(low / 1.2, high * 1.2, name, unit),
-        false => Axis::linear_rounded(low, high, name, unit, 5),
+    let y = if series.is_log && low > 0.0 && high / low > 5.0 {
+        Axis::log(low / 1.2, high * 1.2, name, unit)
+    } else {
+        Axis::linear_rounded(low, high, name, unit, 5)
     };
     let beside = Beside {
         law: curve,

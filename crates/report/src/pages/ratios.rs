@@ -93,13 +93,14 @@ fn lead(chosen: Option<&Reference>) -> String {
         return "No condition was measured yet.".to_owned();
     };
     let words = reference_words(chosen);
-    let named = match chosen.is_named {
-        true => format!(
+    let named = if chosen.is_named {
+        format!(
             "The reference is {words}, as campaign.toml says; what it leaves open is the same on both sides."
-        ),
-        false => format!(
+        )
+    } else {
+        format!(
             "The reference is {words}: the condition with the most runs. Another one is stated in campaign.toml, [compare] reference."
-        ),
+        )
     };
     format!(
         "{named} Samples that were measured in both conditions are compared with themselves; where there is none, different samples are, and the table says so. Bars are 95 % intervals."

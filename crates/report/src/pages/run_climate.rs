@@ -67,10 +67,11 @@ pub fn climate_panel(
     Ok(Some(ClimatePanel {
         figure,
         rows: record.climate.iter().map(row).collect(),
-        note: match interpolated {
-            true => "Where no reading lies within the run, the mean is interpolated between those before and after it."
-                .to_owned(),
-            false => String::new(),
+        note: if interpolated {
+            "Where no reading lies within the run, the mean is interpolated between those before and after it."
+        .to_owned()
+        } else {
+            String::new()
         },
     }))
 }
@@ -88,9 +89,12 @@ fn row(found: &RunClimate) -> ClimateRow {
         ClimateQuantity::Water,
     ]
     .contains(&found.quantity);
-    let number = |value: f64| match spans_decades {
-        true => significant(value, 4),
-        false => fixed(value, decimals),
+    let number = |value: f64| {
+        if spans_decades {
+            significant(value, 4)
+        } else {
+            fixed(value, decimals)
+        }
     };
     let or_dash = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), number);
     ClimateRow {

@@ -44,13 +44,14 @@ pub fn format(record: &RunRecord) -> String {
             )
         })
         .collect();
-    match profiles.is_empty() {
-        true => format!("{}, reader version {}", record.format, record.reader_version),
-        false => format!(
+    if profiles.is_empty() {
+        format!("{}, reader version {}", record.format, record.reader_version)
+    } else {
+        format!(
             "{}, reader version {}",
             profiles.join(", "),
             record.reader_version
-        ),
+        )
     }
 }
 
@@ -72,9 +73,10 @@ pub fn clocks(record: &RunRecord) -> Vec<String> {
 }
 
 fn time(clock: &RunClock) -> String {
-    let unit = match clock.time_unit.is_empty() {
-        true => String::new(),
-        false => format!(" [{}]", clock.time_unit),
+    let unit = if clock.time_unit.is_empty() {
+        String::new()
+    } else {
+        format!(" [{}]", clock.time_unit)
     };
     match (&clock.time_column, &clock.printed_column) {
         (Some(column), Some(printed)) => format!("{column}; printed in {printed}, which is kept"),
@@ -136,9 +138,10 @@ pub fn flags(record: &RunRecord) -> Vec<FlagRow> {
                 _ => format!("{} … {}", in_unit(flag.from_s, "s"), in_unit(flag.to_s, "s")),
             },
             readings: flag.readings.to_string(),
-            effect: match flag.excludes {
-                true => "left out of fits".to_owned(),
-                false => "kept".to_owned(),
+            effect: if flag.excludes {
+                "left out of fits".to_owned()
+            } else {
+                "kept".to_owned()
             },
         })
         .collect();

@@ -78,9 +78,10 @@ fn status(record: &RunRecord) -> String {
         RunStatus::StillRunning => "still running when read",
         RunStatus::Unknown => "not known",
     };
-    match record.status_evidence.is_empty() {
-        true => word.to_owned(),
-        false => format!("{word}: {}", record.status_evidence),
+    if record.status_evidence.is_empty() {
+        word.to_owned()
+    } else {
+        format!("{word}: {}", record.status_evidence)
     }
 }
 
@@ -136,9 +137,10 @@ pub fn channels(record: &RunRecord, curves: &[RunCurve]) -> Vec<ChannelText> {
 fn channel_text(channel: &ChannelSummary, curves: &[RunCurve]) -> ChannelText {
     let unit = channel.quantity.unit();
     let shown = |value: f64| in_unit(value, unit);
-    let raw = match channel.raw_unit.is_empty() {
-        true => channel.raw_name.clone(),
-        false => format!("{} [{}]", channel.raw_name, channel.raw_unit),
+    let raw = if channel.raw_unit.is_empty() {
+        channel.raw_name.clone()
+    } else {
+        format!("{} [{}]", channel.raw_name, channel.raw_unit)
     };
     let excluded = match channel.excluded {
         0 => String::new(),

@@ -85,9 +85,10 @@ fn drawn(
         heading: quantity.label().to_owned(),
         readings: readings_file::key(of.name, quantity),
         figures: ids,
-        note: match shown < curve.readings {
-            true => format!("{shown} of {} readings drawn.", curve.readings),
-            false => format!("{}, all drawn.", counted(curve.readings, "reading")),
+        note: if shown < curve.readings {
+            format!("{shown} of {} readings drawn.", curve.readings)
+        } else {
+            format!("{}, all drawn.", counted(curve.readings, "reading"))
         },
         own_row: false,
     })
@@ -122,9 +123,10 @@ fn voltage(of: &Subject, figures: &mut BTreeMap<String, String>) -> Result<Optio
         heading: "Voltage".to_owned(),
         readings: String::new(),
         figures: vec![id],
-        note: match opens {
-            true => "What drives the run; no line where the circuit is open.".to_owned(),
-            false => "What drives the run.".to_owned(),
+        note: if opens {
+            "What drives the run; no line where the circuit is open.".to_owned()
+        } else {
+            "What drives the run.".to_owned()
         },
         own_row: true,
     }))

@@ -45,9 +45,10 @@ pub fn summary(record: &RunRecord, doubted: bool) -> Vec<String> {
             fit.why_stopped
         ));
     }
-    match fit.noise.len() > 1 && fit.noise.iter().all(is_described) {
-        true => sentences.push(described_sentence(&fit.noise)),
-        false => sentences.extend(fit.noise.iter().map(noise_sentence)),
+    if fit.noise.len() > 1 && fit.noise.iter().all(is_described) {
+        sentences.push(described_sentence(&fit.noise))
+    } else {
+        sentences.extend(fit.noise.iter().map(noise_sentence))
     }
     if doubted && fit.noise.iter().any(is_described) {
         sentences.push(
@@ -177,9 +178,10 @@ pub fn facts(fit: &Fit, record: &RunRecord) -> Vec<Fact> {
         "did not converge"
     };
     // Where a search ended well there is one reason, which says nothing of this run.
-    let why = match fit.converged {
-        true => String::new(),
-        false => format!(": {}", said_once(&fit.why_stopped)),
+    let why = if fit.converged {
+        String::new()
+    } else {
+        format!(": {}", said_once(&fit.why_stopped))
     };
     let evaluations = counted(fit.evaluations as usize, "evaluation");
     let mut facts = vec![

@@ -150,9 +150,10 @@ pub fn drawn_content(outline: Outline, drawn: &[DrawnRun]) -> Result<Content, Re
     }
     let records: Vec<(&RunRecord, &DrawnRun)> =
         runs.iter().map(|(own, drawn)| (own.record, *drawn)).collect();
-    let overlay = match several {
-        true => overlay(&records, &mut figures)?,
-        false => None,
+    let overlay = if several {
+        overlay(&records, &mut figures)?
+    } else {
+        None
     };
     let mut page = Page {
         title: outline.title,
@@ -171,9 +172,10 @@ pub fn drawn_content(outline: Outline, drawn: &[DrawnRun]) -> Result<Content, Re
         tags: Vec::new(),
         beside: outline.beside,
     };
-    match several {
-        true => page.say_once(runs),
-        false => page.say_all(runs),
+    if several {
+        page.say_once(runs)
+    } else {
+        page.say_all(runs)
     }
     page.runs.iter_mut().for_each(RunSection::tell_notes);
     Ok(Content {
@@ -333,9 +335,10 @@ fn of_quantity(channels: &[ChannelText]) -> Vec<Fact> {
         return vec![(first.quantity.clone(), said)];
     }
     let fact = |channel: ChannelText| {
-        let ranged = match channel.range.is_empty() {
-            true => channel.what,
-            false => format!("{}, {}", channel.what, channel.range),
+        let ranged = if channel.range.is_empty() {
+            channel.what
+        } else {
+            format!("{}, {}", channel.what, channel.range)
         };
         (channel.quantity, ranged)
     };
@@ -348,9 +351,10 @@ fn ranges(channels: &[ChannelText]) -> Vec<Fact> {
     let words: Vec<String> = known
         .map(|channel| format!("{} {}", channel.quantity.to_lowercase(), channel.range))
         .collect();
-    match words.is_empty() {
-        true => Vec::new(),
-        false => vec![("Readings".to_owned(), words.join("; "))],
+    if words.is_empty() {
+        Vec::new()
+    } else {
+        vec![("Readings".to_owned(), words.join("; "))]
     }
 }
 

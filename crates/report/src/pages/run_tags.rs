@@ -79,9 +79,10 @@ pub fn take_common(runs: &mut [Vec<TagText>]) -> Vec<TagText> {
         }
         let one_place = same.iter().all(|other| other.detail == tag.detail);
         Some(TagText {
-            detail: match one_place {
-                true => tag.detail.clone(),
-                false => "of each run".to_owned(),
+            detail: if one_place {
+                tag.detail.clone()
+            } else {
+                "of each run".to_owned()
             },
             ..tag.clone()
         })

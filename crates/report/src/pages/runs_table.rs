@@ -66,9 +66,10 @@ pub fn listed(site: &Site) -> Vec<usize> {
     let are_dated = starts.iter().all(Option::is_some);
     let mut order: Vec<usize> = (0..runs.len()).collect();
     order.sort_by(|&a, &b| {
-        let later = match are_dated {
-            true => starts[b].partial_cmp(&starts[a]).unwrap_or(Ordering::Equal),
-            false => runs[b].ingested_at.cmp(&runs[a].ingested_at),
+        let later = if are_dated {
+            starts[b].partial_cmp(&starts[a]).unwrap_or(Ordering::Equal)
+        } else {
+            runs[b].ingested_at.cmp(&runs[a].ingested_at)
         };
         later.then_with(|| runs[a].path.cmp(&runs[b].path))
     });

@@ -208,9 +208,10 @@ fn shown(table: &Conditions, rows: &[SampleRow], row: &SampleRow) -> Row {
         condition: words(row),
         against: row.change.as_ref().map_or_else(String::new, |change| {
             let reference = &rows[change.reference];
-            match reference.sample == row.sample {
-                true => words(reference),
-                false => format!("{}, {}", reference.sample, words(reference)),
+            if reference.sample == row.sample {
+                words(reference)
+            } else {
+                format!("{}, {}", reference.sample, words(reference))
             }
         }),
         numbers: vec![

@@ -141,9 +141,12 @@ fn unevenness(strip: &AlongStrip) -> String {
         }
     };
     let ends = strip.ends_mm.map_or_else(Default::default, |[clamp, tip]| {
-        [clamp, tip].map(|(from, to)| match from == to {
-            true => format!("at {}", millimetres(from)),
-            false => format!("{} to {}", fixed(from, 1), millimetres(to)),
+        [clamp, tip].map(|(from, to)| {
+            if from == to {
+                format!("at {}", millimetres(from))
+            } else {
+                format!("{} to {}", fixed(from, 1), millimetres(to))
+            }
         })
     });
     let [clamp, tip] = &ends;
@@ -168,17 +171,19 @@ fn map_note(strip: &AlongStrip) -> String {
     let Some(curve) = &strip.curvature else {
         return String::new();
     };
-    let time = match strip.changes_again {
-        true => "Time is linear, since the drive changes again after the step.",
-        false => "Time is logarithmic: the strip charges in seconds and creeps back far more slowly.",
+    let time = if strip.changes_again {
+        "Time is linear, since the drive changes again after the step."
+    } else {
+        "Time is logarithmic: the strip charges in seconds and creeps back far more slowly."
     };
-    let frames = match curve.time_s.len() < curve.frames {
-        true => format!(
+    let frames = if curve.time_s.len() < curve.frames {
+        format!(
             "{} of {} frames are drawn: of each of 60 stretches of time those two in which some place lies farthest above and below its mean over the stretch.",
             curve.time_s.len(),
             curve.frames
-        ),
-        false => format!("All {} are drawn.", counted(curve.frames, "frame")),
+        )
+    } else {
+        format!("All {} are drawn.", counted(curve.frames, "frame"))
     };
     format!(
         "Position counts from the clamp. Each cell is one reading at one place and reaches half-way to the next; hatched is where there is none. {time} {frames} Curvature is counted from the initial shape of the strip."
@@ -186,9 +191,10 @@ fn map_note(strip: &AlongStrip) -> String {
 }
 
 fn shapes_note(strip: &AlongStrip) -> String {
-    let simulated = match strip.shapes.iter().any(|shape| !shape.fitted_mm.is_empty()) {
-        true => "Broad lines are measured, thin dashes over them simulated.",
-        false => "Lines are measured.",
+    let simulated = if strip.shapes.iter().any(|shape| !shape.fitted_mm.is_empty()) {
+        "Broad lines are measured, thin dashes over them simulated."
+    } else {
+        "Lines are measured."
     };
     let length = match strip.length_mm {
         Some(_) => "",
@@ -352,8 +358,9 @@ fn noise_range(curve: &AlongCurve) -> String {
         (low.min(noise), high.max(noise))
     });
     let [low, high] = [low, high].map(|noise| significant(noise, 2));
-    match low == high {
-        true => format!("{low} cm⁻¹"),
-        false => format!("{low} to {high} cm⁻¹"),
+    if low == high {
+        format!("{low} cm⁻¹")
+    } else {
+        format!("{low} to {high} cm⁻¹")
     }
 }

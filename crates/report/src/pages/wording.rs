@@ -209,13 +209,14 @@ pub fn estimate_of(site: &Site, run: &RunRecord, parameter: &ParameterInfo) -> E
         Some(Some(estimate)) => {
             let stated = site.input.laws.doubts.stated(&run.path, parameter.key, estimate);
             let text = EstimateText::of(&stated, parameter.shown_factor);
-            match run.fit.as_ref().is_some_and(|fit| fit.converged) {
-                true => text,
-                false => EstimateText {
+            if run.fit.as_ref().is_some_and(|fit| fit.converged) {
+                text
+            } else {
+                EstimateText {
                     reason: NOT_CONVERGED.to_owned(),
                     kind: "doubtful",
                     ..text
-                },
+                }
             }
         }
         Some(None) => EstimateText::missing("the model of this run has no such parameter"),
@@ -259,18 +260,20 @@ pub fn humidity_label(surroundings: &Surroundings) -> String {
         return String::new();
     };
     let (low, high) = (fixed(level.low_percent, 0), fixed(level.high_percent, 0));
-    match low == high {
-        true => format!("{low} % RH"),
-        false => format!("{low}–{high} % RH"),
+    if low == high {
+        format!("{low} % RH")
+    } else {
+        format!("{low}–{high} % RH")
     }
 }
 
 /// `air` or, where the humidity varies, `air at 28–38 % RH`
 pub fn surroundings_label(surroundings: &Surroundings) -> String {
     let humidity = humidity_label(surroundings);
-    match surroundings.humidity_varies && !humidity.is_empty() {
-        true => format!("{} at {humidity}", surroundings.environment),
-        false => surroundings.environment.clone(),
+    if surroundings.humidity_varies && !humidity.is_empty() {
+        format!("{} at {humidity}", surroundings.environment)
+    } else {
+        surroundings.environment.clone()
     }
 }
 
@@ -288,9 +291,10 @@ pub fn voltage_labels(voltages_v: &[f64]) -> Vec<String> {
 /// `2.5 V`, not broken across lines
 pub fn voltage_label(voltage_v: f64) -> String {
     let shortest = plain(voltage_v);
-    match shortest.contains(['.', '·']) || voltage_v == 0.0 {
-        true => format!("{shortest}\u{a0}V"),
-        false => format!("{shortest}.0\u{a0}V"),
+    if shortest.contains(['.', '·']) || voltage_v == 0.0 {
+        format!("{shortest}\u{a0}V")
+    } else {
+        format!("{shortest}.0\u{a0}V")
     }
 }
 

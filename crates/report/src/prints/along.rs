@@ -52,9 +52,10 @@ pub fn maps(input: &FigureInput, width: u32) -> Result<Drawing, String> {
             ]);
         }
         let panels = of_run.into_iter().map(panel);
-        match width / 3 >= NARROWEST_MAP {
-            true => rows.push(panels.collect()),
-            false => rows.extend(panels.map(|panel| vec![panel])),
+        if width / 3 >= NARROWEST_MAP {
+            rows.push(panels.collect())
+        } else {
+            rows.extend(panels.map(|panel| vec![panel]))
         }
     }
     laid_out(width, &rows)
@@ -157,9 +158,10 @@ fn laid_out(width: u32, rows: &[Vec<Panel>]) -> Result<Drawing, String> {
         return Err("no run has what this figure shows: readings at several places along a strip, in columns like curvature_per_cm@5.0".to_owned());
     }
     let panels: usize = rows.iter().map(Vec::len).sum();
-    let room = match rows.iter().flatten().all(|panel| panel.title.is_empty()) {
-        true => 0,
-        false => TITLE_ROOM,
+    let room = if rows.iter().flatten().all(|panel| panel.title.is_empty()) {
+        0
+    } else {
+        TITLE_ROOM
     };
     let height = |row: &[Panel]| room + row.iter().map(|panel| panel.height).max().unwrap_or(0);
     let whole: u32 = rows.iter().map(|row| height(row)).sum();

@@ -141,9 +141,10 @@ fn residuals(one: &RunComparison, curve: &ComparedCurve, names: &[String]) -> Fa
     let points = left.iter_mut().flat_map(|line| &mut line.points);
     points.for_each(|point| point.1 = point.1.clamp(-half, half));
     FamilyPanel {
-        title: match largest > half {
-            true => format!("what each leaves (edge: over {half:.0})"),
-            false => "what each leaves".to_owned(),
+        title: if largest > half {
+            format!("what each leaves (edge: over {half:.0})")
+        } else {
+            "what each leaves".to_owned()
         },
         x: ("Time".to_owned(), "s".to_owned()),
         y: ("Residual / noise".to_owned(), String::new()),

@@ -12,10 +12,9 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
         .filter_map(|log| drawable(log, log.analysis.as_ref()?))
         .take(MOST_DRAWN)
         .collect();
-    match drawn.is_empty() {
-        true => Err(
-            "no modulus log with a humidity step is there: put them into dma/ and run `ieap run`".to_owned(),
-        ),
-        false => normalised_drawing(width, &drawn),
+    if drawn.is_empty() {
+        Err("no modulus log with a humidity step is there: put them into dma/ and run `ieap run`".to_owned())
+    } else {
+        normalised_drawing(width, &drawn)
     }
 }

@@ -134,9 +134,10 @@ fn polygon(points: &[(i32, i32)], closed: bool) -> Vec<Piece> {
     let mut pieces: Vec<Piece> = Vec::with_capacity(points.len() + 1);
     for &(x, y) in points {
         let (x, y) = (x as f32, y as f32);
-        pieces.push(match pieces.is_empty() {
-            true => Piece::Move(x, y),
-            false => Piece::Line(x, y),
+        pieces.push(if pieces.is_empty() {
+            Piece::Move(x, y)
+        } else {
+            Piece::Line(x, y)
         });
     }
     if closed {
@@ -202,9 +203,10 @@ struct Pen {
 impl Pen {
     fn placed(&self, x: f32, y: f32) -> (f32, f32) {
         let (along, up) = (self.along + self.scale * x, self.scale * y);
-        match self.upward {
-            true => (self.origin.0 - up, self.origin.1 - along),
-            false => (self.origin.0 + along, self.origin.1 - up),
+        if self.upward {
+            (self.origin.0 - up, self.origin.1 - along)
+        } else {
+            (self.origin.0 + along, self.origin.1 - up)
         }
     }
 }

@@ -114,9 +114,10 @@ pub fn note_aside(seen: &mut BTreeMap<usize, bool>, (x, y): (&Axis, &Axis), line
 pub fn aside_words(site: &Site, seen: &BTreeMap<usize, bool>) -> Vec<String> {
     let said = |(&run, &within): (&usize, &bool)| {
         let (name, reason) = (site.run_name(run), site.input.record(run).standing.reason());
-        match within {
-            true => format!("Open dots, dashed: set aside, in no result: {name} ({reason})."),
-            false => format!("Set aside, mostly outside the axes: {name} ({reason})."),
+        if within {
+            format!("Open dots, dashed: set aside, in no result: {name} ({reason}).")
+        } else {
+            format!("Set aside, mostly outside the axes: {name} ({reason}).")
         }
     };
     seen.iter().map(said).collect()

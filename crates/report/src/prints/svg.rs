@@ -40,9 +40,10 @@ fn element(out: &mut String, outline: &Outline) {
         }
         Paint::Fill => format!("fill=\"{color}\""),
     };
-    let opacity = match outline.opacity < 1.0 {
-        true => format!(" opacity=\"{}\"", outline.opacity),
-        false => String::new(),
+    let opacity = if outline.opacity < 1.0 {
+        format!(" opacity=\"{}\"", outline.opacity)
+    } else {
+        String::new()
     };
     // Writing to a String cannot fail.
     let _ = write!(out, "<path {paint}{opacity} d=\"");

@@ -142,9 +142,12 @@ fn notes(table: &Table, cells: &[Cell]) -> String {
 
 /// One record after RFC 4180, with a line feed.
 fn line(fields: &[String], notation: Notation) -> String {
-    let quoted = |field: &String| match field.contains(['"', notation.separator, '\n', '\r']) {
-        true => format!("\"{}\"", field.replace('"', "\"\"")),
-        false => field.clone(),
+    let quoted = |field: &String| {
+        if field.contains(['"', notation.separator, '\n', '\r']) {
+            format!("\"{}\"", field.replace('"', "\"\""))
+        } else {
+            field.clone()
+        }
     };
     fields
         .iter()

@@ -14,9 +14,12 @@ thead{border-bottom:1px solid}th,td{padding:.15rem .6rem;text-align:left;font-we
 pub fn write(table: &Table) -> String {
     let cells = grid(table);
     let repeated = repeated(table);
-    let class = |column: usize| match cells.iter().all(|row| row[column].is_number()) {
-        true => " class=\"number\"",
-        false => "",
+    let class = |column: usize| {
+        if cells.iter().all(|row| row[column].is_number()) {
+            " class=\"number\""
+        } else {
+            ""
+        }
     };
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title>\
@@ -27,9 +30,10 @@ pub fn write(table: &Table) -> String {
         escaped(&caption(table)),
     );
     for (at, column) in table.columns.iter().enumerate() {
-        let unit = match column.unit.is_empty() {
-            true => String::new(),
-            false => format!(" <small>{}</small>", escaped(&column.unit)),
+        let unit = if column.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" <small>{}</small>", escaped(&column.unit))
         };
         out += &format!(
             "<th scope=\"col\"{} title=\"{}\">{}{unit}</th>",
@@ -42,17 +46,19 @@ pub fn write(table: &Table) -> String {
     for (row, starts) in group_starts(table).into_iter().enumerate() {
         out += if starts { "<tr class=\"group\">" } else { "<tr>" };
         for (column, cell) in table.rows[row].cells.iter().enumerate() {
-            let text = match repeated[row][column] {
-                true => String::new(),
-                false => escaped(&cells[row][column].text()),
+            let text = if repeated[row][column] {
+                String::new()
+            } else {
+                escaped(&cells[row][column].text())
             };
             let letters = match note_letters(&cell.notes) {
                 letters if letters.is_empty() => letters,
                 letters => format!("<sup>{letters}</sup>"),
             };
-            out += &match column < table.stub {
-                true => format!("<th scope=\"row\"{}>{text}{letters}</th>", class(column)),
-                false => format!("<td{}>{text}{letters}</td>", class(column)),
+            out += &if column < table.stub {
+                format!("<th scope=\"row\"{}>{text}{letters}</th>", class(column))
+            } else {
+                format!("<td{}>{text}{letters}</td>", class(column))
             };
         }
         out += "</tr>\n";

@@ -64,9 +64,10 @@ pub fn write(table: &Table) -> String {
             out += "\\addlinespace\n";
         }
         let texts = cells[row].iter().enumerate().map(|(column, cell)| {
-            let text = match repeated[row][column] {
-                true => String::new(),
-                false => cell_text(cell),
+            let text = if repeated[row][column] {
+                String::new()
+            } else {
+                cell_text(cell)
             };
             match note_letters(&table.rows[row].cells[column].notes) {
                 letters if letters.is_empty() => text,
@@ -87,9 +88,10 @@ fn layout(cells: &[Vec<ShownCell>], column: usize) -> &'static str {
     if here.clone().all(ShownCell::is_number) {
         return "r";
     }
-    match here.any(|cell| cell.text().chars().count() > LONGEST_LINE) {
-        true => PARAGRAPH,
-        false => "l",
+    if here.any(|cell| cell.text().chars().count() > LONGEST_LINE) {
+        PARAGRAPH
+    } else {
+        "l"
     }
 }
 
@@ -123,12 +125,13 @@ fn foot(table: &Table) -> String {
     let concise = has_errors(table).then(|| CONCISE.to_owned());
     let remarks: Vec<String> = remarks(table).into_iter().chain(concise).collect();
     let lines: Vec<String> = notes.chain(remarks.iter().map(|remark| words(remark))).collect();
-    match lines.is_empty() {
-        true => String::new(),
-        false => format!(
+    if lines.is_empty() {
+        String::new()
+    } else {
+        format!(
             "\\par\\smallskip\n\\begin{{minipage}}{{0.95\\linewidth}}\\scriptsize\n{}\n\\end{{minipage}}\n",
             lines.join("\\par\n")
-        ),
+        )
     }
 }
 

@@ -90,9 +90,10 @@ pub fn words(text: &str) -> String {
         };
         let (lowered, raised) = (script(&LOWERED), script(&RAISED));
         if !lowered.is_empty() || !raised.is_empty() {
-            let (sign, list) = match lowered.is_empty() {
-                false => ('_', lowered),
-                true => ('^', raised),
+            let (sign, list) = if !lowered.is_empty() {
+                ('_', lowered)
+            } else {
+                ('^', raised)
             };
             out += &format!("${sign}{{\\mathrm{{{}}}}}$", list.concat());
             at += list.len();
@@ -130,12 +131,11 @@ pub fn symbol(text: &str) -> String {
     let is_script = |c: char| found(&LOWERED, c).or(found(&RAISED, c)).is_some();
     let mut letters = text.chars();
     let begins = letters.next().is_some_and(|c| c.is_ascii_alphabetic());
-    match begins && letters.clone().all(is_script) {
-        true => {
-            let (letter, scripts) = text.split_at(1);
-            format!("${letter}${}", words(scripts)).replace("$$", "")
-        }
-        false => words(text),
+    if begins && letters.clone().all(is_script) {
+        let (letter, scripts) = text.split_at(1);
+        format!("${letter}${}", words(scripts)).replace("$$", "")
+    } else {
+        words(text)
     }
 }
 

@@ -9,9 +9,10 @@ pub fn write(table: &Table) -> String {
     let cells = grid(table);
     let mut out = format!("**{}**\n\n|", escaped(&caption(table)));
     for column in &table.columns {
-        out += &match column.unit.is_empty() {
-            true => format!(" {} |", escaped(&column.symbol)),
-            false => format!(" {} ({}) |", escaped(&column.symbol), escaped(&column.unit)),
+        out += &if column.unit.is_empty() {
+            format!(" {} |", escaped(&column.symbol))
+        } else {
+            format!(" {} ({}) |", escaped(&column.symbol), escaped(&column.unit))
         };
     }
     out += "\n|";

@@ -144,17 +144,19 @@ fn is_right(cells: &[Vec<(String, bool)>], column: usize) -> bool {
 }
 
 fn cut(text: &str) -> String {
-    match text.chars().count() > WIDEST {
-        true => text.chars().take(WIDEST - 1).chain(['…']).collect(),
-        false => text.to_owned(),
+    if text.chars().count() > WIDEST {
+        text.chars().take(WIDEST - 1).chain(['…']).collect()
+    } else {
+        text.to_owned()
     }
 }
 
 fn pad(text: &str, width: usize, right: bool) -> String {
     let room = " ".repeat(width.saturating_sub(text.chars().count()));
-    match right {
-        true => format!("{room}{text}"),
-        false => format!("{text}{room}"),
+    if right {
+        format!("{room}{text}")
+    } else {
+        format!("{text}{room}")
     }
 }
 

@@ -43,23 +43,23 @@ pub fn write(table: &Table) -> String {
             .map(|column| if is_number(column) { "right" } else { "left" })
             .collect(),
     );
-    let wrapper = match columns.clone().any(is_long) {
-        true => "",
-        false => "fitted",
+    let wrapper = if columns.clone().any(is_long) {
+        ""
+    } else {
+        "fitted"
     };
     let mut out = format!("// {} of {}\n{HEAD}", table.name, one_line(&table.origin));
     out += &format!(
         "#figure(\n  kind: table,\n  caption: {},\n  {{\n  set text(size: 8pt)\n  {wrapper}(table(\n    columns: ({widths},),\n    align: ({sides},),\n    stroke: none,\n    inset: (x: 3pt, y: 2.5pt),\n    table.hline(),\n    table.header(",
         string(&caption(table))
     );
-    let heads = table
-        .columns
-        .iter()
-        .map(head)
-        .map(|(symbol, second)| match second.is_empty() {
-            true => string(&symbol),
-            false => format!("[#{} #linebreak() #{}]", string(&symbol), string(&second)),
-        });
+    let heads = table.columns.iter().map(head).map(|(symbol, second)| {
+        if second.is_empty() {
+            string(&symbol)
+        } else {
+            format!("[#{} #linebreak() #{}]", string(&symbol), string(&second))
+        }
+    });
     out += &format!(
         "{}),\n    table.hline(stroke: 0.5pt),\n",
         heads.collect::<Vec<_>>().join(", ")
@@ -72,9 +72,10 @@ pub fn write(table: &Table) -> String {
             );
         }
         let texts = cells[row].iter().enumerate().map(|(column, cell)| {
-            let text = match repeated[row][column] {
-                true => String::new(),
-                false => cell_text(cell),
+            let text = if repeated[row][column] {
+                String::new()
+            } else {
+                cell_text(cell)
             };
             match note_letters(&table.rows[row].cells[column].notes) {
                 letters if letters.is_empty() => format!("[{text}]"),
@@ -130,11 +131,12 @@ fn foot(table: &Table) -> String {
     let lines: Vec<String> = notes
         .chain(remarks.iter().map(|remark| format!("#{}", string(remark))))
         .collect();
-    match lines.is_empty() {
-        true => String::new(),
-        false => format!(
+    if lines.is_empty() {
+        String::new()
+    } else {
+        format!(
             "  align(left, text(size: 7pt)[{}])\n",
             lines.join(" #linebreak()\n    ")
-        ),
+        )
     }
 }

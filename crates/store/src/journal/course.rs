@@ -156,9 +156,10 @@ fn parting(one: &BTreeMap<u64, Line>, other: &BTreeMap<u64, Line>) -> Option<u64
 fn parted(at: u64, database: &BTreeMap<u64, Line>, journal: &BTreeMap<u64, Line>) -> String {
     let from = |lines: &BTreeMap<u64, Line>| {
         let after: Vec<Line> = lines.range(at..).map(|(_, line)| line.clone()).collect();
-        match after.is_empty() {
-            true => "nothing".to_owned(),
-            false => in_words(&after),
+        if after.is_empty() {
+            "nothing".to_owned()
+        } else {
+            in_words(&after)
         }
     };
     format!(

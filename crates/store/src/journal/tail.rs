@@ -69,12 +69,13 @@ fn refuse_foreign(torn: &[u8]) -> io::Result<()> {
     let part = &torn[..torn.len() - zeros];
     let begins = |whole: &[u8], part: &[u8]| part.iter().zip(whole).all(|(found, wanted)| found == wanted);
     // What was written first may be what the disk has lost.
-    match torn.first() == Some(&0) || begins(line::BEGIN.as_bytes(), part) {
-        true => Ok(()),
-        false => Err(io::Error::new(
+    if torn.first() == Some(&0) || begins(line::BEGIN.as_bytes(), part) {
+        Ok(())
+    } else {
+        Err(io::Error::new(
             io::ErrorKind::InvalidData,
             "its end is not one that a journal has, and nothing of it was changed: move the file away, and the next `ieap run` writes the journal from the database",
-        )),
+        ))
     }
 }
 

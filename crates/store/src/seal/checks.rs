@@ -32,9 +32,10 @@ impl Store {
         }
         let mut hasher = blake3::Hasher::new();
         add_row(&mut hasher, row, last)?;
-        match row.get::<_, Option<Vec<u8>>>(last)? == Some(finished(&hasher).to_vec()) {
-            true => Ok(()),
-            false => Err(damaged(subject).into()),
+        if row.get::<_, Option<Vec<u8>>>(last)? == Some(finished(&hasher).to_vec()) {
+            Ok(())
+        } else {
+            Err(damaged(subject).into())
         }
     }
 

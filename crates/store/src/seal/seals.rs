@@ -63,9 +63,10 @@ impl Seals {
         }
         let _moment = Snapshot::of(connection)?;
         let computed = computed(connection, subject)?;
-        match stored(connection, subject)? == computed.map(|seal| seal.to_vec()) {
-            true => Ok(()),
-            false => Err(damaged(subject).into()),
+        if stored(connection, subject)? == computed.map(|seal| seal.to_vec()) {
+            Ok(())
+        } else {
+            Err(damaged(subject).into())
         }
     }
 

@@ -112,9 +112,10 @@ fn along(asked: &CurvesAsked, model: &FitModel, mut run: RunSpec) -> Result<Exac
         return Err(issue.mend(format!("give places from 0 to {} mm", length_cm * 10.0)));
     }
     let strip = given.strip(length_cm, run.area_cm2 / length_cm)?;
-    let bent = match places_cm.is_empty() {
-        true => Vec::new(),
-        false => strip.respond(Quantity::Curvature, &drive, &places_cm, &asked.time_s),
+    let bent = if places_cm.is_empty() {
+        Vec::new()
+    } else {
+        strip.respond(Quantity::Curvature, &drive, &places_cm, &asked.time_s)
     };
     let rows = bent.chunks_exact(asked.time_s.len());
     let curvature = |(place_mm, row): (&f64, &[f64])| Curvature {
@@ -199,9 +200,10 @@ impl Given<'_> {
 
     /// The strip of that length and width.
     fn strip(&self, length_cm: f64, width_cm: f64) -> Result<DrivenStrip, Issue> {
-        let steady = match self.values.contains_key("rss_ohm_cm2") {
-            true => self.above_zero("rss_ohm_cm2")?,
-            false => f64::INFINITY,
+        let steady = if self.values.contains_key("rss_ohm_cm2") {
+            self.above_zero("rss_ohm_cm2")?
+        } else {
+            f64::INFINITY
         };
         let model = DistributedModel {
             electrode_resistance_ohm_per_cm: self.or_zero("re_ohm_per_sq", false)? / width_cm,
@@ -213,9 +215,10 @@ impl Given<'_> {
             relaxation_rate_per_s: self.or_zero("lambda_per_s", false)?,
         };
         let [place, factor] = BREAK;
-        let contact_break = match BREAK.iter().any(|key| self.values.contains_key(*key)) {
-            true => Some((self.above_zero(place)? / 10.0, self.above_zero(factor)?)),
-            false => None,
+        let contact_break = if BREAK.iter().any(|key| self.values.contains_key(*key)) {
+            Some((self.above_zero(place)? / 10.0, self.above_zero(factor)?))
+        } else {
+            None
         };
         Ok(DrivenStrip::new(
             &model,
@@ -226,11 +229,10 @@ impl Given<'_> {
 }
 
 fn checked(key: &str, value: f64, is_possible: bool, needed: &str) -> Result<f64, Issue> {
-    match is_possible && value.is_finite() {
-        true => Ok(value),
-        false => {
-            let issue = Issue::error("bad-value", format!("found {value}")).at(key);
-            Err(issue.mend(format!("give {needed}")))
-        }
+    if is_possible && value.is_finite() {
+        Ok(value)
+    } else {
+        let issue = Issue::error("bad-value", format!("found {value}")).at(key);
+        Err(issue.mend(format!("give {needed}")))
     }
 }

@@ -23,12 +23,13 @@ pub fn needed_keys(fit: &Fit) -> Vec<&str> {
 pub fn fitted_places_mm(fit: &Fit, run: &RunAtHand) -> Vec<f64> {
     let end_mm = run.length_cm().unwrap_or(0.0) * 10.0 * (1.0 + 1e-9);
     let bent = |channel: &&Channel| channel.quantity == Quantity::Curvature && !channel.is_empty();
-    match fit.model == distributed::MODEL_ID {
-        true => (run.channels().iter().filter(bent))
+    if fit.model == distributed::MODEL_ID {
+        (run.channels().iter().filter(bent))
             .filter_map(|channel| channel.position_mm)
             .filter(|place| *place <= end_mm)
-            .collect(),
-        false => Vec::new(),
+            .collect()
+    } else {
+        Vec::new()
     }
 }
 

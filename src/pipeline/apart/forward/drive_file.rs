@@ -90,9 +90,10 @@ fn parse(text: &str, column: &'static str) -> Result<Vec<(f64, f64)>, Refused> {
         }
         rows.push(row);
     }
-    match rows.is_empty() {
-        true => Err((first, "no row of numbers".to_owned(), "at least one row")),
-        false => Ok(rows),
+    if rows.is_empty() {
+        Err((first, "no row of numbers".to_owned(), "at least one row"))
+    } else {
+        Ok(rows)
     }
 }
 

@@ -92,9 +92,10 @@ impl Grounds {
         let mut others: Vec<&str> = Vec::new();
         for run in runs {
             let id = run.tag(keys::SAMPLE).unwrap_or_default();
-            let number = match id == sample.id {
-                true => 0,
-                false => number_of(&mut others, id),
+            let number = if id == sample.id {
+                0
+            } else {
+                number_of(&mut others, id)
             };
             let size = match context.campaign.sample(id) {
                 Some(of) if number > 0 => size_of(of).map_err(|error| error.to_string()),
@@ -288,9 +289,10 @@ impl Grounds {
                 .map(|k| of(true, misfit.curvature, &|p| &p.local_curvature_per_cm[k]))
                 .collect(),
             lumped_error: of_tip.reduce(f64::max),
-            carried_by: Some(match told.iter().any(distributed) {
-                true => CarriedBy::Distributed,
-                false => CarriedBy::Lumped,
+            carried_by: Some(if told.iter().any(distributed) {
+                CarriedBy::Distributed
+            } else {
+                CarriedBy::Lumped
             }),
         })
     }

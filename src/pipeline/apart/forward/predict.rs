@@ -37,9 +37,10 @@ impl Predict {
     pub fn run(&self, context: &Context) -> Result<PredictionDocument, PipelineError> {
         let grounds = Grounds::of(context, &self.strip)?;
         let longest_s = grounds.longest_s();
-        let at_s = match self.at_s.is_empty() {
-            true => some_times(longest_s),
-            false => self.at_s.clone(),
+        let at_s = if self.at_s.is_empty() {
+            some_times(longest_s)
+        } else {
+            self.at_s.clone()
         };
         if let Some(time) = at_s.iter().find(|time| !time.is_finite() || **time < 0.0) {
             return Err(PipelineError::BadArgument {
@@ -105,9 +106,10 @@ pub(super) fn model_word(forecasts: &Forecasts) -> &'static str {
 fn some_times(longest_s: f64) -> Vec<f64> {
     let decades = (0..8).flat_map(|decade| [1.0, 3.0].map(|first: f64| first * 10f64.powi(decade)));
     let within: Vec<f64> = decades.filter(|time| *time <= longest_s).collect();
-    match within.is_empty() {
-        true => vec![longest_s],
-        false => within,
+    if within.is_empty() {
+        vec![longest_s]
+    } else {
+        within
     }
 }
 

@@ -229,12 +229,13 @@ impl Reading<'_> {
                 capacitance_f_per_cm2: capacitance,
             });
         }
-        match branches.is_empty() {
-            true => Err(format!(
+        if branches.is_empty() {
+            Err(format!(
                 "its fit with {} determines no branch of a circuit; fit it with a lumped or the distributed model",
                 self.fit.model
-            )),
-            false => Ok(branches),
+            ))
+        } else {
+            Ok(branches)
         }
     }
 

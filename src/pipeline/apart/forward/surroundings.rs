@@ -139,13 +139,14 @@ impl Surroundings {
                 .map(|run| (run.path, format!("it states no {label}"))),
         );
         self.runs = stated;
-        match self.runs.is_empty() {
-            false => Ok(()),
-            true => Err(PipelineError::bad_argument(
+        if !self.runs.is_empty() {
+            Ok(())
+        } else {
+            Err(PipelineError::bad_argument(
                 condition.option,
                 condition.to.to_string(),
                 format!("no {}: runs in {environment} state no {label}", condition.option),
-            )),
+            ))
         }
     }
 
@@ -351,9 +352,10 @@ impl Way {
     /// `, or within 5 % RH of one`; nothing where runs have to have the very number.
     fn near(&self) -> String {
         let Condition { covariate, alike, .. } = self.condition;
-        match alike > 0.0 {
-            true => format!(", or within {alike} {} of one", covariate.unit()),
-            false => String::new(),
+        if alike > 0.0 {
+            format!(", or within {alike} {} of one", covariate.unit())
+        } else {
+            String::new()
         }
     }
 

@@ -196,9 +196,10 @@ impl Subject {
         let model = &self.model;
         if let Some(at) = self.branch_of(key) {
             let branch = model.branches.get(at)?;
-            return Some(match key.starts_with('r') {
-                true => branch.resistance_ohm_cm2,
-                false => branch.capacitance_f_per_cm2,
+            return Some(if key.starts_with('r') {
+                branch.resistance_ohm_cm2
+            } else {
+                branch.capacitance_f_per_cm2
             });
         }
         let bends = self.curvature_noise.is_some();

@@ -63,13 +63,14 @@ impl Trial {
         }
         let levels = self.drive.segments.iter().map(|segment| segment.level);
         let moves = |level: Level| !matches!(level, Level::Voltage(volts) if volts == self.drive.baseline_v);
-        match levels.clone().any(moves) {
-            true => Ok(()),
-            false => Err(PipelineError::bad_argument(
+        if levels.clone().any(moves) {
+            Ok(())
+        } else {
+            Err(PipelineError::bad_argument(
                 "--voltage",
                 "a voltage that never changes".to_owned(),
                 "a step, as 1.2V",
-            )),
+            ))
         }
     }
 

@@ -18,9 +18,10 @@ pub(super) fn answer(
         .filter(|of| of.is_determined())
         .map(to_percent)
         .collect();
-    let mut said = vec![match determined.is_empty() {
-        true => "This run determines nothing.".to_owned(),
-        false => format!("This run determines {}.", in_a_row(&determined)),
+    let mut said = vec![if determined.is_empty() {
+        "This run determines nothing.".to_owned()
+    } else {
+        format!("This run determines {}.", in_a_row(&determined))
     }];
     let mut open: Vec<(Vec<&str>, String, String)> = Vec::new();
     for of in parameters.iter().filter(|of| !of.is_determined()) {
@@ -93,10 +94,7 @@ pub(super) fn remarks(plan: &Preflight) -> Vec<String> {
         plan.subject.told_by,
         significant(plan.subject.current_noise.standard_deviation, 2),
     ));
-    remarks.push(match plan.trial.start_is_known {
-        true => "When the drive begins is stated.".to_owned(),
-        false => "When the drive begins is known between two readings only, which is in the percent; where the instrument states it, give --start-known.".to_owned(),
-    });
+    remarks.push(if plan.trial.start_is_known { "When the drive begins is stated.".to_owned() } else { "When the drive begins is known between two readings only, which is in the percent; where the instrument states it, give --start-known.".to_owned() });
     remarks.push(format!(
         "Counted in {} simulated runs (seed {}), each fitted as the run will be. They follow the model: what the strip does beyond it is not in the answer.",
         plan.draws, plan.seed
@@ -115,13 +113,14 @@ pub(super) fn change(kind: &str, trial: &Trial) -> String {
 }
 
 fn reading(trial: &Trial) -> String {
-    match trial.every_s == trial.bending_every_s {
-        true => format!("a reading every {} s", plain(trial.every_s)),
-        false => format!(
+    if trial.every_s == trial.bending_every_s {
+        format!("a reading every {} s", plain(trial.every_s))
+    } else {
+        format!(
             "a reading every {} s, of the bending every {} s",
             plain(trial.every_s),
             plain(trial.bending_every_s)
-        ),
+        )
     }
 }
 
@@ -172,9 +171,10 @@ fn too_fast_or_slow(plan: &Preflight, key: &str) -> Option<String> {
         });
     }
     let tau_s = *subject.taus_s().get(subject.branch_of(key)?)?;
-    let branch = match tau_s < 1.0 {
-        true => format!("the branch of {} ms", significant(1e3 * tau_s, 2)),
-        false => format!("the branch of {} s", seconds(tau_s)),
+    let branch = if tau_s < 1.0 {
+        format!("the branch of {} ms", significant(1e3 * tau_s, 2))
+    } else {
+        format!("the branch of {} s", seconds(tau_s))
     };
     match () {
         () if tau_s < trial.every_s => Some(format!(
@@ -210,12 +210,13 @@ fn cure(key: &str, changes: &[ChangeEntry]) -> String {
         return format!("{} determines {{them}}.", capital(&cures.join(", or ")));
     }
     let tried: Vec<&str> = changes.iter().map(|change| change.change.as_str()).collect();
-    match tried.is_empty() {
-        true => "No change was tried.".to_owned(),
-        false => format!(
+    if tried.is_empty() {
+        "No change was tried.".to_owned()
+    } else {
+        format!(
             "No single change that was tried determines {{them}}: {}.",
             tried.join("; ")
-        ),
+        )
     }
 }
 

@@ -174,9 +174,10 @@ impl RunSpec {
             if !is_possible {
                 return Err(Wrong::new(&place(key), value.to_string(), needed));
             }
-            let other = match key.starts_with('r') {
-                true => format!("c{}_f_per_cm2", &key[1..2]),
-                false => format!("r{}_ohm_cm2", &key[1..2]),
+            let other = if key.starts_with('r') {
+                format!("c{}_f_per_cm2", &key[1..2])
+            } else {
+                format!("r{}_ohm_cm2", &key[1..2])
             };
             let is_of_branch = !["alpha_per_c_cm", "lambda_per_s", "rss_ohm_cm2"].contains(&key.as_str());
             if is_of_branch && !self.parameters.contains_key(&other) {

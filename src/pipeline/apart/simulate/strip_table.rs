@@ -23,9 +23,10 @@ const STREAMS: u64 = 1 << 16;
 /// # Errors
 /// The strip cannot be cut into cells.
 pub fn strip_table(spec: &Spec, strip: &StripSpec, number: usize) -> Result<String, String> {
-    let stretches = match strip.sampling.is_empty() {
-        true => &spec.sampling,
-        false => &strip.sampling,
+    let stretches = if strip.sampling.is_empty() {
+        &spec.sampling
+    } else {
+        &strip.sampling
     };
     let time_s = times(spec, stretches);
     let drive = strip.drive();

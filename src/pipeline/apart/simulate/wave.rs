@@ -40,9 +40,10 @@ impl Wave {
         ];
         let fits = sizes.into_iter().all(above_zero) && self.offset_v.is_finite() && self.periods() <= 1e4;
         let needed = "amplitude_v, frequency_hz, lasting_s and to_hz above 0, and at most 10 000 periods";
-        match fits {
-            true => Ok(()),
-            false => Err(Wrong::new(place, format!("{self:?}"), needed)),
+        if fits {
+            Ok(())
+        } else {
+            Err(Wrong::new(place, format!("{self:?}"), needed))
         }
     }
 
@@ -54,9 +55,10 @@ impl Wave {
     /// Periods until a time.
     fn periods_until(&self, t: f64) -> f64 {
         let slow_s = self.slow_s();
-        match slow_s.is_finite() {
-            true => self.frequency_hz * slow_s * (t / slow_s).exp_m1(),
-            false => self.frequency_hz * t,
+        if slow_s.is_finite() {
+            self.frequency_hz * slow_s * (t / slow_s).exp_m1()
+        } else {
+            self.frequency_hz * t
         }
     }
 
@@ -66,9 +68,10 @@ impl Wave {
 
     /// Voltage at a time, V.
     pub fn volts(&self, t: f64) -> f64 {
-        match (0.0..self.lasting_s).contains(&t) {
-            true => self.offset_v + self.amplitude_v * (TAU * self.periods_until(t)).sin(),
-            false => self.offset_v,
+        if (0.0..self.lasting_s).contains(&t) {
+            self.offset_v + self.amplitude_v * (TAU * self.periods_until(t)).sin()
+        } else {
+            self.offset_v
         }
     }
 
@@ -79,9 +82,10 @@ impl Wave {
         // The time at which so many periods are over.
         let at = |step: f64| {
             let periods = self.periods() * step / count;
-            match slow_s.is_finite() {
-                true => slow_s * (periods / (self.frequency_hz * slow_s)).ln_1p(),
-                false => periods / self.frequency_hz,
+            if slow_s.is_finite() {
+                slow_s * (periods / (self.frequency_hz * slow_s)).ln_1p()
+            } else {
+                periods / self.frequency_hz
             }
         };
         let held = |start_s: f64, volts: f64| Segment::at(start_s, Level::Voltage(volts));

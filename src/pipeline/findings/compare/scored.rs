@@ -50,9 +50,10 @@ pub(super) fn scored(
 
 fn try_model(input: &FitInput, model: &'static FitModel) -> Tried {
     let begun = Instant::now();
-    let whole = match rival_law(model.id).is_some() && !is_bent(input) {
-        true => Err(NOT_BENT.to_owned()),
-        false => describe(input, model).map_err(|error| error.to_string()),
+    let whole = if rival_law(model.id).is_some() && !is_bent(input) {
+        Err(NOT_BENT.to_owned())
+    } else {
+        describe(input, model).map_err(|error| error.to_string())
     };
     let seconds = begun.elapsed().as_secs_f64();
     let earlier = before(input, cut_s(input)).and_then(|channels| {

@@ -36,9 +36,10 @@ impl DiagnoseChoice {
             });
         }
         Ok(DiagnoseOptions {
-            model: match is_extended(stated.id) {
-                true => stated,
-                false => default.model,
+            model: if is_extended(stated.id) {
+                stated
+            } else {
+                default.model
             },
             draws: self.draws.unwrap_or(default.draws),
             seed: self.seed.unwrap_or(default.seed),

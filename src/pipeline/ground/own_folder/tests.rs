@@ -285,9 +285,10 @@ struct NoList;
 
 impl World for NoList {
     fn before(&self, call: &Call<'_>) -> io::Result<()> {
-        match call.kind == Kind::Read && call.path.ends_with(WRITTEN) {
-            true => Err(io::Error::from_raw_os_error(5)),
-            false => Ok(()),
+        if call.kind == Kind::Read && call.path.ends_with(WRITTEN) {
+            Err(io::Error::from_raw_os_error(5))
+        } else {
+            Ok(())
         }
     }
 

@@ -487,9 +487,10 @@ fn file_issues(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     let mut issues = Vec::new();
     for log in context.store.logs()? {
         for issue in log.issues {
-            let place = match issue.place.is_empty() {
-                true => log.path.clone(),
-                false => format!("{}, {}", log.path, issue.place),
+            let place = if issue.place.is_empty() {
+                log.path.clone()
+            } else {
+                format!("{}, {}", log.path, issue.place)
             };
             issues.push(issue.at(place));
         }

@@ -187,9 +187,10 @@ fn tag(found: &RunClimate) -> Option<Tag> {
         detail += &format!(", drift {sign}{} {unit}/h", shown(found.quantity, drift));
     }
     // The hundredth of a percent or a degree is beyond any sensor, as is the fifth digit of a gauge's reading.
-    let value = match found.quantity.is_of_air() {
-        true => (found.mean * 100.0).round() / 100.0,
-        false => five_digits(found.mean),
+    let value = if found.quantity.is_of_air() {
+        (found.mean * 100.0).round() / 100.0
+    } else {
+        five_digits(found.mean)
     };
     Some(Tag {
         key: key.to_owned(),
@@ -201,9 +202,10 @@ fn tag(found: &RunClimate) -> Option<Tag> {
 
 /// A number of messages: hundredths of the air; pressures and traces, which span decades, to their digits.
 fn shown(quantity: ClimateQuantity, value: f64) -> String {
-    match quantity.is_of_air() {
-        true => format!("{value:.2}"),
-        false => five_digits(value).to_string(),
+    if quantity.is_of_air() {
+        format!("{value:.2}")
+    } else {
+        five_digits(value).to_string()
     }
 }
 
@@ -364,12 +366,13 @@ fn moisture(
         })
         .collect();
     let times_s: Vec<f64> = air.iter().map(|(time, _, _)| *time).collect();
-    let sensor = match temperature.sensor == humidity.sensor {
-        true => humidity.sensor.clone(),
-        false => format!(
+    let sensor = if temperature.sensor == humidity.sensor {
+        humidity.sensor.clone()
+    } else {
+        format!(
             "{} with the temperature of {}",
             humidity.sensor, temperature.sensor
-        ),
+        )
     };
     let mut found = Vec::new();
     for quantity in [

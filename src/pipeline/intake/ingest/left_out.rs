@@ -41,9 +41,10 @@ pub(super) fn by_mark(
             .collect();
         held.sort();
         held.dedup();
-        let held = match held.is_empty() {
-            true => "its files hold no marks".to_owned(),
-            false => format!("its marks are {}", held.join(", ")),
+        let held = if held.is_empty() {
+            "its files hold no marks".to_owned()
+        } else {
+            format!("its marks are {}", held.join(", "))
         };
         let message = format!("`{}` names {text:?}; {held}", keys::LEAVE_OUT_MARKED);
         let mend = "write the name of a column of marks, the text of a mark, or both as column=text";
@@ -63,12 +64,11 @@ fn counted(key: &str, before: &[Channel], after: &[Channel], nothing: &str) -> I
         (count > 0).then(|| format!("{count} of {} readings of {}", after.len(), after.raw_name))
     };
     let counts: Vec<String> = before.iter().zip(after).filter_map(more).collect();
-    match counts.is_empty() {
-        true => Issue::warning("tag-without-effect", format!("`{key}`: {nothing}")).at(key),
-        false => {
-            let message = format!("left out of fits by the tag `{key}`: {}", counts.join(", "));
-            Issue::note("left-out-by-tag", message).at(key)
-        }
+    if counts.is_empty() {
+        Issue::warning("tag-without-effect", format!("`{key}`: {nothing}")).at(key)
+    } else {
+        let message = format!("left out of fits by the tag `{key}`: {}", counts.join(", "));
+        Issue::note("left-out-by-tag", message).at(key)
     }
 }
 

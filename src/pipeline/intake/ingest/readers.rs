@@ -44,9 +44,10 @@ impl Readers {
                 .chain(saved)
                 .chain([stamp(frame_folder::FORMAT, strip::VERSION)])
                 .collect(),
-            profiles: match profiles.is_empty() && date_order.is_none() {
-                true => String::new(),
-                false => format!("{BESIDE}{}", &hasher.finalize().to_hex()[..12]),
+            profiles: if profiles.is_empty() && date_order.is_none() {
+                String::new()
+            } else {
+                format!("{BESIDE}{}", &hasher.finalize().to_hex()[..12])
             },
             last: stored
                 .iter()

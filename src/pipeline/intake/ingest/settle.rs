@@ -44,9 +44,10 @@ pub fn settle(
         [single] => is_known(context, readers, single, changes, summary)?,
         several => are_known(context, readers, several)?,
     };
-    match is_known {
-        true => Ok(()),
-        false => store_runs(
+    if is_known {
+        Ok(())
+    } else {
+        store_runs(
             context,
             (readers, shelf),
             &prepared.run_name,
@@ -54,7 +55,7 @@ pub fn settle(
             &readable,
             summary,
             observer,
-        ),
+        )
     }
 }
 
@@ -190,9 +191,10 @@ fn store_runs(
         }
         .push(run.path.clone());
     }
-    match runs.is_empty() {
-        true => Ok(()),
-        false => Ok(context.store.save_runs(&now(), &rows, &runs)?),
+    if runs.is_empty() {
+        Ok(())
+    } else {
+        Ok(context.store.save_runs(&now(), &rows, &runs)?)
     }
 }
 

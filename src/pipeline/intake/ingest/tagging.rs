@@ -96,12 +96,13 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         without_logs.value(keys::SAMPLE),
     );
     let climate = climate_of(context, shelf, window, surroundings)?;
-    let mut resolved = match climate.tags.is_empty() {
-        true => without_logs,
-        false => tags::resolve(&TagRequest {
+    let mut resolved = if climate.tags.is_empty() {
+        without_logs
+    } else {
+        tags::resolve(&TagRequest {
             ambient: &climate.tags,
             ..request
-        }),
+        })
     };
     let doubts = doubts(context, input.run_path, &files, input.other_names);
     resolved.issues.extend(doubts);
@@ -187,9 +188,10 @@ fn conclude_spectrum(
         .value(keys::SAMPLE)
         .and_then(|id| context.campaign.sample(id));
     Tagging {
-        state: match resolved.waits() {
-            true => RunState::Untagged,
-            false => RunState::Ready,
+        state: if resolved.waits() {
+            RunState::Untagged
+        } else {
+            RunState::Ready
         },
         chosen: chosen(&resolved),
         area_cm2: sample.and_then(|sample| sample.active_area_cm2()),

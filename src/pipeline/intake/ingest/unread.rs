@@ -78,10 +78,7 @@ fn may_be_bending(channel: &Channel) -> bool {
 
 /// The question that a column asks which may be the motion of the tip, with the one command that answers it.
 fn asked(channel: &Channel, file: &str) -> Issue {
-    let unit = match channel.raw_unit.is_empty() {
-        true => ",mm",
-        false => "",
-    };
+    let unit = if channel.raw_unit.is_empty() { ",mm" } else { "" };
     let name = &channel.raw_name;
     let message = format!("column \"{name}\" is not used: is it the tip displacement?");
     let mend = format!(

@@ -129,9 +129,12 @@ impl TraceFrames {
             .frames
             .first()
             .and_then(|first| std::path::absolute(first).ok());
-        let stem = first.as_deref().and_then(|path| match path.is_dir() {
-            true => path.file_name(),
-            false => path.file_stem(),
+        let stem = first.as_deref().and_then(|path| {
+            if path.is_dir() {
+                path.file_name()
+            } else {
+                path.file_stem()
+            }
         });
         let stem = stem.ok_or_else(|| PipelineError::BadArgument {
             what: "FRAMES",
@@ -167,9 +170,12 @@ pub fn described(given: &[PathBuf], told: &FrameSettings) -> Result<Described, P
         None => frames::of_paths(given)?,
     };
     let beside = folder.or_else(|| given.first().and_then(|first| first.parent()));
-    let beside = beside.map(|beside| match beside.as_os_str().is_empty() {
-        true => Path::new("."),
-        false => beside,
+    let beside = beside.map(|beside| {
+        if beside.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            beside
+        }
     });
     let (mut base, mut length_mm) = (FrameSettings::default(), None);
     if let Some(campaign) = beside.and_then(campaign_file::find) {
@@ -198,9 +204,12 @@ fn is_of_earlier_version(folder: &Path) -> bool {
     };
     let is_overlay = |path: &PathBuf| path.is_file() && path.extension().is_some_and(|end| end == "png");
     let overlays_only = |folder: &Path| names(folder).is_some_and(|all| all.iter().all(is_overlay));
-    let is_ours = |path: &PathBuf| match path.is_dir() {
-        true => path.ends_with(OVERLAYS) && overlays_only(path),
-        false => path.ends_with(TABLE) || path.ends_with(ERRORS),
+    let is_ours = |path: &PathBuf| {
+        if path.is_dir() {
+            path.ends_with(OVERLAYS) && overlays_only(path)
+        } else {
+            path.ends_with(TABLE) || path.ends_with(ERRORS)
+        }
     };
     folder.join(TABLE).is_file() && names(folder).is_some_and(|all| all.iter().all(is_ours))
 }

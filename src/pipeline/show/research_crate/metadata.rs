@@ -59,9 +59,10 @@ pub fn complete(context: &Context, stated: Publication) -> Result<Complete, Pipe
 impl Complete {
     /// Address of the licence.
     pub fn license_address(&self) -> String {
-        match self.license.contains("://") {
-            true => self.license.clone(),
-            false => format!("{SPDX}{}", self.license),
+        if self.license.contains("://") {
+            self.license.clone()
+        } else {
+            format!("{SPDX}{}", self.license)
         }
     }
 
@@ -201,9 +202,12 @@ fn program_address() -> String {
 fn id_of(path: &str) -> String {
     let kept = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/()!$&'*+,;=@".contains(&byte);
     path.bytes()
-        .map(|byte| match kept(byte) {
-            true => char::from(byte).to_string(),
-            false => format!("%{byte:02X}"),
+        .map(|byte| {
+            if kept(byte) {
+                char::from(byte).to_string()
+            } else {
+                format!("%{byte:02X}")
+            }
         })
         .collect()
 }

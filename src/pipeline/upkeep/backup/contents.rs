@@ -115,18 +115,20 @@ pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<
                 stated.into_iter().for_each(&mut add);
             }
             for path in &seen.unreadable {
-                match root.join(path).exists() {
-                    true => omitted.unread.push(reason(path, "it cannot be looked into")),
-                    false => omitted.unread.push(reason(path, NOT_THERE)),
+                if root.join(path).exists() {
+                    omitted.unread.push(reason(path, "it cannot be looked into"))
+                } else {
+                    omitted.unread.push(reason(path, NOT_THERE))
                 }
             }
             for file in &seen.files {
-                match file.location(root).is_dir() {
-                    true => omitted.never.push(reason(
-                        &file.display,
-                        "pictures of frames are not backed up, what was traced from them is; copy the folder by hand",
-                    )),
-                    false => add(data_file(root, file, stored.get(&file.display))),
+                if file.location(root).is_dir() {
+                    omitted.never.push(reason(
+                    &file.display,
+                    "pictures of frames are not backed up, what was traced from them is; copy the folder by hand",
+                ))
+                } else {
+                    add(data_file(root, file, stored.get(&file.display)))
                 }
             }
         }

@@ -106,12 +106,11 @@ impl Lists {
             .iter()
             .map(|(_, list)| list.database.path.as_str())
             .collect();
-        match self.damaged.is_empty() {
-            true => shelf.forget_databases(|name| !databases.contains(name)),
-            false => {
-                let gone = |name: &str| removed.iter().any(|(_, list)| list.database.path == name);
-                shelf.forget_databases(|name| gone(name) && !databases.contains(name))
-            }
+        if self.damaged.is_empty() {
+            shelf.forget_databases(|name| !databases.contains(name))
+        } else {
+            let gone = |name: &str| removed.iter().any(|(_, list)| list.database.path == name);
+            shelf.forget_databases(|name| gone(name) && !databases.contains(name))
         }
     }
 
@@ -155,12 +154,11 @@ pub fn put(manifest: &Manifest, folder: &Path) -> Result<String, PipelineError> 
 /// The folder of a backup and the list that is meant, by the name of either.
 pub fn meant(named: &Path) -> (PathBuf, PathBuf) {
     let file = named.file_name().unwrap_or_default().to_string_lossy();
-    match file == FILE_NAME || number_in(&file).is_some() {
-        true => {
-            let folder = named.parent().filter(|folder| !folder.as_os_str().is_empty());
-            (folder.unwrap_or(Path::new(".")).to_owned(), named.to_owned())
-        }
-        false => (named.to_owned(), named.join(FILE_NAME)),
+    if file == FILE_NAME || number_in(&file).is_some() {
+        let folder = named.parent().filter(|folder| !folder.as_os_str().is_empty());
+        (folder.unwrap_or(Path::new(".")).to_owned(), named.to_owned())
+    } else {
+        (named.to_owned(), named.join(FILE_NAME))
     }
 }
 

@@ -93,10 +93,7 @@ impl Backup {
         let mut shelf = Shelf::open(&self.folder, &context.folder, &context.store.identity()?)?;
         let before = Lists::numbered(&self.folder)?;
         let earlier = before.whole.first().map(|(_, list)| list);
-        let damaged = match self.deep {
-            true => shelf.check_all()?,
-            false => Vec::new(),
-        };
+        let damaged = if self.deep { shelf.check_all()? } else { Vec::new() };
         let (database, copy) = self.copy_database(context, observer)?;
         let (files, left_out) = gathered(context, &copy, earlier, &mut shelf, observer)?;
         let head = Head {

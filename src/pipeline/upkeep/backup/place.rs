@@ -30,9 +30,10 @@ fn name(part: &str) -> Result<PathBuf, &'static str> {
     if bytes.contains(&0) || cfg!(windows) && bytes.contains(&b':') {
         return Err("it is no name of a file");
     }
-    match is_device(&path) {
-        true => Err("it is the name of a device on Windows; rename the file"),
-        false => Ok(path),
+    if is_device(&path) {
+        Err("it is the name of a device on Windows; rename the file")
+    } else {
+        Ok(path)
     }
 }
 

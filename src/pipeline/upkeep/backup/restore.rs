@@ -109,12 +109,11 @@ impl Restore {
         }
         let files = manifest.files.len() + 1 - lost.len();
         let has_database = !lost.iter().any(|lost| lost.path == DATABASE_NAME);
-        let runs = match has_database {
-            true => {
-                Archive::new(making.path()).set_owner(&manifest.database_id)?;
-                Some(drill(making.path(), &manifest, &mut lost, self.damaged)?)
-            }
-            false => None,
+        let runs = if has_database {
+            Archive::new(making.path()).set_owner(&manifest.database_id)?;
+            Some(drill(making.path(), &manifest, &mut lost, self.damaged)?)
+        } else {
+            None
         };
         sync(making.path());
         let placed = making.put(&self.folder);
@@ -282,9 +281,10 @@ fn drill(
             .any(|left| raw.issues.iter().any(|issue| issue.place == left.path))
     });
     for raw in unknown {
-        match damaged {
-            true => lost.push(reason(&raw.path, "its raw file is not in the archive")),
-            false => return Err(fails(format!("the raw file of {} is not in the archive", raw.path)).into()),
+        if damaged {
+            lost.push(reason(&raw.path, "its raw file is not in the archive"))
+        } else {
+            return Err(fails(format!("the raw file of {} is not in the archive", raw.path)).into());
         }
     }
     lost.sort();

@@ -118,9 +118,10 @@ impl Shelf {
         self.there.insert(hash.clone(), bytes.len() as u64);
         self.waiting.push((hash, bytes, name.to_owned()));
         let waiting: usize = self.waiting.iter().map(|(_, bytes, _)| bytes.len()).sum();
-        match self.waiting.len() >= MOST_FILES || waiting >= MOST_BYTES {
-            true => self.write(),
-            false => Ok(()),
+        if self.waiting.len() >= MOST_FILES || waiting >= MOST_BYTES {
+            self.write()
+        } else {
+            Ok(())
         }
     }
 

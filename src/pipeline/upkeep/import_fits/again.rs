@@ -48,9 +48,10 @@ impl Again {
         let count = chosen.len();
         let mut held = self.compared(context, chosen, known, summary, observer)?;
         // What wrote one wrong row may have written others.
-        held.extend(match held.len() < count {
-            true => self.compared(context, others, known, summary, observer)?,
-            false => others,
+        held.extend(if held.len() < count {
+            self.compared(context, others, known, summary, observer)?
+        } else {
+            others
         });
         summary.fitted_again = self.fitted;
         held.sort_by_key(|row| row.row);

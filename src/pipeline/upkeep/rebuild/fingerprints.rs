@@ -41,9 +41,10 @@ pub fn note(context: &mut Context) -> Result<(), PipelineError> {
     let mut rows: Vec<FileRow> = Vec::new();
     let runs_folders = std::iter::once(context.campaign.runs_folder.as_str()).chain(LOGS);
     for runs_folder in runs_folders {
-        let optional = match LOGS.contains(&runs_folder) {
-            true => Vec::new(),
-            false => context.campaign.optional_folders().to_vec(),
+        let optional = if LOGS.contains(&runs_folder) {
+            Vec::new()
+        } else {
+            context.campaign.optional_folders().to_vec()
         };
         let Ok(seen) = scan::scan(folder, runs_folder, &optional, scan::ScanLimits::default()) else {
             continue;

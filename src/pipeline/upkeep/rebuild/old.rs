@@ -41,9 +41,10 @@ pub fn brought_in(folder: &Path, allow_network: bool) -> Result<Old, PipelineErr
     let carried = has_now.filter(|line| is_new(line.n) && !matches!(line.entry, Entry::Missed { .. }));
     Ok(Old {
         of_database: carried.map(|line| line.entry.in_words()).collect(),
-        wrong: match union.lacks_lines || union.found.is_none() {
-            true => what_is_wrong(union.found.as_ref()),
-            false => Vec::new(),
+        wrong: if union.lacks_lines || union.found.is_none() {
+            what_is_wrong(union.found.as_ref())
+        } else {
+            Vec::new()
         },
     })
 }

@@ -96,9 +96,10 @@ fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     }
     if !compared.is_database_whole() {
         let message = format!("the database lacks what the journal says: {}", compared.lacks());
-        let mend = match compared.can_be_said_again() {
-            true => "the next `ieap run` takes it up",
-            false => "`ieap rebuild` makes a database of all that either has",
+        let mend = if compared.can_be_said_again() {
+            "the next `ieap run` takes it up"
+        } else {
+            "`ieap rebuild` makes a database of all that either has"
         };
         found.push(Issue::error("database-lags", message).mend(mend));
     }

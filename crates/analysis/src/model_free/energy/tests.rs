@@ -42,9 +42,10 @@ fn current(t: f64) -> f64 {
 }
 
 fn curvature(t: f64) -> f64 {
-    match t > 0.0 {
-        true => 2.0 * ((-t / 100.0).exp() - (-t / 4.0).exp()),
-        false => 0.0,
+    if t > 0.0 {
+        2.0 * ((-t / 100.0).exp() - (-t / 4.0).exp())
+    } else {
+        0.0
     }
 }
 
@@ -62,9 +63,10 @@ fn simulated(noisy: Noisy, seed: u64) -> (ModelFree, f64) {
     let beat_s = [0.05, 0.1, 0.3][seed as usize % 3];
     let mut time_s = vec![-5.0 + random.random_range(0.0..beat_s)];
     while time_s[time_s.len() - 1] < END_S - 0.3 {
-        let every_s = match noisy.is_irregular {
-            true => random.random_range(0.5..2.0) * beat_s,
-            false => beat_s,
+        let every_s = if noisy.is_irregular {
+            random.random_range(0.5..2.0) * beat_s
+        } else {
+            beat_s
         };
         time_s.push(time_s[time_s.len() - 1] + every_s);
     }

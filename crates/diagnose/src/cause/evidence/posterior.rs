@@ -159,18 +159,23 @@ impl<'s, 'g> Weighed<'s, 'g> {
         let equations: Vec<&&Weight> = of.iter().filter(|own| own.is_equation()).collect();
         let best = equations.iter().map(|own| own.fall).fold(0.0, f64::max);
         let t = temperature(best);
-        let cooled = |own: &Weight| match own.log().is_finite() {
-            // A peak is the wider, along each of its coordinates, the less a fall counts.
-            true => own.fall / t + own.rest + 0.5 * own.free as f64 * t.ln(),
-            false => f64::NEG_INFINITY,
+        let cooled = |own: &Weight| {
+            if own.log().is_finite() {
+                own.fall / t + own.rest + 0.5 * own.free as f64 * t.ln()
+            } else {
+                f64::NEG_INFINITY
+            }
         };
         let together = log_sum(&equations.iter().map(|own| own.log()).collect::<Vec<_>>());
         let all_cooled = log_sum(&equations.iter().map(|own| cooled(own)).collect::<Vec<_>>());
         let logs: Vec<f64> = of
             .iter()
-            .map(|own| match own.is_equation() && all_cooled.is_finite() {
-                true => together + cooled(own) - all_cooled,
-                false => own.log(),
+            .map(|own| {
+                if own.is_equation() && all_cooled.is_finite() {
+                    together + cooled(own) - all_cooled
+                } else {
+                    own.log()
+                }
             })
             .collect();
         let all = log_sum(&logs);

@@ -27,9 +27,12 @@ pub(crate) fn falls(base: &Fitted, group: &RunGroup, before: &[Part]) -> Vec<f64
     let known: Vec<f64> = columns
         .iter()
         .enumerate()
-        .map(|(k, column)| match k < searched {
-            true => BEFORE,
-            false => dot(column, column) / size.max(f64::MIN_POSITIVE),
+        .map(|(k, column)| {
+            if k < searched {
+                BEFORE
+            } else {
+                dot(column, column) / size.max(f64::MIN_POSITIVE)
+            }
         })
         .collect();
     let answer = Answer {

@@ -45,9 +45,10 @@ impl Predictive {
     /// Deviance of the rows that are out of the second fit and not of the first: each with its least sum of squares.
     pub(crate) fn added(&self, with: (&[bool], f64), without: (&[bool], f64)) -> f64 {
         let of = |(out, square): (&[bool], f64)| {
-            let told = match out.is_empty() {
-                true => self.information,
-                false => information(&self.columns, out),
+            let told = if out.is_empty() {
+                self.information
+            } else {
+                information(&self.columns, out)
             };
             square + told
         };

@@ -64,9 +64,10 @@ const LARGER: f64 = 1.05;
 
 /// How large what is left is, over the noise.
 fn left_words(over_noise: f64) -> String {
-    match over_noise < LARGER {
-        true => "What it leaves is no larger than the noise, but has a shape that noise has not.".to_owned(),
-        false => format!("What it leaves is {over_noise:.1} times as large as the noise."),
+    if over_noise < LARGER {
+        "What it leaves is no larger than the noise, but has a shape that noise has not.".to_owned()
+    } else {
+        format!("What it leaves is {over_noise:.1} times as large as the noise.")
     }
 }
 
@@ -114,9 +115,10 @@ fn cause(found: &GroupDiagnosis, place: &str) -> String {
 /// The effects that the extended model has; the set also holds what each of them may be in its place.
 fn together(found: &GroupDiagnosis) -> String {
     let accepted: Vec<&str> = found.effects.iter().map(|own| own.effect.as_str()).collect();
-    match accepted.is_empty() {
-        true => found.set.join(" with "),
-        false => accepted.join(" with "),
+    if accepted.is_empty() {
+        found.set.join(" with ")
+    } else {
+        accepted.join(" with ")
     }
 }
 
@@ -175,9 +177,10 @@ fn proof(found: &GroupDiagnosis) -> String {
         (after < before).then(|| format!("{channel} {} -> {} %", short(before), short(after)))
     });
     let falls: Vec<String> = falls.collect();
-    let error = match falls.is_empty() {
-        true => String::new(),
-        false => format!("; error of the {} of the range", falls.join(", ")),
+    let error = if falls.is_empty() {
+        String::new()
+    } else {
+        format!("; error of the {} of the range", falls.join(", "))
     };
     match (gain.proof.is_clear(), better == all) {
         (false, _) => format!(

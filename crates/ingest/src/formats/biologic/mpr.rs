@@ -53,9 +53,10 @@ impl Format for BiologicMpr {
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        match head.bytes.starts_with(MAGIC) {
-            true => Match::Certain("the file begins with BIO-LOGIC MODULAR FILE"),
-            false => Match::No,
+        if head.bytes.starts_with(MAGIC) {
+            Match::Certain("the file begins with BIO-LOGIC MODULAR FILE")
+        } else {
+            Match::No
         }
     }
 

@@ -44,9 +44,10 @@ impl Format for BiologicMpt {
         if matches!(first.trim(), "EC-Lab ASCII FILE" | "BT-Lab ASCII FILE") {
             return Match::Certain("the file begins with EC-Lab ASCII FILE");
         }
-        match mpt_header::names_columns(first) && first.starts_with("mode\t") {
-            true => Match::Certain("the first line names mode and other columns of EC-Lab"),
-            false => Match::No,
+        if mpt_header::names_columns(first) && first.starts_with("mode\t") {
+            Match::Certain("the first line names mode and other columns of EC-Lab")
+        } else {
+            Match::No
         }
     }
 

@@ -71,9 +71,10 @@ fn header(cell: &str) -> Header {
     let header = Header::with_unit(meant, unit);
     Header {
         raw_name: cell.to_owned(),
-        meaning: match KNOWN_COLUMNS.contains(&meant) {
-            true => header.meaning,
-            false => Meaning::Other,
+        meaning: if KNOWN_COLUMNS.contains(&meant) {
+            header.meaning
+        } else {
+            Meaning::Other
         },
         ..header
     }

@@ -42,13 +42,14 @@ impl Format for Hobo {
         let first = text.trim_start_matches('"');
         let begins = ["Plot Title:", "Plot-Titel:", "Serial Number:"];
         let is_hobo = begins.iter().any(|begin| first.starts_with(begin));
-        match is_hobo
+        if is_hobo
             && Lines::new(&text)
                 .take(4)
                 .any(|line| names_in(line.text).is_some())
         {
-            true => Match::Certain("Plot Title or Serial Number, then a column Date Time with GMT"),
-            false => Match::No,
+            Match::Certain("Plot Title or Serial Number, then a column Date Time with GMT")
+        } else {
+            Match::No
         }
     }
 

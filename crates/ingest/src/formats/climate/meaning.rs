@@ -73,9 +73,10 @@ const PLAIN: [&str; 19] = [
 pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     let (described, serial, label) = without_description(raw_name);
     let lower = described.to_lowercase();
-    let unit = match raw_unit.is_empty() {
-        true => Header::parse(described).raw_unit,
-        false => raw_unit.to_owned(),
+    let unit = if raw_unit.is_empty() {
+        Header::parse(described).raw_unit
+    } else {
+        raw_unit.to_owned()
     };
     let named = without_unit(described, &unit);
     let words = words(named);
@@ -94,16 +95,17 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     let of_chamber = (!is_humidity && !is_temperature)
         .then(|| of_chamber(&lower_words))
         .flatten();
-    let unit = match unit.is_empty() {
-        true => lower_words
+    let unit = if unit.is_empty() {
+        lower_words
             .iter()
             .find_map(|word| match of_chamber {
                 Some(_) => chamber_unit_word(word),
                 None => unit_word(word),
             })
             .unwrap_or("")
-            .to_owned(),
-        false => unit,
+            .to_owned()
+    } else {
+        unit
     };
     let quantity = match (is_humidity, is_temperature) {
         (true, _) => Quantity::RelativeHumidity,
@@ -133,9 +135,10 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
         if of_chamber.is_some() && is_of_chamber {
             return None;
         }
-        match is(&HUMIDITY, &lower) || is(&TEMPERATURE, &lower) {
-            true => (!number.is_empty()).then(|| number.to_owned()),
-            false => (!PLAIN.contains(&lower.as_str())).then(|| word.clone()),
+        if is(&HUMIDITY, &lower) || is(&TEMPERATURE, &lower) {
+            (!number.is_empty()).then(|| number.to_owned())
+        } else {
+            (!PLAIN.contains(&lower.as_str())).then(|| word.clone())
         }
     };
     let part: Vec<String> = words.iter().filter_map(says).chain(label).collect();

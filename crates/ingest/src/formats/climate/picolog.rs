@@ -41,9 +41,10 @@ impl Format for Picolog {
         let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
         let seconds = cells(second).first().and_then(|cell| cell.parse::<u64>().ok());
         // 1e9 s is the year 2001.
-        match first.starts_with("\"\",\"") && seconds.is_some_and(|seconds| seconds > 1_000_000_000) {
-            true => Match::Certain("a first column without a name that counts Unix seconds"),
-            false => Match::No,
+        if first.starts_with("\"\",\"") && seconds.is_some_and(|seconds| seconds > 1_000_000_000) {
+            Match::Certain("a first column without a name that counts Unix seconds")
+        } else {
+            Match::No
         }
     }
 

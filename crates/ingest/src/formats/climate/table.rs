@@ -66,12 +66,13 @@ impl Format for ClimateTable {
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
         let lines: Vec<Line<'_>> = Lines::new(&text).take(HEADER_WITHIN + 2).collect();
-        match is_log(&lines) {
-            true => Match::Possible {
+        if is_log(&lines) {
+            Match::Possible {
                 score: 0.8,
                 reason: "a column of dates beside temperature, humidity, pressure, oxygen or water",
-            },
-            false => Match::No,
+            }
+        } else {
+            Match::No
         }
     }
 

@@ -35,9 +35,10 @@ impl Format for Toa5 {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        match text.starts_with("\"TOA5\"") || text.starts_with("TOA5,") {
-            true => Match::Certain("the file begins with TOA5"),
-            false => Match::No,
+        if text.starts_with("\"TOA5\"") || text.starts_with("TOA5,") {
+            Match::Certain("the file begins with TOA5")
+        } else {
+            Match::No
         }
     }
 

@@ -141,9 +141,10 @@ impl Log<'_> {
                 raw: texts[0].to_owned(),
                 kind: Timestamp::Start,
                 local: Some(moments.first.to_string()),
-                offset: match moments.in_utc {
-                    true => Some("+00:00".to_owned()),
-                    false => self.offset,
+                offset: if moments.in_utc {
+                    Some("+00:00".to_owned())
+                } else {
+                    self.offset
                 },
                 basis: format!("the first row, {}{reason}", moments.order.words()),
             }),
@@ -168,9 +169,10 @@ impl Log<'_> {
             dates.push(text_at(self.time_at));
             clocks.extend(self.clock_at.map(text_at));
             for (index, (column, text)) in table.columns.iter_mut().zip(&found).enumerate() {
-                let cell = match index == self.time_at || Some(index) == self.clock_at {
-                    true => Cell::Empty,
-                    false => number::parse(text, self.decimal),
+                let cell = if index == self.time_at || Some(index) == self.clock_at {
+                    Cell::Empty
+                } else {
+                    number::parse(text, self.decimal)
                 };
                 column.push(row.number, cell, || (*text).to_owned());
             }

@@ -57,9 +57,10 @@ impl Format for IviumIdf {
         let start = &head.bytes[..head.bytes.len().min(512)];
         let begins = start.starts_with(&[0; 16]) || start.starts_with(&[b' '; 16]);
         let holds = |mark: &[u8]| start.windows(mark.len()).any(|window| window == mark);
-        match begins && (holds(b"QR=") || holds(b"Peaks=")) {
-            true => Match::Certain("a section of IviumSoft with QR or Peaks"),
-            false => Match::No,
+        if begins && (holds(b"QR=") || holds(b"Peaks=")) {
+            Match::Certain("a section of IviumSoft with QR or Peaks")
+        } else {
+            Match::No
         }
     }
 

@@ -39,9 +39,10 @@ impl Format for IviumText {
         let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
         let is_date = !first.is_empty() && first.chars().all(|c| c.is_ascii_digit() || " ./:-".contains(c));
         let names: Vec<&str> = second.split_whitespace().collect();
-        match is_date && names == ["time/s", "I/A", "E/V"] {
-            true => Match::Certain("a date, then time/s I/A E/V between blanks"),
-            false => Match::No,
+        if is_date && names == ["time/s", "I/A", "E/V"] {
+            Match::Certain("a date, then time/s I/A E/V between blanks")
+        } else {
+            Match::No
         }
     }
 
@@ -61,9 +62,10 @@ impl Format for IviumText {
         if fields == headers.len() + 1 {
             headers.push(Header::other("unnamed column"));
         }
-        let decimal = match rows.first().is_some_and(|row| row.text.contains(',')) {
-            true => Decimal::Comma,
-            false => Decimal::Point,
+        let decimal = if rows.first().is_some_and(|row| row.text.contains(',')) {
+            Decimal::Comma
+        } else {
+            Decimal::Point
         };
         let dialect = Dialect {
             delimiter: Delimiter::Blanks,

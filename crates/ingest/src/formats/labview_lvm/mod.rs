@@ -42,9 +42,10 @@ impl Format for LabviewLvm {
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        match head.text().unwrap_or_default().starts_with("LabVIEW Measurement") {
-            true => Match::Certain("the file begins with LabVIEW Measurement"),
-            false => Match::No,
+        if head.text().unwrap_or_default().starts_with("LabVIEW Measurement") {
+            Match::Certain("the file begins with LabVIEW Measurement")
+        } else {
+            Match::No
         }
     }
 

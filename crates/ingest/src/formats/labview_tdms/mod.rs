@@ -61,9 +61,10 @@ impl Format for LabviewTdms {
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        match head.bytes.starts_with(b"TDSm") {
-            true => Match::Certain("the file begins with TDSm"),
-            false => Match::No,
+        if head.bytes.starts_with(b"TDSm") {
+            Match::Certain("the file begins with TDSm")
+        } else {
+            Match::No
         }
     }
 

@@ -260,9 +260,10 @@ impl Structure {
                     });
                 }
                 _ => {
-                    let index = match daqmx::is_daqmx(kind) {
-                        true => daqmx::raw_index(cursor, kind)?,
-                        false => raw_index(cursor)?,
+                    let index = if daqmx::is_daqmx(kind) {
+                        daqmx::raw_index(cursor, kind)?
+                    } else {
+                        raw_index(cursor)?
                     };
                     let Some(index) = index else {
                         return Ok(None);

@@ -101,9 +101,10 @@ impl<'a> Bytes<'a> {
 
     fn word(&self, bytes: &[u8]) -> u32 {
         let bytes: [u8; 4] = std::array::from_fn(|at| bytes[at]);
-        match self.is_big_endian {
-            true => u32::from_be_bytes(bytes),
-            false => u32::from_le_bytes(bytes),
+        if self.is_big_endian {
+            u32::from_be_bytes(bytes)
+        } else {
+            u32::from_le_bytes(bytes)
         }
     }
 
@@ -175,13 +176,14 @@ impl Element<'_> {
                 self.data
                     .broken(&format!("a packed variable cannot be unpacked ({error})"))
             })?;
-        match unpacked.len() as u64 > limit {
-            true => Err(ReadError::TooLarge {
+        if unpacked.len() as u64 > limit {
+            Err(ReadError::TooLarge {
                 what: "the .mat file unpacked".to_owned(),
                 found: unpacked.len() as u64,
                 limit,
-            }),
-            false => Ok(unpacked),
+            })
+        } else {
+            Ok(unpacked)
         }
     }
 }

@@ -52,9 +52,10 @@ impl Format for MatlabMat {
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        match head.bytes.starts_with(MAGIC) || head.bytes.starts_with(MAGIC_HDF5) {
-            true => Match::Certain("the file begins with MATLAB and its version"),
-            false => Match::No,
+        if head.bytes.starts_with(MAGIC) || head.bytes.starts_with(MAGIC_HDF5) {
+            Match::Certain("the file begins with MATLAB and its version")
+        } else {
+            Match::No
         }
     }
 
@@ -111,9 +112,10 @@ fn run_tables(
                 issues.extend(own);
             }
             Err(error) => {
-                let place = match name.is_empty() {
-                    true => "the variables of their own".to_owned(),
-                    false => format!("variable {}", quoted(&name)),
+                let place = if name.is_empty() {
+                    "the variables of their own".to_owned()
+                } else {
+                    format!("variable {}", quoted(&name))
                 };
                 refusals.push((speaks_of_time, format!("{place}: {error}")));
             }
@@ -126,17 +128,19 @@ fn run_tables(
             .map(|variable| quoted(&variable.path()))
             .collect();
         return Err(ReadError::NoRunAmong {
-            found: match said.is_empty() {
-                true => format!("the variables {}, none of them a vector", shortened(&names)),
-                false => said.join("; "),
+            found: if said.is_empty() {
+                format!("the variables {}, none of them a vector", shortened(&names))
+            } else {
+                said.join("; ")
             },
         });
     }
     for (speaks_of_time, said) in refusals {
         let message = format!("no run is read from {said}");
-        issues.push(match speaks_of_time {
-            true => Issue::warning("table-refused", message),
-            false => Issue::note("variable-left-out", message),
+        issues.push(if speaks_of_time {
+            Issue::warning("table-refused", message)
+        } else {
+            Issue::note("variable-left-out", message)
         });
     }
     if let [only] = found.as_mut_slice() {
@@ -164,9 +168,10 @@ fn table(
 /// The first names of a list.
 fn shortened(names: &[String]) -> String {
     const SHOWN: usize = 8;
-    let more = match names.len() > SHOWN {
-        true => format!(", and {} more", names.len() - SHOWN),
-        false => String::new(),
+    let more = if names.len() > SHOWN {
+        format!(", and {} more", names.len() - SHOWN)
+    } else {
+        String::new()
     };
     names[..names.len().min(SHOWN)].join(", ") + &more
 }

@@ -24,9 +24,10 @@ fn small(kind: u32, data: &[u8]) -> Vec<u8> {
 fn array(class: u32, name: &str, dimensions: [i32; 2], data: &[u8]) -> Vec<u8> {
     let flags = [class.to_le_bytes(), [0; 4]].concat();
     let dimensions = dimensions.map(i32::to_le_bytes).concat();
-    let named = match name.len() <= 4 && !name.is_empty() {
-        true => small(1, name.as_bytes()),
-        false => element(1, name.as_bytes()),
+    let named = if name.len() <= 4 && !name.is_empty() {
+        small(1, name.as_bytes())
+    } else {
+        element(1, name.as_bytes())
     };
     element(
         14,

@@ -68,9 +68,10 @@ impl Variable {
 
     /// `data.current_mA`.
     pub fn path(&self) -> String {
-        match self.owner.is_empty() {
-            true => self.name.clone(),
-            false => format!("{}.{}", self.owner, self.name),
+        if self.owner.is_empty() {
+            self.name.clone()
+        } else {
+            format!("{}.{}", self.owner, self.name)
         }
     }
 
@@ -160,9 +161,10 @@ impl Found {
             name: &name,
             depth: 0,
         };
-        match name.is_empty() {
-            true => Ok(()),
-            false => self.array(head, data, place),
+        if name.is_empty() {
+            Ok(())
+        } else {
+            self.array(head, data, place)
         }
     }
 
@@ -207,12 +209,11 @@ impl Found {
             Some(element) => element.numbers()?,
             None => Vec::new(),
         };
-        match product(dimensions) == Some(numbers.len()) {
-            true => Ok(numbers),
-            false => {
-                let found = format!("{} numbers in an array of {dimensions:?}", numbers.len());
-                Err(here.broken(&found))
-            }
+        if product(dimensions) == Some(numbers.len()) {
+            Ok(numbers)
+        } else {
+            let found = format!("{} numbers in an array of {dimensions:?}", numbers.len());
+            Err(here.broken(&found))
         }
     }
 
@@ -226,9 +227,10 @@ impl Found {
             return Err(names.broken("field names without a length"));
         }
         let names: Vec<String> = names.bytes.chunks(width.max(1)).map(until_zero).collect();
-        let own = match place.owner.is_empty() {
-            true => place.name.to_owned(),
-            false => format!("{}.{}", place.owner, place.name),
+        let own = if place.owner.is_empty() {
+            place.name.to_owned()
+        } else {
+            format!("{}.{}", place.owner, place.name)
         };
         let count = product(&head.dimensions).ok_or_else(|| here.broken("a list of structs without end"))?;
         for number in 1..=if names.is_empty() { 0 } else { count } {
@@ -281,9 +283,10 @@ fn cells(mut data: Bytes<'_>, head: &Head) -> Result<Content, ReadError> {
     let mut found = Vec::new();
     for _ in 0..product(&head.dimensions).unwrap_or(usize::MAX) {
         let mut cell = data.expect(&[MATRIX], "a cell")?.data;
-        let own = match cell.bytes.is_empty() {
-            true => None,
-            false => Some(self::head(&mut cell)?),
+        let own = if cell.bytes.is_empty() {
+            None
+        } else {
+            Some(self::head(&mut cell)?)
         };
         match own.filter(|own| own.class == CHAR) {
             Some(own) => found.push(texts(cell, &own.dimensions)?.join(" ")),

@@ -62,13 +62,14 @@ impl Format for PstraceCsv {
         // Exports without the moment of their export begin with the titles of their curves.
         let lines: Vec<&str> = text.lines().take(PREAMBLE).collect();
         let units = lines.iter().position(|line| is_units(line));
-        match units.is_some_and(|at| {
+        if units.is_some_and(|at| {
             lines[..at]
                 .iter()
                 .any(|line| line.starts_with(MEASURED) || is_titles(line))
         }) {
-            true => Match::Certain("titles of curves such as `CV i vs E` above a row of units"),
-            false => Match::No,
+            Match::Certain("titles of curves such as `CV i vs E` above a row of units")
+        } else {
+            Match::No
         }
     }
 

@@ -46,9 +46,10 @@ impl Format for PalmsensSession {
         let start = &head.bytes[..head.bytes.len().min(256)];
         let even = &start[..start.len() & !1];
         let text = decode(even).text.to_ascii_lowercase();
-        match text.starts_with('{') && text.contains("palmsens.datafiles.sessionfile") {
-            true => Match::Certain("JSON of the type PalmSens.DataFiles.SessionFile"),
-            false => Match::No,
+        if text.starts_with('{') && text.contains("palmsens.datafiles.sessionfile") {
+            Match::Certain("JSON of the type PalmSens.DataFiles.SessionFile")
+        } else {
+            Match::No
         }
     }
 

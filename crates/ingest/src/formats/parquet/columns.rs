@@ -33,10 +33,13 @@ impl Kind {
         }
         match (column.physical_type(), column.logical_type_ref()) {
             (Type::BOOLEAN | Type::FLOAT | Type::DOUBLE, _) => Ok(Kind::Number),
-            (Type::INT32 | Type::INT64, Some(LogicalType::Integer(whole))) => match whole.is_signed {
-                true => Ok(Kind::Number),
-                false => Ok(Kind::Unsigned),
-            },
+            (Type::INT32 | Type::INT64, Some(LogicalType::Integer(whole))) => {
+                if whole.is_signed {
+                    Ok(Kind::Number)
+                } else {
+                    Ok(Kind::Unsigned)
+                }
+            }
             (Type::INT32 | Type::INT64, None) => of_older_files(column.converted_type()),
             (Type::BYTE_ARRAY, Some(LogicalType::String)) => Ok(Kind::Text),
             (Type::BYTE_ARRAY, None) if column.converted_type() == ConvertedType::UTF8 => Ok(Kind::Text),
@@ -90,9 +93,10 @@ pub fn fill(
         ColumnReader::ByteArrayColumnReader(reader) => rows(reader, max_level, |text| {
             let text = text.map(|text| text.as_utf8().map_err(failed)).transpose()?;
             let text = text.unwrap_or("");
-            let cell = match text.trim().is_empty() {
-                true => Cell::Empty,
-                false => Cell::Text,
+            let cell = if text.trim().is_empty() {
+                Cell::Empty
+            } else {
+                Cell::Text
             };
             column.push(column.numbers.len() + 1, cell, || text.to_owned());
             Ok(())
@@ -143,13 +147,14 @@ fn rows<T: DataType>(
             filled.by_ref().try_for_each(|value| take(Some(value)))?;
         }
         for &level in &levels {
-            let value = match level == max_level {
-                true => Some(
+            let value = if level == max_level {
+                Some(
                     filled
                         .next()
                         .ok_or_else(|| broken("a page ends before its cells do"))?,
-                ),
-                false => None,
+                )
+            } else {
+                None
             };
             take(value)?;
         }

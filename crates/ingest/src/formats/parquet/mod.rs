@@ -58,9 +58,10 @@ impl Format for Parquet {
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        match head.bytes.starts_with(MAGIC) {
-            true => Match::Certain("the file begins with PAR1"),
-            false => Match::No,
+        if head.bytes.starts_with(MAGIC) {
+            Match::Certain("the file begins with PAR1")
+        } else {
+            Match::No
         }
     }
 
@@ -218,9 +219,10 @@ fn kept(file: &SerializedFileReader<Bytes>, issues: &mut Vec<Issue>) -> Vec<(usi
         let by_delta = groups
             .iter()
             .any(|group| columns::is_by_delta(group.column(leaf)));
-        let kind = match by_delta {
-            true => Err("texts in an encoding that is not read (write them as PLAIN or with a dictionary)"),
-            false => Kind::of(&schema.column(leaf)),
+        let kind = if by_delta {
+            Err("texts in an encoding that is not read (write them as PLAIN or with a dictionary)")
+        } else {
+            Kind::of(&schema.column(leaf))
         };
         match kind {
             Ok(kind) => kept.push((leaf, kind)),

@@ -99,11 +99,12 @@ fn check_column(bytes: &[u8], column: &ColumnChunkMetaData, rows: i64) -> Result
             return Err(format!("a page declares {} values", declared.values));
         }
     }
-    match values == rows {
-        true => Ok(()),
-        false => Err(format!(
+    if values == rows {
+        Ok(())
+    } else {
+        Err(format!(
             "its pages declare {values} values, its row group {rows} rows"
-        )),
+        ))
     }
 }
 

@@ -116,9 +116,10 @@ fn with_a_break_it_is_two_lines_end_to_end() {
         let load = first.1 * (second.0 * rest).tanh() / second.1;
         let at = |s: f64| (first.0 * (place - s)).cosh() + load * (first.0 * (place - s)).sinh();
         let over_first = at(s.min(place)) / at(0.0) / p;
-        match s <= place {
-            true => over_first,
-            false => over_first * (second.0 * (model.length_cm - s)).cosh() / (second.0 * rest).cosh(),
+        if s <= place {
+            over_first
+        } else {
+            over_first * (second.0 * (model.length_cm - s)).cosh() / (second.0 * rest).cosh()
         }
     };
     for s in [0.5, 1.9, 2.1, 4.4] {

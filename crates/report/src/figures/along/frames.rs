@@ -41,9 +41,10 @@ pub fn frames(strip: &AlongStrip, curve: &AlongCurve) -> Option<Frames> {
     edges.extend((0..last).map(|k| at[k] + half(k)));
     edges.push(at[last] + half(last - 1));
     let (low, high) = (edges[0], edges[at.len()]);
-    let axis = match linear {
-        true => Axis::linear(low, high, "Time", "s", 5),
-        false => Axis::log(10f64.powf(low), 10f64.powf(high), &title(strip.step_s), "s"),
+    let axis = if linear {
+        Axis::linear(low, high, "Time", "s", 5)
+    } else {
+        Axis::log(10f64.powf(low), 10f64.powf(high), &title(strip.step_s), "s")
     };
     Some(Frames {
         axis,
@@ -54,8 +55,9 @@ pub fn frames(strip: &AlongStrip, curve: &AlongCurve) -> Option<Frames> {
 }
 
 fn title(step_s: f64) -> String {
-    match step_s == 0.0 {
-        true => "Time since the step".to_owned(),
-        false => format!("Time since the step at {} s", plain(step_s)),
+    if step_s == 0.0 {
+        "Time since the step".to_owned()
+    } else {
+        format!("Time since the step at {} s", plain(step_s))
     }
 }

@@ -115,9 +115,12 @@ impl Scale {
 
     fn color(&self, value: f64) -> Option<(u8, u8, u8)> {
         let share = level((value - self.axis.low) / (self.axis.high - self.axis.low));
-        value.is_finite().then(|| match self.diverges {
-            true => diverging(2.0 * share - 1.0),
-            false => sequential(share),
+        value.is_finite().then(|| {
+            if self.diverges {
+                diverging(2.0 * share - 1.0)
+            } else {
+                sequential(share)
+            }
         })
     }
 }

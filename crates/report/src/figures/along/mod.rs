@@ -12,9 +12,10 @@ use crate::number::significant;
 /// A time for a key: three digits, no zeros at the end: `0.02 s`, `860 s`.
 pub fn seconds(time_s: f64) -> String {
     let text = significant(time_s, 3);
-    let short = match text.contains('.') && !text.contains('·') {
-        true => text.trim_end_matches('0').trim_end_matches('.'),
-        false => &text,
+    let short = if text.contains('.') && !text.contains('·') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
     };
     format!("{short} s")
 }
