@@ -44,18 +44,20 @@ MATERIALS = ["CNaf", "CPvf", "PtNaf", "AuAq"]
 
 
 def timed(command):
-    """Seconds on the clock, of processor time, and MB of memory at most, of one process."""
+    """Seconds on the clock, of processor time, and MB of memory at most, of one process; told as it ends."""
     begun = time.monotonic()
     child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     said = child.stderr.read()
     _, status, usage = os.wait4(child.pid, 0)
     if os.waitstatus_to_exitcode(status) not in (0, 1):
         sys.exit(f"{' '.join(map(str, command))}\n{said}")
-    return {
+    took = {
         "seconds": round(time.monotonic() - begun, 3),
         "processor_seconds": round(usage.ru_utime + usage.ru_stime, 3),
         "memory_mb": round(usage.ru_maxrss / 1024, 1),
     }
+    print(*[word for word in command[1:] if not str(word).startswith("--")], took, file=sys.stderr, flush=True)
+    return took
 
 
 def parameters(run, sample, humidity, kind):

@@ -152,7 +152,7 @@
       input.setAttribute("aria-expanded", "true");
       say(`${found.length} runs found`);
     };
-    input.addEventListener("focus", runs, { once: true });
+    input.addEventListener("focus", () => runs(), { once: true });
     input.addEventListener("input", look);
     input.addEventListener("keydown", (event) => {
       if (event.key === "ArrowDown") choose(at + 1);

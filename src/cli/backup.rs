@@ -1,5 +1,6 @@
 //! `ieap backup` and `ieap restore`.
 
+use crate::domain::words::counted;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -8,7 +9,7 @@ use serde_json::json;
 use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::global::Global;
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::domain::Issue;
 use crate::pipeline::upkeep::backup::manifest::LeftOut;
 use crate::pipeline::upkeep::backup::{Backup, KEEP, Restore};

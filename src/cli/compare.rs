@@ -1,5 +1,6 @@
 //! `ieap compare`.
 
+use crate::domain::words::counted;
 use std::collections::{BTreeMap, BTreeSet};
 
 use clap::Args;
@@ -8,7 +9,7 @@ use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
 use super::global::Global;
 use super::ingest;
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::pipeline::documents::comparison::comparison_document;
 use crate::pipeline::{CompareModels, CompareSummary, ComparedCondition, ComparedModel, Ingest};
 

@@ -8,6 +8,7 @@ use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::typed;
 use crate::domain::typed_value::Measured;
+use crate::domain::words::capital;
 use crate::pipeline::Context;
 use crate::pipeline::apart::convert::{MeasuredStrip, convert};
 use crate::pipeline::documents::estimate_words::{in_words, interval_in_words};
@@ -108,6 +109,6 @@ fn fill(strip: &mut MeasuredStrip, id: &str, args: &ConvertArgs) -> Result<Strin
     });
     Ok(match found.modulus_mpa.reason {
         Some(reason) if strip.modulus_mpa.is_none() => format!("No modulus: {reason}."),
-        _ => format!("{}{}.", found.source[..1].to_uppercase(), &found.source[1..]),
+        _ => format!("{}.", capital(&found.source)),
     })
 }

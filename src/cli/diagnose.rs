@@ -1,5 +1,6 @@
 //! `ieap diagnose`.
 
+use crate::domain::words::counted;
 use clap::Args;
 
 use super::campaign::CampaignArg;
@@ -7,7 +8,7 @@ use super::exit::{self, CliError, INTERRUPTED};
 use super::global::Global;
 use super::ingest;
 use super::interrupted::{GoesOn, interrupted};
-use super::output::{Output, counted};
+use super::output::Output;
 use super::signals;
 use crate::domain::{Gain, Verdict};
 use crate::model::effects;

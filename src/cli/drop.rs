@@ -1,5 +1,6 @@
 //! `ieap drop` and `ieap undrop`.
 
+use crate::domain::words::counted;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -7,7 +8,7 @@ use serde_json::json;
 
 use super::exit::{CliError, DONE};
 use super::global::Global;
-use super::output::{Output, counted};
+use super::output::Output;
 use super::tag::{places, user_name};
 use crate::ingest::campaign_file;
 use crate::pipeline::campaign::standing::SetAside;

@@ -1,5 +1,6 @@
 //! `ieap export`.
 
+use crate::domain::words::counted;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -7,7 +8,7 @@ use serde_json::json;
 
 use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::pipeline::documents::fits::fits_document;
 use crate::pipeline::show::export::{Export, Table, TableFormat};
 use crate::pipeline::show::partitioned::ExportPartitioned;

@@ -1,5 +1,6 @@
 //! `ieap fit`.
 
+use crate::domain::words::counted;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -12,7 +13,7 @@ use super::fit_group::{self, GroupArgs};
 use super::global::Global;
 use super::ingest;
 use super::interrupted::{GoesOn, interrupted};
-use super::output::{Output, counted};
+use super::output::Output;
 use super::signals;
 use crate::domain::FileState;
 use crate::pipeline::documents::estimate_words::in_words;

@@ -1,5 +1,6 @@
 //! `ieap import-fits`.
 
+use crate::domain::words::counted;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -8,7 +9,7 @@ use serde_json::json;
 use super::campaign::{folder, say_what_is_not_understood};
 use super::exit::{self, CliError};
 use super::global::Global;
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::pipeline::Context;
 use crate::pipeline::upkeep::import_fits::{ImportFits, ImportSummary};
 

@@ -1,5 +1,6 @@
 //! `ieap ingest`.
 
+use crate::domain::words::counted;
 use std::collections::BTreeMap;
 
 use clap::Args;
@@ -8,7 +9,7 @@ use serde_json::json;
 use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
 use super::global::Global;
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::domain::Issue;
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::pipeline::ground::mends::{Together, together};

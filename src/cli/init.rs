@@ -1,12 +1,13 @@
 //! `ieap init`.
 
+use crate::domain::words::counted;
 use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
 
 use super::exit::{CliError, DONE};
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::domain::safe_text::one_line;
 use crate::domain::tag::keys;
 use crate::pipeline::init;

@@ -1,7 +1,8 @@
 //! What is said of work that was interrupted: what is kept, what is left, which verb goes on.
 
 use super::exit::{CliError, INTERRUPTED};
-use super::output::{Output, counted};
+use super::output::Output;
+use crate::domain::words::counted;
 use crate::pipeline::{Context, Observer, left};
 
 /// The verb that goes on after an interruption, and what it makes beside fits.

@@ -1,5 +1,6 @@
 //! `ieap next`.
 
+use crate::domain::words::counted;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -7,7 +8,7 @@ use serde_json::json;
 
 use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::pipeline::Context;
 use crate::pipeline::findings::next_runs::{
     NextRunEntry, SheetSummary, entries, plan, untying_entries, write_sheet,

@@ -17,12 +17,6 @@ use crate::domain::Issue;
 use crate::domain::safe_text::json_text;
 use crate::pipeline::Observer;
 
-/// `count` things: `1 file`, `3 files`.
-pub fn counted(count: usize, thing: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {thing}{plural}")
-}
-
 /// How the time of a line is written: RFC 3339 but for a space, with the offset from UTC.
 const LOG_TIME: &str = "%Y-%m-%d %H:%M:%S%:z";
 

@@ -1,5 +1,6 @@
 //! `ieap rebuild`.
 
+use crate::domain::words::counted;
 use clap::Args;
 use serde_json::json;
 
@@ -7,7 +8,7 @@ use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
 use super::global::Global;
 use super::ingest;
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::pipeline::{Rebuild, RebuildSummary};
 
 /// Make the database anew from archive and journal, where it is lost or damaged; the old one is kept under another name

@@ -1,5 +1,6 @@
 //! `ieap report`.
 
+use crate::domain::words::counted;
 use clap::Args;
 use serde_json::json;
 
@@ -7,7 +8,7 @@ use super::campaign::CampaignArg;
 use super::exit::{self, CliError, STORAGE};
 use super::faults::say_faults;
 use super::global::Global;
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::pipeline::{RenderReport, ReportSummary};
 
 /// Render the report from the database, without looking for new files

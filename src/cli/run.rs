@@ -1,5 +1,6 @@
 //! `ieap run`.
 
+use crate::domain::words::counted;
 use clap::Args;
 use serde_json::json;
 
@@ -9,7 +10,7 @@ use super::faults::say_faults;
 use super::fit_choice::FitChoiceArgs;
 use super::global::Global;
 use super::interrupted::{GoesOn, interrupted};
-use super::output::{Output, counted};
+use super::output::Output;
 use super::{diagnose, ingest, report, signals};
 use crate::pipeline::upkeep::verify::archive::raw_files_lost;
 use crate::pipeline::upkeep::verify::missed;

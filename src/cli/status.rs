@@ -1,5 +1,6 @@
 //! `ieap status`.
 
+use crate::domain::words::counted;
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,7 +9,7 @@ use serde_json::json;
 use super::campaign::{CampaignArg, say_what_is_not_understood, say_what_opening_found};
 use super::exit::{self, ALARM, CliError, DONE};
 use super::ingest;
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::domain::{Alarm, Fault, Issue};
 use crate::pipeline::ground::mends::Reasoned;
 use crate::pipeline::ground::mends::together;

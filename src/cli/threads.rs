@@ -1,10 +1,11 @@
 //! On how many threads the work is done: as many as are asked for, are of use, and can be had.
 
+use crate::domain::words::counted;
 use std::sync::mpsc::{Sender, channel};
 use std::thread::{Builder, JoinHandle};
 
 use super::exit::CliError;
-use super::output::{Output, counted};
+use super::output::Output;
 
 /// Most threads taken: more than the machines that this is meant for have cores. Work here only waits for the processor, so
 /// that further ones bring nothing but their memory.

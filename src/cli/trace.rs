@@ -1,11 +1,12 @@
 //! `ieap trace`.
 
+use crate::domain::words::counted;
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::exit::{CliError, DONE, SOME_REFUSED};
-use super::output::{Output, counted};
+use super::output::Output;
 use crate::ingest::frames::{FrameSettings, Numbers};
 use crate::pipeline::intake::trace::{TraceFrames, TraceSummary};
 use crate::strip::{Side, Tone};

@@ -42,6 +42,7 @@ pub mod typed_value;
 pub mod unit;
 mod unit_of_key;
 mod unit_spelling;
+pub mod words;
 
 pub use along::{AlongCurve, AlongStrip, EndsRatio, PlaceSeries, StripShape};
 pub use asked_fit::AskedFit;

@@ -63,12 +63,7 @@ pub(super) fn fit(input: &FitInput, options: &FitOptions, sampled: Sampled, why:
     };
     let parameters = known.parameters(input, options);
     let mut issues = parameter_issues(&parameters);
-    issues.extend(weighing.map(|evidence| {
-        Issue::note(
-            "model-choice",
-            choice_in_words(&evidence).replace("the current", "the bending"),
-        )
-    }));
+    issues.extend(weighing.map(|evidence| Issue::note("model-choice", choice_in_words(&evidence))));
     issues.extend((!is_flat).then(|| labelled(relaxes_slowest)));
     if !judged.stop.converged() {
         issues.push(not_converged(judged.stop));

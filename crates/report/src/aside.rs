@@ -1,6 +1,7 @@
 //! Runs whose readings are known to be wrong, as pages and figures show them: beside what results are made from, with the
 //! reason, and in no number.
 
+use ieap_domain::words::in_a_row;
 use std::collections::BTreeSet;
 
 use serde::Serialize;
@@ -8,7 +9,7 @@ use serde::Serialize;
 use super::figures::aside::AsideMark;
 use super::figures::axis::Axis;
 use super::number::significant;
-use super::pages::wording::{RunLink, listed};
+use super::pages::wording::RunLink;
 use super::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::parameters::usable;
@@ -90,6 +91,6 @@ pub fn beyond_words<'a>(
     if said.is_empty() {
         String::new()
     } else {
-        format!("Beyond the axes, at an arrow: {}.", listed(&said))
+        format!("Beyond the axes, at an arrow: {}.", in_a_row(&said))
     }
 }

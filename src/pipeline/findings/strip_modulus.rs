@@ -1,7 +1,7 @@
 //! The modulus of a strip, from the modulus logs of its sample or of its material, and where it is from.
 
-use crate::analysis::laws::words::in_a_row;
 use crate::analysis::stiffness::sample_modulus;
+use crate::domain::words::in_a_row;
 use crate::domain::{Estimate, Sample};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, PipelineError};

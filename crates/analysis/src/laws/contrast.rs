@@ -2,13 +2,14 @@
 //! samples, and what that does not say.
 
 use ieap_domain::quantiles::NORMAL_95;
+use ieap_domain::words::counted;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::covariate::Covariate;
 use super::doubt::Doubts;
 use super::facts::RunFacts;
 use super::fitted::Interval;
-use super::words::{counted, round, short, symbol};
+use super::words::{round, short, symbol};
 use crate::one_fit::SharedEstimate;
 use crate::parameters::{COMPARED, usable};
 use ieap_domain::{Campaign, Estimate, RunRecord};

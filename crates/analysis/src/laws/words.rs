@@ -12,6 +12,7 @@ use super::selection::Selection;
 use super::shape::Law;
 use crate::false_discovery::CLAIMED_BELOW;
 use crate::parameters::ParameterInfo;
+use ieap_domain::words::{capital, counted, in_a_row};
 
 /// Symbol of a parameter; its key where it has none.
 pub fn symbol(key: &str) -> &str {
@@ -435,30 +436,6 @@ pub fn selection(found: &Selection) -> String {
 pub fn listed(covariates: &[Covariate]) -> String {
     let labels: Vec<&str> = covariates.iter().map(|covariate| covariate.label()).collect();
     in_a_row(&labels)
-}
-
-/// Words in a row: `a, b and c`.
-pub fn in_a_row<T: AsRef<str>>(words: &[T]) -> String {
-    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
-    match words.as_slice() {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
-}
-
-/// The same with a large first letter.
-pub fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters
-        .next()
-        .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// `1 sample`, `6 samples`.
-pub fn counted(count: usize, thing: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {thing}{plural}")
 }
 
 /// A number to the digits that a width of its interval carries: a tenth of it counts.

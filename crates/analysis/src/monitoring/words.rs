@@ -6,9 +6,10 @@ use crate::false_discovery::CLAIMED_BELOW;
 use crate::laws::covariate::Covariate;
 use crate::laws::fitted::{AS_GOOD, Fitted, Interval};
 use crate::laws::shape::Law;
-use crate::laws::words::{counted, in_a_row, listed, moves, round, short, symbol};
+use crate::laws::words::{listed, moves, round, short, symbol};
 use crate::laws::{CampaignLaws, Dependence};
 use ieap_domain::Limit;
+use ieap_domain::words::{counted, in_a_row};
 
 /// The life of a parameter of a sample, in a few sentences: what is clearest first.
 pub fn life(watched: &Watched) -> String {

@@ -5,8 +5,9 @@ use crate::laws::covariate::Covariate;
 use crate::laws::design::INFLATION_LIMIT;
 use crate::laws::facts::RunFacts;
 use crate::laws::find::TiedSet;
-use crate::laws::words::{counted, listed, short};
+use crate::laws::words::{listed, short};
 use ieap_domain::seconds::seconds;
+use ieap_domain::words::counted;
 use ieap_domain::{Drive, Level};
 
 /// `38`, `3.1`, or `infinity`.

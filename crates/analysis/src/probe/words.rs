@@ -2,7 +2,8 @@
 
 use super::{Course, DAY_S};
 use crate::laws::shape::Law;
-use crate::laws::words::{counted, moves, short};
+use crate::laws::words::{moves, short};
+use ieap_domain::words::counted;
 
 /// What the readings of a sample say, the clearest first.
 pub fn life(course: &Course) -> String {

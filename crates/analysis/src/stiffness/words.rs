@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use ieap_domain::Estimate;
+use ieap_domain::words::counted;
 
 use super::{Cause, Change, SampleRow};
 use crate::conditions::Conditions;
@@ -34,14 +35,11 @@ pub fn answer(rows: &[SampleRow]) -> String {
     if open > 0 && !told.is_empty() {
         sentence += &format!("; it is not told in {open}");
     }
-    sentence + &format!(" (of {} compared with the driest).", counted(changes.len()))
-}
-
-fn counted(conditions: usize) -> String {
-    match conditions {
-        1 => "1 condition".to_owned(),
-        many => format!("{many} conditions"),
-    }
+    sentence
+        + &format!(
+            " (of {} compared with the driest).",
+            counted(changes.len(), "condition")
+        )
 }
 
 /// One sentence for each change, those that are told first, and one for each sample and reason why others are not.
@@ -60,7 +58,7 @@ pub fn sentences(table: &Conditions, rows: &[SampleRow]) -> Vec<String> {
     let unknown = unknown.into_iter().map(|((sample, reason), count)| {
         format!(
             "{sample}: why α changes is not told in {}: {reason}.",
-            counted(count)
+            counted(count, "condition")
         )
     });
     said.into_iter().chain(unknown).collect()

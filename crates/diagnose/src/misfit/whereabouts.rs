@@ -1,6 +1,7 @@
 //! Where the simulation is wrong, in words.
 
 use ieap_domain::seconds::span;
+use ieap_domain::words::in_a_row;
 use ieap_domain::{MisfitStretch, Whereabouts};
 
 use crate::misfit::null::Null;
@@ -120,10 +121,10 @@ fn sentence(group: &RunGroup, segments: &[MisfitStretch]) -> String {
                 .to_owned()
         })
         .collect();
-    let at = match list.as_slice() {
-        [] => String::new(),
-        [one] => format!(" at {one} V"),
-        [first @ .., last] => format!(" at {} and {last} V", first.join(", ")),
+    let at = if list.is_empty() {
+        String::new()
+    } else {
+        format!(" at {} V", in_a_row(&list))
     };
     format!(
         "simulated {} {wrong} from {}{at}, by up to {:.0} standard errors of its mean",

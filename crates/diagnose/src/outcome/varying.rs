@@ -1,5 +1,6 @@
 //! What is said where the parameters of a group differ between its runs, and nothing else is wrong.
 
+use ieap_domain::words::in_a_row;
 use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue};
 
 use crate::levels::WRONG;
@@ -135,10 +136,10 @@ pub(crate) fn printed(key: &str) -> (String, f64, &'static str) {
 }
 
 pub(crate) fn listed(parts: &[String]) -> String {
-    match parts {
-        [] => "their parameters differ".to_owned(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    if parts.is_empty() {
+        "their parameters differ".to_owned()
+    } else {
+        in_a_row(parts)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Parts of the page "Across runs" that show a campaign's design: the matrix of parameters and covariates, the map of
 //! what is confounded, the runs to make next.
 
+use ieap_domain::words::{counted, in_a_row};
 use serde::Serialize;
 
 use super::finding_words::probability;
-use super::wording::{counted, listed};
 use crate::number::fixed;
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
@@ -237,7 +237,7 @@ pub fn tied(site: &Site) -> Vec<String> {
         }
     }
     said.into_iter()
-        .map(|(materials, rest)| format!("In the runs of {}, {rest}", listed(&materials)))
+        .map(|(materials, rest)| format!("In the runs of {}, {rest}", in_a_row(&materials)))
         .collect()
 }
 

@@ -2,6 +2,7 @@
 
 use super::parameter_section::ParameterSection;
 use ieap_domain::range_of;
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -10,7 +11,6 @@ use super::Content;
 use super::across;
 use super::comparison::caution;
 use super::law_cards::{SampleKey, sample_keys};
-use super::wording::counted;
 use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;

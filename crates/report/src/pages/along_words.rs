@@ -1,6 +1,7 @@
 //! What is said of a run that is read along the strip, on its page and on those of strips.
 
-use super::wording::{counted, readable};
+use super::wording::readable;
+use ieap_domain::words::counted;
 use ieap_domain::{Fit, Issue, Quantity, RunRecord};
 
 /// What the fit says of lumped and distributed, as a sentence; empty where it says nothing.

@@ -1,5 +1,6 @@
 //! What the overview says first, in at most three sentences: what the campaign shows, what the model lacks, what to do next.
 
+use ieap_domain::words::{counted, in_a_row};
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
@@ -8,7 +9,7 @@ use super::comparison::contrast_sentences;
 use super::finding_words::{Outcome, campaign_lead, outcome_of};
 use super::humidity::strongest_first;
 use super::law_cards::{LawCard, SampleKey, law_cards, one_of, sample_keys};
-use super::wording::{counted, group_title, listed};
+use super::wording::group_title;
 use super::{across, forecasts};
 use crate::aside::Shown;
 use crate::error::ReportError;
@@ -131,7 +132,7 @@ fn lacks(site: &Site) -> Option<Said> {
 /// The cause at the depth that the readings tell, with the effect's name where they tell it.
 fn cause_words(found: &GroupDiagnosis) -> String {
     let names: BTreeSet<&str> = found.effects.iter().map(|own| own.effect.as_str()).collect();
-    let names = listed(&names.into_iter().map(str::to_owned).collect::<Vec<_>>());
+    let names = in_a_row(&names.into_iter().map(str::to_owned).collect::<Vec<_>>());
     let first_clause = |words: &str| words.split(';').next().unwrap_or(words).trim().to_owned();
     match &found.node {
         Some(node) if node.depth >= 3 && !names.is_empty() => {
@@ -147,7 +148,7 @@ fn groups_words(groups: &[&GroupDiagnosis]) -> String {
     if names.len() > NAMED {
         format!("in {} groups", names.len())
     } else {
-        listed(&names)
+        in_a_row(&names)
     }
 }
 

@@ -1,11 +1,12 @@
 //! The climate page: logs over time, sensors and how they compare, exposure of the samples, problems found.
 
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
-use super::wording::{IssueText, RunLink, counted};
+use super::wording::{IssueText, RunLink};
 use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::climate::{Drawn, overview};

@@ -1,13 +1,14 @@
 //! The comparison: each parameter over all conditions, with 95 % intervals.
 
+use ieap_domain::words::{counted, in_a_row};
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
 use super::wording::{
-    NOT_CONVERGED, counted, estimate_of, humidity_label, listed, surroundings_label, voltage_label,
-    voltage_labels, why_unfitted,
+    NOT_CONVERGED, estimate_of, humidity_label, surroundings_label, voltage_label, voltage_labels,
+    why_unfitted,
 };
 use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
@@ -81,13 +82,13 @@ pub fn caution(site: &Site) -> Vec<String> {
     if !found.environment_with_age.is_empty() {
         sentences.push(format!(
             "The environments of {} were measured one after the other: a difference between them may also be age.",
-            listed(&found.environment_with_age)
+            in_a_row(&found.environment_with_age)
         ));
     }
     if !found.voltage_with_age.is_empty() {
         sentences.push(format!(
             "The voltages of {} only rose with time: an effect of voltage may also be the effect of the steps before.",
-            listed(&found.voltage_with_age)
+            in_a_row(&found.voltage_with_age)
         ));
     }
     sentences

@@ -1,6 +1,7 @@
 //! The coverage map: how often each condition was measured, what cannot be told apart, what to measure next: first the
 //! plan of the campaign, as the overview and "Across runs" have it, then the conditions that could be filled beside it.
 
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -9,7 +10,7 @@ use super::Content;
 use super::across;
 use super::comparison::caution;
 use super::ratios::reference_words;
-use super::wording::{counted, humidity_label, surroundings_label, voltage_label, voltage_labels};
+use super::wording::{humidity_label, surroundings_label, voltage_label, voltage_labels};
 use crate::error::ReportError;
 use crate::input::Input;
 use crate::site::Site;
@@ -232,10 +233,12 @@ fn sentence(site: &Site, next: &Next) -> String {
     );
     match &next.why {
         Why::Reference(runs) => format!(
-            "{place} again: others are compared with it, and its {} do not tell its spread.",
-            counted(*runs, "run")
-        )
-        .replace("its 1 run do not tell", "its one run does not tell"),
+            "{place} again: others are compared with it, and {} its spread.",
+            match runs {
+                1 => "its one run does not tell".to_owned(),
+                some => format!("its {some} runs do not tell"),
+            }
+        ),
         Why::Return(sample) => format!(
             "{place} again, on {sample}: its environments came one after the other, and a return to the first tells the environment from age."
         ),

@@ -1,12 +1,13 @@
 //! Modulus logs: the thesis's table 4 and figure 24, and each log with its humidity steps.
 
+use ieap_domain::words::{counted, in_a_row};
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
 use super::dma_humidity::{HumidityPanel, WholeSpan, humidity_panel, whole_span};
-use super::wording::{EstimateText, IssueText, counted, listed};
+use super::wording::{EstimateText, IssueText};
 use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::modulus::{NormalisedLog, log_panels, normalised};
@@ -310,7 +311,7 @@ fn overview(
     let title = "Normalised complex modulus under humidity";
     let desc = format!(
         "|E*| of {} relative to its value before the first humidity step, with the humidity below.",
-        listed(&names)
+        in_a_row(&names)
     );
     let id = "normalised".to_owned();
     let svg = normalised(drawn, title, &desc).map_err(|reason| ReportError::Figure {

@@ -1,5 +1,6 @@
 //! The page of one group: what the simulation gets wrong there, the cause, the extended model and its gain.
 
+use ieap_domain::words::in_a_row;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -11,7 +12,7 @@ use super::finding_differs::{DiffersBlock, differs_blocks};
 use super::finding_gain::{GainSection, called, called_held_out, extension, gain_section};
 use super::finding_posterior::{HypothesisRow, hypothesis_rows};
 use super::finding_words::{counted_from_draws, equation_of, lead, shift_words, test_words, verdict_of};
-use super::wording::{EstimateText, RunLink, group_title, listed, readable, with_index};
+use super::wording::{EstimateText, RunLink, group_title, readable, with_index};
 use crate::error::ReportError;
 use crate::figures::gain_bars::gain_bars;
 use crate::figures::profile::profile;
@@ -194,7 +195,7 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
         set: set(found, findings),
         next_run: found.next_run.as_ref().map(|next| NextRunText {
             drive: next.drive.clone(),
-            splits: listed(&next.splits),
+            splits: in_a_row(&next.splits),
             expected: significant(next.expected_set_size, 2),
         }),
         shift_words: shifts
@@ -269,7 +270,7 @@ fn effect_block(finding: &EffectFinding, draws: usize, findings: &Findings) -> E
         parameters: finding.parameters.iter().map(parameter).collect(),
         p: equation_of("p", &p),
         q: equation_of("q", &q),
-        twins: listed(&finding.twins),
+        twins: in_a_row(&finding.twins),
         separated_by: text(|effect| &effect.separated_by),
     }
 }

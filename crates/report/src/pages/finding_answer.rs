@@ -1,11 +1,12 @@
 //! What the page of a group says first: one picture of the worst run, the errors before and after, what it may be.
 
+use ieap_domain::words::in_a_row;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::finding_gain::{ErrorTable, called, error_table, extension};
-use super::wording::{EstimateText, RunLink, listed, with_index};
+use super::wording::{EstimateText, RunLink, with_index};
 use crate::error::ReportError;
 use crate::figures::residual::overlay;
 use crate::input::{EffectParameterText, Findings};
@@ -156,7 +157,7 @@ fn size_words(found: &GroupDiagnosis) -> String {
     if sizes.is_empty() {
         String::new()
     } else {
-        format!("The simulation is off by {}.", listed(&sizes))
+        format!("The simulation is off by {}.", in_a_row(&sizes))
     }
 }
 

@@ -1,8 +1,8 @@
 //! What may be behind a misfit, with how probable it is.
 
+use ieap_domain::words::in_a_row;
 use serde::Serialize;
 
-use super::wording::listed;
 use crate::input::Findings;
 use crate::number::fixed;
 use ieap_analysis::ParameterInfo;
@@ -95,7 +95,7 @@ fn parameters(own: &Hypothesis) -> String {
     let symbols: Vec<String> = own.parameters_that_differ.iter().map(symbol).collect();
     match symbols.len() {
         1 => format!("{} differs between the runs", symbols[0]),
-        _ => format!("{} differ between the runs", listed(&symbols)),
+        _ => format!("{} differ between the runs", in_a_row(&symbols)),
     }
 }
 

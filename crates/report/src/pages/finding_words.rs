@@ -1,9 +1,10 @@
 //! What a finding says, in words for people who do not work with probabilities.
 
-use super::wording::{counted, listed, readable};
+use super::wording::readable;
 use crate::input::Findings;
 use crate::number::{fixed, significant};
 use ieap_domain::diagnosis::follows_a_tag;
+use ieap_domain::words::{counted, in_a_row};
 use ieap_domain::{GroupDiagnosis, ParameterShift, Verdict};
 
 /// Shifts below this many standard errors are not put into words.
@@ -51,7 +52,7 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
             .effect(id)
             .map_or_else(|| id.clone(), |effect| first_clause(&effect.summary))
     };
-    let causes = |ids: &[String]| listed(&ids.iter().map(summary).collect::<Vec<_>>());
+    let causes = |ids: &[String]| in_a_row(&ids.iter().map(summary).collect::<Vec<_>>());
     let taken: Vec<String> = found.effects.iter().map(|effect| effect.effect.clone()).collect();
     match found.verdict {
         Verdict::Consistent => {

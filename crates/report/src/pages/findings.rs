@@ -1,5 +1,6 @@
 //! The list of groups with what was found in each, and the ledger of every test made.
 
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -7,7 +8,7 @@ use serde::Serialize;
 use super::Content;
 use super::across;
 use super::finding_words::{campaign_lead, counted_from_draws, probability, verdict_of};
-use super::wording::{RunLink, counted, group_title, readable};
+use super::wording::{RunLink, group_title, readable};
 use crate::error::ReportError;
 use crate::number::{interval, measured, significant};
 use crate::site::Site;

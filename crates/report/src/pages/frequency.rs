@@ -1,12 +1,12 @@
 //! Amplitude and phase of current and bending against frequency: one figure, and what was measured in numbers.
 
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use ieap_analysis::frequency::{FrequencyPoint, FrequencyRun, PerVolt};
 use serde::Serialize;
 
 use super::Content;
-use super::wording::counted;
 use crate::error::ReportError;
 use crate::figures::svg::inline;
 use crate::input::Input;

@@ -1,6 +1,7 @@
 //! What holds across runs: every law with its figure, parameters against covariates, conditions compared, runs to make
 //! next; and folded below it what that rests on.
 
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -10,7 +11,6 @@ use super::across::{self, MapTable, MatrixTable, NextRow};
 use super::contrasts::{ContrastTable, contrast_tables};
 use super::finding_words::probability;
 use super::law_cards::{LawCard, SampleKey, common_notes, law_cards, sample_keys};
-use super::wording::counted;
 use crate::aside::{AsideRow, Shown};
 use crate::error::ReportError;
 use crate::input::Input;

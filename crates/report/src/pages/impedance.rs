@@ -1,11 +1,12 @@
 //! Impedance spectra: whether each can be one, which circuit describes it, and whether a step tells the same circuit.
 
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
-use super::wording::{EstimateText, IssueText, RunLink, counted};
+use super::wording::{EstimateText, IssueText, RunLink};
 use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::relaxation::relaxation;
@@ -165,7 +166,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             0 => String::new(),
             _ => format!(
                 "{} more stand in the table impedance.",
-                counted(left_out, "spectrum").replace("spectrums", "spectra")
+                counted(left_out, "spectrum")
             ),
         },
         not_analysed: refused.collect(),

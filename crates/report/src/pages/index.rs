@@ -1,5 +1,6 @@
 //! The overview: what needs a person, what was found, the parameters over the conditions, every run.
 
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -9,7 +10,7 @@ use super::answers::{Answers, answers};
 use super::comparison::{SmallPanel, caution, contrast_sentences, small_panels};
 use super::needs::{Need, needs};
 use super::runs_table::{RunsTable, runs_table};
-use super::wording::{IssueText, RunLink, counted, has_warnings, humidity_label, voltage_labels};
+use super::wording::{IssueText, RunLink, has_warnings, humidity_label, voltage_labels};
 use crate::error::ReportError;
 use crate::site::Site;
 use ieap_domain::{FileState, Issue, RunState, Severity};

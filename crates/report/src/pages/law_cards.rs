@@ -1,12 +1,12 @@
 //! Laws across runs as figures, each with its answer in a line.
 
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use ieap_domain::range_of;
 use serde::Serialize;
 
 use super::finding_words::equation;
-use super::wording::counted;
 use crate::aside::{Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::Ink;

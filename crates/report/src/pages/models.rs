@@ -1,12 +1,12 @@
 //! Models held against each other: the answer for every material and environment, what each leaves, and their curves. It
 //! shows what `ieap compare` stored.
 
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
-use super::wording::counted;
 use crate::error::ReportError;
 use crate::figures::svg::inline;
 use crate::input::Input;

@@ -3,6 +3,7 @@
 
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::range_of;
+use ieap_domain::words::counted;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
@@ -11,7 +12,7 @@ use super::Content;
 use super::control_charts::{ChartRow, chart_rows, draw_charts};
 use super::electrodes::{Electrodes, electrodes};
 use super::forecasts::{Forecast, forecasts, moment};
-use super::wording::{RunLink, counted, readable};
+use super::wording::{RunLink, readable};
 use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;

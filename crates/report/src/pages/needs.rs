@@ -1,8 +1,8 @@
 //! What only a person can mend, with the place where it is told.
 
+use ieap_domain::words::counted;
 use serde::Serialize;
 
-use super::wording::counted;
 use crate::input::Input;
 use crate::site::Site;
 use ieap_domain::{FileState, RunRecord, RunState, Standing};

@@ -1,13 +1,14 @@
 //! Every condition over a reference condition, with intervals.
 
 use super::parameter_section::ParameterSection;
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
 use super::comparison::{caution, doubts, groups_of};
-use super::wording::{counted, surroundings_label, voltage_label};
+use super::wording::{surroundings_label, voltage_label};
 use crate::error::ReportError;
 use crate::figures::axis::Axis;
 use crate::figures::comparison::{Group, ratio_comparison};

@@ -1,10 +1,10 @@
 //! The figures of one run: its responses with fit and residuals, and the drive where it changes more than once.
 
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::wording::counted;
 use crate::error::ReportError;
 use crate::figures;
 use crate::figures::response::{TimeView, response};

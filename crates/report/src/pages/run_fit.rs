@@ -1,9 +1,10 @@
 //! What the fit of one run says: its parameters, how it ended, how its residuals compare with the noise.
 
+use ieap_domain::words::{counted, in_a_row};
 use serde::Serialize;
 
 use super::run_evidence::Fact;
-use super::wording::{EstimateText, counted, in_unit, listed, why_unfitted};
+use super::wording::{EstimateText, in_unit, why_unfitted};
 use crate::number::{score, significant};
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::cycles::CycleRun;
@@ -61,7 +62,7 @@ pub fn summary(record: &RunRecord, doubted: bool) -> Vec<String> {
         .filter(|parameter| parameter.estimate.value.is_none());
     let symbols: Vec<String> = undetermined.map(|parameter| symbol_of(&parameter.key)).collect();
     if !symbols.is_empty() {
-        sentences.push(format!("Not determined by this run: {}.", listed(&symbols)));
+        sentences.push(format!("Not determined by this run: {}.", in_a_row(&symbols)));
     }
     sentences
 }
@@ -88,7 +89,7 @@ fn described_sentence(noise: &[ChannelNoise]) -> String {
     let each: Vec<String> = noise.iter().map(one).collect();
     format!(
         "The fit follows the readings: it leaves {} × the noise.",
-        listed(&each)
+        in_a_row(&each)
     )
 }
 

@@ -1,11 +1,12 @@
 //! All runs of a page on one axis: what their voltages do to each response.
 
+use ieap_domain::words::counted;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
 use super::run::DrawnRun;
-use super::wording::{counted, voltage_label};
+use super::wording::voltage_label;
 use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::overlaid::{Line, overlaid};

@@ -1,6 +1,7 @@
 //! The page of the runs of one group: what they differ by and what was fitted side by side, then run by run, then what
 //! holds for all of them. A run without a group has such a page for itself.
 
+use ieap_domain::words::counted;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
@@ -13,7 +14,7 @@ use super::run_fit::r_squared;
 use super::run_overlay::{Overlay, overlay};
 use super::run_tables::{ParametersTable, RunsTable, parameters_table, runs_table};
 use super::run_tags::{TagGroup, TagText, grouped, tags, take_common};
-use super::wording::{IssueText, RunLink, counted};
+use super::wording::{IssueText, RunLink};
 use crate::error::ReportError;
 use crate::fault::{guarded, reason_of};
 use crate::site::Site;

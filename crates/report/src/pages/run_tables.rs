@@ -1,5 +1,6 @@
 //! The runs of a page side by side: what they differ by, and what was fitted to each.
 
+use ieap_domain::words::capital;
 use serde::Serialize;
 
 use super::run_fit::{residual_over_noise, symbol_of};
@@ -8,7 +9,6 @@ use crate::number::{score, significant};
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
-use ieap_analysis::laws::words::capital;
 use ieap_domain::tag::keys;
 use ieap_domain::{Quantity, RunRecord};
 

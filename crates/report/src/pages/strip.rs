@@ -1,5 +1,6 @@
 //! The page of one run along its strip: maps of curvature, shapes, curves at places, voltages.
 
+use ieap_domain::words::{counted, in_a_row};
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -7,7 +8,7 @@ use serde::Serialize;
 use super::Content;
 use super::along_words::places;
 use super::run_condition::condition;
-use super::wording::{RunLink, counted};
+use super::wording::RunLink;
 use crate::error::ReportError;
 use crate::figures::along::map::{self, Shown, residual_end};
 use crate::figures::along::shapes::{self, Layout};
@@ -112,7 +113,7 @@ fn summary(strip: &AlongStrip, fit: Option<&Fit>) -> Vec<String> {
     if !ratios.is_empty() {
         sentences.push(format!(
             "The distributed model leaves a residual of {}.",
-            super::wording::listed(&ratios)
+            in_a_row(&ratios)
         ));
     }
     if fit.is_some_and(|fit| !fit.converged) {

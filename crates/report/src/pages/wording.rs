@@ -237,23 +237,6 @@ pub fn why_unfitted(run: &RunRecord) -> &'static str {
     }
 }
 
-/// `1 run`, `3 runs`
-pub fn counted(n: usize, noun: &str) -> String {
-    match n {
-        1 => format!("1 {noun}"),
-        _ => format!("{n} {noun}s"),
-    }
-}
-
-/// `a`, `a and b`, `a, b and c`
-pub fn listed(items: &[String]) -> String {
-    match items {
-        [] => String::new(),
-        [only] => only.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
-}
-
 /// `28–38 % RH`; empty where no humidity is known.
 pub fn humidity_label(surroundings: &Surroundings) -> String {
     let Some(level) = surroundings.humidity else {
@@ -371,12 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn words() {
-        assert_eq!(
-            (counted(1, "run"), counted(0, "run")),
-            ("1 run".to_owned(), "0 runs".to_owned())
-        );
-        assert_eq!(listed(&["a".into(), "b".into(), "c".into()]), "a, b and c");
+    fn voltages_have_as_many_decimals_as_tell_them_apart() {
         assert_eq!(voltage_labels(&[-0.7, -0.65]), ["−0.70", "−0.65"]);
         assert_eq!(voltage_labels(&[1.2, 2.0]), ["1.2", "2.0"]);
     }

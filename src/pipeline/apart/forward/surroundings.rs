@@ -5,6 +5,7 @@
 //! does. What the law leaves open goes into the prediction: its size by its interval, its form by the laws that describe
 //! the runs as well. That runs stray from the law is seen in how they then differ from each other.
 
+use crate::domain::words::in_a_row;
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
@@ -16,7 +17,7 @@ use crate::analysis::kept::Kept;
 use crate::analysis::laws::design::Level;
 use crate::analysis::laws::facts::{RunFacts, facts};
 use crate::analysis::laws::fitted::{Fitted, value_at};
-use crate::analysis::laws::words::{in_a_row, symbol};
+use crate::analysis::laws::words::symbol;
 use crate::analysis::laws::{Covariate, Dependence};
 use crate::domain::quantiles::NORMAL_95;
 use crate::domain::tag::keys;

@@ -3,8 +3,8 @@
 use super::asked::Preflight;
 use super::document::{ChangeEntry, PlanDocument, PlannedParameter, Verdict};
 use super::trial::Trial;
-use crate::analysis::laws::words::{capital, in_a_row};
 use crate::domain::seconds::seconds;
+use crate::domain::words::{capital, in_a_row};
 use crate::report::number::significant;
 
 /// The answer: what is determined, what is not and why, what mends it.

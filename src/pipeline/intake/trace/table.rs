@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::{RefusedFrame, ViewSummary};
 use crate::domain::safe_text::one_line;
+use crate::domain::words::counted;
 use crate::strip::{Bending, Initial};
 
 /// What a frame adds to the tables.
@@ -34,7 +35,7 @@ impl Tables {
     pub fn new(initial: &Initial, view: &ViewSummary, frames: usize) -> Tables {
         let mut statement = String::new();
         let lines = [
-            format!("traced from {frames} frame{} by ieap {}", if frames == 1 { "" } else { "s" }, env!("CARGO_PKG_VERSION")),
+            format!("traced from {} by ieap {}", counted(frames, "frame"), env!("CARGO_PKG_VERSION")),
             format!("{} strip, clamp at the {}", view.strip, view.clamp),
             format!("scale {:.4} px/mm ({}), free length {:.3} mm", view.px_per_mm, view.scale_from, view.length_mm),
             format!("bending is counted from {}; positive is {} from the clamp to the tip", view.initial, view.positive),

@@ -1,9 +1,10 @@
 //! The archive: the bytes of every raw file against the hash that it is named by.
 
+use crate::domain::words::counted;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::part::{Part, counted};
+use super::part::Part;
 use crate::domain::Issue;
 use crate::ingest::archive::{Archive, Archived, BlobFinding};
 use crate::pipeline::ground::mends::Reasoned;

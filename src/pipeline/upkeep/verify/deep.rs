@@ -1,11 +1,12 @@
 //! Every current number derived again: readings from the raw bytes, results from the readings.
 
+use crate::domain::words::counted;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::part::{Part, counted};
+use super::part::Part;
 use crate::domain::data_hash::data_hash;
 use crate::domain::{FileState, Issue, RunKind, RunRecord};
 use crate::ingest::Reading;
@@ -147,18 +148,14 @@ pub fn results(context: &Context, diagnoses: bool, observer: &dyn Observer) -> R
         "{} and {} made again",
         counted(fits.fitted + fits.failed.len(), "fit"),
         counted(modulus.analysed + modulus.failed.len(), "modulus analysis")
-    )
-    .replace("analysiss", "analyses");
+    );
     if diagnoses {
         let again = DiagnoseRuns {
             again: true,
             ..DiagnoseRuns::default()
         };
         let found = again.run(&mut copy, observer)?;
-        looked_at += &format!(
-            ", {}",
-            counted(found.diagnosed, "diagnosis").replace("diagnosiss", "diagnoses")
-        );
+        looked_at += &format!(", {}", counted(found.diagnosed, "diagnosis"));
     }
     let after = inputs(&copy)?;
     let differences = context.store.content()?.differences(&copy.store.content()?);

@@ -1,8 +1,9 @@
 //! The journal: its lines, and whether it says what the database says.
 
+use crate::domain::words::counted;
 use std::path::Path;
 
-use super::part::{Part, counted};
+use super::part::Part;
 use crate::domain::Issue;
 use crate::pipeline::upkeep::rebuild::what_is_wrong;
 use crate::pipeline::upkeep::told::Told;

@@ -24,9 +24,3 @@ impl Part {
             .all(|issue| issue.severity != Severity::Error)
     }
 }
-
-/// `1 run`, `3 runs`.
-pub(super) fn counted(count: usize, thing: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {thing}{plural}")
-}
