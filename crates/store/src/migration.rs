@@ -156,7 +156,7 @@ mod tests {
             .unwrap();
         let kept: (String, i64, String) = connection
             .query_row("SELECT path, inode, state FROM source_file", [], |row| {
-                Ok((row.get(0)?, row.get(1)?, row.get(2)?))
+                Ok((row.get("path")?, row.get("inode")?, row.get("state")?))
             })
             .unwrap();
         assert_eq!(kept, ("runs/a".to_owned(), 3, "log".to_owned()));
@@ -226,7 +226,7 @@ mod tests {
             .query_row(
                 "SELECT name, draws, document FROM diagnosis WHERE superseded_at IS NULL",
                 [],
-                |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)),
+                |row| Ok((row.get("name")?, row.get("draws")?, row.get("document")?)),
             )
             .unwrap();
         assert_eq!(kept, ("S1".to_owned(), 99, "{}".to_owned()));
