@@ -16,14 +16,8 @@ impl Store {
     pub fn told_alarms(&self) -> Result<BTreeSet<String>, StoreError> {
         let doing = "reading alarms";
         self.check_seal(&Subject::Alarms)?;
-        let mut statement = self
-            .connection
-            .prepare_cached("SELECT id FROM alarm")
-            .map_err(|e| self.failed(doing, e))?;
-        let ids = statement
-            .query_map([], |row| row.get(0))
-            .map_err(|e| self.failed(doing, e))?;
-        ids.collect::<Result<_, _>>().map_err(|e| self.failed(doing, e))
+        let ids = self.rows(doing, "SELECT id FROM alarm", [], |row| Ok(row.get(0)?))?;
+        Ok(ids.into_iter().collect())
     }
 
     /// Id, run and message of the alarms that were told, by when.
@@ -33,14 +27,10 @@ impl Store {
     pub fn told_of_runs(&self) -> Result<Vec<[String; 3]>, StoreError> {
         let doing = "reading alarms";
         self.check_seal(&Subject::Alarms)?;
-        let mut statement = self
-            .connection
-            .prepare_cached("SELECT id, run_path, message FROM alarm ORDER BY raised_at, id")
-            .map_err(|e| self.failed(doing, e))?;
-        let told = statement
-            .query_map([], |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?]))
-            .map_err(|e| self.failed(doing, e))?;
-        told.collect::<Result<_, _>>().map_err(|e| self.failed(doing, e))
+        let sql = "SELECT id, run_path, message FROM alarm ORDER BY raised_at, id";
+        self.rows(doing, sql, [], |row| {
+            Ok([row.get("id")?, row.get("run_path")?, row.get("message")?])
+        })
     }
 
     /// Records an alarm as told. Whoever tells it does so after this: a crash in between loses a message and never

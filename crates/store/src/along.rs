@@ -2,8 +2,9 @@
 
 use rusqlite::params;
 
-use super::blob::{pack_f64, unpack_f64};
-use super::{StepError, Store, StoreError, Subject, Transaction, from_key};
+use super::blob::pack_f64;
+use super::columns::{count_in, key_in, series_in};
+use super::{StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::{AlongCurve, Quantity};
 
 impl Store {
@@ -29,20 +30,14 @@ impl Store {
 }
 
 fn read_along(row: &rusqlite::Row<'_>) -> Result<AlongCurve, StepError> {
-    let series =
-        |column: &str| -> Result<Vec<f64>, StepError> { Ok(unpack_f64(&row.get::<_, Vec<u8>>(column)?)?) };
     Ok(AlongCurve {
-        quantity: from_key(
-            "a curve's quantity",
-            &row.get::<_, String>("quantity")?,
-            Quantity::from_key,
-        )?,
-        frames: row.get::<_, i64>("frames")?.unsigned_abs() as usize,
-        position_mm: series("position_blob")?,
-        noise: series("noise_blob")?,
-        time_s: series("time_blob")?,
-        measured: series("measured_blob")?,
-        fitted: series("fitted_blob")?,
+        quantity: key_in(row, "quantity", "a curve's quantity", Quantity::from_key)?,
+        frames: count_in(row, "frames")?,
+        position_mm: series_in(row, "position_blob")?,
+        noise: series_in(row, "noise_blob")?,
+        time_s: series_in(row, "time_blob")?,
+        measured: series_in(row, "measured_blob")?,
+        fitted: series_in(row, "fitted_blob")?,
     })
 }
 

@@ -1,13 +1,12 @@
 //! Climate logs: files of loggers, their series, and what they come to together.
 
-use rusqlite::{OptionalExtension, Row, params};
+use rusqlite::{Row, params};
 
-use super::blob::{pack_f64, unpack_f64};
+use super::blob::pack_f64;
+use super::columns::{count_in, json_in, key_in, series_in, to_json};
 use super::files::{say_renamed, upsert_file};
 use super::journal::{Entry, NamedBytes};
-use super::{
-    FileRow, RunContent, StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json,
-};
+use super::{FileRow, RunContent, StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::{ClimateAssessment, ClimateQuantity, Issue, LogReadings, LogSeries, RunStatus};
 
 /// A log that was read from a file.
@@ -138,9 +137,9 @@ impl Store {
         let sql = "SELECT path, format, issues FROM climate_log WHERE superseded_at IS NULL ORDER BY path";
         self.all_of(sql, [], |row| {
             Ok(LogRecord {
-                path: row.get(0)?,
-                format: row.get(1)?,
-                issues: from_json("a log's issues", &row.get::<_, String>(2)?)?,
+                path: row.get("path")?,
+                format: row.get("format")?,
+                issues: json_in(row, "issues", "a log's issues")?,
             })
         })
     }
@@ -164,14 +163,14 @@ impl Store {
     /// See [`StoreError`].
     pub fn log_readings(&self, series: &LogSeries) -> Result<LogReadings, StoreError> {
         self.check_seal(&Subject::Series(series.log_id, series.ordinal.into()))?;
-        let sql = "SELECT coalesce(own.time_blob, shared.time_blob), own.value_blob FROM climate_series AS own
+        let sql = "SELECT coalesce(own.time_blob, shared.time_blob) AS time_blob, own.value_blob
+                   FROM climate_series AS own
                    JOIN climate_series AS shared ON shared.log_id = own.log_id AND shared.ordinal = own.time_of
                    WHERE own.log_id = ?1 AND own.ordinal = ?2";
         let found = self.all_of(sql, params![series.log_id, series.ordinal], |row| {
-            let (times, values): (Vec<u8>, Vec<u8>) = (row.get(0)?, row.get(1)?);
             Ok(LogReadings {
-                elapsed_s: unpack_f64(&times)?,
-                values: unpack_f64(&values)?,
+                elapsed_s: series_in(row, "time_blob")?,
+                values: series_in(row, "value_blob")?,
             })
         })?;
         let whole = found
@@ -188,18 +187,12 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn climate_assessment(&self) -> Result<Option<(String, ClimateAssessment)>, StoreError> {
-        let doing = "reading the climate";
         self.check_seal(&Subject::Assessment)?;
         let sql = "SELECT inputs, document FROM climate_assessment";
-        let row = self
-            .connection
-            .query_row(sql, [], |row| {
-                Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?))
-            })
-            .optional()
-            .map_err(|e| self.failed(doing, e))?;
-        row.map(|(inputs, document)| Ok((inputs, from_json("the climate", &document)?)))
-            .transpose()
+        let found = self.rows("reading the climate", sql, [], |row| {
+            Ok((row.get("inputs")?, json_in(row, "document", "the climate")?))
+        });
+        Ok(found?.into_iter().next())
     }
 
     /// Puts a new assessment in place of the one before.
@@ -244,20 +237,16 @@ impl Store {
 
 fn read_series(row: &Row<'_>) -> Result<LogSeries, StepError> {
     let first_s: f64 = row.get("first_s")?;
-    let set_back: Vec<(f64, f64)> = from_json("a clock", &row.get::<_, String>("clock_set_back")?)?;
+    let set_back: Vec<(f64, f64)> = json_in(row, "clock_set_back", "a clock")?;
     Ok(LogSeries {
         log_id: row.get("id")?,
         ordinal: row.get("ordinal")?,
         path: row.get("path")?,
         data_hash: row.get("data_hash")?,
         sensor: row.get("sensor")?,
-        quantity: from_key(
-            "a quantity",
-            &row.get::<_, String>("quantity")?,
-            ClimateQuantity::from_key,
-        )?,
+        quantity: key_in(row, "quantity", "a quantity", ClimateQuantity::from_key)?,
         not_used: row.get("not_used")?,
-        readings: row.get::<_, i64>("readings")?.unsigned_abs() as usize,
+        readings: count_in(row, "readings")?,
         interval_s: row.get("interval_s")?,
         clock_start_s: row.get("clock_start_s")?,
         first_s,

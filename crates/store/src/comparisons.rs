@@ -2,7 +2,9 @@
 
 use rusqlite::params;
 
-use super::{ResultOrigin, Store, StoreError, Subject, from_json, to_json};
+use super::columns::{json_in, to_json};
+use super::history::read_result_origin;
+use super::{ResultOrigin, Store, StoreError, Subject};
 use ieap_domain::RunComparison;
 
 /// A comparison with what it was made from.
@@ -28,9 +30,9 @@ impl Store {
                    JOIN run ON run.id = run_id WHERE run.superseded_at IS NULL ORDER BY run.path";
         self.rows("reading comparisons of models", sql, [], |row| {
             Ok(StoredComparison {
-                run_id: row.get(0)?,
-                input_hash: row.get(1)?,
-                found: from_json("a comparison of models", &row.get::<_, String>(2)?)?,
+                run_id: row.get("run_id")?,
+                input_hash: row.get("input_hash")?,
+                found: json_in(row, "document", "a comparison of models")?,
             })
         })
     }
@@ -43,15 +45,14 @@ impl Store {
     pub fn comparison_origin(&self, run_id: i64) -> Result<Option<ResultOrigin>, StoreError> {
         let _moment = self.snapshot()?;
         self.check_seal(&Subject::Comparisons)?;
-        let sql = "SELECT input_hash, code_version, made_at FROM run_comparison WHERE run_id = ?1";
-        let found = self.rows("reading a comparison of models", sql, [run_id], |row| {
-            Ok(ResultOrigin {
-                id: run_id,
-                input_hash: row.get(0)?,
-                code_version: row.get(1)?,
-                made_at: row.get(2)?,
-            })
-        });
+        let sql =
+            "SELECT run_id AS id, input_hash, code_version, made_at FROM run_comparison WHERE run_id = ?1";
+        let found = self.rows(
+            "reading a comparison of models",
+            sql,
+            [run_id],
+            read_result_origin,
+        );
         Ok(found?.into_iter().next())
     }
 

@@ -171,6 +171,7 @@ fn parts(connection: &Connection, queries: &[&str]) -> Result<BTreeMap<String, S
         let columns = statement.column_count();
         let mut rows = statement.query([])?;
         while let Some(row) = rows.next()? {
+            // Every query names the part in its first column; the others, whatever they are called, are what is hashed.
             let hasher = hashers.entry(row.get(0)?).or_default();
             // Rows of one table must not pass for rows of another.
             hasher.update(&[index as u8]);

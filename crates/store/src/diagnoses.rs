@@ -4,7 +4,8 @@ use ieap_domain::closed_words;
 
 use rusqlite::{OptionalExtension, params};
 
-use super::{StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
+use super::columns::{count_in, json_in, key_in, to_json};
+use super::{StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::GroupDiagnosis;
 
 closed_words! {
@@ -124,11 +125,10 @@ impl Store {
 }
 
 fn read(row: &rusqlite::Row<'_>) -> Result<StoredDiagnosis, StepError> {
-    let kind: String = row.get("kind")?;
-    let draws = row.get::<_, i64>("draws")?.unsigned_abs() as usize;
-    let found: GroupDiagnosis = from_json("a diagnosis", &row.get::<_, String>("document")?)?;
+    let draws = count_in(row, "draws")?;
+    let found: GroupDiagnosis = json_in(row, "document", "a diagnosis")?;
     Ok(StoredDiagnosis {
-        kind: from_key("a diagnosis's kind", &kind, DiagnosisKind::from_key)?,
+        kind: key_in(row, "kind", "a diagnosis's kind", DiagnosisKind::from_key)?,
         name: row.get("name")?,
         input_hash: row.get("input_hash")?,
         library: row.get("library")?,

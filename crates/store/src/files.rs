@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use rusqlite::{Row, params};
 
+use super::columns::{from_json, json_in, key_in, to_json};
 use super::journal::{Entry, NamedBytes};
-use super::{RunContent, StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
+use super::{RunContent, StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::{FileState, Issue, SourceFile};
 
 /// A file as the last scan saw it and what became of it.
@@ -134,19 +135,13 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn unread_files(&self) -> Result<Vec<(String, Issue)>, StoreError> {
-        let doing = "listing files that were not read";
-        let mut statement = self
-            .connection
-            .prepare_cached("SELECT path, issue FROM unread_file ORDER BY path")
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([], |row| Ok((row.get(0)?, row.get::<_, String>(1)?)))
-            .map_err(|e| self.failed(doing, e))?;
-        rows.map(|row| {
-            let (path, issue) = row.map_err(|e| self.failed(doing, e))?;
-            Ok((path, from_json("why a file was not read", &issue)?))
+        let sql = "SELECT path, issue FROM unread_file ORDER BY path";
+        self.rows("listing files that were not read", sql, [], |row| {
+            Ok((
+                row.get("path")?,
+                json_in(row, "issue", "why a file was not read")?,
+            ))
         })
-        .collect()
     }
 
     /// Records these as all files that the system could not give; no change where they are known as such. They have no
@@ -216,14 +211,15 @@ impl Store {
     /// See [`StoreError`].
     pub fn contents(&self) -> Result<Vec<RunContent>, StoreError> {
         let sql = "SELECT coalesce((SELECT min(path) FROM run_file WHERE hash = content.hash),
-                                   (SELECT min(path) FROM climate_log WHERE hash = content.hash), archive_path),
+                                   (SELECT min(path) FROM climate_log WHERE hash = content.hash),
+                                   archive_path) AS path,
                           hash, size_bytes, archive_path FROM content ORDER BY hash";
         self.rows("listing raw files", sql, [], |row| {
             Ok(RunContent {
-                path: row.get(0)?,
-                hash: row.get(1)?,
-                size_bytes: row.get::<_, i64>(2)?.unsigned_abs(),
-                archive_path: row.get(3)?,
+                path: row.get("path")?,
+                hash: row.get("hash")?,
+                size_bytes: row.get::<_, i64>("size_bytes")?.unsigned_abs(),
+                archive_path: row.get("archive_path")?,
             })
         })
     }
@@ -348,11 +344,7 @@ fn read_file(row: &Row<'_>) -> Result<FileRow, StepError> {
         inode: row.get::<_, i64>("inode")?.cast_unsigned(),
         changed_ns: row.get("changed_ns")?,
         hash: row.get("hash")?,
-        state: from_key(
-            "a file's state",
-            &row.get::<_, String>("state")?,
-            FileState::from_key,
-        )?,
+        state: key_in(row, "state", "a file's state", FileState::from_key)?,
         reader: row.get("reader")?,
         issue: issue.map(|text| from_json("a file's issue", &text)).transpose()?,
         missing_since: row.get("missing_since")?,

@@ -3,9 +3,10 @@
 use rusqlite::{OptionalExtension, ToSql, params};
 
 use super::along::insert_along;
-use super::blob::{pack_f64, unpack_f64};
+use super::blob::pack_f64;
+use super::columns::{count_in, from_json, json_in, key_in, series_in, to_json};
 use super::journal::Entry;
-use super::{StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
+use super::{StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::{
     AskedFit, ClimateCurve, CurveSource, Drive, Estimate, Fit, Issue, Parameter, Quantity, RunCurve,
 };
@@ -62,12 +63,14 @@ impl Store {
                           run.data_hash || coalesce((SELECT group_concat(':' || clock || '=' || offset_s, '')
                               FROM clock_offset WHERE run_id = run.id AND applied = 1), '')
                            || coalesce((SELECT group_concat(':' || key || '=' || value, '' ORDER BY key) FROM tag
-                              WHERE run_id = run.id AND chosen = 1 AND +key IN ('leave_out', 'leave_out_marked')), ''),
-                          coalesce(fit.input_hash, fit_failure.input_hash),
-                          run.electrode_resistance_ohm_per_sq, last.asked, last.id,
+                              WHERE run_id = run.id AND chosen = 1 AND +key IN ('leave_out', 'leave_out_marked')), '')
+                          AS data_hash,
+                          coalesce(fit.input_hash, fit_failure.input_hash) AS done_input_hash,
+                          run.electrode_resistance_ohm_per_sq, last.asked, last.id AS last_fit,
                           (SELECT CAST(value AS REAL) FROM tag WHERE run_id = run.id AND chosen = 1
-                              AND +key = 'electrode_resistance_error_ohm_per_sq'),
-                          (SELECT value FROM tag WHERE run_id = run.id AND chosen = 1 AND +key = 'sample')
+                              AND +key = 'electrode_resistance_error_ohm_per_sq')
+                          AS electrode_resistance_error_ohm_per_sq,
+                          (SELECT value FROM tag WHERE run_id = run.id AND chosen = 1 AND +key = 'sample') AS sample
                    FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
                             LEFT JOIN fit_failure ON fit_failure.run_id = run.id
                             LEFT JOIN (SELECT own.path, max(earlier.id) AS fit_id
@@ -85,24 +88,24 @@ impl Store {
         let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
         let mut tasks = Vec::new();
         while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            self.check_seal(&Subject::Run(row.get(0).map_err(|e| self.failed(doing, e))?))?;
-            let last_fit: Option<i64> = row.get(9).map_err(|e| self.failed(doing, e))?;
+            self.check_seal(&Subject::Run(row.get("id").map_err(|e| self.failed(doing, e))?))?;
+            let last_fit: Option<i64> = row.get("last_fit").map_err(|e| self.failed(doing, e))?;
             last_fit.map_or(Ok(()), |id| self.check_seal(&Subject::Fit(id)))?;
             let read = || -> Result<FitTask, StepError> {
                 Ok(FitTask {
-                    run_id: row.get(0)?,
-                    path: row.get(1)?,
-                    drive: from_json("a run's drive", &row.get::<_, String>(2)?)?,
-                    area_cm2: row.get(3)?,
-                    length_cm: row.get(4)?,
-                    data_hash: row.get(5)?,
-                    done_input_hash: row.get(6)?,
-                    electrode_resistance_ohm_per_sq: row.get(7)?,
+                    run_id: row.get("id")?,
+                    path: row.get("path")?,
+                    drive: json_in(row, "drive", "a run's drive")?,
+                    area_cm2: row.get("area_cm2")?,
+                    length_cm: row.get("length_cm")?,
+                    data_hash: row.get("data_hash")?,
+                    done_input_hash: row.get("done_input_hash")?,
+                    electrode_resistance_ohm_per_sq: row.get("electrode_resistance_ohm_per_sq")?,
                     electrode_resistance_error_ohm_per_sq: row
-                        .get::<_, Option<f64>>(10)?
+                        .get::<_, Option<f64>>("electrode_resistance_error_ohm_per_sq")?
                         .filter(|error| error.is_finite() && *error > 0.0),
-                    sample: row.get(11)?,
-                    last_asked: match row.get::<_, Option<String>>(8)? {
+                    sample: row.get("sample")?,
+                    last_asked: match row.get::<_, Option<String>>("asked")? {
                         Some(asked) => from_json("how a fit was asked for", &asked)?,
                         None => AskedFit::default(),
                     },
@@ -204,40 +207,33 @@ impl Store {
         condition: &str,
         values: &[&dyn ToSql],
     ) -> Result<Option<(Fit, String)>, StoreError> {
-        let doing = "reading a fit";
         let sql = format!(
             "SELECT id, model, model_version, code_version, method, converged, why_stopped, n_samples,
                     r_squared_current, r_squared_curvature, noise, issues, evaluations
              FROM fit WHERE {condition} ORDER BY id DESC LIMIT 1"
         );
-        let mut statement = self
-            .connection
-            .prepare_cached(&sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let found = statement
-            .query_row(values, |row| {
-                let fit = Fit {
-                    model: row.get(1)?,
-                    model_version: row.get(2)?,
-                    method: row.get(4)?,
-                    converged: row.get(5)?,
-                    why_stopped: row.get(6)?,
-                    n_samples: row.get::<_, i64>(7)?.unsigned_abs() as usize,
-                    parameters: Vec::new(),
-                    r_squared_current: row.get(8)?,
-                    r_squared_curvature: row.get(9)?,
-                    noise: Vec::new(),
-                    curves: Vec::new(),
-                    along: Vec::new(),
-                    issues: Vec::new(),
-                    evaluations: row.get::<_, i64>(12)?.unsigned_abs(),
-                };
-                let texts: (String, String) = (row.get(10)?, row.get(11)?);
-                Ok((row.get::<_, i64>(0)?, fit, row.get::<_, String>(3)?, texts))
-            })
-            .optional()
-            .map_err(|e| self.failed(doing, e))?;
-        let Some((fit_id, mut fit, code_version, (noise, issues))) = found else {
+        let found = self.rows("reading a fit", &sql, values, |row| {
+            let fit = Fit {
+                model: row.get("model")?,
+                model_version: row.get("model_version")?,
+                method: row.get("method")?,
+                converged: row.get("converged")?,
+                why_stopped: row.get("why_stopped")?,
+                n_samples: count_in(row, "n_samples")?,
+                parameters: Vec::new(),
+                r_squared_current: row.get("r_squared_current")?,
+                r_squared_curvature: row.get("r_squared_curvature")?,
+                noise: Vec::new(),
+                curves: Vec::new(),
+                along: Vec::new(),
+                issues: Vec::new(),
+                evaluations: row.get::<_, i64>("evaluations")?.unsigned_abs(),
+            };
+            // What is JSON is read after the row is held against its seal: damage is to be called damage.
+            let texts: (String, String) = (row.get("noise")?, row.get("issues")?);
+            Ok((row.get("id")?, fit, row.get("code_version")?, texts))
+        })?;
+        let Some((fit_id, mut fit, code_version, (noise, issues))) = found.into_iter().next() else {
             return Ok(None);
         };
         self.check_seal(&Subject::Fit(fit_id))?;
@@ -248,18 +244,9 @@ impl Store {
     }
 
     fn parameters(&self, fit_id: i64) -> Result<Vec<Parameter>, StoreError> {
-        let doing = "reading a fit's parameters";
         let sql = "SELECT key, value, standard_error, low_95, high_95, at_bound, reason
                    FROM fit_parameter WHERE fit_id = ?1 ORDER BY ordinal";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([fit_id], read_estimate)
-            .map_err(|e| self.failed(doing, e))?;
-        rows.collect::<rusqlite::Result<_>>()
-            .map_err(|e| self.failed(doing, e))
+        self.rows("reading a fit's parameters", sql, [fit_id], read_estimate)
     }
 
     /// Why the run could not be fitted, where that is so.
@@ -381,11 +368,11 @@ fn insert_fit(
 /// Says how the fit was asked for, where that is another way than the last fit of any revision of the run was.
 fn say_how_asked(transaction: &Transaction<'_>, now: &str, stamp: &FitStamp) -> Result<(), StepError> {
     let sql = "SELECT own.path, (SELECT asked FROM fit WHERE id = (
-                   SELECT max(fit.id) FROM fit JOIN run ON run.id = fit.run_id WHERE run.path = own.path))
+                   SELECT max(fit.id) FROM fit JOIN run ON run.id = fit.run_id WHERE run.path = own.path)) AS last
                FROM run AS own WHERE own.id = ?1";
     let (run, last): (String, Option<String>) = transaction
         .prepare_cached(sql)?
-        .query_row([stamp.run_id], |row| Ok((row.get(0)?, row.get(1)?)))?;
+        .query_row([stamp.run_id], |row| Ok((row.get("path")?, row.get("last")?)))?;
     let last: AskedFit = match last {
         Some(asked) => from_json("how a fit was asked for", &asked)?,
         None => AskedFit::default(),
@@ -424,18 +411,18 @@ fn insert_parameter(
     Ok(())
 }
 
-/// A parameter from the columns key, value, standard_error, low_95, high_95, at_bound, reason.
-pub(super) fn read_estimate(row: &rusqlite::Row<'_>) -> rusqlite::Result<Parameter> {
+/// A parameter of a fit or of an analysis.
+pub(super) fn read_estimate(row: &rusqlite::Row<'_>) -> Result<Parameter, StepError> {
     let estimate = Estimate {
-        value: row.get(1)?,
-        standard_error: row.get(2)?,
-        low_95: row.get(3)?,
-        high_95: row.get(4)?,
-        at_bound: row.get(5)?,
-        reason: row.get(6)?,
+        value: row.get("value")?,
+        standard_error: row.get("standard_error")?,
+        low_95: row.get("low_95")?,
+        high_95: row.get("high_95")?,
+        at_bound: row.get("at_bound")?,
+        reason: row.get("reason")?,
     };
     Ok(Parameter {
-        key: row.get(0)?,
+        key: row.get("key")?,
         estimate,
     })
 }
@@ -471,18 +458,12 @@ pub(super) fn insert_curve(
 }
 
 pub(super) fn read_curve(row: &rusqlite::Row<'_>) -> Result<RunCurve, StepError> {
-    let series =
-        |column: &str| -> Result<Vec<f64>, StepError> { Ok(unpack_f64(&row.get::<_, Vec<u8>>(column)?)?) };
     Ok(RunCurve {
-        quantity: from_key(
-            "a curve's quantity",
-            &row.get::<_, String>("quantity")?,
-            Quantity::from_key,
-        )?,
-        readings: row.get::<_, i64>("readings")?.unsigned_abs() as usize,
-        time_s: series("time_blob")?,
-        measured: series("measured_blob")?,
-        fitted: series("fitted_blob")?,
-        residual_sigma: series("residual_blob")?,
+        quantity: key_in(row, "quantity", "a curve's quantity", Quantity::from_key)?,
+        readings: count_in(row, "readings")?,
+        time_s: series_in(row, "time_blob")?,
+        measured: series_in(row, "measured_blob")?,
+        fitted: series_in(row, "fitted_blob")?,
+        residual_sigma: series_in(row, "residual_blob")?,
     })
 }

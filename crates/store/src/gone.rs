@@ -64,9 +64,10 @@ impl Store {
     fn gone_of_runs(&self) -> Result<BTreeMap<(i64, String), BTreeSet<String>>, StoreError> {
         let doing = "looking for runs whose files are gone";
         self.check_seal(&Subject::Runs)?;
-        let of = "run.id, run.path, run_file.path FROM run JOIN run_file ON run_file.run_id = run.id";
+        let of = "run.id, run.path AS name, run_file.path AS file
+                  FROM run JOIN run_file ON run_file.run_id = run.id";
         let found = self.rows(doing, &gone(of, "run_file"), [], |row| {
-            Ok(((row.get(0)?, row.get(1)?), row.get(2)?))
+            Ok(((row.get("id")?, row.get("name")?), row.get("file")?))
         })?;
         let mut gone: BTreeMap<(i64, String), BTreeSet<String>> = BTreeMap::new();
         for (run, path) in found {

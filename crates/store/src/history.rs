@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use rusqlite::{OptionalExtension, ToSql, params};
+use rusqlite::{ToSql, params};
 
-use super::{Store, StoreError, Subject};
+use super::{StepError, Store, StoreError, Subject};
 use ieap_domain::{ModulusLog, RunKind, RunRecord};
 
 /// Which earlier state is meant.
@@ -118,15 +118,7 @@ impl Store {
         let doing = "reading earlier runs";
         let sql =
             "SELECT id FROM run WHERE ingested_at <= ?1 AND (superseded_at IS NULL OR superseded_at > ?1)";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([moment], |row| row.get(0))
-            .map_err(|e| self.failed(doing, e))?;
-        rows.collect::<rusqlite::Result<_>>()
-            .map_err(|e| self.failed(doing, e))
+        self.rows(doing, sql, [moment], |row| Ok(row.get(0)?))
     }
 
     /// Where the current fit of a run came from.
@@ -155,24 +147,26 @@ impl Store {
         values: &[&dyn ToSql],
         subject: fn(i64) -> Subject,
     ) -> Result<Option<ResultOrigin>, StoreError> {
-        let read = |row: &rusqlite::Row<'_>| {
-            Ok(ResultOrigin {
-                id: row.get(0)?,
-                input_hash: row.get(1)?,
-                code_version: row.get(2)?,
-                made_at: row.get(3)?,
-            })
-        };
-        let found = self
-            .connection
-            .prepare_cached(sql)
-            .and_then(|mut statement| statement.query_row(values, read).optional())
-            .map_err(|e| self.failed("reading where a result came from", e))?;
+        let found = self.rows(
+            "reading where a result came from",
+            sql,
+            values,
+            read_result_origin,
+        )?;
         found
             .iter()
             .try_for_each(|origin| self.check_seal(&subject(origin.id)))?;
-        Ok(found)
+        Ok(found.into_iter().next())
     }
+}
+
+pub(super) fn read_result_origin(row: &rusqlite::Row<'_>) -> Result<ResultOrigin, StepError> {
+    Ok(ResultOrigin {
+        id: row.get("id")?,
+        input_hash: row.get("input_hash")?,
+        code_version: row.get("code_version")?,
+        made_at: row.get("made_at")?,
+    })
 }
 
 #[cfg(test)]

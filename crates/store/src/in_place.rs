@@ -137,7 +137,7 @@ impl Store {
         let (is_busy, left): (bool, i64) = self
             .connection
             .query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| {
-                Ok((row.get(0)?, row.get(1)?))
+                Ok((row.get("busy")?, row.get("log")?))
             })
             .map_err(|e| self.failed(doing, e))?;
         let not_as_made = |detail: &str| StoreError::NotAsMade {

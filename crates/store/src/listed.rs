@@ -35,7 +35,7 @@ impl Store {
         let sql =
             "SELECT severity, code, place, message, mend, path, run.id AS id FROM run_issue JOIN run ON run.id = run_id
                    WHERE superseded_at IS NULL AND code = ?1 ORDER BY path, ordinal";
-        self.listed(sql, [code], |row| Ok((row.get(5)?, read_issue(row)?)))
+        self.listed(sql, [code], |row| Ok((row.get("path")?, read_issue(row)?)))
     }
 
     /// What a query finds of current runs; its column `id` says of which, and they are held against their seals.

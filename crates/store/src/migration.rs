@@ -10,7 +10,8 @@ use super::error::plain;
 use super::place::has_no_tables;
 use super::views;
 
-/// Every migration in order. Append only: never change, remove or reorder one.
+/// Every migration in order; the number of its file is the schema version that it makes. Append only: never change, remove or
+/// reorder one. Not even a comment inside a statement: SQLite keeps it with the table, and [`super::schema`] compares it.
 pub(super) const HISTORY: [&str; 17] = [
     include_str!("../../../migrations/0001_initial.sql"),
     include_str!("../../../migrations/0002_climate.sql"),
@@ -19,16 +20,16 @@ pub(super) const HISTORY: [&str; 17] = [
     include_str!("../../../migrations/0005_diagnosis.sql"),
     include_str!("../../../migrations/0006_alarms.sql"),
     include_str!("../../../migrations/0007_fit_along.sql"),
-    include_str!("../../../migrations/0012_no_steps.sql"),
-    include_str!("../../../migrations/0010_standing.sql"),
-    include_str!("../../../migrations/0013_asked_fit.sql"),
-    include_str!("../../../migrations/0008_unread_files.sql"),
-    include_str!("../../../migrations/0009_integrity.sql"),
-    include_str!("../../../migrations/0014_diagnosis_document.sql"),
-    include_str!("../../../migrations/0015_run_comparison.sql"),
-    include_str!("../../../migrations/0016_impedance.sql"),
-    include_str!("../../../migrations/0017_journal_lines.sql"),
-    include_str!("../../../migrations/0018_shown.sql"),
+    include_str!("../../../migrations/0008_no_steps.sql"),
+    include_str!("../../../migrations/0009_standing.sql"),
+    include_str!("../../../migrations/0010_asked_fit.sql"),
+    include_str!("../../../migrations/0011_unread_files.sql"),
+    include_str!("../../../migrations/0012_integrity.sql"),
+    include_str!("../../../migrations/0013_diagnosis_document.sql"),
+    include_str!("../../../migrations/0014_run_comparison.sql"),
+    include_str!("../../../migrations/0015_impedance.sql"),
+    include_str!("../../../migrations/0016_journal_lines.sql"),
+    include_str!("../../../migrations/0017_shown.sql"),
 ];
 
 /// Schema version that this program writes.
@@ -132,6 +133,24 @@ mod tests {
     }
 
     #[test]
+    fn the_number_of_a_file_is_the_schema_version_that_it_makes() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../migrations");
+        let files = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|file| file.unwrap().path());
+        let mut files: Vec<_> = files
+            .filter(|path| path.extension().is_some_and(|e| e == "sql"))
+            .collect();
+        files.sort();
+        assert_eq!(files.len(), HISTORY.len());
+        for (version, (path, sql)) in (1..).zip(files.iter().zip(HISTORY)) {
+            let name = path.file_name().unwrap().to_string_lossy();
+            assert!(name.starts_with(&format!("{version:04}_")), "{name}");
+            assert_eq!(std::fs::read_to_string(path).unwrap(), sql, "{name}");
+        }
+    }
+
+    #[test]
     fn the_schema_is_sound_and_strict() {
         let mut connection = Connection::open_in_memory().unwrap();
         migrate(&mut connection, Path::new("memory")).unwrap();
@@ -156,7 +175,7 @@ mod tests {
             .unwrap();
         let kept: (String, i64, String) = connection
             .query_row("SELECT path, inode, state FROM source_file", [], |row| {
-                Ok((row.get(0)?, row.get(1)?, row.get(2)?))
+                Ok((row.get("path")?, row.get("inode")?, row.get("state")?))
             })
             .unwrap();
         assert_eq!(kept, ("runs/a".to_owned(), 3, "log".to_owned()));
@@ -226,7 +245,7 @@ mod tests {
             .query_row(
                 "SELECT name, draws, document FROM diagnosis WHERE superseded_at IS NULL",
                 [],
-                |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)),
+                |row| Ok((row.get("name")?, row.get("draws")?, row.get("document")?)),
             )
             .unwrap();
         assert_eq!(kept, ("S1".to_owned(), 99, "{}".to_owned()));

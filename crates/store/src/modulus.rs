@@ -2,8 +2,9 @@
 
 use rusqlite::{OptionalExtension, ToSql, params};
 
+use super::columns::{count_in, from_json, to_json};
 use super::fits::{finite, insert_curve, insert_failure, read_curve, read_estimate};
-use super::{StepError, Store, StoreError, Subject, Transaction, from_json, to_json};
+use super::{StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::{Issue, ModulusAnalysis, ModulusLog, ModulusStep, Parameter, RunCurve};
 
 /// What an analysis was made from and by.
@@ -73,35 +74,28 @@ impl Store {
         condition: &str,
         values: &[&dyn ToSql],
     ) -> Result<Option<ModulusAnalysis>, StoreError> {
-        let doing = "reading an analysis";
         let sql = format!(
             "SELECT id, analysis_version, modulus_source, frequency_hz, temperature_low_c,
                     temperature_high_c, readings, issues
              FROM modulus_analysis WHERE {condition} ORDER BY id DESC LIMIT 1"
         );
-        let found = self
-            .connection
-            .prepare_cached(&sql)
-            .and_then(|mut statement| {
-                let read = |row: &rusqlite::Row<'_>| {
-                    let range: (Option<f64>, Option<f64>) = (row.get(4)?, row.get(5)?);
-                    let analysis = ModulusAnalysis {
-                        version: row.get(1)?,
-                        modulus_source: row.get(2)?,
-                        frequency_hz: row.get(3)?,
-                        temperature_c: range.0.zip(range.1),
-                        readings: row.get::<_, i64>(6)?.unsigned_abs() as usize,
-                        steps: Vec::new(),
-                        estimates: Vec::new(),
-                        issues: Vec::new(),
-                        curves: Vec::new(),
-                    };
-                    Ok((row.get::<_, i64>(0)?, analysis, row.get::<_, String>(7)?))
-                };
-                statement.query_row(values, read).optional()
-            })
-            .map_err(|e| self.failed(doing, e))?;
-        let Some((id, mut analysis, issues)) = found else {
+        let found = self.rows("reading an analysis", &sql, values, |row| {
+            let low_c: Option<f64> = row.get("temperature_low_c")?;
+            let high_c: Option<f64> = row.get("temperature_high_c")?;
+            let analysis = ModulusAnalysis {
+                version: row.get("analysis_version")?,
+                modulus_source: row.get("modulus_source")?,
+                frequency_hz: row.get("frequency_hz")?,
+                temperature_c: low_c.zip(high_c),
+                readings: count_in(row, "readings")?,
+                steps: Vec::new(),
+                estimates: Vec::new(),
+                issues: Vec::new(),
+                curves: Vec::new(),
+            };
+            Ok((row.get("id")?, analysis, row.get::<_, String>("issues")?))
+        })?;
+        let Some((id, mut analysis, issues)) = found.into_iter().next() else {
             return Ok(None);
         };
         self.check_seal(&Subject::Analysis(id))?;
@@ -122,9 +116,9 @@ impl Store {
             "SELECT start_s, settled_s, end_s FROM modulus_step WHERE analysis_id = ?1 ORDER BY ordinal";
         self.rows_of(id, sql, |row| {
             Ok(ModulusStep {
-                start_s: row.get(0)?,
-                settled_s: row.get(1)?,
-                end_s: row.get(2)?,
+                start_s: row.get("start_s")?,
+                settled_s: row.get("settled_s")?,
+                end_s: row.get("end_s")?,
                 estimates: Vec::new(),
             })
         })
@@ -134,7 +128,7 @@ impl Store {
         let sql = "SELECT key, value, standard_error, low_95, high_95, at_bound, reason, step
                    FROM modulus_estimate WHERE analysis_id = ?1 ORDER BY ordinal";
         self.rows_of(id, sql, |row| {
-            let step: Option<i64> = row.get(7)?;
+            let step: Option<i64> = row.get("step")?;
             let step = step.and_then(|step| usize::try_from(step).ok());
             Ok((step, read_estimate(row)?))
         })

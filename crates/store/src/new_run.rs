@@ -3,9 +3,10 @@
 use rusqlite::params;
 
 use super::blob::{pack_f64, pack_u32};
+use super::columns::to_json;
 use super::origin::{insert_origin, insert_stated_offset};
 use super::run_climate::replace_climate;
-use super::{StepError, Subject, Transaction, to_json};
+use super::{StepError, Subject, Transaction};
 use ieap_domain::{
     Channel, ClimateCurve, Drive, Issue, RunClimate, RunKind, RunOrigin, RunState, RunStatus, Tag,
 };

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use rusqlite::{Row, params};
 
-use super::{StepError, Store, StoreError, Subject, Transaction, from_key};
+use super::columns::{count_in, key_in};
+use super::{StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::{
     Channel, ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
 };
@@ -47,7 +48,8 @@ impl Store {
                    JOIN run_clock ON run_clock.run_id = clock_offset.run_id AND ordinal = clock
                    WHERE clock_offset.run_id = ?1 AND applied = 1 AND offset_s IS NOT NULL";
         self.rows_of(run_id, sql, |row| {
-            Ok((count(row, 0)?, count(row, 1)?, row.get(2)?))
+            let (first, channels) = (count_in(row, "first_channel")?, count_in(row, "channels")?);
+            Ok((first, channels, row.get("offset_s")?))
         })
     }
 }
@@ -68,68 +70,65 @@ pub(super) fn shift(channels: &mut [Channel], offset_s: f64) {
     }
 }
 
-fn count(row: &Row<'_>, index: usize) -> rusqlite::Result<usize> {
-    Ok(row.get::<_, i64>(index)?.unsigned_abs() as usize)
-}
-
 fn read_clock(row: &Row<'_>) -> Result<RunClock, StepError> {
     let raw: Option<String> = row.get("stamp_raw")?;
     let stamp = match raw {
         None => None,
         Some(raw) => Some(StartedAt {
             raw,
-            kind: from_key(
-                "the kind of a time stamp",
-                &row.get::<_, String>("stamp_kind")?,
-                Timestamp::from_key,
-            )?,
+            kind: key_in(row, "stamp_kind", "the kind of a time stamp", Timestamp::from_key)?,
             local: row.get("stamp_local")?,
             offset: row.get("stamp_offset")?,
             basis: row.get("stamp_basis")?,
         }),
     };
     Ok(RunClock {
-        file: row.get(0)?,
-        is_reference: row.get(1)?,
-        first_channel: count(row, 2)?,
-        channels: count(row, 3)?,
-        time_column: row.get(4)?,
-        time_unit: row.get(5)?,
-        printed_column: row.get(6)?,
+        file: row.get("file")?,
+        is_reference: row.get("is_reference")?,
+        first_channel: count_in(row, "first_channel")?,
+        channels: count_in(row, "channels")?,
+        time_column: row.get("time_column")?,
+        time_unit: row.get("time_unit")?,
+        printed_column: row.get("printed_column")?,
         stamp,
     })
 }
 
 fn read_offset(row: &Row<'_>) -> Result<ClockOffset, StepError> {
-    let source: String = row.get(1)?;
+    let source = key_in(
+        row,
+        "source",
+        "the source of a clock offset",
+        OffsetSource::from_key,
+    )?;
     Ok(ClockOffset {
-        clock: count(row, 0)?,
-        source: from_key("the source of a clock offset", &source, OffsetSource::from_key)?,
-        offset_s: row.get(2)?,
-        standard_error_s: row.get(3)?,
-        applied: row.get(4)?,
-        detail: row.get(5)?,
+        clock: count_in(row, "clock")?,
+        source,
+        offset_s: row.get("offset_s")?,
+        standard_error_s: row.get("standard_error_s")?,
+        applied: row.get("applied")?,
+        detail: row.get("detail")?,
     })
 }
 
 fn read_flag(row: &Row<'_>) -> Result<FlaggedStretch, StepError> {
     Ok(FlaggedStretch {
-        column: row.get(0)?,
-        flag: row.get(1)?,
-        from_s: row.get(2)?,
-        to_s: row.get(3)?,
-        readings: count(row, 4)?,
-        excludes: row.get(5)?,
+        column: row.get("column_name")?,
+        flag: row.get("flag")?,
+        from_s: row.get("from_s")?,
+        to_s: row.get("to_s")?,
+        readings: count_in(row, "readings")?,
+        excludes: row.get("excludes")?,
     })
 }
 
 fn read_profile(row: &Row<'_>) -> Result<ProfileUse, StepError> {
     Ok(ProfileUse {
-        file: count(row, 0)?,
-        id: row.get(1)?,
-        version: row.get(2)?,
-        digest: row.get(3)?,
-        text: row.get(4)?,
+        file: count_in(row, "ordinal")?,
+        id: row.get("id")?,
+        version: row.get("version")?,
+        digest: row.get("digest")?,
+        text: row.get("text")?,
     })
 }
 

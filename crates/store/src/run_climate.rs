@@ -2,8 +2,9 @@
 
 use rusqlite::params;
 
-use super::blob::{pack_f64, unpack_f64};
-use super::{StepError, Store, StoreError, Subject, Transaction, from_key};
+use super::blob::pack_f64;
+use super::columns::{count_in, key_in, series_in};
+use super::{StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::{ClimateCurve, ClimateQuantity, RunClimate};
 
 impl Store {
@@ -13,16 +14,16 @@ impl Store {
                           largest_gap_s, accuracy FROM run_climate WHERE run_id = ?1 ORDER BY ordinal";
         self.rows_of(run_id, sql, |row| {
             Ok(RunClimate {
-                sensor: row.get(0)?,
-                quantity: from_key("a quantity", &row.get::<_, String>(1)?, ClimateQuantity::from_key)?,
-                chosen: row.get(2)?,
-                readings: row.get::<_, i64>(3)?.unsigned_abs() as usize,
-                mean: row.get(4)?,
-                standard_deviation: row.get(5)?,
-                drift_per_h: row.get(6)?,
-                largest_deviation: row.get(7)?,
-                largest_gap_s: row.get(8)?,
-                accuracy: row.get(9)?,
+                sensor: row.get("sensor")?,
+                quantity: key_in(row, "quantity", "a quantity", ClimateQuantity::from_key)?,
+                chosen: row.get("chosen")?,
+                readings: count_in(row, "readings")?,
+                mean: row.get("mean")?,
+                standard_deviation: row.get("standard_deviation")?,
+                drift_per_h: row.get("drift_per_h")?,
+                largest_deviation: row.get("largest_deviation")?,
+                largest_gap_s: row.get("largest_gap_s")?,
+                accuracy: row.get("accuracy")?,
             })
         })
     }
@@ -37,10 +38,10 @@ impl Store {
                    WHERE run_id = ?1 ORDER BY ordinal";
         self.rows_of(run_id, sql, |row| {
             Ok(ClimateCurve {
-                sensor: row.get(0)?,
-                quantity: from_key("a quantity", &row.get::<_, String>(1)?, ClimateQuantity::from_key)?,
-                time_s: unpack_f64(&row.get::<_, Vec<u8>>(2)?)?,
-                values: unpack_f64(&row.get::<_, Vec<u8>>(3)?)?,
+                sensor: row.get("sensor")?,
+                quantity: key_in(row, "quantity", "a quantity", ClimateQuantity::from_key)?,
+                time_s: series_in(row, "time_blob")?,
+                values: series_in(row, "value_blob")?,
             })
         })
     }

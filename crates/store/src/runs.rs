@@ -6,13 +6,14 @@ use std::sync::Arc;
 use rusqlite::{OptionalExtension, Row, params};
 
 use super::blob::{unpack_f64, unpack_u32};
+use super::columns::{count_in, from_json, key_in, series_in, to_json};
 use super::files::{say_renamed, upsert_file};
 use super::fits::retire_fit;
 use super::journal::{Entry, NamedBytes, NamedRun};
 use super::modulus::retire_analysis;
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging, stored_state};
 use super::origin::{delete_stated_offset, shift};
-use super::{FileRow, RunContent, StepError, Store, StoreError, Subject, from_json, from_key, to_json};
+use super::{FileRow, RunContent, StepError, Store, StoreError, Subject};
 use ieap_domain::data_hash::data_hash;
 use ieap_domain::left_out;
 use ieap_domain::tag::keys;
@@ -128,15 +129,7 @@ impl Store {
         let doing = "looking for known bytes";
         let sql = "SELECT run.path, run_file.path FROM run_file JOIN run ON run.id = run_file.run_id
                    WHERE run_file.hash = ?1 AND run.superseded_at IS NULL ORDER BY run.path, run_file.ordinal";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([hash], |row| Ok((row.get(0)?, row.get(1)?)))
-            .map_err(|e| self.failed(doing, e))?;
-        rows.collect::<rusqlite::Result<_>>()
-            .map_err(|e| self.failed(doing, e))
+        self.rows(doing, sql, [hash], |row| Ok((row.get(0)?, row.get(1)?)))
     }
 
     /// Paths and hashes of the files of the current run of that name, in order.
@@ -147,15 +140,7 @@ impl Store {
         let doing = "reading a run";
         let sql = "SELECT run_file.path, run_file.hash FROM run_file JOIN run ON run.id = run_file.run_id
                    WHERE run.path = ?1 AND run.superseded_at IS NULL ORDER BY run_file.ordinal";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([path], |row| Ok((row.get(0)?, row.get(1)?)))
-            .map_err(|e| self.failed(doing, e))?;
-        rows.collect::<rusqlite::Result<_>>()
-            .map_err(|e| self.failed(doing, e))
+        self.rows(doing, sql, [path], |row| Ok((row.get(0)?, row.get(1)?)))
     }
 
     /// Whether a run of that name was stored, now or earlier.
@@ -187,17 +172,10 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn tag_digests(&self) -> Result<Vec<(i64, String, String)>, StoreError> {
-        let doing = "reading tag digests";
         let sql = "SELECT id, path, tag_digest FROM run WHERE superseded_at IS NULL ORDER BY path";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
-            .map_err(|e| self.failed(doing, e))?;
-        rows.collect::<rusqlite::Result<_>>()
-            .map_err(|e| self.failed(doing, e))
+        self.rows("reading tag digests", sql, [], |row| {
+            Ok((row.get("id")?, row.get("path")?, row.get("tag_digest")?))
+        })
     }
 
     /// Row id of every current run, its chosen `started_at`, and the first and last time of its readings, s.
@@ -206,24 +184,15 @@ impl Store {
     /// See [`StoreError`].
     #[allow(clippy::type_complexity)]
     pub fn run_times(&self) -> Result<Vec<(i64, Option<String>, Option<(f64, f64)>)>, StoreError> {
-        let doing = "reading when runs were";
         let sql = "SELECT id,
-                     (SELECT value FROM tag WHERE run_id = run.id AND +key = 'started_at' AND chosen = 1),
-                     (SELECT min(first_time_s) FROM channel WHERE run_id = run.id),
-                     (SELECT max(last_time_s) FROM channel WHERE run_id = run.id)
+                     (SELECT value FROM tag WHERE run_id = run.id AND +key = 'started_at' AND chosen = 1) AS started_at,
+                     (SELECT min(first_time_s) FROM channel WHERE run_id = run.id) AS first_s,
+                     (SELECT max(last_time_s) FROM channel WHERE run_id = run.id) AS last_s
                    FROM run WHERE superseded_at IS NULL ORDER BY id";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([], |row| {
-                let times: (Option<f64>, Option<f64>) = (row.get(2)?, row.get(3)?);
-                Ok((row.get(0)?, row.get(1)?, times.0.zip(times.1)))
-            })
-            .map_err(|e| self.failed(doing, e))?;
-        rows.collect::<rusqlite::Result<_>>()
-            .map_err(|e| self.failed(doing, e))
+        self.rows("reading when runs were", sql, [], |row| {
+            let (first_s, last_s): (Option<f64>, Option<f64>) = (row.get("first_s")?, row.get("last_s")?);
+            Ok((row.get("id")?, row.get("started_at")?, first_s.zip(last_s)))
+        })
     }
 
     /// Paths of a run's files, in order.
@@ -433,30 +402,26 @@ impl Store {
         let sql = "SELECT path, hash, size_bytes FROM run_file JOIN content USING (hash)
                    WHERE run_id = ?1 ORDER BY ordinal";
         self.rows_of(run_id, sql, |row| {
-            let hash: String = row.get(1)?;
+            let hash: String = row.get("hash")?;
             Ok(RunFile {
-                path: row.get(0)?,
+                path: row.get("path")?,
                 aliases: aliases.get(&hash).cloned().unwrap_or_default(),
                 hash,
-                size_bytes: row.get::<_, i64>(2)?.unsigned_abs(),
+                size_bytes: row.get::<_, i64>("size_bytes")?.unsigned_abs(),
             })
         })
     }
 
     fn tags(&self, run_id: i64) -> Result<Vec<Tag>, StoreError> {
-        self.rows_of(
-            run_id,
-            "SELECT key, value, source, detail FROM tag WHERE run_id = ?1 ORDER BY ordinal",
-            |row| {
-                let source = from_key("a tag's source", &row.get::<_, String>(2)?, TagSource::from_key)?;
-                Ok(Tag {
-                    key: row.get(0)?,
-                    value: row.get(1)?,
-                    source,
-                    detail: row.get(3)?,
-                })
-            },
-        )
+        let sql = "SELECT key, value, source, detail FROM tag WHERE run_id = ?1 ORDER BY ordinal";
+        self.rows_of(run_id, sql, |row| {
+            Ok(Tag {
+                key: row.get("key")?,
+                value: row.get("value")?,
+                source: key_in(row, "source", "a tag's source", TagSource::from_key)?,
+                detail: row.get("detail")?,
+            })
+        })
     }
 
     fn channel_summaries(&self, run_id: i64) -> Result<Vec<ChannelSummary>, StoreError> {
@@ -465,16 +430,16 @@ impl Store {
                           last_value, position_mm FROM channel WHERE run_id = ?1 ORDER BY ordinal";
         let mut channels = self.rows_of(run_id, sql, |row| {
             Ok(ChannelSummary {
-                quantity: from_key("a quantity", &row.get::<_, String>(0)?, Quantity::from_key)?,
-                raw_name: row.get(1)?,
-                raw_unit: row.get(2)?,
-                readings: row.get::<_, i64>(3)?.unsigned_abs() as usize,
-                excluded: row.get::<_, i64>(4)?.unsigned_abs() as usize,
-                first_time_s: row.get(5)?,
-                last_time_s: row.get(6)?,
-                first: row.get(7)?,
-                last: row.get(8)?,
-                position_mm: row.get(9)?,
+                quantity: key_in(row, "quantity", "a quantity", Quantity::from_key)?,
+                raw_name: row.get("raw_name")?,
+                raw_unit: row.get("raw_unit")?,
+                readings: count_in(row, "readings")?,
+                excluded: count_in(row, "excluded")?,
+                first_time_s: row.get("first_time_s")?,
+                last_time_s: row.get("last_time_s")?,
+                first: row.get("first_value")?,
+                last: row.get("last_value")?,
+                position_mm: row.get("position_mm")?,
             })
         })?;
         let quantities = channels.iter().map(|channel| channel.quantity);
@@ -520,7 +485,7 @@ fn read_channel(row: &Row<'_>, earlier: &[Channel]) -> Result<Channel, StepError
             shared.ok_or(bad)?.time_s.clone()
         }
     };
-    let values: Arc<[f64]> = unpack_f64(&row.get::<_, Vec<u8>>("value_blob")?)?.into();
+    let values: Arc<[f64]> = series_in(row, "value_blob")?.into();
     if values.len() != time_s.len() {
         let detail = format!("{} times, {} values", time_s.len(), values.len());
         return Err(StoreError::BadValue {
@@ -530,11 +495,7 @@ fn read_channel(row: &Row<'_>, earlier: &[Channel]) -> Result<Channel, StepError
         .into());
     }
     Ok(Channel {
-        quantity: from_key(
-            "a quantity",
-            &row.get::<_, String>("quantity")?,
-            Quantity::from_key,
-        )?,
+        quantity: key_in(row, "quantity", "a quantity", Quantity::from_key)?,
         raw_name: row.get("raw_name")?,
         raw_unit: row.get("raw_unit")?,
         position_mm: row.get("position_mm")?,
@@ -544,14 +505,14 @@ fn read_channel(row: &Row<'_>, earlier: &[Channel]) -> Result<Channel, StepError
     })
 }
 
-/// Severity, code, place, message and mend, in this order.
+/// An issue from a row of `run_issue`.
 pub(super) fn read_issue(row: &Row<'_>) -> Result<Issue, StepError> {
     Ok(Issue {
-        severity: from_key("a severity", &row.get::<_, String>(0)?, Severity::from_key)?,
-        code: row.get(1)?,
-        place: row.get(2)?,
-        message: row.get(3)?,
-        mend: row.get(4)?,
+        severity: key_in(row, "severity", "a severity", Severity::from_key)?,
+        code: row.get("code")?,
+        place: row.get("place")?,
+        message: row.get("message")?,
+        mend: row.get("mend")?,
     })
 }
 
@@ -559,23 +520,15 @@ fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
     let drive: Option<String> = row.get("drive")?;
     Ok(RunRecord {
         id: row.get("id")?,
-        kind: from_key("a run's kind", &row.get::<_, String>("kind")?, RunKind::from_key)?,
+        kind: key_in(row, "kind", "a run's kind", RunKind::from_key)?,
         path: row.get("path")?,
         revision: row.get("revision")?,
         state: if row.get("no_steps")? {
             RunState::NoSteps
         } else {
-            from_key(
-                "a run's state",
-                &row.get::<_, String>("state")?,
-                RunState::from_key,
-            )?
+            key_in(row, "state", "a run's state", RunState::from_key)?
         },
-        status: from_key(
-            "a run's status",
-            &row.get::<_, String>("status")?,
-            RunStatus::from_key,
-        )?,
+        status: key_in(row, "status", "a run's status", RunStatus::from_key)?,
         status_evidence: row.get("status_evidence")?,
         format: row.get("format")?,
         reader_version: row.get("reader_version")?,

@@ -68,7 +68,8 @@ fn of(connection: &Connection) -> rusqlite::Result<Schema> {
         "SELECT type, name, sql, tbl_name FROM sqlite_schema WHERE type <> 'view' AND sql IS NOT NULL AND name NOT LIKE 'sqlite^_%' ESCAPE '^'",
     )?;
     let rows = statement.query_map([], |row| {
-        Ok(((row.get(0)?, row.get(1)?), (row.get(2)?, row.get(3)?)))
+        let named = (row.get("type")?, row.get("name")?);
+        Ok((named, (row.get("sql")?, row.get("tbl_name")?)))
     })?;
     rows.collect()
 }

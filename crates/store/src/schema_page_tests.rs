@@ -74,7 +74,9 @@ fn section(connection: &Connection, kind: &str, name: &str, sql: &str, page: &mu
         about(name, kind)
     );
     let mut statement = connection.prepare(&format!("PRAGMA table_info({name})")).unwrap();
-    let columns = statement.query_map([], |row| Ok((row.get::<_, String>(1)?, row.get::<_, String>(2)?)));
+    let columns = statement.query_map([], |row| {
+        Ok((row.get::<_, String>("name")?, row.get::<_, String>("type")?))
+    });
     for column in columns.unwrap() {
         let (column, kind) = column.unwrap();
         let own = format!("{name}.{column}");
@@ -99,7 +101,9 @@ fn made() -> String {
     let sql = "SELECT type, name, sql FROM sqlite_schema
                WHERE type IN ('table', 'view') AND name NOT LIKE 'sqlite_%' ORDER BY type DESC, name";
     let mut statement = store.connection.prepare(sql).unwrap();
-    let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)));
+    let rows = statement.query_map([], |row| {
+        Ok((row.get("type")?, row.get("name")?, row.get("sql")?))
+    });
     let rows: Vec<(String, String, String)> = rows.unwrap().map(Result::unwrap).collect();
     let mut page = format!("{BEGIN}\n");
     let (mut lacking, mut heading) = (Vec::new(), String::new());

@@ -68,7 +68,7 @@ mod tests {
         let seen: (String, f64, String) = store
             .connection
             .query_row("SELECT sample, p, made_at FROM laws_view", [], |row| {
-                Ok((row.get(0)?, row.get(1)?, row.get(2)?))
+                Ok((row.get("sample")?, row.get("p")?, row.get("made_at")?))
             })
             .unwrap();
         assert_eq!(seen, ("C".to_owned(), 0.01, "2026-01-02T00:00:00Z".to_owned()));

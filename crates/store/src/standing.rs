@@ -15,12 +15,12 @@ pub(super) const RUN_WORDS: &str =
 /// A word from a row of [`RUN_WORDS`].
 pub(super) fn read_word(row: &rusqlite::Row<'_>) -> Result<RunWord, StepError> {
     Ok(RunWord {
-        run_path: row.get(0)?,
-        drops: row.get(1)?,
-        why: row.get(2)?,
-        said_by: row.get(3)?,
-        said_at: row.get(4)?,
-        data_hash: row.get(5)?,
+        run_path: row.get("run_path")?,
+        drops: row.get("drops")?,
+        why: row.get("why")?,
+        said_by: row.get("said_by")?,
+        said_at: row.get("said_at")?,
+        data_hash: row.get("data_hash")?,
     })
 }
 
@@ -75,8 +75,9 @@ impl Store {
         self.check_seal(&Subject::Condemned)?;
         let sql =
             "SELECT diagnosis_id, run_id, reason FROM diagnosis_condemned ORDER BY diagnosis_id, run_id";
-        let found: Vec<(i64, i64, String)> =
-            self.rows(doing, sql, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))?;
+        let found: Vec<(i64, i64, String)> = self.rows(doing, sql, [], |row| {
+            Ok((row.get("diagnosis_id")?, row.get("run_id")?, row.get("reason")?))
+        })?;
         if found.is_empty() {
             return Ok(BTreeMap::new());
         }
@@ -108,10 +109,10 @@ impl Store {
         self.check_seal(&Subject::Runs)?;
         self.check_seal(&Subject::Marks)?;
         let found = self.rows("reading marks of readings", &sql, [], |row| {
-            let bytes: Option<Vec<u8>> = row.get(1)?;
+            let bytes: Option<Vec<u8>> = row.get("marks")?;
             let number = |bytes: &[u8]| bytes.try_into().map_or(0, u64::from_le_bytes);
             Ok((
-                row.get(0)?,
+                row.get("id")?,
                 bytes.map(|bytes| bytes.chunks_exact(8).map(number).collect()),
             ))
         })?;
@@ -158,9 +159,9 @@ impl Store {
         let sql = "SELECT run_id, in_run_id, whole FROM same_readings ORDER BY run_id, in_run_id";
         let mut found = self.rows(doing, sql, [], |row| {
             Ok(SameReadings {
-                run_id: row.get(0)?,
-                in_run_id: row.get(1)?,
-                whole: row.get(2)?,
+                run_id: row.get("run_id")?,
+                in_run_id: row.get("in_run_id")?,
+                whole: row.get("whole")?,
             })
         })?;
         if found.is_empty() {
@@ -188,7 +189,7 @@ impl Store {
         let mut names: BTreeMap<i64, BTreeSet<String>> = BTreeMap::new();
         if !aliases.is_empty() {
             let alone: Vec<(i64, String)> =
-                self.rows(doing, sql, [], |row| Ok((row.get(0)?, row.get(1)?)))?;
+                self.rows(doing, sql, [], |row| Ok((row.get("id")?, row.get("hash")?)))?;
             for (run_id, hash) in alone {
                 let Some(paths) = aliases.get(&hash) else { continue };
                 self.check_seal(&Subject::Run(run_id))?;

@@ -3,7 +3,7 @@
 use rusqlite::params;
 
 use super::journal::Entry;
-use super::{HandTag, Store, StoreError, Subject};
+use super::{HandTag, StepError, Store, StoreError, Subject};
 
 impl Store {
     /// Adds tags set by hand. They outlive revisions of the run and refits.
@@ -39,24 +39,18 @@ impl Store {
         let sql = "SELECT run_path, key, value, set_by, set_at FROM hand_tag
                    WHERE id IN (SELECT max(id) FROM hand_tag WHERE run_path = ?1 GROUP BY key) AND value IS NOT NULL
                    ORDER BY key";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([run_path], |row| {
-                Ok(HandTag {
-                    run_path: row.get(0)?,
-                    key: row.get(1)?,
-                    value: row.get(2)?,
-                    set_by: row.get(3)?,
-                    set_at: row.get(4)?,
-                })
-            })
-            .map_err(|e| self.failed(doing, e))?;
-        rows.collect::<rusqlite::Result<_>>()
-            .map_err(|e| self.failed(doing, e))
+        self.rows(doing, sql, [run_path], read_hand_tag)
     }
+}
+
+pub(super) fn read_hand_tag(row: &rusqlite::Row<'_>) -> Result<HandTag, StepError> {
+    Ok(HandTag {
+        run_path: row.get("run_path")?,
+        key: row.get("key")?,
+        value: row.get("value")?,
+        set_by: row.get("set_by")?,
+        set_at: row.get("set_at")?,
+    })
 }
 
 #[cfg(test)]

@@ -2,10 +2,12 @@
 
 use rusqlite::params;
 
+use super::columns::count_in;
 use super::new_run::insert_issues;
-use super::{Store, StoreError, Subject, from_key};
+use super::runs::read_issue;
+use super::{Store, StoreError, Subject};
+use ieap_domain::Issue;
 use ieap_domain::tag::UNREADABLE;
-use ieap_domain::{Issue, Severity};
 
 impl Store {
     /// Leaves the tags of a run and what follows from them as they are, and records why: what states them cannot be read.
@@ -43,20 +45,13 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn unreadable_tag_files(&self) -> Result<Vec<(Issue, usize)>, StoreError> {
-        let sql = "SELECT severity, code, place, message, mend, count(DISTINCT run_id) FROM run_issue
+        let sql = "SELECT severity, code, place, message, mend, count(DISTINCT run_id) AS runs FROM run_issue
                    JOIN run ON run.id = run_id
                    WHERE run.superseded_at IS NULL AND stage = 'tag'
                      AND code IN ('tag-file-unreadable', 'tag-file-not-toml', 'tag-not-flat')
                    GROUP BY place, code ORDER BY place, code";
         self.rows("listing tag files that cannot be read", sql, [], |row| {
-            let issue = Issue {
-                severity: from_key("a severity", &row.get::<_, String>(0)?, Severity::from_key)?,
-                code: row.get(1)?,
-                place: row.get(2)?,
-                message: row.get(3)?,
-                mend: row.get(4)?,
-            };
-            Ok((issue, row.get::<_, i64>(5)?.unsigned_abs() as usize))
+            Ok((read_issue(row)?, count_in(row, "runs")?))
         })
     }
 }

@@ -36,8 +36,8 @@ pub(super) fn stored(connection: &Connection, sql: &str) -> Result<Vec<Line>, St
     let mut rows = statement.query([])?;
     let mut lines = Vec::new();
     while let Some(row) = rows.next()? {
-        let n: i64 = row.get(0)?;
-        let text = row.get_ref(1)?.as_bytes().unwrap_or_default();
+        let n: i64 = row.get("n")?;
+        let text = row.get_ref("line")?.as_bytes().unwrap_or_default();
         let read = line::read(text).ok().filter(|line| line.n == n.unsigned_abs());
         lines.push(read.ok_or_else(|| StoreError::Damaged {
             what: format!("line {n} of the journal in it"),

@@ -3,8 +3,10 @@
 use rusqlite::{Connection, Row};
 
 use super::{Entry, NamedBytes, NamedRun, ToldAlarm};
+use crate::StepError;
+use crate::columns::{json_in, key_in};
 use crate::standing::{RUN_WORDS, read_word};
-use crate::{HandTag, StepError, from_json, from_key};
+use crate::tags::read_hand_tag;
 use ieap_domain::RunKind;
 
 /// An entry with the time at which it was said.
@@ -41,17 +43,13 @@ fn reads(connection: &Connection) -> Result<Vec<Said>, StepError> {
     let mut found = statement.query([])?;
     while let Some(row) = found.next()? {
         let run = NamedRun {
-            name: row.get(1)?,
-            revision: row.get(2)?,
+            name: row.get("path")?,
+            revision: row.get("revision")?,
         };
-        let of_run = files(connection, row.get(0)?)?;
-        let kind_now = from_key(
-            "what a run measures",
-            &row.get::<_, String>(3)?,
-            RunKind::from_key,
-        )?;
-        let came_at: String = row.get(4)?;
-        let read_by: String = row.get(5)?;
+        let of_run = files(connection, row.get("id")?)?;
+        let kind_now = key_in(row, "kind", "what a run measures", RunKind::from_key)?;
+        let came_at: String = row.get("ingested_at")?;
+        let read_by: String = row.get("format")?;
         if let Some((
             at,
             Entry::Read {
@@ -83,24 +81,22 @@ fn reads(connection: &Connection) -> Result<Vec<Said>, StepError> {
 fn files(connection: &Connection, run_id: i64) -> rusqlite::Result<Vec<NamedBytes>> {
     connection
         .prepare_cached("SELECT path, hash FROM run_file WHERE run_id = ?1 ORDER BY ordinal")?
-        .query_map([run_id], |row| {
-            Ok(NamedBytes {
-                path: row.get(0)?,
-                hash: row.get(1)?,
-            })
-        })?
+        .query_map([run_id], read_bytes)?
         .collect()
+}
+
+fn read_bytes(row: &Row<'_>) -> rusqlite::Result<NamedBytes> {
+    Ok(NamedBytes {
+        path: row.get("path")?,
+        hash: row.get("hash")?,
+    })
 }
 
 fn logs(connection: &Connection) -> Result<Vec<Said>, StepError> {
     let sql = "SELECT ingested_at, path, hash, revision FROM climate_log ORDER BY id";
     rows(connection, sql, |row| {
-        let file = NamedBytes {
-            path: row.get(1)?,
-            hash: row.get(2)?,
-        };
-        let revision = row.get(3)?;
-        Ok((row.get(0)?, Entry::Log { file, revision }))
+        let (file, revision) = (read_bytes(row)?, row.get("revision")?);
+        Ok((row.get("ingested_at")?, Entry::Log { file, revision }))
     })
 }
 
@@ -108,11 +104,8 @@ fn aliases(connection: &Connection) -> Result<Vec<Said>, StepError> {
     let sql = "SELECT changed_at, path, hash FROM source_file, change_count
                WHERE state = 'alias' AND hash IS NOT NULL AND missing_since IS NULL ORDER BY path";
     rows(connection, sql, |row| {
-        let file = NamedBytes {
-            path: row.get(1)?,
-            hash: row.get(2)?,
-        };
-        Ok((row.get(0)?, Entry::Alias { file }))
+        let file = read_bytes(row)?;
+        Ok((row.get("changed_at")?, Entry::Alias { file }))
     })
 }
 
@@ -126,13 +119,7 @@ fn gone(connection: &Connection) -> Result<Vec<Said>, StepError> {
 fn tags(connection: &Connection) -> Result<Vec<Said>, StepError> {
     let sql = "SELECT run_path, key, value, set_by, set_at FROM hand_tag ORDER BY id";
     rows(connection, sql, |row| {
-        let tag = HandTag {
-            run_path: row.get(0)?,
-            key: row.get(1)?,
-            value: row.get(2)?,
-            set_by: row.get(3)?,
-            set_at: row.get(4)?,
-        };
+        let tag = read_hand_tag(row)?;
         Ok((tag.set_at.clone(), Entry::Tag(tag)))
     })
 }
@@ -150,9 +137,9 @@ fn asked(connection: &Connection) -> Result<Vec<Said>, StepError> {
                FROM (SELECT run.path, max(fit.id) AS id FROM fit JOIN run ON run.id = fit.run_id GROUP BY run.path) AS newest
                JOIN fit ON fit.id = newest.id WHERE fit.asked IS NOT NULL ORDER BY newest.path";
     rows(connection, sql, |row| {
-        let asked = from_json("how a fit was asked for", &row.get::<_, String>(2)?)?;
-        let run = row.get(1)?;
-        Ok((row.get(0)?, Entry::Asked { run, asked }))
+        let asked = json_in(row, "asked", "how a fit was asked for")?;
+        let run = row.get("path")?;
+        Ok((row.get("made_at")?, Entry::Asked { run, asked }))
     })
 }
 
@@ -160,14 +147,14 @@ fn alarms(connection: &Connection) -> Result<Vec<Said>, StepError> {
     let sql = "SELECT raised_at, id, sample, parameter, chart, run_path, message FROM alarm ORDER BY id";
     rows(connection, sql, |row| {
         let told = ToldAlarm {
-            id: row.get(1)?,
-            sample: row.get(2)?,
-            parameter: row.get(3)?,
-            chart: row.get(4)?,
-            run: row.get(5)?,
-            message: row.get(6)?,
+            id: row.get("id")?,
+            sample: row.get("sample")?,
+            parameter: row.get("parameter")?,
+            chart: row.get("chart")?,
+            run: row.get("run_path")?,
+            message: row.get("message")?,
         };
-        Ok((row.get(0)?, Entry::Told(told)))
+        Ok((row.get("raised_at")?, Entry::Told(told)))
     })
 }
 
@@ -175,9 +162,9 @@ fn commands(connection: &Connection) -> Result<Vec<Said>, StepError> {
     let sql = "SELECT raised_at, id, command_status FROM alarm WHERE command_status IS NOT NULL ORDER BY id";
     rows(connection, sql, |row| {
         let entry = Entry::Command {
-            id: row.get(1)?,
-            status: row.get(2)?,
+            id: row.get("id")?,
+            status: row.get("command_status")?,
         };
-        Ok((row.get(0)?, entry))
+        Ok((row.get("raised_at")?, entry))
     })
 }
