@@ -143,7 +143,9 @@ fn text_of_campaign_and_tags_is_never_markup() {
     input.campaign.title = HOSTILE.to_owned();
     input.campaign.id = HOSTILE.to_owned();
     input.campaign.notice = Some(HOSTILE.to_owned());
-    input.campaign.samples[0].material = HOSTILE.to_owned();
+    let mut samples = input.campaign.samples.to_vec();
+    samples[0].material = HOSTILE.to_owned();
+    input.campaign.samples = samples.into();
     input.origin.program = HOSTILE.to_owned();
     for tag in input.runs.iter_mut().flat_map(|run| &mut run.tags) {
         tag.detail = HOSTILE.to_owned();

@@ -335,7 +335,7 @@ mod tests {
         ];
         let runs = ["A", "B", "C"].map(|id| run(id, id, "air", None, 2.0)).to_vec();
         let mut campaign = campaign();
-        campaign.samples = ["A", "B", "C"].map(|id| sample(id, "CNaf")).to_vec();
+        campaign.samples = ["A", "B", "C"].map(|id| sample(id, "CNaf")).into_iter().collect();
         (found, runs, campaign)
     }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::climate::{ClimateRules, SensorStatement};
 use super::monitoring::MonitoringRules;
-use super::{AskedFit, DateOrder, RunKind};
+use super::{AskedFit, DateOrder, RunKind, Samples};
 
 /// A sample: one strip of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -100,7 +100,7 @@ pub struct Campaign {
     /// A statement printed on every page, such as "simulated, not measured".
     pub notice: Option<String>,
     /// Samples in the file's order.
-    pub samples: Vec<Sample>,
+    pub samples: Samples,
     /// Materials in the file's order.
     pub materials: Vec<Material>,
     /// Environments: the built-in ones, then the file's own.
@@ -191,7 +191,7 @@ pub fn impedance_folder() -> String {
 impl Campaign {
     /// The sample of that id.
     pub fn sample(&self, id: &str) -> Option<&Sample> {
-        self.samples.iter().find(|sample| sample.id == id)
+        self.samples.find(id)
     }
 
     /// What the files of the folder of `path` (relative, with `/`) measure; a spectrum is told by its columns.

@@ -32,6 +32,7 @@ pub mod quantity;
 mod range;
 pub mod run;
 pub mod safe_text;
+mod samples;
 pub mod seconds;
 pub mod standing;
 pub mod tag;
@@ -82,6 +83,7 @@ pub use origin::{
 pub use quantity::Quantity;
 pub use range::range_of;
 pub use run::{FileState, RunFile, RunKind, RunRecord, RunState, RunStatus, SourceFile};
+pub use samples::Samples;
 pub use standing::{RunWord, SameReadings, Standing};
 pub use tag::{Tag, TagSource};
 pub use unit_of_key::{UNITS, unit_of_key};

@@ -41,7 +41,7 @@ pub fn campaign() -> Campaign {
         timezone: None,
         date_order: None,
         notice: None,
-        samples: vec![sample("CNaf-01", "CNaf"), sample("CPvf-01", "CPvf")],
+        samples: vec![sample("CNaf-01", "CNaf"), sample("CPvf-01", "CPvf")].into(),
         materials: vec![],
         environments: ["vacuum", "inert", "air"]
             .map(|id| environment(id, None))

@@ -59,7 +59,7 @@ impl<'a> PageCurves<'a> {
         }
         let length_mm = run
             .tag(keys::SAMPLE)
-            .and_then(|id| self.campaign.samples.iter().find(|sample| sample.id == id))
+            .and_then(|id| self.campaign.sample(id))
             .and_then(|sample| sample.length_mm);
         let last_s = [&curvature, &voltage].into_iter().flatten();
         let last_s = last_s.fold(step_s, |last, curve| {

@@ -58,7 +58,7 @@ fn simulate(plan: Plan, hidden: Hidden, seed: u64) -> (Vec<RunRecord>, Campaign)
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut campaign = campaign();
     let template = campaign.samples[0].clone();
-    campaign.samples.clear();
+    campaign.samples = Default::default();
     let mut runs = Vec::new();
     for s in 0..plan.samples {
         let id = format!("S{s:02}");

@@ -175,7 +175,7 @@ fn what_is_kept_dry_is_not_made_humid() {
 #[test]
 fn a_batch_at_each_humidity_is_untied_by_one_at_both() {
     let mut campaign = campaign();
-    campaign.samples.clear();
+    campaign.samples = Default::default();
     let mut facts = Vec::new();
     for (batch, humidity) in [("A", 20.0), ("B", 80.0)] {
         for k in 0..2 {

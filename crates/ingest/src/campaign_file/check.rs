@@ -58,7 +58,7 @@ impl Checker<'_> {
             timezone: self.timezone(head.timezone)?,
             date_order: self.date_order(head.date_order)?,
             notice: head.notice,
-            samples,
+            samples: samples.into(),
             materials: self.materials(file.material)?,
             environments: self.environments(file.environment)?,
             runs_folder: self.folder(file.runs.folder, "runs")?,

@@ -13,7 +13,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
     };
     Campaign {
         timezone: Some("Europe/Tallinn".to_owned()),
-        samples: vec![sample("CNaf-01"), sample("CNaf-02")],
+        samples: vec![sample("CNaf-01"), sample("CNaf-02")].into(),
         environments: vec![environment("vacuum", None), environment("air", Some(34.0))],
         name_pattern: name_pattern.map(str::to_owned),
         ..testing::campaign()
