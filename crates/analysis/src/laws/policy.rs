@@ -24,13 +24,11 @@ pub const SAME_HUMIDITY_PERCENT: f64 = 3.0;
 /// Runs or samples of a kind from which the kind can be held against another, for they tell their own scatter: first runs,
 /// runs after a rise and after a fall of the humidity, samples with a slope of their own. Chosen.
 pub const FEWEST_OF_A_KIND: usize = 3;
-/// Samples from which one can be held against the others: left out and predicted, or told from them. One more than
-/// [`FEWEST_OF_A_KIND`], which are then left.
-pub const FEWEST_SAMPLES: usize = FEWEST_OF_A_KIND + 1;
+/// Samples from which one can be held against the others: left out and predicted, or told from them. Chosen.
+pub const FEWEST_SAMPLES: usize = 4;
 /// Parts at most into which samples are put to be left out: ten is a convention of cross-validation.
 pub const MOST_FOLDS: usize = 10;
-/// Failed runs, and usable ones, from which it is asked whether they lie unevenly. Chosen: with one of a kind the exact test
-/// hardly ever says anything.
+/// Failed runs, and usable ones, from which it is asked whether they lie unevenly. Chosen.
 pub const FEWEST_ATTEMPTS: usize = 2;
 
 /// Degrees of freedom that must be left for a factor of the design to be taken out. Chosen.
@@ -41,8 +39,8 @@ pub const LEFT_FOR_TIED: usize = 4;
 pub const LEFT_FOR_OTHERS: usize = 10;
 /// Inflation above which a covariate is tied to what is asked about. Chosen.
 pub const TIED_ABOVE: f64 = 1.1;
-/// Least part of a measured covariate's variance that must be its own for a law to be stated: below one half most of it is
-/// error.
+/// Least part of a measured covariate's variance that must be its own for a law to be stated. Chosen: below one half most
+/// of it is error.
 pub const LEAST_RELIABILITY: f64 = 0.5;
 
 /// Draws at most for a chance: none is told below one in a thousand by drawing, a convention of permutation tests. The counts
@@ -52,9 +50,9 @@ pub const DRAWS: usize = 999;
 pub const ENOUGH: usize = 100;
 /// Below this many draws as strong, which know the p-value to a third of itself, the tail is taken from the F distribution.
 pub const RESOLVED: usize = 10;
-/// Fewer orders than this are no distribution to draw from: twice as many as are drawn.
+/// Fewer orders than this are no distribution to draw from. Chosen; it is twice [`DRAWS`].
 pub const FEWEST_ORDERS: f64 = 2000.0;
-/// Draws of which failed runs: an extent is computed soon, so that ten times as many are drawn as of [`DRAWS`].
+/// Draws for the chance that failed runs lie unevenly. Chosen.
 pub const CHOICES: usize = 9999;
 /// An alternative whose score, in standard normal deviations, is this near the best one's is as good; the first such gives the
 /// name. Chosen.
@@ -68,7 +66,7 @@ pub const STEP_PAID: usize = 3;
 /// Levels or readings on either side of a step or a jump, at least: fewer are readings that stray. Of 100 pure steps 99 are
 /// told with it, of 400 series with nothing 5 (docs/validation/monitoring.md).
 pub const STEP_SIDE: usize = 3;
-/// Largest size of a law that is looked at, a logarithm: a factor of about 160,000. An interval that reaches it is open.
+/// Largest size of a law that is looked at, a logarithm: a factor of about 160,000. Chosen.
 pub const LARGEST: f64 = 12.0;
 
 /// Evidence that rules a rival out: difference of the criterion, twice the logarithm of the odds. "Very strong": odds of

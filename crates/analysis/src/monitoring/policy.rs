@@ -28,8 +28,8 @@ pub const SHOWN_BELOW: f64 = 0.01;
 pub const FEWEST_FOR_TREND: usize = 5;
 /// Readings from which a step is asked for, and the memory of the scatter is known. Chosen.
 pub const FEWEST_FOR_STEP: usize = 10;
-/// Places at most at which a step is looked for, and a trend drawn from: for the time that it takes. Chosen; the series that
-/// are counted have 60 runs.
+/// Places at most at which a step is looked for, and a trend drawn from. Chosen; the series that are counted have 60
+/// runs, so that it does not act in them.
 pub const MOST_PLACES: usize = 60;
 /// How far beyond the readings a trend may be followed to a limit, in lengths of what was measured. Chosen.
 pub const FOLLOWED: f64 = 1.0;

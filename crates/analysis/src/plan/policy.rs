@@ -12,17 +12,17 @@ pub const ONE_LEVEL: f64 = HUMIDITY_TOLERANCE_PERCENT;
 /// `cargo test -p ieap-analysis --lib plan::thesis_tests`).
 pub const NEAR_THE_OTHER: f64 = 1.0 / 3.0;
 
-/// Runs that a plan names at most. Chosen: what six runs do not loosen takes another design.
+/// Runs that a plan names at most. Chosen.
 pub const MOST_RUNS: usize = 6;
 /// Inflations above this are counted as this, and told as no bound: what is tied so tightly cannot be told apart at all. Chosen.
 pub const MOST_INFLATION: f64 = 1e4;
 /// Times that every condition is repeated in the design that says what can be untied at all. Chosen.
 pub const REPEATS: usize = 4;
 
-/// Candidates that are judged at most: with more conditions, fewer samples are looked at. Chosen for the time that it takes: a
+/// Candidates that are judged at most: with more conditions, fewer samples are looked at. Chosen; a
 /// plan for 999 runs of 111 samples took 6.5 s with this, [`MOST_SAMPLES`] and [`JUDGED_BY`] (docs/methods/next-runs.md).
 pub const MOST_CANDIDATES: usize = 160;
-/// Samples that are looked at, most.
+/// Samples that are looked at, most. Chosen.
 pub const MOST_SAMPLES: usize = 6;
-/// Ties that candidates are judged by, most.
+/// Ties that candidates are judged by, most. Chosen.
 pub const JUDGED_BY: usize = 24;
