@@ -28,6 +28,7 @@ pub mod parameters;
 mod parquet_file;
 pub mod plain_columns;
 pub mod plan;
+mod policy;
 pub mod pooling;
 pub mod probe;
 pub mod reductions;

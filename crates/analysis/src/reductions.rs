@@ -1,5 +1,7 @@
 //! Where a simpler circuit would do, run by run, as tables show it.
 
+use crate::policy::DIFFERS_BELOW;
+
 /// What simpler circuits cost in one run, or why nothing can be said.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunReductions {
@@ -33,7 +35,7 @@ pub struct ReducedCircuit {
 impl ReducedCircuit {
     /// Whether the readings have nothing against it.
     pub fn is_enough(&self) -> bool {
-        self.p >= REFUSED_BELOW
+        self.p >= DIFFERS_BELOW
     }
 
     /// R_a, R_b and C of figure 7F, a resistor before a capacitor with a leak: the same impedance as 7G.
@@ -43,9 +45,6 @@ impl ReducedCircuit {
         Some([r * rss / sum, rss * rss / sum, c * (sum / rss).powi(2)])
     }
 }
-
-/// Chance below which readings refuse a circuit: the one in twenty of a 95 % interval.
-const REFUSED_BELOW: f64 = 0.05;
 
 #[cfg(test)]
 mod tests {

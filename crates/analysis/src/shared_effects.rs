@@ -5,14 +5,13 @@ use std::collections::BTreeMap;
 
 use super::laws::words::{round, short};
 use super::pooling::{Averaging, Pooled, Repeat, pooled};
+use crate::policy::DIFFERS_BELOW;
 use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::quantiles::CHI_SQUARE_99_OF_ONE;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, EffectFinding, FromOthers, GroupDiagnosis, RunRecord};
 use ieap_numerics::chance::chi_square_chance;
 
-/// Samples whose numbers differ by more than chance would have it in fewer cases than this have numbers of their own.
-const OWN_BELOW: f64 = 0.05;
 /// What a strength of its own must lower the sum of squares by to count: chance gives more in 1 of 100.
 const OWN_STRENGTH: f64 = CHI_SQUARE_99_OF_ONE;
 
@@ -50,7 +49,7 @@ pub struct SharedParameter {
 impl SharedParameter {
     /// Whether one value stands for all samples.
     pub fn is_one(&self) -> bool {
-        self.p_equal.is_some_and(|p| p >= OWN_BELOW)
+        self.p_equal.is_some_and(|p| p >= DIFFERS_BELOW)
     }
 }
 
@@ -160,7 +159,7 @@ pub fn sentence(effect: &SharedEffect, found: &[GroupDiagnosis]) -> String {
             round(mean.high_95, mean.standard_error)
         );
         text += &match parameter.p_equal {
-            Some(p) if p >= OWN_BELOW => format!(" One {value} stands for all of them (p = {p:.2})."),
+            Some(p) if p >= DIFFERS_BELOW => format!(" One {value} stands for all of them (p = {p:.2})."),
             Some(_) if parameter.is_log => format!(
                 " Samples have a {value} of their own, with a standard deviation of {:.0} % between them.",
                 100.0 * spread / mean.value

@@ -2,27 +2,12 @@
 //! end of its range, readings that cannot be.
 
 use super::join::duration;
+use super::policy::{
+    BETWEEN_ENDS, COPY_SHARE, END_SHARE, FEWEST_AT_END, FEWEST_READINGS, MOVED, POSSIBLE_C, STUCK_HUMIDITY_S,
+    STUCK_TEMPERATURE_S,
+};
 use ieap_domain::range_of;
 use ieap_domain::{ClimateQuantity, Issue};
-
-/// Share of readings of a humidity that equal the temperature from which it is a copy.
-const COPY_SHARE: f64 = 0.95;
-/// Fewest readings that show anything.
-const FEWEST: usize = 10;
-/// A sensor that shows one number for that long while the other quantity moves is stuck, s.
-const STUCK_HUMIDITY_S: f64 = 86_400.0;
-/// A room held at one temperature is nothing special; a week is.
-const STUCK_TEMPERATURE_S: f64 = 604_800.0;
-/// Different numbers of the other quantity that show that the air changed meanwhile.
-const MOVED: usize = 5;
-/// Share of readings at the least or the greatest of all from which they are the end of the sensor's range.
-const END_SHARE: f64 = 0.4;
-/// Humidities within which a number that comes often is a steady climate and no end, percent.
-const BETWEEN_ENDS: std::ops::Range<f64> = 20.0..90.0;
-/// Fewest readings at one end that are called so.
-const FEWEST_AT_END: usize = 100;
-/// Readings of air temperature that can be, °C.
-const POSSIBLE_C: std::ops::RangeInclusive<f64> = -60.0..=120.0;
 
 /// A series to be checked.
 #[derive(Debug, Clone, Copy)]
@@ -70,7 +55,7 @@ fn place(series: Checked<'_>) -> String {
 fn copy(series: Checked<'_>, other: Checked<'_>) -> Option<String> {
     let is_pair = series.quantity == ClimateQuantity::RelativeHumidity
         && other.quantity == ClimateQuantity::Temperature;
-    if !is_pair || series.values.len() < FEWEST {
+    if !is_pair || series.values.len() < FEWEST_READINGS {
         return None;
     }
     let mut common = 0usize;
@@ -86,7 +71,7 @@ fn copy(series: Checked<'_>, other: Checked<'_>) -> Option<String> {
         }
     }
     let varies = series.values.iter().any(|v| (v - series.values[0]).abs() > 1e-9);
-    (common >= FEWEST && varies && equal as f64 >= COPY_SHARE * common as f64).then(|| {
+    (common >= FEWEST_READINGS && varies && equal as f64 >= COPY_SHARE * common as f64).then(|| {
         format!(
             "the humidity of {} equals its temperature in {equal} of {common} readings: column {} is a copy of {}",
             series.sensor, series.column, other.column
@@ -136,7 +121,7 @@ fn stuck(series: Checked<'_>, other: Option<Checked<'_>>) -> Option<Issue> {
             best = (start, at);
         }
     }
-    if series.values.is_empty() || lasts(best) < longest_s || best.1 - best.0 < FEWEST {
+    if series.values.is_empty() || lasts(best) < longest_s || best.1 - best.0 < FEWEST_READINGS {
         return None;
     }
     let (from_s, to_s) = (series.times_s[best.0], series.times_s[best.1]);

@@ -6,23 +6,13 @@
 //! of the air, at another shift than none, the clocks differ by that.
 
 use super::join::duration;
+use super::policy::{
+    BIN_S, FEWEST_COMMON, FEWEST_FOR_CLOCKS, LARGEST_SHIFT, MOST_FOR_CLOCKS, OF_VARIATION, SCATTER_LEFT,
+};
 use ieap_domain::{ClimateQuantity, Issue, SensorPair};
 
-/// Length of a bin, s: the interval of most loggers.
-pub const BIN_S: f64 = 600.0;
-/// Bins that both must have for a comparison: an hour.
-const FEWEST_COMMON: usize = 6;
-/// Bins that both must have for a comparison of clocks: half a day.
-const FEWEST_FOR_CLOCKS: usize = 72;
-/// Most bins that clocks are compared over, the last ones: a month.
-const MOST_FOR_CLOCKS: usize = 4464;
-/// Largest shift of clocks that is looked for, half hours.
-const LARGEST_SHIFT: i64 = 28;
 /// Bins in half an hour.
 const BINS_PER_STEP: i64 = 3;
-/// Share of the scatter that must be left at the shift, and share of the variation of the air.
-const SCATTER_LEFT: f64 = 0.5;
-const OF_VARIATION: f64 = 0.34;
 
 /// Means of a series over bins.
 #[derive(Debug, Clone, Default, PartialEq)]

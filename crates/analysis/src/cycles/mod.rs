@@ -2,6 +2,7 @@
 //! against their number, and what of it has a trend.
 
 mod of_cycle;
+mod policy;
 #[cfg(test)]
 mod tests;
 mod train;
@@ -16,12 +17,8 @@ use crate::figure::Figure;
 use crate::laws::words::{moves, short};
 use crate::monitoring::series::{Limits, Reaches, Series};
 use of_cycle::{Numbers, Readings, of_held, of_wave};
+use policy::{END_OF_LIFE, MOST_POINTS};
 use train::{Train, train};
-
-/// Points of a trend at most: means of as many cycles each.
-const POINTS: usize = 150;
-/// Part of its beginning to which a number has fallen where a life test is over, as for batteries.
-const END_OF_LIFE: f64 = 0.8;
 
 /// Every number of a cycle.
 pub const CYCLE_FIGURES: [Figure; 7] = [
@@ -232,7 +229,7 @@ fn series(cycles: &[Cycle], k: usize) -> Option<Series> {
         })
         .collect();
     let is_log = known.iter().all(|(_, value, _)| *value > 0.0);
-    let together = known.len().div_ceil(POINTS).max(1);
+    let together = known.len().div_ceil(MOST_POINTS).max(1);
     let mut series = Series {
         x: Vec::new(),
         y: Vec::new(),

@@ -9,14 +9,8 @@ use ieap_numerics::robust::sd_on_a_slope;
 use ieap_numerics::sums::square;
 use ieap_numerics::symmetric::Symmetric;
 
+use super::policy::{EDGE, END, LEAST_IN_PERIOD};
 use super::train::Held;
-
-/// Share of a level at its end over which the curvature is averaged.
-const END: f64 = 0.25;
-/// Share of the range by which the voltage changes at an edge that tells of the resistance.
-const EDGE: f64 = 0.05;
-/// Fewest readings of a period, or of a cycle whose curvature is held against its charge.
-const LEAST_IN_PERIOD: usize = 12;
 
 /// Readings of a channel with the standard deviation of their noise.
 pub(super) struct Readings<'a> {

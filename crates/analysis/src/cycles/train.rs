@@ -1,16 +1,9 @@
 //! Where the cycles of a train begin: held voltages that come again and again, or the periods of a sine or a triangle.
 
+use super::policy::{FEWEST_CYCLES, MOST_LEVELS, MOSTLY, SAME};
+
 use ieap_domain::{Drive, Level};
 use ieap_numerics::waveform::{LEAST_TURN, Waveform, crossings_s, recognise, turns};
-
-/// Fewest cycles of a train.
-const FEWEST: usize = 3;
-/// Most levels of a cycle.
-const MOST_LEVELS: usize = 12;
-/// Share of the voltage's range, and of a duration, within which two levels are the same.
-const SAME: f64 = 0.05;
-/// Share of the levels that must come again: a train may begin with others, or pause.
-const MOSTLY: f64 = 0.9;
 
 /// A stretch of constant voltage in a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,7 +63,7 @@ fn held(drive: &Drive, last_s: f64) -> Option<Train> {
     let repeats = |period: &usize| {
         let pairs = whole.saturating_sub(*period);
         let alike = (0..pairs).filter(|&k| same(&all[k], &all[k + period])).count();
-        pairs >= (FEWEST - 1) * period && alike as f64 >= MOSTLY * pairs as f64
+        pairs >= (FEWEST_CYCLES - 1) * period && alike as f64 >= MOSTLY * pairs as f64
     };
     let period = (2..=MOST_LEVELS).find(repeats)?;
     // A cycle begins where its levels begin to come again.
@@ -82,7 +75,7 @@ fn held(drive: &Drive, last_s: f64) -> Option<Train> {
         .filter(is_cycle)
         .map(<[Held]>::to_vec)
         .collect();
-    (cycles.len() >= FEWEST).then_some(Train::Held(cycles))
+    (cycles.len() >= FEWEST_CYCLES).then_some(Train::Held(cycles))
 }
 
 fn wave(drive: &Drive) -> Option<Train> {
@@ -99,5 +92,5 @@ fn wave(drive: &Drive) -> Option<Train> {
     }
     let crossings = crossings_s(&time_s, &volts, &turns);
     let starts: Vec<f64> = crossings.into_iter().step_by(2).collect();
-    (starts.len() > FEWEST).then_some(Train::Wave(starts))
+    (starts.len() > FEWEST_CYCLES).then_some(Train::Wave(starts))
 }

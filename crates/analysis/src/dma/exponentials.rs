@@ -1,18 +1,9 @@
 //! Sums of one or two exponentials and a constant through the points of a stretch, and which the points allow.
 
+use super::policy::{APART, FEWEST_FOR_RELAXATION, LONGEST_TIME_CONSTANT, MOST_POINTS, SECOND_GAIN};
 use super::relaxation::Stretch;
 use ieap_numerics::linear::LeastSquares;
 
-/// Fewest readings after the humidity has settled that a relaxation is fitted to.
-const FEWEST: usize = 20;
-/// Most points that are fitted; longer stretches are averaged in blocks.
-const POINTS: usize = 400;
-/// Longest time constant looked for, in lengths of the stretch: a slower one cannot be told from a drift.
-const LONGEST: f64 = 10.0;
-/// Time constants closer than this factor cannot be told apart.
-const APART: f64 = 2.0;
-/// A second exponential must lower the sum of squares by this many long-run variances.
-const SECOND_GAIN: f64 = 12.0;
 /// Trial time constants of one exponential, and of each of two.
 const TRIALS: usize = 120;
 const PAIR_TRIALS: usize = 28;
@@ -49,19 +40,19 @@ impl Points {
         let first = stretch.time_s.partition_point(|&t| t < stretch.settled_s);
         let end = stretch.time_s.partition_point(|&t| t <= stretch.end_s);
         let count = end.saturating_sub(first);
-        if count < FEWEST {
+        if count < FEWEST_FOR_RELAXATION {
             return Err(format!(
-                "{count} readings after the humidity has settled; {FEWEST} are needed"
+                "{count} readings after the humidity has settled; {FEWEST_FOR_RELAXATION} are needed"
             ));
         }
-        let block = count.div_ceil(POINTS);
+        let block = count.div_ceil(MOST_POINTS);
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let times = stretch.time_s[first..end].chunks_exact(block);
         let since_s: Vec<f64> = times.map(|t| mean(t) - stretch.start_s).collect();
         let length_s = since_s[since_s.len() - 1] - since_s[0];
         Ok(Points {
             shortest_s: length_s / since_s.len() as f64,
-            longest_s: LONGEST * length_s,
+            longest_s: LONGEST_TIME_CONSTANT * length_s,
             values: stretch.values[first..end].chunks_exact(block).map(mean).collect(),
             since_s,
         })

@@ -5,32 +5,15 @@
 //! way from one level to the next belongs to the step. A humidity that changes all the time has no levels, and that
 //! is said.
 
+use super::policy::{
+    AT_LEVEL, CUT_PRICE, DRIFT, FEWEST_POINTS_OF_LEVEL, LEAST_NOISE_PERCENT, LONGEST_CHANGE, MOST_POINTS,
+    PASSAGE, SAME_HUMIDITY_PERCENT, STEP_TO_NOISE,
+};
+
 use ieap_domain::Issue;
 use ieap_domain::range_of;
 use ieap_numerics::noise::local_scatter;
 use ieap_numerics::robust::median;
-
-/// Smallest change that counts as a step, percent relative humidity: about twice the accuracy of the common
-/// capacitive sensors (2 %).
-pub const SMALLEST_STEP_PERCENT: f64 = 4.0;
-/// A step must also exceed the noise by this factor.
-const STEP_TO_NOISE: f64 = 4.0;
-/// Most points that are partitioned; longer channels are taken as medians of so many blocks.
-const POINTS: usize = 400;
-/// Fewest points of a level: a shorter excursion, as by a door that is opened, is none.
-const FEWEST_POINTS: usize = 4;
-/// Noise below this is taken as this, percent: the last digit of the common loggers.
-const LEAST_NOISE_PERCENT: f64 = 0.05;
-/// Price of a cut in units of the long-run variance and the logarithm of the number of points.
-const PRICE: f64 = 6.0;
-/// A level on the way from one to another that lasts less than this part of the longer of the two is passage.
-const PASSAGE: f64 = 0.2;
-/// A stretch whose thirds differ by more than this part of its smaller step is no level.
-const DRIFT: f64 = 0.25;
-/// A change that takes longer than this part of the longer of its levels is no step.
-const LONGEST_CHANGE: f64 = 0.5;
-/// Part of the step within which the humidity counts as still at, or already at, a level.
-const AT_LEVEL: f64 = 0.05;
 
 /// One step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,8 +53,8 @@ struct Stretch {
 pub fn find(time_s: &[f64], percent: &[f64]) -> HumiditySteps {
     let points = Points::of(time_s, percent);
     let (scatter, long_run) = points.noise();
-    let smallest = SMALLEST_STEP_PERCENT.max(STEP_TO_NOISE * scatter);
-    let price = PRICE * long_run * (points.level.len().max(2) as f64).ln();
+    let smallest = SAME_HUMIDITY_PERCENT.max(STEP_TO_NOISE * scatter);
+    let price = CUT_PRICE * long_run * (points.level.len().max(2) as f64).ln();
     let mut stretches = partition(&points.level, price);
     join(&mut stretches, &points, smallest);
     drop_passages(&mut stretches, &points);
@@ -115,7 +98,7 @@ fn is_step(change: &HumidityStep) -> bool {
     change.settled_s - change.start_s <= LONGEST_CHANGE * before_s.max(after_s)
 }
 
-/// The channel as at most [`POINTS`] points.
+/// The channel as at most [`MOST_POINTS`] points.
 struct Points {
     level: Vec<f64>,
     /// Time of the first reading of each point, s, and at the end that of the last reading.
@@ -126,7 +109,7 @@ struct Points {
 
 impl Points {
     fn of(time_s: &[f64], percent: &[f64]) -> Points {
-        let block = percent.len().div_ceil(POINTS).max(1);
+        let block = percent.len().div_ceil(MOST_POINTS).max(1);
         let mut edge_s: Vec<f64> = time_s.iter().step_by(block).copied().collect();
         edge_s.extend(time_s.last());
         Points {
@@ -173,7 +156,7 @@ impl Points {
             stretch.first * self.block..end
         };
         let (before, after) = (range(before), range(after));
-        let quarter = |length: usize| (length / 4).max(FEWEST_POINTS).min(length);
+        let quarter = |length: usize| (length / 4).max(FEWEST_POINTS_OF_LEVEL).min(length);
         // Levels where they are left and reached: a slow drift within a level is no part of the step.
         let left = middle(&percent[before.end - quarter(before.len())..before.end]);
         let reached = middle(&percent[after.end - quarter(after.len())..after.end]);
@@ -211,7 +194,7 @@ fn middle(values: &[f64]) -> f64 {
 /// The cuts with the least sum of squares about the stretches' means plus `price` a stretch.
 fn partition(level: &[f64], price: f64) -> Vec<Stretch> {
     let n = level.len();
-    if n < 2 * FEWEST_POINTS {
+    if n < 2 * FEWEST_POINTS_OF_LEVEL {
         return Vec::new();
     }
     // Sums from the first level, so that differences of sums keep their digits.
@@ -227,8 +210,8 @@ fn partition(level: &[f64], price: f64) -> Vec<Stretch> {
     };
     let mut best = vec![(f64::INFINITY, 0); n + 1];
     best[0].0 = 0.0;
-    for end in FEWEST_POINTS..=n {
-        for first in 0..=end - FEWEST_POINTS {
+    for end in FEWEST_POINTS_OF_LEVEL..=n {
+        for first in 0..=end - FEWEST_POINTS_OF_LEVEL {
             let total = best[first].0 + cost(first, end) + price;
             if total < best[end].0 {
                 best[end] = (total, first);

@@ -1,14 +1,12 @@
 //! The value of a channel at the end of a stretch, with drift and with noise that remembers allowed for.
 
+use super::policy::{FEWEST_FOR_LEVEL, LEVEL_WINDOW};
+
 use ieap_domain::Estimate;
 use ieap_domain::seconds::span;
 use ieap_numerics::linear::{LeastSquares, variance_of_sum};
 use ieap_numerics::student::quantile_95;
 
-/// Fewest readings that give a level with an uncertainty.
-pub const FEWEST: usize = 12;
-/// Part of a stretch, from its end, that gives the level where readings are enough.
-const WINDOW: f64 = 0.5;
 /// Terms of the cubic.
 const TERMS: i32 = 4;
 
@@ -53,17 +51,17 @@ pub fn at_end(time_s: &[f64], values: &[f64], from_s: f64, until_s: f64) -> Resu
     let first = time_s.partition_point(|&t| t < from_s);
     let end = time_s.partition_point(|&t| t <= until_s);
     let count = end.saturating_sub(first);
-    if count < FEWEST {
+    if count < FEWEST_FOR_LEVEL {
         return Err(format!(
-            "{count} readings from {}; {FEWEST} are needed",
+            "{count} readings from {}; {FEWEST_FOR_LEVEL} are needed",
             span(from_s, until_s)
         ));
     }
     let until_s = time_s[end - 1];
-    let middle_s = until_s - WINDOW * (until_s - from_s);
+    let middle_s = until_s - LEVEL_WINDOW * (until_s - from_s);
     let start = time_s
         .partition_point(|&t| t < middle_s)
-        .min(end - FEWEST)
+        .min(end - FEWEST_FOR_LEVEL)
         .max(first);
     let (time_s, values) = (&time_s[start..end], &values[start..end]);
     let span_s = until_s - time_s[0];
@@ -95,7 +93,7 @@ fn rounding(values: &[f64]) -> f64 {
     sorted.sort_by(f64::total_cmp);
     sorted.dedup();
     // Where readings differ in many places, the noise has rounded them already.
-    if sorted.len() > FEWEST / 2 {
+    if sorted.len() > FEWEST_FOR_LEVEL / 2 {
         return 0.0;
     }
     let steps = sorted.windows(2).map(|pair| pair[1] - pair[0]);

@@ -1,15 +1,8 @@
 //! The complex modulus and the loss factor of a log: as the instrument gives them, else computed.
 
-use ieap_domain::{Channel, Issue, Quantity};
+use super::policy::{DISAGREEMENT, FEWEST_OF_FREQUENCY, FREQUENCY_SHARE, SAME_FREQUENCY};
 
-/// Relative difference between what the instrument gives and what follows from its other columns, from which it
-/// is pointed out: printed digits stay far below.
-const DISAGREEMENT: f64 = 0.01;
-/// Frequencies within this part of each other are one.
-const SAME_FREQUENCY: f64 = 0.01;
-/// Share of the readings that one frequency must have, and fewest of them.
-const FREQUENCY_SHARE: f64 = 0.2;
-const FEWEST_READINGS: usize = 16;
+use ieap_domain::{Channel, Issue, Quantity};
 
 /// Moduli over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -202,9 +195,9 @@ fn one_frequency(rows: &mut Vec<Row>, issues: &mut Vec<Issue>) -> Result<Option<
     if best.1 == all.len() {
         return Ok(Some(frequency));
     }
-    if (best.1 as f64) < FREQUENCY_SHARE * all.len() as f64 || best.1 < FEWEST_READINGS {
+    if (best.1 as f64) < FREQUENCY_SHARE * all.len() as f64 || best.1 < FEWEST_OF_FREQUENCY {
         let message = format!(
-            "the frequency sweeps from {} to {} Hz, and no frequency has {FEWEST_READINGS} readings and a fifth of all: \
+            "the frequency sweeps from {} to {} Hz, and no frequency has {FEWEST_OF_FREQUENCY} readings and a fifth of all: \
              a modulus over time needs one frequency",
             all[0],
             all[all.len() - 1]

@@ -1,11 +1,9 @@
 //! The relaxation of the modulus after a humidity step, and when it is over.
 
 use super::exponentials::{Points, Trial};
+use super::policy::REMAINDER;
 use ieap_domain::Estimate;
 use ieap_numerics::student::quantile_95;
-
-/// Part of the change that may be left when equilibrium counts as reached.
-pub const REMAINDER: f64 = 0.05;
 
 /// A fitted relaxation: `asymptote + SUM amplitude e^(-(t - start)/tau)`.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,14 +1,10 @@
 //! What stays of a change when the humidity comes back: recovery and hysteresis.
 
 use super::level::Level;
+use super::policy::{CLEAR, SAME_HUMIDITY_PERCENT};
 use super::step::{MeasuredStep, determined};
 use ieap_domain::modulus::log_keys;
 use ieap_domain::{Estimate, Parameter};
-
-/// Humidities closer than this, percent, are the same level: twice the accuracy of the common sensors.
-const SAME_PERCENT: f64 = 4.0;
-/// The change must exceed its standard error by this factor before a part of it can be stated.
-const CLEAR: f64 = 5.0;
 
 /// A humidity that was held, with |E*| at its end.
 struct Held<'a> {
@@ -62,7 +58,7 @@ pub fn estimates(steps: &[MeasuredStep]) -> Vec<Parameter> {
 /// 100 (last - farthest) / (first - farthest), percent, where the last humidity is the first again.
 fn recovery(held: &[Held<'_>], farthest: usize) -> Estimate {
     let (first, last) = (&held[0], &held[held.len() - 1]);
-    if farthest + 1 >= held.len() || (first.percent - last.percent).abs() > SAME_PERCENT {
+    if farthest + 1 >= held.len() || (first.percent - last.percent).abs() > SAME_HUMIDITY_PERCENT {
         return Estimate::not_determined(format!(
             "the humidity does not come back to the {:.0} % at which it began",
             first.percent
@@ -101,7 +97,7 @@ fn visited_twice<'a, 'b>(held: &'a [Held<'b>], farthest: usize) -> Vec<(&'a Held
                 .abs()
                 .total_cmp(&(b.percent - out.percent).abs())
         })?;
-        ((nearest.percent - out.percent).abs() <= SAME_PERCENT).then_some((out, nearest))
+        ((nearest.percent - out.percent).abs() <= SAME_HUMIDITY_PERCENT).then_some((out, nearest))
     };
     held[..farthest].iter().filter_map(pair).collect()
 }

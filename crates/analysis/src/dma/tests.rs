@@ -45,7 +45,7 @@ fn equilibrium_s(tau_s: f64, diffuses: bool) -> f64 {
     let (mut low, mut high) = (0.0, 10.0 * tau_s);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if left(middle, tau_s, diffuses) > relaxation::REMAINDER {
+        if left(middle, tau_s, diffuses) > policy::REMAINDER {
             low = middle
         } else {
             high = middle

@@ -4,10 +4,9 @@ use ieap_domain::quantiles::{NORMAL_95, NORMAL_95_OF_SEVEN};
 use ieap_domain::tag::keys;
 use ieap_domain::{CircuitFit, Estimate, Fit, RunRecord, SpectrumAnalysis, SpectrumRun};
 
+use crate::conditions::HUMIDITY_GAP_PERCENT;
 use crate::pooling::{Averaging, Repeat, pooled};
 
-/// Humidities that count as one condition, percent apart.
-const HUMIDITY_ALIKE_PERCENT: f64 = 5.0;
 /// Voltages that count as one, V apart.
 const VOLTAGE_ALIKE_V: f64 = 0.05;
 /// Reason of a bound that several steps give together.
@@ -177,7 +176,7 @@ fn is_beside(spectrum: &RunRecord, run: &RunRecord) -> bool {
     };
     let humidity = |record: &RunRecord| record.tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
     let humid = match humidity(spectrum).zip(humidity(run)) {
-        Some((a, b)) => (a - b).abs() <= HUMIDITY_ALIKE_PERCENT,
+        Some((a, b)) => (a - b).abs() <= HUMIDITY_GAP_PERCENT,
         None => true,
     };
     spectrum.tag(keys::SAMPLE).is_some()

@@ -1,5 +1,7 @@
 //! A step and a spectrum of one strip in one likelihood, as tables show it.
 
+use crate::policy::DIFFERS_BELOW;
+
 use ieap_domain::{Estimate, Parameter};
 
 /// What a step and a spectrum say by themselves and together.
@@ -26,12 +28,9 @@ pub struct Both {
     pub p: f64,
 }
 
-/// Chance below which a step and a spectrum are said not to be of one circuit: the one in twenty of a 95 % interval.
-const REFUSED_BELOW: f64 = 0.05;
-
 impl Both {
     /// Whether both can have this one set of parameters.
     pub fn agrees(&self) -> bool {
-        self.p >= REFUSED_BELOW
+        self.p >= DIFFERS_BELOW
     }
 }

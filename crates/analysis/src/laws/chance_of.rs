@@ -1,6 +1,8 @@
 //! How often chance alone ties readings to columns as strongly: permutation within exchangeable blocks; normal
 //! errors where few orders exist; and the F distribution where the tail is beyond the draws.
 
+use super::policy::{CHOICES, DRAWS, ENOUGH, FEWEST_ORDERS, RESOLVED, SCORE_AS_GOOD};
+
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -9,17 +11,6 @@ use rand_distr::{Distribution, StandardNormal};
 use ieap_numerics::chance::f_chance;
 use ieap_numerics::grouped::{Grouped, dot};
 use ieap_numerics::interrupt;
-
-/// Draws at most.
-pub const DRAWS: usize = 999;
-/// Draws as strong as the readings after which the p-value is known well enough (Besag and Clifford 1991).
-const ENOUGH: usize = 100;
-/// Below this many draws as strong, the tail is taken from the F distribution.
-const RESOLVED: usize = 10;
-/// An alternative whose score is this near the best one's is as good; the first such gives the name.
-const AS_GOOD: f64 = 0.5;
-/// Fewer orders than this are no distribution to draw from.
-const FEWEST_ORDERS: f64 = 2000.0;
 
 /// What a p-value rests on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -87,7 +78,7 @@ pub fn ask(
     let observed = own.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let best = own
         .iter()
-        .position(|score| *score >= observed - AS_GOOD)
+        .position(|score| *score >= observed - SCORE_AS_GOOD)
         .map_or(usable[0], |at| usable[at]);
     let tail = usable
         .iter()
@@ -218,7 +209,6 @@ pub fn random_choice_chance(hits: &[bool], extent: &dyn Fn(&[bool]) -> f64, seed
     let threshold = observed - 1e-9 * observed.abs().max(1.0);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut drawn = hits.to_vec();
-    const CHOICES: usize = 9999;
     let mut as_strong = 0;
     for _ in 0..CHOICES {
         interrupt::check();

@@ -9,14 +9,12 @@ use super::covariate::Covariate;
 use super::doubt::Doubts;
 use super::facts::RunFacts;
 use super::fitted::Interval;
+use super::policy::ABOUT_THE_SAME;
 use super::words::{round, short, symbol};
 use crate::one_fit::SharedEstimate;
 use crate::parameters::{COMPARED, usable};
 use ieap_domain::{Campaign, Estimate, RunRecord};
 use ieap_numerics::student::quantile_95;
-
-/// Logarithm of a factor that is not worth a word: 5 %.
-const ABOUT_THE_SAME: f64 = 0.05;
 
 /// One condition over another: logarithm of the ratio of a parameter.
 #[derive(Debug, Clone, PartialEq)]

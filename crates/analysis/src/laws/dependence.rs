@@ -6,6 +6,10 @@ use super::design::{Level, Rows};
 use super::facts::RunFacts;
 use super::fitted::{self, Fitted, Interval, Material};
 use super::jump::{self, Jump};
+use super::policy::{
+    AS_GOOD, INFLATION_LIMIT, LEAST_RELIABILITY, LEFT_FOR_FACTORS, LEFT_FOR_OTHERS, LEFT_FOR_TIED, ONE_LEVEL,
+    TIED_ABOVE,
+};
 use super::rivals::ToldApart;
 use super::shape::{Bend, Law, Span, bends, progress};
 use super::table::Table;
@@ -13,19 +17,6 @@ use super::values::Values;
 use crate::false_discovery::CLAIMED_BELOW;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_numerics::grouped::{Grouped, shared_variance};
-
-/// Degrees of freedom that must be left for a factor of the design to be taken out.
-const LEFT_FOR_FACTORS: usize = 3;
-/// The same for a covariate that is tied to what is asked about.
-const LEFT_FOR_TIED: usize = 4;
-/// The same for any other covariate: where readings are few, they cost more than they bring.
-const LEFT_FOR_OTHERS: usize = 10;
-/// Inflation above which a covariate is tied to what is asked about.
-const TIED_ABOVE: f64 = 1.1;
-/// Part of the span that neighbouring values may differ by and be one level.
-const ONE_LEVEL: f64 = 0.03;
-/// Least part of a measured covariate's variance that must be its own for a law to be stated.
-pub const LEAST_RELIABILITY: f64 = 0.5;
 
 /// A point of a figure: the parameter of one run (or the mean of one sample) brought to the mean sample and to the
 /// means of what was taken out.
@@ -115,7 +106,7 @@ impl Dependence {
         };
         self.laws
             .iter()
-            .filter(|law| law.bic <= best + fitted::AS_GOOD)
+            .filter(|law| law.bic <= best + AS_GOOD)
             .map(|law| law.law)
             .collect()
     }
@@ -262,7 +253,7 @@ impl Asking<'_> {
         };
         let inflation = |other: Covariate| self.rows.inflation(first, &[other]);
         for factor in table.columns.keys().copied().filter(|one| one.is_factor()) {
-            if inflation(factor) <= super::design::INFLATION_LIMIT {
+            if inflation(factor) <= INFLATION_LIMIT {
                 take(factor, LEFT_FOR_FACTORS, true);
             }
         }

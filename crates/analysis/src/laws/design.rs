@@ -4,16 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::covariate::{Covariate, Kind};
 use super::facts::RunFacts;
+use super::policy::{INFLATION_LIMIT, MOST_LEVELS, STATED_PART, WITHIN_PART};
 use ieap_numerics::grouped::{Grouped, dot};
-
-/// Above this variance inflation covariates are one finding with several names.
-pub const INFLATION_LIMIT: f64 = 5.0;
-/// Part of the runs of a material that must state a covariate.
-const STATED_PART: f64 = 0.8;
-/// Part of a number's square about its mean that must lie within samples for it to be asked within them.
-const WITHIN_PART: f64 = 0.2;
-/// Distinct names that a category may have at most; more are names of runs, not levels.
-const MOST_LEVELS: usize = 12;
 
 /// Where a covariate differs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]

@@ -3,16 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::covariate::{Covariate, DeclaredTag, Kind};
+use super::policy::{FEWEST_OF_A_KIND, SAME_HUMIDITY_PERCENT};
 use crate::conditions::nominal_voltage_v;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, ClimateQuantity, RunRecord, TagSource};
 
-/// A change of humidity from run to run by less than this, percent points, is none: sensors are good to about 2 %.
-const SAME_HUMIDITY_PERCENT: f64 = 3.0;
-/// First runs of samples from which a first run can be told from a run.
-const FEWEST_FIRST_RUNS: usize = 3;
-/// Runs after a rise, and after a fall, of the humidity from which the two can be compared.
-const FEWEST_OF_A_DIRECTION: usize = 3;
 /// A stated accuracy is the half-width of an even distribution: its standard deviation is this part of it.
 const EVEN: f64 = 0.577_350_269_189_625_8;
 
@@ -250,10 +245,10 @@ fn add_history(facts: &mut [RunFacts], runs: &[RunRecord], charge_c: &[Option<f6
             fact.numbers.remove(&covariate);
         }
     };
-    if first_runs.len() < FEWEST_FIRST_RUNS {
+    if first_runs.len() < FEWEST_OF_A_KIND {
         forget(facts, Covariate::FirstRun);
     }
-    if rises.min(falls) < FEWEST_OF_A_DIRECTION {
+    if rises.min(falls) < FEWEST_OF_A_KIND {
         forget(facts, Covariate::Direction);
     }
 }

@@ -1,20 +1,13 @@
 //! One law fitted to the values of one parameter, with its interval, and the laws compared.
 
+use super::policy::{AS_GOOD, FEWEST_SAMPLES, LARGEST, MOST_FOLDS};
 use super::shape::{self, Bend, Law, Span, at_progress, coefficient, is_of_amounts, progress};
 use super::sight::{Over, Sight};
 use ieap_numerics::grouped::{Grouped, dot};
 use ieap_numerics::student::quantile_95;
 
-/// Largest size looked at: a factor of about 160,000.
-const LARGEST: f64 = 12.0;
-/// Laws whose criterion is within this of the best are as good.
-pub const AS_GOOD: f64 = 2.0;
-/// Samples from which leaving one out says something.
-pub const FEWEST_LEFT_OUT: usize = 4;
 /// Times that the bends about the best one are looked at more finely.
 const FINER: usize = 2;
-/// Parts at most into which samples are put to be left out.
-const MOST_FOLDS: usize = 10;
 
 /// What laws are fitted to. Values are logarithms, or numbers as they are where some are not positive.
 #[derive(Debug, Clone)]
@@ -374,7 +367,7 @@ fn bend_interval(
 fn left_out(sight: &Sight, shapes: &[Shape]) -> Option<f64> {
     let sample = sight.material.sample;
     let samples = sample.iter().max().map_or(0, |last| last + 1);
-    if samples < FEWEST_LEFT_OUT {
+    if samples < FEWEST_SAMPLES {
         return None;
     }
     let folds = samples.min(MOST_FOLDS);

@@ -7,15 +7,12 @@ use super::dependence::{Asking, Dependence};
 use super::facts::RunFacts;
 use super::fitted::Interval;
 use super::jump::Jump;
+use super::policy::FEWEST_SAMPLES;
 use super::table::Table;
 use super::values::Values;
+use crate::policy::DIFFERS_BELOW;
 use ieap_numerics::grouped::{Grouped, dot, shared_variance};
 use ieap_numerics::student::{quantile_95, two_sided_chance};
-
-/// Samples from which one can be told from the others.
-const FEWEST_SAMPLES: usize = 4;
-/// A part of the offset that no length explains is a sign of another cause below this probability.
-const UNEXPLAINED_BELOW: f64 = 0.05;
 
 impl Asking<'_> {
     /// Asks whether samples differ. None with one sample, or where runs repeat too little.
@@ -138,7 +135,7 @@ pub fn length_doubts(
             factor: size.map(|shift| (-shift).exp()),
             p,
             q: 1.0,
-            explains_all: unexplained > UNEXPLAINED_BELOW,
+            explains_all: unexplained > DIFFERS_BELOW,
             samples,
         })
     };

@@ -8,9 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::covariate::Covariate;
 use super::design::{Level, Rows, rows};
 use super::facts::RunFacts;
-
-/// Runs that must state a covariate for it to be asked of them alone: through three points goes any law.
-const FEWEST_STATING: usize = 4;
+use super::policy::FEWEST_STATING;
 
 /// Runs that are asked together, and what is asked of them.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,23 +7,16 @@
 
 use super::chance_of::ask;
 use super::covariate::Covariate;
-use super::dependence::{Asking, Dependence, LEAST_RELIABILITY};
+use super::dependence::{Asking, Dependence};
 use super::fitted::{self, Material, criterion};
+use super::policy::{HUMIDITY_ERROR_PERCENT, LEAST_RELIABILITY, RULED_OUT, TEMPERATURE_ERROR_C};
 use super::shape::Law;
 use super::table::Table;
 use crate::false_discovery::CLAIMED_BELOW;
+use crate::policy::DIFFERS_BELOW;
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::grouped::{Grouped, dot};
 
-/// Evidence that rules a rival out: difference of the criterion, twice the logarithm of the odds. "Very strong": odds of
-/// 150 to 1 (Kass and Raftery 1995).
-const RULED_OUT: f64 = 10.0;
-/// A rival that adds to the better covariate what chance adds more rarely than this has a part of its own.
-const ADDS_BELOW: f64 = 0.05;
-/// Standard error of a humidity that states none, percent points: sensors are good to about 2 % (an even distribution).
-const HUMIDITY_ERROR_PERCENT: f64 = 1.2;
-/// The same of a temperature, °C: good to about 0.5 °C.
-const TEMPERATURE_ERROR_C: f64 = 0.3;
 /// Part of the span over which a law's slope is taken.
 const SLOPE_OVER: f64 = 0.01;
 
@@ -201,7 +194,7 @@ impl Ground<'_> {
             group,
             self.asking.seed.wrapping_add(1),
         )
-        .is_some_and(|answer| answer.p <= ADDS_BELOW)
+        .is_some_and(|answer| answer.p <= DIFFERS_BELOW)
     }
 
     /// The largest square that a column may add to the readings beside what is taken out, by its 95 % interval.

@@ -1,14 +1,11 @@
 //! Whether samples follow a law alike, and whether they differ at all.
 
 use super::fitted::{Fitted, Interval, Material};
+use super::policy::FEWEST_OF_A_KIND;
 use super::shape::progress;
+use crate::policy::DIFFERS_BELOW;
 use ieap_numerics::chance::chi_square_chance;
 use ieap_numerics::student::quantile_95;
-
-/// Samples with a slope of their own from which their scatter is known.
-const FEWEST: usize = 3;
-/// Below this probability samples differ by more than errors.
-const DIFFER_BELOW: f64 = 0.05;
 
 /// Widens the interval of a law's size where samples follow it with sizes that differ by more than their errors:
 /// samples then are a random effect on the size too (DerSimonian and Laird 1986, with the interval of Hartung and
@@ -34,12 +31,12 @@ pub fn widen(material: &Material, law: &mut Fitted) -> bool {
         .filter(|(square, _)| **square > 1e-6 * whole)
         .map(|(square, product)| (product / square, 1.0 / square))
         .collect();
-    if own.len() < FEWEST {
+    if own.len() < FEWEST_OF_A_KIND {
         return false;
     }
     let freedom = own.len() - 1;
     let scatter = heterogeneity(&own);
-    if chi_square_chance(scatter, freedom) >= DIFFER_BELOW {
+    if chi_square_chance(scatter, freedom) >= DIFFERS_BELOW {
         return false;
     }
     let weights: Vec<f64> = own.iter().map(|(_, variance)| variance.recip()).collect();

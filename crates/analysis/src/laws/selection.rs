@@ -1,9 +1,7 @@
 //! Whether runs that failed, were refused or are missing lie at random over the conditions.
 
 use super::chance_of::random_choice_chance;
-
-/// Failed runs, and usable ones, from which the question is asked.
-const FEWEST: usize = 2;
+use super::policy::FEWEST_ATTEMPTS;
 
 /// A run that was tried.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,7 +150,7 @@ fn by_name(attempts: &[Attempt], seed: u64) -> Option<Selection> {
 /// Number of failures, where there are enough of both kinds.
 fn enough(failed: &[bool]) -> Option<usize> {
     let count = failed.iter().filter(|failed| **failed).count();
-    (count >= FEWEST && failed.len() - count >= FEWEST).then_some(count)
+    (count >= FEWEST_ATTEMPTS && failed.len() - count >= FEWEST_ATTEMPTS).then_some(count)
 }
 
 /// Ranks from 1, those of equal numbers averaged.

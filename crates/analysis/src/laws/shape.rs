@@ -1,11 +1,7 @@
 //! The laws: how a parameter may follow a number, as the logarithm of its ratio to its value at the low end.
 
 use super::covariate::Covariate;
-
-/// Numbers that a step pays for: its size, and its place twice.
-pub const STEP_PAID: usize = 3;
-/// Levels on either side of a step, at least: fewer are readings that stray.
-const STEP_SIDE: usize = 3;
+use super::policy::{STEP_PAID, STEP_SIDE};
 
 /// A law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]

@@ -1,13 +1,14 @@
 //! Answers as sentences, no stronger than they are.
 
 use super::covariate::Covariate;
-use super::dependence::{Dependence, LEAST_RELIABILITY};
+use super::dependence::Dependence;
 use super::design::Level;
 use super::doubt::{Doubted, Treatment};
 use super::find::{CampaignLaws, TiedSet};
 use super::fitted::{Fitted, Interval};
 use super::offset::LengthDoubt;
 use super::parts::Lacking;
+use super::policy::LEAST_RELIABILITY;
 use super::selection::Selection;
 use super::shape::Law;
 use crate::false_discovery::CLAIMED_BELOW;

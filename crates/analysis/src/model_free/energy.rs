@@ -8,7 +8,8 @@ use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Drive, Estimate, Level, Sample};
 
 use super::flow::Flow;
-use super::held::{Held, TOLD, edge, no_bending, symmetric};
+use super::held::{Held, edge, no_bending, symmetric};
+use super::policy::TOLD;
 use crate::figure::Figure;
 use crate::stiffness::{product, scaled, second_moment_m4, size};
 

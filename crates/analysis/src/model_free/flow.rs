@@ -6,7 +6,8 @@ use ieap_domain::Channel;
 use ieap_numerics::noise::{LocalScatter, scatter_between};
 use ieap_numerics::sums::square;
 
-use super::held::{Held, TOLD};
+use super::held::Held;
+use super::policy::TOLD;
 use ieap_numerics::local_parabola::MOST_GOES_ON;
 
 /// The current with its noise.

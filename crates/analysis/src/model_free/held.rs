@@ -3,9 +3,6 @@
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Drive, Estimate, Level, Segment};
 
-/// Standard errors beyond which a bending is told from noise, of which the largest of many places is taken.
-pub(super) const TOLD: f64 = 5.0;
-
 /// A level of a drive.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Held {

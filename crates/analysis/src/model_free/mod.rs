@@ -6,6 +6,7 @@
 mod energy;
 mod flow;
 mod held;
+mod policy;
 #[cfg(test)]
 mod tests;
 
@@ -20,14 +21,11 @@ use crate::figure::Figure;
 pub use energy::ENERGIES;
 use energy::{Strip, energies};
 use flow::Flow;
-use held::{Held, TOLD, edge, first_level, no_bending, symmetric};
+use held::{Held, edge, first_level, no_bending, symmetric};
+use policy::{RISEN, SETTLED, TOLD};
 
 /// Places of the logarithm of the time at which the course is looked at.
 const PLACES: usize = 160;
-/// Share of the peak at which the mean strain rate is taken: where the last part comes slowly it says little of the rate.
-const RISEN: f64 = 0.9;
-/// Share of the peak around the end within which bending has settled.
-const SETTLED: f64 = 0.05;
 
 /// Every number, in the order of [`ModelFree::values`].
 pub const FIGURES: [Figure; 7] = [

@@ -3,20 +3,16 @@
 //! One question asks whether anything happens at all. Then laws are compared, a step among them, and where a step is
 //! shown beside every smooth trend also each trend with it, by one criterion in which the search for the place is paid.
 
-use super::series::{Change, SHOWN_BELOW, Series, Study};
+use super::policy::{FEWEST_FOR_STEP, MOST_PLACES, SHOWN_BELOW};
+use super::series::{Change, Series, Study};
 use crate::laws::chance_of::{Answer, ask};
-use crate::laws::fitted::{self, AS_GOOD, Fitted, Interval, Material};
-use crate::laws::shape::{Bend, Law, STEP_PAID, progress};
+use crate::laws::fitted::{self, Fitted, Interval, Material};
+use crate::laws::policy::{AS_GOOD, STEP_PAID, STEP_SIDE};
+use crate::laws::shape::{Bend, Law, progress};
 use ieap_numerics::correlation::Autoregression;
 use ieap_numerics::grouped::{Grouped, dot, shared_variance};
 use ieap_numerics::student::quantile_95;
 
-/// Readings from which a step is asked for, and the memory of the scatter is known.
-const FEWEST_FOR_STEP: usize = 10;
-/// Readings on either side of a step, at least.
-const STEP_SIDE: usize = 3;
-/// Places at most at which a step is looked for, and a trend drawn from.
-const MOST_PLACES: usize = 60;
 /// Laws of a trend, the plainest first.
 const TRENDS: [Law; 5] = [
     Law::Linear,

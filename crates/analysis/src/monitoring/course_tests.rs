@@ -139,7 +139,7 @@ fn of_nothing_nothing_is_told() {
     let shown = studies.iter().filter(|study| study.is_shown()).count();
     println!("nothing: told in {shown} of {}", studies.len());
     assert!(
-        shown <= at_most(super::series::SHOWN_BELOW, studies.len()),
+        shown <= at_most(super::policy::SHOWN_BELOW, studies.len()),
         "{shown}"
     );
     assert!(

@@ -7,6 +7,7 @@ mod course_tests;
 mod events;
 #[cfg(test)]
 mod memory_tests;
+mod policy;
 pub mod reference;
 pub mod series;
 mod watched;
@@ -84,7 +85,7 @@ pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> 
     let mut questions: Vec<(Vec<usize>, String, usize)> = Vec::new();
     for places in samples
         .into_values()
-        .filter(|places| places.len() >= reference::FEWEST_RUNS)
+        .filter(|places| places.len() >= policy::FEWEST_RUNS)
     {
         let keys = keys(runs, facts, &places);
         let charts = Chart::ALL.len() * keys.len();
@@ -135,7 +136,7 @@ fn watch(
 ) -> Option<Watched> {
     let facts = &laws.facts;
     let found = values(runs, facts, places, key).in_doubt_of_one_series(&laws.doubts, runs, facts);
-    if found.values.len() < reference::FEWEST_RUNS {
+    if found.values.len() < policy::FEWEST_RUNS {
         return None;
     }
     let axes: Vec<Covariate> = Covariate::OF_AGE

@@ -2,16 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use super::policy::{FEWEST_RUNS, TEMPERATURE_TOLERANCE_C};
 use crate::groups::HUMIDITY_TOLERANCE_PERCENT;
 use crate::laws::covariate::Covariate;
 use crate::laws::facts::RunFacts;
 use ieap_domain::tag::keys;
 use ieap_domain::{MonitoringRules, RunRecord};
-
-/// Runs of one sample in one condition from which it is a reference.
-pub const FEWEST_RUNS: usize = 4;
-/// Temperatures this near each other are the same, K.
-const TEMPERATURE_TOLERANCE_C: f64 = 2.0;
 
 /// The reference condition.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,27 +1,13 @@
 //! One number over the life of a sample: jumps, course, charts, and when it reaches a limit.
 
-use crate::laws::fitted::{self, Fitted, Interval};
+use super::policy::{
+    FEWEST_FOR_JUMPS, FEWEST_FOR_TREND, FOLLOWED, JUMP_SIDE, JUMP_SIGMAS, SHOWN_BELOW, STAYS,
+};
+use crate::laws::fitted::{Fitted, Interval};
+use crate::laws::policy::{AS_GOOD, STEP_SIDE};
 use crate::laws::shape::{Law, Span};
 use ieap_numerics::control_chart::{Chart, self_starting};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, median};
-
-/// A step between neighbours beyond this many times the usual scatter of steps is a jump. The largest of 10,000 steps
-/// of normal noise is below 4.5.
-const JUMP_SIGMAS: f64 = 8.0;
-/// Readings on either side whose medians must differ as well.
-const JUMP_SIDE: usize = 10;
-/// Part of a step that must stay: what returns within as many readings is no jump but a disturbance.
-const STAYS: f64 = 0.7;
-/// Readings from which the usual scatter of steps is known.
-const FEWEST_FOR_JUMPS: usize = 12;
-/// Readings beside a jump on either side, at least.
-const CHANGE_SIDE: usize = 3;
-/// Readings from which a trend is asked for.
-const FEWEST_FOR_TREND: usize = 5;
-/// A trend, or a step, that chance brings more often than this is none: there are several parameters of every sample.
-pub const SHOWN_BELOW: f64 = 0.01;
-/// How far beyond the readings a trend may be followed, in lengths of what was measured.
-const FOLLOWED: f64 = 1.0;
 
 /// A number over an axis that grows with use.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,8 +147,8 @@ impl Series {
             for (k, difference) in differences
                 .iter()
                 .enumerate()
-                .skip(CHANGE_SIDE)
-                .take(n - 1 - 2 * CHANGE_SIDE)
+                .skip(STEP_SIDE)
+                .take(n - 1 - 2 * STEP_SIDE)
             {
                 let (at, away) = (k + 1, difference - usual);
                 let stays = self.difference_about(at);
@@ -253,7 +239,7 @@ impl Series {
                         .iter()
                         .map(|law| law.bic)
                         .fold(f64::INFINITY, f64::min)
-                        + fitted::AS_GOOD
+                        + AS_GOOD
             })
             .collect();
         let horizon = study.span.high + FOLLOWED * study.span.length();

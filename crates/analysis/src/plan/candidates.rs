@@ -4,16 +4,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::future::Setting;
+use super::policy::{MOST_CANDIDATES, MOST_SAMPLES, NEAR_THE_OTHER, ONE_LEVEL};
 use crate::laws::covariate::Covariate;
 use crate::laws::facts::RunFacts;
 use ieap_domain::Campaign;
-
-/// Humidities (percent points) and temperatures (degrees) no further apart than this are one level.
-const ONE_LEVEL: f64 = 4.0;
-/// Candidates that are judged at most: with more conditions, fewer samples are looked at.
-const MOST: usize = 160;
-/// Samples that are looked at, most.
-const MOST_SAMPLES: usize = 6;
 
 /// A condition of the design.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,7 +87,7 @@ pub fn candidates(
     let measured = samples(
         facts,
         places,
-        (MOST / variants.len().max(1)).clamp(1, MOST_SAMPLES),
+        (MOST_CANDIDATES / variants.len().max(1)).clamp(1, MOST_SAMPLES),
     );
     let mut candidates: Vec<Vec<Setting>> = Vec::new();
     for sample in &measured {
@@ -118,10 +112,6 @@ fn setting(sample: &str, condition: &Condition) -> Setting {
         is_new_humidity: condition.is_new_humidity,
     }
 }
-
-/// Part of a gap between the humidities of two environments at which one is measured anew, from the other's on: half way
-/// the variance inflation of the two would stay above its limit where two of three environments are dry.
-const NEAR_THE_OTHER: f64 = 1.0 / 3.0;
 
 /// Conditions at a humidity that was not measured yet: of each environment that is not dry, a place in the widest gap
 /// between the levels of the campaign that one of its own levels ends. Half way between two of its own, else nearer to that

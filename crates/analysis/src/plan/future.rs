@@ -5,10 +5,8 @@ use std::collections::BTreeMap;
 
 use crate::laws::covariate::Covariate;
 use crate::laws::facts::{Known, RunFacts};
+use crate::laws::policy::SAME_HUMIDITY_PERCENT;
 use ieap_domain::Campaign;
-
-/// Percent points by which the humidity must differ from that of the run before to have risen or fallen.
-const SAME_HUMIDITY_PERCENT: f64 = 3.0;
 
 /// What a run is to be made with.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]

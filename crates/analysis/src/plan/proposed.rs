@@ -3,17 +3,15 @@
 use std::collections::BTreeMap;
 
 use super::future::Setting;
-use super::ties::MOST;
+use super::policy::MOST_INFLATION;
 use super::untie::{Step, Untying};
 use super::words;
-use crate::conditions::nominal_voltage_v;
+use crate::conditions::{VOLTAGE_STEP_V, nominal_voltage_v};
 use crate::laws::covariate::Covariate;
-use crate::laws::design::INFLATION_LIMIT;
+use crate::laws::policy::INFLATION_LIMIT;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, GroupDiagnosis, RunRecord};
 
-/// Voltages that differ by less are one, V.
-const ONE_VOLTAGE_V: f64 = 0.01;
 /// Pairs that a reason names.
 const SAID: usize = 3;
 
@@ -62,7 +60,7 @@ pub fn of_plan(plan: &Untying, runs: &[RunRecord], campaign: &Campaign) -> Vec<P
     if !plan.gains() {
         return Vec::new();
     }
-    let size = |inflation: f64| inflation.clamp(INFLATION_LIMIT, MOST).ln();
+    let size = |inflation: f64| inflation.clamp(INFLATION_LIMIT, MOST_INFLATION).ln();
     let open = size(plan.inflation_before) - INFLATION_LIMIT.ln();
     let closed = size(plan.inflation_before) - size(plan.inflation_after);
     let closes = if open > 0.0 { closed / open } else { 0.0 } / plan.steps.len().max(1) as f64;
@@ -133,7 +131,7 @@ fn drive_of(setting: &Setting, voltage_v: Option<f64>, runs: &[RunRecord], campa
         let sample = run.tag(keys::SAMPLE);
         let same_voltage = nominal_voltage_v(run)
             .zip(voltage_v)
-            .is_some_and(|(a, b)| (a - b).abs() < ONE_VOLTAGE_V);
+            .is_some_and(|(a, b)| (a - b).abs() < VOLTAGE_STEP_V);
         same_voltage && sample.is_some_and(|sample| material(sample) == material(&setting.sample))
     };
     let rank = |run: &RunRecord| {

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::untie::{MOST_RUNS, plan};
+use super::policy::MOST_RUNS;
+use super::untie::plan;
 use super::words;
 use crate::laws::covariate::Covariate;
 use crate::laws::design::{Level, rows};

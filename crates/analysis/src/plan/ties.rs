@@ -1,11 +1,10 @@
 //! What is tied to what in a set of confounded covariates, and by how much.
 
+use super::policy::MOST_INFLATION;
 use crate::laws::covariate::Covariate;
-use crate::laws::design::{INFLATION_LIMIT, columns_by_level};
+use crate::laws::design::columns_by_level;
 use crate::laws::facts::RunFacts;
-
-/// Inflations above this are counted as this: what is tied so tightly cannot be told apart at all.
-pub const MOST: f64 = 1e4;
+use crate::laws::policy::INFLATION_LIMIT;
 
 /// A covariate, and one or two others that may leave it unclear: what tied sets are found by.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -69,7 +68,7 @@ pub fn inflations(facts: &[RunFacts], places: &[usize], ties: &[Tie]) -> Vec<f64
 /// How tied a design is: the largest inflation, and what all of them exceed the limit by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tightness {
-    /// Logarithm of the largest inflation, at most that of [`MOST`].
+    /// Logarithm of the largest inflation, at most that of [`MOST_INFLATION`].
     pub largest: f64,
     /// Sum over the ties of the logarithm of inflation over limit, where that is positive.
     pub excess: f64,
@@ -83,7 +82,7 @@ impl Tightness {
             excess: 0.0,
         };
         for inflation in inflations {
-            let size = inflation.min(MOST).ln();
+            let size = inflation.min(MOST_INFLATION).ln();
             tightness.largest = tightness.largest.max(size);
             tightness.excess += (size - INFLATION_LIMIT.ln()).max(0.0);
         }
@@ -113,6 +112,6 @@ mod tests {
         let loose = Tightness::of(&[1.0, 4.9]);
         assert!(loose.is_loose());
         let tight = Tightness::of(&[1.0, f64::INFINITY, 50.0]);
-        assert!((tight.largest - MOST.ln()).abs() < 1e-12 && !tight.is_loose());
+        assert!((tight.largest - MOST_INFLATION.ln()).abs() < 1e-12 && !tight.is_loose());
     }
 }

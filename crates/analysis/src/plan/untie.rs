@@ -4,22 +4,17 @@ use rayon::prelude::*;
 
 use super::candidates::candidates;
 use super::future::{Material, Setting};
+use super::policy::{JUDGED_BY, MOST_INFLATION, MOST_RUNS, REPEATS};
 use super::ties::{Tie, Tightness, class, inflations, ties};
 use crate::groups::HUMIDITY_TOLERANCE_PERCENT;
 use crate::kept::{Hash, Kept};
 use crate::laws::CampaignLaws;
 use crate::laws::covariate::Covariate;
-use crate::laws::design::{INFLATION_LIMIT, Level};
+use crate::laws::design::Level;
 use crate::laws::facts::RunFacts;
 use crate::laws::find::TiedSet;
+use crate::laws::policy::INFLATION_LIMIT;
 use ieap_domain::{Campaign, RunRecord};
-
-/// Runs that a plan names at most.
-pub const MOST_RUNS: usize = 6;
-/// Ties that candidates are judged by, most.
-const JUDGED_BY: usize = 24;
-/// Times that every condition is repeated in the design that says what can be untied at all.
-const REPEATS: usize = 4;
 
 /// A run of a plan, and what it does.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -58,7 +53,7 @@ pub struct Untying {
 impl Untying {
     /// Whether its runs bring anything.
     pub fn gains(&self) -> bool {
-        let shown = |inflation: f64| inflation.min(super::ties::MOST);
+        let shown = |inflation: f64| inflation.min(MOST_INFLATION);
         !self.steps.is_empty() && shown(self.inflation_after) < shown(self.inflation_before)
     }
 
@@ -322,7 +317,7 @@ impl Design {
         if !freed.is_empty() {
             return pairs(&freed);
         }
-        let fall = |k: usize| earlier[k].min(super::ties::MOST) / self.inflations[k].min(super::ties::MOST);
+        let fall = |k: usize| earlier[k].min(MOST_INFLATION) / self.inflations[k].min(MOST_INFLATION);
         let most = loosened
             .filter(|&k| fall(k) > 1.0)
             .max_by(|&a, &b| fall(a).total_cmp(&fall(b)));

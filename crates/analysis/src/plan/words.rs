@@ -2,9 +2,9 @@
 
 use super::untie::Untying;
 use crate::laws::covariate::Covariate;
-use crate::laws::design::INFLATION_LIMIT;
 use crate::laws::facts::RunFacts;
 use crate::laws::find::TiedSet;
+use crate::laws::policy::INFLATION_LIMIT;
 use crate::laws::words::{listed, short};
 use ieap_domain::seconds::seconds;
 use ieap_domain::words::counted;
@@ -12,7 +12,7 @@ use ieap_domain::{Drive, Level};
 
 /// `38`, `3.1`, or `infinity`.
 pub fn inflation(value: f64) -> String {
-    match value.is_finite() && value < super::ties::MOST {
+    match value.is_finite() && value < super::policy::MOST_INFLATION {
         true if value >= 100.0 => format!("{value:.0}"),
         true => short(value),
         false => "infinity".to_owned(),

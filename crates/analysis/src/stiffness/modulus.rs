@@ -5,10 +5,7 @@ use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, ModulusLog, Sample};
 
 use super::estimates::of_logarithm;
-
-/// Humidity beyond that of a log at which its nearest level still stands for it, percent: levels of that width are one
-/// condition elsewhere, too.
-const BEYOND_PERCENT: f64 = 5.0;
+use crate::conditions::HUMIDITY_GAP_PERCENT;
 
 /// |E*| of a material at a humidity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,7 +90,8 @@ pub fn modulus_at(points: &[ModulusPoint], humidity_percent: Option<f64>) -> Est
         Some(at) if at > 0 => between(points[at - 1], points[at], humidity),
         other => {
             let nearest = points[other.unwrap_or(points.len() - 1)];
-            if (nearest.humidity_percent - humidity).abs() > BEYOND_PERCENT {
+            // Beyond a log its nearest level stands for what is one condition with it.
+            if (nearest.humidity_percent - humidity).abs() > HUMIDITY_GAP_PERCENT {
                 return Estimate::not_determined("the humidity lies outside those of the modulus logs");
             }
             (nearest.logarithm, nearest.error)
