@@ -2,6 +2,7 @@
 //! through all of them for each would take as long as the runs times the samples.
 
 use std::collections::HashMap;
+use std::fmt;
 use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
@@ -9,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::Sample;
 
 /// Samples in the file's order; of several with one id the first is found.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Vec<Sample>", into = "Vec<Sample>")]
+#[derive(Clone, Default, PartialEq, Deserialize)]
+#[serde(from = "Vec<Sample>")]
 pub struct Samples {
     all: Vec<Sample>,
     place_of: HashMap<String, usize>,
@@ -26,6 +27,19 @@ impl Samples {
     pub fn push(&mut self, sample: Sample) {
         self.place_of.entry(sample.id.clone()).or_insert(self.all.len());
         self.all.push(sample);
+    }
+}
+
+// What is made from a campaign is hashed in this form and in that of serde: both are those of a list, always in its order.
+impl fmt::Debug for Samples {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.all.fmt(f)
+    }
+}
+
+impl Serialize for Samples {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.all.serialize(serializer)
     }
 }
 
@@ -51,12 +65,6 @@ impl From<Vec<Sample>> for Samples {
     }
 }
 
-impl From<Samples> for Vec<Sample> {
-    fn from(samples: Samples) -> Vec<Sample> {
-        samples.all
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,6 +81,7 @@ mod tests {
         assert_eq!(ids, ["B", "A", "B"]);
         assert_eq!(samples.find("B").unwrap().material, "CNaf");
         assert!(samples.find("C").is_none());
+        assert_eq!(format!("{samples:?}"), format!("{:?}", samples.to_vec()));
         let text = serde_json::to_string(&samples).unwrap();
         assert_eq!(serde_json::from_str::<Samples>(&text).unwrap(), samples);
     }
