@@ -9,7 +9,7 @@ pub mod exposure;
 pub mod humid_air;
 pub mod join;
 pub mod merge;
-mod policy;
+pub mod policy;
 pub mod sensors;
 
 pub use clock::{Clock, on_utc};

@@ -2,7 +2,7 @@
 //! against their number, and what of it has a trend.
 
 mod of_cycle;
-mod policy;
+pub mod policy;
 #[cfg(test)]
 mod tests;
 mod train;

@@ -4,7 +4,7 @@ pub mod exponentials;
 pub mod humidity_steps;
 pub mod level;
 pub mod moduli;
-pub(crate) mod policy;
+pub mod policy;
 pub mod relaxation;
 pub mod round_trip;
 pub mod step;

@@ -17,7 +17,7 @@ pub mod jump;
 pub mod matrix;
 pub mod offset;
 pub mod parts;
-pub(crate) mod policy;
+pub mod policy;
 pub mod rivals;
 pub mod samples;
 pub mod selection;

@@ -6,7 +6,7 @@
 mod energy;
 mod flow;
 mod held;
-mod policy;
+pub mod policy;
 #[cfg(test)]
 mod tests;
 

@@ -7,7 +7,7 @@ mod course_tests;
 mod events;
 #[cfg(test)]
 mod memory_tests;
-mod policy;
+pub mod policy;
 pub mod reference;
 pub mod series;
 mod watched;

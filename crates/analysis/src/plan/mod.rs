@@ -7,7 +7,7 @@
 pub mod candidates;
 pub mod future;
 pub mod list;
-mod policy;
+pub mod policy;
 pub mod proposed;
 pub mod ties;
 pub mod untie;
