@@ -21,14 +21,14 @@ pub fn put_file<T>(
     overwrite: bool,
     fill: impl FnOnce(&Path) -> Result<T, PipelineError>,
 ) -> Result<T, PipelineError> {
-    if !is_of_campaign(path) {
-        exchanged(path, overwrite, fill)
-    } else {
+    if is_of_campaign(path) {
         Err(PipelineError::BadArgument {
             what: "the file to write",
             found: format!("{}, of which a campaign consists", path.display()),
             needed: "another name; nothing was written".to_owned(),
         })
+    } else {
+        exchanged(path, overwrite, fill)
     }
 }
 

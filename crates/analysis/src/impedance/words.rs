@@ -136,21 +136,21 @@ fn fastest(comparison: &Comparison, said: &mut Said) {
     let (step, spectrum) = (number(&row.step), number(&row.spectrum));
     if ratio < 1.0 {
         said.say(
-        format!(
-            "The spectrum has the larger resistance at its fast end: R∥ is {spectrum} Ω cm² in it and {step} Ω cm² in the step. A \
-             series resistance of leads or contacts stands there first (series-resistance)."
-        ),
-        &["series-resistance"],
-    )
+            format!(
+                "The spectrum has the larger resistance at its fast end: R∥ is {spectrum} Ω cm² in it and {step} Ω cm² in the step. A \
+                 series resistance of leads or contacts stands there first (series-resistance)."
+            ),
+            &["series-resistance"],
+        );
     } else {
         said.say(
-        format!(
-            "The step has the larger resistance at its fast end: R∥ is {step} Ω cm² in it and {spectrum} Ω cm² in the spectrum. A \
-             source that clips or rises slowly does that (current-limit, source-rise), and so do readings too far apart to \
-             see the first current."
-        ),
-        &["current-limit", "source-rise"],
-    )
+            format!(
+                "The step has the larger resistance at its fast end: R∥ is {step} Ω cm² in it and {spectrum} Ω cm² in the spectrum. A \
+                 source that clips or rises slowly does that (current-limit, source-rise), and so do readings too far apart to \
+                 see the first current."
+            ),
+            &["current-limit", "source-rise"],
+        );
     }
 }
 
@@ -164,21 +164,21 @@ fn total(comparison: &Comparison, said: &mut Said) {
     let seen_s = (TAU * comparison.lowest_hz).recip();
     if ratio > 1.0 {
         said.say(
-        format!(
-            "The step stores more: C_total is {step} F/cm² in it and {spectrum} F/cm² in the spectrum, which sees what charges within \
-             {seen_s:.0} s. Slower charging (slow-branch, dispersion) or a capacitance that grows with the voltage \
-             (voltage-dependent-capacitance) does that; a lower frequency tells them apart."
-        ),
-        &["slow-branch", "dispersion", "voltage-dependent-capacitance"],
-    )
+            format!(
+                "The step stores more: C_total is {step} F/cm² in it and {spectrum} F/cm² in the spectrum, which sees what charges within \
+                 {seen_s:.0} s. Slower charging (slow-branch, dispersion) or a capacitance that grows with the voltage \
+                 (voltage-dependent-capacitance) does that; a lower frequency tells them apart."
+            ),
+            &["slow-branch", "dispersion", "voltage-dependent-capacitance"],
+        );
     } else {
         said.say(
-        format!(
-            "The spectrum stores more: C_total is {spectrum} F/cm² in it and {step} F/cm² in the step. A capacitance that falls with \
-             the voltage (voltage-dependent-capacitance), or a step that ended before the strip was charged, does that."
-        ),
-        &["voltage-dependent-capacitance"],
-    )
+            format!(
+                "The spectrum stores more: C_total is {spectrum} F/cm² in it and {step} F/cm² in the step. A capacitance that falls with \
+                 the voltage (voltage-dependent-capacitance), or a step that ended before the strip was charged, does that."
+            ),
+            &["voltage-dependent-capacitance"],
+        );
     }
 }
 

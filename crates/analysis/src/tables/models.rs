@@ -17,7 +17,12 @@ pub fn make(input: &TableInput) -> Table {
         .collect();
     let in_noise = "in units of the noise, root mean square, median over the runs";
     let mut remarks: Vec<String> = found.iter().map(|condition| condition.sentence.clone()).collect();
-    remarks.push(if found.is_empty() { "No models were compared yet: `ieap compare` does it.".to_owned() } else { "Every model has the same circuit step and the same noise, found without the models. BIC is summed over the runs, less that of the best; models that do not describe all runs have none. Later times: the last 30 % of a run, predicted by a fit to what came before. Other voltages: predicted with the parameters of the runs at the nearest lower and higher voltage.".to_owned() });
+    let remark = if found.is_empty() {
+        "No models were compared yet: `ieap compare` does it."
+    } else {
+        "Every model has the same circuit step and the same noise, found without the models. BIC is summed over the runs, less that of the best; models that do not describe all runs have none. Later times: the last 30 % of a run, predicted by a fit to what came before. Other voltages: predicted with the parameters of the runs at the nearest lower and higher voltage."
+    };
+    remarks.push(remark.to_owned());
     Table {
         title: "Models compared".to_owned(),
         columns: vec![

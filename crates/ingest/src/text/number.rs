@@ -201,7 +201,11 @@ mod tests {
         ) {
             let expected: f64 = text.parse().unwrap();
             let found = parse(&text, Decimal::Point);
-            if expected.is_finite() { prop_assert!(matches!(found, Cell::Number(n) if n.to_bits() == expected.to_bits()), "{text}: {found:?}, {expected}") } else { prop_assert_eq!(found, Cell::NotFinite) }
+            if expected.is_finite() {
+                prop_assert!(matches!(found, Cell::Number(n) if n.to_bits() == expected.to_bits()), "{text}: {found:?}, {expected}");
+            } else {
+                prop_assert_eq!(found, Cell::NotFinite);
+            }
             let comma = text.replace('.', ",");
             if !comma.contains(",e") && !comma.contains(",E") && !comma.ends_with(',') {
                 prop_assert_eq!(parse(&comma, Decimal::Comma), found);

@@ -140,14 +140,14 @@ impl Surroundings {
                 .map(|run| (run.path, format!("it states no {label}"))),
         );
         self.runs = stated;
-        if !self.runs.is_empty() {
-            Ok(())
-        } else {
+        if self.runs.is_empty() {
             Err(PipelineError::bad_argument(
                 condition.option,
                 condition.to.to_string(),
                 format!("no {}: runs in {environment} state no {label}", condition.option),
             ))
+        } else {
+            Ok(())
         }
     }
 

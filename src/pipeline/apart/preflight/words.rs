@@ -94,7 +94,12 @@ pub(super) fn remarks(plan: &Preflight) -> Vec<String> {
         plan.subject.told_by,
         significant(plan.subject.current_noise.standard_deviation, 2),
     ));
-    remarks.push(if plan.trial.start_is_known { "When the drive begins is stated.".to_owned() } else { "When the drive begins is known between two readings only, which is in the percent; where the instrument states it, give --start-known.".to_owned() });
+    let remark = if plan.trial.start_is_known {
+        "When the drive begins is stated."
+    } else {
+        "When the drive begins is known between two readings only, which is in the percent; where the instrument states it, give --start-known."
+    };
+    remarks.push(remark.to_owned());
     remarks.push(format!(
         "Counted in {} simulated runs (seed {}), each fitted as the run will be. They follow the model: what the strip does beyond it is not in the answer.",
         plan.draws, plan.seed

@@ -123,12 +123,10 @@ pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<
             }
             for file in &seen.files {
                 if file.location(root).is_dir() {
-                    omitted.never.push(reason(
-                    &file.display,
-                    "pictures of frames are not backed up, what was traced from them is; copy the folder by hand",
-                ))
+                    let why = "pictures of frames are not backed up, what was traced from them is; copy the folder by hand";
+                    omitted.never.push(reason(&file.display, why));
                 } else {
-                    add(data_file(root, file, stored.get(&file.display)))
+                    add(data_file(root, file, stored.get(&file.display)));
                 }
             }
         }

@@ -201,11 +201,14 @@ fn inputs(context: &Context) -> Result<BTreeMap<(&'static str, String), String>,
 fn finding(kind: &'static str, name: &str, same_inputs: bool) -> Issue {
     if same_inputs {
         Issue::error(
-        "result-differs",
-        format!("made again by this program (version {CODE_VERSION}), the {kind} has other numbers"),
-    )
-    .at(name)
-    .mend("if another version of the program made it, `ieap fit --again` or `ieap diagnose --again` makes it anew; else report it with the campaign")
+            "result-differs",
+            format!("made again by this program (version {CODE_VERSION}), the {kind} has other numbers"),
+        )
+        .at(name)
+        .mend(
+            "if another version of the program made it, `ieap fit --again` or `ieap diagnose --again` makes it \
+             anew; else report it with the campaign",
+        )
     } else {
         Issue::note(
             "result-out-of-date",
