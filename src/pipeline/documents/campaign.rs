@@ -236,7 +236,7 @@ pub fn confounded(laws: &CampaignLaws) -> Vec<ConfoundedEntry> {
         material: set.material.clone(),
         covariates: keys(&set.covariates),
         compared: compared(set.level),
-        sentence: words::tied(set, laws),
+        sentence: words::in_runs_of(&[&set.material], &words::tied(set, laws)),
     };
     laws.tied.iter().map(entry).collect()
 }

@@ -332,7 +332,7 @@ fn percent(part: f64) -> String {
     format!("{} %", short(100.0 * part))
 }
 
-/// What the design lets nobody tell apart, and of which parameters the readings do.
+/// What the design lets nobody tell apart, and of which parameters the readings do: what [`in_runs_of`] makes a sentence.
 pub fn tied(set: &TiedSet, laws: &CampaignLaws) -> String {
     let where_ = match set.level {
         Level::Within => "within samples",
@@ -356,10 +356,14 @@ pub fn tied(set: &TiedSet, laws: &CampaignLaws) -> String {
         format!(" Of {} the readings themselves tell.", in_a_row(&told))
     };
     format!(
-        "In the runs of {}, {} are confounded: {where_} they changed together, and by the design alone what follows one of them cannot be told from what follows another.{all_the_same}",
-        set.material,
+        "{} are confounded: {where_} they changed together, and by the design alone what follows one of them cannot be told from what follows another.{all_the_same}",
         listed(&set.covariates)
     )
+}
+
+/// A sentence about the runs of these materials, of what holds in them.
+pub fn in_runs_of<T: AsRef<str>>(materials: &[T], rest: &str) -> String {
+    format!("In the runs of {}, {rest}", in_a_row(materials))
 }
 
 /// What some runs do not state, in a sentence: `Relative humidity: 6 of 27 runs of NC state none (in vacuum); what follows it

@@ -74,7 +74,7 @@ fn named(runs: &[RunRecord], facts: &[RunFacts], rules: &MonitoringRules) -> Ref
     let words: Vec<String> = rules
         .reference
         .iter()
-        .map(|(key, value)| format!("{key} = {value}"))
+        .map(|(key, value)| words_of(key, value))
         .collect();
     Reference {
         text: words.join(", "),
@@ -83,6 +83,17 @@ fn named(runs: &[RunRecord], facts: &[RunFacts], rules: &MonitoringRules) -> Ref
             .filter(|&place| is_named(&runs[facts[place].run], rules))
             .collect(),
         center: None,
+    }
+}
+
+/// `35 % RH` of a tag of campaign.toml.
+fn words_of(key: &str, value: &str) -> String {
+    match key {
+        keys::ENVIRONMENT => value.to_owned(),
+        keys::RELATIVE_HUMIDITY_PERCENT => format!("{value} % RH"),
+        keys::VOLTAGE_V => format!("{value} V"),
+        keys::TEMPERATURE_C => format!("{value} °C"),
+        key => format!("{} {value}", key.replace('_', " ")),
     }
 }
 

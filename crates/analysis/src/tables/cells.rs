@@ -15,8 +15,17 @@ use crate::stiffness::scaled;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, RunRecord, RunState};
 
-/// Remark of tables whose cells are means.
-pub const POOLED_REMARK: &str = "Values are given with their standard error. Where a condition has several runs the value is their random-effects mean (spread between samples and between runs is part of the error; table spread shows each source); means of positive quantities are geometric.";
+/// Remark of tables whose cells are means over the runs of a condition.
+pub fn pooled_remark() -> String {
+    pooled_where("a condition has several runs")
+}
+
+/// Remark of tables whose cells are means where `several` holds.
+pub fn pooled_where(several: &str) -> String {
+    format!(
+        "Values are given with their standard error. Where {several} the value is their random-effects mean (spread between samples and between runs is part of the error; table spread shows each source); means of positive quantities are geometric."
+    )
+}
 
 /// A number column: which stored number it shows, and how.
 #[derive(Debug, Clone, Copy)]

@@ -2,7 +2,7 @@
 
 use super::TableInput;
 use super::cells::{
-    POOLED_REMARK, Shown, condition_columns, condition_stub, parameter_cell, run_sources, sample_count,
+    Shown, condition_columns, condition_stub, parameter_cell, pooled_remark, run_sources, sample_count,
 };
 use super::table::{Cell, Column, Notes, Row, Table};
 use crate::conditions::conditions;
@@ -43,7 +43,7 @@ pub fn make(input: &TableInput) -> Table {
         stub: 4,
         rows,
         notes: notes.into_texts(),
-        remarks: vec![POOLED_REMARK.to_owned()],
+        remarks: vec![pooled_remark()],
         ..Table::default()
     }
 }

@@ -1,7 +1,7 @@
 //! The thesis's table 3: parameters of the distributed model, one row a sample.
 
 use super::TableInput;
-use super::cells::{POOLED_REMARK, Shown, parameter_cell, run_sources, sample_count, sample_ids, score_cell};
+use super::cells::{Shown, parameter_cell, pooled_remark, run_sources, sample_count, sample_ids, score_cell};
 use super::table::{Cell, Column, Notes, Row, Table};
 use crate::conditions::material;
 use ieap_domain::tag::keys;
@@ -117,7 +117,7 @@ pub fn make(input: &TableInput) -> Table {
         "coefficient of determination of the curvature",
     ));
     columns.push(Column::plain("runs", "Runs", "number of runs"));
-    let mut remarks = vec![POOLED_REMARK.to_owned()];
+    let mut remarks = vec![pooled_remark()];
     if rows.is_empty() {
         remarks.push(
             "No run is fitted with the distributed model: say `model = \"distributed\"` in campaign.toml, or fit with `ieap fit --model distributed`."

@@ -1,7 +1,7 @@
 //! The thesis's table 4: complex modulus before and after a humidity step, one row a material and step.
 
 use super::TableInput;
-use super::cells::{Contribution, POOLED_REMARK, Shown, combined};
+use super::cells::{Contribution, Shown, combined, pooled_where};
 use super::table::{Cell, Column, Content, Notes, Row, Source, SourceOrigin, Table};
 use ieap_domain::modulus::step_keys;
 use ieap_domain::tag::keys;
@@ -90,9 +90,7 @@ pub fn make(input: &TableInput) -> Table {
         stub: 2,
         rows,
         notes: notes.into_texts(),
-        remarks: vec![
-            POOLED_REMARK.replace("a condition has several runs", "a step was logged several times"),
-        ],
+        remarks: vec![pooled_where("a step was logged several times")],
         ..Table::default()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::TableInput;
 use super::cells::{
-    POOLED_REMARK, Shown, condition_columns, condition_stub, parameter_cell, run_sources, sample_count,
+    Shown, condition_columns, condition_stub, parameter_cell, pooled_remark, run_sources, sample_count,
     score_cell,
 };
 use super::extended::{effect_cell, effect_column, effect_keys, shared_notes};
@@ -60,7 +60,7 @@ pub fn make(input: &TableInput) -> Table {
     columns.extend(effects.iter().map(|key| effect_column(key)));
     columns.push(Column::plain("samples", "N", "number of samples"));
     columns.push(Column::plain("runs", "n", "number of runs"));
-    let mut remarks = vec![POOLED_REMARK.to_owned(), "N: samples, n: runs.".to_owned()];
+    let mut remarks = vec![pooled_remark(), "N: samples, n: runs.".to_owned()];
     if !table.unplaced.is_empty() {
         remarks.push(format!(
             "{} without sample, environment or held voltage, or with fewer than 10 readings, left out.",

@@ -1,7 +1,7 @@
 //! Parts of the page "Across runs" that show a campaign's design: the matrix of parameters and covariates, the map of
 //! what is confounded, the runs to make next.
 
-use ieap_domain::words::{counted, in_a_row};
+use ieap_domain::words::counted;
 use serde::Serialize;
 
 use super::finding_words::probability;
@@ -228,16 +228,14 @@ pub fn tied(site: &Site) -> Vec<String> {
     let laws = &site.input.laws;
     let mut said: Vec<(Vec<String>, String)> = Vec::new();
     for set in &laws.tied {
-        let sentence = law_words::tied(set, laws);
-        let lead = format!("In the runs of {}, ", set.material);
-        let rest = sentence.strip_prefix(&lead).unwrap_or(&sentence);
-        match said.iter_mut().find(|(_, known)| known == rest) {
+        let held = law_words::tied(set, laws);
+        match said.iter_mut().find(|(_, known)| *known == held) {
             Some((materials, _)) => materials.push(set.material.clone()),
-            None => said.push((vec![set.material.clone()], rest.to_owned())),
+            None => said.push((vec![set.material.clone()], held)),
         }
     }
     said.into_iter()
-        .map(|(materials, rest)| format!("In the runs of {}, {rest}", in_a_row(&materials)))
+        .map(|(materials, held)| law_words::in_runs_of(&materials, &held))
         .collect()
 }
 

@@ -124,7 +124,7 @@ fn lacks(site: &Site) -> Option<Said> {
     }
     for (cause, of) in causes {
         let gain = of.iter().find_map(|found| gain_words(found)).unwrap_or_default();
-        text += &format!(" {}: {cause}{gain}.", capitalised(&groups_words(&of)));
+        text += &format!(" {}: {cause}{gain}.", groups_words(&of));
     }
     Some(Said::new(text, "findings.html", "all findings"))
 }
@@ -143,19 +143,13 @@ fn cause_words(found: &GroupDiagnosis) -> String {
     }
 }
 
+/// Which groups, at the head of a sentence.
 fn groups_words(groups: &[&GroupDiagnosis]) -> String {
     let names: Vec<String> = groups.iter().map(|found| group_title(&found.group)).collect();
     if names.len() > NAMED {
-        format!("in {} groups", names.len())
+        format!("In {} groups", names.len())
     } else {
         in_a_row(&names)
-    }
-}
-
-fn capitalised(text: &str) -> String {
-    match text.strip_prefix("in ") {
-        Some(rest) => format!("In {rest}"),
-        None => text.to_owned(),
     }
 }
 

@@ -153,12 +153,9 @@ fn summary(site: &Site) -> Vec<String> {
         .filter(|condition| condition.runs.len() > 1)
         .count();
     vec![format!(
-        "{} of {} are measured, {} of them more than once.",
+        "{} of {} of material, environment and voltage are measured, {} of them more than once.",
         measured.len(),
-        counted(possible, "combination of material, environment and voltage").replace(
-            "combination of material, environment and voltages",
-            "combinations of material, environment and voltage"
-        ),
+        counted(possible, "combination"),
         match repeated {
             0 => "none".to_owned(),
             some => some.to_string(),

@@ -186,26 +186,13 @@ fn summary(site: &Site) -> Vec<String> {
         lead,
         format!(
             "The reference condition is {} ({how}): {} of {} return to it.",
-            reference_words(&reference.text),
+            reference.text,
             counted(reference.places.len(), "run"),
             site.input.runs.len()
         ),
     ];
     sentences.extend(in_doubt(site));
     sentences
-}
-
-/// `air, 35 % RH, 2 V` of `environment = air, relative_humidity_percent = 35, voltage_v = 2`.
-fn reference_words(tags: &str) -> String {
-    let words = |tag: &str| match tag.split_once(" = ") {
-        Some(("environment", name)) => name.to_owned(),
-        Some(("relative_humidity_percent", percent)) => format!("{percent}\u{a0}% RH"),
-        Some(("voltage_v", volts)) => format!("{volts}\u{a0}V"),
-        Some(("temperature_c", celsius)) => format!("{celsius}\u{a0}°C"),
-        Some((key, value)) => format!("{} {value}", key.replace('_', " ")),
-        None => tag.to_owned(),
-    };
-    tags.split(", ").map(words).collect::<Vec<_>>().join(", ")
 }
 
 /// Groups of watched runs whose fits a finding doubts. None is left out: what is wrong in all of them alike is no change.
