@@ -1237,12 +1237,6 @@
     module.exports = { valueAt, positionOf, parsed, heightAt };
     return;
   }
-  // An axis that stands in another chart and is shown again: each chart gets its own, to be drawn anew alone.
-  document.querySelectorAll("main use").forEach((use) => {
-    const own = document.querySelector(use.getAttribute("href")).cloneNode(true);
-    own.removeAttribute("id");
-    use.replaceWith(own);
-  });
   // A link to a run of this page's group that has gone to another page since.
   const { place } = state;
   const moved = async () => {

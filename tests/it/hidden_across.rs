@@ -128,7 +128,7 @@ fn a_carry_over_after_short_rests_is_found_from_files() {
     );
     let [low, high] = interval(&said);
     assert!((low..high).contains(&1.506) && high / low < 1.5, "{said}");
-    assert!(page.contains("<th scope=row>carry-over<"), "{page}");
+    assert!(page.contains("<th scope=\"row\">carry-over<"), "{page}");
 }
 
 /// The ends of the first `[1.2, 1.8]`.

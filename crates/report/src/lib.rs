@@ -2,7 +2,6 @@
 //! nothing is fitted here.
 
 pub mod aside;
-mod compact;
 mod condemned;
 mod drawn_runs;
 pub mod error;
@@ -20,7 +19,6 @@ mod render;
 pub mod run_index;
 pub mod run_pages;
 mod run_press;
-mod shared_axes;
 pub mod site;
 pub mod slug;
 pub mod sparkline;

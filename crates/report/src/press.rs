@@ -7,13 +7,11 @@ use std::sync::Mutex;
 use serde_json::{Map, Value, json};
 use tera::Tera;
 
-use super::compact::compact;
 use super::error::ReportError;
 use super::fault::{REPORT_IT, guarded, reason_of};
 use super::figures::svg::dot_markers;
 use super::kept::{Earlier, Made};
 use super::pages::{Content, Page, finding_content, strip_content};
-use super::shared_axes::share;
 use super::site::Site;
 use ieap_domain::{CurveSource, Fault};
 use ieap_system::fs;
@@ -142,11 +140,9 @@ impl Press<'_> {
         context.insert("page".to_owned(), content.context);
         let context =
             tera::Context::from_serialize(&context).map_err(|source| template_error(place.kind, source))?;
-        let html = self
-            .templates
+        self.templates
             .render(template, &context)
-            .map_err(|source| template_error(place.kind, source))?;
-        Ok(share(&compact(&html)))
+            .map_err(|source| template_error(place.kind, source))
     }
 
     /// What the layout shows around a page, whatever is on it.

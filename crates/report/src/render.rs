@@ -9,7 +9,6 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 use tera::{Kwargs, State, Tera};
 
-use super::compact::without_comments;
 use super::drawn_runs::{batches, to_draw};
 use super::error::ReportError;
 use super::fault::{guarded, reason_of};
@@ -97,8 +96,8 @@ pub fn render_site(
         }
     }
     let total = pages.len() + groups + site.run_pages.len() + strips.len();
-    let mut bytes = write(&out_dir.join("style.css"), &without_comments(STYLE))?;
-    bytes += write(&out_dir.join("site.js"), &without_comments(SCRIPT))?;
+    let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
+    bytes += write(&out_dir.join("site.js"), SCRIPT)?;
     for (file, text) in run_index(&site) {
         bytes += write(&out_dir.join(file), &text)?;
     }
