@@ -49,6 +49,11 @@ impl Issue {
         Issue::new(Severity::Error, code, message)
     }
 
+    /// That a fault of the program stopped `what`, and what it said.
+    pub fn fault(code: &str, what: &str, reason: &str) -> Issue {
+        Issue::error(code, format!("{what} stopped on an internal fault: {reason}"))
+    }
+
     fn new(severity: Severity, code: &str, message: impl Into<String>) -> Issue {
         Issue {
             severity,

@@ -7,4 +7,5 @@ pub(super) mod holdings;
 pub(super) mod making;
 pub(super) mod places;
 pub mod planned;
+pub(super) mod readings;
 pub mod standing;

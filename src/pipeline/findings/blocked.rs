@@ -3,8 +3,6 @@
 //!
 //! The moment obeys the law of the free strip's curvature with mu in place of alpha, and is fitted with it.
 
-use rayon::prelude::*;
-
 use crate::analysis::stiffness::product;
 use crate::domain::blocked::FORCE_AT_MM;
 use crate::domain::fault::caught;
@@ -12,6 +10,7 @@ use crate::domain::tag::keys;
 use crate::domain::{BlockedRun, Campaign, Channel, Estimate, Fit, Issue, Quantity, RunRecord};
 use crate::fit::{FitInput, FitOptions, fit_run};
 use crate::model::geometry::blocking::blocked_moment_mn_mm;
+use crate::pipeline::campaign::making::whenever_asked;
 use crate::pipeline::{Context, PipelineError};
 
 /// Code of what is said of a run that gives no moment.
@@ -28,17 +27,15 @@ pub fn blocked_runs(context: &Context, runs: &[RunRecord]) -> Result<Vec<Blocked
         let mut channels = run.channels.iter();
         channels.any(|channel| channel.quantity == Quantity::BlockingForce)
     };
-    let read = (runs.iter().filter(is_blocked)).map(|run| Ok((run, context.store.channels(run.id)?)));
-    let read: Vec<(&RunRecord, Vec<Channel>)> = read.collect::<Result<_, PipelineError>>()?;
+    let blocked: Vec<&RunRecord> = runs.iter().filter(is_blocked).collect();
     let campaign = &context.campaign;
-    let found = read.par_iter().map(|(run, channels)| {
-        caught(|| of_run(run, channels, campaign)).unwrap_or_else(|reason| {
-            let message = format!("the fit of the moment stopped on an internal fault: {reason}");
-            let issue = Issue::error("analysis-fault", message).mend("report it with this run");
-            BlockedRun::without_moment(run.id, &run.path, issue)
+    let load = |context: &Context, run: &&RunRecord| Ok(context.store.channels(run.id)?);
+    whenever_asked(context, &blocked, load, |run, channels: Vec<Channel>| {
+        caught(|| of_run(run, &channels, campaign)).unwrap_or_else(|reason| {
+            let issue = Issue::fault("analysis-fault", "the fit of the moment", &reason);
+            BlockedRun::without_moment(run.id, &run.path, issue.mend("report it with this run"))
         })
-    });
-    Ok(found.collect())
+    })
 }
 
 fn of_run(run: &RunRecord, channels: &[Channel], campaign: &Campaign) -> BlockedRun {

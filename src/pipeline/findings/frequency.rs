@@ -1,14 +1,12 @@
 //! What runs under a sine or a chirp say of current and bending against frequency. Nothing of it is stored: it follows from
 //! the readings and the current fits whenever it is read.
 
-use rayon::prelude::*;
-
 use crate::analysis::frequency::{FrequencyPoint, FrequencyRun, PerVolt, frequency_run};
-use crate::domain::tag::keys;
-use crate::domain::{Channel, Drive, Fit, RunRecord};
-use crate::ingest::derived;
+use crate::domain::{Drive, Fit, RunRecord};
 use crate::model::{Branch, LumpedModel};
 use crate::numerics::complex::Complex;
+use crate::pipeline::campaign::making::whenever_asked;
+use crate::pipeline::campaign::readings;
 use crate::pipeline::{Context, PipelineError};
 
 /// Those of the runs whose voltage is a sine or a chirp, in their order.
@@ -17,27 +15,20 @@ use crate::pipeline::{Context, PipelineError};
 /// The database cannot be read.
 pub fn frequency_runs(context: &Context, runs: &[RunRecord]) -> Result<Vec<FrequencyRun>, PipelineError> {
     let moves = |run: &&RunRecord| run.drive.as_ref().is_some_and(Drive::moves);
-    let read = runs.iter().filter(moves).map(|run| {
-        let sample = run.tag(keys::SAMPLE).and_then(|id| context.campaign.sample(id));
-        let length_cm = sample
-            .and_then(|sample| sample.length_mm)
-            .map(|length_mm| length_mm / 10.0);
-        let channels = context.store.channels(run.id)?;
-        Ok((run, derived::responses(&channels, length_cm)))
-    });
-    let read: Vec<(&RunRecord, Vec<Channel>)> = read.collect::<Result<_, PipelineError>>()?;
-    let of_run = |(run, channels): &(&RunRecord, Vec<Channel>)| {
+    let moving: Vec<&RunRecord> = runs.iter().filter(moves).collect();
+    let load = |context: &Context, run: &&RunRecord| readings::of_run(context, run);
+    let found = whenever_asked(context, &moving, load, |run, channels| {
         let model = run
             .fit
             .as_ref()
             .zip(run.area_cm2)
             .and_then(|(fit, area_cm2)| modelled(fit, area_cm2));
         match &model {
-            Some(model) => frequency_run(run, channels, Some(model)),
-            None => frequency_run(run, channels, None),
+            Some(model) => frequency_run(run, &channels, Some(model)),
+            None => frequency_run(run, &channels, None),
         }
-    };
-    Ok(read.par_iter().filter_map(of_run).collect())
+    })?;
+    Ok(found.into_iter().flatten().collect())
 }
 
 /// The transfer functions of a fit with a lumped model; none where it leaves a branch open.

@@ -3,18 +3,14 @@
 
 use std::collections::BTreeSet;
 
-use rayon::prelude::*;
-
 use crate::analysis::impedance::{Comparison, comparisons};
 use crate::domain::fault::caught;
 use crate::domain::{Campaign, Channel, Issue, RunRecord, Spectrum, SpectrumRun, Sweep};
 use crate::fit::impedance;
 use crate::model::impedance::{SpectrumCircuit, circuit};
+use crate::pipeline::campaign::making::whenever_asked;
 use crate::pipeline::campaign::standing::{self, SetAside};
 use crate::pipeline::{Context, PipelineError};
-
-/// Spectra whose readings are in memory at once.
-const BATCH: usize = 64;
 
 /// Code of what is said of a sweep whose analysis a fault of the program stopped.
 const FAULT: &str = "analysis-fault";
@@ -59,19 +55,14 @@ pub fn spectra(context: &Context, more: &[SpectrumCircuit]) -> Result<Spectra, P
         });
     }
     let (asked, refused) = asked(&context.campaign, more);
-    let mut runs = Vec::with_capacity(found.speaking.len());
-    for batch in found.speaking.chunks(BATCH) {
-        let read = batch.iter().map(|run| Ok((run, context.store.channels(run.id)?)));
-        let read: Vec<(&RunRecord, Vec<Channel>)> = read.collect::<Result<_, PipelineError>>()?;
-        let analysed = read.par_iter().map(|(run, channels)| SpectrumRun {
-            run: (*run).clone(),
-            sweeps: Spectrum::of(channels)
-                .into_iter()
-                .map(|sweep| analysed(sweep, &asked))
-                .collect(),
-        });
-        runs.extend(analysed.collect::<Vec<_>>());
-    }
+    let load = |context: &Context, run: &RunRecord| Ok(context.store.channels(run.id)?);
+    let runs = whenever_asked(context, &found.speaking, load, |run, channels: Vec<Channel>| {
+        let sweeps = Spectrum::of(&channels).into_iter();
+        SpectrumRun {
+            run: run.clone(),
+            sweeps: sweeps.map(|sweep| analysed(sweep, &asked)).collect(),
+        }
+    })?;
     let beside = comparisons(&runs, &standing::speaking(context)?);
     Ok(Spectra {
         runs,
@@ -103,10 +94,7 @@ fn asked(campaign: &Campaign, more: &[SpectrumCircuit]) -> (Vec<SpectrumCircuit>
 /// A fault of the analysis stops its sweep only.
 fn analysed(spectrum: Spectrum, asked: &[SpectrumCircuit]) -> Sweep {
     let analysis = caught(|| impedance::analyse(&spectrum, asked)).unwrap_or_else(|reason| {
-        let issue = Issue::error(
-            FAULT,
-            format!("the analysis stopped on an internal fault: {reason}"),
-        );
+        let issue = Issue::fault(FAULT, "the analysis", &reason);
         Err(issue.mend("report it with this spectrum; the others are not affected"))
     });
     Sweep { spectrum, analysis }

@@ -1,20 +1,15 @@
 //! What runs say without a model, and trains cycle by cycle. No table holds it: it follows from the readings, and a report
 //! keeps it for the next one (`analysis::kept`).
 
-use rayon::prelude::*;
-
 use crate::analysis::cycles::{CycleRun, cycle_run};
 use crate::analysis::kept::{Hash, Kept};
 use crate::analysis::model_free::{ModelFree, model_free};
 use crate::analysis::stiffness::sample_modulus;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, Estimate, ModulusLog, Quantity, RunRecord, Sample};
-use crate::ingest::derived;
-use crate::pipeline::campaign::standing;
+use crate::pipeline::campaign::making::whenever_asked;
+use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::{Context, PipelineError};
-
-/// Runs whose readings are in memory together.
-const TOGETHER: usize = 32;
 
 /// What runs say without a model.
 #[derive(Debug, Default)]
@@ -48,28 +43,23 @@ pub fn without_model(
     kept: &Kept,
 ) -> Result<WithoutModel, PipelineError> {
     let (logs, _) = standing::modulus_logs(context)?;
-    let driven: Vec<&RunRecord> = runs.iter().filter(|run| run.drive.is_some()).collect();
-    let mut found = WithoutModel::default();
-    for some in driven.chunks(TOGETHER) {
-        let read = some.iter().map(|run| {
-            let asked = asked(context, run, &logs)?;
-            let known: Option<Said> = asked.hash.as_deref().and_then(|hash| kept.earlier(hash));
-            match known {
-                Some(said) => Ok((asked, Ok(said))),
-                None => Ok((asked, Err(channels(context, run)?))),
-            }
-        });
-        let read = read.collect::<Result<Vec<(Asked, Result<Said, Vec<Channel>>)>, PipelineError>>()?;
-        let said = read.into_par_iter().map(|(asked, read)| match read {
-            Ok(said) => said,
-            Err(channels) => asked.answer(&channels, kept),
-        });
-        for (step, train) in said.collect::<Vec<Said>>() {
-            found.steps.extend(step);
-            found.trains.extend(train);
-        }
-    }
-    Ok(found)
+    let driven = runs.iter().filter(|run| run.drive.is_some());
+    let asked = driven.map(|run| asked(context, run, &logs));
+    let asked: Vec<Asked> = asked.collect::<Result<_, PipelineError>>()?;
+    // A run that said it before needs no readings.
+    let load = |context: &Context, asked: &Asked| {
+        let known: Option<Said> = asked.hash.as_deref().and_then(|hash| kept.earlier(hash));
+        known.map_or_else(|| channels(context, asked.run).map(Err), |said| Ok(Ok(said)))
+    };
+    let said = whenever_asked(context, &asked, load, |asked, read| match read {
+        Ok(said) => said,
+        Err(channels) => asked.answer(&channels, kept),
+    })?;
+    let (steps, trains): (Vec<_>, Vec<_>) = said.into_iter().unzip();
+    Ok(WithoutModel {
+        steps: steps.into_iter().flatten().collect(),
+        trains: trains.into_iter().flatten().collect(),
+    })
 }
 
 fn asked<'a>(
@@ -107,11 +97,7 @@ impl Asked<'_> {
 
 /// The channels of the strip as a whole.
 fn channels(context: &Context, run: &RunRecord) -> Result<Vec<Channel>, PipelineError> {
-    let sample = run.tag(keys::SAMPLE).and_then(|id| context.campaign.sample(id));
-    let length_cm = sample
-        .and_then(|sample| sample.length_mm)
-        .map(|length_mm| length_mm / 10.0);
-    let mut channels = derived::responses(&context.store.channels(run.id)?, length_cm);
+    let mut channels = readings::of_run(context, run)?;
     let density = channels
         .iter()
         .find(|channel| channel.is_whole(Quantity::CurrentDensity));

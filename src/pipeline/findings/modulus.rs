@@ -101,10 +101,7 @@ fn analyse(log: &RunRecord, channels: &[Channel]) -> Result<ModulusAnalysis, Iss
     let chosen = chosen_tags(log);
     let (channels, _) = named_columns(channels, &chosen);
     caught(|| dma::analyse(&channels)).unwrap_or_else(|reason| {
-        let issue = Issue::error(
-            FAULT,
-            format!("the analysis stopped on an internal fault: {reason}"),
-        );
+        let issue = Issue::fault(FAULT, "the analysis", &reason);
         Err(issue.mend("report it with this log; the other logs are not affected"))
     })
 }

@@ -1,12 +1,11 @@
 //! Steps and spectra of the same strips in one likelihood, made whenever it is asked. Nothing of it is stored.
 
-use rayon::prelude::*;
-
 use crate::analysis::impedance::{Both, Comparison, OneLikelihood, comparisons};
 use crate::domain::fault::caught;
 use crate::domain::{Channel, RunRecord, SpectrumRun};
 use crate::fit::{FitInput, step_and_spectrum};
-use crate::ingest::derived;
+use crate::pipeline::campaign::making::whenever_asked;
+use crate::pipeline::campaign::readings;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FitTask;
 
@@ -20,23 +19,17 @@ pub fn in_one_likelihood(
     spectra: &[SpectrumRun],
 ) -> Result<Vec<OneLikelihood>, PipelineError> {
     let tasks = context.store.fit_tasks()?;
-    let mut pairs: Vec<(Comparison, &FitTask, Vec<Channel>)> = Vec::new();
+    let mut pairs: Vec<(Comparison, &FitTask)> = Vec::new();
     for comparison in comparisons(spectra, runs) {
         for path in &comparison.lowest.runs {
-            if let Some(task) = tasks.iter().find(|task| task.path == *path) {
-                let read = context.store.channels(task.run_id)?;
-                pairs.push((
-                    comparison.clone(),
-                    task,
-                    derived::responses(&read, task.length_cm),
-                ));
-            }
+            let task = tasks.iter().find(|task| task.path == *path);
+            pairs.extend(task.map(|task| (comparison.clone(), task)));
         }
     }
-    let of = |(comparison, task, channels): &(Comparison, &FitTask, Vec<Channel>)| {
-        of_pair(spectra, comparison, task, channels)
-    };
-    Ok(pairs.par_iter().map(of).collect())
+    let load = |context: &Context, (_, task): &(Comparison, &FitTask)| readings::of_task(context, task);
+    whenever_asked(context, &pairs, load, |(comparison, task), channels| {
+        of_pair(spectra, comparison, task, &channels)
+    })
 }
 
 fn of_pair(

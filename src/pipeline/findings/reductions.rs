@@ -2,18 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
-
 use crate::analysis::reductions::{ReducedCircuit, RunReductions};
-use crate::domain::RunRecord;
 use crate::domain::fault::caught;
+use crate::domain::{Channel, RunRecord};
 use crate::fit::{Circuit, FitInput, Reduction, Reductions, reductions};
-use crate::ingest::derived;
+use crate::pipeline::campaign::making::whenever_asked;
+use crate::pipeline::campaign::readings;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FitTask;
-
-/// Runs whose readings are in memory together.
-const TOGETHER: usize = 32;
 
 /// Every run that can be fitted, in the order of `runs`.
 ///
@@ -27,21 +23,11 @@ pub fn reductions_of(context: &Context, runs: &[RunRecord]) -> Result<Vec<RunRed
         .filter_map(|run| by_id.get(&run.id).copied())
         .filter(|task| !task.drive.moves())
         .collect();
-    let mut found = Vec::new();
-    for some in ready.chunks(TOGETHER) {
-        let read = some
-            .iter()
-            .map(|task| Ok((*task, context.store.channels(task.run_id)?)))
-            .collect::<Result<Vec<_>, PipelineError>>()?;
-        let of = |(task, channels): &(&FitTask, Vec<_>)| {
-            of_run(task, &derived::responses(channels, task.length_cm))
-        };
-        found.extend(read.par_iter().map(of).collect::<Vec<_>>());
-    }
-    Ok(found)
+    let load = |context: &Context, task: &&FitTask| readings::of_task(context, task);
+    whenever_asked(context, &ready, load, |task, channels| of_run(task, &channels))
 }
 
-fn of_run(task: &FitTask, channels: &[crate::domain::Channel]) -> RunReductions {
+fn of_run(task: &FitTask, channels: &[Channel]) -> RunReductions {
     let input = FitInput {
         channels,
         drive: &task.drive,

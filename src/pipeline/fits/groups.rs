@@ -10,14 +10,11 @@ use crate::domain::{Channel, Issue};
 use crate::fit::{
     Bootstrap, FitError, FitInput, GroupFit, GroupOptions, Intervals, can_join_group, fit_group, shareable,
 };
-use crate::ingest::derived;
 use crate::model::FitModel;
-use crate::numerics::interrupt;
 use crate::pipeline::campaign::grouping::{Group, groups, singles};
 use crate::pipeline::campaign::making::{Making, TO_THE_END};
-use crate::pipeline::campaign::standing;
+use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::FitTask;
 
 /// Groups whose readings are held at once.
 const BATCH: usize = 8;
@@ -135,28 +132,13 @@ impl FitGroups {
         };
         let make = |group: &Group, channels: Vec<Vec<Channel>>| fit_one(group, &channels, &options);
         let mut entries = Vec::with_capacity(found.len());
-        observer.begin(making.doing, found.len() as u64);
-        for batch in found.chunks(BATCH) {
-            entries.extend(
-                making
-                    .batch(context, batch, readings, make)?
-                    .into_iter()
-                    .flatten(),
-            );
-            interrupt::check();
-        }
-        observer.end();
+        let load = |context: &Context, group: &Group| readings::of_tasks(context, &group.tasks);
+        making.look(context, &found, load, make, |made| {
+            entries.extend(made.into_iter().map(|(_, entry)| entry));
+            Ok(())
+        })?;
         Ok(entries)
     }
-}
-
-/// Readings of every run of a group, curvature made of displacement where that was measured.
-fn readings(context: &Context, group: &Group) -> Result<Vec<Vec<Channel>>, PipelineError> {
-    let of_run = |task: &FitTask| -> Result<Vec<Channel>, PipelineError> {
-        let channels = context.store.channels(task.run_id)?;
-        Ok(derived::responses(&channels, task.length_cm))
-    };
-    group.tasks.iter().map(of_run).collect()
 }
 
 /// Fits one group, without the runs that cannot be part of it; a panic in a kernel is that group's failure.

@@ -36,8 +36,7 @@ pub(crate) type Outcome = Result<Fit, Issue>;
 
 /// What is said of a run whose fit a fault of the program stopped.
 pub(crate) fn fit_fault(what: &str, reason: &str) -> Issue {
-    Issue::error(FAULT, format!("{what} stopped on an internal fault: {reason}"))
-        .mend("report it with the runs' files; all others are not affected")
+    Issue::fault(FAULT, what, reason).mend("report it with the runs' files; all others are not affected")
 }
 
 /// What is said where known parameters take no part in a fit.

@@ -111,13 +111,19 @@ fn make((_, run): &Due, channels: Vec<Channel>) -> Outcome {
     fit_one(&run.task, &channels, &run.chosen.options, &run.known())
 }
 
-/// The fits of a batch in its order; none for those that an interruption met.
-pub(crate) fn fit_batch(
+/// Fits the runs and hands each batch to `take`, in its order; nothing is stored. `doing` is what the progress says.
+pub(crate) fn fit_and_take(
+    doing: &'static str,
     context: &Context,
-    batch: &[Due],
+    due: &[Due],
     observer: &dyn Observer,
-) -> Result<Vec<Option<Outcome>>, PipelineError> {
-    making(observer).batch(context, batch, load, make)
+    take: impl FnMut(Vec<(&Due, Outcome)>) -> Result<(), PipelineError>,
+) -> Result<(), PipelineError> {
+    let making = Making {
+        doing,
+        ..making(observer)
+    };
+    making.look(context, due, load, make, take)
 }
 
 /// Fits one run; a panic in a kernel is that run's failure, not the program's.

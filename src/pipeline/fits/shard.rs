@@ -12,15 +12,11 @@ use serde::Serialize;
 use super::extended;
 use super::plan::fit_plan;
 use super::result::{End, FitResult};
-use super::runs::{Due, FitRuns, fit_batch};
+use super::runs::{Due, FitRuns, fit_and_take};
 use crate::domain::Issue;
-use crate::numerics::interrupt;
 use crate::pipeline::ground::whole_file::put_file;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::system::fs;
-
-/// Runs fitted between two writes.
-const BATCH: usize = 32;
 
 /// One part of several: `2/8`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -132,13 +128,8 @@ impl FitShard {
         };
         let mut file = fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
         let (mut rows, mut sum) = (0, blake3::Hasher::new());
-        observer.begin("fitting", due.len() as u64);
-        for batch in due.chunks(BATCH) {
-            let outcomes = fit_batch(context, batch, observer)?;
-            // A file that lacks runs would pass for a whole one.
-            interrupt::check();
-            for ((input_hash, run), outcome) in batch.iter().zip(outcomes) {
-                let Some(outcome) = outcome else { continue };
+        fit_and_take("fitting", context, due, observer, |made| {
+            for ((input_hash, run), outcome) in made {
                 if let Err(issue) = &outcome {
                     summary.failed.push((run.task.path.clone(), issue.clone()));
                 }
@@ -148,8 +139,8 @@ impl FitShard {
                 sum.update(line(&result, &mut file).map_err(failed)?.as_bytes());
                 rows += 1;
             }
-        }
-        observer.end();
+            Ok(())
+        })?;
         line(&End::of(rows, &sum), &mut file).map_err(failed)?;
         Ok(())
     }

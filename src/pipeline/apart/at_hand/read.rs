@@ -77,11 +77,10 @@ pub fn read(file: &Path) -> Result<Result<Vec<ReadTable>, Issue>, PipelineError>
     Ok(match reading {
         Ok(Ok((reading, _))) => Ok(tables(&reading)),
         Ok(Err(error)) => Err(error.issue()),
-        Err(reason) => Err(Issue::error(
-            "reader-fault",
-            format!("the reader stopped on an internal fault: {reason}"),
-        )
-        .mend("report it with this file")),
+        Err(reason) => {
+            let issue = Issue::fault("reader-fault", "the reader", &reason);
+            Err(issue.mend("report it with this file"))
+        }
     })
 }
 

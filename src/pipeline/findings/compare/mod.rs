@@ -10,12 +10,10 @@ use crate::analysis::models_compared::{ComparedCondition, models_compared};
 use crate::domain::fault::caught;
 use crate::domain::{Channel, RunComparison, RunRecord};
 use crate::fit::FitError;
-use crate::ingest::derived;
 use crate::model::{FitModel, bending_law, fit_models};
-use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::campaign::making::{Making, TO_THE_END};
-use crate::pipeline::campaign::standing;
+use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{FitTask, StoredComparison};
 use hash::input_hash;
@@ -113,17 +111,15 @@ impl CompareModels {
         summary.comparisons = asked.stored(context)?;
         summary.comparisons.retain(|found| !is_due(&found.run));
         let make = |group: &Group, channels: Vec<Vec<Channel>>| asked.scored(group, &channels);
-        for batch in asked.due.chunks(BATCH) {
-            let made = making(observer).batch(context, batch, load, make)?;
-            for (group, made) in batch.iter().zip(made) {
+        making(observer).look(context, &asked.due, load, make, |made| {
+            for (group, made) in made {
                 match made {
-                    Some(Ok(found)) => summary.took(found),
-                    Some(Err(reason)) => summary.faults.push(format!("{}: {reason}", group.name)),
-                    None => {}
+                    Ok(found) => summary.took(found),
+                    Err(reason) => summary.faults.push(format!("{}: {reason}", group.name)),
                 }
             }
-            interrupt::check();
-        }
+            Ok(())
+        })?;
         summary.comparisons.sort_by(|a, b| a.run.cmp(&b.run));
         asked.sum_up(context, &mut summary);
         Ok(summary)
@@ -320,11 +316,7 @@ fn grouped(
 }
 
 fn load(context: &Context, group: &Group) -> Result<Vec<Vec<Channel>>, PipelineError> {
-    let channels = |task: &FitTask| {
-        let measured = context.store.channels(task.run_id)?;
-        Ok(derived::responses(&measured, task.length_cm))
-    };
-    group.tasks.iter().map(channels).collect()
+    readings::of_tasks(context, &group.tasks)
 }
 
 /// Comparisons of a group's runs, or the fault that stopped them.

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::frame_folder;
+use crate::domain::fault::caught;
 use crate::domain::{Channel, DateOrder, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin, Spectrum};
 use crate::ingest::archive::{self, Archived};
 use crate::ingest::clocks::{self, FileClock};
@@ -198,15 +199,15 @@ fn read(with: With<'_>, kind: RunKind, file: &SeenFile, bytes: &[u8]) -> (Outcom
         }
         read => read,
     };
-    let outcome = match std::panic::catch_unwind(std::panic::AssertUnwindSafe(read)) {
+    let outcome = match caught(read) {
         Ok(Ok((reading, profile))) => return (Outcome::Read(Box::new(reading)), profile.cloned()),
         Ok(Err(error)) if error.is_pending() => Outcome::Pending(error.issue()),
         Ok(Err(error)) if error.is_sidecar() => Outcome::Sidecar(error.issue()),
         Ok(Err(error)) => Outcome::Refused(error.issue()),
-        Err(_) => Outcome::Refused(
-            Issue::error("reader-fault", "the reader stopped on an internal fault")
-                .mend("report it with this file; the other files are not affected"),
-        ),
+        Err(reason) => {
+            let issue = Issue::fault("reader-fault", "the reader", &reason);
+            Outcome::Refused(issue.mend("report it with this file; the other files are not affected"))
+        }
     };
     (outcome, None)
 }

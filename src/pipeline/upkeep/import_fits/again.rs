@@ -5,10 +5,9 @@ use std::collections::BTreeMap;
 
 use super::{ImportSummary, Known, Row};
 use crate::domain::{Estimate, Fit, RunCurve};
-use crate::numerics::interrupt;
 use crate::pipeline::fits::outcome::Outcome;
 use crate::pipeline::fits::result::FitResult;
-use crate::pipeline::fits::runs::{Due, fit_batch};
+use crate::pipeline::fits::runs::{Due, fit_and_take};
 use crate::pipeline::{Context, Observer, PipelineError};
 
 /// Share of the rows that is fitted again: what an import costs at most of what the fits cost.
@@ -16,8 +15,6 @@ const SHARE: f64 = 0.05;
 /// Fewest rows of an import that are: of files in which a fifth of the rows is wrong, 99 of 100 are found by so many
 /// (0.8^20 = 0.01), in less than a second.
 const FEWEST: usize = 20;
-/// Runs fitted again at a time.
-const BATCH: usize = 32;
 /// How far a number may be from the one found here: computers differ in the last digits of their functions, and a search that
 /// ends at a tolerance carries that on. In standard errors, and as a share of the number.
 const NEAR_SIGMA: f64 = 0.02;
@@ -76,38 +73,37 @@ impl Again {
         summary: &mut ImportSummary,
         observer: &dyn Observer,
     ) -> Result<Vec<Row<'a>>, PipelineError> {
-        let mut held = Vec::new();
-        observer.begin("fitting again", rows.len() as u64);
-        let mut rows = rows.into_iter().peekable();
-        while rows.peek().is_some() {
-            let batch: Vec<Row<'a>> = rows.by_ref().take(BATCH).collect();
-            let mut due: Vec<Due> = Vec::new();
-            for row in &batch {
-                due.extend(known.due(context, &row.result.asked, &row.result.run)?.cloned());
+        let mut due: Vec<Due> = Vec::new();
+        for row in &rows {
+            due.extend(known.due(context, &row.result.asked, &row.result.run)?.cloned());
+        }
+        let there = rows.iter().map(|row| (row.result.run.as_str(), &row.result));
+        let there: BTreeMap<&str, &FitResult> = there.collect();
+        let mut differences: BTreeMap<String, String> = BTreeMap::new();
+        fit_and_take("fitting again", context, &due, observer, |made| {
+            for ((_, run), here) in made {
+                let name = &run.task.path;
+                let found = there
+                    .get(name.as_str())
+                    .and_then(|there| difference(there, &here));
+                differences.extend(found.map(|found| (name.clone(), found)));
             }
-            let outcomes = fit_batch(context, &due, observer)?;
-            interrupt::check();
-            let names = due.iter().map(|(_, run)| run.task.path.as_str());
-            let outcomes: BTreeMap<&str, Outcome> = names
-                .zip(outcomes)
-                .filter_map(|(name, made)| Some((name, made?)))
-                .collect();
-            for row in batch {
-                let made = outcomes.get(row.result.run.as_str());
-                match made.and_then(|made| difference(&row.result, made)) {
-                    None => held.push(row),
-                    Some(found) => {
-                        let reason = format!(
-                            "fitted again here {found}; it was computed or written wrongly there; `ieap fit` fits the run"
-                        );
-                        // Another file may have it right.
-                        known.taken.remove(&row.result.run);
-                        summary.refuse(row.file, row.row, Some(row.result.run), reason);
-                    }
+            Ok(())
+        })?;
+        let mut held = Vec::new();
+        for row in rows {
+            match differences.remove(&row.result.run) {
+                None => held.push(row),
+                Some(found) => {
+                    let reason = format!(
+                        "fitted again here {found}; it was computed or written wrongly there; `ieap fit` fits the run"
+                    );
+                    // Another file may have it right.
+                    known.taken.remove(&row.result.run);
+                    summary.refuse(row.file, row.row, Some(row.result.run), reason);
                 }
             }
         }
-        observer.end();
         Ok(held)
     }
 }
