@@ -4,6 +4,11 @@ use super::input::Strip;
 use ieap_model::coupling::CurvaturePerLineCharge;
 use ieap_model::distributed::DistributedModel;
 
+/// `R_e L^2 / R_c` beyond which nothing more would be noticed: only the first thousandth of the strip conducts at once, and a
+/// smaller R_c shows in times below a millionth of that in which the strip charges. Chosen; a search that goes on takes
+/// minutes, for such a response has ten thousands of modes.
+const MOST_REACH: f64 = 1e6;
+
 /// The strip with a coupling of one, and the coupling.
 #[derive(Debug, Clone)]
 pub(super) struct Described {
@@ -42,11 +47,14 @@ impl Described {
 /// strip does not state it as exact, R_e in Ohm/cm) and a coupling of one.
 pub(super) fn model_of(strip: &Strip, electrical: &[f64], relaxation_rate_per_s: f64) -> DistributedModel {
     let given = strip.held_ohm_per_cm();
+    let along = given.unwrap_or_else(|| electrical[3].exp());
     DistributedModel {
-        branch_resistance_ohm_cm: electrical[0].exp(),
+        branch_resistance_ohm_cm: electrical[0]
+            .exp()
+            .max(along * strip.length_cm.powi(2) / MOST_REACH),
         capacitance_f_per_cm: electrical[1].exp(),
         steady_state_resistance_ohm_cm: electrical[2].exp(),
-        electrode_resistance_ohm_per_cm: given.unwrap_or_else(|| electrical[3].exp()),
+        electrode_resistance_ohm_per_cm: along,
         length_cm: strip.length_cm,
         coupling: CurvaturePerLineCharge(1.0),
         relaxation_rate_per_s,

@@ -142,6 +142,33 @@ fn noiseless_samples_of_table_3_come_back() {
     }
 }
 
+/// Readings that no strip gives, here on a clock that is wrong, lead a search to ever smaller R_c. Unless it is told that nothing
+/// more is to be noticed there, each evaluation takes ten thousands of modes, and a fit more than ten minutes.
+#[test]
+fn a_search_that_leads_to_no_resistance_ends() {
+    let mut channels = simulated(&CNAF, true, 0.0, 1);
+    channels.retain(|channel| channel.quantity != Quantity::Voltage);
+    let even: Arc<[f64]> = (0..200).map(f64::from).collect();
+    for channel in &mut channels {
+        channel.time_s = even.clone();
+    }
+    for along in [Some(CNAF.re), None] {
+        let strip = Strip {
+            length_cm: CNAF.length_cm,
+            width_cm: CNAF.width_cm,
+            electrode_resistance_ohm_per_sq: along,
+            electrode_resistance_error_ohm_per_sq: None,
+        };
+        let input = DistributedInput {
+            channels: &channels,
+            drive: &Drive::step(1.5),
+            strip,
+        };
+        let fit = fit_distributed(&input, Steps::TwoStep).unwrap();
+        assert!(fit.converged, "{}", fit.why_stopped);
+    }
+}
+
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
 fn intervals_hold_the_truth_as_often_as_they_say() {
