@@ -1,5 +1,6 @@
 //! Which strip is asked for, and in which surroundings.
 
+use crate::analysis::conditions::HUMIDITY_GAP_PERCENT;
 use crate::analysis::laws::Covariate;
 use crate::domain::Sample;
 use crate::domain::typed_value::Measured;
@@ -44,9 +45,8 @@ pub(super) struct Condition {
     pub alike: f64,
 }
 
-/// Humidity, temperature and age at which runs are taken as they are: what sensors of a laboratory agree to; runs of one age
-/// are one run.
-const HUMIDITY_ALIKE_PERCENT: f64 = 5.0;
+/// Temperature and age at which runs are taken as they are: what sensors of a laboratory agree to; runs of one age are one run.
+/// Humidities that are alike are those of one condition.
 const TEMPERATURE_ALIKE_C: f64 = 1.0;
 const AGE_ALIKE_H: f64 = 0.0;
 
@@ -58,7 +58,7 @@ impl AskedStrip {
                 Covariate::RelativeHumidity,
                 "--rh",
                 self.relative_humidity_percent,
-                HUMIDITY_ALIKE_PERCENT,
+                HUMIDITY_GAP_PERCENT,
             ),
             (
                 Covariate::Temperature,
