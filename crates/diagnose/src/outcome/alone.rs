@@ -12,10 +12,8 @@ use crate::levels::{RIGHT, WRONG};
 use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
 use crate::options::DiagnoseOptions;
+use crate::outcome::policy::NEARLY_ALL_RUNS;
 use crate::readings::group::{RunGroup, RunInput};
-
-/// Part of the runs that must be described alone before it is worth a remark.
-const NEARLY_ALL: f64 = 0.75;
 
 /// The misfit of every run beside the base fitted to it alone.
 pub(crate) fn alone(runs: &[RunInput], options: &DiagnoseOptions) -> Vec<RunAlone> {
@@ -68,7 +66,7 @@ pub(crate) fn in_words(alone: &[RunAlone]) -> Option<String> {
         .iter()
         .filter(|run| run.p_misfit.is_some_and(|p| p >= RIGHT))
         .count();
-    (right as f64 >= NEARLY_ALL * count as f64).then(|| {
+    (right as f64 >= NEARLY_ALL_RUNS * count as f64).then(|| {
         format!(
             "by itself each of {right} of {count} runs is described to within the noise: one set of parameters does not \
              describe them together"
