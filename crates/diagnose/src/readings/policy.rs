@@ -3,6 +3,8 @@
 //! Where a number is "chosen", its effect was not counted by itself. What all of them together call wrong where nothing is
 //! hidden, `cargo run --release --example hide_and_seek -- null 40` counts (docs/validation/diagnose.md).
 
+use ieap_numerics::correlation::NOISE_EVIDENCE;
+
 use crate::levels::TAKEN;
 
 /// Readings after the step that a channel needs to take part. Chosen.
@@ -21,9 +23,9 @@ pub(super) const LONGEST_MEMORY_READINGS: f64 = 50.0;
 /// Growths of the noise that are tried: its part that goes with the signal, at the largest signal of the group, in units
 /// of its even part. Chosen.
 pub(super) const GROWTHS: [f64; 12] = [0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 8.0, 16.0, 64.0];
-/// Twice the log likelihood ratio that growth must bring, and each number that describes a memory: 20 to 1. Chosen: growth taken
-/// in vain costs little, growth missed makes every edge of the drive look wrong.
-pub(super) const GROWTH_EVIDENCE: f64 = 6.0;
+/// Twice the log likelihood ratio that growth must bring, and each number that describes a memory: as any property of the noise.
+/// Growth taken in vain costs little, growth missed makes every edge of the drive look wrong.
+pub(super) const GROWTH_EVIDENCE: f64 = NOISE_EVIDENCE;
 /// What a number that describes a memory must bring in twice the log likelihood (Akaike): slow noise that is missed makes a
 /// simulation look wrong, slow noise taken in vain costs little.
 pub(super) const SLOW_WORTH: f64 = 2.0;
