@@ -13,7 +13,7 @@ use crate::cause::proof::held_out::{self, Part};
 use crate::cause::select::Selection;
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::levels::WRONG;
+use crate::levels::WRONG_BELOW;
 
 /// The explanation that leads.
 pub(crate) struct Lead<'g> {
@@ -25,7 +25,7 @@ pub(crate) struct Lead<'g> {
 
 impl Lead<'_> {
     pub(crate) fn is_adequate(&self) -> bool {
-        self.p_leftover >= WRONG
+        self.p_leftover >= WRONG_BELOW
     }
 
     /// Ids of its effects.
@@ -84,7 +84,7 @@ impl<'g> SelectionInput<'_, 'g> {
             let Some(lead) = weighed.lead(standing) else { break };
             let p = self.p_of(lead);
             first.get_or_insert((lead, p));
-            if p >= WRONG {
+            if p >= WRONG_BELOW {
                 found = Some((lead, p));
                 break;
             }

@@ -19,7 +19,7 @@ use crate::cause::select::Selection;
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
-use crate::levels::{RIGHT, VISIBLE_PERCENT, WRONG};
+use crate::levels::{RIGHT_FROM, VISIBLE_PERCENT, WRONG_BELOW};
 use crate::misfit::misfit_size::misfit_percent;
 use crate::misfit::null::Null;
 use crate::misfit::residual_bins::ResidualBin;
@@ -77,7 +77,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         let is_visible = is_visible(found.visible_percent);
         found.verdict = match () {
             () if self.is_spiked() => Verdict::DataProblem,
-            () if self.p_misfit >= RIGHT && is_visible => Verdict::Consistent,
+            () if self.p_misfit >= RIGHT_FROM && is_visible => Verdict::Consistent,
             () => Verdict::Undecided,
         };
         let places = self.by_forecast();
@@ -91,7 +91,7 @@ impl<'g> FindingBuilder<'_, 'g> {
                 error_words(found.visible_percent)
             ),
             Verdict::DataProblem => SPIKED_WORDS.into(),
-            _ if self.p_misfit >= RIGHT => format!(
+            _ if self.p_misfit >= RIGHT_FROM => format!(
                 "Nothing speaks against the simulation (p = {:.2}), and little could: only {} would have been seen.",
                 self.p_misfit,
                 error_words(found.visible_percent)
@@ -236,7 +236,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         let visible_percent = visible_percent(self.group, self.base, self.bins);
         remarks.extend(of_slow_noise(&noise, visible_percent));
         // Where the model is right its time constants do not depend on the record.
-        if self.p_misfit < WRONG {
+        if self.p_misfit < WRONG_BELOW {
             remarks.extend(crate::readings::record_length::remark(
                 self.group,
                 self.options.model,

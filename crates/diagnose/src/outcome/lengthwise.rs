@@ -6,7 +6,7 @@
 use crate::cause::decide::{leaf, of_one};
 use crate::cause::evidence::SURE;
 use crate::extended::leftover::p_leftover;
-use crate::levels::{RIGHT, TAKEN};
+use crate::levels::{RIGHT_FROM, TAKEN};
 use crate::options::DiagnoseOptions;
 use crate::outcome::policy::LEAST_CHANCE;
 use crate::readings::group::RunInput;
@@ -124,7 +124,7 @@ fn proved(
     found.sentence += match (found.verdict, found.p_leftover) {
         (Verdict::Partial, Some(_)) => " A misfit of another kind is left.",
         (Verdict::Partial, None) => " Whether a misfit of another kind is left could not be asked.",
-        (_, Some(p)) if p < RIGHT => " A misfit of another kind may be left.",
+        (_, Some(p)) if p < RIGHT_FROM => " A misfit of another kind may be left.",
         _ => "",
     };
     found

@@ -3,12 +3,12 @@
 use ieap_domain::words::in_a_row;
 use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue};
 
-use crate::levels::WRONG;
+use crate::levels::WRONG_BELOW;
 use crate::outcome::policy::MOST_COURSES;
 
 /// Runs that by themselves leave more than a single one is called right by, with their p.
 fn doubted(alone: &[RunAlone]) -> impl Iterator<Item = (&str, f64)> {
-    let low = |run: &RunAlone| run.p_misfit.filter(|p| *p < WRONG);
+    let low = |run: &RunAlone| run.p_misfit.filter(|p| *p < WRONG_BELOW);
     alone
         .iter()
         .filter_map(move |run| Some((run.run.as_str(), low(run)?)))

@@ -3,7 +3,7 @@
 use super::{FindingBuilder, SPIKED_WORDS, short};
 use crate::cause::evidence::{LARGEST_SET, SURE};
 use crate::cause::policy::NAMELESS_BEATS_BY;
-use crate::levels::{RIGHT, WRONG};
+use crate::levels::{RIGHT_FROM, WRONG_BELOW};
 use crate::outcome::policy::{LARGER_THAN_NOISE, LEAST_EXPLANATION, MOST_EXPLANATIONS};
 use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::{GroupDiagnosis, Hypothesis, HypothesisKind, Verdict};
@@ -16,7 +16,7 @@ impl FindingBuilder<'_, '_> {
         match found.verdict {
             Verdict::DataProblem => SPIKED_WORDS.into(),
             verdict if verdict.extends_the_model() => cause(found, place),
-            _ if predicts && found.p_leftover.is_some_and(|p| p >= WRONG) => format!(
+            _ if predicts && found.p_leftover.is_some_and(|p| p >= WRONG_BELOW) => format!(
                 "The simulation is wrong ({place}); it may be {}: these runs do not tell which.",
                 likeliest(found)
             ),
@@ -187,7 +187,7 @@ fn proof(found: &GroupDiagnosis) -> String {
 
 /// What is left of a misfit that is explained may still be more than chance leaves.
 fn doubt(found: &GroupDiagnosis) -> String {
-    let open = found.p_leftover.filter(|p| (WRONG..RIGHT).contains(p));
+    let open = found.p_leftover.filter(|p| (WRONG_BELOW..RIGHT_FROM).contains(p));
     open.map_or_else(String::new, |p| {
         format!(" What it leaves may be more than chance does (p = {p:.3}).")
     })
