@@ -4,7 +4,8 @@
 pub(crate) use ieap_domain::diagnosis::{RIGHT_FROM, WRONG_BELOW};
 
 /// A simulation is called right only where an error of this part of the range of current or curvature, in percent, would have been
-/// seen: what a strip does is known to a few per cent from run to run, and an error that hides behind more is worth a sentence. Chosen.
+/// seen: what a strip does is known to a few per cent from run to run, and an error that hides behind more is worth a sentence.
+/// Chosen.
 pub(crate) const VISIBLE_PERCENT: f64 = 10.0;
 
 /// Relative standard deviation of a parameter up to which runs scatter; beyond it they differ, which is a finding. Chosen, for
