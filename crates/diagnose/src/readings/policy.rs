@@ -55,7 +55,8 @@ pub(super) const FEWEST_OTHER_EDGES: usize = 3;
 /// An outlier near an edge is so many times as far off as nine tenths of the readings at that place of other edges. Chosen.
 pub(super) const BEYOND_OTHER_EDGES: f64 = 2.0;
 /// Part of a channel's readings that are outliers at most: where more stand off the noise is of that kind. Under the bubbles of
-/// a measured electrolysis (`electrolysis-onset` in docs/validation/diagnose.md) up to a tenth do.
+/// a measured electrolysis (`electrolysis-onset` in docs/validation/diagnose.md) up to a tenth do. Chosen below
+/// that.
 pub(super) const MOST_OUTLIERS_PART: f64 = 0.03;
 /// Chance below which outliers beside edges are no wild values. A wild value stands anywhere; what stands off beside edges more
 /// often than elsewhere is how the strip or the source answers them, and is asked for its cause. One of 1,200 readings, beside

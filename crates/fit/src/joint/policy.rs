@@ -20,18 +20,17 @@ pub(crate) const FOLLOWED_LOG: f64 = 1.7;
 pub(super) const DEEPER_BY: f64 = 0.02;
 /// How far a logarithm may move from where it starts: a factor of about 160,000. Chosen.
 pub(super) const FARTHEST_LOG: f64 = 12.0;
-/// Refits to drawn readings from which their points of 2.5 % and 97.5 % are told: below it they would be the ends of what was
-/// drawn.
+/// Refits to drawn readings from which their points of 2.5 % and 97.5 % are told. Chosen.
 pub(super) const FEWEST_REFITS: usize = 20;
 /// Noise is not taken to be smaller than this part of the peak: rounding, and what the model's kernels leave.
 pub(super) const LEAST_NOISE_PART: f64 = 1e-9;
 
 /// Channels do not share a correlation where chance makes so different ones this rarely. Chosen; of 171 effects of four standard
-/// deviations 135 are seen with it, 127 without (`cargo run --release --example hide_and_seek -- ceiling`).
+/// deviations 135 were seen with a memory that is shared so, 127 without (`cargo run --release --example hide_and_seek -- ceiling`).
 pub(super) const DIFFERENT_BELOW: f64 = 0.01;
 /// Shortest slow noise that is tried, in readings. Chosen.
 pub(super) const SLOW_FROM_READINGS: f64 = 4.0;
-/// Longest slow noise that is tried, in records. Chosen: what lasts longer is hardly told from a level.
+/// Longest slow noise that is tried, in records. Chosen.
 pub(super) const SLOW_TO_RECORDS: f64 = 0.35;
 /// Parts of the variance that slow noise is tried with. Chosen.
 pub(super) const SLOW_PARTS: [f64; 7] = [0.02, 0.05, 0.12, 0.3, 0.6, 0.85, 0.97];

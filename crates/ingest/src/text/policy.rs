@@ -8,7 +8,7 @@ pub(super) const LINES_ASKED: usize = 256;
 /// Share of data lines, and of cells of a column, that must obey the reading. Chosen.
 pub(super) const OBEYING_SHARE: f64 = 0.9;
 
-/// Fewest letters of a name that a slip may have been made in. Chosen: of fewer most are a slip away from another.
+/// Fewest letters of a name that a slip may have been made in. Chosen.
 pub(super) const FEWEST_LETTERS: usize = 4;
 /// Longest text that may be a unit nobody converts, characters: `mW/(m·K)` has eight.
 pub(super) const LONGEST_UNIT: usize = 8;

@@ -50,7 +50,7 @@ pub(super) const MOST_BY_CLOCK: usize = 160;
 
 /// Subsets of parameters that differ which are fitted in full: the leading ones. Chosen.
 pub(super) const SUBSETS_FITTED: usize = 3;
-/// Parameters of which all subsets are asked; of more only singles, pairs and all. Chosen, for the time that they take.
+/// Parameters of which all subsets are asked; of more only singles, pairs and all. Chosen: each doubles them.
 pub(super) const MOST_FOR_ALL_SUBSETS: usize = 11;
 
 /// Points of the grids over sizes and spreads.
