@@ -44,6 +44,7 @@ pub use given_error::given_resistance;
 use identified::{Identified, RELATIVE_OHM_PER_SQ};
 pub use input::{DistributedInput, Strip};
 use policy::FEWEST_READINGS;
+pub use policy::UNEVEN_BELOW;
 use readings::{Kind, Readings};
 pub use unevenness::Unevenness;
 

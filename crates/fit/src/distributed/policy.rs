@@ -4,7 +4,7 @@
 //! and intervals hold, the commands of docs/validation/along-the-strip.md count.
 
 /// Chance below which differences between places are claimed: the one in twenty that is a convention of the field.
-pub(super) const UNEVEN_BELOW: f64 = 0.05;
+pub const UNEVEN_BELOW: f64 = 0.05;
 /// Chance below which a break is claimed. Chosen.
 pub(super) const BREAK_BELOW: f64 = 0.01;
 /// Draws of what chance does: none is told below one in a thousand, a convention of permutation tests.
