@@ -12,7 +12,7 @@ mod rendered;
 use std::sync::Arc;
 
 use ieap::domain::{Channel, Drive, Quantity};
-use ieap::fit::distributed::{CLAIMED, DistributedInput, LumpedOrDistributed, Strip, decide};
+use ieap::fit::distributed::{DistributedInput, LumpedOrDistributed, Strip, UNEVEN_BELOW, decide};
 use ieap::model::{Branch, LumpedModel};
 use ieap::strip::{Gray, Initial, Positive, Scale, Trace, View, trace};
 use ieap::truth::{ChannelNoise, noise};
@@ -259,8 +259,8 @@ fn line(name: &str, found: &[(Case, (f64, f64, LumpedOrDistributed))], keep: imp
     println!(
         "| {name} | {} | {} | {} | {} |",
         kept.len(),
-        share(&|found| found.0 < CLAIMED),
-        share(&|found| found.1 < CLAIMED),
+        share(&|found| found.0 < UNEVEN_BELOW),
+        share(&|found| found.1 < UNEVEN_BELOW),
         share(&|found| found.2 == LumpedOrDistributed::Distributed)
     );
 }
@@ -308,7 +308,7 @@ fn main() {
         all - found.len()
     );
     println!(
-        "\n| strips | number | p below {CLAIMED}, % | p of later below {CLAIMED}, % | called distributed, % |"
+        "\n| strips | number | p below {UNEVEN_BELOW}, % | p of later below {UNEVEN_BELOW}, % | called distributed, % |"
     );
     println!("|---|---|---|---|---|");
     line("all", &found, |_| true);

@@ -11,7 +11,7 @@ use crate::fitting::base_fit::refit;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
-use crate::levels::{RIGHT, WRONG};
+use crate::levels::{RIGHT_FROM, WRONG_BELOW};
 use crate::misfit::odd_scale::odd_runs;
 use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
@@ -104,7 +104,7 @@ fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptio
         scatter: scatter.as_deref().unwrap_or_default(),
         options,
     };
-    if builder.p_misfit >= RIGHT {
+    if builder.p_misfit >= RIGHT_FROM {
         return builder.without_cause();
     }
     let beside = |group: Option<RunGroup>| diagnosed_beside(name, &group?, &base, options);
@@ -115,7 +115,7 @@ fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptio
     {
         return found;
     }
-    if builder.p_misfit >= WRONG {
+    if builder.p_misfit >= WRONG_BELOW {
         return builder.without_cause();
     }
     let selection = input.select(&null, &directions);
@@ -144,7 +144,7 @@ fn is_rather_scatter(group: &RunGroup, model: &ExtendedModel, of_candidate: f64)
 
 /// Whether a cause was found that leaves no misfit.
 fn explains_all(found: &GroupDiagnosis) -> bool {
-    found.verdict.extends_the_model() && found.p_leftover.is_some_and(|p| p >= WRONG)
+    found.verdict.extends_the_model() && found.p_leftover.is_some_and(|p| p >= WRONG_BELOW)
 }
 
 /// The same beside other noise; none where it takes no scatter that was asked for.

@@ -1,12 +1,11 @@
-//! Chances below which something is said: the levels that a diagnosis decides by.
+//! Chances below which something is said: the levels that a diagnosis decides by in several of its rooms. What decides in one
+//! stands in its own `policy.rs`.
 
-/// The simulation is called wrong below this p ...
-pub(crate) const WRONG: f64 = 0.01;
-/// ... and right from this one on; between the two nothing is said.
-pub(crate) const RIGHT: f64 = 0.05;
+pub(crate) use ieap_domain::diagnosis::{RIGHT_FROM, WRONG_BELOW};
 
 /// A simulation is called right only where an error of this part of the range of current or curvature, in percent, would have been
 /// seen: what a strip does is known to a few per cent from run to run, and an error that hides behind more is worth a sentence.
+/// Chosen.
 pub(crate) const VISIBLE_PERCENT: f64 = 10.0;
 
 /// Relative standard deviation of a parameter up to which runs scatter; beyond it they differ, which is a finding. Chosen, for
@@ -18,8 +17,8 @@ pub(crate) const SCATTER_EVIDENCE: f64 = 3.0;
 /// Rise that a spread beyond [`SCATTER`] must bring over [`SCATTER`] for runs to differ: what a number is worth (Akaike).
 pub(crate) const DIFFERENCE_EVIDENCE: f64 = 1.0;
 
-/// A candidate is taken where chance gives as much in fewer groups than this, and one that follows a tag where chance does in
-/// fewer deals.
+/// A candidate is taken where chance gives as much in fewer groups than this, one that follows a tag where chance does in
+/// fewer deals, and one that places along the strip ask for likewise. Chosen; the command at [`WRONG_BELOW`] counts what it gives.
 pub(crate) const TAKEN: f64 = 0.01;
 
 /// Levels in which a moving voltage is followed from one turn to the next. Of 150 in a period the staircase itself is seen as a

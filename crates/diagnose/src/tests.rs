@@ -17,7 +17,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
-use crate::cause::lead;
+use crate::cause::policy;
 use crate::cause::proof::{discrepancy, held_out, later};
 use crate::fitting::without_outliers::with_base;
 use crate::fitting::{base_fit, fitted, modes};

@@ -7,6 +7,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{Gain, Parameter, number_or_null};
 
+/// The simulation of a group, or of a run by itself, is called wrong below this p. Chosen;
+/// `cargo run --release --example hide_and_seek -- null 40` counts how often it is where nothing is hidden.
+pub const WRONG_BELOW: f64 = 0.01;
+/// It is called right from this p on; between the two nothing is said. The one in twenty is a convention of the field.
+pub const RIGHT_FROM: f64 = 0.05;
+
 /// How the id of an effect begins by which a parameter follows a tag from run to run.
 pub const FOLLOWS: &str = "follows:";
 

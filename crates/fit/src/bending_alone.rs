@@ -6,7 +6,6 @@ use ieap_domain::{Drive, Estimate, Fit, Issue, Level, Parameter, Quantity};
 use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::least_squares::Minimum;
 
-use super::electrical::{BRANCH_DOUBT, BRANCH_EVIDENCE};
 use super::joint::branch_evidence::{Branches, Evidence};
 use super::joint::feature::Feature;
 use super::joint::layout::Layout;
@@ -20,16 +19,15 @@ use super::outcome::{judged_response, not_converged, parameter_issues};
 use super::sampled::Sampled;
 use crate::interval_rule;
 use crate::options::{FitInput, FitOptions};
+use crate::policy::{BENDING_EVIDENCE, BRANCH_DOUBT, BRANCH_EVIDENCE, MOST_BRANCHES_OF_BENDING};
 
-/// Branches that bending alone is asked for: with the relaxation a third one makes four rates, which no record tells.
-const MOST_BRANCHES: usize = 2;
 /// Time constants and relaxation times that are tried, parts of the record.
 const TIMES: [f64; 4] = [0.01, 0.1, 1.0, 10.0];
 /// Rise of the sum of squares that still is the same minimum.
 const SAME: f64 = 0.1;
 
 /// Keys of the curvature per volt that each branch makes when it is charged, and all of them.
-const PER_VOLT: [&str; MOST_BRANCHES] = ["curvature1_per_cm_v", "curvature2_per_cm_v"];
+const PER_VOLT: [&str; MOST_BRANCHES_OF_BENDING] = ["curvature1_per_cm_v", "curvature2_per_cm_v"];
 const PER_VOLT_TOTAL: &str = "curvature_total_per_cm_v";
 
 const NO_CHARGE: &str = "the bending alone does not tell how much charge flows: it needs the current, and";
@@ -43,9 +41,9 @@ pub(super) fn fit(input: &FitInput, options: &FitOptions, sampled: Sampled, why:
         curvature: Some(Response::new(sampled)),
     };
     let per_volt = unit_response(&run)?;
-    let most = options.model.branches.min(MOST_BRANCHES);
+    let most = options.model.branches.min(MOST_BRANCHES_OF_BENDING);
     let one = minimum(&run, &starts(&run, per_volt, 1))?;
-    let is_flat = gain_over_nothing(&one) <= BRANCH_EVIDENCE;
+    let is_flat = gain_over_nothing(&one) <= BENDING_EVIDENCE;
     let (found, weighing) = if is_flat || most == 1 {
         (one, None)
     } else {
@@ -291,7 +289,7 @@ impl Known<'_> {
             let size = self.estimate(feature, input.drive);
             if self.sign < 0.0 { size.mirrored() } else { size }
         };
-        let branches = model.branches.min(MOST_BRANCHES);
+        let branches = model.branches.min(MOST_BRANCHES_OF_BENDING);
         let of_branches = (0..branches).map(|k| (PER_VOLT[k], per_volt(Feature::Capacitance(k))));
         let total = (PER_VOLT_TOTAL, per_volt(Feature::TotalCapacitance));
         of_model
@@ -309,7 +307,7 @@ impl Known<'_> {
             return Estimate::not_determined(interval_rule::FLAT);
         }
         match feature.branch() {
-            Some(k) if k >= MOST_BRANCHES => {
+            Some(k) if k >= MOST_BRANCHES_OF_BENDING => {
                 Estimate::not_determined("bending alone is asked for two branches at most")
             }
             Some(k) if k >= self.judged.branches => Estimate::not_determined(

@@ -5,11 +5,10 @@ use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::electrical::Electrical;
+use crate::policy::LOST_BELOW;
 
 /// Step of the logarithms of the circuit's parameters.
 const STEP: f64 = 1e-5;
-/// Eigenvalue of the scaled normal matrix below which a direction counts as lost.
-const LOST: f64 = 1e-13;
 
 /// How far every parameter of the bending moves per unit of each of the circuit's, in the order of its covariance.
 ///
@@ -22,7 +21,7 @@ pub(super) fn moved_by_circuit(
     bend: impl Fn(&Electrical) -> Vec<f64>,
 ) -> Vec<[f64; CAPACITY]> {
     let normal = Symmetric::from_fn(jacobian.len(), |a, b| dot(&jacobian[a], &jacobian[b]));
-    let inverse = normal.floored_inverse(LOST);
+    let inverse = normal.floored_inverse(LOST_BELOW);
     let mut moves = vec![[0.0; CAPACITY]; jacobian.len()];
     let branches = electrical.conductances_a_per_v.len();
     for parameter in 0..=2 * branches {

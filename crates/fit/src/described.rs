@@ -5,11 +5,12 @@ use ieap_model::bending::{BendingLaw, ChargeCourse, bending_law, curvature_per_c
 use ieap_model::{FitModel, LumpedModel};
 use ieap_numerics::correlation::Autoregression;
 
-use super::electrical::{Electrical, FOLLOWED};
+use super::electrical::Electrical;
 use super::law::identify_law;
 use super::sampled::Sampled;
 use super::uncertainty::Residuals;
 use super::{FitError, FitInput, FitOptions, Readings, electrical, needed};
+use crate::policy::FOLLOWED_PART;
 
 /// What a model leaves of one response.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +51,7 @@ impl Left {
 
     fn follows(&self, scatter: Noise) -> bool {
         let left = self.residual.standard_deviation;
-        left > 0.0 && left * left < FOLLOWED * scatter.standard_deviation.powi(2)
+        left > 0.0 && left * left < FOLLOWED_PART * scatter.standard_deviation.powi(2)
     }
 }
 

@@ -17,19 +17,7 @@ use super::joint::feature::Ends;
 use super::sampled::Sampled;
 use super::search::{CoarseLook, Found, Limits, Search, search};
 use super::uncertainty::{CovarianceSums, Residuals};
-
-/// A further branch must lower the sum of squares by this many long-run variances: noise alone, with two
-/// parameters fitted to it of which one is a time constant anywhere on the record, does so in less than one of
-/// a hundred runs (see the test of a resistor with one capacitor).
-pub(super) const BRANCH_EVIDENCE: f64 = 12.0;
-/// From here on a further branch may be there: leaving it out would bias what the others say, so it is kept
-/// for the sums over branches, and their parts are not reported. Below it, a second branch that hides in the noise
-/// must be shown to be too small to matter.
-pub(super) const BRANCH_DOUBT: f64 = 4.0;
-/// Evidence from which a branch is there so clearly that having been chosen does not colour its parts.
-pub(super) const CLEAR: f64 = 30.0;
-/// An offset must explain this share of the misfit.
-const OFFSET_SHARE: f64 = 0.3;
+use crate::policy::{BRANCH_DOUBT, BRANCH_EVIDENCE, FEWEST_AT_REST, FOLLOWED_PART, OFFSET_SHARE};
 
 /// What the current says of the circuit.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,10 +102,6 @@ impl Electrical {
 /// Part of the sum of squares at which a search settles: exactly, and where only the sum itself is wanted.
 const SETTLE: f64 = 1e-12;
 const SETTLE_SUM: f64 = 1e-3;
-
-/// Part of the variance of the scatter about parabolas below which what a fit leaves shows that the parabolas did not follow
-/// the signal.
-pub(super) const FOLLOWED: f64 = 0.25;
 
 /// A choice of branches with what it leaves.
 struct Choice {
@@ -224,7 +208,7 @@ impl Choosing<'_> {
         let Some(scatter) = &self.sampled.scatter else {
             return;
         };
-        if residuals.noise.variance < FOLLOWED * scatter.standard_deviation.powi(2) {
+        if residuals.noise.variance < FOLLOWED_PART * scatter.standard_deviation.powi(2) {
             let rounding = (1e-9 * sums::peak(&self.sampled.values)).powi(2);
             self.noise = residuals.noise.long_run_variance().max(rounding);
         }
@@ -250,7 +234,10 @@ impl Choosing<'_> {
     /// Whether readings at two held voltages, or at 0 V, tell an offset from the steady current. Readings at rest
     /// at 0 V before the step show the offset itself: where they show none there is none.
     fn offset_is_separable(&self) -> bool {
-        if self.drive.baseline_v == 0.0 && self.sampled.before_step() >= 4 && !self.sampled.rests_off_zero() {
+        if self.drive.baseline_v == 0.0
+            && self.sampled.before_step() >= FEWEST_AT_REST
+            && !self.sampled.rests_off_zero()
+        {
             return false;
         }
         if self.sampled.moves {

@@ -8,7 +8,7 @@ use super::bending::Bending;
 use super::electrical::{Bound, Electrical};
 use super::joint::feature::Feature;
 use crate::interval_rule;
-use crate::parabola;
+use crate::policy::NARROW_PART;
 
 /// Estimates of the electrical parameters.
 pub(super) fn electrical_estimate(
@@ -198,7 +198,7 @@ fn derived(
 fn logarithmic(part: Feature, value: f64, weights: &[f64; CAPACITY], electrical: &Electrical) -> Estimate {
     let relative = electrical.covariance.form(weights, weights).max(0.0).sqrt();
     let half = electrical.residuals.quantile * relative;
-    if electrical.bends && half > parabola::NARROW {
+    if electrical.bends && half > NARROW_PART {
         return Estimate::not_determined(BENDS);
     }
     let ends = electrical.ends.iter().find(|ends| ends.feature == part);

@@ -4,6 +4,7 @@ mod intervals;
 pub(super) mod known;
 mod open_edges;
 mod options;
+mod policy;
 pub(super) mod reductions;
 mod search;
 pub(super) mod step_and_spectrum;

@@ -1,13 +1,8 @@
 //! One rule for all models: which interval gives a value, which a bound, which only a reason; and reasons that several
 //! models give, in words.
 
+use crate::policy::{NEXT_TO_NOTHING_FACTOR, WIDEST_FACTOR};
 use ieap_domain::Estimate;
-
-/// A positive parameter whose 95 % interval spans more than this factor to either side has no value: linear error
-/// propagation means nothing there.
-const WIDEST_FACTOR: f64 = 5.0;
-/// A conductance whose interval reaches so many times below it cannot be told from zero.
-const NEXT_TO_NOTHING: f64 = 10.0;
 
 /// Why a positive parameter has no value.
 pub(crate) const TOO_WIDE: &str = "its 95 % interval would span more than a factor of five to either side";
@@ -71,7 +66,7 @@ pub(crate) fn resistance(
     high: f64,
     too_small: impl Into<String>,
 ) -> Estimate {
-    if low <= conductance / NEXT_TO_NOTHING {
+    if low <= conductance / NEXT_TO_NOTHING_FACTOR {
         let mut estimate = Estimate::above(area_cm2 / high, too_small);
         estimate.at_bound = conductance <= 0.0;
         return estimate;

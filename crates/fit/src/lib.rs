@@ -28,6 +28,7 @@ mod noise_again;
 mod options;
 mod outcome;
 mod parabola;
+mod policy;
 mod sampled;
 mod search;
 mod settled_edges;
@@ -37,6 +38,7 @@ mod uncertainty;
 mod whitened;
 mod widened;
 
+use crate::joint::policy::MISFIT_FACTOR;
 use ieap_domain::{Drive, Fit, KnownParameter, Parameter};
 use ieap_model::rival_law;
 
@@ -56,7 +58,6 @@ pub use noise_again::{FoundAgain, NoiseAgain, Pair, Scaled};
 pub use options::{FitInput, FitOptions, Steps};
 pub use whitened::WhitenedChannel;
 
-use joint::minimum::MISFIT;
 use joint::readings::{Response, RunReadings};
 use joint::single::Judged;
 use sampled::Sampled;
@@ -226,5 +227,5 @@ fn misfits(sampled: &Sampled, square: f64) -> bool {
     sampled
         .scatter
         .as_ref()
-        .is_some_and(|noise| rms > MISFIT * noise.standard_deviation)
+        .is_some_and(|noise| rms > MISFIT_FACTOR * noise.standard_deviation)
 }

@@ -7,19 +7,10 @@ use ieap_numerics::symmetric::Symmetric;
 
 use super::bending::Bending;
 use super::circuit::Circuit;
-use super::electrical::{CLEAR, Electrical};
+use super::electrical::Electrical;
 use super::joint::feature::{Ends, Feature};
 use super::sampled::Sampled;
-
-/// Relative half-width of a 95 % interval up to which a sum of squares of exponentials is a parabola unseen.
-pub(super) const NARROW: f64 = 0.1;
-/// The same beyond which it never is.
-const WIDE: f64 = 0.5;
-/// Part by which the root of the rise at the end of an interval may differ from a parabola's: what a correction in
-/// one step leaves of it is its square.
-const BENT: f64 = 0.15;
-/// Eigenvalue of the scaled normal matrix below which a direction counts as lost.
-const LOST: f64 = 1e-13;
+use crate::policy::{BENT_PART, BRANCH_CLEAR, LOST_BELOW, NARROW_PART, WIDE_PART};
 
 /// Whether the covariance may tell the intervals: the branches are there without doubt and none lies at a limit.
 /// Where one branch is found and more are allowed, a second one may hide, which must be looked at.
@@ -27,7 +18,7 @@ pub(super) fn is_settled(electrical: &Electrical, bending: Option<&Bending>, bra
     let n = electrical.conductances_a_per_v.len();
     let bends = |bending: &Bending| {
         let error = bending.covariance.get(0, 0).max(0.0).sqrt();
-        bending.residuals.quantile * error <= NARROW * bending.coupling_per_c_cm.abs()
+        bending.residuals.quantile * error <= NARROW_PART * bending.coupling_per_c_cm.abs()
     };
     (n == branches || n >= 2)
         && !electrical.in_doubt
@@ -37,7 +28,7 @@ pub(super) fn is_settled(electrical: &Electrical, bending: Option<&Bending>, bra
 
 /// Whether every interval of a conductance or a time constant is so narrow that the covariance tells it.
 pub(super) fn is_narrow(electrical: &Electrical) -> bool {
-    widest(electrical) <= NARROW
+    widest(electrical) <= NARROW_PART
 }
 
 fn widest(electrical: &Electrical) -> f64 {
@@ -51,8 +42,8 @@ fn widest(electrical: &Electrical) -> f64 {
 pub(super) fn ends(drive: &Drive, sampled: &Sampled, electrical: &Electrical) -> Option<Vec<Ends>> {
     // A branch that was only just taken is coloured by having been taken.
     let clear =
-        electrical.conductances_a_per_v.len() < 2 || electrical.gain.is_some_and(|gain| gain >= CLEAR);
-    if widest(electrical) > WIDE || !clear || electrical.steady_a_per_v <= 0.0 {
+        electrical.conductances_a_per_v.len() < 2 || electrical.gain.is_some_and(|gain| gain >= BRANCH_CLEAR);
+    if widest(electrical) > WIDE_PART || !clear || electrical.steady_a_per_v <= 0.0 {
         return None;
     }
     Bowl::of(drive, sampled, electrical)?.ends(electrical)
@@ -88,7 +79,7 @@ impl<'a> Bowl<'a> {
             bottom,
         };
         bowl.there = bowl.local(&bowl.bottom);
-        bowl.inverse = bowl.there.normal.floored_inverse(LOST);
+        bowl.inverse = bowl.there.normal.floored_inverse(LOST_BELOW);
         Some(bowl)
     }
 
@@ -139,7 +130,7 @@ impl<'a> Bowl<'a> {
             };
             let error = electrical.covariance.form(&gradient, &gradient).max(0.0).sqrt();
             let half = electrical.residuals.quantile * error;
-            if half > NARROW {
+            if half > NARROW_PART {
                 found.push(Ends {
                     feature,
                     low: self.stretch(&gradient, -half)?,
@@ -182,7 +173,7 @@ impl<'a> Bowl<'a> {
     /// parameter of that gradient held is looked at, and the root of its rise goes with the distance.
     ///
     /// The place looked at is where the parabola has its least; one further step along the constraint finds the
-    /// least of the true sum. None where the sum bends by more than [`BENT`].
+    /// least of the true sum. None where the sum bends by more than [`BENT_PART`].
     fn stretch(&self, gradient: &[f64; CAPACITY], by: f64) -> Option<f64> {
         let order = self.bottom.len();
         let along = self.inverse.times(gradient);
@@ -195,11 +186,11 @@ impl<'a> Bowl<'a> {
             return None;
         }
         let there = self.local(&at);
-        let inverse = there.normal.floored_inverse(LOST);
+        let inverse = there.normal.floored_inverse(LOST_BELOW);
         let (down, across) = (inverse.times(&there.descent), inverse.times(gradient));
         let held = inner(gradient, &down).powi(2) / inner(gradient, &across);
         let least = there.square - (inner(&there.descent, &down) - held);
         let ratio = ((least - self.there.square).max(0.0) * spread / (by * by)).sqrt();
-        ((ratio - 1.0).abs() <= BENT).then(|| ratio.recip())
+        ((ratio - 1.0).abs() <= BENT_PART).then(|| ratio.recip())
     }
 }

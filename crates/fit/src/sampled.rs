@@ -1,5 +1,6 @@
 //! Readings of one channel, sorted by drive segment and cut into blocks for fast evaluation.
 
+use crate::policy::{FEWEST_AT_REST, OFF_ZERO_SIGMAS};
 use std::sync::Arc;
 
 use ieap_domain::{Channel, Drive, Level};
@@ -45,8 +46,6 @@ pub(super) struct Sampled {
     pub(super) course: Option<Arc<Drive>>,
 }
 
-/// The mean before the step is off zero where it is this many standard errors from zero.
-const OFFSET_EVIDENCE: f64 = 4.0;
 /// Readings at or beyond this size are none: their squares would not be numbers.
 const LARGEST: f64 = 1e100;
 /// A stretch that is compressed at once ends at this multiple of the elapsed time at which it begins.
@@ -238,7 +237,7 @@ impl Sampled {
     /// Whether the mean before the step differs from zero beyond its own error.
     pub(super) fn rests_off_zero(&self) -> bool {
         let before = &self.values[..self.before_step()];
-        if before.len() < 4 {
+        if before.len() < FEWEST_AT_REST {
             return false;
         }
         let count = before.len() as f64;
@@ -252,7 +251,7 @@ impl Sampled {
         }
         let noise = Autoregression::from_sums(square, product, count, 1.0);
         let variance = noise.long_run_variance().max(noise.variance) / count;
-        mean.abs() > OFFSET_EVIDENCE * variance.sqrt() && mean != 0.0
+        mean.abs() > OFF_ZERO_SIGMAS * variance.sqrt() && mean != 0.0
     }
 
     /// Shortest mean spacing of three readings in a row, and longest time since a segment's start, s.

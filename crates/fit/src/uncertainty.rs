@@ -9,12 +9,7 @@ use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::sampled::Sampled;
-
-/// Eigenvalue of the scaled normal matrix below which a direction counts as lost.
-const LOST: f64 = 1e-13;
-/// A bending response must lower the sum of squares by this many long-run variances: chance does so in about
-/// one of 500 runs.
-const BENDING_EVIDENCE: f64 = 12.0;
+use crate::policy::{BENDING_EVIDENCE, LOST_BELOW};
 
 /// Residuals of one response with what they say of the noise.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,8 +190,8 @@ impl CovarianceSums {
     /// at rounding is taken, so that its variance is huge and combinations that do not need it stay small.
     pub(super) fn covariance(&self, residuals: &Residuals) -> Symmetric {
         let n = self.gram.matrix.order();
-        let inverse = self.gram.matrix.floored_inverse(LOST);
-        let lost = (0..n).any(|k| inverse.get(k, k) * self.gram.matrix.get(k, k) > 0.01 / LOST);
+        let inverse = self.gram.matrix.floored_inverse(LOST_BELOW);
+        let lost = (0..n).any(|k| inverse.get(k, k) * self.gram.matrix.get(k, k) > 0.01 / LOST_BELOW);
         let variance = residuals.noise.variance * residuals.excess;
         if lost {
             let memory = residuals.long_run_ratio();
@@ -317,7 +312,7 @@ mod tests {
                 .map(|(s, t)| jacobian(a, s) * correlation(s.abs_diff(t)) * jacobian(b, t))
                 .sum()
         });
-        let expected = sums.gram.matrix.floored_inverse(LOST).sandwich(&direct);
+        let expected = sums.gram.matrix.floored_inverse(LOST_BELOW).sandwich(&direct);
         let found = sums.covariance(&residuals);
         for (a, b) in [(0, 0), (1, 0), (1, 1)] {
             let near = (found.get(a, b) - expected.get(a, b)).abs();

@@ -11,13 +11,7 @@ use super::joint::whitening::{Autocorrelation, Whitener, longest_s};
 use super::means::{self, Means};
 use super::noise_again::NoiseAgain;
 use super::sampled::{Sampled, Span};
-
-/// Readings behind each edge of the drive that say nothing of growth: what a model misses there looks like it.
-const AT_EDGE: usize = 1;
-/// Numbers that describe slow noise beside white: its length and its part.
-const SLOW_PARAMETERS: f64 = 2.0;
-/// Readings further apart than so many times their neighbours have a gap between them.
-const WITHOUT_GAP: f64 = 2.5;
+use crate::policy::{GAP_FACTOR, READINGS_AT_EDGE, SLOW_PARAMETERS};
 
 /// One channel of a run with its noise.
 #[derive(Debug, Clone)]
@@ -89,7 +83,7 @@ fn is_near(time_s: &[f64], first: usize) -> bool {
     };
     let around = [gap(first.wrapping_sub(1)), gap(first + 1)];
     let usual = around.into_iter().flatten().fold(0.0, f64::max);
-    gap(first).is_some_and(|own| own <= WITHOUT_GAP * usual)
+    gap(first).is_some_and(|own| own <= GAP_FACTOR * usual)
 }
 
 impl WhitenedChannel {
@@ -289,8 +283,8 @@ impl WhitenedChannel {
     pub fn against_growth(&self, fitted: &[f64], per_signal: &[f64]) -> Vec<f64> {
         let mut level = self.response.sampled.clone();
         level.values = fitted.into();
-        let level = level.without_edges(AT_EDGE);
-        let left = self.left(fitted).without_edges(AT_EDGE);
+        let level = level.without_edges(READINGS_AT_EDGE);
+        let left = self.left(fitted).without_edges(READINGS_AT_EDGE);
         let scales: Vec<Vec<f64>> = std::iter::once(&0.0)
             .chain(per_signal)
             .map(|per| growing(&level.values, &level.spread(), *per))

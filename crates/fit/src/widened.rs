@@ -4,10 +4,8 @@ use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Drive, Estimate, Fit, Issue, Parameter};
 
 use crate::interval_rule::is_narrow_enough;
+use crate::policy::WIDENED_FROM_PART;
 use crate::settled_edges::Settled;
-
-/// An interval that grows by less than this part of itself stays as it is, and nothing is said.
-const WORTH: f64 = 0.02;
 
 const TOO_WIDE: &str = "the edges of the voltage lie between readings, and where they lie moves it by more than its size: read \
                         faster, or state the drive";
@@ -65,7 +63,7 @@ fn wider(estimate: &mut Estimate, relative: f64) -> bool {
         }
     };
     let [down, up] = [low, high].map(|end| half(end).hypot(added));
-    if down.max(up) <= (1.0 + WORTH) * half(low).max(half(high)) {
+    if down.max(up) <= (1.0 + WIDENED_FROM_PART) * half(low).max(half(high)) {
         return false;
     }
     if !is_narrow_enough(down.max(up)) {

@@ -5,14 +5,13 @@
 //! of bending lags the voltage by what the strip itself needs, which is what a fit is to find out.
 
 mod onset;
+mod policy;
 
+use crate::clocks::policy::{OFF_BY_HEADER_S, OFF_SIGMAS};
 use crate::drive;
 use ieap_domain::{
     Channel, ClockOffset, Issue, OffsetSource, Quantity, RunOrigin, Segment, StartedAt, Timestamp,
 };
-
-/// An offset is taken to differ from the one in use by more than this many standard errors.
-const CLEAR: f64 = 3.0;
 
 /// What one file of a run gives.
 #[derive(Debug, Clone, Copy)]
@@ -67,8 +66,8 @@ pub fn remarks(origin: &RunOrigin, stated_s: Option<f64>) -> Vec<Issue> {
         };
         let apart = (offset_s - in_use).abs();
         let clear = match (offset.source, offset.standard_error_s) {
-            (OffsetSource::Estimated, Some(error)) => apart > CLEAR * error,
-            (OffsetSource::Header, _) => apart > 1.0,
+            (OffsetSource::Estimated, Some(error)) => apart > OFF_SIGMAS * error,
+            (OffsetSource::Header, _) => apart > OFF_BY_HEADER_S,
             _ => false,
         };
         if clear {

@@ -1,6 +1,9 @@
 //! Finds the piecewise-constant drive of a run in its voltage channel, or takes it from the voltage tag. A voltage that moves
 //! all the time becomes the staircase of its readings.
 
+use crate::drive::policy::{
+    FEW_LEVELS, HELD_READINGS, HELD_SHARE, MANY_STRETCHES, MOST_PULSES_SHARE, MOST_STEPS_SHARE,
+};
 use ieap_domain::range_of;
 use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
@@ -8,23 +11,11 @@ use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
 pub const VERSION: u32 = 9;
 
-/// More steps than this share of the readings is a sweep, not a piecewise-constant drive: between few levels ...
-const MOST_PULSES_SHARE: f64 = 0.34;
-/// ... as a pulse train has them, or between many.
-const MOST_STEPS_SHARE: f64 = 0.05;
-/// Readings at one level from which on it is held.
-const HELD_READINGS: usize = 3;
-/// Share of the readings of a train of pulses that lie in such levels: three of four where every edge is met by a reading.
-const HELD_SHARE: f64 = 0.7;
-/// Stretches from which on it matters whether most readings lie in such levels: fewer are a step with its edge.
-const MANY_STRETCHES: usize = 20;
-/// Levels that are few: pulses go between two or three, a sweep passes all it can.
-const FEW_LEVELS: usize = 10;
-
 mod found;
 mod held_current;
 pub mod jumps;
 mod moving;
+mod policy;
 mod start;
 mod stated;
 mod step;

@@ -7,7 +7,9 @@
 mod alike;
 mod digits;
 mod marks;
+mod policy;
 
+use crate::same_readings::policy::{ANCHOR_READINGS, FEWEST_TELLING, MOST_PLACES};
 use ieap_domain::Channel;
 
 pub use alike::Alike;
@@ -15,14 +17,6 @@ pub use marks::{VERSION, marks};
 
 use digits::Digits;
 use marks::responses;
-
-/// Readings that must step by more than the printed digits: a record that rests, or is printed with two digits, is like
-/// many others.
-const TELLING: usize = 8;
-/// Readings of a part by which its place in the whole is found.
-const ANCHOR: usize = 3;
-/// Places that are tried.
-const PLACES: usize = 16;
 
 /// The responses of a record, made ready to be held against those of others.
 #[derive(Debug)]
@@ -110,18 +104,18 @@ fn tells(channel: &Channel, digits: Digits) -> bool {
     let steps = channel.values.windows(2);
     steps
         .filter(|pair| !digits.are_equal(pair[0], pair[1]))
-        .take(TELLING)
+        .take(FEWEST_TELLING)
         .count()
-        == TELLING
+        == FEWEST_TELLING
 }
 
 /// Times by which the part may be later than the whole, s: from where the whole begins as the part does.
 fn shifts(part: &Channel, whole: &Channel, digits: Digits) -> Vec<f64> {
     // Readings at rest are like each other; the first that steps is a place to look for.
-    let first = (0..part.len().saturating_sub(ANCHOR))
+    let first = (0..part.len().saturating_sub(ANCHOR_READINGS))
         .find(|&at| !digits.are_equal(part.values[at], part.values[at + 1]))
         .unwrap_or(0);
-    let anchor = &part.values[first..(first + ANCHOR).min(part.len())];
+    let anchor = &part.values[first..(first + ANCHOR_READINGS).min(part.len())];
     let windows = whole.values.windows(anchor.len().max(1)).enumerate();
     windows
         .filter(|(_, window)| {
@@ -131,7 +125,7 @@ fn shifts(part: &Channel, whole: &Channel, digits: Digits) -> Vec<f64> {
                 .all(|(&one, &other)| digits.are_equal(one, other))
         })
         .map(|(place, _)| part.time_s[first] - whole.time_s[place])
-        .take(PLACES)
+        .take(MOST_PLACES)
         .collect()
 }
 

@@ -56,16 +56,16 @@ pub struct HigherOrder {
     pub share: f64,
 }
 
-/// Residuals from which higher orders are looked at.
-const ENOUGH_FOR_ORDER: usize = 300;
-/// Twice the gain in log likelihood that each further order must bring, beside BIC.
-const ORDER_EVIDENCE: f64 = 6.0;
+/// Residuals from which higher orders are looked at. Chosen.
+pub const FEWEST_FOR_ORDER: usize = 300;
+/// Twice the gain in log likelihood that a further order, or another property of the noise, must bring, beside BIC: 20 to 1. Chosen.
+pub const NOISE_EVIDENCE: f64 = 6.0;
 
 impl HigherOrder {
     /// The order that BIC takes for `residuals`, which a fit of `parameters` smooth terms left; none where `first`
     /// is enough.
     pub fn of(residuals: &[f64], parameters: f64, first: &Autoregression) -> Option<HigherOrder> {
-        if residuals.len() < ENOUGH_FOR_ORDER {
+        if residuals.len() < FEWEST_FOR_ORDER {
             return None;
         }
         let n = residuals.len() as f64;
@@ -75,7 +75,7 @@ impl HigherOrder {
         let variance = lag(0) / (1.0 - removed);
         let lags: [f64; 4] = std::array::from_fn(|k| lag(k) + removed * variance);
         let (_, of_first) = yule_walker(&lags[..2])?;
-        let penalty = n.ln().max(ORDER_EVIDENCE);
+        let penalty = n.ln().max(NOISE_EVIDENCE);
         let (mut best, mut chosen) = (0.0, None);
         for order in 2..=3 {
             let Some((coefficients, share)) = yule_walker(&lags[..=order]) else {

@@ -14,6 +14,7 @@ use ieap_numerics::interrupt;
 use ieap_numerics::sums::dot;
 
 use crate::cause::candidates::{CandidateFit, fit_candidates};
+use crate::cause::policy::ABSORBED_SQUARE;
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::tangent::Tangent;
@@ -23,8 +24,6 @@ use crate::misfit::signature::Direction;
 use crate::readings::group::RunGroup;
 use crate::readings::tags::{Tag, tags};
 
-/// Share of a question's square that a refit must leave, as for every other effect.
-const ABSORBED: f64 = 1e-6;
 /// Deals that explain as much to within rounding count.
 const ROUNDING: f64 = 1e-9;
 /// Set apart from other uses of the same seed.
@@ -170,7 +169,7 @@ impl Form {
             .sum();
         let absorbed: f64 = self.absorbed.iter().map(|parts| dot(at, parts).powi(2)).sum();
         let left = whole - absorbed;
-        if left > ABSORBED * whole {
+        if left > ABSORBED_SQUARE * whole {
             dot(at, &self.with_residuals).powi(2) / left
         } else {
             0.0

@@ -3,32 +3,13 @@
 use rayon::prelude::*;
 
 use crate::cause::extended_start::ExtendedStart;
+use crate::cause::policy::{
+    AS_GOOD, AS_GOOD_PART, CONTENDING_WITHIN_PART, FEWEST_FITTED, MOST_FITTED, PRICE, PROMISING_PART,
+    PROMISING_WITHIN, STARTS,
+};
 use crate::fitting::fitted::Fitted;
 use crate::misfit::signature::{Direction, Signature};
 use ieap_numerics::sums::dot;
-
-/// Candidates that are fitted in full: those within this part of the best forecast ...
-const PROMISING: f64 = 0.4;
-/// ... or this near to it, ...
-const NEAR: f64 = 25.0;
-/// ... at least and at most so many.
-const FEWEST: usize = 5;
-const MOST: usize = 10;
-/// Candidates whose quick fit comes within this part of the best one's are fitted to the end.
-const CONTENDS: f64 = 0.5;
-/// Starts of every candidate: its best probes.
-const STARTS: usize = 4;
-/// Evidence that a strength must bring, in units of the sum of squares; where forms are compared, or several effects with
-/// several, every parameter.
-pub(crate) const PRICE: f64 = 3.0;
-
-/// A candidate is taken where the Bayes information criterion asks for it this strongly, beside [`crate::levels::TAKEN`].
-pub(crate) const BAYES: f64 = 10.0;
-
-/// Candidates this close to the best explain the readings as well: a likelihood ratio of 20 to 1 ...
-pub(crate) const AS_GOOD: f64 = 6.0;
-/// ... and, since no equation of an effect is exact, this part of what the effect explains.
-pub(crate) const INEXACT: f64 = 0.003;
 
 /// A candidate with its forecast and, where it was fitted, the extended model.
 #[derive(Clone)]
@@ -122,8 +103,9 @@ pub(crate) fn fit_candidates<'g>(
         .first()
         .map_or(0.0, |(candidate, _)| candidate.forecast);
     let promising = |(rank, (candidate, _)): &(usize, &(CandidateFit, Vec<usize>))| {
-        let near = candidate.forecast >= PROMISING * best || candidate.forecast >= best - NEAR;
-        *rank < MOST && candidate.forecast > 0.0 && (near || *rank < FEWEST)
+        let near =
+            candidate.forecast >= PROMISING_PART * best || candidate.forecast >= best - PROMISING_WITHIN;
+        *rank < MOST_FITTED && candidate.forecast > 0.0 && (near || *rank < FEWEST_FITTED)
     };
     let count = candidates.iter().enumerate().take_while(promising).count();
     // A law without free strength can do more than its forecast, which is for a strength that could be chosen.
@@ -154,7 +136,7 @@ pub(crate) fn fit_candidates<'g>(
         .map(CandidateFit::score)
         .fold(0.0, f64::max);
     candidates[..count].par_iter_mut().for_each(|candidate| {
-        if candidate.promise() > (1.0 - CONTENDS) * best - NEAR {
+        if candidate.promise() > (1.0 - CONTENDING_WITHIN_PART) * best - PROMISING_WITHIN {
             converge(candidate, current);
         }
     });
@@ -201,7 +183,7 @@ fn simplest_first(candidates: &mut [CandidateFit]) {
 /// Score beyond which a candidate explains the readings as well as the best.
 pub(crate) fn least_score(candidates: &[CandidateFit]) -> Option<f64> {
     let best = candidates.iter().max_by(|a, b| a.score().total_cmp(&b.score()))?;
-    Some(best.score() - AS_GOOD - INEXACT * best.gain)
+    Some(best.score() - AS_GOOD - AS_GOOD_PART * best.gain)
 }
 
 /// Candidates that explain the readings as well as the best one, the one taken first.

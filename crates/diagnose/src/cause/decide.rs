@@ -16,7 +16,7 @@ use ieap_domain::{CauseNode, Hypothesis, HypothesisKind, Verdict};
 use ieap_model::effects::{Site, effect, mechanism_of};
 
 use crate::cause::evidence::{LARGEST_SET, SURE};
-use crate::levels::WRONG;
+use crate::levels::WRONG_BELOW;
 
 /// How the id of a parameter that differs begins in a set.
 const VARIES: &str = "varies:";
@@ -103,7 +103,7 @@ pub(crate) fn decide(facts: &Facts) -> Decision {
 /// What is said of one cause that is sure, by the chance of what it leaves.
 pub(crate) fn of_one(p_leftover: Option<f64>) -> Verdict {
     match p_leftover {
-        Some(p) if p < WRONG => Verdict::Partial,
+        Some(p) if p < WRONG_BELOW => Verdict::Partial,
         _ => Verdict::Named,
     }
 }

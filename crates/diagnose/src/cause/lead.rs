@@ -7,20 +7,13 @@ use ieap_domain::Hypothesis;
 
 use crate::cause::candidates::CandidateFit;
 use crate::cause::evidence::{Standing, Weighed};
+use crate::cause::policy::{BETTER_PARTS, FOUND_AGAIN_PART, MOST_ASKED, NAMELESS_BEATS_BY};
 use crate::cause::proof::discrepancy;
 use crate::cause::proof::held_out::{self, Part};
 use crate::cause::select::Selection;
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::levels::WRONG;
-
-/// Explanations whose rest is asked about at most: what it takes is a null distribution each.
-const ASKED: usize = 4;
-/// A name is withheld where a discrepancy without one lowers the held-out sum of squares by so much more.
-pub(crate) const BEATEN: f64 = 10.0;
-/// Part of the gain that must be found on held-out readings, or part of the parts that must come out better.
-const FOUND_AGAIN: f64 = 0.25;
-const MOST_PARTS: f64 = 0.8;
+use crate::levels::WRONG_BELOW;
 
 /// The explanation that leads.
 pub(crate) struct Lead<'g> {
@@ -32,7 +25,7 @@ pub(crate) struct Lead<'g> {
 
 impl Lead<'_> {
     pub(crate) fn is_adequate(&self) -> bool {
-        self.p_leftover >= WRONG
+        self.p_leftover >= WRONG_BELOW
     }
 
     /// Ids of its effects.
@@ -66,8 +59,8 @@ impl HeldOut {
         let total: f64 = falls.iter().sum();
         let nameless: f64 = self.nameless.iter().sum();
         let better = falls.iter().filter(|fall| **fall > 0.0).count() as f64;
-        let is_most = total > 0.0 && better >= MOST_PARTS * falls.len() as f64;
-        nameless <= total + BEATEN && (total > FOUND_AGAIN * gain || is_most)
+        let is_most = total > 0.0 && better >= BETTER_PARTS * falls.len() as f64;
+        nameless <= total + NAMELESS_BEATS_BY && (total > FOUND_AGAIN_PART * gain || is_most)
     }
 }
 
@@ -87,11 +80,11 @@ impl<'g> SelectionInput<'_, 'g> {
         };
         let mut first: Option<(&Fitted<'g>, f64)> = None;
         let mut found = None;
-        for _ in 0..ASKED {
+        for _ in 0..MOST_ASKED {
             let Some(lead) = weighed.lead(standing) else { break };
             let p = self.p_of(lead);
             first.get_or_insert((lead, p));
-            if p >= WRONG {
+            if p >= WRONG_BELOW {
                 found = Some((lead, p));
                 break;
             }

@@ -12,6 +12,7 @@ pub(crate) mod evidence;
 pub(crate) mod extended_start;
 pub(crate) mod lead;
 pub(crate) mod multistart;
+pub(crate) mod policy;
 pub(crate) mod proof;
 pub(crate) mod remainder;
 pub(crate) mod select;

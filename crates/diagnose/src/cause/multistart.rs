@@ -8,21 +8,14 @@
 
 use ieap_model::{Branch, LumpedModel};
 
-use crate::cause::candidates::{AS_GOOD, CandidateFit, by_score, fit_candidates, rivals};
+use crate::cause::candidates::{CandidateFit, by_score, fit_candidates, rivals};
+use crate::cause::policy::{AS_GOOD, MOST_PLACES, PLACE_ROUNDS, PLACES_APART_LOG, PLACES_FROM_PART};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::ExtendedProblem;
 use crate::fitting::scale::scale;
 use crate::levels::TAKEN;
 use crate::misfit::signature::{directions, signatures};
-
-/// Places are those of causes that explain this part of what the best one does, ...
-const CONTENDS: f64 = 0.8;
-/// ... farther apart than this in the logarithm of a parameter, ...
-const APART: f64 = 0.2;
-/// ... at most so many at a time: what is found from them may lead to others.
-const MOST: usize = 5;
-const ROUNDS: usize = 2;
 
 impl<'g> SelectionInput<'_, 'g> {
     /// Whether causes are searched elsewhere: where drives have one shape; of one run of several only where one cause alone
@@ -66,10 +59,12 @@ impl<'g> SelectionInput<'_, 'g> {
     fn multistart(&self, candidates: &mut [CandidateFit<'g>]) -> bool {
         let mut seen = vec![self.base.base()];
         let mut is_other = false;
-        for _ in 0..ROUNDS {
+        for _ in 0..PLACE_ROUNDS {
             let first = seen.len();
             for place in self.contending(candidates) {
-                if seen.len() < first + MOST && seen.iter().all(|other| apart(other, &place) > APART) {
+                if seen.len() < first + MOST_PLACES
+                    && seen.iter().all(|other| apart(other, &place) > PLACES_APART_LOG)
+                {
                     seen.push(place);
                 }
             }
@@ -89,7 +84,7 @@ impl<'g> SelectionInput<'_, 'g> {
     /// Base parameters beside the causes that explain nearly as much as the best, those of the best first.
     fn contending(&self, candidates: &[CandidateFit<'g>]) -> Vec<LumpedModel> {
         let best = candidates.iter().map(CandidateFit::score).fold(0.0, f64::max);
-        let contends = |own: &&CandidateFit| own.fitted.is_some() && own.score() > CONTENDS * best;
+        let contends = |own: &&CandidateFit| own.fitted.is_some() && own.score() > PLACES_FROM_PART * best;
         let mut ranked: Vec<&CandidateFit> = candidates.iter().filter(contends).collect();
         ranked.sort_by(|a, b| b.score().total_cmp(&a.score()));
         let fitted = ranked.iter().filter_map(|own| own.fitted.as_ref());
@@ -133,7 +128,7 @@ impl<'g> SelectionInput<'_, 'g> {
             };
             least = least.min(fitted.square);
             let before = own.fitted.as_ref().map_or(without, in_largest);
-            let contends = without - fitted.square > CONTENDS * (without - least);
+            let contends = without - fitted.square > PLACES_FROM_PART * (without - least);
             if !contends || fitted.square + self.due(&fitted) > before {
                 continue;
             }

@@ -1,19 +1,14 @@
 //! Which effects the readings ask for: forward, at most three, then backward.
 
 use crate::cause::between::p_of;
-use crate::cause::candidates::{BAYES, CandidateFit, PRICE};
+use crate::cause::candidates::CandidateFit;
+use crate::cause::policy::{EXCHANGED, MOST_EFFECTS, PRICE, TAKEN_BY_CRITERION};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::ExtendedProblem;
 use crate::levels::TAKEN;
 use crate::misfit::null::Null;
 use crate::misfit::signature::Direction;
-
-/// Effects that are taken at most.
-const MOST_EFFECTS: usize = 3;
-/// An effect takes another one's place where the sum of squares falls by so much more than for parameters it adds: twice
-/// what two causes that explain as well may differ by.
-const EXCHANGED: f64 = 12.0;
 
 /// One step forward.
 pub(crate) struct SelectionStep<'g> {
@@ -88,7 +83,7 @@ impl<'g> SelectionInput<'_, 'g> {
         };
         let readings = self.group.effective_readings().max(2.0);
         let price = (fitted.extra() - model.extra()) as f64 * readings.ln();
-        null.p_of_gain(best.gain) < TAKEN && best.gain - price > BAYES
+        null.p_of_gain(best.gain) < TAKEN && best.gain - price > TAKEN_BY_CRITERION
     }
 
     /// What came first was chosen before the others were known: each effect is left out in turn, and where another one
@@ -164,7 +159,7 @@ impl<'g> SelectionInput<'_, 'g> {
         }
         let mut model = model;
         for drop in (0..count).rev() {
-            let price = PRICE + BAYES * model.problem.effects[drop].free() as f64;
+            let price = PRICE + TAKEN_BY_CRITERION * model.problem.effects[drop].free() as f64;
             let Some(without) = self.without(&model, drop) else {
                 continue;
             };

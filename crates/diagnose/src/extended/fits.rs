@@ -7,6 +7,7 @@ use ieap_numerics::student::quantile_95;
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::cause::candidates::added;
+use crate::extended::policy::{SHIFT_SIGMAS, WIDENED_FROM};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::FreeEffect;
 use crate::fitting::scale::scale;
@@ -14,9 +15,6 @@ use crate::fitting::without_outliers::with_base;
 use crate::misfit::signature::{directions, signatures_of};
 use crate::options::VERSION;
 use crate::readings::group::{RunGroup, RunInput};
-
-/// A shift of a base parameter by more standard errors than this is worth a sentence.
-const WORTH: f64 = 3.0;
 
 /// Fits the base model with the effects of `choice` to all runs at once.
 ///
@@ -202,7 +200,7 @@ fn issues(
             continue;
         };
         let errors = (after - was).abs() / (wider * standard_error);
-        if errors > WORTH && after != 0.0 && errors.is_finite() {
+        if errors > SHIFT_SIGMAS && after != 0.0 && errors.is_finite() {
             let percent = 100.0 * (was - after).abs() / after.abs();
             let percent = match percent {
                 p if p < 10.0 => format!("{p:.1}"),
@@ -218,7 +216,7 @@ fn issues(
             ));
         }
     }
-    if wider > 1.2 {
+    if wider > WIDENED_FROM {
         issues.push(Issue::warning(
             "misfit-left",
             format!("the extended model leaves {wider:.1} times the noise; intervals are widened by it"),

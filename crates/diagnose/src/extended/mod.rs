@@ -7,3 +7,4 @@
 pub(crate) mod fits;
 pub(crate) mod from_others;
 pub(crate) mod leftover;
+mod policy;

@@ -5,6 +5,7 @@ use ieap_fit::{FitOptions, fit_run, least_squares_place};
 use ieap_model::{Branch, FitModel, LumpedModel};
 
 use crate::fitting::fitted::Fitted;
+use crate::fitting::policy::HIDDEN_BRANCHES;
 use crate::fitting::problem::ExtendedProblem;
 use crate::readings::group::{GroupRun, RunGroup};
 
@@ -44,9 +45,6 @@ pub(crate) fn of_each_run(group: &RunGroup, model: &'static FitModel) -> Vec<Opt
     group.runs.iter().map(of_run).collect()
 }
 
-/// Factors of time and resistance by which a branch that a run does not show may lie beside the one that it shows.
-const BESIDE: [(f64, f64); 4] = [(10.0, 1.0), (10.0, 5.0), (0.1, 1.0), (0.1, 5.0)];
-
 /// Places from which to search where the voltage moves all the time: such a run alone often determines no branch.
 fn of_moving_runs(group: &RunGroup, model: &'static FitModel) -> Vec<LumpedModel> {
     let options = FitOptions {
@@ -77,7 +75,7 @@ fn with_branches(place: LumpedModel, branches: usize) -> Vec<LumpedModel> {
         }
         place
     };
-    BESIDE.into_iter().map(with).collect()
+    HIDDEN_BRANCHES.into_iter().map(with).collect()
 }
 
 /// The base fitted to the same readings with another noise, from where it was.

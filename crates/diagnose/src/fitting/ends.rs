@@ -4,12 +4,8 @@ use ieap_domain::quantiles::{CHI_SQUARE_95, NORMAL_95_ROUNDED};
 use ieap_domain::{Estimate, StrengthProfile};
 use ieap_model::effects::Limits;
 
+use crate::fitting::policy::{RISE_95, WIDEST_FACTOR};
 use crate::fitting::problem::FreeEffect;
-
-/// Rise at the ends of a 95 % interval: chi-square of one degree of freedom.
-pub(crate) const BOUNDS: f64 = CHI_SQUARE_95[0];
-/// Ends of an interval of a logarithmic parameter that are farther apart than this give no value, as with the covariance.
-const DECADES: f64 = 100.0;
 
 /// The estimate with an interval that ends no sooner than its profile does: the covariance knows nothing of a valley that
 /// bends.
@@ -43,7 +39,7 @@ pub(crate) fn told_by(
         crossing(&below, rise, logarithmic),
         crossing(&above, rise, logarithmic),
     ) {
-        (Some(low), Some(high)) if logarithmic && high > DECADES * low => Estimate {
+        (Some(low), Some(high)) if logarithmic && high > WIDEST_FACTOR * low => Estimate {
             low_95: Some(low),
             high_95: Some(high),
             ..estimate.clone()
@@ -96,7 +92,7 @@ fn sides(profile: &StrengthProfile, best: f64) -> (Points, Points) {
 /// not.
 fn end(points: &[(f64, f64)], best: f64) -> f64 {
     let last = || points.last().map_or(best, |(x, _)| *x);
-    crossing(points, BOUNDS, false).unwrap_or_else(last)
+    crossing(points, RISE_95, false).unwrap_or_else(last)
 }
 
 /// The same beyond the last point inside: a rise between two places that explain the readings as well ends nothing.

@@ -5,6 +5,7 @@ use ieap_model::LumpedModel;
 use ieap_numerics::least_squares::{Local, Minimum, Stop};
 use ieap_numerics::student::quantile_95;
 
+use crate::fitting::policy::WIDEST_HALF_LOG;
 use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 use crate::fitting::tangent::Tangent;
 use crate::readings::group::RunGroup;
@@ -277,7 +278,7 @@ fn freedom(group: &RunGroup) -> f64 {
 fn estimate(value: f64, sd: f64, quantile: f64, slope: f64, limits: Limits) -> Estimate {
     let half = quantile * sd;
     if limits.logarithmic {
-        if half > 2.3 {
+        if half > WIDEST_HALF_LOG {
             return Estimate::not_determined("the readings fit as well with values ten times apart");
         }
         return Estimate::determined(value, value * sd, value * (-half).exp(), value * half.exp());

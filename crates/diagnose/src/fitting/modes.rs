@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 
 use crate::fitting::fitted::Fitted;
+use crate::fitting::policy::RISE_OF_NO_INTERVAL;
 use crate::fitting::problem::ExtendedProblem;
 use crate::readings::group::RunGroup;
 use ieap_model::effects::Scale;
@@ -21,8 +22,6 @@ pub(crate) struct Mode {
 const SEARCH: u64 = 20;
 /// A search has settled where a step lowers the sum of squares by less.
 pub(crate) const SETTLE: f64 = 0.02;
-/// Rise beyond which no interval reaches.
-const BEYOND: f64 = 10.0;
 /// Strengths that each search may start from, in parts of the probe's.
 const PARTS: [f64; 9] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
 
@@ -53,7 +52,7 @@ fn from_probe(group: &RunGroup, fitted: &Fitted, number: usize, probe: &[f64]) -
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     let bottom = problem.search(&nearest.1, SEARCH, SETTLE, &[]);
     let rise = (bottom.local.square - fitted.square).max(0.0);
-    (rise < BEYOND).then(|| Mode {
+    (rise < RISE_OF_NO_INTERVAL).then(|| Mode {
         model: problem.model(&bottom.at),
         rise,
     })

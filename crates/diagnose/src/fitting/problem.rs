@@ -7,10 +7,8 @@ use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 use ieap_numerics::sums::dot;
 
+use crate::fitting::policy::REACH;
 use crate::readings::group::RunGroup;
-
-/// How far a resistance or capacitance may be from its start, as logarithm.
-const REACH: f64 = 7.0;
 
 /// An effect whose parameters are free.
 #[derive(Clone)]

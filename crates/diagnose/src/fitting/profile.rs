@@ -6,9 +6,10 @@ use ieap_domain::StrengthProfile;
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::least_squares::Stop;
 
-use crate::fitting::ends::{BOUNDS, together};
+use crate::fitting::ends::together;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::modes::{Mode, SETTLE, modes};
+use crate::fitting::policy::RISE_95;
 use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 use crate::fitting::scale::scale;
 use crate::readings::group::RunGroup;
@@ -141,7 +142,7 @@ impl Along<'_, '_> {
                 side,
                 sd: is_known.then_some(sd),
                 limit: limit - self.fitted.at[place],
-                bound: if is_known { BOUNDS } else { self.together() },
+                bound: if is_known { RISE_95 } else { self.together() },
             };
             points.extend(self.side(&toward, modes).iter().map(Point::shown));
         }
@@ -192,10 +193,10 @@ impl Along<'_, '_> {
             found.extend((!is_outside).then(|| self.expected(step)).flatten());
         }
         // A valley that bends, or goes on along a limit of another parameter, is followed from where it was left.
-        if let Some(last) = found.last().filter(|point| point.rise < BOUNDS) {
+        if let Some(last) = found.last().filter(|point| point.rise < RISE_95) {
             let farthest = toward.side * AT[AT.len() - 1] * sd;
             let steps: Vec<f64> = (1..=FURTHER).map(|n| farthest * FARTHER.powi(n)).collect();
-            let farther = self.outward(last.clone(), &steps, BOUNDS, SHORT);
+            let farther = self.outward(last.clone(), &steps, RISE_95, SHORT);
             found.extend(farther);
         }
         found

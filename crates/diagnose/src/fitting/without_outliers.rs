@@ -5,6 +5,7 @@ use ieap_model::FitModel;
 use crate::fitting::base_fit::{base_fit, refit, refit_from};
 use crate::fitting::edges;
 use crate::fitting::fitted::Fitted;
+use crate::fitting::policy::OUTLIER_ROUNDS;
 use crate::readings::group::RunGroup;
 use crate::readings::outliers;
 
@@ -35,9 +36,6 @@ fn on_edges<R>(group: &RunGroup, base: &Fitted, then: impl FnOnce(&RunGroup, &Fi
 /// What is made of a group and the base model fitted to it. In a box: rounds are nested, and a type of its own for
 /// each would have no end.
 type Then<'t, R> = Box<dyn FnOnce(&RunGroup, Fitted) -> R + 't>;
-
-/// Outliers disturb the fit beside which they are seen: it is made again without them, and looked at again.
-const OUTLIER_ROUNDS: usize = 3;
 
 /// Calls `then` as [`with_base`] does, from a first fit of the base model and without the readings that are far off it.
 fn without_outliers<R>(raw: &RunGroup, first: &Fitted, rounds: usize, then: Then<R>) -> Option<R> {

@@ -18,16 +18,13 @@ use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::tangent::Tangent;
 use crate::misfit::null::Null;
+use crate::misfit::policy::{
+    CALIBRATION_DRAWS, CALIBRATION_PRODUCTS, FEWEST_CALIBRATION_DRAWS, SMALL_IN_ANY_CASE,
+};
 use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature};
 use crate::readings::group::RunGroup;
 
-/// Draws, and the number of products of rows and candidates that they may cost before there are fewer.
-const DRAWS: usize = 100;
-const FEWEST: usize = 30;
-const PRODUCTS: f64 = 4e8;
-/// A p below this is small whatever a calibration says.
-const CLEAR: f64 = 1e-7;
 /// Part of the largest pivot below which a column of the tangent counts as one of the others: it is orthonormal but for
 /// how the noise differs.
 const SINGULAR: f64 = 1e-12;
@@ -59,7 +56,8 @@ impl Calibration {
     pub(crate) fn of(asked: &Asked) -> Calibration {
         let simulation = Simulation::new(asked);
         let products = asked.group.rows() as f64 * asked.directions.len().max(1) as f64;
-        let draws = ((PRODUCTS / products) as usize).clamp(FEWEST, DRAWS);
+        let draws =
+            ((CALIBRATION_PRODUCTS / products) as usize).clamp(FEWEST_CALIBRATION_DRAWS, CALIBRATION_DRAWS);
         let normal = Normal::standard();
         let scores: Vec<f64> = (0..draws as u64)
             .into_par_iter()
@@ -77,7 +75,7 @@ impl Calibration {
 
     /// Whether a p is so small that it need not be calibrated.
     pub(crate) fn is_needless(p: f64) -> bool {
-        p < CLEAR
+        p < SMALL_IN_ANY_CASE
     }
 
     /// The probability of so small a p where nothing is wrong: that a further score, of a normal distribution known from

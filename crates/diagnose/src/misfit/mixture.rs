@@ -4,10 +4,8 @@
 //! the one on the ratio of likelihoods sees most on average over what may be there (Neyman and Pearson's lemma, for the
 //! mean of the alternatives): here every effect is as likely as every other, and so is each of its forms.
 
+use crate::misfit::policy::SHRUNK;
 use crate::misfit::signature::Direction;
-
-/// Prior variance of a direction's length over one more than itself: lengths of about four standard deviations.
-const SHRUNK: f64 = 16.0 / 17.0;
 
 /// Share of every direction in the whole.
 pub(crate) struct Mixture {

@@ -9,6 +9,7 @@ pub(crate) mod misfit_size;
 pub(crate) mod mixture;
 pub(crate) mod null;
 pub(crate) mod odd_scale;
+pub(crate) mod policy;
 pub(crate) mod residual_bins;
 pub(crate) mod signature;
 pub(crate) mod visible;

@@ -12,21 +12,13 @@ use ieap_numerics::sums::dot;
 use crate::fitting::tangent::Tangent;
 use crate::misfit::calibration::Calibration;
 use crate::misfit::mixture::Mixture;
+use crate::misfit::policy::{LEAST_OF_BIN, NOISE_KNOWN_PART, RESOLVED_DRAWS, TAIL_PART, WEIGHTS};
 use crate::misfit::residual_bins::{Kind, ResidualBin};
 use crate::misfit::signature::Direction;
 use crate::readings::group::RunGroup;
 
-/// Part of the degrees of freedom of the noise's size that is believed: its memory was found from the same readings, and
-/// an error in it moves slow residuals more than the size alone says.
-const KNOWN: f64 = 0.5;
 /// A direction whose part beyond those before it is smaller than this is drawn with them.
 const DEPENDENT: f64 = 1e-3;
-/// Weights of the statistics in the smallest p: all candidates, the best of them, single bins, all of them, answers to
-/// edges, and lines.
-const WEIGHTS: [f64; 6] = [0.70, 0.05, 0.05, 0.10, 0.05, 0.05];
-
-/// Draws below an observed p from which their count gives its own.
-const RESOLVED: usize = 10;
 
 /// Statistics of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -110,7 +102,7 @@ impl Null {
             .map(|block| {
                 group
                     .channel(block)
-                    .map_or(1e6, |channel| KNOWN * channel.freedom())
+                    .map_or(1e6, |channel| NOISE_KNOWN_PART * channel.freedom())
             })
             .collect();
         let lines: usize = group
@@ -296,11 +288,11 @@ impl Null {
         let own = self.weighted_p(observed);
         let below = self.smallest_p.partition_point(|p| *p <= own);
         let all = self.smallest_p.len();
-        if below >= RESOLVED.min(all) {
+        if below >= RESOLVED_DRAWS.min(all) {
             return (1 + below) as f64 / (1 + all) as f64;
         }
-        let from = self.smallest_p[RESOLVED.min(all) - 1];
-        (1 + RESOLVED) as f64 / (1 + all) as f64 * (own / from).min(1.0)
+        let from = self.smallest_p[RESOLVED_DRAWS.min(all) - 1];
+        (1 + RESOLVED_DRAWS) as f64 / (1 + all) as f64 * (own / from).min(1.0)
     }
 
     fn weighted_p(&self, of: &Statistics) -> f64 {
@@ -321,13 +313,10 @@ struct Tail {
     mean_excess: f64,
 }
 
-/// Part of the draws from which the tail goes on.
-const TAIL: f64 = 0.05;
-
 impl Tail {
     fn of(mut draws: Vec<f64>) -> Tail {
         draws.sort_unstable_by(f64::total_cmp);
-        let first = draws.len() - (draws.len() as f64 * TAIL) as usize;
+        let first = draws.len() - (draws.len() as f64 * TAIL_PART) as usize;
         let from = draws.get(first.saturating_sub(1)).copied().unwrap_or(0.0);
         let excess: Vec<f64> = draws[first..].iter().map(|x| x - from).collect();
         let mean_excess = excess.iter().sum::<f64>() / excess.len().max(1) as f64;
@@ -340,7 +329,7 @@ impl Tail {
 
     fn p(&self, value: f64) -> f64 {
         if value > self.from {
-            return TAIL * (-(value - self.from) / self.mean_excess).exp();
+            return TAIL_PART * (-(value - self.from) / self.mean_excess).exp();
         }
         let above = self.sorted.len() - self.sorted.partition_point(|x| *x < value);
         (1 + above) as f64 / (1 + self.sorted.len()) as f64
@@ -404,7 +393,7 @@ fn unit_of(bin: &ResidualBin, rows: usize, tangent: &Tangent) -> Option<Vec<f64>
     }
     tangent.remove(&mut unit);
     let norm = dot(&unit, &unit).sqrt();
-    (norm > 0.05).then(|| {
+    (norm > LEAST_OF_BIN).then(|| {
         unit.iter_mut().for_each(|v| *v /= norm);
         unit
     })

@@ -7,22 +7,10 @@ use ieap_model::{FitModel, LumpedModel};
 use ieap_numerics::sums::dot;
 
 use crate::fitting::base_fit::of_each_run;
+use crate::misfit::policy::{
+    ALIKE_FACTOR, FEWEST_FOR_ODD, MOST_DECADES, OFF_LENGTHS_DECADES, OFF_PREFIXES_DECADES, SAME_SHAPE,
+};
 use crate::readings::group::{GroupRun, RunGroup};
-
-/// Runs agree whose readings are those that one of them predicts times a number within this factor of one (strips of the
-/// thesis conduct four times better at 2.5 V than at 1.2 V) ...
-const ALIKE: f64 = 6.0;
-/// ... and of that likeness of shape at least.
-const ALIKE_SHAPE: f64 = 0.8;
-/// A run is only judged where its readings vary as predicted that closely: a leak is flat where a strip that is charged
-/// is not.
-const SAME_SHAPE: f64 = 0.8;
-/// Departure from a power of ten, in decades, that is allowed for: for 10 and 100, and for prefixes of units, which are
-/// taken for each other most often and lie so far apart that runs at other voltages may differ beside it.
-const OFF_LENGTHS: f64 = 0.05;
-const OFF_PREFIXES: f64 = 0.3;
-/// Largest power of ten between units of the same quantity that are mistaken for each other, nA and A.
-const MOST_DECADES: f64 = 9.0;
 
 /// What is odd about a channel of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +30,7 @@ struct Likeness {
 
 impl Likeness {
     fn agrees(self) -> bool {
-        self.shape > ALIKE_SHAPE && self.factor < ALIKE && self.factor > 1.0 / ALIKE
+        self.shape > SAME_SHAPE && self.factor < ALIKE_FACTOR && self.factor > 1.0 / ALIKE_FACTOR
     }
 
     fn odd(self) -> Option<Odd> {
@@ -51,12 +39,13 @@ impl Likeness {
         }
         let decades = self.factor.abs().log10();
         let prefix = 3.0 * (decades / 3.0).round();
-        let (nearest, off) = if (decades - prefix).abs() < OFF_PREFIXES {
-            (prefix, OFF_PREFIXES)
+        let (nearest, off) = if (decades - prefix).abs() < OFF_PREFIXES_DECADES {
+            (prefix, OFF_PREFIXES_DECADES)
         } else {
-            (decades.round(), OFF_LENGTHS)
+            (decades.round(), OFF_LENGTHS_DECADES)
         };
-        let turned = self.factor < 0.0 && self.factor.abs() < ALIKE && self.factor.abs() > 1.0 / ALIKE;
+        let turned =
+            self.factor < 0.0 && self.factor.abs() < ALIKE_FACTOR && self.factor.abs() > 1.0 / ALIKE_FACTOR;
         let scaled = (1.0..=MOST_DECADES).contains(&nearest.abs()) && (decades - nearest).abs() < off;
         match (turned, scaled && self.factor > 0.0) {
             (true, _) => Some(Odd::Turned),
@@ -69,7 +58,7 @@ impl Likeness {
 /// The runs whose readings are scaled or turned, where more runs agree without that. What a person said is right is not among
 /// them.
 pub(crate) fn odd_runs(group: &RunGroup, model: &'static FitModel) -> Vec<CondemnedRun> {
-    if group.runs.len() < 3 {
+    if group.runs.len() < FEWEST_FOR_ODD {
         return Vec::new();
     }
     let bases: Vec<LumpedModel> = of_each_run(group, model).into_iter().flatten().collect();

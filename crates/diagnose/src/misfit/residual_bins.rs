@@ -4,18 +4,10 @@ use ieap_domain::{Drive, Level, range_of};
 use ieap_numerics::sums::dot;
 
 use crate::fitting::fitted::Fitted;
+use crate::misfit::policy::{
+    BINS_BY_CLOCK, BINS_BY_PHASE, FEWEST_EDGES, FEWEST_OF_BIN, MOST_EDGE_RESPONSES, SAME_LEVEL_V,
+};
 use crate::readings::group::{Block, RunGroup};
-
-/// Bins of the clock per run, and of the time since an edge per level of the drive.
-const BY_CLOCK: usize = 8;
-const BY_PHASE: usize = 4;
-/// Readings that a bin needs.
-const FEWEST: usize = 4;
-
-/// A run with so many edges of its drive is asked whether it answers all of them alike; ...
-const EDGES: usize = 4;
-/// ... neighbours are taken together where there are more than this.
-const MOST_EDGE_RESPONSES: usize = 32;
 
 /// Which rows belong together.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +66,7 @@ pub(crate) fn residual_bins(group: &RunGroup, base: &Fitted) -> Vec<ResidualBin>
 fn edge_responses(group: &RunGroup, place: usize, block: &Block, shape: &[f64]) -> Vec<ResidualBin> {
     let run = &group.runs[block.run];
     let segments = &run.drive().segments;
-    if segments.len() < EDGES {
+    if segments.len() < FEWEST_EDGES {
         return Vec::new();
     }
     let times = run.times(block.channel);
@@ -114,8 +106,8 @@ fn of_block(group: &RunGroup, place: usize, block: &Block, found: &mut Vec<Resid
     };
     let levels = levels(group, block);
     let courses = drive.moves().then(|| courses(drive));
-    let mut clock: Vec<Vec<usize>> = vec![Vec::new(); BY_CLOCK + 1];
-    let mut phase: Vec<Vec<usize>> = vec![Vec::new(); BY_PHASE * levels.len().max(1)];
+    let mut clock: Vec<Vec<usize>> = vec![Vec::new(); BINS_BY_CLOCK + 1];
+    let mut phase: Vec<Vec<usize>> = vec![Vec::new(); BINS_BY_PHASE * levels.len().max(1)];
     for (k, &t) in times.iter().enumerate() {
         let row = block.first + k;
         let Some(last) = drive
@@ -123,11 +115,11 @@ fn of_block(group: &RunGroup, place: usize, block: &Block, found: &mut Vec<Resid
             .partition_point(|segment| segment.start_s <= t)
             .checked_sub(1)
         else {
-            clock[BY_CLOCK].push(row);
+            clock[BINS_BY_CLOCK].push(row);
             continue;
         };
         let segment = &drive.segments[last];
-        clock[logarithmic(t - start_s, BY_CLOCK)].push(row);
+        clock[logarithmic(t - start_s, BINS_BY_CLOCK)].push(row);
         if let Some(courses) = &courses {
             phase[courses[last]].push(row);
             continue;
@@ -137,22 +129,22 @@ fn of_block(group: &RunGroup, place: usize, block: &Block, found: &mut Vec<Resid
             .position(|level| same(*level, segment.level))
             .unwrap_or(0);
         if levels.len() > 1 {
-            phase[level * BY_PHASE + logarithmic(t - segment.start_s, BY_PHASE)].push(row);
+            phase[level * BINS_BY_PHASE + logarithmic(t - segment.start_s, BINS_BY_PHASE)].push(row);
         }
     }
     let at = |row: usize| times[row - block.first] - start_s;
-    for rows in clock.into_iter().filter(|rows| rows.len() >= FEWEST) {
+    for rows in clock.into_iter().filter(|rows| rows.len() >= FEWEST_OF_BIN) {
         let kind = Kind::Clock(at(rows[0]), at(rows[rows.len() - 1]));
         found.push(ResidualBin::even(kind, place, rows));
     }
-    for rows in phase.into_iter().filter(|rows| rows.len() >= FEWEST) {
+    for rows in phase.into_iter().filter(|rows| rows.len() >= FEWEST_OF_BIN) {
         found.push(ResidualBin::even(Kind::Phase, place, rows));
     }
 }
 
 fn same(left: Level, right: Level) -> bool {
     match (left, right) {
-        (Level::Voltage(a), Level::Voltage(b)) => (a - b).abs() < 0.01,
+        (Level::Voltage(a), Level::Voltage(b)) => (a - b).abs() < SAME_LEVEL_V,
         (left, right) => left == right,
     }
 }

@@ -8,11 +8,9 @@ use ieap_numerics::sums::dot;
 
 use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 use crate::fitting::tangent::Tangent;
+use crate::misfit::policy::ABSORBED;
 use crate::readings::group::RunGroup;
 use crate::readings::tags::asked;
-
-/// An effect of which less than this part is left by a refit is said to be absorbed by it.
-const ABSORBED: f64 = 1e-3;
 
 /// Part of a probe's strength at which the signature is taken: what is left of its bend is below what a refit leaves.
 const SMALL: f64 = 0.1;

@@ -7,12 +7,9 @@ use ieap_domain::MisfitPercent;
 
 use crate::fitting::fitted::Fitted;
 use crate::misfit::misfit_size::range;
+use crate::misfit::policy::SEEN_SIGMAS;
 use crate::misfit::residual_bins::{Kind, ResidualBin};
 use crate::readings::group::RunGroup;
-
-/// Size of a misfit, in standard deviations of the noise after the refit, that is seen in 95 of 100 groups whose error is smooth
-/// in the logarithm of time. `cargo run --release --example hide_and_seek -- visible 100` counts it.
-const SEEN: f64 = 14.0;
 
 /// An error of that size at every reading, with a random sign in each bin of the clock, would have been seen: of the current
 /// alone, and of the curvature alone.
@@ -40,7 +37,7 @@ pub(crate) fn visible_percent(group: &RunGroup, base: &Fitted, bins: &[ResidualB
     };
     let percent = |channel: usize| {
         let range = largest(channel);
-        (squares[channel] > 0.0 && range > 0.0).then(|| 100.0 * SEEN / squares[channel].sqrt() / range)
+        (squares[channel] > 0.0 && range > 0.0).then(|| 100.0 * SEEN_SIGMAS / squares[channel].sqrt() / range)
     };
     MisfitPercent {
         current: percent(0),

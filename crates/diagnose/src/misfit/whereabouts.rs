@@ -5,11 +5,9 @@ use ieap_domain::words::in_a_row;
 use ieap_domain::{MisfitStretch, Whereabouts};
 
 use crate::misfit::null::Null;
+use crate::misfit::policy::WRONG_BIN_SIGMAS;
 use crate::misfit::residual_bins::{Kind, ResidualBin};
 use crate::readings::group::{RunGroup, channel_name};
-
-/// A bin is said to be wrong where its mean is this many standard errors off.
-const WRONG: f64 = 4.0;
 
 /// Bins in which `residuals` are off, with a sentence on the worst of them.
 pub(crate) fn whereabouts(
@@ -21,7 +19,7 @@ pub(crate) fn whereabouts(
     let scores = null.bin_scores(residuals);
     let mut segments: Vec<MisfitStretch> = Vec::new();
     for (bin, &sigma) in bins.iter().zip(&scores) {
-        let (Kind::Clock(from_s, to_s), true) = (bin.kind, sigma.abs() >= WRONG) else {
+        let (Kind::Clock(from_s, to_s), true) = (bin.kind, sigma.abs() >= WRONG_BIN_SIGMAS) else {
             continue;
         };
         let block = &group.blocks[bin.block];
@@ -59,7 +57,7 @@ fn unequal_edge_responses(group: &RunGroup, bins: &[ResidualBin], scores: &[f64]
     let most = (0..group.blocks.len()).filter_map(of_block);
     let (_, place, own) = most
         .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(excess, ..)| *excess > WRONG)?;
+        .filter(|(excess, ..)| *excess > WRONG_BIN_SIGMAS)?;
     let largest = own.iter().fold(0.0_f64, |most, z| most.max(z.abs()));
     let block = &group.blocks[place];
     let run = &group.runs[block.run].given;

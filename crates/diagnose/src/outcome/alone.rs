@@ -8,14 +8,12 @@ use ieap_domain::RunAlone;
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
-use crate::levels::{RIGHT, WRONG};
+use crate::levels::{RIGHT_FROM, WRONG_BELOW};
 use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
 use crate::options::DiagnoseOptions;
+use crate::outcome::policy::NEARLY_ALL_RUNS;
 use crate::readings::group::{RunGroup, RunInput};
-
-/// Part of the runs that must be described alone before it is worth a remark.
-const NEARLY_ALL: f64 = 0.75;
 
 /// The misfit of every run beside the base fitted to it alone.
 pub(crate) fn alone(runs: &[RunInput], options: &DiagnoseOptions) -> Vec<RunAlone> {
@@ -58,7 +56,7 @@ pub(crate) fn are_described(alone: &[RunAlone]) -> bool {
     let of_smallest = 1.0 - (1.0 - smallest).powf(n);
     let product: f64 = known.iter().map(|p| -2.0 * p.max(f64::MIN_POSITIVE).ln()).sum();
     let of_product = ChiSquared::new(2.0 * n).map_or(1.0, |chi| chi.sf(product));
-    of_smallest.min(of_product) >= 0.5 * WRONG
+    of_smallest.min(of_product) >= 0.5 * WRONG_BELOW
 }
 
 /// What is said where no cause is found and nearly all runs by themselves are described.
@@ -66,9 +64,9 @@ pub(crate) fn in_words(alone: &[RunAlone]) -> Option<String> {
     let count = alone.len();
     let right = alone
         .iter()
-        .filter(|run| run.p_misfit.is_some_and(|p| p >= RIGHT))
+        .filter(|run| run.p_misfit.is_some_and(|p| p >= RIGHT_FROM))
         .count();
-    (right as f64 >= NEARLY_ALL * count as f64).then(|| {
+    (right as f64 >= NEARLY_ALL_RUNS * count as f64).then(|| {
         format!(
             "by itself each of {right} of {count} runs is described to within the noise: one set of parameters does not \
              describe them together"

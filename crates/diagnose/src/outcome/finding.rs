@@ -19,7 +19,7 @@ use crate::cause::select::Selection;
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
-use crate::levels::{RIGHT, VISIBLE_PERCENT, WRONG};
+use crate::levels::{RIGHT_FROM, VISIBLE_PERCENT, WRONG_BELOW};
 use crate::misfit::misfit_size::misfit_percent;
 use crate::misfit::null::Null;
 use crate::misfit::residual_bins::ResidualBin;
@@ -31,6 +31,7 @@ use crate::outcome::alone::{alone, are_described, in_words as alone_in_words};
 use crate::outcome::gain::gain;
 use crate::outcome::next_run::next_run;
 use crate::outcome::noise_words::{beside_scatter, of_scatter, of_slow_noise};
+use crate::outcome::policy::{MOST_OF_MISFIT, SPIKED_PART};
 use crate::outcome::varying;
 use crate::readings::drawn::{drawn, paired};
 use crate::readings::group::{RunGroup, RunInput, channel_name};
@@ -38,9 +39,6 @@ use crate::readings::tags::not_asked;
 use ieap_model::effects::effect;
 use ieap_numerics::random_effects::Spread;
 use ieap_numerics::sums::dot;
-
-/// Spikes beyond this part of the readings make the readings themselves the problem.
-const SPIKED: f64 = 0.05;
 
 const SPIKED_WORDS: &str =
     "More than one reading in twenty stands far off its neighbours: the readings allow no finding.";
@@ -79,7 +77,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         let is_visible = is_visible(found.visible_percent);
         found.verdict = match () {
             () if self.is_spiked() => Verdict::DataProblem,
-            () if self.p_misfit >= RIGHT && is_visible => Verdict::Consistent,
+            () if self.p_misfit >= RIGHT_FROM && is_visible => Verdict::Consistent,
             () => Verdict::Undecided,
         };
         let places = self.by_forecast();
@@ -93,7 +91,7 @@ impl<'g> FindingBuilder<'_, 'g> {
                 error_words(found.visible_percent)
             ),
             Verdict::DataProblem => SPIKED_WORDS.into(),
-            _ if self.p_misfit >= RIGHT => format!(
+            _ if self.p_misfit >= RIGHT_FROM => format!(
                 "Nothing speaks against the simulation (p = {:.2}), and little could: only {} would have been seen.",
                 self.p_misfit,
                 error_words(found.visible_percent)
@@ -184,7 +182,7 @@ impl<'g> FindingBuilder<'_, 'g> {
 
     /// Whether it takes more than half of what the base leaves beyond noise.
     fn explains_most(&self, lead: &Lead) -> bool {
-        self.gain_of(lead) > 0.5 * (self.base.square - self.group.rows() as f64)
+        self.gain_of(lead) > MOST_OF_MISFIT * (self.base.square - self.group.rows() as f64)
     }
 
     /// What the leading explanation is worth; and where it is told, what it is.
@@ -238,7 +236,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         let visible_percent = visible_percent(self.group, self.base, self.bins);
         remarks.extend(of_slow_noise(&noise, visible_percent));
         // Where the model is right its time constants do not depend on the record.
-        if self.p_misfit < WRONG {
+        if self.p_misfit < WRONG_BELOW {
             remarks.extend(crate::readings::record_length::remark(
                 self.group,
                 self.options.model,
@@ -302,7 +300,7 @@ impl<'g> FindingBuilder<'_, 'g> {
                 .map(|channel| channel.len())
                 .sum::<usize>();
         }
-        spikes as f64 > SPIKED * readings.max(1) as f64
+        spikes as f64 > SPIKED_PART * readings.max(1) as f64
     }
 
     fn shifts(&self, model: &Fitted) -> Vec<ParameterShift> {

@@ -6,8 +6,9 @@
 use crate::cause::decide::{leaf, of_one};
 use crate::cause::evidence::SURE;
 use crate::extended::leftover::p_leftover;
-use crate::levels::RIGHT;
+use crate::levels::{RIGHT_FROM, TAKEN};
 use crate::options::DiagnoseOptions;
+use crate::outcome::policy::LEAST_CHANCE;
 use crate::readings::group::RunInput;
 use ieap_domain::{EffectFinding, GroupDiagnosis, Hypothesis, Parameter, Verdict};
 use ieap_fit::distributed::{Decision, LumpedOrDistributed};
@@ -15,10 +16,6 @@ use ieap_model::effects::effect;
 
 /// Id of the effect in the library.
 const ID: &str = "lengthwise-resistance";
-/// Chance below which places prove it, as for any cause.
-const PROVED: f64 = 0.01;
-/// Chances are stated down to here: below it they tell of a far tail of the noise that nothing has checked.
-const LEAST: f64 = 1e-6;
 
 /// What a run of the group says of it: its name and the decision.
 pub type PlacesOfRun<'a> = (&'a str, Decision);
@@ -52,7 +49,7 @@ fn joined(
     let Some((clearest, p)) = asked.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied() else {
         return found;
     };
-    let p = (p * asked.len() as f64).clamp(LEAST, 1.0);
+    let p = (p * asked.len() as f64).clamp(LEAST_CHANCE, 1.0);
     found
         .remarks
         .push(format!("{}: {}", clearest.0, clearest.1.issue().message));
@@ -61,7 +58,7 @@ fn joined(
     }
     // Two questions were asked of the group: its course in time, and its places.
     found.p_misfit = found.p_misfit.map(|of_time| (2.0 * of_time.min(p)).min(1.0));
-    if p < PROVED {
+    if p < TAKEN {
         proved(found, clearest, p, leftover)
     } else {
         unseen(found, &asked)
@@ -127,17 +124,17 @@ fn proved(
     found.sentence += match (found.verdict, found.p_leftover) {
         (Verdict::Partial, Some(_)) => " A misfit of another kind is left.",
         (Verdict::Partial, None) => " Whether a misfit of another kind is left could not be asked.",
-        (_, Some(p)) if p < RIGHT => " A misfit of another kind may be left.",
+        (_, Some(p)) if p < RIGHT_FROM => " A misfit of another kind may be left.",
         _ => "",
     };
     found
 }
 
 fn chance(p: f64) -> String {
-    if p > LEAST {
+    if p > LEAST_CHANCE {
         format!("p = {p:.1e}")
     } else {
-        format!("p below {LEAST:.0e}")
+        format!("p below {LEAST_CHANCE:.0e}")
     }
 }
 

@@ -10,4 +10,5 @@ pub(crate) mod gain;
 pub(crate) mod lengthwise;
 pub(crate) mod next_run;
 pub(crate) mod noise_words;
+mod policy;
 pub(crate) mod varying;

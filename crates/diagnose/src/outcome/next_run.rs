@@ -5,13 +5,10 @@ use ieap_domain::{Drive, Level, NextRun, Segment};
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::symmetric::Symmetric;
 
+use crate::cause::policy::AS_GOOD;
 use crate::fitting::fitted::Fitted;
+use crate::outcome::policy::READINGS_OF_NEXT_RUN;
 use crate::readings::group::RunGroup;
-
-/// Candidates whose predictions differ by this sum of squares after a refit are told apart.
-const APART: f64 = 6.0;
-/// Readings of the proposed run.
-const READINGS: usize = 400;
 
 /// The best of the known drives for telling `members` (fitted models with their ids) apart.
 pub(crate) fn next_run(group: &RunGroup, members: &[(&'static str, &Fitted)]) -> Option<NextRun> {
@@ -106,7 +103,7 @@ fn after(
     for (a, (_, truth)) in members.iter().enumerate() {
         for (b, (_, rival)) in members.iter().enumerate() {
             if a != b {
-                alike[a][b] = distance(group, truth, rival, drive, duration_s) < APART;
+                alike[a][b] = distance(group, truth, rival, drive, duration_s) < AS_GOOD;
             }
         }
     }
@@ -124,8 +121,8 @@ fn after(
 
 /// Sum of squares by which `rival`, refitted to old and new readings, would miss what `truth` gives on the new run.
 fn distance(group: &RunGroup, truth: &Fitted, rival: &Fitted, drive: &Drive, duration_s: f64) -> f64 {
-    let times: Vec<f64> = (1..=READINGS)
-        .map(|k| duration_s * k as f64 / READINGS as f64)
+    let times: Vec<f64> = (1..=READINGS_OF_NEXT_RUN)
+        .map(|k| duration_s * k as f64 / READINGS_OF_NEXT_RUN as f64)
         .collect();
     let run = &group.runs[0];
     let mut context = run.context(0, None);

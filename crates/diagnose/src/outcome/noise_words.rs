@@ -2,10 +2,8 @@
 
 use ieap_domain::{DiagnosisNoise, MisfitPercent, ParameterScatter};
 
+use crate::outcome::policy::{MOST_SCATTERED, SLOW_BELOW_PART};
 use crate::outcome::varying::{listed, printed, short};
-
-/// Parameters that are told at most.
-const TOLD: usize = 3;
 
 /// What stands beside "to within the noise" where scatter is taken as noise.
 pub(crate) fn beside_scatter(scatter: &[ParameterScatter], is_noise: bool) -> String {
@@ -32,15 +30,11 @@ pub(crate) fn of_scatter(scatter: &[ParameterScatter], is_noise: bool) -> Option
     is_noise.then(|| format!("from run to run {}: taken as noise", listed(&parts)))
 }
 
-/// Independent readings among which one is slow, in parts of a record: noise that dies away from one reading to the next is
-/// not worth a sentence.
-const FEW: f64 = 0.25;
-
 /// Slow noise of each channel, with the least error of the simulation that it leaves to be seen.
 pub(crate) fn of_slow_noise(noise: &[DiagnosisNoise], visible: MisfitPercent) -> Vec<String> {
     let of = |channel: &str, percent: Option<f64>| {
         let own = noise.iter().filter(|own| own.channel == channel);
-        let slow = own.filter(|own| own.independent_readings < FEW * own.readings as f64);
+        let slow = own.filter(|own| own.independent_readings < SLOW_BELOW_PART * own.readings as f64);
         let longest_s = slow.filter_map(|own| own.correlation_time_s).reduce(f64::max)?;
         Some(format!(
             "noise of the {channel} that lasts up to {} s is taken as noise: it hides errors below {} % of its range",
@@ -61,7 +55,7 @@ fn leading(scatter: &[ParameterScatter]) -> Vec<&ParameterScatter> {
         let by_low = b.low_95_percent.total_cmp(&a.low_95_percent);
         by_low.then(b.percent.total_cmp(&a.percent))
     });
-    found.truncate(TOLD);
+    found.truncate(MOST_SCATTERED);
     found
 }
 

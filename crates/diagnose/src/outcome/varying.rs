@@ -3,11 +3,12 @@
 use ieap_domain::words::in_a_row;
 use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue};
 
-use crate::levels::WRONG;
+use crate::levels::WRONG_BELOW;
+use crate::outcome::policy::MOST_COURSES;
 
 /// Runs that by themselves leave more than a single one is called right by, with their p.
 fn doubted(alone: &[RunAlone]) -> impl Iterator<Item = (&str, f64)> {
-    let low = |run: &RunAlone| run.p_misfit.filter(|p| *p < WRONG);
+    let low = |run: &RunAlone| run.p_misfit.filter(|p| *p < WRONG_BELOW);
     alone
         .iter()
         .filter_map(move |run| Some((run.run.as_str(), low(run)?)))
@@ -25,20 +26,17 @@ pub(crate) fn say(found: &mut GroupDiagnosis, alone: &[RunAlone]) {
     found.remarks.extend(doubts(alone));
 }
 
-/// Parameters whose courses are told; the others are named.
-const TOLD: usize = 2;
-
 fn sentence(found: &GroupDiagnosis, doubted: usize) -> String {
     let mut differing: Vec<&VaryingParameter> = found.differs.iter().collect();
     differing.sort_by(|a, b| fold(b).total_cmp(&fold(a)));
     let told: Vec<String> = differing
         .iter()
-        .take(TOLD)
+        .take(MOST_COURSES)
         .filter_map(|own| course(own))
         .collect();
     let others: Vec<String> = differing
         .iter()
-        .skip(TOLD)
+        .skip(MOST_COURSES)
         .map(|own| printed(&own.key).0)
         .collect();
     let further = match others.as_slice() {

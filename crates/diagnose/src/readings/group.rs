@@ -8,35 +8,15 @@ use ieap_numerics::robust::median_step;
 
 use crate::readings::course::followed;
 use crate::readings::left_open::LeftOpen;
+use crate::readings::policy::{
+    FEWEST_READINGS, GROWTH_EVIDENCE, GROWTHS, LONGEST_MEMORY_READINGS, MEMORY_BEYOND_USUAL, MOST_READINGS,
+    SAME_STEP_FACTOR, SLOW_WORTH,
+};
 use crate::readings::scatter::{Scatter, left_open};
 use crate::readings::spikes::without_spikes;
 
-/// Readings after the step that a channel needs to take part.
-pub(crate) const NEEDED: usize = 12;
-/// Readings of a channel beyond which neighbours are averaged: the diagnosis asks about shapes, not about sampling.
-const MOST: usize = 1500;
-/// A channel with a memory so many times as long as the middle one's kind is not believed.
-const BEYOND: f64 = 5.0;
-
-/// Steps of time within this factor are the same: a correlation of neighbouring readings is one of their distance.
-const ALIKE: f64 = 1.1;
-
-/// Readings that carry as much as one independent one, at most: what remembers longer is drift, which a model owes an
-/// answer to, and no noise.
-const LONGEST_MEMORY: f64 = 50.0;
-/// Growths of the noise that are tried: its part that goes with the signal, at the largest signal of the group, in units
-/// of its even part.
-const GROWTHS: [f64; 12] = [0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 8.0, 16.0, 64.0];
-/// Twice the log likelihood ratio that growth must bring, and each number that describes a memory. Growth taken in vain costs little; growth missed makes every
-/// edge of the drive look wrong.
-const EVIDENCE: f64 = 6.0;
-
 /// Step of the slope by an edge's time, in standard deviations of what is not known of it.
 const SLOPE: f64 = 1e-2;
-
-/// What a number that describes a memory must bring in twice the log likelihood (Akaike): slow noise that is missed makes a
-/// simulation look wrong, slow noise taken in vain costs little.
-const SLOW_WORTH: f64 = 2.0;
 
 /// A run as it is given to a diagnosis.
 #[derive(Debug, Clone, Copy)]
@@ -204,11 +184,11 @@ impl<'a> RunGroup<'a> {
                 };
                 let likened = middle.as_ref().filter(|middle| {
                     let usual = middle.readings_per_independent().max(2.0);
-                    channel.readings_per_independent() > BEYOND * usual
+                    channel.readings_per_independent() > MEMORY_BEYOND_USUAL * usual
                 });
                 run.channels[kind] = Some(match likened {
                     Some(_) => channel.renoised(&fitted[kind], per_signal, likened),
-                    None => channel.forgetting(&fitted[kind], per_signal, LONGEST_MEMORY),
+                    None => channel.forgetting(&fitted[kind], per_signal, LONGEST_MEMORY_READINGS),
                 });
             }
             group.share_correlation(kind, per_signal, &fitted);
@@ -266,7 +246,7 @@ impl<'a> RunGroup<'a> {
         } else {
             SLOW_WORTH
         };
-        let slow = WhitenedChannel::with_slow_noise(&channels, &fitted, per_signal, worth, EVIDENCE);
+        let slow = WhitenedChannel::with_slow_noise(&channels, &fitted, per_signal, worth, GROWTH_EVIDENCE);
         let Some(slow) = slow else {
             return;
         };
@@ -318,7 +298,7 @@ impl<'a> RunGroup<'a> {
             channels += 1.0;
         }
         // Squares of correlated noise wander together: their evidence counts for less.
-        let needed = EVIDENCE * slowness / channels.max(1.0);
+        let needed = GROWTH_EVIDENCE * slowness / channels.max(1.0);
         let best = (0..tried.len()).min_by(|&a, &b| against[a].total_cmp(&against[b]));
         best.filter(|&k| against[k] < -needed).map_or(0.0, |k| tried[k])
     }
@@ -395,7 +375,9 @@ impl<'a> RunGroup<'a> {
 fn are_alike(channels: &[&WhitenedChannel]) -> bool {
     let steps: Vec<f64> = channels.iter().map(|channel| usual_step_s(channel)).collect();
     let shortest_s = steps.iter().copied().fold(f64::INFINITY, f64::min);
-    steps.iter().all(|step_s| *step_s <= ALIKE * shortest_s)
+    steps
+        .iter()
+        .all(|step_s| *step_s <= SAME_STEP_FACTOR * shortest_s)
 }
 
 /// The middle one of the steps of time between readings, s.
@@ -412,7 +394,7 @@ impl<'a> GroupRun<'a> {
             let channel = given.input.channels.iter().find(wanted)?;
             let (channel, left_out) = without_spikes(channel, edges.drive());
             spikes[k] = left_out;
-            WhitenedChannel::new(&channel, edges.drive(), NEEDED, MOST)
+            WhitenedChannel::new(&channel, edges.drive(), FEWEST_READINGS, MOST_READINGS)
         });
         let last_s = |channel: &WhitenedChannel| channel.time_s().last().copied().unwrap_or(0.0);
         let duration_s = channels.iter().flatten().map(last_s).fold(0.0, f64::max);

@@ -4,15 +4,7 @@ use ieap_domain::{Channel, Drive};
 use ieap_numerics::robust::sd_on_a_slope;
 
 use crate::readings::group::{QUANTITIES, RunGroup, channel_name};
-
-/// Runs that a trend takes at least: seven in order come so by chance in 1 of 5,000 cases.
-const FEWEST: usize = 7;
-/// Loudest over quietest noise that is worth a word.
-const GROWN: f64 = 3.0;
-/// Kendall's statistic in its standard deviations beyond which the order is no chance: 1 in 1,000.
-const ORDERED: f64 = 3.1;
-/// Readings from which the noise of a run is known.
-const ENOUGH: usize = 20;
+use crate::readings::policy::{FEWEST_FOR_LOUDER, FEWEST_FOR_NOISE, LOUDER_FACTOR, LOUDER_SIGMAS};
 
 /// A sentence for every channel whose noise rises with the voltage over the runs.
 pub(crate) fn remarks(group: &RunGroup) -> Vec<String> {
@@ -30,7 +22,8 @@ fn remark(group: &RunGroup, channel: usize) -> Option<String> {
     }
     found.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     let (quiet, loud) = (found.first()?, found.last()?);
-    (found.len() >= FEWEST && loud.1 > GROWN * quiet.1 && kendall(&found) > ORDERED).then(|| {
+    let are_enough = found.len() >= FEWEST_FOR_LOUDER;
+    (are_enough && loud.1 > LOUDER_FACTOR * quiet.1 && kendall(&found) > LOUDER_SIGMAS).then(|| {
         format!(
             "the noise of the {} grows with the voltage: from {:.1e} {unit} at {} V to {:.1e} {unit} at {} V; bubbles at an \
              electrode do that, and an instrument that changes to a coarser range",
@@ -51,7 +44,9 @@ fn fast_noise(channel: &Channel, drive: &Drive) -> Option<f64> {
     let last_edge_s = drive.edges_s().last().copied().unwrap_or(0.0);
     let end_s = *time_s.last()?;
     let first = time_s.partition_point(|t| *t < 0.5 * (last_edge_s + end_s));
-    let late = values.get(first..).filter(|late| late.len() >= ENOUGH)?;
+    let late = values
+        .get(first..)
+        .filter(|late| late.len() >= FEWEST_FOR_NOISE)?;
     let sd = sd_on_a_slope(late);
     (sd > 0.0).then_some(sd)
 }

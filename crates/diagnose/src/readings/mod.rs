@@ -10,6 +10,7 @@ pub(crate) mod group;
 pub(crate) mod left_open;
 pub(crate) mod louder;
 pub(crate) mod outliers;
+mod policy;
 pub(crate) mod power_law;
 pub(crate) mod quantities;
 pub(crate) mod record_length;

@@ -6,31 +6,18 @@ use ieap_model::extended::ExtendedModel;
 use ieap_numerics::robust::sd_about_zero;
 use statrs::distribution::{DiscreteCDF, Poisson};
 
-use crate::readings::group::{NEEDED, QUANTITIES, RunGroup};
-use crate::readings::spikes::{AFTER_EDGE, BEFORE_EDGE, spreads};
+use crate::readings::group::{QUANTITIES, RunGroup};
+use crate::readings::policy::{
+    BESIDE_EDGES_BELOW, BEYOND_OTHER_EDGES, FEWEST_FOR_SPREAD, FEWEST_OTHER_EDGES, FEWEST_READINGS,
+    MOST_OUTLIERS_PART, OUTLIER_SIGMAS, READINGS_AFTER_EDGE, READINGS_BEFORE_EDGE,
+};
+use crate::readings::spikes::spreads;
 
-/// An outlier stands this many robust standard deviations off: under Gaussian noise one reading in two million does, and what a
-/// model misses smoothly is not seen in differences of neighbours.
-const FAR: f64 = 5.0;
-/// Readings of a channel from which the spread of its neighbours' differences is known.
-const ENOUGH: usize = 30;
-/// Other edges of the drive that show what the model misses so many readings behind an edge.
-const OTHER_EDGES: usize = 3;
-/// An outlier near an edge is so many times as far off as nine tenths of the readings at that place of other edges.
-const BEYOND_USUAL: f64 = 2.0;
 /// Rounds over a channel, each with the outliers of the one before left out: of neighbours only the farthest one goes.
 const ROUNDS: usize = 6;
-/// Part of a channel's readings that are outliers at most: where more stand off, as under the bubbles of an electrolysis, the
-/// noise is of that kind.
-const MOST: f64 = 0.03;
 /// Pairs of neighbours that tell what a reading should be. An outlier beside another one is off two pairs at least, a good
 /// reading between two outliers off one.
 const PAIRS: [(usize, usize); 4] = [(1, 1), (1, 2), (2, 1), (2, 2)];
-
-/// Chance below which outliers beside edges are no wild values. A wild value stands anywhere; what stands off beside edges more
-/// often than elsewhere is how the strip or the source answers them, and is asked for its cause. One of 1,200 readings, beside
-/// an edge and with none elsewhere, is below it; two of them among thirty elsewhere are not.
-const NO_CHANCE: f64 = 1e-2;
 
 /// The group without its outliers; none where there are none.
 pub(crate) fn without<'a>(group: &RunGroup<'a>, model: &ExtendedModel) -> Option<RunGroup<'a>> {
@@ -80,7 +67,7 @@ impl Places {
             0 => 1.0,
             count => chance.as_ref().map_or(1.0, |chance| chance.sf(count as u64 - 1)),
         };
-        at_least(self.outliers[0]) < NO_CHANCE
+        at_least(self.outliers[0]) < BESIDE_EDGES_BELOW
     }
 }
 
@@ -125,7 +112,9 @@ fn outliers(group: &RunGroup, model: &ExtendedModel, beside_edges: bool) -> (Vec
 
 fn scan(group: &RunGroup, model: &ExtendedModel, run: usize, kind: usize) -> Option<ChannelScan> {
     let own = &group.runs[run];
-    let channel = own.channels[kind].as_ref().filter(|c| c.len() >= ENOUGH)?;
+    let channel = own.channels[kind]
+        .as_ref()
+        .filter(|c| c.len() >= FEWEST_FOR_SPREAD)?;
     if is_held(channel.values()) {
         return None;
     }
@@ -188,12 +177,12 @@ impl ChannelScan {
     fn is_farthest(&self, k: usize) -> bool {
         let own = self.off[k];
         let around = k.saturating_sub(2)..(k + 3).min(self.off.len());
-        own > FAR && around.into_iter().all(|other| self.off[other] <= own)
+        own > OUTLIER_SIGMAS && around.into_iter().all(|other| self.off[other] <= own)
     }
 
     /// Whether that reading is near an edge, or all readings from there to it are off: a decay that takes more readings.
     fn comes_with_edge(&self, k: usize) -> bool {
-        let calm = (0..=k).rev().find(|&before| self.off[before] <= FAR);
+        let calm = (0..=k).rev().find(|&before| self.off[before] <= OUTLIER_SIGMAS);
         self.beside_edge(k).is_some() || calm.is_some_and(|calm| self.beside_edge(calm + 1).is_some())
     }
 
@@ -201,7 +190,9 @@ impl ChannelScan {
     fn beside_edge(&self, k: usize) -> Option<isize> {
         let offsets = self.edges.iter().map(|&edge| k as isize - edge as isize);
         offsets
-            .filter(|offset| (-(BEFORE_EDGE as isize)..AFTER_EDGE as isize).contains(offset))
+            .filter(|offset| {
+                (-(READINGS_BEFORE_EDGE as isize)..READINGS_AFTER_EDGE as isize).contains(offset)
+            })
             .min_by_key(|offset| offset.abs())
     }
 }
@@ -224,7 +215,7 @@ fn is_at_every_edge(own: &ChannelScan, k: usize, all: &[ChannelScan]) -> bool {
             .collect()
     };
     let mut others = at_edges(own);
-    if others.len() < OTHER_EDGES {
+    if others.len() < FEWEST_OTHER_EDGES {
         others = all.iter().flat_map(at_edges).collect();
     }
     others.sort_unstable_by(f64::total_cmp);
@@ -232,7 +223,7 @@ fn is_at_every_edge(own: &ChannelScan, k: usize, all: &[ChannelScan]) -> bool {
         .get(others.len() * 9 / 10)
         .copied()
         .unwrap_or(f64::INFINITY);
-    others.len() >= OTHER_EDGES && own.off[k] < BEYOND_USUAL * usual
+    others.len() >= FEWEST_OTHER_EDGES && own.off[k] < BEYOND_OTHER_EDGES * usual
 }
 
 impl<'a> RunGroup<'a> {
@@ -241,7 +232,7 @@ impl<'a> RunGroup<'a> {
         for (own, before) in self.runs.iter_mut().zip(&before.runs) {
             for kind in 0..QUANTITIES.len() {
                 let left = own.channels[kind].as_ref().map_or(0, WhitenedChannel::len);
-                if own.spikes[kind] as f64 > MOST * (left + own.spikes[kind]) as f64 {
+                if own.spikes[kind] as f64 > MOST_OUTLIERS_PART * (left + own.spikes[kind]) as f64 {
                     own.channels[kind].clone_from(&before.channels[kind]);
                     own.spikes[kind] = before.spikes[kind];
                 }
@@ -256,7 +247,7 @@ impl<'a> RunGroup<'a> {
         let Some(channel) = &own.channels[kind] else {
             return;
         };
-        if let Some(kept) = channel.without(outliers, NEEDED) {
+        if let Some(kept) = channel.without(outliers, FEWEST_READINGS) {
             own.channels[kind] = Some(kept);
             own.spikes[kind] += outliers.len();
         }

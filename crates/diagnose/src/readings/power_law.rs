@@ -1,12 +1,10 @@
 //! A current without a time scale: what falls as a power of the time since each edge, beside what a resistance leaks.
 
+use crate::readings::policy::{POWER_LAW_EXPONENTS, POWER_LAW_FROM_PART};
 use ieap_domain::{Drive, Level};
 
-/// Exponents that are tried, and how many; at 0 it is a resistance, at 1 the charge has no end.
-const EXPONENTS: (f64, f64) = (0.05, 0.95);
+/// Exponents that are tried between the two ends.
 const TRIED: usize = 91;
-/// Readings sooner behind an edge than this part of the usual interval are left out: the law has no limit there.
-const BEHIND: f64 = 0.1;
 
 /// The law beside one run's current.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +35,7 @@ pub(crate) fn fitted(time_s: &[f64], current_a: &[f64], drive: &Drive, step_s: f
         t > first_s
             && edges
                 .iter()
-                .all(|(at_s, _)| t < *at_s || t - at_s > BEHIND * step_s)
+                .all(|(at_s, _)| t < *at_s || t - at_s > POWER_LAW_FROM_PART * step_s)
     };
     let readings: Vec<(f64, f64)> = (time_s.iter().copied())
         .zip(current_a.iter().copied())
@@ -47,7 +45,8 @@ pub(crate) fn fitted(time_s: &[f64], current_a: &[f64], drive: &Drive, step_s: f
         return None;
     }
     let of_exponent = |k: usize| {
-        let exponent = EXPONENTS.0 + (EXPONENTS.1 - EXPONENTS.0) * k as f64 / (TRIED - 1) as f64;
+        let exponent = POWER_LAW_EXPONENTS.0
+            + (POWER_LAW_EXPONENTS.1 - POWER_LAW_EXPONENTS.0) * k as f64 / (TRIED - 1) as f64;
         let square = left(&readings, &edges, drive.baseline_v, exponent);
         (exponent, square)
     };

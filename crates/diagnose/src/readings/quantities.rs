@@ -1,14 +1,8 @@
 //! What a user predicts: peak, time of the peak, plateau, charge, end current; measured and by a model.
 
 use crate::readings::group::GroupRun;
+use crate::readings::policy::{END_PART, KNOWN_FROM_SIGMAS, READINGS_TOGETHER};
 use ieap_fit::WhitenedChannel;
-
-/// Readings that are averaged where a single one would be noise.
-const TOGETHER: usize = 5;
-/// Part of the record that counts as its end.
-const END: f64 = 0.05;
-/// A value that is not so many of its standard errors is next to nothing: what a prediction is off by is no part of it.
-const KNOWN: f64 = 5.0;
 
 /// Names of the quantities, in the order of [`Predicted::relative_errors`].
 pub(crate) const NAMES: [&str; 5] = [
@@ -40,13 +34,13 @@ pub(crate) fn predicted(run: &GroupRun, fitted: [&[f64]; 2]) -> Predicted {
     let least = |k: usize, count: fn(usize) -> usize| {
         let channel = run.channels[k].as_ref();
         channel.map_or(0.0, |channel| {
-            KNOWN * standard_error(channel, count(channel.len()))
+            KNOWN_FROM_SIGMAS * standard_error(channel, count(channel.len()))
         })
     };
     let peak_value = |t: &[f64], v: &[f64]| peak(t, v).map(|(_, value)| value);
     Predicted {
         relative_errors: [
-            of(1, peak_value, least(1, |_| TOGETHER)),
+            of(1, peak_value, least(1, |_| READINGS_TOGETHER)),
             of(1, |t, v| peak(t, v).map(|(time_s, _)| time_s), 0.0),
             of(1, |_, v| end(v), least(1, at_end)),
             of(0, charge, 0.0),
@@ -70,13 +64,15 @@ fn standard_error(channel: &WhitenedChannel, count: usize) -> f64 {
 
 /// Readings that make up the end of so many.
 fn at_end(readings: usize) -> usize {
-    ((readings as f64 * END) as usize).max(TOGETHER)
+    ((readings as f64 * END_PART) as usize).max(READINGS_TOGETHER)
 }
 
 /// Time and value of the largest mean of neighbouring readings, by size.
 fn peak(time_s: &[f64], values: &[f64]) -> Option<(f64, f64)> {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let means = values.windows(TOGETHER).zip(time_s.windows(TOGETHER));
+    let means = values
+        .windows(READINGS_TOGETHER)
+        .zip(time_s.windows(READINGS_TOGETHER));
     means
         .map(|(values, times)| (mean(times), mean(values)))
         .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
@@ -93,7 +89,7 @@ fn end(values: &[f64]) -> Option<f64> {
 fn charge(time_s: &[f64], current_a: &[f64]) -> Option<f64> {
     let pairs = time_s.windows(2).zip(current_a.windows(2));
     let sum: f64 = pairs.map(|(t, i)| (t[1] - t[0]) * (i[0] + i[1]) / 2.0).sum();
-    (current_a.len() > TOGETHER).then_some(sum)
+    (current_a.len() > READINGS_TOGETHER).then_some(sum)
 }
 
 /// Root mean square of each quantity's deviation over all runs, percent; none where no run tells.

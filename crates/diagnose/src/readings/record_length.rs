@@ -8,12 +8,8 @@ use ieap_numerics::robust::median_step;
 use ieap_numerics::student::quantile_95;
 
 use crate::readings::group::{GroupRun, RunGroup};
+use crate::readings::policy::{GROWN_FACTOR, LONGER_RECORD_FACTOR};
 use crate::readings::power_law::{self, PowerLaw};
-
-/// A record so many times as long as another is one of another length.
-const LONGER: f64 = 2.0;
-/// A time constant so many times as large has grown.
-const GROWN: f64 = 1.5;
 
 /// One run described both ways.
 struct Described {
@@ -101,8 +97,8 @@ fn exponent(found: &[Described]) -> String {
 /// Whether every clearly longer record (duration, time constant) has a clearly larger time constant.
 fn grows(found: &[(f64, f64)]) -> bool {
     let pairs = found.iter().flat_map(|a| found.iter().map(move |b| (a, b)));
-    let mut longer = pairs.filter(|(a, b)| b.0 > LONGER * a.0).peekable();
-    longer.peek().is_some() && longer.all(|(a, b)| b.1 > GROWN * a.1)
+    let mut longer = pairs.filter(|(a, b)| b.0 > LONGER_RECORD_FACTOR * a.0).peekable();
+    longer.peek().is_some() && longer.all(|(a, b)| b.1 > GROWN_FACTOR * a.1)
 }
 
 #[cfg(test)]

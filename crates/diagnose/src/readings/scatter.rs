@@ -13,11 +13,10 @@ use ieap_numerics::sums::dot;
 use crate::levels::{DIFFERENCE_EVIDENCE, SCATTER, SCATTER_EVIDENCE};
 use crate::readings::group::RunGroup;
 use crate::readings::left_open::LeftOpen;
+use crate::readings::policy::FEWEST_FOR_SCATTER;
 
 /// Relative spread that is looked at to see whether there is more.
 const BEYOND: f64 = 3.0;
-/// Runs from which on a spread can be told from a difference.
-const RUNS: usize = 3;
 /// Precision with which what the runs share is known before, relative: hardly.
 const KNOWN_BEFORE: f64 = 1e-4;
 /// Parts of a run's deviations that are tried, until one brings its residuals down.
@@ -38,7 +37,7 @@ impl Scatter {
     /// As much as is still scatter, of every parameter: to begin with.
     pub(crate) fn most(group: &RunGroup, model: &ExtendedModel) -> Option<Scatter> {
         let all = vec![SCATTER; parameters(group, &model.base)];
-        (group.runs.len() >= RUNS).then_some(Scatter {
+        (group.runs.len() >= FEWEST_FOR_SCATTER).then_some(Scatter {
             likely: all.clone(),
             taken: all,
         })

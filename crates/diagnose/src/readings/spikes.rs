@@ -1,28 +1,19 @@
 //! Single readings far off their neighbours: a fault of the reading, not of the model. Those near an edge of the drive are
 //! left to [`super::outliers`], which knows a model; so are all under a moving voltage, whose corners make such readings.
 
+use crate::readings::policy::{
+    FEWEST_FOR_SPREAD, READINGS_AFTER_EDGE, READINGS_BEFORE_EDGE, READINGS_OF_SURROUNDINGS, SPIKE_SIGMAS,
+};
 use std::sync::Arc;
 
 use ieap_domain::{Channel, Drive};
 use ieap_numerics::robust::sd_about_zero;
 
-/// A spike stands this many robust standard deviations off the middle of its neighbours: under Gaussian noise one
-/// in a hundred million readings does.
-pub(crate) const FAR: f64 = 6.0;
-/// Readings after an edge of the drive in which a fast decay may look like a spike.
-pub(crate) const AFTER_EDGE: usize = 4;
-/// Readings before an edge whose neighbours lie behind it.
-pub(crate) const BEFORE_EDGE: usize = 2;
-/// Readings of a stretch whose surroundings tell the spread.
-const AROUND: usize = 16;
-/// Readings from which the spread of a channel is known.
-const ENOUGH: usize = 30;
-
 /// The channel with its spikes excluded, and how many there were.
 pub(crate) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usize) {
     let (time_s, values) = channel.included();
     let n = values.len();
-    if n < ENOUGH || drive.moves() {
+    if n < FEWEST_FOR_SPREAD || drive.moves() {
         return (channel.clone(), 0);
     }
     let off: Vec<f64> = (0..n)
@@ -39,12 +30,15 @@ pub(crate) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
     let near_edge = |k: usize| {
         drive.segments.iter().any(|segment| {
             let first = time_s.partition_point(|&t| t < segment.start_s);
-            (first.saturating_sub(BEFORE_EDGE)..first + AFTER_EDGE).contains(&k)
+            (first.saturating_sub(READINGS_BEFORE_EDGE)..first + READINGS_AFTER_EDGE).contains(&k)
         })
     };
     let is_spike = |k: &usize| {
         let own = off[*k].abs();
-        own > FAR * spread[*k] && own >= off[*k - 1].abs() && own >= off[*k + 1].abs() && !near_edge(*k)
+        own > SPIKE_SIGMAS * spread[*k]
+            && own >= off[*k - 1].abs()
+            && own >= off[*k + 1].abs()
+            && !near_edge(*k)
     };
     let spikes: Vec<usize> = (1..n - 1).filter(is_spike).collect();
     if spikes.is_empty() {
@@ -62,12 +56,16 @@ pub(crate) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
 pub(crate) fn spreads(values: &[f64]) -> Vec<f64> {
     let whole = sd_about_zero(values);
     let around = |stretch: usize| {
-        let first = (stretch * AROUND).saturating_sub(AROUND);
-        let end = ((stretch + 2) * AROUND).min(values.len());
+        let first = (stretch * READINGS_OF_SURROUNDINGS).saturating_sub(READINGS_OF_SURROUNDINGS);
+        let end = ((stretch + 2) * READINGS_OF_SURROUNDINGS).min(values.len());
         sd_about_zero(&values[first..end]).max(whole)
     };
-    let per_stretch: Vec<f64> = (0..values.len().div_ceil(AROUND)).map(around).collect();
-    (0..values.len()).map(|k| per_stretch[k / AROUND]).collect()
+    let per_stretch: Vec<f64> = (0..values.len().div_ceil(READINGS_OF_SURROUNDINGS))
+        .map(around)
+        .collect();
+    (0..values.len())
+        .map(|k| per_stretch[k / READINGS_OF_SURROUNDINGS])
+        .collect()
 }
 
 #[cfg(test)]

@@ -2,11 +2,8 @@
 
 use ieap_model::effects::{Effect, effect};
 
-use crate::levels::TAKEN;
 use crate::readings::group::RunGroup;
-
-/// Orders of its values below which no answer could be that rare.
-const FEWEST_ORDERS: f64 = 1.0 / TAKEN;
+use crate::readings::policy::FEWEST_ORDERS;
 
 /// A tag that differs between the runs of a group: id of its effect, and place of every run.
 pub(crate) struct Tag {

@@ -174,7 +174,7 @@ fn a_cause_beats_the_nameless_answer_where_a_voltage_was_not_seen() {
         .as_ref()
         .unwrap_or_else(|| panic!("{}", found.sentence));
     assert!(
-        gain.proof.deviance > gain.nameless_deviance + lead::BEATEN,
+        gain.proof.deviance > gain.nameless_deviance + policy::NAMELESS_BEATS_BY,
         "{gain:?}"
     );
     assert!(

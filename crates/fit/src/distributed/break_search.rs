@@ -12,24 +12,17 @@ use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use ieap_numerics::sums::{dot, square};
 use ieap_numerics::symmetric::Symmetric;
 
-use super::contact_break::{ContactBreak, PLACES};
+use super::contact_break::ContactBreak;
 use super::described::{self, Break, Described, electrical_parameters};
 use super::estimates::tells_electrodes;
 use super::identified::Identified;
 use super::input::DistributedInput;
 use super::jointly::parts;
 use super::mechanical::Mechanical;
+use super::policy::{BREAK_BELOW, BREAK_DRAWS, BREAK_FITTED_FROM, BREAK_PLACES, BREAK_SEED};
 use super::readings::{Kind, Readings};
 use super::squares::{Fitted, StripProblem, product, scatter};
 
-/// Draws of what chance does.
-const DRAWS: usize = 999;
-/// Seed of the draws.
-const SEED: u64 = 1;
-/// Chance below which a break is claimed.
-const CLAIMED: f64 = 0.01;
-/// A break is fitted where an answer, in units of the noise of single readings, is at least so large.
-const ASKS: f64 = 9.0;
 /// Half of the step of differences in the logarithm of the factor.
 const STEP: f64 = 0.05;
 /// Looks for a break; what was identified is replaced where one is found.
@@ -62,30 +55,30 @@ fn sought(found: &Identified) -> Option<Found> {
     let even = problem(input, readings, scale, at.len());
     let residuals = even.residuals(&at);
     let asked = Asked::new(&even, &at, &residuals);
-    let directions: Vec<Vec<Vec<f64>>> = (1..=PLACES)
-        .map(|k| asked.beside(direction(&even, &at, k as f64 / (PLACES + 1) as f64)))
+    let directions: Vec<Vec<Vec<f64>>> = (1..=BREAK_PLACES)
+        .map(|k| asked.beside(direction(&even, &at, k as f64 / (BREAK_PLACES + 1) as f64)))
         .collect();
     let plain: Vec<f64> = directions
         .iter()
         .map(|d| product(d, &residuals) / product(d, d).max(f64::MIN_POSITIVE).sqrt())
         .collect();
-    let best = (0..PLACES).max_by(|&a, &b| plain[a].abs().total_cmp(&plain[b].abs()))?;
-    if plain[best].powi(2) < ASKS {
+    let best = (0..BREAK_PLACES).max_by(|&a, &b| plain[a].abs().total_cmp(&plain[b].abs()))?;
+    if plain[best].powi(2) < BREAK_FITTED_FROM {
         return None;
     }
-    let share = (best + 1) as f64 / (PLACES + 1) as f64;
+    let share = (best + 1) as f64 / (BREAK_PLACES + 1) as f64;
     let fitted = search(input, readings, scale, &at, share, plain[best].signum());
     let rich = problem(input, readings, scale, fitted.at.len());
     let noise = rich.noise(&rich.residuals(&fitted.at));
     let scattered: Vec<Vec<Vec<f64>>> = directions.iter().map(|d| scatter(&noise, d)).collect();
-    let sd: Vec<f64> = (0..PLACES)
+    let sd: Vec<f64> = (0..BREAK_PLACES)
         .map(|k| {
             product(&directions[k], &scattered[k])
                 .max(f64::MIN_POSITIVE)
                 .sqrt()
         })
         .collect();
-    let answers = (0..PLACES).map(|k| (product(&directions[k], &residuals) / sd[k]).abs());
+    let answers = (0..BREAK_PLACES).map(|k| (product(&directions[k], &residuals) / sd[k]).abs());
     let largest = answers.fold(0.0f64, f64::max);
     let alike = |a: usize, b: usize| product(&directions[a], &scattered[b]) / (sd[a] * sd[b]);
     let p = chance(largest, alike, fitted.freedom);
@@ -95,7 +88,7 @@ fn sought(found: &Identified) -> Option<Found> {
         length_cm: input.strip.length_cm,
         fitted,
     };
-    if p >= CLAIMED || broken.gain <= 0.0 || !broken.is_crack() {
+    if p >= BREAK_BELOW || broken.gain <= 0.0 || !broken.is_crack() {
         return None;
     }
     let electrical: Vec<usize> = (0..electrical_parameters(&input.strip)).collect();
@@ -256,12 +249,12 @@ impl Asked {
 
 /// Chance that the largest of answers with these correlations, their noise known with `freedom`, reaches `largest`.
 fn chance(largest: f64, alike: impl Fn(usize, usize) -> f64, freedom: f64) -> f64 {
-    let (values, vectors) = Symmetric::from_fn(PLACES, alike).eigen();
+    let (values, vectors) = Symmetric::from_fn(BREAK_PLACES, alike).eigen();
     let factors: Vec<f64> = values.iter().map(|value| value.max(0.0).sqrt()).collect();
-    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut random = ChaCha8Rng::seed_from_u64(BREAK_SEED);
     let known = ChiSquared::new(freedom.max(1.0)).ok();
     let mut as_large = 1;
-    for _ in 0..DRAWS {
+    for _ in 0..BREAK_DRAWS {
         let normal: Vec<f64> = factors
             .iter()
             .map(|factor| -> f64 {
@@ -273,5 +266,5 @@ fn chance(largest: f64, alike: impl Fn(usize, usize) -> f64, freedom: f64) -> f6
         let answers = vectors.iter().map(|row| dot(row, &normal).abs());
         as_large += usize::from(answers.fold(0.0f64, f64::max) >= largest * spread);
     }
-    as_large as f64 / (DRAWS + 1) as f64
+    as_large as f64 / (BREAK_DRAWS + 1) as f64
 }

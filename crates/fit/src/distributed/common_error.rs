@@ -6,15 +6,9 @@
 //! alike as the noise is, for both come through the same smoothing, and their size in the half waves to fall as 1/(1+m),
 //! as that of things does that change with the strip's shape.
 
+use super::policy::{FEWEST_FOR_COMMON, FEWEST_TIMES, LEAST_FREEDOM, WAVES};
 use ieap_numerics::sums::{dot, square};
 
-/// Half waves over the record that are looked at, the constant counted.
-const WAVES: usize = 6;
-/// Fewest places and times of which common errors are told from noise.
-const LEAST_PLACES: usize = 5;
-const LEAST_TIMES: usize = 4 * WAVES;
-/// Fewest independent amplitudes, beyond what the fit has taken, from which their size is known.
-const LEAST_FREEDOM: f64 = 3.0;
 /// Rounds in which size and weights settle.
 const ROUNDS: usize = 30;
 
@@ -39,7 +33,7 @@ pub(super) struct CommonError {
 impl Waves {
     /// Of series over `times` readings, one after the other; none where there are too few of either.
     pub fn of(residuals: &[f64], times: usize) -> Option<Waves> {
-        if times < LEAST_TIMES || residuals.len() < LEAST_PLACES * times {
+        if times < FEWEST_TIMES || residuals.len() < FEWEST_FOR_COMMON * times {
             return None;
         }
         let waves: Vec<Vec<f64>> = (0..WAVES).map(|m| wave(m, times)).collect();

@@ -4,15 +4,8 @@ use ieap_domain::{Estimate, Issue, Parameter};
 use ieap_numerics::student::quantile_95;
 
 use super::described::Break;
+use super::policy::{BREAK_PLACES, CRACK_FACTOR, WIDEST_PLACE};
 use super::squares::Fitted;
-
-/// Places that are asked about.
-pub(super) const PLACES: usize = 15;
-/// A foil is called cracked where its resistance changes by more than this factor, its interval allowed for: foils are
-/// uneven by less, and so is what a tracer gets wrong.
-const LEAST_FACTOR: f64 = 1.1;
-/// Half width of a place's interval, as a share of the length, beyond which it is no place.
-const WIDEST: f64 = 0.25;
 
 /// A break that was found.
 #[derive(Debug, Clone)]
@@ -40,7 +33,7 @@ impl ContactBreak {
     /// Whether the resistance changes by more than foils are uneven, its interval allowed for.
     pub(super) fn is_crack(&self) -> bool {
         let (log, half) = self.factor();
-        log.abs() - half > LEAST_FACTOR.ln()
+        log.abs() - half > CRACK_FACTOR.ln()
     }
 
     fn half(&self, k: usize) -> f64 {
@@ -60,7 +53,7 @@ impl ContactBreak {
         let ((share, half), (log, log_half)) = (self.share(), self.factor());
         let mm = 10.0 * self.length_cm;
         let quantile = quantile_95(self.fitted.freedom);
-        let place = if half < WIDEST {
+        let place = if half < WIDEST_PLACE {
             Estimate::determined(
                 share * mm,
                 half / quantile * mm,
@@ -99,7 +92,7 @@ impl ContactBreak {
             None => "from a place on that the readings do not tell".to_owned(),
         };
         let message = format!(
-            "contact-break: the electrodes resist {} times as much along the strip {place}, as a cracked foil does; p = {:.3} over {PLACES} places, the sum of squares falls by {:.0} variances of the noise",
+            "contact-break: the electrodes resist {} times as much along the strip {place}, as a cracked foil does; p = {:.3} over {BREAK_PLACES} places, the sum of squares falls by {:.0} variances of the noise",
             span(&factor),
             self.p,
             self.gain

@@ -6,11 +6,10 @@ use ieap_numerics::student::two_sided_chance;
 use super::estimates::{electrode_resistance, tells_electrodes};
 use super::identified::Identified;
 use super::input::DistributedInput;
+use crate::policy::CONTRADICTED_BELOW;
 
 /// Key of the resistance.
 const RESISTANCE: &str = "re_ohm_per_sq";
-/// Chance below which readings and probe contradict each other, as that of a break.
-const CLAIMED: f64 = 0.01;
 
 /// What is to be said of a resistance that was given, beside what the readings alone tell of it (`alone`), where they do.
 /// With a break it is their parameters that are stated.
@@ -31,7 +30,7 @@ pub(super) fn issue(input: &DistributedInput, alone: Option<&Identified>) -> Opt
         let own = told.standard_error? / told.value?;
         let error = own.hypot(probed.map_or(0.0, |probed| probed.error));
         let p = two_sided_chance(off / error, alone.electrical.freedom);
-        (p < CLAIMED).then_some(p)
+        (p < CONTRADICTED_BELOW).then_some(p)
     });
     let issue = match (contradiction, told, is_broken, probed) {
         (Some(p), Some(told), ..) => {

@@ -8,10 +8,8 @@ use ieap_numerics::student::quantile_95;
 use super::described::electrical_parameters;
 use super::estimates::electrode_resistance;
 use super::identified::Identified;
+use super::policy::UNEVEN_BELOW;
 use super::unevenness::{Unevenness, unevenness};
-
-/// Chance below which differences between places are claimed.
-pub const CLAIMED: f64 = 0.05;
 
 /// What a run says of lumped and distributed.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,8 +74,8 @@ impl Decision {
     /// What the numbers say.
     pub fn verdict(&self) -> LumpedOrDistributed {
         match (&self.unevenness, &self.lumped_error) {
-            (Some(found), _) if found.p >= CLAIMED => LumpedOrDistributed::Even,
-            (Some(found), _) if found.p_later >= CLAIMED => LumpedOrDistributed::UnevenPattern,
+            (Some(found), _) if found.p >= UNEVEN_BELOW => LumpedOrDistributed::Even,
+            (Some(found), _) if found.p_later >= UNEVEN_BELOW => LumpedOrDistributed::UnevenPattern,
             (Some(_), _) => LumpedOrDistributed::Distributed,
             (None, Some(_)) => LumpedOrDistributed::ByCriterion,
             (None, None) => LumpedOrDistributed::Untold,

@@ -5,13 +5,13 @@ use ieap_domain::{Estimate, Issue, Parameter};
 use ieap_numerics::student::quantile_95;
 
 use super::contact_break::ContactBreak;
-use super::decision::CLAIMED;
 use super::described::electrical_parameters;
 use super::electrical;
 use super::given_error::given_resistance;
 use super::identified::Identified;
 use super::input::DistributedInput;
 use super::mechanical::Mechanical;
+use super::policy::UNEVEN_BELOW;
 use super::squares::Fitted;
 use super::unevenness::unevenness;
 use crate::interval_rule;
@@ -138,7 +138,7 @@ pub(super) fn electrode_resistance(found: &Identified) -> Estimate {
 /// R_e has an upper bound where the strip cannot be told from one whose electrodes conduct perfectly: where the current
 /// does not tell, or where places along the strip do not differ, which is the surer sign.
 fn along(found: &Identified, estimate: Estimate) -> Estimate {
-    let is_even = || unevenness(found).is_some_and(|uneven| uneven.p >= CLAIMED);
+    let is_even = || unevenness(found).is_some_and(|uneven| uneven.p >= UNEVEN_BELOW);
     if estimate.value.is_some() && !is_even() {
         return estimate;
     }

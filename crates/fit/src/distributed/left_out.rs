@@ -6,12 +6,8 @@
 
 use ieap_numerics::symmetric::Symmetric;
 
+use super::policy::{FEWEST_BLOCKS, MOST_BLOCKS};
 use super::readings::SeriesGroup;
-
-/// Fewest places of a group, and of blocks of them.
-const LEAST_PLACES: usize = 5;
-/// Most blocks.
-const MOST_BLOCKS: usize = 8;
 
 /// Covariance of parameters as leaving places out shows it.
 pub(super) struct LeftOut {
@@ -38,10 +34,10 @@ impl Columns<'_> {
         let mut freedom = 0.0;
         for (g, group) in self.groups.iter().enumerate() {
             let count = group.values.len();
-            if count < LEAST_PLACES {
+            if count < FEWEST_BLOCKS {
                 continue;
             }
-            let blocks = (places[g].round() as usize).clamp(LEAST_PLACES, MOST_BLOCKS.min(count));
+            let blocks = (places[g].round() as usize).clamp(FEWEST_BLOCKS, MOST_BLOCKS.min(count));
             let weight = (blocks - 1) as f64 / blocks as f64;
             for block in 0..blocks {
                 let (from, to) = (block * count / blocks, (block + 1) * count / blocks);

@@ -23,6 +23,7 @@ mod mechanical;
 mod outcome;
 #[cfg(test)]
 mod places_tests;
+mod policy;
 mod readings;
 mod residual_noise;
 mod response;
@@ -38,18 +39,17 @@ use crate::error::FitError;
 use crate::options::Steps;
 use crate::settled_edges::Settled;
 use crate::widened;
-pub use decision::{Bounded, CLAIMED, Decision, LumpedOrDistributed};
+pub use decision::{Bounded, Decision, LumpedOrDistributed};
 pub use given_error::given_resistance;
 use identified::{Identified, RELATIVE_OHM_PER_SQ};
 pub use input::{DistributedInput, Strip};
+use policy::FEWEST_READINGS;
+pub use policy::UNEVEN_BELOW;
 use readings::{Kind, Readings};
 pub use unevenness::Unevenness;
 
 /// Id of the model in the registry.
 pub const MODEL_ID: &str = "distributed";
-
-/// Readings that each phase needs at least.
-const LEAST_READINGS: usize = 12;
 
 /// Fits a run with the distributed model.
 ///
@@ -104,7 +104,7 @@ fn fit_placed(input: &DistributedInput, steps: Steps) -> Result<Fit, FitError> {
 /// The strip with an R_e that follows from the readings, where one is given that a current would tell as well.
 fn by_readings_alone<'a>(input: &DistributedInput<'a>) -> Result<Option<Identified<'a>>, FitError> {
     let given = input.strip.electrode_resistance_ohm_per_sq.is_some();
-    let tells = given && Readings::new(input).count(Kind::Current) >= LEAST_READINGS;
+    let tells = given && Readings::new(input).count(Kind::Current) >= FEWEST_READINGS;
     let unprobed = DistributedInput {
         strip: input.strip.unprobed(),
         ..*input
@@ -129,18 +129,18 @@ fn identify<'a>(input: &DistributedInput<'a>, steps: Steps) -> Result<Identified
     check(input)?;
     let readings = Readings::new(input);
     let is_relative = input.strip.electrode_resistance_ohm_per_sq.is_none()
-        && readings.count(Kind::Current) < LEAST_READINGS;
+        && readings.count(Kind::Current) < FEWEST_READINGS;
     let mut input = *input;
     if is_relative {
         input.strip.electrode_resistance_ohm_per_sq = Some(RELATIVE_OHM_PER_SQ);
     }
-    let electrical = readings.count(Kind::Voltage) + readings.count(Kind::Current) >= LEAST_READINGS;
-    let bends = readings.count(Kind::Curvature) >= LEAST_READINGS;
+    let electrical = readings.count(Kind::Voltage) + readings.count(Kind::Current) >= FEWEST_READINGS;
+    let bends = readings.count(Kind::Curvature) >= FEWEST_READINGS;
     let (electrical, mechanical, method) = match (electrical, bends) {
         (false, false) => {
             return Err(FitError::NothingAlong {
                 found: readings.counts().into_iter().max().unwrap_or(0),
-                needed: LEAST_READINGS,
+                needed: FEWEST_READINGS,
             });
         }
         (true, _) => {

@@ -6,6 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::policy::UNEVEN_BELOW;
 use super::*;
 use ieap_domain::{Channel, Drive, Quantity};
 use ieap_model::coupling::CurvaturePerLineCharge;
@@ -149,7 +150,7 @@ fn even_strips_are_called_uneven_no_more_often_than_stated() {
             let uneven = (0..n)
                 .filter(|&seed| {
                     with_input(&EVEN, &case, seed, |input| {
-                        decide(input).unwrap().unevenness.unwrap().p < CLAIMED
+                        decide(input).unwrap().unevenness.unwrap().p < UNEVEN_BELOW
                     })
                 })
                 .count() as u64;
@@ -157,7 +158,7 @@ fn even_strips_are_called_uneven_no_more_often_than_stated() {
                 "correlation {autocorrelation}, neighbours {neighbours}, voltages {voltages}: {uneven} of {n}"
             );
             assert!(
-                uneven <= at_most(CLAIMED, n),
+                uneven <= at_most(UNEVEN_BELOW, n),
                 "{autocorrelation} {neighbours} {voltages}: {uneven} of {n}"
             );
         }
@@ -189,7 +190,7 @@ fn resistance_is_told_from_a_coupling_that_differs_from_place_to_place() {
             })
         })
         .count() as u64;
-    assert!(named <= at_most(CLAIMED, n), "{named} of {n}");
+    assert!(named <= at_most(UNEVEN_BELOW, n), "{named} of {n}");
 }
 
 #[test]

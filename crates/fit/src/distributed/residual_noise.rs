@@ -5,14 +5,9 @@
 //! better than the few that are independent among them.
 
 use super::common_error::{CommonError, Waves};
+use super::policy::{FEWEST_FOR_SIZE, LEAST_SIZE, SIZE_PARTS};
 use ieap_numerics::correlation::{Autoregression, readings_per_independent, slow_excess};
 use ieap_numerics::sums::{dot, lagged, square};
-
-/// Part of the record to either side over which the noise's size is taken for one, and the fewest readings.
-const ABOUT: usize = 24;
-const LEAST_ABOUT: usize = 8;
-/// No stretch is quieter than this, in variances of all.
-const LEAST_SIZE: f64 = 0.01;
 
 /// Covariance of the residuals of one group, in units of the noise of each series.
 #[derive(Debug, Clone)]
@@ -177,7 +172,7 @@ fn size_over_time(residuals: &[f64], times: usize) -> Vec<f64> {
     if mean <= 0.0 {
         return vec![1.0; times];
     }
-    let reach = (times / ABOUT).max(LEAST_ABOUT);
+    let reach = (times / SIZE_PARTS).max(FEWEST_FOR_SIZE);
     let about = |k: usize| {
         let (from, to) = (k.saturating_sub(reach), (k + reach + 1).min(times));
         (sums[to] - sums[from]) / (to - from) as f64

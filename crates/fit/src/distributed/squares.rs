@@ -7,9 +7,11 @@ use ieap_numerics::symmetric::Symmetric;
 use super::described::Described;
 use super::input::{DistributedInput, Probed};
 use super::left_out::{Columns, LeftOut};
+use super::policy::{HALF_BOX_LOG, LEAST_REACH};
 use super::readings::{Kind, Readings, SeriesGroup};
 use super::residual_noise::ResidualNoise;
 use super::response;
+use crate::policy::LOST_BELOW;
 
 /// Step of the differences in a logarithm: the error of second order is then about a part in 10^9.
 const STEP: f64 = 3e-5;
@@ -18,14 +20,8 @@ const LIMIT: u64 = 80;
 /// A search ends where a step would lower the sum of squares by less than this part of it: a resistance that is too
 /// small to be noticed is not followed to nothing.
 const SETTLED: f64 = 1e-9;
-/// Half width of the box around a start, in logarithms.
-const HALF_BOX: f64 = 16.0;
-/// Relative precision below which a direction counts as not determined.
-const FLOOR: f64 = 1e-13;
 /// Where R_e stands among the parameters.
 const RESISTANCE: usize = 3;
-/// `R_e L^2 / R_c` below which nothing would be noticed: a lumped model is then wrong by a quarter of a thousandth.
-const LEAST_REACH: f64 = 1e-3;
 
 /// A minimum with what its uncertainty needs.
 #[derive(Debug, Clone)]
@@ -200,7 +196,7 @@ impl<'a> StripProblem<'a> {
     /// A wide box around a start. A fitted R_e stays above what could be noticed, where its logarithm still moves
     /// something.
     pub fn limits(&self, start: &[f64]) -> Bounds {
-        let mut bounds = Bounds::about(start, HALF_BOX);
+        let mut bounds = Bounds::about(start, HALF_BOX_LOG);
         let strip = &self.input.strip;
         if strip.electrode_resistance_ohm_per_sq.is_none() && self.fits_electrodes {
             bounds.low[RESISTANCE] = (LEAST_REACH / strip.length_cm.powi(2)).ln() + start[0];
@@ -254,7 +250,7 @@ impl<'a> StripProblem<'a> {
         let middle = Symmetric::from_fn(n, |row, column| {
             product(&slopes[row], &scattered[column]) + told.get(row, column)
         });
-        let inverse = found.local.normal.floored_inverse(FLOOR);
+        let inverse = found.local.normal.floored_inverse(LOST_BELOW);
         let covariance = inverse.sandwich(&middle);
         let mut freedom = slopes
             .iter()
@@ -267,7 +263,7 @@ impl<'a> StripProblem<'a> {
             slopes: &slopes,
         };
         let places: Vec<f64> = noise.iter().map(ResidualNoise::independent_places).collect();
-        let covariance = match columns.left_out(&found.local.normal, &places, FLOOR) {
+        let covariance = match columns.left_out(&found.local.normal, &places, LOST_BELOW) {
             Some(left_out) => widened(&covariance, &left_out, &mut freedom),
             None => covariance,
         };
@@ -314,7 +310,7 @@ impl<'a> StripProblem<'a> {
     /// Derivatives at a place divided by their normal equations: how the minimum moves with the readings.
     pub fn inverse_normal(&self, slopes: &[Vec<Vec<f64>>]) -> Symmetric {
         let entry = |row: usize, column: usize| product(&slopes[row], &slopes[column]);
-        Symmetric::from_fn(slopes.len(), entry).floored_inverse(FLOOR)
+        Symmetric::from_fn(slopes.len(), entry).floored_inverse(LOST_BELOW)
     }
 }
 

@@ -15,12 +15,10 @@ use ieap_numerics::sums::{dot, square};
 
 use super::described::{Described, electrical_parameters};
 use super::identified::Identified;
+use super::policy::LEAST_REACH_ASKED;
 use super::readings::{Kind, SeriesGroup};
 use super::response;
 use super::squares::{StripProblem, freedom, product, scatter};
-
-/// Reach of the resistance at which the direction is taken where less was found: `R_e L^2 / R_c`.
-const LEAST_REACH: f64 = 0.01;
 
 /// What the differences between places say.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,7 +133,7 @@ fn predicted(groups: &[&SeriesGroup], described: &Described, found: &Identified)
 /// Predictions with at least the least reach.
 fn predicted_at_least(groups: &[&SeriesGroup], found: &Identified) -> Vec<Vec<f64>> {
     let mut described = found.described();
-    described.reach_at_least(LEAST_REACH);
+    described.reach_at_least(LEAST_REACH_ASKED);
     predicted(groups, &described, found)
 }
 

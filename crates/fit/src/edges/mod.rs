@@ -3,8 +3,10 @@
 //! Any logger that is not told of the edges meets this. The times are nuisances: uniform between two readings, found with
 //! all else where the readings tell more, and what is left open of them widens what is stated.
 
+mod policy;
 mod programme;
 
+use crate::edges::policy::SHARED_PART;
 use ieap_domain::Drive;
 use ieap_numerics::symmetric::Symmetric;
 
@@ -12,10 +14,6 @@ use programme::Programme;
 
 /// Standard deviation of a number that lies anywhere in a range, in lengths of the range.
 const OF_UNIFORM: f64 = 0.288_675_134_594_812_9;
-
-/// Part of what is not known of edges that they share. The clock of the readings may be that of the source, and then all edges
-/// are off alike, or another one: between the two, so that neither is taken for granted.
-const ALIKE: f64 = 0.75;
 
 /// Part of its range that a shift uses: an edge is never at the very reading before it, which would then lie behind it.
 const INSIDE: f64 = 1.0 - 1e-6;
@@ -148,7 +146,7 @@ impl EdgeTimes {
     pub fn open_ways(&self) -> Vec<Vec<f64>> {
         let of_clock = |shift: &Shift| f64::from(u8::from(shift.is_of_clock));
         let several = self.shifts.iter().filter(|shift| shift.is_of_clock).count() > 1;
-        let part = if several { ALIKE } else { 0.0 };
+        let part = if several { SHARED_PART } else { 0.0 };
         let alike = |shift: &Shift| (part * of_clock(shift)).sqrt() * shift.standard_deviation_s();
         let own = |shift: &Shift| (1.0 - part * of_clock(shift)).sqrt() * shift.standard_deviation_s();
         let of_one = |k: usize| {

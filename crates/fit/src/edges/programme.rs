@@ -4,13 +4,8 @@
 use ieap_domain::{Drive, Level};
 
 use super::{EdgeTimes, Shift};
+use crate::edges::policy::{FEWEST_FOR_PERIOD, MOST_IN_PERIOD, SAME_LEVEL_PART};
 
-/// Edges from which on a period is looked for.
-const FEWEST_EDGES: usize = 4;
-/// Edges in a period at most.
-const LONGEST_CYCLE: usize = 12;
-/// Levels of one place in the period differ by less than this part of their range.
-const ALIKE: f64 = 0.02;
 /// Periods that are tried between the shortest and the longest that the edges leave.
 const TRIED: usize = 400;
 
@@ -30,10 +25,10 @@ impl Programme {
     /// The programme with most room between the readings; none where no period passes between all of them.
     pub(super) fn of(drive: &Drive, between: &[Option<(f64, f64)>]) -> Option<Programme> {
         let between: Vec<(f64, f64)> = between.iter().copied().collect::<Option<_>>()?;
-        if between.len() < FEWEST_EDGES {
+        if between.len() < FEWEST_FOR_PERIOD {
             return None;
         }
-        let cycle = (1..=LONGEST_CYCLE.min(between.len() / 2)).find(|&cycle| repeats(drive, cycle))?;
+        let cycle = (1..=MOST_IN_PERIOD.min(between.len() / 2)).find(|&cycle| repeats(drive, cycle))?;
         let rounds = (between.len() - 1) / cycle;
         let last = rounds * cycle;
         let low_s = (between[last].0 - between[0].1) / rounds as f64;
@@ -104,7 +99,7 @@ fn repeats(drive: &Drive, cycle: usize) -> bool {
     let known = levels.iter().flatten().copied().chain([drive.baseline_v]);
     let (low, high) = ieap_domain::range_of(known);
     let alike = |(a, b): (&Option<f64>, &Option<f64>)| match (a, b) {
-        (Some(a), Some(b)) => (a - b).abs() <= ALIKE * (high - low),
+        (Some(a), Some(b)) => (a - b).abs() <= SAME_LEVEL_PART * (high - low),
         (a, b) => a == b,
     };
     levels.iter().zip(&levels[cycle..]).all(alike)

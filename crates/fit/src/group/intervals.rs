@@ -3,16 +3,16 @@
 use crate::joint::bootstrap::{replicate, spread};
 use crate::joint::feature::Feature;
 use crate::joint::minimum::excess;
+use crate::joint::policy::FOLLOWED_LOG;
 use crate::joint::problem::{JointProblem, Over};
 use crate::joint::profile::{Deeper, Interval, Solved};
-use crate::joint::single::{REACH, partner, reach};
+use crate::joint::single::{partner, reach};
+use crate::policy::NARROW_PART;
 use ieap_numerics::least_squares::{Minimum, Problem};
 use ieap_numerics::student::quantile_95;
 
 use super::options::{Bootstrap, GroupOptions, Intervals, LIMIT, Resampled};
 
-/// Part of a logarithm, or of a coupling, beyond which an interval is looked at by profile.
-const NARROW: f64 = 0.1;
 /// Deeper minima met on the way that are followed.
 const RESTARTS: usize = 3;
 
@@ -96,7 +96,7 @@ fn try_intervals(
             } else {
                 linear.value.abs()
             };
-            let narrow = quantile * linear.standard_error <= NARROW * scale;
+            let narrow = quantile * linear.standard_error <= NARROW_PART * scale;
             if narrow && options.intervals == Intervals::Automatic {
                 own.push((feature, widened(linear), None));
                 continue;
@@ -105,7 +105,7 @@ fn try_intervals(
                 Solved::new(problem, problem.search(Over::Condensed, &bottom.at, LIMIT, 1e-5))
             });
             let reach = if feature.is_logarithm() {
-                REACH
+                FOLLOWED_LOG
             } else {
                 reach(solved, feature, run, quantile)
             };

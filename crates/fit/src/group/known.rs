@@ -14,6 +14,7 @@ use super::options::{GroupOptions, shareable};
 use super::search::{deepest, search};
 use super::{assemble, prepare};
 use crate::error::FitError;
+use crate::group::policy::CONTRADICTS_SIGMAS;
 use crate::joint::feature::Feature;
 use crate::joint::layout::Layout;
 use crate::joint::minimum::excess;
@@ -22,11 +23,7 @@ use crate::joint::profile::{Interval, Solved};
 use crate::joint::spring::Spring;
 use crate::joint::start::{Start, problem};
 use crate::options::FitInput;
-
-/// Chance below which readings and what is said to be known contradict each other.
-const CONTRADICTED: f64 = 0.01;
-/// Standard errors apart from which a single parameter is named as the one that does.
-const APART: f64 = 2.0;
+use crate::policy::CONTRADICTED_BELOW;
 
 /// What is known of a feature, in the feature's own number.
 struct Taken<'k> {
@@ -256,7 +253,7 @@ fn contradictions(
     };
     // What the circuit leaves beyond noise is not held against what is known.
     let p = chi_square_chance(rise.max(0.0) / excess(free, &condensed).powi(2), taken.len());
-    if p >= CONTRADICTED {
+    if p >= CONTRADICTED_BELOW {
         return Vec::new();
     }
     let alone = Solved::new(free, bottom);
@@ -270,7 +267,7 @@ fn contradictions(
             } => (own.value - value, own.standard_error.hypot(standard_error)),
             Knowledge::Within { low, high } => (own.value - own.value.clamp(low, high), own.standard_error),
         };
-        (gap.abs() > APART * error).then(|| contradicted(taken, &own, p))
+        (gap.abs() > CONTRADICTS_SIGMAS * error).then(|| contradicted(taken, &own, p))
     });
     let apart: Vec<Issue> = apart.collect();
     if !apart.is_empty() {

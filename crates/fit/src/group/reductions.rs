@@ -13,7 +13,8 @@ use super::prepare;
 use super::search::deepest;
 use crate::error::FitError;
 use crate::joint::feature::Feature;
-use crate::joint::minimum::{MISFIT, excess};
+use crate::joint::minimum::excess;
+use crate::joint::policy::MISFIT_FACTOR;
 use crate::joint::problem::{JointProblem, Over};
 use crate::joint::readings::Response;
 use crate::joint::start::{Start, problem};
@@ -108,7 +109,7 @@ pub fn reductions(input: &FitInput) -> Result<Reductions, FitError> {
     let against = |circuit: Circuit| own(circuit).against(&full, circuit, misfit);
     Ok(Reductions {
         full_leaves,
-        circuits: if full_leaves > MISFIT {
+        circuits: if full_leaves > MISFIT_FACTOR {
             Vec::new()
         } else {
             Circuit::ALL.into_iter().map(against).collect()

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::feature::Feature;
 use super::problem::{JointProblem, Over};
 use super::readings::{Response, RunReadings};
+use crate::joint::policy::FEWEST_REFITS;
 
 /// Draws residuals anew in circular blocks of length `block` and adds them to the fitted values, every
 /// response of every run on its own; refits `replicates` times from the minimum.
@@ -77,9 +78,9 @@ fn block_length(n: usize, crowding: f64) -> usize {
     ((growth * crowding).ceil() as usize).clamp(1, (n / 4).max(1))
 }
 
-/// The 2.5 % and 97.5 % points and the standard deviation of values; none for fewer than 20.
+/// The 2.5 % and 97.5 % points and the standard deviation of values; none for fewer than [`FEWEST_REFITS`].
 pub(crate) fn spread(values: &mut [f64]) -> Option<(f64, f64, f64)> {
-    if values.len() < 20 {
+    if values.len() < FEWEST_REFITS {
         return None;
     }
     values.sort_unstable_by(f64::total_cmp);

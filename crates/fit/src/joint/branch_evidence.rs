@@ -1,8 +1,9 @@
 //! How many branches the current of one run shows.
 
-use crate::electrical::{BRANCH_DOUBT, BRANCH_EVIDENCE, Electrical};
+use crate::electrical::Electrical;
+use crate::joint::policy::RULED_OUT_RISE;
+use crate::policy::{BRANCH_DOUBT, BRANCH_EVIDENCE};
 
-use ieap_domain::quantiles::CHI_SQUARE_95;
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 use ieap_numerics::sums::dot;
 
@@ -11,8 +12,6 @@ use super::minimum::{electrical_starts, excess, minimum};
 use super::problem::JointProblem;
 use super::readings::RunReadings;
 
-/// Rise of the sum of squares beyond which a hidden branch is ruled out (95 %).
-const RULED_OUT: f64 = CHI_SQUARE_95[0];
 /// Step of the difference quotients, in logarithms.
 const STEP: f64 = 1e-4;
 
@@ -74,7 +73,7 @@ pub(super) fn evidence(
         Branches::All
     } else if evidence.gain > BRANCH_DOUBT {
         Branches::Doubtful
-    } else if weighed > 2 || hidden_rise(&fewer, &bottom) / scale > RULED_OUT {
+    } else if weighed > 2 || hidden_rise(&fewer, &bottom) / scale > RULED_OUT_RISE {
         Branches::Fewer
     } else {
         Branches::OneOrHidden

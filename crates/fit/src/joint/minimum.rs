@@ -12,9 +12,6 @@ use super::problem::{JointProblem, Over, Slot};
 use super::readings::RunReadings;
 use super::start::{Start, problem};
 
-/// A root mean square of the residuals beyond this multiple of the noise is no chance: the noise is taken from the
-/// scatter of neighbours, which finds slow noise (correlation 0.8) up to three times too small.
-pub(crate) const MISFIT: f64 = 4.0;
 /// Evaluations of one search.
 pub(super) const LIMIT: u64 = 100;
 /// Fall of the sum of squares at which a search settles.

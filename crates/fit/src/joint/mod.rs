@@ -8,6 +8,7 @@ pub(super) mod feature;
 pub(super) mod layout;
 pub(super) mod minimum;
 pub(super) mod noise;
+pub(super) mod policy;
 pub(super) mod problem;
 pub(super) mod profile;
 pub(super) mod readings;

@@ -6,6 +6,7 @@ use ieap_numerics::symmetric::Symmetric;
 use super::feature::Feature;
 use super::problem::{JointProblem, Over};
 use super::spring::{Spring, gradient};
+use crate::joint::policy::DEEPER_BY;
 
 /// Evaluations allowed to one constrained search.
 const LIMIT: u64 = 40;
@@ -13,8 +14,6 @@ const LIMIT: u64 = 40;
 const SETTLE: f64 = 1e-3;
 /// Stiffness of the constraint, per standard error of the feature.
 const STIFFNESS: f64 = 20.0;
-/// A lower minimum found on the way counts when it lies this much deeper.
-const DEEPER: f64 = 0.02;
 
 /// What is known of one feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,7 +130,7 @@ impl<'p, 'a> Solved<'p, 'a> {
             let distance = sign * (self.feature(feature, run, &found.at) - centre.value);
             let square = self.problem.square(&found.at, Over::Condensed);
             self.evaluations += found.evaluations;
-            if square < least - DEEPER {
+            if square < least - DEEPER_BY {
                 return Err(Deeper(found.at));
             }
             let rise = (square - least).max(0.0).sqrt();

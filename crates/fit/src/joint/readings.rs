@@ -1,5 +1,6 @@
 //! One run as a joint fit sees it: both responses, weighted by their noise.
 
+use crate::joint::policy::LEAST_NOISE_PART;
 use crate::sampled::Sampled;
 use ieap_domain::{Channel, Drive, Quantity};
 use ieap_model::LumpedModel;
@@ -13,8 +14,6 @@ use super::whitening::Whitener;
 
 /// Relative distance of lambda from a charging rate within which the response is taken as a straight line in lambda.
 const NEAR: f64 = 1e-2;
-/// Noise is not taken to be smaller than this part of the peak: rounding, and what the model's kernels leave.
-const LEAST_NOISE: f64 = 1e-9;
 
 /// One channel with its noise.
 #[derive(Debug, Clone)]
@@ -27,13 +26,13 @@ pub(crate) struct Response {
 
 impl Response {
     pub(crate) fn new(sampled: Sampled) -> Response {
-        let noise = Noise::of(&sampled, LEAST_NOISE * peak(&sampled.values));
+        let noise = Noise::of(&sampled, LEAST_NOISE_PART * peak(&sampled.values));
         Response::with_noise(sampled, noise)
     }
 
     /// With the noise beside a fit that has `left` so much of the readings.
     pub(crate) fn beside_fit(sampled: Sampled, left: &[f64]) -> Response {
-        let noise = Noise::beside_fit(&sampled, left, LEAST_NOISE * peak(&sampled.values));
+        let noise = Noise::beside_fit(&sampled, left, LEAST_NOISE_PART * peak(&sampled.values));
         Response::with_noise(sampled, noise)
     }
 

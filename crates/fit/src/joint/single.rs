@@ -2,7 +2,9 @@
 //! the sum of squares is a parabola, else by profile likelihood.
 
 use crate::bending::Bending;
-use crate::electrical::{BRANCH_EVIDENCE, CLEAR, Electrical};
+use crate::electrical::Electrical;
+use crate::joint::policy::{CHOSEN_WIDER, FOLLOWED_LOG};
+use crate::policy::{BRANCH_CLEAR, BRANCH_EVIDENCE};
 use ieap_numerics::least_squares::{Minimum, Problem, Stop};
 use ieap_numerics::student::quantile_95;
 
@@ -14,11 +16,6 @@ use super::profile::{Deeper, Interval, Solved};
 use super::readings::{Offsets, RunReadings};
 use super::start::Start;
 
-/// How much wider the intervals of a branch are that was only just taken: runs in which chance made it look
-/// larger are taken more often than those in which it made it look smaller.
-const CHOSEN_WIDER: f64 = 0.5;
-/// How far an interval of a logarithm is followed.
-pub(crate) const REACH: f64 = 1.7;
 /// Restarts from deeper minima met on the way.
 const RESTARTS: usize = 4;
 /// Evaluations over all readings.
@@ -227,7 +224,7 @@ fn chosen_wider(evidence: &Evidence) -> f64 {
     if evidence.branches != Branches::All {
         return 1.0;
     }
-    let short = ((CLEAR - evidence.gain) / (CLEAR - BRANCH_EVIDENCE)).clamp(0.0, 1.0);
+    let short = ((BRANCH_CLEAR - evidence.gain) / (BRANCH_CLEAR - BRANCH_EVIDENCE)).clamp(0.0, 1.0);
     1.0 + CHOSEN_WIDER * short
 }
 
@@ -264,7 +261,7 @@ pub(crate) fn reach(solved: &Solved, feature: Feature, run: usize, quantile: f64
     match feature {
         Feature::Coupling => 4.0 * linear.value.abs(),
         Feature::Steady | Feature::Rate => 10.0 * (linear.value + quantile * linear.standard_error),
-        _ => REACH,
+        _ => FOLLOWED_LOG,
     }
 }
 

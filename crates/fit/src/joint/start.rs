@@ -2,14 +2,12 @@
 
 use crate::bending::Bending;
 use crate::electrical::Electrical;
+use crate::joint::policy::FARTHEST_LOG;
 use ieap_numerics::least_squares::Bounds;
 
 use super::layout::Layout;
 use super::problem::{JointProblem, Slot};
 use super::readings::RunReadings;
-
-/// Logarithms may move this far from where they start.
-const FAR: f64 = 12.0;
 
 /// Local parameters of a run to start from, in their own units, and which of them are there to be searched.
 #[derive(Debug, Clone, PartialEq)]
@@ -182,7 +180,7 @@ fn units(runs: &[RunReadings], starts: &[Start], layout: Layout) -> Vec<f64> {
 fn limits(problem: &JointProblem, local: usize, start: f64) -> (f64, f64) {
     let layout = problem.layout;
     if layout.is_logarithm(local) {
-        return (start - FAR, start + FAR);
+        return (start - FARTHEST_LOG, start + FARTHEST_LOG);
     }
     if local == layout.steady() {
         return (0.0, 1e4);

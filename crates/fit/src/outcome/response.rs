@@ -1,8 +1,8 @@
 //! One response of a fit: its noise, and the curve to draw.
 
-use crate::electrical::FOLLOWED;
 use crate::joint::noise::Noise;
 use crate::joint::whitening::{Autocorrelation, longest_s};
+use crate::policy::{ENOUGH_FOR_NOISE, FOLLOWED_PART};
 use crate::sampled::Sampled;
 use crate::uncertainty::Residuals;
 use ieap_domain::thinning::drawn_indices;
@@ -10,8 +10,6 @@ use ieap_domain::{ChannelNoise, NoiseCharacter, Quantity, RunCurve};
 use ieap_numerics::correlation::lag_one;
 use ieap_numerics::sums;
 
-/// Readings that tell memory, growth and steps of noise to a few percent.
-const ENOUGH: usize = 3000;
 /// Stretches of time in which the drawn readings are chosen.
 const DRAWN_STRETCHES: usize = 120;
 /// The same of a voltage that moves all the time: as fine as a figure is wide.
@@ -105,7 +103,8 @@ impl Response {
 /// Memory, growth and steps of the noise.
 fn character(sampled: &Sampled, left: &[f64]) -> NoiseCharacter {
     let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let of_ends = |sampled: &Sampled| (sampled.len() > 2 * ENOUGH).then(|| sampled.ends(ENOUGH));
+    let of_ends =
+        |sampled: &Sampled| (sampled.len() > 2 * ENOUGH_FOR_NOISE).then(|| sampled.ends(ENOUGH_FOR_NOISE));
     let ends = of_ends(sampled);
     let left = match &ends {
         Some(_) if left.len() == sampled.len() => {
@@ -163,7 +162,7 @@ fn noise(sampled: &Sampled, residuals: Option<&Residuals>) -> (f64, String) {
 /// last digit leave nothing and say nothing.
 fn are_below(residuals: &Residuals, standard_deviation: f64) -> bool {
     let left = residuals.noise.variance;
-    left > 0.0 && left < FOLLOWED * standard_deviation.powi(2)
+    left > 0.0 && left < FOLLOWED_PART * standard_deviation.powi(2)
 }
 
 /// 1 - SUM r^2 / SUM (y - mean)^2 over the readings from the step on, as the thesis prints it; none where

@@ -1,21 +1,12 @@
 //! Where a record leaves its resting level: the jump of a current, the onset of bending.
 
 use super::Edge;
+use crate::clocks::policy::{
+    BEGINNING_SHARE, DEPARTURE_OVER_NOISE, DEPARTURE_SHARE, DRIFT_OVER_NOISE, DRIFT_SHARE, FEWEST_AT_REST,
+    FEWEST_STRAIGHT, LARGEST_OVER_LEAST,
+};
 use ieap_domain::Channel;
 use ieap_numerics::robust::{sd_on_a_slope, upper_median};
-
-/// Readings at rest that an onset needs before it.
-const AT_REST: usize = 5;
-/// A departure counts where it exceeds this many times the noise ...
-const NOISE: f64 = 6.0;
-/// ... and this share of the largest departure.
-const SHARE: f64 = 0.01;
-/// Most that the resting level may drift, as a share of the departure that counts.
-const DRIFT: f64 = 0.25;
-/// The straight beginning is taken up to this share of the largest departure.
-const BEGINNING: f64 = 0.15;
-/// Readings that a straight beginning needs.
-const STRAIGHT: usize = 4;
 
 /// The largest change between two neighbouring readings of a current that was at rest before.
 pub(super) fn jump(current: &Channel) -> Result<Edge, String> {
@@ -23,10 +14,10 @@ pub(super) fn jump(current: &Channel) -> Result<Edge, String> {
     let changes: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     let largest = (0..changes.len()).max_by(|&a, &b| changes[a].total_cmp(&changes[b]));
     let at = largest
-        .filter(|&at| at + 1 >= AT_REST)
+        .filter(|&at| at + 1 >= FEWEST_AT_REST)
         .ok_or("the current is not at rest before its first jump")?;
     let noise = sd_on_a_slope(&values);
-    if changes[at] <= NOISE * noise || changes[at] == 0.0 {
+    if changes[at] <= DEPARTURE_OVER_NOISE * noise || changes[at] == 0.0 {
         return Err("the current shows no jump".to_owned());
     }
     Ok(Edge::between(time_s[at], time_s[at + 1]))
@@ -35,41 +26,41 @@ pub(super) fn jump(current: &Channel) -> Result<Edge, String> {
 /// The moment from which the strip bends: where the straight beginning of the departure meets the resting level.
 pub(super) fn of_bending(bending: &Channel) -> Result<Edge, String> {
     let (time_s, values) = bending.included();
-    if values.len() < 4 * AT_REST {
+    if values.len() < 4 * FEWEST_AT_REST {
         return Err(format!("the bending has {} readings only", values.len()));
     }
     let noise = sd_on_a_slope(&values);
-    let rest = middle(&values[..AT_REST]);
+    let rest = middle(&values[..FEWEST_AT_REST]);
     let largest = values
         .iter()
         .fold(0.0_f64, |most, value| most.max((value - rest).abs()));
-    let threshold = (NOISE * noise).max(SHARE * largest);
+    let threshold = (DEPARTURE_OVER_NOISE * noise).max(DEPARTURE_SHARE * largest);
     let departs = |at: usize| values[at..].iter().take(3).all(|v| (v - rest).abs() > threshold);
     let first = (0..values.len().saturating_sub(2)).find(|&at| departs(at));
     let first = match first {
-        Some(first) if largest > 2.0 * threshold => first,
+        Some(first) if largest > LARGEST_OVER_LEAST * threshold => first,
         _ => return Err("the bending does not leave its noise".to_owned()),
     };
-    if first < AT_REST {
+    if first < FEWEST_AT_REST {
         return Err(format!(
-            "{first} readings at rest stand before the bending, {AT_REST} are needed"
+            "{first} readings at rest stand before the bending, {FEWEST_AT_REST} are needed"
         ));
     }
     // The last readings before the threshold may be on their way already.
     let resting = &values[..(4 * first).div_ceil(5)];
     let (early, late) = resting.split_at(resting.len() / 2);
     let drift = (middle(late) - middle(early)).abs();
-    if drift > (DRIFT * threshold).max(1.5 * noise) {
+    if drift > (DRIFT_SHARE * threshold).max(DRIFT_OVER_NOISE * noise) {
         return Err("the strip is not at rest before the bending".to_owned());
     }
     let level = middle(resting);
     let level_error = noise / (resting.len() as f64).sqrt();
     let straight = values[first..]
         .iter()
-        .take_while(|value| (*value - level).abs() <= BEGINNING * largest)
+        .take_while(|value| (*value - level).abs() <= BEGINNING_SHARE * largest)
         .count();
     let between = Edge::between(time_s[first - 1], time_s[first]);
-    if straight < STRAIGHT {
+    if straight < FEWEST_STRAIGHT {
         return Ok(between);
     }
     let of = |count: usize| {

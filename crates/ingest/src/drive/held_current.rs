@@ -1,14 +1,9 @@
 //! Records of a constant current: the voltage answers, and is told as that and not as a sweep.
 
 use super::{FoundDrive, NO_STEPS};
+use crate::drive::policy::{HELD_CURRENT_SHARE, HELD_WITHIN};
 use ieap_domain::{Channel, Drive, Issue, Quantity};
 use ieap_numerics::robust::upper_median;
-
-/// A current is held where so many of its readings ...
-const MOST: f64 = 0.95;
-/// ... lie within this part of their median: galvanostats hold to a per mil and better, and a current that answers a drifting
-/// voltage drifts with it.
-const HELD_WITHIN: f64 = 5e-3;
 
 /// The same, with one sentence about a voltage that goes in no steps because the current is held.
 pub(super) fn told(mut found: FoundDrive, channels: &[Channel]) -> FoundDrive {
@@ -41,5 +36,5 @@ fn held_a(channels: &[Channel]) -> Option<f64> {
         .iter()
         .filter(|value| (*value - median).abs() <= HELD_WITHIN * median.abs());
     let is_none = values.iter().all(|value| *value == 0.0);
-    ((median != 0.0 || is_none) && near.count() as f64 >= MOST * count as f64).then_some(median)
+    ((median != 0.0 || is_none) && near.count() as f64 >= HELD_CURRENT_SHARE * count as f64).then_some(median)
 }

@@ -1,30 +1,15 @@
 //! Edges of the current where the stated drive has none: the strip probably saw another voltage than was stated.
 
+use crate::drive::policy::{
+    ANSWERS_WITHIN, BESIDE_EDGE, EDGE_LONGEST_STEP, EDGE_OF_RANGE, EDGE_OVER_BESIDE, EDGE_OVER_NOISE,
+    EDGE_STAYS,
+};
 use ieap_domain::range_of;
 use ieap_domain::{Channel, Drive, Issue, Quantity};
 use ieap_numerics::robust::upper_median;
 
 /// Version of what counts as such an edge: raised when the same readings would give another.
 pub const VERSION: u32 = 1;
-
-/// Readings on either side of an edge that it is held against.
-const BESIDE: usize = 8;
-/// An edge exceeds this many times the median change of the readings before it: of normal noise the largest change of a
-/// million readings is 7 of them.
-const OVER_NOISE: f64 = 20.0;
-/// It also exceeds this many times the largest change just before it, and the largest in its own direction just after it.
-/// A relaxation slows down, so that the change before each of its changes is the larger one, whatever its time constants;
-/// a strip that saw an edge relaxes the other way after it.
-const OVER_BESIDE: f64 = 5.0;
-/// And this share of the range of the record: changes of a current range move a reading by parts of a percent.
-const OF_RANGE: f64 = 0.05;
-/// Two readings after an edge lie beyond this share of it, which a single reading that went astray does not.
-const STAYS: f64 = 0.2;
-/// An edge lies between two readings at most this many times as far apart as those before it: what changed in a pause of
-/// the record is no edge.
-const LONGEST_STEP: f64 = 3.0;
-/// Readings beside an edge of the drive within which the current may answer: clocks of one instrument differ by less.
-const ANSWERS_WITHIN: f64 = 3.0;
 
 /// Time and height of an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,25 +58,25 @@ pub fn unexplained(channels: &[Channel], drive: &Drive) -> Option<Issue> {
 fn jumps(time_s: &[f64], values: &[f64], edges: &[f64]) -> Vec<Jump> {
     let changes: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let (low, high) = range_of(values.iter().copied());
-    let least = OF_RANGE * (high - low);
+    let least = EDGE_OF_RANGE * (high - low);
     let is_jump = |&k: &usize| {
         let height = changes[k];
         let beyond = (values[k + 2] - values[k]) / height;
-        let (before, after) = (&changes[k - BESIDE..k], &changes[k + 1..=k + BESIDE]);
+        let (before, after) = (&changes[k - BESIDE_EDGE..k], &changes[k + 1..=k + BESIDE_EDGE]);
         let before_it = before.iter().fold(0.0_f64, |most, change| most.max(change.abs()));
         let along_it = |most: f64, change: &f64| most.max(change * height.signum());
         let after_it = after.iter().fold(0.0_f64, along_it);
         let answers = ANSWERS_WITHIN * (time_s[k + 1] - time_s[k]);
-        let is_pause = time_s[k + 1] - time_s[k] > LONGEST_STEP * (time_s[k] - time_s[k - 1]);
+        let is_pause = time_s[k + 1] - time_s[k] > EDGE_LONGEST_STEP * (time_s[k] - time_s[k - 1]);
         let near = |edge: &f64| (time_s[k] - answers..=time_s[k + 1] + answers).contains(edge);
         height.abs() > least
             && !is_pause
-            && beyond > STAYS
-            && height.abs() > OVER_BESIDE * before_it.max(after_it)
-            && height.abs() > OVER_NOISE * median_size(before)
+            && beyond > EDGE_STAYS
+            && height.abs() > EDGE_OVER_BESIDE * before_it.max(after_it)
+            && height.abs() > EDGE_OVER_NOISE * median_size(before)
             && !edges.iter().any(near)
     };
-    (BESIDE..changes.len().saturating_sub(BESIDE))
+    (BESIDE_EDGE..changes.len().saturating_sub(BESIDE_EDGE))
         .filter(|&k| changes[k].abs() > least)
         .filter(is_jump)
         .map(|k| Jump {

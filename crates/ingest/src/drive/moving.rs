@@ -9,35 +9,13 @@ use ieap_domain::{Channel, Drive, Issue, Quantity, range_of};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 use ieap_numerics::waveform::{LEAST_TURN, Waveform, between, finer, recognise, turns};
 
-use super::step::{LEAST_STEP_NOISE, LEAST_STEP_V};
 use super::{FoundDrive, MOVES, NO_STEPS};
+use crate::drive::policy::{
+    ALONE_FACTOR, FEWEST_OF_COURSE, LEAST_STEP_NOISE, LEAST_STEP_V, LEAST_WAVE_V, MOST_SCATTER, MOVING_PAUSE,
+    READINGS_IN_HALF_PERIOD, READINGS_OF_REST, SHORT_SHARE, STEPS_IN_HALF_PERIOD, WAVE_OF_VOLTAGE,
+    WAVE_OVER_SCATTER,
+};
 
-/// Readings of a record of a moving voltage: fewer tell no course.
-const FEWEST: usize = 60;
-/// Readings from one turn of the voltage to the next: of twenty in a period a sine is known between its readings to a
-/// thousandth of its amplitude.
-const IN_HALF_PERIOD: usize = 10;
-/// Steps of the staircase in that time: with a hundred in a period it changes the parameters of a circuit by 0.04 %, and
-/// by 25 times that with twenty (test of `ieap_fit`: `the_staircase_errs_by_the_square_of_its_steps`).
-const STEPS_IN_HALF_PERIOD: usize = 50;
-/// Share of the half periods that may be shorter: a glitch is no wave.
-const MAY_BE_SHORT: f64 = 0.05;
-/// Scatter of the readings at most, of the range: at it a fitted conductance is a fifth of a percent too small, since a
-/// current does not answer the noise of a voltmeter.
-const MOST_SCATTER: f64 = 1.0 / 60.0;
-/// A wave about a level matters from this share of the voltage on, from peak to peak; what the mains bring into a
-/// voltmeter stays below it.
-const WAVE_OF_VOLTAGE: f64 = 0.1;
-/// And from this on, V.
-const LEAST_WAVE_V: f64 = 10.0 * LEAST_STEP_V;
-/// Changes of a wave exceed the scatter about its course by this: of noise both have one size.
-const WAVE_OVER_SCATTER: f64 = 4.0;
-/// A change is a step of its own where it is this many times the larger of those beside it.
-const ALONE: f64 = 5.0;
-/// Readings before the voltage moves that are a rest.
-const REST: usize = 5;
-/// A pause is longer than this many times the readings on either side of it are apart.
-const PAUSE: f64 = 3.0;
 /// Standard deviation of fourth differences of noise, in its own.
 const FOURTH: f64 = 8.366_600_265_340_756;
 
@@ -69,7 +47,7 @@ pub(super) fn staircase(
 pub(super) fn is_wave(volts: &[f64], change_noise_v: f64, within_v: f64) -> bool {
     let (low, high) = range_of(volts.iter().copied());
     let matters = within_v > (WAVE_OF_VOLTAGE * low.abs().max(high.abs())).max(LEAST_WAVE_V);
-    volts.len() >= FEWEST && matters && change_noise_v > WAVE_OVER_SCATTER * scatter(volts)
+    volts.len() >= FEWEST_OF_COURSE && matters && change_noise_v > WAVE_OVER_SCATTER * scatter(volts)
 }
 
 /// What the voltage does.
@@ -87,9 +65,9 @@ struct Course {
 }
 
 fn course(time_s: &[f64], volts: &[f64], open: &[(f64, f64)]) -> Result<Course, Issue> {
-    if volts.len() < FEWEST {
+    if volts.len() < FEWEST_OF_COURSE {
         let found = format!("the voltage moves all the time, in {} readings", volts.len());
-        return Err(refused(found).mend(format!("record {FEWEST} readings or more")));
+        return Err(refused(found).mend(format!("record {FEWEST_OF_COURSE} readings or more")));
     }
     let (low, high) = range_of(volts.iter().copied());
     let range_v = high - low;
@@ -106,16 +84,16 @@ fn course(time_s: &[f64], volts: &[f64], open: &[(f64, f64)]) -> Result<Course, 
         .map(|pair| (pair[1] - pair[0], time_s[pair[1]] - time_s[pair[0]]))
         .collect();
     spacings.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    if let Some(&(readings, half_s)) = spacings.get((MAY_BE_SHORT * spacings.len() as f64) as usize)
-        && readings < IN_HALF_PERIOD
+    if let Some(&(readings, half_s)) = spacings.get((SHORT_SHARE * spacings.len() as f64) as usize)
+        && readings < READINGS_IN_HALF_PERIOD
     {
         let found = format!(
             "the voltage turns round every {half_s:.3} s where it is fastest, and is read {readings} times in that time: \
-             {IN_HALF_PERIOD} are needed"
+             {READINGS_IN_HALF_PERIOD} are needed"
         );
         let mend = format!(
             "record voltage, current and bending every {:.2e} s or faster, or drive more slowly; it is kept and not fitted",
-            half_s / IN_HALF_PERIOD as f64
+            half_s / READINGS_IN_HALF_PERIOD as f64
         );
         return Err(refused(found).mend(mend));
     }
@@ -137,7 +115,7 @@ fn course(time_s: &[f64], volts: &[f64], open: &[(f64, f64)]) -> Result<Course, 
         .iter()
         .take_while(|v| (*v - volts[0]).abs() <= near_v)
         .count();
-    let rests = rest >= REST.max(half_period / 4);
+    let rests = rest >= READINGS_OF_REST.max(half_period / 4);
     // From the last reading of the rest on, unless it ends with a jump: the way from there to the first reading that moved is
     // part of the course.
     let start = match rests {
@@ -160,7 +138,7 @@ fn course(time_s: &[f64], volts: &[f64], open: &[(f64, f64)]) -> Result<Course, 
 fn is_staircase(volts: &[f64], scatter_v: f64) -> bool {
     let changes: Vec<f64> = volts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     let counts = |change: f64| change > LEAST_STEP_NOISE * scatter_v;
-    let is_alone = |three: &&[f64]| counts(three[1]) && three[1] > ALONE * three[0].max(three[2]);
+    let is_alone = |three: &&[f64]| counts(three[1]) && three[1] > ALONE_FACTOR * three[0].max(three[2]);
     let alone: f64 = changes.windows(3).filter(is_alone).map(|three| three[1]).sum();
     let whole: f64 = changes.iter().filter(|change| counts(**change)).sum();
     alone > 0.5 * whole
@@ -200,7 +178,7 @@ fn pause(time_s: &[f64], volts: &[f64], scatter_v: f64, open: &[(f64, f64)]) -> 
                 time_s[k + 1] - time_s[k],
                 time_s[k + 2] - time_s[k + 1],
             );
-            own > PAUSE * before.max(after) && !is_open(k) && moves(k - 1, k) && moves(k + 1, k + 2)
+            own > MOVING_PAUSE * before.max(after) && !is_open(k) && moves(k - 1, k) && moves(k + 1, k + 2)
         })
         .map(|k| time_s[k])
 }

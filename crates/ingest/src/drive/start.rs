@@ -3,14 +3,8 @@
 
 use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 
-use super::{FoundDrive, HELD_READINGS, Stretch};
-
-/// Of what a later edge of one volt changes in the current: a strip at rest shows less at the start of the record (0 of a
-/// linear circuit, whatever it leaks), ...
-const AT_REST: f64 = 0.1;
-/// ... and one that has just got its voltage shows more (1 of a linear circuit). In between the record began late, or the
-/// strip is far from linear, and nothing is told. `cargo unit -p ieap-ingest drive` has records of either kind.
-const JUST_APPLIED: f64 = 0.5;
+use super::{FoundDrive, Stretch};
+use crate::drive::policy::{AT_REST_BELOW, HELD_READINGS, JUST_APPLIED_FROM};
 
 /// Codes of what is said of a strip before the record.
 pub const ASSUMED: [&str; 2] = ["start-state-assumed", "start-state-unknown"];
@@ -85,11 +79,11 @@ pub(super) fn before_steps(
     }
     let edge = just_before(time_s, level);
     match share_of_an_edge(first, next, channels) {
-        Some(share) if share < AT_REST => Start {
+        Some(share) if share < AT_REST_BELOW => Start {
             issue: Some(at_rest(first.level_v)),
             ..held
         },
-        Some(share) if share >= JUST_APPLIED => applied(edge, assumed(first.level_v)),
+        Some(share) if share >= JUST_APPLIED_FROM => applied(edge, assumed(first.level_v)),
         _ => applied(edge, not_told(first.level_v)),
     }
 }

@@ -1,12 +1,8 @@
 //! Which channel is the drive: what the source was told to apply goes before what was measured of it.
 
 use super::FoundDrive;
-use super::step::LEAST_STEP_V;
+use crate::drive::policy::DEPARTURE_V;
 use ieap_domain::{Channel, Issue, Quantity};
-
-/// A measured voltage that lies farther than this from the stated one is told, V: an offset or an ohmic drop in the
-/// leads stays below it, a source that does not hold its level does not (EC-Lab's record of a 0.05 V step: 0.148 V).
-const DEPARTURE_V: f64 = 10.0 * LEAST_STEP_V;
 
 /// The channel that the steps are found in: the stated control where it has a reading for each of the measured
 /// voltage, so that it covers the record, else the measured voltage.

@@ -3,20 +3,10 @@
 use ieap_domain::{Drive, Issue, range_of};
 
 use super::found::NO_STEPS;
-use super::step::LEAST_STEP_V;
+use crate::drive::policy::{BESIDE_PAUSE, HIDING_PAUSE, LEAST_OFF_V, OFF_OF_VOLTAGE};
 
 /// Code of the issue of a pause in which edges would not be seen.
 pub const PAUSES: &str = "edges-in-a-pause";
-
-/// A reading stands alone where both beside it lie off to the same side by more than this part of the largest voltage: ten
-/// times what a source scatters by.
-const OFF_OF_VOLTAGE: f64 = 0.1;
-/// And by more than this, V.
-const LEAST_OFF_V: f64 = 10.0 * LEAST_STEP_V;
-/// A pause is this many times as long as the readings beside it are apart. Those at irregular times differ by less.
-const PAUSE: f64 = 10.0;
-/// Readings on either side of a pause whose distances are asked.
-const BESIDE: usize = 2;
 
 /// Says that most levels of the voltage were seen by a single reading: how long each was held, and how often the voltage
 /// changed in between, is then not known.
@@ -54,12 +44,12 @@ pub(super) fn pauses(
 ) -> Option<Issue> {
     let apart: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let is_pause = |k: usize| {
-        let before = &apart[k.saturating_sub(BESIDE)..k];
-        let after = &apart[k + 1..(k + 1 + BESIDE).min(apart.len())];
+        let before = &apart[k.saturating_sub(BESIDE_PAUSE)..k];
+        let after = &apart[k + 1..(k + 1 + BESIDE_PAUSE).min(apart.len())];
         let mut beside: Vec<f64> = before.iter().chain(after).copied().collect();
         beside.sort_unstable_by(f64::total_cmp);
         let usual_s = beside.get(beside.len() / 2);
-        usual_s.is_some_and(|usual_s| apart[k] > PAUSE * usual_s)
+        usual_s.is_some_and(|usual_s| apart[k] > HIDING_PAUSE * usual_s)
     };
     // Where it is stated when the voltage changed the pause hides nothing of that edge.
     let is_stated = |k: usize| {

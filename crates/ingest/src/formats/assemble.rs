@@ -8,12 +8,10 @@ use super::error::{ReadError, quoted};
 use super::plausible::implausible;
 use super::time_axis::{self, TimeAxis};
 use crate::RunTable;
+use crate::formats::policy::{BAD_SHARE, MOSTLY_CAPACITIVE};
 use crate::text::header::{Header, Meaning};
 use ieap_domain::unit::Conversion;
 use ieap_domain::{Channel, FlaggedStretch, Issue, Quantity};
-
-/// Share of rows that may have another number of fields than the header (one row always may).
-const RAGGED_SHARE: f64 = 0.05;
 
 /// A table as read, with what its columns mean.
 #[derive(Debug, Clone, PartialEq)]
@@ -181,10 +179,6 @@ pub fn is_modulus_sweep(meanings: &[Meaning]) -> bool {
     !has_time && has_modulus && named.any(|quantity| quantity == Quantity::Frequency)
 }
 
-/// Share of the sum of the imaginary parts' sizes above which their sign is that of -Z'': a strip is capacitive. At high
-/// frequencies, where they are small, their signs flip in noise, and the leads are a coil.
-const MOSTLY: f64 = 0.9;
-
 /// Turns an imaginary part that is positive nearly wherever it is large: many tables name a column Z'' and hold -Z''.
 fn turn_imaginary(channels: &mut [Channel]) -> Option<Issue> {
     let channel = channels
@@ -196,7 +190,7 @@ fn turn_imaginary(channels: &mut [Channel]) -> Option<Issue> {
         above += value.max(0.0);
         all += value.abs();
     }
-    if all == 0.0 || above <= MOSTLY * all {
+    if all == 0.0 || above <= MOSTLY_CAPACITIVE * all {
         return None;
     }
     channel.values = channel.values.iter().map(|value| -value).collect();
@@ -217,7 +211,7 @@ fn check_ragged(raw: &Raw, issues: &mut Vec<Issue>) -> Result<(), ReadError> {
     let Some((line, found)) = &ragged.first else {
         return Ok(());
     };
-    if ragged.count > 1 && ragged.count as f64 > RAGGED_SHARE * rows as f64 {
+    if ragged.count > 1 && ragged.count as f64 > BAD_SHARE * rows as f64 {
         return Err(ReadError::Ragged {
             line: *line,
             count: ragged.count,

@@ -3,12 +3,10 @@
 use super::assemble::Raw;
 use super::cells::CellColumn;
 use super::error::quoted;
+use crate::formats::policy::BAD_SHARE;
 use crate::text::header::{Header, Meaning, leave_lone_phases};
 use crate::text::likely::likely;
 use ieap_domain::{Issue, Quantity};
-
-/// Share of the cells of a number column that may hold text (one cell always may) before it is refused.
-const TEXT_SHARE: f64 = 0.05;
 
 /// Turns `true` and `false` in flag columns into 1 and 0; other words are text where a flag must stand.
 pub fn read_flags(raw: &mut Raw) {
@@ -148,5 +146,5 @@ fn not_finite(header: &Header, column: &CellColumn) -> Option<Issue> {
 /// Whether so many cells hold text that the column is none of numbers.
 pub fn holds_text(column: &CellColumn) -> bool {
     let count = column.text.count;
-    2 * count > column.filled || (count > 1 && count as f64 > TEXT_SHARE * column.filled as f64)
+    2 * count > column.filled || (count > 1 && count as f64 > BAD_SHARE * column.filled as f64)
 }

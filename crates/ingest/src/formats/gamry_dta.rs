@@ -9,6 +9,7 @@ use super::error::{ReadError, quoted};
 use super::gamry_objects::{self, Explain, Table};
 use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext, date, delimited, overload};
+use crate::formats::policy::NO_PROBE_ABOVE_C;
 use crate::text::grid::{Dialect, push_line};
 use crate::text::header::{Header, Meaning};
 use crate::text::{Decimal, Delimiter, Lines};
@@ -23,8 +24,6 @@ pub struct GamryDta;
 const KNOWN_COLUMNS: [&str; 13] = [
     "T", "Time", "Vf", "Vm", "Im", "Temp", "Voltage", "Current", "Freq", "Zreal", "Zimag", "Zmod", "Zphz",
 ];
-/// A thermometer input without a probe reads 1467 degrees Celsius and a few tenths; no probe of a cell reads this.
-const NO_PROBE_ABOVE_C: f64 = 1000.0;
 
 impl Format for GamryDta {
     fn id(&self) -> &'static str {

@@ -27,6 +27,7 @@ pub mod palmsens;
 pub mod parquet;
 pub mod plain_table;
 pub mod plausible;
+pub(crate) mod policy;
 pub mod probe_table;
 pub mod recognition;
 pub mod sample_clock;

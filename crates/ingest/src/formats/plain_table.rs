@@ -8,6 +8,7 @@ use crate::Reading;
 use crate::profiles::complete;
 use crate::text::grid::is_blank_or_comment;
 use crate::text::header::Header;
+use crate::text::policy::HEADER_WITHIN_LINES;
 use crate::text::{Delimiter, Lines, layout};
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, Quantity, RunStatus};
@@ -42,7 +43,7 @@ impl Format for PlainTable {
         };
         let lines = Lines::new(&text).filter(|line| !is_blank_or_comment(line.text));
         let mut is_table = false;
-        for line in lines.take(layout::HEADER_WITHIN) {
+        for line in lines.take(HEADER_WITHIN_LINES) {
             for delimiter in Delimiter::ALL {
                 let cells = delimiter.header_cells(line.text);
                 is_table |= cells.len() >= 2 && delimiter != Delimiter::Blanks;

@@ -14,6 +14,7 @@ use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
 use super::stamp::{self, DateOrder};
 use super::{Format, ReadContext, delimited};
+use crate::formats::policy::PROBE_HEADER_WITHIN;
 use crate::text::{Cell, Decimal, Delimiter, Line, Lines, number};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
 use ieap_domain::{Channel, Issue, Quantity, RunStatus};
@@ -35,8 +36,6 @@ pub const FLEXINGS: &str = "flexings";
 pub const HUMIDITY: &str = "relative_humidity_percent";
 
 const ORDERS: [DateOrder; 3] = [DateOrder::MonthFirst, DateOrder::DayFirst, DateOrder::YearFirst];
-/// Lines that the header may stand below.
-const HEADER_WITHIN: usize = 16;
 /// Spellings of "per square" behind a unit or in a name.
 const PER_SQUARE: [&str; 8] = [
     "/square",
@@ -68,7 +67,7 @@ impl Format for ProbeTable {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let lines: Vec<Line<'_>> = Lines::new(&text).take(HEADER_WITHIN + 1).collect();
+        let lines: Vec<Line<'_>> = Lines::new(&text).take(PROBE_HEADER_WITHIN + 1).collect();
         match header(&lines) {
             Some(_) => Match::Possible {
                 score: 0.9,
@@ -164,7 +163,7 @@ struct Row {
 }
 
 fn header(lines: &[Line<'_>]) -> Option<Header> {
-    let lines = lines.iter().enumerate().take(HEADER_WITHIN);
+    let lines = lines.iter().enumerate().take(PROBE_HEADER_WITHIN);
     for (at, line) in lines.filter(|(_, line)| !line.text.starts_with('#')) {
         for delimiter in [Delimiter::Tab, Delimiter::Semicolon, Delimiter::Comma] {
             let mut names = Vec::new();

@@ -2,17 +2,11 @@
 
 use super::error::{ReadError, quoted};
 use super::{ALL, sidecar, unread};
+use crate::formats::policy::{CERTAIN, EXTENSION, LEAD};
 use crate::profiles::propose;
 use crate::text::decode;
 
 pub use super::format::{FileHead, Format, HEAD_BYTES, Match};
-
-/// Score of a certain match.
-const CERTAIN: f64 = 1.0;
-/// By how much the best score must lead.
-const LEAD: f64 = 0.2;
-/// What the extension adds, less than a lead.
-const EXTENSION: f64 = 0.1;
 
 /// A format that fits, with its score.
 #[derive(Clone, Copy)]

@@ -5,11 +5,9 @@
 use super::assemble::Raw;
 use super::cells::CellColumn;
 use super::error::quoted;
+use crate::formats::policy::SAME_TIME_SHARE;
 use crate::text::header::{Header, Meaning};
 use ieap_domain::{Issue, Quantity};
-
-/// Share of the interval by which a printed time may differ from the sample's and still be the same.
-const SAME: f64 = 1e-6;
 
 /// What the file says of its sampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +35,7 @@ pub fn rebuild(raw: &mut Raw, index: usize, clock: SampleClock, issues: &mut Vec
     let coarse = printed
         .iter()
         .enumerate()
-        .any(|at| apart(at) > SAME * clock.interval_s);
+        .any(|at| apart(at) > SAME_TIME_SHARE * clock.interval_s);
     if !coarse || !is_usable {
         return false;
     }

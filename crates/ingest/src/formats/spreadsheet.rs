@@ -7,6 +7,7 @@ use super::cells::CellTable;
 use super::recognition::{FileHead, Match};
 use super::sheet_cells::{self, Sheet, SheetCell, SheetRow};
 use super::{Format, ReadContext, ReadError, climate, plain_table, unpacking};
+use crate::formats::policy::HEADER_WITHIN_ROWS;
 use crate::text::unit_row::unit_row;
 use crate::text::{Cell, Decimal, layout, number};
 use crate::{Reading, RunTable};
@@ -14,9 +15,6 @@ use ieap_domain::{Issue, Quantity, RunStatus};
 
 /// Reader of spreadsheets.
 pub struct Spreadsheet;
-
-/// Rows that a header may be looked for in.
-const HEADER_WITHIN: usize = 64;
 
 impl Format for Spreadsheet {
     fn id(&self) -> &'static str {
@@ -175,7 +173,7 @@ fn header_row(sheet: &Sheet) -> Option<usize> {
         });
         layout::time_among(texts)
     };
-    let rows = &sheet.rows[..sheet.rows.len().min(HEADER_WITHIN)];
+    let rows = &sheet.rows[..sheet.rows.len().min(HEADER_WITHIN_ROWS)];
     let usable = rows.iter().position(|row| time(row) == Some(true));
     usable.or_else(|| rows.iter().position(|row| time(row).is_some()))
 }

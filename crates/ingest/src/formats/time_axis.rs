@@ -2,12 +2,8 @@
 
 use super::cells::CellTable;
 use super::error::ReadError;
+use crate::formats::policy::{BAD_SHARE, GAP_FACTOR};
 use ieap_domain::Issue;
-
-/// Share of rows that may repeat a time or go back before the file is refused.
-const DISORDER: f64 = 0.05;
-/// A step this many times longer than the steps on both sides of it is a gap.
-const GAP: f64 = 10.0;
 
 /// Times that increase strictly, and the rows they stand in.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,7 +68,7 @@ pub fn increasing(
     }
     let rows = time_s.len();
     let (count, line, first) = disordered;
-    if count as f64 > DISORDER * rows as f64 {
+    if count as f64 > BAD_SHARE * rows as f64 {
         return Err(ReadError::TimeOrder {
             line,
             count,
@@ -110,7 +106,7 @@ pub fn increasing(
 fn gaps(axis: &TimeAxis, cells: &CellTable) -> Option<Issue> {
     let step = |k: usize| axis.time_s[k + 1] - axis.time_s[k];
     let steps = axis.time_s.len().checked_sub(1)?;
-    let is_gap = |&k: &usize| step(k) > GAP * step(k - 1).max(step(k + 1));
+    let is_gap = |&k: &usize| step(k) > GAP_FACTOR * step(k - 1).max(step(k + 1));
     let found: Vec<usize> = (1..steps.saturating_sub(1)).filter(is_gap).collect();
     let &first = found.first()?;
     let line = cells.line_of_row[axis.rows[first + 1] as usize];

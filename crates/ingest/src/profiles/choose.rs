@@ -4,13 +4,7 @@ use super::Profile;
 use crate::Reading;
 use crate::formats::recognition::{self, Candidate};
 use crate::formats::{FileHead, Format, ReadContext, ReadError};
-
-/// Score of a profile whose statements all hold: below a vendor's certain mark, above a guess.
-const FITS: f64 = 0.8;
-/// Score of a profile that goes before the vendors' formats.
-const OVER_VENDOR: f64 = 1.5;
-/// Most that a generic format scores beside a profile that fits.
-const GENERIC_BESIDE: f64 = 0.6;
+use crate::profiles::policy::{FITS, GENERIC_BESIDE, OVER_VENDOR};
 
 /// What reads a file.
 #[derive(Clone, Copy)]

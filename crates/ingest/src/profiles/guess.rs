@@ -3,14 +3,13 @@
 
 use crate::formats::sheet_cells::{Sheet, SheetCell};
 use crate::formats::stamp::{self, DateOrder};
+use crate::profiles::policy::ROWS_ASKED;
 use crate::text::grid::{Dialect, is_blank_or_comment};
 use crate::text::header::Header;
 use crate::text::unit_row::unit_row;
 use crate::text::{Cell, Decimal, Delimiter, Line, Lines, decode, number};
 use ieap_domain::Quantity;
 
-/// Rows that are looked at.
-const SAMPLE: usize = 400;
 /// What was seen.
 pub(super) struct Guess {
     /// Separator and decimal sign; none for a workbook.
@@ -131,7 +130,7 @@ pub(super) fn guess_text(bytes: &[u8], from_line: usize) -> Option<Guess> {
         return None;
     }
     let lines = Lines::new(&decoded.text).skip(from_line.saturating_sub(1));
-    let mut lines: Vec<Line<'_>> = lines.take(SAMPLE).collect();
+    let mut lines: Vec<Line<'_>> = lines.take(ROWS_ASKED).collect();
     lines.pop_if(|line| !line.ended);
     let lines: Vec<Line<'_>> = lines
         .into_iter()
@@ -168,7 +167,7 @@ pub(super) fn guess_sheet(sheets: &[Sheet]) -> Option<Guess> {
             SheetCell::Number(number) => number.to_string(),
             SheetCell::Text(text) | SheetCell::Date(text) | SheetCell::Error(text) => text.clone(),
         };
-        let sample = &sheet.rows[..sheet.rows.len().min(SAMPLE)];
+        let sample = &sheet.rows[..sheet.rows.len().min(ROWS_ASKED)];
         let row = |row: &crate::formats::sheet_cells::SheetRow| {
             let mut cells = vec![String::new(); width];
             for (column, cell) in &row.cells {

@@ -9,6 +9,7 @@ mod error;
 mod glob;
 mod guess;
 mod load;
+mod policy;
 mod propose;
 mod raw;
 mod read;

@@ -6,14 +6,12 @@ use jiff::tz::TimeZone;
 use super::definition::{Profile, TimeBase};
 use crate::formats::cells::{CellColumn, CellTable};
 use crate::formats::error::{ReadError, quoted};
+use crate::formats::policy::BAD_SHARE;
 use crate::formats::stamp::{self, DateOrder};
 use crate::text::header::{Header, Meaning};
 use crate::{StartedAt, Timestamp};
 use ieap_domain::unit::Conversion;
 use ieap_domain::{Issue, Quantity};
-
-/// Share of rows whose time may be unreadable before the file is refused.
-const UNREADABLE: f64 = 0.05;
 
 /// Puts seconds into the time column (or adds one) and gives the start that follows from it.
 ///
@@ -183,7 +181,7 @@ fn check_readable(
     needed: &str,
 ) -> Result<(), ReadError> {
     let bad = moments.iter().filter(|moment| moment.is_none()).count();
-    if bad <= 1 || bad as f64 <= UNREADABLE * moments.len() as f64 {
+    if bad <= 1 || bad as f64 <= BAD_SHARE * moments.len() as f64 {
         return Ok(());
     }
     let first = moments.iter().position(Option::is_none).unwrap_or(0);

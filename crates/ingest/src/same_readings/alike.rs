@@ -7,9 +7,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::marks::{KINDS, is_fine, kind};
-
-/// Marks of one kind that two records must share to be looked at.
-const SHARED: u16 = 3;
+use crate::same_readings::policy::SHARED_MARKS;
 
 /// How many marks of each kind there are.
 type Counts = [u16; KINDS];
@@ -106,7 +104,7 @@ fn has_fine(counts: &Counts) -> bool {
 
 /// Whether so many marks of a kind are shared by two records with so many.
 fn must_be_looked_at(shared: Counts, own: Counts, other: Counts) -> bool {
-    (0..KINDS).any(|kind| shared[kind] > 0 && shared[kind] >= SHARED.min(own[kind].min(other[kind])))
+    (0..KINDS).any(|kind| shared[kind] > 0 && shared[kind] >= SHARED_MARKS.min(own[kind].min(other[kind])))
 }
 
 #[cfg(test)]

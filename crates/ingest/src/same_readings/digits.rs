@@ -1,9 +1,6 @@
 //! How finely numbers are printed, and when two of them are the same as far as that goes.
 
-/// Most digits of a number that are not the noise of a conversion.
-const MOST_DIGITS: i32 = 12;
-/// Numbers that the digits of a channel are told from.
-const LOOKED_AT: usize = 2000;
+use crate::same_readings::policy::{MOST_DIGITS, NUMBERS_ASKED};
 
 pub(super) fn exponent(value: f64) -> i32 {
     value.abs().log10().floor() as i32
@@ -18,7 +15,7 @@ pub(super) struct Digits {
 
 impl Digits {
     pub(super) fn of(values: &[f64]) -> Digits {
-        let every = values.len().div_ceil(LOOKED_AT).max(1);
+        let every = values.len().div_ceil(NUMBERS_ASKED).max(1);
         let mut digits = Digits {
             step: f64::INFINITY,
             most: 1,

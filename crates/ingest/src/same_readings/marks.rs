@@ -10,17 +10,10 @@ use std::collections::BTreeSet;
 use ieap_domain::{Channel, Quantity};
 
 use super::digits::{Digits, exponent};
+use crate::same_readings::policy::{COARSE_DIGITS, FINE_DIGITS, MARKS, TIME_DIGITS};
 
 /// Version of the rule that marks are made by; another one makes stored marks out of date.
 pub const VERSION: u32 = 2;
-/// Marks of each kind: a part that holds a tenth of a record shares about six of them with it.
-const MARKS: usize = 64;
-/// Digits of values that go into a coarse mark: no export prints fewer.
-const COARSE_DIGITS: i32 = 3;
-/// Digits of values that go into a fine mark: repeats differ in the fifth digit.
-const FINE_DIGITS: i32 = 5;
-/// Digits of times, which go on in step with the rows.
-const TIME_DIGITS: i32 = 4;
 
 /// Bit of a mark that says that it is of readings in order, and not of a reading at its time.
 const BY_ORDER: u64 = 1;

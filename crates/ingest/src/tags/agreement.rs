@@ -1,5 +1,6 @@
 //! Whether two sources mean the same, and what to say where they do not.
 
+use crate::tags::policy::{HUMIDITY_AGREES_PERCENT, START_AGREES_S, TEMPERATURE_AGREES_C};
 use jiff::Timestamp;
 
 use ieap_domain::drive::{NOMINAL_AGREES_PART, NOMINAL_AGREES_V};
@@ -8,14 +9,6 @@ use ieap_domain::{Issue, Tag, TagSource};
 
 /// Code of what is said of one measurement under two names that are tagged differently.
 pub const NAMES_CONTRADICT: &str = "names-contradict";
-
-/// A logged mean agrees with a stated humidity within 3 percent points, with a stated temperature within
-/// 1 degree: the accuracy that makers of capacitive humidity and of thermistor loggers state.
-const HUMIDITY_AGREES_PERCENT: f64 = 3.0;
-const TEMPERATURE_AGREES_C: f64 = 1.0;
-
-/// Two starts agree within a minute: what is written by hand has no seconds.
-const START_AGREES_S: f64 = 60.0;
 
 /// The issue that names both sources and values, where `overruled` does not mean what `chosen` means.
 ///

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod declared;
+mod policy;
 mod sources;
 mod stated_value;
 pub(crate) mod value;

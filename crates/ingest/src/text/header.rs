@@ -4,9 +4,7 @@ use ieap_domain::Quantity;
 use ieap_domain::unit::{self, Conversion, UnitError};
 
 use super::number::unquote;
-
-/// Longest name of a column that is looked into, bytes: beyond it stands a text and no name.
-const LONGEST_NAME: usize = 400;
+use crate::text::policy::LONGEST_NAME;
 
 /// What ieap makes of a column.
 #[derive(Debug, Clone, PartialEq)]

@@ -13,14 +13,8 @@ use super::number::{self, Cell, Decimal};
 use super::unit_row::unit_row;
 use crate::formats::assemble::{is_modulus_sweep, is_spectrum};
 use crate::formats::error::{ReadError, quoted};
+use crate::text::policy::{HEADER_WITHIN_LINES, LINES_ASKED, OBEYING_SHARE};
 use ieap_domain::Quantity;
-
-/// Lines that a header may be looked for in: data loggers write one or more for each of their channels above it.
-pub const HEADER_WITHIN: usize = 256;
-/// Data lines that the decision is taken from.
-const SAMPLE: usize = 256;
-/// Share of data lines, and of cells of a column, that must obey the reading.
-const OBEYING: f64 = 0.9;
 
 /// What was decided.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +60,7 @@ pub fn decide(lines: &[Line<'_>]) -> Result<Layout, ReadError> {
     if found.is_empty() {
         return Err(no_header(lines));
     }
-    let mut sample = sample(lines, &found, SAMPLE);
+    let mut sample = sample(lines, &found, LINES_ASKED);
     if sample.is_empty() {
         let line = lines[found[0].header_at];
         return Err(ReadError::HeaderOnly {
@@ -172,7 +166,7 @@ pub fn headers(names: &[&str], units: Option<&[String]>) -> Vec<Header> {
 /// hold `Time;12:30:05`. Units below the names make their time usable.
 fn header_line(lines: &[Line<'_>], delimiter: Delimiter) -> Option<usize> {
     let mut speaks_of_time = None;
-    for (index, line) in lines.iter().take(HEADER_WITHIN).enumerate() {
+    for (index, line) in lines.iter().take(HEADER_WITHIN_LINES).enumerate() {
         if is_blank_or_comment(line.text) {
             continue;
         }
@@ -255,7 +249,7 @@ fn judge(found: &Found, index: usize, decimal: Decimal, sample: &[Line<'_>]) -> 
         even_lines += usize::from(fields == width || (fields > width && !beyond));
         numbers.push(row);
     }
-    let obeys = |part: usize, whole: usize| part > 0 && part as f64 >= OBEYING * whole as f64;
+    let obeys = |part: usize, whole: usize| part > 0 && part as f64 >= OBEYING_SHARE * whole as f64;
     let is_number = |k: usize| obeys(numeric[k], filled[k]);
     let known = (0..width).filter(|&k| found.headers[k].meaning.named_quantity().is_some() && is_number(k));
     let meanings = meanings(&found.headers);
@@ -372,7 +366,7 @@ fn no_reading(found: &[Found], sample: &[Line<'_>]) -> ReadError {
 fn no_header(lines: &[Line<'_>]) -> ReadError {
     if let Some(line) = lines
         .iter()
-        .take(HEADER_WITHIN)
+        .take(HEADER_WITHIN_LINES)
         .find(|line| names_frequency(line))
     {
         return ReadError::NoImpedance {

@@ -2,11 +2,9 @@
 
 use super::header::{Header, Meaning, candidates, known_names, spelled_unit};
 use crate::campaign_file::nearest;
+use crate::text::policy::FEWEST_LETTERS;
 use ieap_domain::Quantity;
 use ieap_domain::unit::{self, Conversion};
-
-/// Fewest letters of a name that a slip may have been made in.
-const FEWEST_LETTERS: usize = 4;
 
 /// Quantities whose units say what is measured in a table of a run; a length or a voltage may be many things.
 const TOLD_BY_UNIT: [Quantity; 3] = [Quantity::Curvature, Quantity::Current, Quantity::CurrentDensity];

@@ -8,6 +8,7 @@ pub mod layout;
 pub mod likely;
 pub mod lines;
 pub mod number;
+pub(crate) mod policy;
 pub mod unit_row;
 pub mod whole_line;
 

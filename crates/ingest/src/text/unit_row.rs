@@ -1,10 +1,8 @@
 //! Units in a row of their own below the names, as Anton Paar, TA, Zwick and Instron write them.
 
 use super::number::{self, Cell, Decimal, unquote};
+use crate::text::policy::LONGEST_UNIT;
 use ieap_domain::unit;
-
-/// Longest text that may be a unit nobody converts, characters: `mW/(m·K)` has eight.
-const LONGEST_UNIT: usize = 8;
 
 /// The units below `names`, without their brackets; none where the row is no row of units.
 ///

@@ -6,11 +6,7 @@
 
 use super::lines::Line;
 use super::number::{self, Cell, Decimal, unquote};
-
-/// Lines above the last one that its last field is held against.
-const HELD_AGAINST: usize = 64;
-/// Fewest of them that show a fixed form.
-const FEWEST: usize = 2;
+use crate::text::policy::{FEWEST_OF_FORM, LINES_ABOVE_LAST};
 
 /// What shows that the last of `lines`, which has no line end, is whole; none where nothing does.
 pub fn sign_of_whole(lines: &[Line<'_>]) -> Option<&'static str> {
@@ -21,7 +17,7 @@ pub fn sign_of_whole(lines: &[Line<'_>]) -> Option<&'static str> {
     let mark = mark_of(last.text);
     let fields = |text: &str| text.matches(mark).count();
     let above = above.iter().rev().filter(|line| !line.text.trim().is_empty());
-    let above: Vec<&str> = above.take(HELD_AGAINST).map(|line| line.text).collect();
+    let above: Vec<&str> = above.take(LINES_ABOVE_LAST).map(|line| line.text).collect();
     let first = match above.first()? {
         // A delimiter behind the last name is no sign of a column.
         names if !holds_number(names, mark) => names.trim_end_matches(mark),
@@ -90,7 +86,7 @@ fn last_field(text: &str, mark: char) -> &str {
 
 /// Nothing behind the last delimiter, here and above: the field before it is closed.
 fn ends_in_mark(field: &str, above: &[&str]) -> bool {
-    field.is_empty() && above.len() >= FEWEST && above.iter().all(|field| field.is_empty())
+    field.is_empty() && above.len() >= FEWEST_OF_FORM && above.iter().all(|field| field.is_empty())
 }
 
 fn is_quoted(field: &str, above: &[&str]) -> bool {
@@ -114,7 +110,7 @@ fn has_fixed_decimals(field: &str, above: &[&str]) -> bool {
     let Some(count) = decimals(field).filter(|count| *count >= 2) else {
         return false;
     };
-    above.len() >= FEWEST
+    above.len() >= FEWEST_OF_FORM
         && above.iter().all(|field| decimals(field) == Some(count))
         && above.iter().any(|field| field.ends_with('0'))
 }
@@ -124,7 +120,7 @@ fn is_mark_of_fixed_width(field: &str, above: &[&str]) -> bool {
     let is_mark =
         |field: &str| field.len() >= 2 && !field.contains(|c: char| c.is_ascii_digit() || "+-".contains(c));
     let as_wide = |other: &&str| is_mark(other) && other.chars().count() == field.chars().count();
-    is_mark(field) && above.len() >= FEWEST && above.iter().all(as_wide)
+    is_mark(field) && above.len() >= FEWEST_OF_FORM && above.iter().all(as_wide)
 }
 
 /// Digits of the exponent of a number such as `-1.5E-003`.

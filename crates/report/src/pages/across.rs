@@ -6,15 +6,13 @@ use serde::Serialize;
 
 use super::finding_words::probability;
 use crate::number::fixed;
+use crate::pages::policy::INFLATION_SHADES;
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::laws::covariate::Covariate;
 use ieap_analysis::laws::matrix::{ConfoundingMap, Matrix, MatrixCell, matrices};
 use ieap_analysis::laws::words as law_words;
 use ieap_analysis::plan::{PlannedRun, words};
-
-/// Inflations from which a pair is shaded, one shade darker at each; from the second on it is confounded.
-const SHADES: [f64; 4] = [2.0, 5.0, 20.0, 100.0];
 
 /// Parameters against covariates, as a table.
 #[derive(Debug, Serialize)]
@@ -198,7 +196,9 @@ fn map_table(map: &ConfoundingMap) -> MapTable {
         let said = inflation.map_or_else(|| "kept apart by samples".to_owned(), words::inflation);
         MapCell {
             text: inflation.map_or_else(|| "·".to_owned(), inflation_sign),
-            shade: inflation.map_or(0, |value| SHADES.iter().filter(|from| value >= **from).count()),
+            shade: inflation.map_or(0, |value| {
+                INFLATION_SHADES.iter().filter(|from| value >= **from).count()
+            }),
             spoken: format!("{} and {}: {said}", name(row).name, name(column).name),
         }
     };

@@ -14,15 +14,11 @@ use super::{across, forecasts};
 use crate::aside::Shown;
 use crate::error::ReportError;
 use crate::number::significant;
+use crate::pages::policy::{MOST_GROUPS_NAMED, NOTABLE_RATIO};
 use crate::site::Site;
 use ieap_analysis::laws::Dependence;
 use ieap_analysis::laws::words;
 use ieap_domain::GroupDiagnosis;
-
-/// Ratio from which a difference between conditions is what a campaign shows.
-const NOTABLE_RATIO: f64 = 1.5;
-/// Groups that a sentence names; more are counted.
-const NAMED: usize = 3;
 
 /// The first sentences with the figure of the first.
 #[derive(Debug, Default, Serialize)]
@@ -146,7 +142,7 @@ fn cause_words(found: &GroupDiagnosis) -> String {
 /// Which groups, at the head of a sentence.
 fn groups_words(groups: &[&GroupDiagnosis]) -> String {
     let names: Vec<String> = groups.iter().map(|found| group_title(&found.group)).collect();
-    if names.len() > NAMED {
+    if names.len() > MOST_GROUPS_NAMED {
         format!("In {} groups", names.len())
     } else {
         in_a_row(&names)

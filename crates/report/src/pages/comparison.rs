@@ -16,6 +16,7 @@ use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
 use crate::figures::comparison::{Group, Slot, comparison, small_comparison};
 use crate::number::significant;
+use crate::pages::policy::TOLD_AS_FACTOR_FROM;
 use crate::site::Site;
 use ieap_analysis::conditions::{Conditions, nominal_voltage_v};
 use ieap_analysis::laws::words;
@@ -161,12 +162,9 @@ fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &
     }
 }
 
-/// Ratios below this are told in percent.
-const FOLD: f64 = 1.15;
-
 /// ` 4.3-fold`, or ` by 2.4 %`
 fn ratio_words(ratio: f64) -> String {
-    if ratio < FOLD {
+    if ratio < TOLD_AS_FACTOR_FROM {
         format!(" by {}\u{a0}%", significant(100.0 * (ratio - 1.0), 2))
     } else {
         format!(" {}-fold", significant(ratio, 2))

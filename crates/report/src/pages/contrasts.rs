@@ -1,5 +1,6 @@
 //! Conditions compared: a table a material, parameters down, what is compared across, a factor in each cell.
 
+use crate::pages::policy::CONTRAST_SHADES;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -7,9 +8,6 @@ use serde::Serialize;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::laws::contrast::{Contrast, Over, Ratio, in_short};
 use ieap_analysis::laws::words;
-
-/// Factors from which on a cell is shaded, one shade stronger at each; as in the matrix of laws.
-const STRONGER: [f64; 2] = [1.2, 2.5];
 
 /// A table of a material.
 #[derive(Debug, Serialize)]
@@ -135,7 +133,10 @@ fn cell(ratio: &Ratio, contrast: &Contrast, place: &str) -> Cell {
     let class = short.log.map_or_else(
         || "open".to_owned(),
         |log| {
-            let strength = 1 + STRONGER.iter().filter(|from| log.abs() >= from.ln()).count();
+            let strength = 1 + CONTRAST_SHADES
+                .iter()
+                .filter(|from| log.abs() >= from.ln())
+                .count();
             format!("{}-{strength}", if log > 0.0 { "rise" } else { "fall" })
         },
     );

@@ -13,14 +13,13 @@ use super::ratios::reference_words;
 use super::wording::{humidity_label, surroundings_label, voltage_label, voltage_labels};
 use crate::error::ReportError;
 use crate::input::Input;
+use crate::pages::policy::MOST_TO_FILL;
 use crate::site::Site;
 use ieap_analysis::comparison::coverage::{Next, Place, Why, cell, next};
 use ieap_analysis::comparison::ratios::reference;
 use ieap_analysis::conditions::{HUMIDITY_GAP_PERCENT, HumidityLevel, Surroundings, VOLTAGE_STEP_V};
 use ieap_analysis::plan::PlannedRun;
 
-/// Conditions to fill that are shown; the rest is counted.
-const SHOWN: usize = 12;
 /// Shades of the map: at least so many runs.
 const SHADES: [usize; 4] = [1, 2, 4, 8];
 
@@ -73,8 +72,8 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let planned = all.len();
     let mut to_fill = next(&input.runs, conditions, chosen.as_ref());
     to_fill.retain(|one| all.iter().all(|known| known.place != Some(one.place)));
-    let more = to_fill.len().saturating_sub(SHOWN);
-    to_fill.truncate(SHOWN);
+    let more = to_fill.len().saturating_sub(MOST_TO_FILL);
+    to_fill.truncate(MOST_TO_FILL);
     all.extend(to_fill.iter().map(|one| Item {
         place: Some(one.place),
         sentence: sentence(site, one),

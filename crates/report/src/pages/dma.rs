@@ -12,6 +12,7 @@ use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::modulus::{NormalisedLog, log_panels, normalised};
 use crate::number::{fixed, measured, plain};
+use crate::pages::policy::MOST_SECTIONS;
 use crate::site::Site;
 use ieap_domain::modulus::step_keys;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
@@ -21,8 +22,6 @@ use ieap_domain::{Estimate, Issue, ModulusAnalysis, ModulusLog, ModulusStep, Qua
 const PER_MINUTE: f64 = 1.0 / 60.0;
 /// Logs drawn in the figure of all: as many as there are colours.
 pub const MOST_DRAWN: usize = Ink::SERIES.len();
-/// Logs that have a section of their own; the table and the export have all.
-const MOST_SECTIONS: usize = 40;
 
 #[derive(Debug, Serialize)]
 struct Dma {

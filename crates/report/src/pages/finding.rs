@@ -19,15 +19,12 @@ use crate::figures::profile::profile;
 use crate::figures::residual::residual;
 use crate::input::{EffectText, Findings};
 use crate::number::{fixed, measured, significant};
+use crate::pages::policy::{MOST_HELD_OUT_FIGURES, MOST_RESIDUAL_FIGURES};
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_domain::campaign::Adopted;
 use ieap_domain::{Candidate, EffectFinding, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
 
-/// Residual figures on one page; a page with more takes long to open. The worst runs come first.
-const DRAWN: usize = 16;
-/// Held-out residuals on one page.
-const HELD_OUT_DRAWN: usize = 6;
 /// Bars of the figure of gains.
 const BARS: usize = 12;
 
@@ -387,9 +384,9 @@ fn residuals(
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Vec<ResidualBlock>, ReportError> {
     let mut curves: Vec<&ResidualCurve> = found.residuals.iter().collect();
-    if curves.len() > DRAWN {
+    if curves.len() > MOST_RESIDUAL_FIGURES {
         curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
-        curves.truncate(DRAWN);
+        curves.truncate(MOST_RESIDUAL_FIGURES);
     }
     let mut blocks = Vec::new();
     for (place, curve) in curves.iter().enumerate() {
@@ -432,7 +429,7 @@ fn held_out(
     let mut curves: Vec<&ResidualCurve> = found.held_out_residuals.iter().collect();
     curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let mut blocks = Vec::new();
-    for (place, curve) in curves.into_iter().take(HELD_OUT_DRAWN).enumerate() {
+    for (place, curve) in curves.into_iter().take(MOST_HELD_OUT_FIGURES).enumerate() {
         let id = format!("held-out-{}", place + 1);
         let title = format!("Held-out residual of the {} of {}", curve.channel, curve.run);
         let desc = format!(

@@ -3,11 +3,8 @@
 use serde::Serialize;
 
 use super::finding_words::{counted_from_draws, verdict_word};
+use ieap_domain::diagnosis::{RIGHT_FROM, WRONG_BELOW};
 use ieap_domain::{RunAlone, Verdict};
-
-/// Chances from which on a run is right by itself, and may be: as of a group.
-const RIGHT: f64 = 0.05;
-const MAY_BE_RIGHT: f64 = 0.01;
 
 /// What a run leaves by itself.
 #[derive(Debug, Serialize)]
@@ -23,8 +20,8 @@ pub fn alone_rows(alone: &[RunAlone], draws: usize) -> Vec<AloneRow> {
         name: run.run.clone(),
         verdict: match run.p_misfit {
             None => verdict_word(Verdict::DataProblem),
-            Some(p) if p >= RIGHT => verdict_word(Verdict::Consistent),
-            Some(p) if p >= MAY_BE_RIGHT => verdict_word(Verdict::Undecided),
+            Some(p) if p >= RIGHT_FROM => verdict_word(Verdict::Consistent),
+            Some(p) if p >= WRONG_BELOW => verdict_word(Verdict::Undecided),
             Some(_) => "wrong",
         },
         p: counted_from_draws(run.p_misfit, None, draws).0,

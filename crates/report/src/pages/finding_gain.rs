@@ -4,10 +4,8 @@ use serde::Serialize;
 
 use crate::figures::residual::Called;
 use crate::number::{measured, significant};
+use crate::pages::policy::ERROR_RISES_FACTOR;
 use ieap_domain::{Gain, GroupDiagnosis, HeldOutGain, Verdict};
-
-/// An error that rises by more than this factor is pointed out beside a deviance that falls.
-const RISES: f64 = 1.02;
 
 /// Errors before and after, on readings that took no part in the fit.
 #[derive(Debug, Serialize)]
@@ -190,7 +188,7 @@ fn error_rises(gain: &HeldOutGain) -> bool {
         (gain.nrmse_current_before, gain.nrmse_current_after),
         (gain.nrmse_curvature_before, gain.nrmse_curvature_after),
     ];
-    let rises = |(before, after): (Option<f64>, Option<f64>)| Some(after? > RISES * before?);
+    let rises = |(before, after): (Option<f64>, Option<f64>)| Some(after? > ERROR_RISES_FACTOR * before?);
     pairs.into_iter().any(|pair| rises(pair) == Some(true))
 }
 

@@ -5,13 +5,9 @@ use serde::Serialize;
 
 use crate::input::Findings;
 use crate::number::fixed;
+use crate::pages::policy::{LEAST_PROBABILITY, MOST_EXPLANATIONS};
 use ieap_analysis::ParameterInfo;
 use ieap_domain::{CauseNode, GroupDiagnosis, Hypothesis, HypothesisKind};
-
-/// Rows that are shown.
-const SHOWN: usize = 8;
-/// Mass below which a row says nothing; the leading effect is shown all the same, for a cause that is not it.
-const LEAST: f64 = 0.005;
 
 /// A hypothesis in words.
 #[derive(Debug, Serialize)]
@@ -28,8 +24,8 @@ pub fn hypothesis_rows(found: &GroupDiagnosis, findings: &Findings) -> Vec<Hypot
     let of_effects = |own: &&Hypothesis| own.kind == HypothesisKind::Effect;
     let effect = found.posterior.iter().position(|own| of_effects(&own));
     let shown = found.posterior.iter().enumerate();
-    let shown = shown.filter(|(place, own)| own.mass >= LEAST || Some(*place) == effect);
-    let rows = shown.take(SHOWN).map(|(_, own)| row(own, findings));
+    let shown = shown.filter(|(place, own)| own.mass >= LEAST_PROBABILITY || Some(*place) == effect);
+    let rows = shown.take(MOST_EXPLANATIONS).map(|(_, own)| row(own, findings));
     found
         .node
         .as_ref()

@@ -3,12 +3,11 @@
 use super::wording::readable;
 use crate::input::Findings;
 use crate::number::{fixed, significant};
+use crate::pages::policy::CLEAR_SHIFT_SIGMAS;
 use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::words::{counted, in_a_row};
 use ieap_domain::{GroupDiagnosis, ParameterShift, Verdict};
 
-/// Shifts below this many standard errors are not put into words.
-const CLEAR_SHIFT: f64 = 2.0;
 /// Parameters that follow from others: a shift of theirs says nothing of its own.
 const DERIVED: [&str; 4] = ["c_total_f_per_cm2", "r_parallel_ohm_cm2", "tau1_s", "tau2_s"];
 
@@ -200,7 +199,7 @@ pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
 /// What the extension did to the base parameters: `α was 14 % too small: 5 standard errors`.
 pub fn shift_words(shift: &ParameterShift, symbol: &str) -> Option<String> {
     let errors = (shift.after - shift.before).abs() / shift.standard_error;
-    if DERIVED.contains(&shift.key.as_str()) || !errors.is_finite() || errors < CLEAR_SHIFT {
+    if DERIVED.contains(&shift.key.as_str()) || !errors.is_finite() || errors < CLEAR_SHIFT_SIGMAS {
         return None;
     }
     let relative = (shift.before / shift.after - 1.0) * 100.0;

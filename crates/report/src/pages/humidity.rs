@@ -14,12 +14,10 @@ use super::law_cards::{LawCard, SampleKey, common_notes, law_cards, sample_keys}
 use crate::aside::{AsideRow, Shown};
 use crate::error::ReportError;
 use crate::input::Input;
+use crate::pages::policy::MOST_LAWS_DRAWN;
 use crate::site::Site;
 use ieap_analysis::false_discovery::CLAIMED_BELOW;
 use ieap_analysis::laws::{Covariate, Dependence, words};
-
-/// Laws that are drawn without being asked for, the strongest first.
-const MOST_DRAWN: usize = 12;
 
 #[derive(Debug, Serialize)]
 struct HumidityPage {
@@ -95,7 +93,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let laws = &site.input.laws;
     let (mut figures, mut shown) = (BTreeMap::new(), Shown::default());
     let claimed = strongest_first(site);
-    let (drawn, more) = claimed.split_at(MOST_DRAWN.min(claimed.len()));
+    let (drawn, more) = claimed.split_at(MOST_LAWS_DRAWN.min(claimed.len()));
     let open = laws.dependences.iter().filter(|found| found.q > CLAIMED_BELOW);
     let others = more
         .iter()

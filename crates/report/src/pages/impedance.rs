@@ -12,6 +12,7 @@ use crate::figures::Ink;
 use crate::figures::relaxation::relaxation;
 use crate::figures::spectrum::{DrawnFit, bode, nyquist, residuals};
 use crate::number::{fixed, plain, significant};
+use crate::pages::policy::MOST_SECTIONS;
 use crate::site::Site;
 use ieap_analysis::impedance::{Comparison, StepSide};
 use ieap_domain::tag::keys;
@@ -20,8 +21,6 @@ use ieap_domain::{
     ZHit,
 };
 
-/// Sweeps that have a section of their own; the table and the JSON have all.
-const MOST_SECTIONS: usize = 40;
 /// Circuits that every spectrum is fitted with; others were asked for, and are drawn.
 const BUILT_IN: [&str; 5] = [
     "lumped-1",

@@ -12,15 +12,12 @@ use super::needs::{Need, needs};
 use super::runs_table::{RunsTable, runs_table};
 use super::wording::{IssueText, RunLink, has_warnings, humidity_label, voltage_labels};
 use crate::error::ReportError;
+use crate::pages::policy::{MOST_CONTRASTS, MOST_FILES_OF_REASON, NOTABLE_RATIO};
 use crate::site::Site;
 use ieap_domain::{FileState, Issue, RunState, Severity};
 
-/// Contrasts named on this page; the comparison has all.
-const CONTRASTS: usize = 3;
 /// Voltages from which the matrix is set tighter.
 const MANY: usize = 8;
-/// Ratio from which a contrast is worth a sentence here.
-const NOTABLE_RATIO: f64 = 1.5;
 
 /// The page's text.
 #[derive(Debug, Serialize)]
@@ -114,7 +111,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         counts: counts(site),
         contrasts: contrast_sentences(site, NOTABLE_RATIO)
             .into_iter()
-            .take(CONTRASTS)
+            .take(MOST_CONTRASTS)
             .collect(),
         small: small_panels(site, &mut figures)?,
         runs: runs_table(site),
@@ -267,9 +264,6 @@ fn files(site: &Site, state: FileState) -> Vec<RefusedRow> {
         .collect()
 }
 
-/// Files listed for one reason: a folder of thousands of foreign files must not bury the rest of the page.
-const LISTED_FILES: usize = 20;
-
 /// The first refused files of each reason.
 fn first_of_each_reason(rows: Vec<RefusedRow>) -> Vec<RefusedRow> {
     let mut listed: BTreeMap<String, usize> = BTreeMap::new();
@@ -277,7 +271,7 @@ fn first_of_each_reason(rows: Vec<RefusedRow>) -> Vec<RefusedRow> {
         .filter(|row| {
             let of_reason = listed.entry(row.code.clone()).or_insert(0);
             *of_reason += 1;
-            *of_reason <= LISTED_FILES
+            *of_reason <= MOST_FILES_OF_REASON
         })
         .collect()
 }
@@ -288,12 +282,14 @@ fn more(site: &Site) -> Vec<String> {
     for row in files(site, FileState::Refused) {
         *counts.entry(row.code).or_insert(0) += 1;
     }
-    let unlisted = counts.into_iter().filter(|(_, count)| *count > LISTED_FILES);
+    let unlisted = counts
+        .into_iter()
+        .filter(|(_, count)| *count > MOST_FILES_OF_REASON);
     unlisted
         .map(|(code, count)| {
             format!(
                 "{} more for the same reason ({code}); ieap status lists all.",
-                counted(count - LISTED_FILES, "file")
+                counted(count - MOST_FILES_OF_REASON, "file")
             )
         })
         .collect()

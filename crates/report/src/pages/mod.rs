@@ -32,6 +32,7 @@ pub mod monitoring;
 mod needs;
 mod page;
 mod parameter_section;
+mod policy;
 pub mod ratios;
 pub mod run;
 pub mod run_climate;

@@ -20,6 +20,7 @@ use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Curve, LawFigure, Mark};
 use crate::input::Input;
 use crate::number::significant;
+use crate::pages::policy::OPEN_ALARMS;
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::laws::doubt::Doubted;
@@ -30,9 +31,6 @@ use ieap_analysis::monitoring::{Watched, words};
 const DRAWN: usize = 60;
 /// Readings at most that are drawn one by one.
 const MOST_MARKS: usize = 300;
-
-/// Alarms that are not folded.
-const OPEN_ALARMS: usize = 5;
 
 #[derive(Debug, Serialize)]
 struct MonitoringPage {

@@ -4,10 +4,8 @@ use serde::Serialize;
 
 use super::wording::in_unit;
 use crate::number::{plain, significant};
+use crate::pages::policy::MOST_FLAGS;
 use ieap_domain::{ClockOffset, RunClock, RunRecord, StartedAt, Timestamp};
-
-/// Flagged stretches that are listed.
-const FLAGS: usize = 12;
 
 /// One offset.
 #[derive(Debug, Serialize)]
@@ -129,7 +127,7 @@ pub fn flags(record: &RunRecord) -> Vec<FlagRow> {
     let flags = &record.origin.flags;
     let mut rows: Vec<FlagRow> = flags
         .iter()
-        .take(FLAGS)
+        .take(MOST_FLAGS)
         .map(|flag| FlagRow {
             column: flag.column.clone(),
             flag: flag.flag.clone(),
@@ -145,7 +143,7 @@ pub fn flags(record: &RunRecord) -> Vec<FlagRow> {
             },
         })
         .collect();
-    if let Some(more) = flags.get(FLAGS..).filter(|more| !more.is_empty()) {
+    if let Some(more) = flags.get(MOST_FLAGS..).filter(|more| !more.is_empty()) {
         rows.push(FlagRow {
             column: format!("and {} more", plain(more.len() as f64)),
             flag: String::new(),

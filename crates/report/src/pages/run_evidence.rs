@@ -5,11 +5,9 @@ use serde::Serialize;
 use super::run_clocks::{self as clocks, FlagRow, OffsetRow};
 use super::wording::{in_unit, voltage_label};
 use crate::number::{plain, significant};
+use crate::pages::policy::MOST_SEGMENTS;
 use crate::site::Site;
 use ieap_domain::{ChannelSummary, Drive, Level, Quantity, RunCurve, RunRecord, RunStatus};
-
-/// Segments of a drive that are spelled out.
-const SEGMENTS: usize = 6;
 
 /// Digits of a hash that pages show.
 const HASH_DIGITS: usize = 16;
@@ -113,8 +111,8 @@ fn drive_text(drive: &Drive) -> String {
             drive.segments.len()
         );
     }
-    let shown: Vec<String> = drive.segments.iter().take(SEGMENTS).map(segment).collect();
-    let more = match drive.segments.len().saturating_sub(SEGMENTS) {
+    let shown: Vec<String> = drive.segments.iter().take(MOST_SEGMENTS).map(segment).collect();
+    let more = match drive.segments.len().saturating_sub(MOST_SEGMENTS) {
         0 => String::new(),
         more => format!(", and {more} more"),
     };

@@ -6,19 +6,13 @@ use serde::Serialize;
 use super::run_evidence::Fact;
 use super::wording::{EstimateText, in_unit, why_unfitted};
 use crate::number::{score, significant};
+use crate::pages::policy::{CORRELATED_FROM, SYSTEMATIC_FROM, WITHIN_NOISE};
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::figure::Figure;
 use ieap_analysis::laws::doubt::Doubts;
 use ieap_analysis::model_free::{ENERGIES, FIGURES, ModelFree};
 use ieap_domain::{ChannelNoise, Estimate, Fit, Parameter, Quantity, RunRecord};
-
-/// Residual over noise up to which the model describes the readings.
-const WITHIN_NOISE: f64 = 1.3;
-/// Residual over noise from which a misfit is called systematic whatever its shape.
-const SYSTEMATIC: f64 = 3.0;
-/// Lag-1 autocorrelation from which neighbouring residuals clearly go together.
-const CORRELATED: f64 = 0.5;
 
 /// A parameter of one run.
 #[derive(Debug, Serialize)]
@@ -77,7 +71,7 @@ pub fn residual_over_noise(fit: &Fit, quantity: Quantity) -> Option<String> {
 /// Whether the residual of a channel is what noise would leave.
 fn is_described(noise: &ChannelNoise) -> bool {
     noise.residual_rms / noise.standard_deviation <= WITHIN_NOISE
-        && noise.residual_autocorrelation < CORRELATED
+        && noise.residual_autocorrelation < CORRELATED_FROM
 }
 
 /// `The fit follows the readings: it leaves 1.0 (current) and 0.81 (curvature) × the noise.`
@@ -101,11 +95,11 @@ fn noise_sentence(noise: &ChannelNoise) -> String {
         return format!("{channel}: the noise could not be estimated, so the residuals cannot be judged.");
     }
     let times = format!("{} × the noise", significant(ratio, 2));
-    let correlated = noise.residual_autocorrelation >= CORRELATED;
+    let correlated = noise.residual_autocorrelation >= CORRELATED_FROM;
     if is_described(noise) {
         return format!("{channel}: the fit follows the readings and leaves {times}.");
     }
-    if ratio >= SYSTEMATIC {
+    if ratio >= SYSTEMATIC_FROM {
         return format!("{channel}: the fit leaves {times}; the model lacks something.");
     }
     if correlated {

@@ -17,12 +17,11 @@ use super::run_tags::{TagGroup, TagText, grouped, tags, take_common};
 use super::wording::{IssueText, RunLink};
 use crate::error::ReportError;
 use crate::fault::{guarded, reason_of};
+use crate::pages::policy::MOST_BESIDE;
 use crate::site::Site;
 use ieap_analysis::conditions::material;
 use ieap_domain::{Fault, RunRecord, Severity};
 
-/// Links to other samples in the same condition: of more, the first stand there.
-const BESIDE: usize = 12;
 /// A run with more channels than this names each with its range, and not among what all runs share.
 const FEW_CHANNELS: usize = 6;
 
@@ -410,5 +409,5 @@ fn beside(site: &Site, page: usize) -> Vec<RunLink> {
         href: site.run_page_href(other),
         name: site.run_page_title(other),
     };
-    others.into_iter().take(BESIDE).map(link).collect()
+    others.into_iter().take(MOST_BESIDE).map(link).collect()
 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::wording::{EstimateText, RunLink, estimate_of, has_warnings, why_unfitted};
 use crate::number::significant;
+use crate::pages::policy::MOST_RUNS_LISTED;
 use crate::site::Site;
 use crate::sparkline::Sparks;
 use crate::zone::seconds;
@@ -14,9 +15,6 @@ use ieap_analysis::conditions::nominal_voltage_v;
 use ieap_analysis::parameters::COMPARED;
 use ieap_domain::RunRecord;
 use ieap_domain::tag::keys;
-
-/// Runs listed on the overview: a page of thousands opens slowly. The pages of the groups have all.
-const MOST: usize = 500;
 
 /// The table.
 #[derive(Debug, Serialize)]
@@ -73,7 +71,7 @@ pub fn listed(site: &Site) -> Vec<usize> {
         };
         later.then_with(|| runs[a].path.cmp(&runs[b].path))
     });
-    order.truncate(MOST);
+    order.truncate(MOST_RUNS_LISTED);
     order
 }
 

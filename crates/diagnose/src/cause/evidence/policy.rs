@@ -37,15 +37,21 @@ pub(super) const SPREADS: (f64, f64) = (0.003, 3.0);
 /// Precision with which a coordinate of the base, of order one, is known before any reading: under every hypothesis the same.
 pub(super) const KNOWN_BEFORE: f64 = 1e-4;
 
-/// Knots of smooth courses: distance of those over the logarithm of the time since an edge (half a decade), from where that
-/// scale ends, s; number of those over the clock. Spacing and start: prototype; the number over the clock: not calibrated.
+/// Distance of the knots of smooth courses over the logarithm of the time since an edge: half a decade. Prototype.
 pub(super) const KNOT_SPACING: f64 = 0.5 * std::f64::consts::LN_10;
+/// Time since an edge from which these knots begin, s. Prototype.
 pub(super) const KNOTS_FROM_S: f64 = 0.2;
+/// Knots of smooth courses over the clock. Not calibrated.
 pub(super) const KNOTS_BY_CLOCK: usize = 8;
 /// Waves of slow noise: the longest lasts two records, the shortest a sixth of one. Not calibrated.
 pub(super) const WAVES: usize = 12;
 /// Knots or waves of all channels of a group together, for the time that they take.
 pub(super) const MOST_BY_CLOCK: usize = 160;
+
+/// Subsets of parameters that differ which are fitted in full: the leading ones. Chosen.
+pub(super) const SUBSETS_FITTED: usize = 3;
+/// Parameters of which all subsets are asked; of more only singles, pairs and all. Chosen: each doubles them.
+pub(super) const MOST_FOR_ALL_SUBSETS: usize = 11;
 
 /// Points of the grids over sizes and spreads.
 pub(super) const GRID: usize = 9;
@@ -54,6 +60,9 @@ pub(super) const GRID: usize = 9;
 pub(crate) const SURE: f64 = 0.95;
 /// Members that are told one by one at most; of more the node that they lie under is told, and nothing where that is the root.
 pub(crate) const LARGEST_SET: usize = 5;
+
+/// Hypotheses below this probability are not told, but for the leading one of each kind. Chosen.
+pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
 
 /// What a fall of the logarithm of the likelihood is divided by where effects are held against each other, the best of which
 /// makes it fall by `best`: a rival that explains all but [`INEXACT`] of that keeps what [`SURE`] leaves.

@@ -5,15 +5,12 @@ use ieap_model::FitModel;
 use rayon::prelude::*;
 
 use super::laplace::log_evidence;
-use super::policy::{self, SIZES, log_sum, temperature};
+use super::policy::{self, LEAST_PROBABILITY, SIZES, log_sum, temperature};
 use super::unnamed::Nameless;
 use super::varies::Varying;
 use crate::cause::select::Selection;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
-
-/// Hypotheses below this probability are not told, but for the leading one of each kind.
-const LEAST: f64 = 1e-3;
 
 /// What hypotheses are weighed on.
 pub(crate) struct Asked<'a, 'g> {
@@ -131,7 +128,7 @@ impl<'s, 'g> Weighed<'s, 'g> {
         found.retain(|own| {
             let is_first = !kinds.contains(&own.kind);
             kinds.push(own.kind);
-            is_first || own.mass >= LEAST
+            is_first || own.mass >= LEAST_PROBABILITY
         });
         found
     }

@@ -11,16 +11,11 @@ use ieap_numerics::symmetric::Symmetric;
 
 use super::laplace::known_before;
 use super::own::OwnFits;
-use super::policy::{KNOWN_BEFORE, SPREADS, VARIES, grid, log_mean};
+use super::policy::{KNOWN_BEFORE, MOST_FOR_ALL_SUBSETS, SPREADS, SUBSETS_FITTED, VARIES, grid, log_mean};
 use super::shared;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
 
-/// Subsets of parameters that are fitted in full: the leading ones.
-const FITTED: usize = 3;
-
-/// Parameters of which all subsets are asked; of more only singles, pairs and all.
-const ALL_SUBSETS: usize = 11;
 /// A spread that holds nothing together.
 const FREE: f64 = 1e4;
 
@@ -73,7 +68,7 @@ impl Varying {
         subsets.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
         // What is left in full is more than the closed form has it: where parameters are far apart it is a parabola.
         let mut known: Vec<(Vec<usize>, shared::Shared)> = Vec::new();
-        for _ in 0..FITTED {
+        for _ in 0..SUBSETS_FITTED {
             let first = subsets.first()?.of.clone();
             if known.iter().any(|(of, _)| *of == first) {
                 break;
@@ -218,7 +213,7 @@ pub(super) fn subsets(forms: &[Form], covariates: &[Covariate], log_base: f64) -
 }
 
 fn sets(parameters: usize) -> Vec<Vec<usize>> {
-    if parameters <= ALL_SUBSETS {
+    if parameters <= MOST_FOR_ALL_SUBSETS {
         let of = |mask: usize| (0..parameters).filter(|k| mask >> k & 1 == 1).collect();
         return (1..1_usize << parameters).map(of).collect();
     }

@@ -6,13 +6,11 @@
 use ieap_domain::{Drive, Level};
 use ieap_numerics::sums::dot;
 
+use crate::cause::policy::{NAMELESS_KNOTS, PREDICTED_FROM};
 use crate::cause::proof::held_out::{self, Part};
-use crate::cause::proof::predictive::{BEFORE, kept, normal};
+use crate::cause::proof::predictive::{kept, normal};
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
-
-/// Knots of the answer to a step, evenly in the logarithm of the time since it.
-const KNOTS: usize = 8;
 
 /// The fall of the deviance on every held-out part, from what the base leaves there (`before`). Base parameters and the
 /// answer are found to first order about the base fitted to all; what the base to first order leaves is no place to
@@ -29,7 +27,7 @@ pub(crate) fn falls(base: &Fitted, group: &RunGroup, before: &[Part]) -> Vec<f64
         .enumerate()
         .map(|(k, column)| {
             if k < searched {
-                BEFORE
+                PREDICTED_FROM
             } else {
                 dot(column, column) / size.max(f64::MIN_POSITIVE)
             }
@@ -86,14 +84,14 @@ fn shapes(group: &RunGroup) -> Vec<Vec<f64>> {
         times.windows(2).map(|pair| pair[1] - pair[0])
     });
     let shortest_s = times.filter(|gap| *gap > 0.0).fold(longest_s, f64::min);
-    let mut columns = vec![vec![0.0; group.rows()]; 2 * KNOTS];
+    let mut columns = vec![vec![0.0; group.rows()]; 2 * NAMELESS_KNOTS];
     for block in &group.blocks {
         let run = &group.runs[block.run];
         let Some(channel) = group.channel(block) else {
             continue;
         };
         let steps = steps(run.drive());
-        for knot in 0..KNOTS {
+        for knot in 0..NAMELESS_KNOTS {
             let answer = |t: &f64| -> f64 {
                 let of_step = |(start_s, change_v): &(f64, f64)| {
                     change_v * hat(knot, t - start_s, shortest_s, longest_s)
@@ -106,7 +104,7 @@ fn shapes(group: &RunGroup) -> Vec<Vec<f64>> {
             // In units of the noise at first, so that columns are of a size.
             series.iter_mut().for_each(|v| *v *= mean);
             channel.whiten(&mut series);
-            columns[block.channel * KNOTS + knot][block.first..block.end].copy_from_slice(&series);
+            columns[block.channel * NAMELESS_KNOTS + knot][block.first..block.end].copy_from_slice(&series);
         }
     }
     columns.retain(|column| column.iter().any(|v| *v != 0.0));
@@ -134,7 +132,7 @@ fn hat(knot: usize, elapsed_s: f64, shortest_s: f64, longest_s: f64) -> f64 {
         return 0.0;
     }
     let span = (longest_s / shortest_s).max(2.0).ln();
-    let place = (elapsed_s.max(shortest_s) / shortest_s).ln() / span * (KNOTS - 1) as f64;
+    let place = (elapsed_s.max(shortest_s) / shortest_s).ln() / span * (NAMELESS_KNOTS - 1) as f64;
     (1.0 - (place - knot as f64).abs()).max(0.0)
 }
 
@@ -145,7 +143,9 @@ mod tests {
     #[test]
     fn hats_add_up_to_one_after_the_step_and_to_nothing_before_it() {
         for elapsed_s in [0.0, 0.5, 1.0, 3.0, 77.0, 600.0] {
-            let sum: f64 = (0..KNOTS).map(|knot| hat(knot, elapsed_s, 1.0, 600.0)).sum();
+            let sum: f64 = (0..NAMELESS_KNOTS)
+                .map(|knot| hat(knot, elapsed_s, 1.0, 600.0))
+                .sum();
             assert!((sum - 1.0).abs() < 1e-12, "{elapsed_s}: {sum}");
         }
         assert_eq!(hat(0, -0.1, 1.0, 600.0), 0.0);

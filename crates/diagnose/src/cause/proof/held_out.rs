@@ -7,6 +7,7 @@ use ieap_domain::ResidualCurve;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::seconds::span;
 
+use crate::cause::policy::{EARLIER_PART, HELD_OUT_OF_LOG};
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::Fitted;
 use crate::readings::drawn::drawn;
@@ -19,11 +20,9 @@ pub(crate) const SETTLE: f64 = 0.05;
 /// Parts of a single run's time that are held out in turn: the middle of its logarithm by what surrounds it, for what
 /// happens after a step happens there, and the end by the rest.
 const OF_TIME: [HeldOutTime; 2] = [
-    HeldOutTime::OfLogarithm(0.5, 0.75),
-    HeldOutTime::OfTime(EARLIER, 1.0),
+    HeldOutTime::OfLogarithm(HELD_OUT_OF_LOG.0, HELD_OUT_OF_LOG.1),
+    HeldOutTime::OfTime(EARLIER_PART, 1.0),
 ];
-/// Part of a run's time that is earlier, and predicts the later.
-pub(crate) const EARLIER: f64 = 0.6;
 
 /// A stretch of a run's time, as parts of it or of its logarithm.
 #[derive(Debug, Clone, Copy)]
@@ -154,7 +153,7 @@ fn rows_of_runs(group: &RunGroup, runs: &[usize]) -> Vec<bool> {
 pub(crate) fn later_rows(group: &RunGroup, runs: &[usize]) -> Vec<bool> {
     let mut out = vec![false; group.rows()];
     for &run in runs {
-        let (rows, _) = rows_of_time(group, run, HeldOutTime::OfTime(EARLIER, 1.0));
+        let (rows, _) = rows_of_time(group, run, HeldOutTime::OfTime(EARLIER_PART, 1.0));
         out.iter_mut().zip(rows).for_each(|(out, is_out)| *out |= is_out);
     }
     out

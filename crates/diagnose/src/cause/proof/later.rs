@@ -6,7 +6,8 @@
 
 use rayon::prelude::*;
 
-use crate::cause::proof::held_out::{EARLIER, Part, REFIT, SETTLE, compare, later_rows};
+use crate::cause::policy::EARLIER_PART;
+use crate::cause::proof::held_out::{Part, REFIT, SETTLE, compare, later_rows};
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
@@ -34,7 +35,7 @@ pub(crate) fn later_parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
         let group_run = &group.runs[run];
         let context = group_run.context(run, None);
         let found = group_run.fitted(&model, &context);
-        let from_s = EARLIER * (group_run.duration_s - context.start_s());
+        let from_s = EARLIER_PART * (group_run.duration_s - context.start_s());
         let mut part = Part::new(
             format!("{} after {} s", group_run.given.name, seconds(from_s)),
             predictive.added((&out, with.local.square), (&all_later, earlier.local.square)),

@@ -14,10 +14,8 @@
 use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
+use crate::cause::policy::PREDICTED_FROM;
 use crate::fitting::fitted::Fitted;
-
-/// Precision of what is known before, in coordinates scaled to be of order one: a standard deviation of three.
-pub(crate) const BEFORE: f64 = 1.0 / 9.0;
 
 /// A model at its fit to all readings, linear in its parameters from there.
 pub(crate) struct Predictive {
@@ -60,7 +58,7 @@ impl Predictive {
 fn information(columns: &[Vec<f64>], out: &[bool]) -> f64 {
     let mut normal = normal(columns, out);
     for k in 0..columns.len() {
-        normal.add(k, k, BEFORE);
+        normal.add(k, k, PREDICTED_FROM);
     }
     normal.log_determinant()
 }
@@ -102,7 +100,7 @@ mod tests {
         let out: Vec<bool> = (0..12).map(|k| k > 7).collect();
         let least = |out: &[bool]| {
             let (c, r) = (kept(&column, out), kept(&readings, out));
-            let normal = dot(&c, &c) + BEFORE;
+            let normal = dot(&c, &c) + PREDICTED_FROM;
             (
                 dot(&r, &r) - dot(&c, &r).powi(2) / normal,
                 dot(&c, &r) / normal,

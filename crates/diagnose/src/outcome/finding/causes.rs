@@ -5,19 +5,15 @@ use crate::cause::candidates::CandidateFit;
 use crate::cause::lead::Lead;
 use crate::cause::select::Selection;
 use crate::misfit::signature::{Direction, Signature};
+use crate::outcome::policy::{MOST_COMPARED, MOST_REPORTED};
 use ieap_domain::{Candidate, Confusable};
 use ieap_numerics::sums::dot;
-
-/// Candidates that are reported.
-const REPORTED: usize = 20;
-/// Candidates whose traces are compared with each other.
-const COMPARED: usize = 10;
 
 impl FindingBuilder<'_, '_> {
     /// How alike the traces of the leading candidates are.
     pub(crate) fn confusable(&self, places: impl Iterator<Item = usize>) -> Confusable {
         let leading: Vec<&Direction> = places
-            .take(COMPARED)
+            .take(MOST_COMPARED)
             .map(|place| &self.directions[place])
             .collect();
         let likeness = |a: &Direction, b: &Direction| dot(&a.unit, &b.unit).abs().min(1.0);
@@ -61,7 +57,7 @@ impl FindingBuilder<'_, '_> {
         let best = self.by_forecast();
         let first = best.first().map(|(place, _)| *place);
         best.iter()
-            .take(REPORTED)
+            .take(MOST_REPORTED)
             .map(|&(place, forecast)| self.candidate(place, first, forecast))
             .collect()
     }
@@ -111,7 +107,7 @@ impl FindingBuilder<'_, '_> {
                 ..self.candidate(candidate.direction, first, candidate.forecast)
             }
         };
-        step.candidates.iter().take(REPORTED).map(of).collect()
+        step.candidates.iter().take(MOST_REPORTED).map(of).collect()
     }
 }
 

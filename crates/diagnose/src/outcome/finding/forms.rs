@@ -1,8 +1,8 @@
 //! Forms of one cause that the readings do not tell apart: its strength is as uncertain as they differ.
 
 use super::FindingBuilder;
-use crate::cause::candidates::{AS_GOOD, PRICE};
 use crate::cause::extended_start::ExtendedStart;
+use crate::cause::policy::{AS_GOOD, PRICE};
 use crate::fitting::fitted::Fitted;
 use crate::misfit::signature::Direction;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;

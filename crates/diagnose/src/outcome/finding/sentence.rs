@@ -2,8 +2,9 @@
 
 use super::{FindingBuilder, SPIKED_WORDS, short};
 use crate::cause::evidence::{LARGEST_SET, SURE};
-use crate::cause::lead::BEATEN;
-use crate::levels::{RIGHT, WRONG};
+use crate::cause::policy::NAMELESS_BEATS_BY;
+use crate::levels::{RIGHT_FROM, WRONG_BELOW};
+use crate::outcome::policy::{LARGER_THAN_NOISE, LEAST_EXPLANATION, MOST_EXPLANATIONS};
 use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::{GroupDiagnosis, Hypothesis, HypothesisKind, Verdict};
 use ieap_model::effects::effect;
@@ -15,7 +16,7 @@ impl FindingBuilder<'_, '_> {
         match found.verdict {
             Verdict::DataProblem => SPIKED_WORDS.into(),
             verdict if verdict.extends_the_model() => cause(found, place),
-            _ if predicts && found.p_leftover.is_some_and(|p| p >= WRONG) => format!(
+            _ if predicts && found.p_leftover.is_some_and(|p| p >= WRONG_BELOW) => format!(
                 "The simulation is wrong ({place}); it may be {}: these runs do not tell which.",
                 likeliest(found)
             ),
@@ -35,10 +36,6 @@ impl FindingBuilder<'_, '_> {
     }
 }
 
-/// Explanations that are told where none is sure: so many, none below one per cent.
-const LIKELIEST: usize = 4;
-const LEAST_TOLD: f64 = 0.01;
-
 /// The leading explanations with their probabilities.
 fn likeliest(found: &GroupDiagnosis) -> String {
     let words = |own: &Hypothesis| {
@@ -51,20 +48,17 @@ fn likeliest(found: &GroupDiagnosis) -> String {
         };
         format!("{what} ({:.0} %)", 100.0 * own.mass)
     };
-    let told = found.posterior.iter().filter(|own| own.mass >= LEAST_TOLD);
-    let leading: Vec<String> = told.take(LIKELIEST).map(words).collect();
+    let told = found.posterior.iter().filter(|own| own.mass >= LEAST_EXPLANATION);
+    let leading: Vec<String> = told.take(MOST_EXPLANATIONS).map(words).collect();
     match leading.split_last() {
         Some((last, first)) if !first.is_empty() => format!("{} or {last}", first.join(", ")),
         _ => leading.concat(),
     }
 }
 
-/// Size of what is left, over that of the noise, from which it is told as a number.
-const LARGER: f64 = 1.05;
-
 /// How large what is left is, over the noise.
 fn left_words(over_noise: f64) -> String {
-    if over_noise < LARGER {
+    if over_noise < LARGER_THAN_NOISE {
         "What it leaves is no larger than the noise, but has a shape that noise has not.".to_owned()
     } else {
         format!("What it leaves is {over_noise:.1} times as large as the noise.")
@@ -193,7 +187,7 @@ fn proof(found: &GroupDiagnosis) -> String {
 
 /// What is left of a misfit that is explained may still be more than chance leaves.
 fn doubt(found: &GroupDiagnosis) -> String {
-    let open = found.p_leftover.filter(|p| (WRONG..RIGHT).contains(p));
+    let open = found.p_leftover.filter(|p| (WRONG_BELOW..RIGHT_FROM).contains(p));
     open.map_or_else(String::new, |p| {
         format!(" What it leaves may be more than chance does (p = {p:.3}).")
     })
@@ -204,7 +198,7 @@ fn is_beaten(found: &GroupDiagnosis) -> bool {
     found
         .gain
         .as_ref()
-        .is_some_and(|gain| gain.nameless_deviance > gain.proof.deviance + BEATEN)
+        .is_some_and(|gain| gain.nameless_deviance > gain.proof.deviance + NAMELESS_BEATS_BY)
 }
 
 #[cfg(test)]

@@ -2,16 +2,14 @@
 
 use crate::joint::whitening::{Autocorrelation, Whitener};
 use crate::sampled::{Sampled, Span};
-use ieap_numerics::correlation::yule_walker;
+use ieap_numerics::correlation::{FEWEST_FOR_ORDER, NOISE_EVIDENCE, yule_walker};
 
 use super::lagged::{Products, among, normal, normal_of, scaled, white};
 use super::smooth::{Smooth, inner};
-use super::tried::{CORRELATIONS, EVIDENCE, FROM, TO, lowest};
+use super::tried::{CORRELATIONS, FROM, TO, lowest};
 
 /// Correlation times that are tried.
 const TIMES: usize = 12;
-/// Readings from which orders above one are looked at.
-const ENOUGH_FOR_ORDER: usize = 300;
 
 impl Smooth {
     /// Minus twice the restricted log likelihood of that memory, with the best size of the noise.
@@ -67,7 +65,7 @@ impl Smooth {
             let of_time = |x: f64| self.deviance(sampled, scale, &by_time(x));
             best = search(best, (0.0, 1.0, TIMES), by_time, of_time).0;
         }
-        if sampled.len() >= ENOUGH_FOR_ORDER && matches!(best.1, Autocorrelation::Order(_)) {
+        if sampled.len() >= FEWEST_FOR_ORDER && matches!(best.1, Autocorrelation::Order(_)) {
             best = self.higher_orders(sampled, scale, best);
         }
         FoundAutocorrelation::of(best, by_correlation)
@@ -109,7 +107,7 @@ impl Smooth {
     /// Orders two and three where BIC asks for them.
     fn higher_orders(&self, sampled: &Sampled, scale: &[f64], first: Candidate) -> Candidate {
         let mut best = first;
-        let penalty = (sampled.len() as f64).ln().max(EVIDENCE);
+        let penalty = (sampled.len() as f64).ln().max(NOISE_EVIDENCE);
         let lags = self.autocovariances(sampled, scale, &best.1);
         for order in 2..=3 {
             let Some((coefficients, _)) = yule_walker(&lags[..=order]) else {

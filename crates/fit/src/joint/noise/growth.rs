@@ -1,9 +1,9 @@
 //! How noise grows with the signal.
 
 use crate::sampled::Sampled;
+use ieap_numerics::correlation::NOISE_EVIDENCE;
 
 use super::smooth::Smooth;
-use super::tried::EVIDENCE;
 
 /// How the noise grows with the signal.
 pub(super) struct Growth {
@@ -34,7 +34,7 @@ pub(super) fn growth(smooth: &Smooth, sampled: &Sampled) -> Growth {
     };
     let autocorrelation = smooth.autocorrelation_of_rest(sampled);
     let (mut best, mut chosen) = (
-        deviance(&even.scale) - (n.ln() + EVIDENCE) * autocorrelation,
+        deviance(&even.scale) - (n.ln() + NOISE_EVIDENCE) * autocorrelation,
         even,
     );
     for power in -2..=12 {

@@ -4,9 +4,7 @@
 use ieap_numerics::chance::chi_square_chance;
 
 use super::tried::{CORRELATIONS, correlation_at, lowest};
-
-/// Channels do not share a correlation where chance makes so different ones this rarely.
-const DIFFERENT: f64 = 0.01;
+use crate::joint::policy::DIFFERENT_BELOW;
 
 /// Index of the lowest place of the sum of all curves, each minus twice a log likelihood.
 pub(super) fn together(curves: &[&[f64]]) -> (f64, f64) {
@@ -21,7 +19,7 @@ pub(super) fn shared(curves: &[&[f64]]) -> Option<f64> {
     let others = curves.len().checked_sub(1).filter(|others| *others > 0)?;
     let (index, depth) = together(curves);
     let alone: f64 = curves.iter().map(|curve| lowest(curve).1).sum();
-    (chi_square_chance(depth - alone, others) > DIFFERENT).then(|| correlation_at(index))
+    (chi_square_chance(depth - alone, others) > DIFFERENT_BELOW).then(|| correlation_at(index))
 }
 
 #[cfg(test)]

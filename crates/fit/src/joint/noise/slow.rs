@@ -3,22 +3,19 @@
 //! An autoregression of low order knows neighbours only. What an amplifier, a lamp or a room does over minutes is seen beside
 //! the white noise of the readings alone, and makes smooth residuals that no model owes an answer to.
 
+use crate::joint::policy::{
+    FLICKER_FROM_READINGS, FLICKER_TO_RECORDS, SLOW_FROM_READINGS, SLOW_PARTS, SLOW_TO_RECORDS,
+};
 use crate::joint::whitening::{Autocorrelation, Process};
 use crate::sampled::Sampled;
 
 use super::smooth::Smooth;
 
-/// Correlation times that are tried: from so many readings on, each so many times the one before, to this part of a record.
-const FROM_READINGS: f64 = 4.0;
+/// Correlation times that are tried: each so many times the one before.
 const RATIO: f64 = 2.5;
-const OF_RECORD: f64 = 0.35;
-/// Parts of the variance that are tried.
-const PARTS: [f64; 7] = [0.02, 0.05, 0.12, 0.3, 0.6, 0.85, 0.97];
 /// Noise of which every octave has as much (1/f) is made of processes of which each lasts so many times as long as the one
-/// before, from this part of a reading's distance to this many records.
+/// before.
 const OCTAVES: f64 = 4.0;
-const SHORTEST: f64 = 0.5;
-const LONGEST: f64 = 1.0;
 
 /// The memories that are tried on a channel.
 pub(crate) fn tried(of: &Sampled) -> Vec<Autocorrelation> {
@@ -32,7 +29,7 @@ pub(crate) fn tried(of: &Sampled) -> Vec<Autocorrelation> {
     };
     let of_processes = |times_s: Vec<f64>| {
         let count = times_s.len().max(1) as f64;
-        PARTS.map(|part| {
+        SLOW_PARTS.map(|part| {
             let process = |&correlation_time_s: &f64| Process {
                 correlation_time_s,
                 part: part / count,
@@ -40,8 +37,14 @@ pub(crate) fn tried(of: &Sampled) -> Vec<Autocorrelation> {
             Autocorrelation::Slow(times_s.iter().map(process).collect())
         })
     };
-    let single = times(FROM_READINGS * step_s, RATIO, OF_RECORD * lasting_s).map(|time_s| vec![time_s]);
-    let flicker: Vec<f64> = times(SHORTEST * step_s, OCTAVES, LONGEST * lasting_s).collect();
+    let single =
+        times(SLOW_FROM_READINGS * step_s, RATIO, SLOW_TO_RECORDS * lasting_s).map(|time_s| vec![time_s]);
+    let flicker: Vec<f64> = times(
+        FLICKER_FROM_READINGS * step_s,
+        OCTAVES,
+        FLICKER_TO_RECORDS * lasting_s,
+    )
+    .collect();
     single.chain([flicker]).flat_map(of_processes).collect()
 }
 

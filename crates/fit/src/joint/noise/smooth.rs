@@ -3,17 +3,8 @@
 
 use ieap_domain::{Drive, Level};
 
+use crate::joint::policy::{CLOSEST_SHAPES_LOG, MOST_SHAPES, POWERS, READINGS_PER_ANSWER};
 use crate::sampled::Sampled;
-
-/// Exponentials of the smooth part per segment, at most, and the closest they lie in the logarithm of time.
-const SHAPES: usize = 16;
-const CLOSEST: f64 = 0.6;
-
-/// Powers of a moving voltage whose exponential means the smooth part holds, and of each how many at most. The first are the
-/// answers of every linear circuit and strip; the others keep what bends with the voltage from being taken for noise.
-const POWERS: [(i32, usize); 3] = [(1, 12), (2, 4), (3, 4)];
-/// Readings for each of the shapes that follow the voltage, at least.
-const READINGS_PER_ANSWER: usize = 24;
 
 /// Orthonormal smooth shapes per span, and what they leave.
 pub(super) struct Smooth {
@@ -62,7 +53,7 @@ impl Smooth {
 fn decays(elapsed_s: &[f64]) -> Vec<Vec<f64>> {
     let n = elapsed_s.len();
     let mut columns = vec![vec![1.0; n]];
-    for tau_s in time_constants_s(elapsed_s, n / 8, SHAPES) {
+    for tau_s in time_constants_s(elapsed_s, n / 8, MOST_SHAPES) {
         columns.push(elapsed_s.iter().map(|t| (-t / tau_s).exp()).collect());
     }
     columns
@@ -79,7 +70,7 @@ fn time_constants_s(elapsed_s: &[f64], count: usize, most: usize) -> Vec<f64> {
         return Vec::new();
     }
     let (fast, slow) = ((step_s * 2.0).ln(), (longest_s / 1.5).ln());
-    let room = ((slow - fast) / CLOSEST).max(0.0) as usize + 1;
+    let room = ((slow - fast) / CLOSEST_SHAPES_LOG).max(0.0) as usize + 1;
     let count = count.min(room).clamp(2, most);
     let at = |k: usize| (slow + (fast - slow) * k as f64 / (count - 1) as f64).exp();
     (0..count).map(at).collect()

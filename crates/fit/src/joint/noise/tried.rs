@@ -1,8 +1,5 @@
 //! What is tried of a channel's noise: correlations on a grid, and the evidence that any property of it must bring.
 
-/// Twice the gain in log likelihood that a further property of the noise must bring, beside BIC.
-pub(super) const EVIDENCE: f64 = 6.0;
-
 /// Correlations tried by reading order, between these inverse hyperbolic tangents.
 pub(super) const CORRELATIONS: usize = 60;
 pub(super) const FROM: f64 = -0.7;

@@ -2,11 +2,10 @@
 
 use jiff::civil::DateTime;
 
+use crate::formats::policy::GOING_BACK_SHARE;
 use crate::formats::stamp::{self, DateOrder};
 use ieap_numerics::robust::upper_median;
 
-/// Share of steps that may go back under the order that is taken (one always may): a clock that is set right.
-const GOING_BACK: f64 = 0.01;
 /// A year, s.
 const YEAR_S: f64 = 31_557_600.0;
 /// By how much clocks go back at the end of summer time, s.
@@ -56,7 +55,7 @@ pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder>
             continue;
         };
         let back = read.windows(2).filter(|pair| pair[1] < pair[0]).count();
-        if back as f64 > (GOING_BACK * read.len() as f64).max(1.0) {
+        if back as f64 > (GOING_BACK_SHARE * read.len() as f64).max(1.0) {
             continue;
         }
         match best.first().map(|(least, _, _)| back.cmp(least)) {

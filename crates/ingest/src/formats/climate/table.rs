@@ -13,7 +13,7 @@ use crate::formats::recognition::{FileHead, Match};
 use crate::formats::stamp::DateOrder;
 use crate::formats::{Format, ReadContext, ReadError, delimited};
 use crate::text::header::{Header, Meaning};
-use crate::text::layout::HEADER_WITHIN;
+use crate::text::policy::HEADER_WITHIN_LINES;
 use crate::text::{Delimiter, Line, Lines, number};
 use ieap_domain::{Issue, Quantity, RunStatus};
 
@@ -65,7 +65,7 @@ impl Format for ClimateTable {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let lines: Vec<Line<'_>> = Lines::new(&text).take(HEADER_WITHIN + 2).collect();
+        let lines: Vec<Line<'_>> = Lines::new(&text).take(HEADER_WITHIN_LINES + 2).collect();
         if is_log(&lines) {
             Match::Possible {
                 score: 0.8,
@@ -157,7 +157,7 @@ struct HeaderRow {
 }
 
 fn find_header(lines: &[Line<'_>]) -> Option<HeaderRow> {
-    for (at, line) in lines.iter().enumerate().take(HEADER_WITHIN) {
+    for (at, line) in lines.iter().enumerate().take(HEADER_WITHIN_LINES) {
         for delimiter in [Delimiter::Tab, Delimiter::Semicolon, Delimiter::Comma] {
             let mut names = Vec::new();
             delimiter.split(line.text, |_, cell| names.push(number::unquote(cell).to_owned()));

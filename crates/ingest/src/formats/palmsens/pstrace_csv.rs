@@ -8,6 +8,7 @@
 use crate::formats::assemble::{Raw, assemble_untimed};
 use crate::formats::cells::CellTable;
 use crate::formats::error::{ReadError, quoted};
+use crate::formats::policy::UNITS_WITHIN;
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::stamp::{self, DateOrder};
 use crate::formats::{Format, ReadContext, delimited};
@@ -22,8 +23,6 @@ pub struct PstraceCsv;
 const EXPORTED: &str = "Date and time:";
 const MEASURED: &str = "Date and time measurement:";
 const IMPEDANCE_EXPORTED: &str = "File date:";
-/// Lines in which the row of units is looked for.
-const PREAMBLE: usize = 16;
 
 /// One curve: where its columns stand, its title and its start.
 struct Curve {
@@ -60,7 +59,7 @@ impl Format for PstraceCsv {
             return Match::Certain("the first line is Date and time or File date");
         }
         // Exports without the moment of their export begin with the titles of their curves.
-        let lines: Vec<&str> = text.lines().take(PREAMBLE).collect();
+        let lines: Vec<&str> = text.lines().take(UNITS_WITHIN).collect();
         let units = lines.iter().position(|line| is_units(line));
         if units.is_some_and(|at| {
             lines[..at]

@@ -1,0 +1,34 @@
+//! What decides what a finding says: every number with its unit and where it comes from. Which cause it is was decided before
+//! (`cause/policy.rs`).
+
+/// Spikes beyond this part of the readings make the readings themselves the problem. Chosen.
+pub(super) const SPIKED_PART: f64 = 0.05;
+/// A cause that leaves a misfit is told where it takes more than this part of what the base leaves beyond the noise. Chosen: most
+/// of it.
+pub(super) const MOST_OF_MISFIT: f64 = 0.5;
+/// Part of the runs that must be described alone before it is worth a remark. Chosen.
+pub(super) const NEARLY_ALL_RUNS: f64 = 0.75;
+
+/// Candidates that are reported at most. Chosen.
+pub(super) const MOST_REPORTED: usize = 20;
+/// Candidates at most whose traces are compared with each other. Chosen.
+pub(super) const MOST_COMPARED: usize = 10;
+/// Explanations at most that are told where none is sure. Chosen.
+pub(super) const MOST_EXPLANATIONS: usize = 4;
+/// Least probability of an explanation that is told where none is sure. Chosen.
+pub(super) const LEAST_EXPLANATION: f64 = 0.01;
+/// Size of what is left, over that of the noise, from which it is told as a number. Chosen.
+pub(super) const LARGER_THAN_NOISE: f64 = 1.05;
+/// Parameters whose scatter from run to run is told at most. Chosen.
+pub(super) const MOST_SCATTERED: usize = 3;
+/// Parameters whose courses are told at most; the others are named. Chosen.
+pub(super) const MOST_COURSES: usize = 2;
+/// Independent readings, in parts of a record's, below which noise is told to be slow: noise that dies away from one reading to
+/// the next is not worth a sentence. Chosen.
+pub(super) const SLOW_BELOW_PART: f64 = 0.25;
+
+/// Readings of a run that is proposed. Chosen.
+pub(super) const READINGS_OF_NEXT_RUN: usize = 400;
+/// Chances from places along the strip are stated down to here: below it they tell of a far tail of the noise that nothing has
+/// checked. Chosen.
+pub(super) const LEAST_CHANCE: f64 = 1e-6;

@@ -1,0 +1,32 @@
+//! What decides whether a table is taken, and as what: every number with its unit and where it comes from. Files that must be
+//! taken stand in `tests/formats`, those that must be refused beside them (docs/validation/readers.md).
+
+/// Score of a certain match; a possible one has less.
+pub(super) const CERTAIN: f64 = 1.0;
+/// By how much the best score must lead. Chosen.
+pub(super) const LEAD: f64 = 0.2;
+/// What the extension adds: less than a lead.
+pub(super) const EXTENSION: f64 = 0.1;
+
+/// Share of the rows of a table that may be bad before it is refused: with another number of fields than the header, with text
+/// in a column of numbers, with a time that repeats, goes back or cannot be read. One row always may. Chosen.
+pub(crate) const BAD_SHARE: f64 = 0.05;
+/// A step of time this many times longer than the steps on both sides of it is a gap. Chosen.
+pub(super) const GAP_FACTOR: f64 = 10.0;
+/// Share of the interval by which a printed time may differ from the sample's and still be the same. Chosen.
+pub(super) const SAME_TIME_SHARE: f64 = 1e-6;
+/// Share of the sum of the imaginary parts' sizes above which their sign is that of -Z'': a strip is capacitive. At high
+/// frequencies, where they are small, their signs flip in noise, and the leads are a coil. Chosen.
+pub(super) const MOSTLY_CAPACITIVE: f64 = 0.9;
+/// Share of steps of a climate log that may go back under the order of dates that is taken (one always may): a clock that is set
+/// right. Chosen.
+pub(super) const GOING_BACK_SHARE: f64 = 0.01;
+/// A thermometer input without a probe reads 1467 degrees Celsius and a few tenths; no probe of a cell reads this, °C.
+pub(super) const NO_PROBE_ABOVE_C: f64 = 1000.0;
+
+/// Rows of a sheet that a header may be looked for in. Chosen.
+pub(super) const HEADER_WITHIN_ROWS: usize = 64;
+/// Lines of a table of a probe that the header may stand below. Chosen.
+pub(super) const PROBE_HEADER_WITHIN: usize = 16;
+/// Lines in which the row of units of a PSTrace export is looked for. Chosen.
+pub(super) const UNITS_WITHIN: usize = 16;

@@ -1,0 +1,57 @@
+//! What decides what a page says and what it leaves out: every number with its unit and where it comes from. Sizes of what is
+//! drawn stand where it is drawn.
+
+use ieap_analysis::laws::policy::INFLATION_LIMIT;
+
+/// Residual over noise up to which the model describes the readings. Chosen.
+pub(super) const WITHIN_NOISE: f64 = 1.3;
+/// Residual over noise from which a misfit is called systematic whatever its shape. Chosen.
+pub(super) const SYSTEMATIC_FROM: f64 = 3.0;
+/// Lag-1 autocorrelation from which neighbouring residuals clearly go together. Chosen.
+pub(super) const CORRELATED_FROM: f64 = 0.5;
+
+/// Ratio between conditions from which a contrast is what a campaign shows, and worth a sentence. Chosen.
+pub(super) const NOTABLE_RATIO: f64 = 1.5;
+/// Contrasts that the overview names at most; the comparison has all. Chosen.
+pub(super) const MOST_CONTRASTS: usize = 3;
+/// Groups that a sentence names at most; more are counted. Chosen.
+pub(super) const MOST_GROUPS_NAMED: usize = 3;
+/// Factors from which on a contrast is shaded, one shade stronger at each. Chosen.
+pub(super) const CONTRAST_SHADES: [f64; 2] = [1.2, 2.5];
+/// Ratios below this are told in percent, others as factors. Chosen.
+pub(super) const TOLD_AS_FACTOR_FROM: f64 = 1.15;
+/// Inflations from which a pair of covariates is shaded, one shade darker at each; from the second on it is confounded. The others
+/// are chosen.
+pub(super) const INFLATION_SHADES: [f64; 4] = [2.0, INFLATION_LIMIT, 20.0, 100.0];
+
+/// Shifts of a parameter below this many standard errors are not put into words. Chosen.
+pub(super) const CLEAR_SHIFT_SIGMAS: f64 = 2.0;
+/// An error that rises by more than this factor is pointed out beside a deviance that falls. Chosen.
+pub(super) const ERROR_RISES_FACTOR: f64 = 1.02;
+/// Probability below which an explanation has no row; the leading effect has one all the same, for a cause that is not it. Chosen.
+pub(super) const LEAST_PROBABILITY: f64 = 0.005;
+/// Rows of explanations at most. Chosen.
+pub(super) const MOST_EXPLANATIONS: usize = 8;
+
+/// Alarms that are not folded. Chosen.
+pub(super) const OPEN_ALARMS: usize = 5;
+/// Files listed for one reason at most: a folder of thousands of foreign files must not bury the rest of the page. Chosen.
+pub(super) const MOST_FILES_OF_REASON: usize = 20;
+/// Conditions to fill that are shown at most; the rest is counted. Chosen.
+pub(super) const MOST_TO_FILL: usize = 12;
+/// Flagged stretches that are listed at most. Chosen.
+pub(super) const MOST_FLAGS: usize = 12;
+/// Segments of a drive that are spelled out at most. Chosen.
+pub(super) const MOST_SEGMENTS: usize = 6;
+/// Runs listed on the overview at most: a page of thousands opens slowly. The pages of the groups have all. Chosen.
+pub(super) const MOST_RUNS_LISTED: usize = 500;
+/// Laws that are drawn without being asked for, the strongest first. Chosen.
+pub(super) const MOST_LAWS_DRAWN: usize = 12;
+/// Sweeps, or modulus logs, that have a section of their own; the table and the export have all. Chosen.
+pub(super) const MOST_SECTIONS: usize = 40;
+/// Residual figures on the page of a finding at most: a page with more takes long to open. The worst runs come first. Chosen.
+pub(super) const MOST_RESIDUAL_FIGURES: usize = 16;
+/// Held-out residuals on such a page at most. Chosen.
+pub(super) const MOST_HELD_OUT_FIGURES: usize = 6;
+/// Links to other samples in the same condition at most: of more, the first stand there. Chosen.
+pub(super) const MOST_BESIDE: usize = 12;
