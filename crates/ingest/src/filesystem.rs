@@ -45,11 +45,6 @@ pub fn network_kind(path: &Path) -> io::Result<Option<&'static str>> {
     }
 }
 
-/// Whether `path` lies on a network or FUSE file system. Where the operating system cannot tell: no.
-pub fn is_network(path: &Path) -> bool {
-    matches!(network_kind(path), Ok(Some(_)))
-}
-
 #[cfg(target_os = "linux")]
 fn magic(path: &Path) -> io::Result<Option<u32>> {
     // The field is wider than the number on some machines and sign-extended on others: 32 bits carry it.
@@ -87,6 +82,5 @@ mod tests {
     fn proc_is_local_also_by_a_path_that_does_not_exist() {
         assert_eq!(magic(Path::new("/proc/self")).unwrap(), Some(0x9FA0));
         assert_eq!(network_kind(Path::new("/proc/no/such/folder")).unwrap(), None);
-        assert!(!is_network(Path::new("no-such-folder/at-all")));
     }
 }

@@ -35,16 +35,6 @@ pub struct CurvaturePerArealCharge(pub f64);
 pub struct CurvaturePerLineCharge(pub f64);
 
 impl CurvaturePerTotalCharge {
-    /// The coupling `alpha = mu / (E I)` (16) of a strip whose charge makes the bending moment `M = mu q` (15), with
-    /// mu in mN mm per C and the effective Young's modulus in MPa.
-    pub fn from_moment(
-        moment_per_charge_mn_mm_per_c: f64,
-        modulus_mpa: f64,
-        section: &CrossSection,
-    ) -> CurvaturePerTotalCharge {
-        CurvaturePerTotalCharge(section.curvature_from_moment(modulus_mpa, moment_per_charge_mn_mm_per_c))
-    }
-
     /// Bending moment per charge, mu of (15), mN mm per C: what blocks the strip's motion, independent of how stiff
     /// it is.
     pub fn moment_per_charge_mn_mm_per_c(self, modulus_mpa: f64, section: &CrossSection) -> f64 {
@@ -111,7 +101,7 @@ mod tests {
         let section = CrossSection::symmetrical(5.0, 0.22);
         let dry = CurvaturePerTotalCharge(2.1);
         let moment = dry.moment_per_charge_mn_mm_per_c(70.0, &section);
-        let humid = CurvaturePerTotalCharge::from_moment(moment, 55.0, &section);
+        let humid = CurvaturePerTotalCharge(section.curvature_from_moment(55.0, moment));
         assert!((humid.0 / dry.0 - 70.0 / 55.0).abs() < 1e-14);
         // E I kappa per coulomb by hand: 70 N/mm2, 5 * 0.22^3 / 12 mm4, 0.21 per mm.
         assert!((moment - 1e3 * 70.0 * (5.0 * 0.010_648 / 12.0) * 0.21).abs() < 1e-10);

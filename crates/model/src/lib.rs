@@ -4,7 +4,8 @@
 pub mod bending;
 pub mod choice;
 pub mod circuit;
-pub mod classical;
+#[cfg(test)]
+mod classical;
 pub mod coupling;
 pub mod course;
 pub mod distributed;
@@ -14,7 +15,6 @@ pub mod frequency;
 pub mod geometry;
 pub mod impedance;
 pub mod lumped;
-pub mod lumped_state;
 pub mod ode;
 mod open_circuit;
 pub mod registry;
@@ -27,5 +27,4 @@ pub use choice::{ChoiceError, ModelChoice};
 pub use circuit::EquivalentCircuit;
 pub use distributed::{DistributedModel, Laminate};
 pub use lumped::{Branch, LumpedModel};
-pub use lumped_state::{LumpedState, StateError};
 pub use registry::{FitModel, ParameterDescription, fit_model, fit_models};

@@ -116,12 +116,6 @@ impl TimeDependentModulus {
         self.final_modulus_mpa + decaying * (-self.rate_per_s * elapsed_s).exp()
     }
 
-    /// Time at which the modulus is largest, s: `1/lambda - E2/E1`, or the step itself. Only from the step until
-    /// then can a constant moment let the strip relax back; afterwards it bends further again.
-    pub fn stiffest_s(&self) -> f64 {
-        (self.rate_per_s.recip() - self.first_excess_mpa / self.growth_mpa_per_s).max(0.0)
-    }
-
     /// Curvature at each time (s) after a step of `step_v` from the discharged state, 1/cm: the moment that the
     /// charge makes (15) on a strip of this modulus (7), `kappa = alpha q E0 / E(t)`.
     ///
@@ -268,8 +262,8 @@ mod tests {
             now = t;
             assert!((modulus.modulus_mpa(t) / state[0] - 1.0).abs() < 1e-10);
         }
-        let peak = modulus.stiffest_s();
-        assert!((peak - 12.5).abs() < 1e-12);
+        // 1/lambda - E2/E1: from the step until then a constant moment can let the strip relax back, and not afterwards.
+        let peak = 12.5;
         let at = modulus.modulus_mpa(peak);
         assert!(at > modulus.modulus_mpa(peak - 0.1) && at > modulus.modulus_mpa(peak + 0.1));
     }

@@ -190,6 +190,7 @@ fn orders(block: &[usize]) -> f64 {
 }
 
 /// Largest distance of p-values from an even distribution.
+#[cfg(test)]
 pub fn distance_from_even(p: &[f64]) -> f64 {
     let mut sorted = p.to_vec();
     sorted.sort_by(f64::total_cmp);

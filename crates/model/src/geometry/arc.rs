@@ -19,18 +19,6 @@ pub fn displacement_from_curvature(curvature_per_cm: f64, distance_mm: f64) -> O
     (rest >= 0.0).then(|| turn * distance_mm / (1.0 + rest.sqrt()))
 }
 
-/// Length of the arc between the clamp and the measured point, mm: `2 atan(d/L) / kappa`, L for a straight strip.
-pub fn arc_length_mm(displacement_mm: f64, distance_mm: f64) -> f64 {
-    let slope = displacement_mm / distance_mm;
-    // 2 atan(x) / (2 x / (1 + x^2)); the quotient atan(x)/x is 1 to rounding where x^2 is lost against 1.
-    let quotient = if slope.abs() < 1e-8 {
-        1.0
-    } else {
-        slope.atan() / slope
-    };
-    distance_mm * (1.0 + slope * slope) * quotient
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -67,9 +55,6 @@ mod tests {
         assert!((displacement_from_curvature(2.0, 5.0).unwrap() - 5.0).abs() < 1e-12);
         assert_eq!(displacement_from_curvature(2.0001, 5.0), None);
         assert!((curvature_from_displacement(5.0, 5.0) - 2.0).abs() < 1e-15);
-        let quarter = std::f64::consts::FRAC_PI_2 * 5.0;
-        assert!((arc_length_mm(5.0, 5.0) / quarter - 1.0).abs() < 1e-15);
-        assert_eq!(arc_length_mm(0.0, 5.0), 5.0);
     }
 
     proptest! {
@@ -82,12 +67,6 @@ mod tests {
             let allowed = 1e-15 * distance_mm / (1.0 - share * share).max(1e-8);
             prop_assert!(back.is_none_or(|b| (b - displacement).abs() < 10.0 * allowed));
             prop_assert!(back.is_some() || share.abs() > 1.0 - 1e-7);
-        }
-
-        #[test]
-        fn arc_length_times_curvature_is_the_turn(slope in 1e-3..3.0_f64) {
-            let turn = arc_length_mm(7.0 * slope, 7.0) * curvature_from_displacement(7.0 * slope, 7.0) / 10.0;
-            prop_assert!((turn / (2.0 * slope.atan()) - 1.0).abs() < 1e-14);
         }
     }
 }

@@ -55,55 +55,6 @@ fn last(values: &[f64]) -> f64 {
     values.last().copied().unwrap_or(0.0)
 }
 
-/// Tangent angle at every joint, rad, from the curvature of the links: the integral of (11). One value more than
-/// there are links; the first is zero.
-pub fn tangent_angles(curvature_per_cm: &[f64], link_cm: f64) -> Vec<f64> {
-    let mut angles = vec![0.0];
-    angles.extend(curvature_per_cm.iter().scan(0.0, |angle, curvature| {
-        *angle += curvature * link_cm;
-        Some(*angle)
-    }));
-    angles
-}
-
-/// Curvature of every link, 1/cm, from the tangent angles at its ends: `kappa = d(phi)/ds` (11). Jumps by whole
-/// turns, which tracked angles have, are taken out.
-pub fn curvature_from_angles(angle_rad: &[f64], link_cm: f64) -> Vec<f64> {
-    angle_rad
-        .windows(2)
-        .map(|ends| nearest_turn(ends[1] - ends[0]) / link_cm)
-        .collect()
-}
-
-/// Local curvature at the inner points of a tracked line, 1/cm: the turn between adjacent vectors over their
-/// length, as in figure 4 of the thesis, written `2 sin(turn/2) / l` so that points on a circle give that circle
-/// exactly. None where two neighbouring points coincide.
-pub fn curvature_from_points(x_cm: &[f64], y_cm: &[f64]) -> Option<Vec<f64>> {
-    let vectors: Vec<(f64, f64)> = x_cm
-        .windows(2)
-        .zip(y_cm.windows(2))
-        .map(|(x, y)| ((x[1] - x[0]).hypot(y[1] - y[0]), (y[1] - y[0]).atan2(x[1] - x[0])))
-        .collect();
-    if vectors.iter().any(|(length, _)| *length <= 0.0) {
-        return None;
-    }
-    let curvature = |pair: &[(f64, f64)]| {
-        let turn = nearest_turn(pair[1].1 - pair[0].1);
-        2.0 * (0.5 * turn).sin() / (0.5 * (pair[0].0 + pair[1].0))
-    };
-    Some(vectors.windows(2).map(curvature).collect())
-}
-
-/// Curvature that the drive induced, 1/cm: the present one less the initial one, link by link; the undeformed
-/// strip may have any shape.
-pub fn induced_curvature(now_per_cm: &[f64], initial_per_cm: &[f64]) -> Vec<f64> {
-    now_per_cm
-        .iter()
-        .zip(initial_per_cm)
-        .map(|(now, initial)| now - initial)
-        .collect()
-}
-
 /// sin(x)/x.
 fn sine_quotient(x: f64) -> f64 {
     if x.abs() < 1e-4 {
@@ -113,15 +64,8 @@ fn sine_quotient(x: f64) -> f64 {
     }
 }
 
-/// The angle between -pi and pi that differs from `angle_rad` by whole turns.
-fn nearest_turn(angle_rad: f64) -> f64 {
-    angle_rad - std::f64::consts::TAU * (angle_rad / std::f64::consts::TAU).round()
-}
-
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
     use crate::geometry::arc::curvature_from_displacement;
     use ieap_numerics::ode::integrate;
@@ -182,35 +126,5 @@ mod tests {
             fine < 1e-4 && (3.5..4.5).contains(&(coarse / fine)),
             "{coarse} {fine}"
         );
-    }
-
-    #[test]
-    fn tracked_points_of_a_circle_give_it_back_and_whole_turns_do_not_matter() {
-        let shape = Shape::from_curvature(&[2.5; 20], 0.1);
-        let found = curvature_from_points(&shape.x_cm, &shape.y_cm).unwrap();
-        assert_eq!(found.len(), 19);
-        assert!(
-            found.iter().all(|kappa| (kappa / 2.5 - 1.0).abs() < 1e-12),
-            "{found:?}"
-        );
-        assert_eq!(curvature_from_points(&[0.0, 0.0, 1.0], &[0.0, 0.0, 0.0]), None);
-        let wrapped: Vec<f64> = shape.angle_rad.iter().map(|&a| nearest_turn(a)).collect();
-        let back = curvature_from_angles(&wrapped, 0.1);
-        assert!(back.iter().all(|kappa| (kappa / 2.5 - 1.0).abs() < 1e-12));
-    }
-
-    #[test]
-    fn the_initial_shape_is_taken_off() {
-        assert_eq!(induced_curvature(&[1.5, -0.5], &[0.5, 0.5]), vec![1.0, -1.0]);
-    }
-
-    proptest! {
-        #[test]
-        fn angles_and_curvature_invert(curvature in prop::collection::vec(-20.0..20.0_f64, 1..40)) {
-            let back = curvature_from_angles(&tangent_angles(&curvature, 0.05), 0.05);
-            for (a, b) in back.iter().zip(&curvature) {
-                prop_assert!((a - b).abs() < 1e-11);
-            }
-        }
     }
 }
