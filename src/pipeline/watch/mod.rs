@@ -96,9 +96,7 @@ impl Watch {
         optional.extend(crate::analysis::climate::sensors::FOLDERS);
         let (watcher, issues) =
             Watcher::start(&context.folder, &context.campaign.runs_folder, &optional, options)?;
-        issues
-            .iter()
-            .for_each(|issue| observer.warn(&format!("{} {}", issue.message, issue.mend)));
+        say(&issues, observer);
         let (mut worker, mut diagnoser) = (context.beside()?, context.beside()?);
         let shared = Shared {
             job: &self.job,
@@ -258,10 +256,19 @@ impl Shared<'_> {
     }
 }
 
+/// Says why polling stands in for events, or that it ends.
+fn say(issues: &[Issue], observer: &dyn Observer) {
+    for issue in issues {
+        observer.warn(format!("{} {}", issue.message, issue.mend).trim_end());
+    }
+}
+
 /// Waits for a reason to look again; tells whether to stop.
 fn waited(watcher: &Watcher, wait: Duration, stop: &Interrupt, observer: &dyn Observer) -> bool {
     loop {
-        match watcher.wait(wait, stop.flag()) {
+        let woken = watcher.wait(wait, stop.flag());
+        say(&watcher.take_issues(), observer);
+        match woken {
             Wake::Stopped => return true,
             Wake::FolderGone => {
                 observer.warn("the runs folder is not there; nothing is taken for removed. Waiting for it.")
