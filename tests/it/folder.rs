@@ -485,6 +485,7 @@ mod needs_shared {
                     needed: RunKind::Actuation.needed_tags(),
                     hand: &[],
                     planned: &[],
+                    kept: &[],
                     header: &[],
                     channel_voltage_v: Some(5.0),
                     has_voltage: true,

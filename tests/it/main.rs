@@ -34,6 +34,7 @@ mod formats_properties;
 mod forward;
 mod frame_folders;
 mod frames;
+mod gone;
 mod help;
 mod hidden_across;
 mod hidden_effects;

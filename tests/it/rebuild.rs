@@ -17,6 +17,7 @@ fn campaign() -> CampaignFolder {
     for (name, seed) in [("a", 1), ("b", 2), ("c", 3), ("deleted", 4), ("copy", 1)] {
         folder.write(&format!("runs/{name}.csv"), run_table(seed));
     }
+    folder.write("runs/deleted.csv.toml", "note = \"gone with its file\"\n");
     folder.write("runs/refused.csv", "no table\n");
     for (part, column) in [("current", 2), ("curvature", 3)] {
         folder.write(&format!("runs/joined.{part}.csv"), columns(&run_table(5), column));
@@ -27,6 +28,7 @@ fn campaign() -> CampaignFolder {
     folder.write("runs/a.csv", run_table(6));
     fs::rename(folder.join("runs/b.csv"), folder.join("runs/moved.csv")).unwrap();
     fs::remove_file(folder.join("runs/deleted.csv")).unwrap();
+    fs::remove_file(folder.join("runs/deleted.csv.toml")).unwrap();
     folder
         .ieap(&["tag", "runs/b.csv", "note=said before it was moved"])
         .expect(0);

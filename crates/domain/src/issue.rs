@@ -51,7 +51,8 @@ impl Issue {
 
     /// That a fault of the program stopped `what`, and what it said.
     pub fn fault(code: &str, what: &str, reason: &str) -> Issue {
-        Issue::error(code, format!("{what} stopped on an internal fault: {reason}"))
+        let message = format!("{what} stopped on an internal fault: {reason}");
+        Issue::new(Severity::Error, code, message)
     }
 
     fn new(severity: Severity, code: &str, message: impl Into<String>) -> Issue {

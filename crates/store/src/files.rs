@@ -6,6 +6,7 @@ use rusqlite::{Row, params};
 
 use super::columns::{from_json, json_in, key_in, to_json};
 use super::journal::{Entry, NamedBytes};
+use super::tags::stated_beside;
 use super::{RunContent, StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::{FileState, Issue, SourceFile};
 
@@ -178,7 +179,9 @@ impl Store {
             for path in paths {
                 transaction.changes(Subject::File(path.clone()))?;
                 if transaction.prepare_cached(sql)?.execute(params![path, now])? > 0 {
-                    transaction.says(now, Entry::Gone { path: path.clone() });
+                    let tags = stated_beside(transaction, path)?;
+                    let path = path.clone();
+                    transaction.says(now, Entry::Gone { path, tags });
                 }
             }
             Ok(())

@@ -13,13 +13,14 @@ use super::journal::{Entry, NamedBytes, NamedRun};
 use super::modulus::retire_analysis;
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging, stored_state};
 use super::origin::{delete_stated_offset, shift};
+use super::tags::read_tag;
 use super::{FileRow, RunContent, StepError, Store, StoreError, Subject};
 use ieap_domain::data_hash::data_hash;
 use ieap_domain::left_out;
 use ieap_domain::tag::keys;
 use ieap_domain::{
     Channel, ChannelSummary, Issue, Quantity, RunFile, RunKind, RunOrigin, RunRecord, RunState, RunStatus,
-    Severity, Standing, Tag, TagSource,
+    Severity, Standing, Tag,
 };
 
 impl Store {
@@ -414,14 +415,7 @@ impl Store {
 
     fn tags(&self, run_id: i64) -> Result<Vec<Tag>, StoreError> {
         let sql = "SELECT key, value, source, detail FROM tag WHERE run_id = ?1 ORDER BY ordinal";
-        self.rows_of(run_id, sql, |row| {
-            Ok(Tag {
-                key: row.get("key")?,
-                value: row.get("value")?,
-                source: key_in(row, "source", "a tag's source", TagSource::from_key)?,
-                detail: row.get("detail")?,
-            })
-        })
+        self.rows_of(run_id, sql, read_tag)
     }
 
     fn channel_summaries(&self, run_id: i64) -> Result<Vec<ChannelSummary>, StoreError> {

@@ -1,9 +1,11 @@
 //! Tags set by hand.
 
-use rusqlite::params;
+use rusqlite::{Connection, params};
 
+use super::columns::key_in;
 use super::journal::Entry;
 use super::{HandTag, StepError, Store, StoreError, Subject};
+use ieap_domain::{Tag, TagSource};
 
 impl Store {
     /// Adds tags set by hand. They outlive revisions of the run and refits.
@@ -24,6 +26,32 @@ impl Store {
                     tag.set_at
                 ])?;
                 transaction.says(&tag.set_at, Entry::Tag(tag.clone()));
+            }
+            Ok(())
+        })
+    }
+
+    /// Gives the current runs in a file what was stated beside it, where they do not have it, and has them tagged again: of a
+    /// file that is gone this holds ([`Entry::Gone`]).
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn keep_tags(&mut self, now: &str, path: &str, tags: &[Tag]) -> Result<(), StoreError> {
+        if tags.is_empty() {
+            return Ok(());
+        }
+        self.write("keeping tags", now, |transaction| {
+            let current = "SELECT DISTINCT run.id FROM run JOIN run_file ON run_file.run_id = run.id
+                           WHERE run_file.path = ?1 AND superseded_at IS NULL";
+            let new = "INSERT INTO tag
+                       SELECT ?1, coalesce(max(ordinal) + 1, 0), ?2, ?3, ?4, ?5, 0 FROM tag WHERE run_id = ?1";
+            for run_id in transaction.ids(current, path)? {
+                transaction.changes(Subject::Run(run_id))?;
+                for tag in tags {
+                    let values = params![run_id, tag.key, tag.value, tag.source.key(), tag.detail];
+                    transaction.prepare_cached(new)?.execute(values)?;
+                }
+                transaction.execute("UPDATE run SET tag_digest = '' WHERE id = ?1", [run_id])?;
             }
             Ok(())
         })
@@ -51,6 +79,33 @@ pub(super) fn read_hand_tag(row: &rusqlite::Row<'_>) -> Result<HandTag, StepErro
         set_by: row.get("set_by")?,
         set_at: row.get("set_at")?,
     })
+}
+
+pub(super) fn read_tag(row: &rusqlite::Row<'_>) -> Result<Tag, StepError> {
+    Ok(Tag {
+        key: row.get("key")?,
+        value: row.get("value")?,
+        source: key_in(row, "source", "a tag's source", TagSource::from_key)?,
+        detail: row.get("detail")?,
+    })
+}
+
+/// What files beside a file and run sheets stated of the current runs in it, each once.
+pub(super) fn stated_beside(connection: &Connection, path: &str) -> Result<Vec<Tag>, StepError> {
+    let sql = "SELECT key, value, source, detail FROM tag JOIN run ON run.id = tag.run_id
+               WHERE superseded_at IS NULL AND source IN ('sidecar', 'folder', 'run_sheet')
+                   AND run_id IN (SELECT run_id FROM run_file WHERE path = ?1)
+               ORDER BY run_id, ordinal";
+    let mut statement = connection.prepare_cached(sql)?;
+    let mut rows = statement.query([path])?;
+    let mut tags = Vec::new();
+    while let Some(row) = rows.next()? {
+        let tag = read_tag(row)?;
+        if !tags.contains(&tag) {
+            tags.push(tag);
+        }
+    }
+    Ok(tags)
 }
 
 #[cfg(test)]

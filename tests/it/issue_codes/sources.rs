@@ -38,7 +38,7 @@ pub fn codes() -> (BTreeSet<String>, BTreeSet<String>) {
     };
     let (mut found, mut unknown) = (BTreeSet::new(), BTreeSet::new());
     for (path, text) in &sources {
-        for severity in ["error", "warning", "note"] {
+        for severity in ["error", "fault", "warning", "note"] {
             for call in text.split(&format!("Issue::{severity}(")).skip(1) {
                 let first = call.split(',').next().unwrap_or_default().trim();
                 if let Some(literal) = first.strip_prefix('"') {

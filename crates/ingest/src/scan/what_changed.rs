@@ -37,14 +37,6 @@ pub struct Changes {
     pub out_of_sight: Vec<String>,
 }
 
-impl Changes {
-    /// Whether nothing is left of what was known: a share that came back empty looks the same as a folder
-    /// that was emptied, so say it before marking anything.
-    pub fn everything_gone(&self) -> bool {
-        !self.gone.is_empty() && self.new.is_empty() && self.changed.is_empty() && self.unchanged.is_empty()
-    }
-}
-
 /// Compares what is stored with what a scan saw.
 pub fn diff(known: &[Known<'_>], seen: &Scan) -> Changes {
     let stored: BTreeMap<&str, &Known<'_>> = known.iter().map(|file| (file.display, file)).collect();
@@ -192,17 +184,5 @@ mod tests {
                 "{stored_ns} {seen_ns}"
             );
         }
-    }
-
-    #[test]
-    fn an_emptied_folder_is_told_from_single_losses() {
-        let stored = [known("runs/a", 1, 1, 1, false), known("runs/b", 1, 1, 2, false)];
-        assert!(diff(&stored, &Scan::default()).everything_gone());
-        let one_left = Scan {
-            files: vec![seen("runs/b", 1, 1, 2).into()],
-            ..Scan::default()
-        };
-        assert!(!diff(&stored, &one_left).everything_gone());
-        assert!(!diff(&[], &Scan::default()).everything_gone());
     }
 }

@@ -53,6 +53,9 @@ pub struct TagRequest<'a> {
     pub hand: &'a [Tag],
     /// Tags of the run sheets' rows that plan this file (source [`TagSource::RunSheet`]); empty where none does.
     pub planned: &'a [Tag],
+    /// What files beside the readings and run sheets stated when the file of the readings was last there: it holds where they
+    /// are gone with it. Empty where the file is there.
+    pub kept: &'a [Tag],
     /// Tags of the file's header: tag key, value, and the header's own name of it.
     pub header: &'a [(String, String, String)],
     /// Nominal level of the voltage channel, V, where the file has one.

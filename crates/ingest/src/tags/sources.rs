@@ -45,7 +45,7 @@ pub fn tag_sources_digest(campaign: &Path, data_files: &[PathBuf]) -> String {
 /// Why tag files of these data files (relative to the campaign), or statements in them, cannot be read; one issue each.
 pub fn unreadable(campaign: &Path, data_files: &[PathBuf]) -> Vec<Issue> {
     let mut issues = Vec::new();
-    in_tag_files(campaign, data_files, &mut issues);
+    in_tag_files(campaign, data_files, &[], &mut issues);
     issues.retain(is_unreadable);
     issues
 }
@@ -53,8 +53,20 @@ pub fn unreadable(campaign: &Path, data_files: &[PathBuf]) -> Vec<Issue> {
 /// Tags of every source but the environment's defaults, strongest first, nearest file first.
 pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {
     let mut tags = request.hand.to_vec();
-    tags.extend(in_tag_files(request.folder, request.data_files, issues));
+    tags.extend(in_tag_files(
+        request.folder,
+        request.data_files,
+        request.kept,
+        issues,
+    ));
     tags.extend_from_slice(request.planned);
+    if request.planned.is_empty() {
+        let of_sheets = request
+            .kept
+            .iter()
+            .filter(|tag| tag.source == TagSource::RunSheet);
+        tags.extend(of_sheets.cloned());
+    }
     tags.extend(in_name(request, request.stem, issues));
     for (key, value, header_name) in request.header {
         let pair = [(key.clone(), value.clone())];
@@ -68,14 +80,18 @@ pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> 
     tags
 }
 
-/// Tags of the files that state them, the nearest file first.
-fn in_tag_files(campaign: &Path, data_files: &[PathBuf], issues: &mut Vec<Issue>) -> Vec<Tag> {
+/// Tags of the files that state them, the nearest file first; of a file that is not there what is `kept` of it.
+fn in_tag_files(campaign: &Path, data_files: &[PathBuf], kept: &[Tag], issues: &mut Vec<Issue>) -> Vec<Tag> {
     let (mut tags, mut read) = (Vec::new(), Vec::new());
     for file in data_files {
         for (path, source) in relative_tag_files(file) {
             // Files of one run share their folders' tags.
             if !read.contains(&path) {
-                tags.extend(in_file(campaign, &path, source, issues));
+                tags.extend(in_file(campaign, &path, source, issues).unwrap_or_else(|| {
+                    let shown = display_path(&path);
+                    let of_file = |tag: &&Tag| tag.source == source && tag.detail == shown;
+                    kept.iter().filter(of_file).cloned().collect()
+                }));
                 read.push(path);
             }
         }
@@ -94,7 +110,7 @@ pub(super) fn of_other_names(request: &TagRequest, issues: &mut Vec<Issue>) -> V
         let mut tags = other.hand.clone();
         for (path, source) in relative_tag_files(&other.file) {
             if !read.contains(&path) {
-                tags.extend(in_file(request.folder, &path, source, issues));
+                tags.extend(in_file(request.folder, &path, source, issues).unwrap_or_default());
                 read.push(path);
             }
         }
@@ -154,11 +170,12 @@ fn read_limited(path: &Path) -> io::Result<Option<Vec<u8>>> {
     }
 }
 
-fn in_file(campaign: &Path, relative: &Path, source: TagSource, issues: &mut Vec<Issue>) -> Vec<Tag> {
+/// What a tag file states; none where it is not there.
+fn in_file(campaign: &Path, relative: &Path, source: TagSource, issues: &mut Vec<Issue>) -> Option<Vec<Tag>> {
     let shown = display_path(relative);
     let bytes = match read_limited(&campaign.join(relative)) {
         Ok(Some(bytes)) => bytes,
-        Ok(None) => return Vec::new(),
+        Ok(None) => return None,
         Err(error) => {
             let issue = Issue::error("tag-file-unreadable", format!("it cannot be read: {error}"));
             issues.push(
@@ -166,20 +183,20 @@ fn in_file(campaign: &Path, relative: &Path, source: TagSource, issues: &mut Vec
                     .at(shown)
                     .mend("make it a text file of tags that your user may read"),
             );
-            return Vec::new();
+            return Some(Vec::new());
         }
     };
     let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes)).into_owned();
     if std::str::from_utf8(&bytes).is_err() {
         let issue = Issue::error("tag-file-unreadable", "it cannot be read: it is not UTF-8");
         issues.push(issue.at(shown).mend("save it with the encoding UTF-8"));
-        return Vec::new();
+        return Some(Vec::new());
     }
     let table = match toml::from_str::<toml::Table>(&text) {
         Ok(table) => table,
         Err(error) => {
             issues.push(not_toml(&shown, &text, &error));
-            return Vec::new();
+            return Some(Vec::new());
         }
     };
     let mut pairs = Vec::new();
@@ -191,7 +208,7 @@ fn in_file(campaign: &Path, relative: &Path, source: TagSource, issues: &mut Vec
             None => issues.push(not_flat(&shown, &key, value.type_str())),
         }
     }
-    tags_of(source, &shown, pairs)
+    Some(tags_of(source, &shown, pairs))
 }
 
 /// The text of a value that a tag can have.

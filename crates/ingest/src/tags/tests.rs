@@ -27,6 +27,7 @@ const FILE: &str = "runs/set/CNaf-01_air_2.5V.csv";
 struct Given {
     hand: Vec<Tag>,
     planned: Vec<Tag>,
+    kept: Vec<Tag>,
     header: Vec<(String, String, String)>,
     channel_voltage_v: Option<f64>,
     stem: Option<&'static str>,
@@ -53,6 +54,7 @@ fn resolve_with(files: &[(&str, &str)], given: Given) -> Resolved {
         needed: RunKind::Actuation.needed_tags(),
         hand: &given.hand,
         planned: &given.planned,
+        kept: &given.kept,
         header: &given.header,
         channel_voltage_v: given.channel_voltage_v,
         has_voltage: given.channel_voltage_v.is_some(),
@@ -387,6 +389,7 @@ proptest::proptest! {
             needed: RunKind::Actuation.needed_tags(),
             hand: &[],
             planned: &[],
+            kept: &[],
             header: &[],
             channel_voltage_v: None,
             has_voltage: false,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::HandTag;
-use ieap_domain::{AskedFit, RunKind, RunWord};
+use ieap_domain::{AskedFit, RunKind, RunWord, Tag};
 
 /// Something that was said or decided, and that the files of a campaign do not hold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,9 @@ pub enum Entry {
     Gone {
         /// Its path.
         path: String,
+        /// What files beside it and run sheets stated of its runs: they may be gone with it.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        tags: Vec<Tag>,
     },
     /// A tag was set by hand, or taken back.
     Tag(HandTag),
@@ -141,7 +144,7 @@ impl Entry {
             Entry::Log { file, .. } => format!("{} read", file.path),
             Entry::Alias { file } => format!("{} known as a copy", file.path),
             Entry::Renamed { old, file } => format!("{old} renamed to {}", file.path),
-            Entry::Gone { path } => format!("{path} deleted"),
+            Entry::Gone { path, .. } => format!("{path} deleted"),
             Entry::Tag(tag) => {
                 let value = tag.value.as_deref().unwrap_or("");
                 format!("{} tagged {}={value} by {}", tag.run_path, tag.key, tag.set_by)

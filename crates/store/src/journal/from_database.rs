@@ -6,7 +6,7 @@ use super::{Entry, NamedBytes, NamedRun, ToldAlarm};
 use crate::StepError;
 use crate::columns::{json_in, key_in};
 use crate::standing::{RUN_WORDS, read_word};
-use crate::tags::read_hand_tag;
+use crate::tags::{read_hand_tag, stated_beside};
 use ieap_domain::RunKind;
 
 /// An entry with the time at which it was said.
@@ -112,7 +112,9 @@ fn aliases(connection: &Connection) -> Result<Vec<Said>, StepError> {
 fn gone(connection: &Connection) -> Result<Vec<Said>, StepError> {
     let sql = "SELECT missing_since, path FROM source_file WHERE missing_since IS NOT NULL ORDER BY path";
     rows(connection, sql, |row| {
-        Ok((row.get(0)?, Entry::Gone { path: row.get(1)? }))
+        let path: String = row.get(1)?;
+        let tags = stated_beside(connection, &path)?;
+        Ok((row.get(0)?, Entry::Gone { path, tags }))
     })
 }
 

@@ -10,7 +10,7 @@ use super::tagging::{TaggingInput, digest, tag_files, tagging, unreadable};
 use super::window::window;
 use crate::analysis::climate::Window;
 use crate::domain::tag::{UNREADABLE, keys};
-use crate::domain::{Issue, RunRecord, RunState, TagSource};
+use crate::domain::{Issue, RunRecord, RunState, Tag, TagSource};
 use crate::ingest::formats::date::DATE_UNCERTAIN;
 use crate::ingest::tags::is_unreadable;
 use crate::ingest::{StartedAt, Timestamp};
@@ -73,6 +73,7 @@ pub fn retag_runs(
         .chain(context.store.spectra()?);
     let all = context.store.runs()?.into_iter().chain(others);
     let runs: Vec<RunRecord> = all.filter(|run| due.contains_key(&run.id)).collect();
+    let gone = context.store.deleted_runs()?;
     let mut retagged = Vec::new();
     for batch in runs.chunks(MOST_FILES) {
         interrupt::check();
@@ -86,7 +87,9 @@ pub fn retag_runs(
                     }
                     // Only its date could be told now: that waits for what cannot be read, too.
                     Some(_) => {}
-                    None if retag(context, &shelf, run, others)? => retagged.push(run.path.clone()),
+                    None if retag(context, &shelf, run, others, gone.contains(&run.path))? => {
+                        retagged.push(run.path.clone())
+                    }
                     None => {}
                 }
             }
@@ -146,12 +149,23 @@ fn is_decided_beside(context: &Context, run_id: i64, files: &[PathBuf]) -> Resul
         .any(|stamp| start::settled(stamp, None, &beside).1.is_none()))
 }
 
-/// Tags a run anew; says whether that is news: a file that was mended to what it said before is none.
+/// Whether a tag stands in a file that may be gone with the readings.
+fn is_stated_beside(tag: &Tag) -> bool {
+    matches!(
+        tag.source,
+        TagSource::Sidecar | TagSource::Folder | TagSource::RunSheet
+    )
+}
+
+/// Tags a run anew; says whether that is news: a file that was mended to what it said before is none. Where the file of the
+/// readings is gone, what was stated beside it holds: a disk that is not mounted, or a folder that was moved away, takes no
+/// tags from runs that stay.
 fn retag(
     context: &mut Context,
     shelf: &Shelf,
     run: &RunRecord,
     other_names: &[String],
+    is_gone: bool,
 ) -> Result<bool, PipelineError> {
     let (time_zero_is_step, is_step_response) = context.store.reading_facts(run.id)?;
     let channels = context.store.channels_as_read(run.id)?;
@@ -183,10 +197,19 @@ fn retag(
             .map(|tag| (tag.key.clone(), tag.value.clone(), tag.detail.clone()))
             .collect(),
         started_at,
+        kept: if is_gone {
+            run.tags
+                .iter()
+                .filter(|tag| is_stated_beside(tag))
+                .cloned()
+                .collect()
+        } else {
+            Vec::new()
+        },
     };
     let tagging = tagging(context, shelf, &input)?;
     let was_held = run.state != RunState::Untagged && run.issues.iter().any(is_unreadable);
-    let is_news = !was_held || tagging.tags != run.tags;
+    let is_news = !(was_held || is_gone) || tagging.tags != run.tags;
     context.store.retag(&now(), run.id, &tagging)?;
     Ok(is_news)
 }

@@ -47,6 +47,8 @@ pub struct TaggingInput<'a> {
     pub header_tags: Vec<(String, String, String)>,
     /// Date stated in the file.
     pub started_at: Option<StartedAt>,
+    /// What was stated beside a file that is gone; empty where it is there.
+    pub kept: Vec<Tag>,
 }
 
 /// Tags a run.
@@ -83,6 +85,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         needed: input.kind.needed_tags(),
         hand: &hand,
         planned: &planned,
+        kept: &input.kept,
         header: &header,
         channel_voltage_v,
         has_voltage: drive::has_voltage(input.channels),

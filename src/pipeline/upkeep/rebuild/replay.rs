@@ -114,11 +114,12 @@ impl Replayed {
                 }
                 store.forget_files(at, std::slice::from_ref(old))?;
             }
-            Entry::Gone { path } => {
+            Entry::Gone { path, tags } => {
                 // The run's own file, though another one lay in its place.
                 let held = files_of_runs(store, std::slice::from_ref(path))?;
                 store.record_files(at, &held)?;
                 store.mark_missing(at, std::slice::from_ref(path))?;
+                store.keep_tags(at, path, tags)?;
             }
             Entry::Tag(tag) => {
                 self.words += 1;
