@@ -29,6 +29,7 @@ fn table(input: &Input, name: &str) -> Table {
         files: &input.files,
         groups: &input.findings.groups,
         comparisons: &input.comparisons,
+        outdated_comparisons: input.outdated_comparisons,
         origin: "ieap 0.1.0, change 412",
     };
     named(name).expect("a known table").table(&input)

@@ -1,6 +1,7 @@
 //! Which model describes which material in which environment: comparisons of single runs, summed up.
 
 use ieap_domain::tag::keys;
+use ieap_domain::words::counted;
 use ieap_domain::{Campaign, ModelScore, Quantity, ResponseScore, RunComparison, RunRecord};
 
 use super::conditions::{Conditions, compared_material, conditions};
@@ -11,6 +12,17 @@ const TOLD_APART: f64 = 10.0;
 const ALIKE: f64 = 1.1;
 /// What is left counts as noise up to this multiple of it.
 const TO_THE_NOISE: f64 = 1.2;
+
+/// That stored comparisons are not shown, since what they were made from has changed; empty where there are none.
+pub fn outdated(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        many => format!(
+            "{}, not shown, made from what is no longer so: ieap compare makes them again.",
+            counted(many, "comparison")
+        ),
+    }
+}
 
 /// The models on the runs of one material in one environment.
 #[derive(Debug, Clone, PartialEq)]

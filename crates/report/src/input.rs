@@ -97,6 +97,7 @@ impl Input {
             groups: &self.findings.groups,
             doubts: &self.laws.doubts,
             comparisons: &self.comparisons,
+            outdated_comparisons: self.outdated_comparisons,
             origin: &self.origin.database,
         }
     }

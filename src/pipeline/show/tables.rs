@@ -52,6 +52,7 @@ pub(crate) struct TableData {
     groups: Vec<GroupDiagnosis>,
     doubts: Doubts,
     comparisons: Vec<RunComparison>,
+    outdated_comparisons: usize,
     origin: String,
 }
 
@@ -79,7 +80,7 @@ impl TableData {
         modulus_logs: Vec<ModulusLog>,
     ) -> Result<TableData, PipelineError> {
         let (changes, changed_at) = context.store.changes()?;
-        let (comparisons, _) = current_comparisons(context, &runs)?;
+        let (comparisons, outdated_comparisons) = current_comparisons(context, &runs)?;
         let found = current_findings(context)?;
         let doubts = Doubts::new(
             Findings {
@@ -90,6 +91,7 @@ impl TableData {
         );
         Ok(TableData {
             comparisons,
+            outdated_comparisons,
             blocked: blocked_runs(context, &runs)?,
             frequency: frequency_runs(context, &runs)?,
             without_model: WithoutModel::default(),
@@ -151,6 +153,7 @@ impl TableData {
             groups: &self.groups,
             doubts: &self.doubts,
             comparisons: &self.comparisons,
+            outdated_comparisons: self.outdated_comparisons,
             origin: &self.origin,
         })
     }

@@ -116,6 +116,7 @@ mod tests {
             electrodes: &[],
             files: &[],
             comparisons: &[],
+            outdated_comparisons: 0,
             groups: &[],
             doubts: &Doubts::default(),
             origin: "",

@@ -46,6 +46,8 @@ pub struct TableInput<'a> {
     pub doubts: &'a Doubts,
     /// Comparisons of models on single runs.
     pub comparisons: &'a [RunComparison],
+    /// Number of comparisons that are not among them, since what they were made from has changed.
+    pub outdated_comparisons: usize,
     /// Program and state of the database, for the table's foot.
     pub origin: &'a str,
 }

@@ -2,7 +2,7 @@
 
 use super::TableInput;
 use super::table::{Cell, Column, Content, Row, Source, SourceOrigin, Table};
-use crate::models_compared::{ComparedCondition, ComparedModel, models_compared};
+use crate::models_compared::{ComparedCondition, ComparedModel, models_compared, outdated};
 use ieap_domain::Quantity;
 
 /// Digits of a multiple of the noise, and of a time.
@@ -17,12 +17,18 @@ pub fn make(input: &TableInput) -> Table {
         .collect();
     let in_noise = "in units of the noise, root mean square, median over the runs";
     let mut remarks: Vec<String> = found.iter().map(|condition| condition.sentence.clone()).collect();
-    let remark = if found.is_empty() {
+    let outdated = outdated(input.outdated_comparisons);
+    let remark = if found.is_empty() && outdated.is_empty() {
         "No models were compared yet: `ieap compare` does it."
+    } else if found.is_empty() {
+        ""
     } else {
         "Every model has the same circuit step and the same noise, found without the models. BIC is summed over the runs, less that of the best; models that do not describe all runs have none. Later times: the last 30 % of a run, predicted by a fit to what came before. Other voltages: predicted with the parameters of the runs at the nearest lower and higher voltage."
     };
-    remarks.push(remark.to_owned());
+    let further = [outdated.as_str(), remark]
+        .into_iter()
+        .filter(|text| !text.is_empty());
+    remarks.extend(further.map(str::to_owned));
     Table {
         title: "Models compared".to_owned(),
         columns: vec![

@@ -1,7 +1,6 @@
 //! Models held against each other: the answer for every material and environment, what each leaves, and their curves. It
 //! shows what `ieap compare` stored.
 
-use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -13,7 +12,7 @@ use crate::input::Input;
 use crate::number::significant;
 use crate::prints::models::of_run;
 use crate::site::Site;
-use ieap_analysis::models_compared::{ComparedCondition, ComparedModel, models_compared};
+use ieap_analysis::models_compared::{ComparedCondition, ComparedModel, models_compared, outdated};
 
 /// Width of a figure, px.
 const WIDTH: u32 = 560;
@@ -56,13 +55,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         conditions.push(shown(site, number, condition, &mut figures)?);
     }
     let page = Page {
-        outdated: match input.outdated_comparisons {
-            0 => String::new(),
-            many => format!(
-                "{}, not shown, made from what is no longer so: ieap compare makes them again.",
-                counted(many, "comparison")
-            ),
-        },
+        outdated: outdated(input.outdated_comparisons),
         conditions,
     };
     Content::new("models.html", &page, figures)

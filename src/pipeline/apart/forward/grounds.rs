@@ -125,10 +125,10 @@ impl Grounds {
                 "a sample with fitted runs; `ieap fit` makes them".to_owned(),
             ));
         }
-        let curves_of = |run: &RunRecord, quantity: Quantity| -> Vec<f64> {
-            let curves = context.store.fit_curves(run.id).unwrap_or_default();
+        let curves_of = |run: &RunRecord, quantity: Quantity| -> Result<Vec<f64>, PipelineError> {
+            let curves = context.store.fit_curves(run.id)?;
             let of = curves.into_iter().find(|curve| curve.quantity == quantity);
-            of.map(|curve| curve.measured).unwrap_or_default()
+            Ok(of.map(|curve| curve.measured).unwrap_or_default())
         };
         let findings = current_findings(context)?;
         let humidity_percent = asked
@@ -152,7 +152,7 @@ impl Grounds {
         Ok(Grounds {
             environment,
             humidity_percent,
-            misfit: known_misfit(&findings.groups, &sources, runs, curves_of),
+            misfit: known_misfit(&findings.groups, &sources, runs, curves_of)?,
             onset_v: found_onset(&findings.groups, &sources),
             to: asked.size(&from),
             from,

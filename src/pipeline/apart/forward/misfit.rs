@@ -2,6 +2,7 @@
 
 use super::source::Source;
 use crate::domain::{Estimate, GroupDiagnosis, Quantity, RunRecord, range_of};
+use crate::pipeline::PipelineError;
 
 /// Id of the effect whose onset is that of electrolysis.
 const ELECTROLYSIS: &str = "faradaic-leak";
@@ -24,8 +25,8 @@ pub(super) fn known_misfit(
     groups: &[GroupDiagnosis],
     sources: &[Source],
     runs: &[RunRecord],
-    measured: impl Fn(&RunRecord, Quantity) -> Vec<f64>,
-) -> KnownMisfit {
+    measured: impl Fn(&RunRecord, Quantity) -> Result<Vec<f64>, PipelineError>,
+) -> Result<KnownMisfit, PipelineError> {
     let of_sources = diagnosed(groups, sources);
     let largest = |percent: &dyn Fn(&GroupDiagnosis) -> Option<f64>| {
         let all = of_sources.iter().filter_map(|group| percent(group));
@@ -36,7 +37,7 @@ pub(super) fn known_misfit(
     let charge = largest(&|group| group.misfit_percent.charge);
     if current.is_some() || curvature.is_some() {
         let current = current.unwrap_or(0.0);
-        return KnownMisfit {
+        return Ok(KnownMisfit {
             current,
             curvature: curvature.unwrap_or(0.0),
             charge: charge.unwrap_or(current),
@@ -44,25 +45,25 @@ pub(super) fn known_misfit(
                 "What the model gets wrong is from the diagnosis: {}",
                 of_sources[0].sentence
             ),
-        };
+        });
     }
     let left = |quantity| {
-        let of = runs
-            .iter()
-            .filter(|run| sources.iter().any(|source| source.run == run.path));
-        let shares: Vec<f64> = of
-            .filter_map(|run| left_by_fit(run, quantity, &measured))
-            .collect();
-        shares.iter().copied().fold(0.0, f64::max)
+        let mut largest = 0.0_f64;
+        for run in runs {
+            if sources.iter().any(|source| source.run == run.path) {
+                largest = largest.max(left_by_fit(run, quantity, &measured)?);
+            }
+        }
+        Ok::<_, PipelineError>(largest)
     };
-    let current = left(Quantity::Current);
-    KnownMisfit {
+    let current = left(Quantity::Current)?;
+    Ok(KnownMisfit {
         current,
-        curvature: left(Quantity::Curvature),
+        curvature: left(Quantity::Curvature)?,
         charge: current,
         source: "No diagnosis is stored for these runs: what their fits leave beyond the noise stands for what the model gets wrong (`ieap diagnose` says more)."
             .to_owned(),
-    }
+    })
 }
 
 fn diagnosed<'a>(groups: &'a [GroupDiagnosis], sources: &[Source]) -> Vec<&'a GroupDiagnosis> {
@@ -73,20 +74,23 @@ fn diagnosed<'a>(groups: &'a [GroupDiagnosis], sources: &[Source]) -> Vec<&'a Gr
     groups.iter().filter(own).collect()
 }
 
+/// What a run's fit leaves beyond the noise, as a part of the range of the response; nothing where it has none.
 fn left_by_fit(
     run: &RunRecord,
     quantity: Quantity,
-    measured: &impl Fn(&RunRecord, Quantity) -> Vec<f64>,
-) -> Option<f64> {
-    let noise = run
-        .fit
-        .as_ref()?
-        .noise
-        .iter()
-        .find(|noise| noise.quantity == quantity)?;
+    measured: &impl Fn(&RunRecord, Quantity) -> Result<Vec<f64>, PipelineError>,
+) -> Result<f64, PipelineError> {
+    let mut noises = run.fit.iter().flat_map(|fit| &fit.noise);
+    let Some(noise) = noises.find(|noise| noise.quantity == quantity) else {
+        return Ok(0.0);
+    };
     let beyond = noise.residual_rms.powi(2) - noise.standard_deviation.powi(2);
-    let (low, high) = range_of(measured(run, quantity));
-    (high > low).then(|| beyond.max(0.0).sqrt() / (high - low))
+    let (low, high) = range_of(measured(run, quantity)?);
+    Ok(if high > low {
+        beyond.max(0.0).sqrt() / (high - low)
+    } else {
+        0.0
+    })
 }
 
 /// Onset of electrolysis that a diagnosis of the sources accepted, V; the lowest where there are several.
