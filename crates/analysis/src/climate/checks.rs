@@ -240,4 +240,41 @@ mod tests {
             (vec![], false)
         );
     }
+
+    #[test]
+    fn a_sensor_is_stuck_where_the_other_quantity_took_five_numbers_meanwhile() {
+        let times: Vec<f64> = (0..200).map(|k| f64::from(k) * 600.0).collect();
+        let still = vec![44.4; 200];
+        let found = |numbers: u32| {
+            let other: Vec<f64> = (0..200).map(|k| 21.0 + 0.1 * f64::from(k % numbers)).collect();
+            let other = series(ClimateQuantity::Temperature, &times, &other);
+            let humidity = series(ClimateQuantity::RelativeHumidity, &times, &still);
+            codes(check(humidity, Some(other))).0
+        };
+        assert_eq!((found(4), found(5)), (vec![], vec!["sensor-stuck".to_owned()]));
+    }
+
+    #[test]
+    fn the_end_of_a_range_is_told_from_a_hundred_readings_on() {
+        let found = |count: u32| {
+            let every_other = |k: u32| {
+                if k % 2 == 0 {
+                    3.5
+                } else {
+                    10.0 + f64::from(k) / 100.0
+                }
+            };
+            let values: Vec<f64> = (0..2 * count).map(every_other).collect();
+            let times: Vec<f64> = (0..2 * count).map(|k| f64::from(k) * 600.0).collect();
+            codes(check(
+                series(ClimateQuantity::RelativeHumidity, &times, &values),
+                None,
+            ))
+            .0
+        };
+        assert_eq!(
+            (found(99), found(100)),
+            (vec![], vec!["sensor-at-end".to_owned()])
+        );
+    }
 }

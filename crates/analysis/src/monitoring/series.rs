@@ -312,6 +312,17 @@ mod tests {
     }
 
     #[test]
+    fn a_trend_is_asked_for_from_five_readings_on() {
+        let asked = |n: usize| {
+            series(n, 0.01, 5, |x| 0.1 * x)
+                .study(limits(), 1)
+                .p_trend
+                .is_some()
+        };
+        assert_eq!([4, 5].map(asked), [false, true]);
+    }
+
+    #[test]
     fn a_jump_is_no_degradation() {
         let jumped = series(60, 0.02, 4, |x| if x > 30.0 { -0.8 } else { 0.0 });
         let study = jumped.study(limits(), 1);
