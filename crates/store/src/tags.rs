@@ -41,8 +41,9 @@ impl Store {
             return Ok(());
         }
         self.write("keeping tags", now, |transaction| {
-            let current = "SELECT DISTINCT run.id FROM run JOIN run_file ON run_file.run_id = run.id
-                           WHERE run_file.path = ?1 AND superseded_at IS NULL";
+            let current = "SELECT id FROM run WHERE superseded_at IS NULL
+                           AND id IN (SELECT run_id FROM run_file
+                                      WHERE hash = (SELECT hash FROM source_file WHERE path = ?1) AND path = ?1)";
             let new = "INSERT INTO tag
                        SELECT ?1, coalesce(max(ordinal) + 1, 0), ?2, ?3, ?4, ?5, 0 FROM tag WHERE run_id = ?1";
             for run_id in transaction.ids(current, path)? {
@@ -94,7 +95,8 @@ pub(super) fn read_tag(row: &rusqlite::Row<'_>) -> Result<Tag, StepError> {
 pub(super) fn stated_beside(connection: &Connection, path: &str) -> Result<Vec<Tag>, StepError> {
     let sql = "SELECT key, value, source, detail FROM tag JOIN run ON run.id = tag.run_id
                WHERE superseded_at IS NULL AND source IN ('sidecar', 'folder', 'run_sheet')
-                   AND run_id IN (SELECT run_id FROM run_file WHERE path = ?1)
+                   AND run_id IN (SELECT run_id FROM run_file
+                                  WHERE hash = (SELECT hash FROM source_file WHERE path = ?1) AND path = ?1)
                ORDER BY run_id, ordinal";
     let mut statement = connection.prepare_cached(sql)?;
     let mut rows = statement.query([path])?;
