@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// What is known of a parameter: value, standard error and 95 % interval.
 ///
-/// Three states: determined (`value` set); bounded on one side (`value` none, `low_95` or `high_95` set,
+/// Three states: determined (`value` set); bounded (`value` none, `low_95` or `high_95` or both set,
 /// `reason` says why); not determined (all none but `reason`).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Estimate {
@@ -23,7 +23,33 @@ pub struct Estimate {
     pub reason: Option<String>,
 }
 
+/// What an [`Estimate`] says, for whoever says it on: no state can be forgotten.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum EstimateState {
+    /// A value.
+    Determined(f64),
+    /// No value, but an interval.
+    Between(f64, f64),
+    /// A lower bound only.
+    Above(f64),
+    /// An upper bound only.
+    Below(f64),
+    /// Nothing.
+    Open,
+}
+
 impl Estimate {
+    /// What it says; of a value the errors stand beside.
+    pub fn state(&self) -> EstimateState {
+        match (self.value, self.low_95, self.high_95) {
+            (Some(value), ..) => EstimateState::Determined(value),
+            (None, Some(low), Some(high)) => EstimateState::Between(low, high),
+            (None, Some(low), None) => EstimateState::Above(low),
+            (None, None, Some(high)) => EstimateState::Below(high),
+            (None, None, None) => EstimateState::Open,
+        }
+    }
+
     /// A determined value.
     pub fn determined(value: f64, standard_error: f64, low_95: f64, high_95: f64) -> Estimate {
         Estimate {
@@ -56,15 +82,21 @@ impl Estimate {
         }
     }
 
-    /// The same of the number with the other sign.
+    /// The same of the number times `factor`, as in another unit; a negative one exchanges the ends.
     #[must_use]
-    pub fn mirrored(self) -> Estimate {
-        let minus = |number: Option<f64>| number.map(|number| -number);
+    pub fn scaled(&self, factor: f64) -> Estimate {
+        let times = |number: Option<f64>| number.map(|number| number * factor);
+        let (low, high) = if factor < 0.0 {
+            (self.high_95, self.low_95)
+        } else {
+            (self.low_95, self.high_95)
+        };
         Estimate {
-            value: minus(self.value),
-            low_95: minus(self.high_95),
-            high_95: minus(self.low_95),
-            ..self
+            value: times(self.value),
+            standard_error: self.standard_error.map(|error| error * factor.abs()),
+            low_95: times(low),
+            high_95: times(high),
+            ..self.clone()
         }
     }
 

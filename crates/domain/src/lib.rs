@@ -63,7 +63,7 @@ pub use diagnosis::{
     Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
-pub use estimate::Estimate;
+pub use estimate::{Estimate, EstimateState};
 pub use fault::Fault;
 pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Parameter};
 pub use gain::{Gain, HeldOutGain, Prediction};

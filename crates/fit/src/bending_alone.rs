@@ -287,7 +287,7 @@ impl Known<'_> {
         });
         let per_volt = |feature| {
             let size = self.estimate(feature, input.drive);
-            if self.sign < 0.0 { size.mirrored() } else { size }
+            if self.sign < 0.0 { size.scaled(-1.0) } else { size }
         };
         let branches = model.branches.min(MOST_BRANCHES_OF_BENDING);
         let of_branches = (0..branches).map(|k| (PER_VOLT[k], per_volt(Feature::Capacitance(k))));

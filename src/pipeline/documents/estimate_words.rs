@@ -1,21 +1,21 @@
 //! An estimate as a line of text, with no more digits than its uncertainty carries.
 
-use crate::domain::Estimate;
+use crate::domain::{Estimate, EstimateState};
 use crate::report::number::{interval, lower_bound, measured, significant, upper_bound};
 
 /// `24.62 ± 0.31`, `> 1.2: reason`, `0.4 to 3.1: reason`, `not determined: reason`.
 pub fn in_words(estimate: &Estimate) -> String {
-    let bound = match (estimate.value, estimate.low_95, estimate.high_95) {
-        (Some(value), ..) => {
+    let bound = match estimate.state() {
+        EstimateState::Determined(value) => {
             return match estimate.standard_error {
                 Some(error) => measured(value, error),
                 None => significant(value, 3),
             };
         }
-        (None, Some(low), Some(high)) => interval(low, high),
-        (None, Some(low), None) => lower_bound(low),
-        (None, None, Some(high)) => upper_bound(high),
-        (None, None, None) => "not determined".to_owned(),
+        EstimateState::Between(low, high) => interval(low, high),
+        EstimateState::Above(low) => lower_bound(low),
+        EstimateState::Below(high) => upper_bound(high),
+        EstimateState::Open => "not determined".to_owned(),
     };
     match estimate.reason.as_deref() {
         Some(reason) if !reason.is_empty() => format!("{bound}: {reason}"),

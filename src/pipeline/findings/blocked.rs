@@ -120,7 +120,7 @@ fn number(fit: &Fit, key: &str) -> Estimate {
 /// A force may be read with either sign: its size counts.
 fn size(estimate: Estimate) -> Estimate {
     match estimate.value {
-        Some(value) if value < 0.0 => estimate.mirrored(),
+        Some(value) if value < 0.0 => estimate.scaled(-1.0),
         _ => estimate,
     }
 }

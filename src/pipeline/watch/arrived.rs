@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::domain::tag::keys;
-use crate::domain::{Fit, RunRecord};
+use crate::domain::{EstimateState, Fit, RunRecord};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, PipelineError};
 
@@ -74,11 +74,14 @@ fn line(run: &RunRecord) -> Option<String> {
 
 fn parameter(fit: &Fit, (key, name, unit): (&str, &str, &str)) -> Option<String> {
     let estimate = fit.parameter(key)?;
-    Some(match (estimate.value, estimate.low_95, estimate.high_95) {
-        (Some(value), ..) => format!("{name} {}{unit}", rounded(value)),
-        (None, _, Some(high)) => format!("{name} below {}{unit}", rounded(high)),
-        (None, Some(low), None) => format!("{name} above {}{unit}", rounded(low)),
-        (None, None, None) => format!("{name} not determined"),
+    Some(match estimate.state() {
+        EstimateState::Determined(value) => format!("{name} {}{unit}", rounded(value)),
+        EstimateState::Between(low, high) => {
+            format!("{name} between {} and {}{unit}", rounded(low), rounded(high))
+        }
+        EstimateState::Above(low) => format!("{name} above {}{unit}", rounded(low)),
+        EstimateState::Below(high) => format!("{name} below {}{unit}", rounded(high)),
+        EstimateState::Open => format!("{name} not determined"),
     })
 }
 

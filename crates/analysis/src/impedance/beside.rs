@@ -192,15 +192,7 @@ fn of_area(
     area_cm2: f64,
 ) -> Option<Estimate> {
     let factor = if per_area { area_cm2.recip() } else { area_cm2 };
-    let own = circuit.parameter(key)?;
-    let scaled = |number: Option<f64>| number.map(|number| number * factor);
-    Some(Estimate {
-        value: scaled(own.value),
-        standard_error: scaled(own.standard_error),
-        low_95: scaled(own.low_95),
-        high_95: scaled(own.high_95),
-        ..own.clone()
-    })
+    Some(circuit.parameter(key)?.scaled(factor))
 }
 
 /// The number of several steps: their random-effects mean where they determine it, else the strictest bounds.

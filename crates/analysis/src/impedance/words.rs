@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use ieap_domain::Estimate;
+use ieap_domain::{Estimate, EstimateState};
 
 use super::beside::{BesideRow, Comparison, can_be_same};
 
@@ -76,11 +76,12 @@ fn differs(row: &BesideRow) -> Option<f64> {
 
 /// `1.2·10³ Ω cm²`-like words are the page's; here a number and its unit in plain digits.
 fn number(estimate: &Estimate) -> String {
-    match (estimate.value, estimate.low_95, estimate.high_95) {
-        (Some(value), ..) => format!("{value:.3e}"),
-        (None, Some(low), _) => format!("more than {low:.3e}"),
-        (None, None, Some(high)) => format!("less than {high:.3e}"),
-        _ => "not determined".to_owned(),
+    match estimate.state() {
+        EstimateState::Determined(value) => format!("{value:.3e}"),
+        EstimateState::Between(low, high) => format!("{low:.3e} to {high:.3e}"),
+        EstimateState::Above(low) => format!("more than {low:.3e}"),
+        EstimateState::Below(high) => format!("less than {high:.3e}"),
+        EstimateState::Open => "not determined".to_owned(),
     }
 }
 

@@ -11,7 +11,7 @@ use super::flow::Flow;
 use super::held::{Held, edge, no_bending, symmetric};
 use super::policy::TOLD;
 use crate::figure::Figure;
-use crate::stiffness::{product, scaled, second_moment_m4, size};
+use crate::stiffness::{product, second_moment_m4, size};
 
 /// Every energy of a run, in the order in which it has them.
 pub const ENERGIES: [Figure; 9] = [
@@ -113,7 +113,7 @@ pub(super) fn energies(
     };
     let held_s = first.end_s - first.step_s;
     [
-        scaled(&joule, MILLI.recip()),
+        joule.scaled(MILLI.recip()),
         inward,
         outward,
         net,
@@ -205,7 +205,7 @@ fn efficiency(flow: &Flow, first: &Held, elastic_uj: &Estimate, to_peak: &Estima
         );
     }
     let share = product(&[(elastic_uj, 1.0), (&symmetric(joule, error), -1.0)]);
-    let percent = scaled(&share, 100.0 * MICRO);
+    let percent = share.scaled(100.0 * MICRO);
     if at_s.is_finite() || percent.value.is_none() {
         percent
     } else {
@@ -233,7 +233,7 @@ impl Strip<'_> {
         // MPa and 1/cm to Pa and 1/m.
         let joule = 0.5 * (1e6 * moment_m4) * (1e-3 * length_mm) * 1e4;
         let of_squares = product(&[(&size(peak), 2.0), (self.modulus_mpa, 1.0)]);
-        scaled(&of_squares, joule / MICRO)
+        of_squares.scaled(joule / MICRO)
     }
 
     /// A number per volume of the strip, active area times thickness.
@@ -241,7 +241,7 @@ impl Strip<'_> {
         let thickness_mm = self.sample.and_then(|sample| sample.thickness_mm);
         match self.area_cm2.zip(thickness_mm) {
             // 1 cm2 mm is 1e-4 dm3.
-            Some((area_cm2, thickness_mm)) => scaled(of, factor / (1e-4 * area_cm2 * thickness_mm)),
+            Some((area_cm2, thickness_mm)) => of.scaled(factor / (1e-4 * area_cm2 * thickness_mm)),
             None if self.area_cm2.is_some() => self.needs(&["thickness_mm"]),
             None => self.needs(&["length_mm", "width_mm", "thickness_mm"]),
         }

@@ -31,22 +31,5 @@ pub fn product(factors: &[(&Estimate, f64)]) -> Estimate {
 
 /// A coupling may bend the other way: its size is what is split.
 pub(crate) fn size(alpha: &Estimate) -> Estimate {
-    scaled(alpha, alpha.value.map_or(1.0, f64::signum))
-}
-
-/// An estimate in another unit.
-pub(crate) fn scaled(estimate: &Estimate, factor: f64) -> Estimate {
-    let times = |number: Option<f64>| number.map(|number| number * factor);
-    let (low, high) = if factor < 0.0 {
-        (estimate.high_95, estimate.low_95)
-    } else {
-        (estimate.low_95, estimate.high_95)
-    };
-    Estimate {
-        value: times(estimate.value),
-        standard_error: estimate.standard_error.map(|error| error * factor.abs()),
-        low_95: times(low),
-        high_95: times(high),
-        ..estimate.clone()
-    }
+    alpha.scaled(alpha.value.map_or(1.0, f64::signum))
 }

@@ -12,7 +12,7 @@ mod words;
 pub use both_ways::{Ratios, both_ways};
 pub use cause::{Cause, cause};
 pub use estimates::product;
-pub(crate) use estimates::{scaled, size};
+pub(crate) use estimates::size;
 pub use modulus::{ModulusPoint, modulus_at, modulus_points, sample_modulus, second_moment_m4};
 pub use rows::{Change, SampleRow, sample_rows};
 pub use words::{answer, sentences};

@@ -4,7 +4,7 @@ use ieap_domain::tag::keys;
 use ieap_domain::{BlockedRun, Estimate, Quantity, RunRecord};
 
 use super::both_ways::{Ratios, both_ways};
-use super::estimates::{of_logarithm, product, scaled, size};
+use super::estimates::{of_logarithm, product, size};
 use super::{Cause, cause, sample_modulus, second_moment_m4};
 use crate::conditions::{Condition, Conditions, conditions_of_materials};
 use crate::tables::{Content, Measured, Notes, TableInput, alpha_of};
@@ -104,7 +104,7 @@ fn row(input: &TableInput, (at, condition): (usize, &Condition), id: &str) -> Sa
     let (modulus_mpa, _) = sample_modulus(input.modulus_logs, input.campaign, sample, humidity);
     let stiffness_n_m2 = match sample.and_then(second_moment_m4) {
         // 1 MPa is 1e6 Pa.
-        Some(moment_m4) => scaled(&modulus_mpa, 1e6 * moment_m4),
+        Some(moment_m4) => modulus_mpa.scaled(1e6 * moment_m4),
         None => Estimate::not_determined("the sample has no width or thickness in campaign.toml"),
     };
     let blocked: Vec<&BlockedRun> = (input.blocked.iter())
@@ -115,9 +115,9 @@ fn row(input: &TableInput, (at, condition): (usize, &Condition), id: &str) -> Sa
     SampleRow {
         condition: at,
         sample: id.to_owned(),
-        coupling_n_m_per_c: product(&[(&scaled(&size(&alpha), PER_METRE), 1.0), (&stiffness_n_m2, 1.0)]),
-        blocked_n_m_per_c: scaled(&mean_of(|run| &run.per_charge_mn_mm_per_c), MN_MM),
-        blocked_n_m_per_v: scaled(&mean_of(|run| &run.per_volt_mn_mm_per_v), MN_MM),
+        coupling_n_m_per_c: product(&[(&size(&alpha).scaled(PER_METRE), 1.0), (&stiffness_n_m2, 1.0)]),
+        blocked_n_m_per_c: mean_of(|run| &run.per_charge_mn_mm_per_c).scaled(MN_MM),
+        blocked_n_m_per_v: mean_of(|run| &run.per_volt_mn_mm_per_v).scaled(MN_MM),
         free_bending_rad: free_bending(&alpha, &blocked),
         alpha,
         modulus_mpa,

@@ -11,7 +11,6 @@ use crate::laws::doubt::Doubts;
 use crate::one_fit::SharedEstimate;
 use crate::parameters::ParameterInfo;
 use crate::pooling::{Averaging, Repeat, pooled};
-use crate::stiffness::scaled;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, RunRecord, RunState};
 
@@ -187,13 +186,13 @@ fn single(part: &Contribution, shown: &Shown) -> Content {
     let Ok(estimate) = &part.estimate else {
         return Content::NotDetermined;
     };
-    let scaled = |number: Option<f64>| number.map(|number| number * shown.factor);
-    match scaled(estimate.value) {
+    let own = estimate.scaled(shown.factor);
+    match own.value {
         Some(value) => Content::Measured(Measured {
             value,
-            standard_error: scaled(estimate.standard_error),
-            low_95: scaled(estimate.low_95),
-            high_95: scaled(estimate.high_95),
+            standard_error: own.standard_error,
+            low_95: own.low_95,
+            high_95: own.high_95,
             pooled: None,
         }),
         None => Content::NotDetermined,
@@ -360,7 +359,7 @@ pub fn figure_cells(
 
 /// The cell of one estimate in a unit that is `factor` times its own, with a footnote where it has a reason.
 pub fn estimate_cell(estimate: &Estimate, factor: f64, sources: Vec<Source>, notes: &mut Notes) -> Cell {
-    let own = scaled(estimate, factor);
+    let own = estimate.scaled(factor);
     let content = match (own.value, own.low_95, own.high_95) {
         (Some(value), low_95, high_95) => Content::Measured(Measured {
             value,

@@ -1,7 +1,7 @@
 //! Parameters per area and per square with their intervals, and the reasons where there are none.
 
 use ieap_domain::quantiles::CHI_SQUARE_95;
-use ieap_domain::{Estimate, Issue, Parameter};
+use ieap_domain::{Estimate, Parameter};
 use ieap_numerics::student::quantile_95;
 
 use super::contact_break::ContactBreak;
@@ -193,26 +193,4 @@ fn mechanical_estimates(mechanical: Option<&Mechanical>, length_cm: f64) -> (Est
         None => positive(&found.fitted, 1, 1.0),
     };
     (signed(1.0), rate, signed(1.0 / length_cm))
-}
-
-/// Notes on what has no value.
-pub(super) fn remarks(parameters: &[Parameter]) -> Vec<Issue> {
-    let of = |parameter: &Parameter| {
-        let estimate = &parameter.estimate;
-        let reason = estimate.reason.clone()?;
-        let (code, message) = match (estimate.value, estimate.low_95, estimate.high_95) {
-            (Some(_), _, _) => return None,
-            (None, None, None) => ("parameter-not-determined", format!("not determined: {reason}")),
-            (None, low, high) => {
-                let side = if low.is_some() { "lower" } else { "upper" };
-                let bound = low.or(high).unwrap_or_default();
-                (
-                    "parameter-bounded",
-                    format!("only a {side} bound is known, {bound:.4e}: {reason}"),
-                )
-            }
-        };
-        Some(Issue::note(code, message).at(&parameter.key))
-    };
-    parameters.iter().filter_map(of).collect()
 }

@@ -6,10 +6,11 @@ use ieap_numerics::correlation::lag_one;
 
 use super::contact_break::ContactBreak;
 use super::decision::Decision;
-use super::estimates::{parameters, remarks};
+use super::estimates::parameters;
 use super::identified::Identified;
 use super::readings::{Kind, SeriesGroup};
 use super::{MODEL_ID, along, response};
+use crate::outcome::parameter_issues;
 
 pub(super) fn fit(found: &Identified, decision: &Decision) -> Fit {
     let described = found.described();
@@ -26,7 +27,7 @@ pub(super) fn fit(found: &Identified, decision: &Decision) -> Fit {
     let stops = mechanical.map(|m| m.fitted.stop);
     let converged = electrical.stop.converged() && stops.is_none_or(|stop| stop.converged());
     let words = stops.map_or("not fitted", |stop| stop.words());
-    let mut issues = remarks(&parameters);
+    let mut issues = parameter_issues(&parameters);
     issues.push(decision.issue());
     issues.extend(found.contact_break.as_ref().map(ContactBreak::issue));
     Fit {

@@ -5,7 +5,7 @@ use crate::joint::single::Judged;
 use crate::joint_estimates::{choice_in_words, two_step_choice_in_words};
 use crate::sampled::Sampled;
 use crate::two_steps::Identified;
-use ieap_domain::{Drive, Issue, Level, Parameter};
+use ieap_domain::{Drive, EstimateState, Issue, Level, Parameter};
 use ieap_numerics::decay::Block;
 use ieap_numerics::least_squares::Stop;
 
@@ -22,17 +22,21 @@ pub(crate) fn parameter_issues(parameters: &[Parameter]) -> Vec<Issue> {
     for parameter in parameters {
         let estimate = &parameter.estimate;
         let Some(reason) = &estimate.reason else { continue };
-        let (code, what) = match (estimate.value, estimate.low_95, estimate.high_95) {
-            (Some(_), _, _) => continue,
-            (None, Some(low), _) => (
+        let (code, what) = match estimate.state() {
+            EstimateState::Determined(_) => continue,
+            EstimateState::Between(low, high) => (
+                "parameter-bounded",
+                format!("only bounds are known, {low:.4e} and {high:.4e}"),
+            ),
+            EstimateState::Above(low) => (
                 "parameter-bounded",
                 format!("only a lower bound is known, {low:.4e}"),
             ),
-            (None, _, Some(high)) => (
+            EstimateState::Below(high) => (
                 "parameter-bounded",
                 format!("only an upper bound is known, {high:.4e}"),
             ),
-            (None, None, None) => ("parameter-not-determined", "not determined".to_owned()),
+            EstimateState::Open => ("parameter-not-determined", "not determined".to_owned()),
         };
         issues.push(Issue::note(code, format!("{what}: {reason}")).at(parameter.key.as_str()));
     }

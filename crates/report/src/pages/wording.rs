@@ -8,7 +8,7 @@ use crate::number::{
 };
 use crate::site::Site;
 use ieap_analysis::{ParameterInfo, Surroundings};
-use ieap_domain::{Estimate, Issue, RunRecord, RunState, Severity};
+use ieap_domain::{Estimate, EstimateState, Issue, RunRecord, RunState, Severity};
 
 /// A link to a run's page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -155,22 +155,19 @@ pub struct EstimateText {
 impl EstimateText {
     /// `estimate` in the shown unit of its parameter.
     pub fn of(estimate: &Estimate, shown_factor: f64) -> EstimateText {
-        let shown = |number: Option<f64>| number.map(|number| number * shown_factor);
-        let (low, high) = (shown(estimate.low_95), shown(estimate.high_95));
-        let (text, kind) = match (shown(estimate.value), low, high) {
-            (Some(value), _, _) => (
-                measured(value, shown(estimate.standard_error).unwrap_or(0.0)),
-                "value",
-            ),
-            (None, Some(low), Some(high)) => (
+        let own = estimate.scaled(shown_factor);
+        let error = own.standard_error.unwrap_or(0.0);
+        let (text, kind) = match own.state() {
+            EstimateState::Determined(value) => (measured(value, error), "value"),
+            EstimateState::Between(low, high) => (
                 format!("{} to {}", significant(low, 2), significant(high, 2)),
                 "bound",
             ),
-            (None, None, Some(high)) => (upper_bound(high), "bound"),
-            (None, Some(low), None) => (lower_bound(low), "bound"),
-            (None, None, None) => ("–".to_owned(), "missing"),
+            EstimateState::Below(high) => (upper_bound(high), "bound"),
+            EstimateState::Above(low) => (lower_bound(low), "bound"),
+            EstimateState::Open => ("–".to_owned(), "missing"),
         };
-        let interval = match (low, high) {
+        let interval = match (own.low_95, own.high_95) {
             (Some(low), Some(high)) => interval(low, high),
             (None, Some(high)) => format!("below {}", significant(high, 3)),
             (Some(low), None) => format!("above {}", significant(low, 3)),
@@ -178,8 +175,8 @@ impl EstimateText {
         };
         let limit = (estimate.at_bound && estimate.reason.is_none())
             .then(|| "the value lies at a limit of the search".to_owned());
-        let stacked = match shown(estimate.value) {
-            Some(value) => measured_stacked(value, shown(estimate.standard_error).unwrap_or(0.0)),
+        let stacked = match own.value {
+            Some(value) => measured_stacked(value, error),
             None => (text.clone(), String::new()),
         };
         EstimateText {
