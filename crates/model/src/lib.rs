@@ -1,5 +1,6 @@
 //! Models of an actuator: geometry, circuits, back-relaxation, the lumped and the distributed electromechanical
-//! model, and the classical and rival models that they are compared with.
+//! model, and the rival models that they are compared with. The classical ones are built for tests, which hold the laws of
+//! bending against them.
 
 pub mod bending;
 pub mod choice;
