@@ -60,6 +60,35 @@ impl Store {
         Ok(deleted)
     }
 
+    /// Row ids of current runs of which no file lies under its name any more, as the journal says of each. Another file may
+    /// hold their bytes.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn runs_without_files(&self) -> Result<BTreeSet<i64>, StoreError> {
+        let doing = "looking for runs whose files are missing";
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Runs)?;
+        let sql =
+            "SELECT run_id, run_file.path AS file
+                   FROM source_file JOIN run_file ON run_file.path = source_file.path JOIN run ON run.id = run_id
+                   WHERE missing_since IS NOT NULL AND superseded_at IS NULL";
+        let found: Vec<(i64, String)> =
+            self.rows(doing, sql, [], |row| Ok((row.get("run_id")?, row.get("file")?)))?;
+        let mut missing: BTreeMap<i64, BTreeSet<String>> = BTreeMap::new();
+        for (run_id, path) in found {
+            self.check_seal(&Subject::File(path.clone()))?;
+            missing.entry(run_id).or_default().insert(path);
+        }
+        let mut without = BTreeSet::new();
+        for (run_id, missing) in missing {
+            if self.file_paths(run_id)?.iter().all(|path| missing.contains(path)) {
+                without.insert(run_id);
+            }
+        }
+        Ok(without)
+    }
+
     /// Files that are gone of current runs and modulus logs, by row id and name.
     fn gone_of_runs(&self) -> Result<BTreeMap<(i64, String), BTreeSet<String>>, StoreError> {
         let doing = "looking for runs whose files are gone";

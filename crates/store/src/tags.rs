@@ -31,8 +31,8 @@ impl Store {
         })
     }
 
-    /// Gives the current runs in a file what was stated beside it, where they do not have it, and has them tagged again: of a
-    /// file that is gone this holds ([`Entry::Gone`]).
+    /// Gives the current runs in a file what was stated beside it, in place of what they have of it, and has them tagged again:
+    /// of a file that is gone this holds ([`Entry::Gone`]).
     ///
     /// # Errors
     /// See [`StoreError`].
@@ -48,12 +48,28 @@ impl Store {
                        SELECT ?1, coalesce(max(ordinal) + 1, 0), ?2, ?3, ?4, ?5, 0 FROM tag WHERE run_id = ?1";
             for run_id in transaction.ids(current, path)? {
                 transaction.changes(Subject::Run(run_id))?;
+                transaction.execute(
+                    "DELETE FROM tag WHERE run_id = ?1 AND source IN ('sidecar', 'folder', 'run_sheet')",
+                    [run_id],
+                )?;
                 for tag in tags {
                     let values = params![run_id, tag.key, tag.value, tag.source.key(), tag.detail];
                     transaction.prepare_cached(new)?.execute(values)?;
                 }
                 transaction.execute("UPDATE run SET tag_digest = '' WHERE id = ?1", [run_id])?;
             }
+            Ok(())
+        })
+    }
+
+    /// Says of a file that is gone what is stated beside it now: the files that state it may go as well.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn say_stated_beside(&mut self, now: &str, path: &str) -> Result<(), StoreError> {
+        self.write("noting tags", now, |transaction| {
+            let (path, tags) = (path.to_owned(), stated_beside(transaction, path)?);
+            transaction.says(now, Entry::Gone { path, tags });
             Ok(())
         })
     }

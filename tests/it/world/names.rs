@@ -73,7 +73,8 @@ impl History {
         let Some(one) = self.people.any(&mut self.rng) else {
             return self.people.measure(&to);
         };
-        match self.rng.random_range(0..12) {
+        match self.rng.random_range(0..16) {
+            12.. => self.state_beside(&to),
             0..2 => self.people.measure(&to),
             2..5 if one != to => self.people.rename(&one, &to),
             5..9 => self.people.swap(&one, &mut self.rng),
@@ -81,6 +82,19 @@ impl History {
             10 => self.people.put(&to, "no table\n"),
             _ => self.people.delete(&one),
         }
+    }
+
+    /// Somebody writes a sidecar, or deletes it; whether there is a file of that name or not.
+    fn state_beside(&mut self, name: &str) -> String {
+        let path = self.folder.path().join("runs").join(format!("{name}.toml"));
+        if path.exists() && self.rng.random_bool(0.5) {
+            std::fs::remove_file(&path).unwrap();
+            return format!("the sidecar of {name} is deleted");
+        }
+        let note = self.rng.random::<u16>();
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, format!("note = \"{note}\"\n")).unwrap();
+        format!("a sidecar of {name} says {note}")
     }
 
     /// Somebody tags a run, drops one, takes that back, or drops what is deleted.
@@ -173,6 +187,7 @@ impl History {
     fn comes_back(&mut self, path: &Path) {
         let store = || Store::open_read_only(path).unwrap().unwrap();
         let (before, files) = (store().content().unwrap(), store().files().unwrap());
+        let runs = store().runs().unwrap();
         for companion in ["", "-wal", "-shm"] {
             let _ = std::fs::remove_file(path.join(format!("campaign.db{companion}")));
         }
@@ -187,7 +202,17 @@ impl History {
             rows.into_iter().filter(|row| is_named(&row.path)).collect()
         };
         let (was, is) = (named(files), named(store().files().unwrap()));
-        assert_eq!(differences, [], "before: {was:#?}, after: {is:#?}");
+        let tagged = |runs: &[ieap::domain::RunRecord]| -> Vec<String> {
+            let is_named = |path: &String| differences.iter().any(|(_, name)| name == path);
+            let of = |run: &ieap::domain::RunRecord| format!("{} {:?} {:?}", run.path, run.tags, run.issues);
+            runs.iter().filter(|run| is_named(&run.path)).map(of).collect()
+        };
+        let (tags_were, tags_are) = (tagged(&runs), tagged(&store().runs().unwrap()));
+        assert_eq!(
+            differences,
+            [],
+            "before: {was:#?} {tags_were:#?}, after: {is:#?} {tags_are:#?}"
+        );
         let mut context = Context::open(path, false).unwrap();
         take_in(&mut context);
         drop(context);

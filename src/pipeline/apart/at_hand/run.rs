@@ -140,7 +140,7 @@ impl RunAtHand {
             is_step_response: read.is_step_response,
             header_tags: Vec::new(),
             started_at: None,
-            kept: Vec::new(),
+            kept: None,
         };
         let tags: BTreeMap<String, String> = chosen(&resolved);
         let tagging = conclude(Some(&sample), &input, resolved, String::new());

@@ -48,13 +48,21 @@ pub fn retag_runs(
     let other_names = context.store.other_names()?;
     let others_of = |run_id: i64| other_names.get(&run_id).map_or(&[][..], Vec::as_slice);
     let held = with_unreadable(context)?;
+    let gone = context.store.runs_without_files()?;
     let mut due: BTreeMap<i64, Due> = BTreeMap::new();
     for (run_id, path, stored) in context.store.tag_digests()? {
         let files = context.store.file_paths(run_id)?;
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
         let window = windows.get(&run_id).copied().flatten();
         let files = tag_files(&path, &files);
-        let digest = digest(context, &shelf, (&path, &files), others_of(run_id), window)?;
+        let digest = digest(
+            context,
+            &shelf,
+            (&path, &files),
+            others_of(run_id),
+            window,
+            gone.contains(&run_id),
+        )?;
         // The digest may be of another moment than the reading that failed: that is over when all can be read.
         let is_over =
             || held.contains(&path) && unreadable(context, &path, &files, others_of(run_id)).is_empty();
@@ -73,7 +81,6 @@ pub fn retag_runs(
         .chain(context.store.spectra()?);
     let all = context.store.runs()?.into_iter().chain(others);
     let runs: Vec<RunRecord> = all.filter(|run| due.contains_key(&run.id)).collect();
-    let gone = context.store.deleted_runs()?;
     let mut retagged = Vec::new();
     for batch in runs.chunks(MOST_FILES) {
         interrupt::check();
@@ -87,7 +94,7 @@ pub fn retag_runs(
                     }
                     // Only its date could be told now: that waits for what cannot be read, too.
                     Some(_) => {}
-                    None if retag(context, &shelf, run, others, gone.contains(&run.path))? => {
+                    None if retag(context, &shelf, run, others, gone.contains(&run.id))? => {
                         retagged.push(run.path.clone())
                     }
                     None => {}
@@ -149,12 +156,10 @@ fn is_decided_beside(context: &Context, run_id: i64, files: &[PathBuf]) -> Resul
         .any(|stamp| start::settled(stamp, None, &beside).1.is_none()))
 }
 
-/// Whether a tag stands in a file that may be gone with the readings.
-fn is_stated_beside(tag: &Tag) -> bool {
-    matches!(
-        tag.source,
-        TagSource::Sidecar | TagSource::Folder | TagSource::RunSheet
-    )
+/// Tags that stand in files which may be gone with the readings.
+fn stated_beside(tags: &[Tag]) -> impl Iterator<Item = &Tag> {
+    let sources = [TagSource::Sidecar, TagSource::Folder, TagSource::RunSheet];
+    tags.iter().filter(move |tag| sources.contains(&tag.source))
 }
 
 /// Tags a run anew; says whether that is news: a file that was mended to what it said before is none. Where the file of the
@@ -197,19 +202,16 @@ fn retag(
             .map(|tag| (tag.key.clone(), tag.value.clone(), tag.detail.clone()))
             .collect(),
         started_at,
-        kept: if is_gone {
-            run.tags
-                .iter()
-                .filter(|tag| is_stated_beside(tag))
-                .cloned()
-                .collect()
-        } else {
-            Vec::new()
-        },
+        kept: is_gone.then(|| stated_beside(&run.tags).cloned().collect()),
     };
     let tagging = tagging(context, shelf, &input)?;
     let was_held = run.state != RunState::Untagged && run.issues.iter().any(is_unreadable);
     let is_news = !(was_held || is_gone) || tagging.tags != run.tags;
     context.store.retag(&now(), run.id, &tagging)?;
+    if is_gone && !stated_beside(&tagging.tags).eq(stated_beside(&run.tags)) {
+        for file in &run.files {
+            context.store.say_stated_beside(&now(), &file.path)?;
+        }
+    }
     Ok(is_news)
 }

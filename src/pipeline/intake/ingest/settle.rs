@@ -322,7 +322,7 @@ fn new_run(
             .flat_map(|reading| reading.header_tags.clone())
             .collect(),
         started_at: readings.iter().find_map(|reading| reading.started_at.clone()),
-        kept: Vec::new(),
+        kept: None,
     };
     Ok(NewRun {
         tagging: tagging(context, shelf, &input)?,

@@ -47,8 +47,8 @@ pub struct TaggingInput<'a> {
     pub header_tags: Vec<(String, String, String)>,
     /// Date stated in the file.
     pub started_at: Option<StartedAt>,
-    /// What was stated beside a file that is gone; empty where it is there.
-    pub kept: Vec<Tag>,
+    /// What was stated beside a file that is gone; none where it is there.
+    pub kept: Option<Vec<Tag>>,
 }
 
 /// Tags a run.
@@ -85,7 +85,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         needed: input.kind.needed_tags(),
         hand: &hand,
         planned: &planned,
-        kept: &input.kept,
+        kept: input.kept.as_deref().unwrap_or_default(),
         header: &header,
         channel_voltage_v,
         has_voltage: drive::has_voltage(input.channels),
@@ -115,6 +115,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         (input.run_path, &files),
         input.other_names,
         window,
+        input.kept.is_some(),
     )?;
     let mut tagging = match input.kind {
         RunKind::Actuation => {
@@ -248,8 +249,13 @@ pub fn digest(
     (run_path, files): (&str, &[PathBuf]),
     other_paths: &[String],
     window: Option<Window>,
+    is_gone: bool,
 ) -> Result<String, PipelineError> {
     let mut hash = InputHash::new();
+    // Where it is there the form is that of digests before files could be gone.
+    if is_gone {
+        hash.text("gone");
+    }
     hash.text(&context.campaign_digest)
         .whole(drive::VERSION.into())
         .whole(drive::jumps::VERSION.into())
