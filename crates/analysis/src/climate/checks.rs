@@ -258,7 +258,7 @@ mod tests {
     fn the_end_of_a_range_is_told_from_a_hundred_readings_on() {
         let found = |count: u32| {
             let every_other = |k: u32| {
-                if k % 2 == 0 {
+                if k.is_multiple_of(2) {
                     3.5
                 } else {
                     10.0 + f64::from(k) / 100.0
