@@ -69,9 +69,8 @@ impl Store {
         let doing = "looking for runs whose files are missing";
         let _moment = self.snapshot()?;
         self.check_seal(&Subject::Runs)?;
-        let sql =
-            "SELECT run_id, run_file.path AS file
-                   FROM source_file JOIN run_file ON run_file.path = source_file.path JOIN run ON run.id = run_id
+        let sql = "SELECT run_id, run_file.path AS file FROM source_file
+                   JOIN run_file ON run_file.path = source_file.path JOIN run ON run.id = run_id
                    WHERE missing_since IS NOT NULL AND superseded_at IS NULL";
         let found: Vec<(i64, String)> =
             self.rows(doing, sql, [], |row| Ok((row.get("run_id")?, row.get("file")?)))?;

@@ -1,4 +1,4 @@
-//! Tags set by hand.
+//! Tags set by hand, and those that were stated beside files that are gone.
 
 use rusqlite::{Connection, params};
 
@@ -37,9 +37,6 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn keep_tags(&mut self, now: &str, path: &str, tags: &[Tag]) -> Result<(), StoreError> {
-        if tags.is_empty() {
-            return Ok(());
-        }
         self.write("keeping tags", now, |transaction| {
             let current = "SELECT id FROM run WHERE superseded_at IS NULL
                            AND id IN (SELECT run_id FROM run_file

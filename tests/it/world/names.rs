@@ -91,10 +91,14 @@ impl History {
             std::fs::remove_file(&path).unwrap();
             return format!("the sidecar of {name} is deleted");
         }
-        let note = self.rng.random::<u16>();
+        let stated = if self.rng.random_bool(0.2) {
+            String::new()
+        } else {
+            format!("note = \"{}\"\n", self.rng.random::<u16>())
+        };
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(&path, format!("note = \"{note}\"\n")).unwrap();
-        format!("a sidecar of {name} says {note}")
+        std::fs::write(&path, &stated).unwrap();
+        format!("a sidecar of {name} says {stated:?}")
     }
 
     /// Somebody tags a run, drops one, takes that back, or drops what is deleted.
