@@ -12,6 +12,7 @@ use super::predict::words;
 use super::table::write;
 use super::typed;
 use crate::domain::typed_value::Measured;
+use crate::domain::words::counted;
 use crate::pipeline::Context;
 use crate::pipeline::apart::forward::drive_file::{read_course, write_drive};
 use crate::pipeline::apart::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
@@ -84,13 +85,13 @@ pub fn run(args: &DriveArgs, output: &Output) -> Result<u8, CliError> {
 fn print(document: &DriveDocument, output: &Output) {
     let mm = |value: f64| format!("{value:.4} mm");
     output.result(&format!(
-        "{} in {}, {} mm by {} mm, {} model, from {} runs",
+        "{} in {}, {} mm by {} mm, {} model, from {}",
         document.sample,
         document.environment,
         document.strip.length_mm,
         document.strip.width_mm,
         document.model,
-        document.sources.len()
+        counted(document.sources.len(), "run")
     ));
     output.result(&match document.reached_after_s {
         None => "The wanted course is not reached within the limits.".to_owned(),

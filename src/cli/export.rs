@@ -126,7 +126,7 @@ pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
             overwrite: args.overwrite,
         }
         .run(&context)?;
-        output.result(&format!("{}: {rows} rows", path.display()));
+        output.result(&format!("{}: {}", path.display(), counted(rows, "row")));
         files.push(json!({ "file": path.display().to_string(), "rows": rows }));
     }
     let first = files.first().cloned().unwrap_or_default();
@@ -168,7 +168,7 @@ fn partitioned(args: &ExportArgs, context: &Context, output: &Output) -> Result<
         overwrite: args.overwrite,
     };
     let rows = export.run(context)?;
-    output.result(&format!("{}: {rows} rows", folder.display()));
+    output.result(&format!("{}: {}", folder.display(), counted(rows, "row")));
     let file = json!({ "file": folder.display().to_string(), "rows": rows });
     output.document(
         &json!({ "schema": "ieap/export/1", "file": file["file"], "rows": rows, "files": [file] }),
@@ -198,7 +198,7 @@ fn to_stdout(args: &ExportArgs, context: &Context, output: &Output) -> Result<u8
     let format = with_comma(args, is_csv)?.unwrap_or(plain);
     let (bytes, rows) = Export::bytes(context, table, format)?;
     output.write(&bytes);
-    output.message(&format!("{}: {rows} rows", table.name()));
+    output.message(&format!("{}: {}", table.name(), counted(rows, "row")));
     Ok(DONE)
 }
 

@@ -6,6 +6,7 @@ use clap::Args;
 use super::exit::CliError;
 use super::output::Output;
 use crate::domain::Estimate;
+use crate::domain::words::counted;
 use crate::pipeline::documents::estimate_words::{
     ends, in_words, interval_in_words, spread as in_two_digits,
 };
@@ -87,8 +88,8 @@ pub fn print(group: &GroupEntry, output: &Output) {
     ));
     if let (Some(square), Some(freedom)) = (group.chi_square, group.degrees_of_freedom) {
         output.result(&format!(
-            "    {} runs, weighted sum of squares {square:.1} for {freedom:.0} degrees of freedom",
-            group.runs.len()
+            "    {}, weighted sum of squares {square:.1} for {freedom:.0} degrees of freedom",
+            counted(group.runs.len(), "run")
         ));
     }
     if let Some(sharing) = &group.sharing {

@@ -12,6 +12,7 @@ use super::table::write;
 use super::typed;
 use crate::domain::Drive;
 use crate::domain::typed_value::Measured;
+use crate::domain::words::counted;
 use crate::pipeline::Context;
 use crate::pipeline::apart::forward::document::Predicted;
 use crate::pipeline::apart::forward::drive_file::read_drive;
@@ -75,13 +76,13 @@ pub fn run(args: &PredictArgs, output: &Output) -> Result<u8, CliError> {
 fn print(document: &PredictionDocument, output: &Output) {
     let strip = &document.strip;
     output.result(&format!(
-        "{} in {}, {} mm by {} mm, {} model, from {} runs",
+        "{} in {}, {} mm by {} mm, {} model, from {}",
         document.sample,
         document.environment,
         strip.length_mm,
         strip.width_mm,
         document.model,
-        document.sources.len()
+        counted(document.sources.len(), "run")
     ));
     type Column = fn(&PredictedRow) -> Option<Predicted>;
     let columns: [(&str, f64, Column); 5] = [

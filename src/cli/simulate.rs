@@ -8,6 +8,7 @@ use serde_json::json;
 use super::exit::{CliError, DONE};
 use super::global::Global;
 use super::output::Output;
+use crate::domain::words::counted;
 use crate::pipeline::apart::simulate::Simulate;
 
 /// Write run files of a model with noise and sampling, seeded: the same spec gives the same bytes
@@ -28,7 +29,7 @@ pub fn run(args: &SimulateArgs, global: &Global, output: &Output) -> Result<u8, 
         overwrite: args.overwrite,
     };
     let written = simulate.run(output)?;
-    output.result(&format!("{} files written", written.len()));
+    output.result(&format!("{} written", counted(written.len(), "file")));
     written
         .iter()
         .for_each(|path| output.detail(&format!("wrote {}", path.display())));

@@ -108,9 +108,9 @@ fn print(status: &Status, output: &Output) {
         })
         .collect();
     output.result(&format!(
-        "{}: {} runs ({})",
+        "{}: {} ({})",
         status.campaign,
-        status.runs,
+        counted(status.runs, "run"),
         states.join(", ")
     ));
     if !status.campaign_file.is_empty() {

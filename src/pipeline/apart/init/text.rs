@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::look::{Looked, Taken};
 use super::plan::Plan;
 use crate::domain::tag::keys;
+use crate::domain::words::counted;
 
 /// What marks a place that only a person can fill in.
 pub const FILL_IN: &str = "FILL IN";
@@ -68,10 +69,10 @@ pub fn campaign_text(id: &str, from: &str, timezone: Option<&str>, looked: &Look
     for sample in &plan.samples {
         let _ = writeln!(
             text,
-            "\n[[sample]]    # {} runs\nid = {}\nmaterial = {}    # from the id; correct it\n\
+            "\n[[sample]]    # {}\nid = {}\nmaterial = {}    # from the id; correct it\n\
              # length_mm = 0.0    # {FILL_IN}: free length\n\
              # width_mm = 0.0    # {FILL_IN}: width",
-            sample.runs,
+            counted(sample.runs, "run"),
             quoted(&sample.id),
             quoted(&sample.material)
         );
