@@ -1,13 +1,9 @@
 //! What a place in the space of parameters says of the strip.
 
 use super::input::Strip;
+use super::policy::MOST_REACH;
 use ieap_model::coupling::CurvaturePerLineCharge;
 use ieap_model::distributed::DistributedModel;
-
-/// `R_e L^2 / R_c` beyond which nothing more would be noticed: only the first thousandth of the strip conducts at once, and a
-/// smaller R_c shows in times below a millionth of that in which the strip charges. Chosen; a search that goes on takes
-/// minutes, for such a response has ten thousands of modes.
-const MOST_REACH: f64 = 1e6;
 
 /// The strip with a coupling of one, and the coupling.
 #[derive(Debug, Clone)]

@@ -27,6 +27,10 @@ pub(super) const WIDEST_PLACE: f64 = 0.25;
 pub(super) const FEWEST_READINGS: usize = 12;
 /// `R_e L^2 / R_c` below which nothing would be noticed: a lumped model is then wrong by a quarter of a thousandth.
 pub(super) const LEAST_REACH: f64 = 1e-3;
+/// The same beyond which nothing more is described: only the first thousandth of the strip conducts at once, and a smaller R_c shows
+/// in times below a millionth of that in which the strip charges. Chosen; 900 readings that led beyond took over ten minutes,
+/// for such a response has ten thousands of modes, and take seconds with it.
+pub(super) const MOST_REACH: f64 = 1e6;
 /// The same at which the direction of a resistance is taken where less was found. Chosen.
 pub(super) const LEAST_REACH_ASKED: f64 = 0.01;
 /// Half width of the box around a start, in logarithms: a factor of about nine million. Chosen.
