@@ -238,6 +238,15 @@ fn page_and_table_of_models_compared() {
     let table = named("models").expect("a table").table(&tables);
     let text = (format_named("text").expect("a format").write)(&table);
     insta::assert_snapshot!("models_compared_table", text);
+    // Where all of them are out of date, that is said, and not that there are none.
+    tables.comparisons = &[];
+    let table = named("models").expect("a table").table(&tables);
+    assert_eq!(table.remarks.len(), 1, "{:?}", table.remarks);
+    assert!(
+        table.remarks[0].starts_with("1 comparison, not shown"),
+        "{:?}",
+        table.remarks
+    );
 }
 
 #[test]

@@ -108,3 +108,41 @@ impl Estimate {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_state_is_told_apart() {
+        let between = Estimate {
+            low_95: Some(1.0),
+            ..Estimate::below(3.0, "flat")
+        };
+        let stated = [
+            Estimate::determined(2.0, 0.1, 1.8, 2.2),
+            between,
+            Estimate::above(1.0, "flat"),
+            Estimate::below(3.0, "flat"),
+            Estimate::not_determined("flat"),
+        ];
+        let states = [
+            EstimateState::Determined(2.0),
+            EstimateState::Between(1.0, 3.0),
+            EstimateState::Above(1.0),
+            EstimateState::Below(3.0),
+            EstimateState::Open,
+        ];
+        assert_eq!(stated.map(|estimate| estimate.state()), states);
+    }
+
+    #[test]
+    fn a_negative_factor_exchanges_the_ends_and_keeps_the_error_positive() {
+        let scaled = Estimate::determined(2.0, 0.5, 1.0, 4.0).scaled(-2.0);
+        assert_eq!(scaled, Estimate::determined(-4.0, 1.0, -8.0, -2.0));
+        assert_eq!(
+            Estimate::below(3.0, "flat").scaled(-1.0),
+            Estimate::above(-3.0, "flat")
+        );
+    }
+}
