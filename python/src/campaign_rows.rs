@@ -84,10 +84,9 @@ fn drive(batch: &RecordBatch, row: usize) -> Result<Drive, Issue> {
             true => Level::OpenCircuit,
             false => Level::Voltage(voltage_v),
         };
-        Segment {
-            last_before_s: before.get(place).copied().filter(|s| s.is_finite()),
-            ..Segment::at(start_s, level)
-        }
+        let before_s = before.get(place).copied().filter(|s| s.is_finite());
+        let edge = before_s.map_or(Edge::at(start_s), |before_s| Edge::between(before_s, start_s));
+        Segment { edge, level }
     };
     let pairs = starts.into_iter().zip(levels).enumerate();
     Ok(Drive {

@@ -117,7 +117,7 @@ fn a_browser_reads_what_is_stored() {
             let step_s = record
                 .drive
                 .as_ref()
-                .map_or(0.0, |drive| drive.segments[0].start_s);
+                .map_or(0.0, |drive| drive.segments[0].start_s());
             curves.into_iter().map(move |curve| {
                 json!({
                     "href": href, "quantity": curve.quantity.label(), "step_s": step_s,

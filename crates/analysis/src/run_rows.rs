@@ -7,7 +7,7 @@ use polars::prelude::PolarsError;
 
 use super::parquet_file::{About, Cells, ParquetFile, moment_us};
 use ieap_domain::tag::keys;
-use ieap_domain::{Channel, Level, Quantity, RunRecord};
+use ieap_domain::{Channel, Edge, Level, Quantity, RunRecord};
 
 /// Channels that have columns of their own; how many others a run has is counted.
 pub const LISTED: [Quantity; 6] = [
@@ -157,11 +157,12 @@ fn of_drives(rows: &[RunRow<'_>]) -> Vec<(String, Cells)> {
     let baseline = rows.iter().map(|row| Some(drive(row)?.baseline_v));
     let starts = rows.iter().map(|row| {
         let segments = drive(row)?.segments;
-        Some(segments.iter().map(|segment| Some(segment.start_s)).collect())
+        Some(segments.iter().map(|segment| Some(segment.start_s())).collect())
     });
+    let before = |edge: &Edge| (!edge.is_stated()).then_some(edge.no_earlier_s);
     let before = rows.iter().map(|row| {
         let segments = drive(row)?.segments;
-        Some(segments.iter().map(|segment| segment.last_before_s).collect())
+        Some(segments.iter().map(|segment| before(&segment.edge)).collect())
     });
     let levels = rows.iter().map(|row| {
         let segments = drive(row)?.segments;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::edge::Edge;
 use crate::range::range_of;
 
 /// Levels of one drive run twice differ by less than this part of its largest step: what a source is set to is met to
@@ -59,24 +60,44 @@ pub fn jumps(time_s: &[f64], levels_v: &[f64]) -> Vec<usize> {
 
 /// A stretch of constant drive, lasting until the next segment starts.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "StoredSegment")]
 pub struct Segment {
-    /// Start, s from time zero.
-    pub start_s: f64,
+    /// When it begins.
+    pub edge: Edge,
     /// What the source does from then on.
     pub level: Level,
-    /// Where only readings tell of the start: the last one before it, s. It lies anywhere between that and `start_s`, the
-    /// first reading that saw it. None where the start is stated.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub last_before_s: Option<f64>,
 }
 
 impl Segment {
     /// A segment whose start is stated.
     pub fn at(start_s: f64, level: Level) -> Segment {
+        let edge = Edge::at(start_s);
+        Segment { edge, level }
+    }
+
+    /// The time from which on it surely holds, s: of an edge between two readings that of the later one.
+    pub fn start_s(&self) -> f64 {
+        self.edge.no_later_s
+    }
+}
+
+/// A segment as it is stored, now and before edges had values of their own.
+#[derive(Deserialize)]
+struct StoredSegment {
+    edge: Option<Edge>,
+    level: Level,
+    start_s: Option<f64>,
+    last_before_s: Option<f64>,
+}
+
+impl From<StoredSegment> for Segment {
+    fn from(stored: StoredSegment) -> Segment {
+        let start_s = stored.start_s.unwrap_or(f64::NAN);
+        let between = |before_s| Edge::between(before_s, start_s);
+        let before = || stored.last_before_s.map_or(Edge::at(start_s), between);
         Segment {
-            start_s,
-            level,
-            last_before_s: None,
+            edge: stored.edge.unwrap_or_else(before),
+            level: stored.level,
         }
     }
 }
@@ -112,11 +133,10 @@ impl Drive {
                 (Some(before_s), None) => 0.5 * (before_s + t),
                 _ => t,
             };
-            if segments.last().is_none_or(|last| last.start_s < start_s) {
+            if segments.last().is_none_or(|last| last.start_s() < start_s) {
                 segments.push(Segment {
-                    start_s,
+                    edge: last_before_s.map_or(Edge::at(start_s), |before_s| Edge::between(before_s, t)),
                     level: Level::Voltage(volts),
-                    last_before_s,
                 });
             }
         }
@@ -128,12 +148,13 @@ impl Drive {
     pub fn as_seen(&self, time_s: &[f64]) -> Drive {
         let mut seen = self.clone();
         for segment in &mut seen.segments {
-            let first = time_s.partition_point(|&t| t < segment.start_s);
-            segment.last_before_s = first.checked_sub(1).map(|before| time_s[before]);
-            segment.start_s = time_s.get(first).copied().unwrap_or(segment.start_s);
+            let first = time_s.partition_point(|&t| t < segment.start_s());
+            let after_s = time_s.get(first).copied().unwrap_or(segment.start_s());
+            let before_s = first.checked_sub(1).map(|before| time_s[before]);
+            segment.edge = before_s.map_or(Edge::at(after_s), |before_s| Edge::between(before_s, after_s));
         }
         seen.segments.dedup_by(|later, earlier| {
-            let same = later.start_s <= earlier.start_s;
+            let same = later.start_s() <= earlier.start_s();
             if same {
                 earlier.level = later.level;
             }
@@ -145,7 +166,7 @@ impl Drive {
     /// When segments start at which readings may jump, s: all of them, or of a voltage that [`Drive::moves`] the first one
     /// and those at which it jumps or the circuit opens or closes.
     pub fn edges_s(&self) -> Vec<f64> {
-        self.edges().iter().map(|&at| self.segments[at].start_s).collect()
+        self.edges().iter().map(|&at| self.segments[at].start_s()).collect()
     }
 
     /// Which segments these are.
@@ -179,10 +200,10 @@ impl Drive {
 
     /// The middles of the segments in their order, s; the last one has no end, and gives its start.
     fn middles_s(&self) -> Vec<f64> {
-        let end_s = |at: usize| self.segments.get(at + 1).unwrap_or(&self.segments[at]).start_s;
+        let end_s = |at: usize| self.segments.get(at + 1).unwrap_or(&self.segments[at]).start_s();
         let segments = self.segments.iter().enumerate();
         segments
-            .map(|(at, segment)| 0.5 * (segment.start_s + end_s(at)))
+            .map(|(at, segment)| 0.5 * (segment.start_s() + end_s(at)))
             .collect()
     }
 
@@ -246,7 +267,7 @@ impl Drive {
                 (Level::Voltage(a), Level::Voltage(b)) => are_near(a, b),
                 (a, b) => a == b,
             };
-            let after_s = |segment: &Segment, drive: &Drive| segment.start_s - drive.segments[0].start_s;
+            let after_s = |segment: &Segment, drive: &Drive| segment.start_s() - drive.segments[0].start_s();
             let apart_s = (after_s(own, self) - after_s(others, other)).abs();
             levels && apart_s <= STARTS_ALIKE * shortest_s
         };
@@ -259,7 +280,7 @@ impl Drive {
     fn shortest_segment_s(&self) -> f64 {
         let pairs = self.segments.windows(2);
         pairs
-            .map(|pair| pair[1].start_s - pair[0].start_s)
+            .map(|pair| pair[1].start_s() - pair[0].start_s())
             .fold(f64::INFINITY, f64::min)
     }
 }
@@ -332,11 +353,11 @@ mod tests {
         drive.segments.push(Segment::at(4.6, Level::Voltage(1.0)));
         let seen = drive.as_seen(&[-0.5, 0.5, 1.5, 4.0, 5.0]);
         let told: Vec<_> = (seen.segments.iter())
-            .map(|segment| (segment.last_before_s, segment.start_s, segment.level))
+            .map(|segment| (segment.edge, segment.level))
             .collect();
         let expected = [
-            (Some(-0.5), 0.5, Level::Voltage(2.0)),
-            (Some(4.0), 5.0, Level::Voltage(1.0)),
+            (Edge::between(-0.5, 0.5), Level::Voltage(2.0)),
+            (Edge::between(4.0, 5.0), Level::Voltage(1.0)),
         ];
         assert_eq!(told, expected);
     }

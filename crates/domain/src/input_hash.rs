@@ -82,14 +82,14 @@ impl InputHash {
     pub fn drive(&mut self, drive: &Drive) -> &mut InputHash {
         self.number(drive.baseline_v).count(drive.segments.len());
         for segment in &drive.segments {
-            self.number(segment.start_s);
+            self.number(segment.start_s());
             self.number_or_none(match segment.level {
                 Level::Voltage(voltage_v) => Some(voltage_v),
                 Level::OpenCircuit => None,
             });
             // A start that is stated has the hash that it always had.
-            if segment.last_before_s.is_some() {
-                self.number_or_none(segment.last_before_s);
+            if !segment.edge.is_stated() {
+                self.number_or_none(Some(segment.edge.no_earlier_s));
             }
         }
         self
@@ -135,7 +135,7 @@ mod tests {
             segments: vec![Segment::at(1.0, level)],
         };
         let mut seen = Drive::step(1.0);
-        seen.segments[0].last_before_s = Some(-1.0);
+        seen.segments[0].edge = crate::Edge::between(-1.0, 0.0);
         let note = |place: &str| Issue::note("code", "message").at(place);
         let all = [
             of(|hash| hash),

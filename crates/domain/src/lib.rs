@@ -13,6 +13,7 @@ pub mod data_hash;
 pub mod date_order;
 pub mod diagnosis;
 pub mod drive;
+pub mod edge;
 pub mod estimate;
 pub mod fault;
 pub mod fit;
@@ -63,6 +64,7 @@ pub use diagnosis::{
     Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
+pub use edge::{Edge, EdgeOrigin};
 pub use estimate::{Estimate, EstimateState};
 pub use fault::Fault;
 pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Parameter};

@@ -208,7 +208,7 @@ fn amplitudes(drive: &Drive, rate_per_s: f64) -> Vec<(f64, f64)> {
         let amplitude = level_v - branch_v;
         found.push((amplitude, -slope));
         if let Some(next) = drive.segments.get(index + 1) {
-            let x = rate_per_s * (next.start_s - segment.start_s);
+            let x = rate_per_s * (next.start_s() - segment.start_s());
             let left = (-x).exp();
             branch_v = level_v - amplitude * left;
             slope = left * (slope - amplitude * x);

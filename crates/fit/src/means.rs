@@ -165,8 +165,8 @@ mod tests {
                     .segments
                     .iter()
                     .rev()
-                    .find(|s| s.start_s <= t)
-                    .map_or(t, |s| s.start_s)
+                    .find(|s| s.start_s() <= t)
+                    .map_or(t, |s| s.start_s())
             };
             let value = |t: f64| match since(t) {
                 _ if t < 0.0 => 0.25,

@@ -37,7 +37,7 @@ pub(super) fn fit(
         .drive
         .segments
         .first()
-        .map_or(0.0, |segment| segment.start_s);
+        .map_or(0.0, |segment| segment.start_s());
     let current = identified.current.as_ref().ok();
     let curvature = identified.curvature.as_ref().ok();
     let wanted = Wanted {
@@ -212,7 +212,7 @@ pub(super) fn judged_response(
     drive: &Drive,
     searched: usize,
 ) -> (ChannelNoise, RunCurve) {
-    let step_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
+    let step_s = drive.segments.first().map_or(0.0, |segment| segment.start_s());
     let residuals = Residuals::new(sampled, fitted, searched);
     let response = Response::new(quantity, sampled, Some(&residuals), step_s, Wanted::NOISE);
     (response.noise, response.curve)
@@ -231,7 +231,7 @@ pub(super) fn joint_fit(
         .drive
         .segments
         .first()
-        .map_or(0.0, |segment| segment.start_s);
+        .map_or(0.0, |segment| segment.start_s());
     let count = 2 * model.branches + 1;
     let quantities = [(Quantity::Current, count), (Quantity::Curvature, 2)];
     let responses: Vec<Response> = [&run.current, &run.curvature]

@@ -69,13 +69,13 @@ impl Sampled {
             let end_s = drive
                 .segments
                 .get(until)
-                .map_or(f64::INFINITY, |segment| segment.start_s);
+                .map_or(f64::INFINITY, |segment| segment.start_s());
             let mut first = next;
             next += time_s[next..].partition_point(|&t| t < end_s);
             let open = segment.is_some_and(|index| drive.segments[index].level == Level::OpenCircuit);
-            let stated = segment.filter(|&index| drive.segments[index].last_before_s.is_none());
+            let stated = segment.filter(|&index| drive.segments[index].edge.is_stated());
             if let Some(index) = stated.filter(|_| !is_continuous && !moves) {
-                let at_instant = next > first && time_s[first] == drive.segments[index].start_s;
+                let at_instant = next > first && time_s[first] == drive.segments[index].start_s();
                 let is_known_rest = index == 0 && drive.baseline_v == 0.0;
                 first += usize::from(at_instant && !has_jumped(&values, first, is_known_rest));
             }
@@ -84,7 +84,7 @@ impl Sampled {
                 taken.push(Span { segment, first, end });
             }
         }
-        let start_s = |span: &Span| span.segment.map_or(0.0, |index| drive.segments[index].start_s);
+        let start_s = |span: &Span| span.segment.map_or(0.0, |index| drive.segments[index].start_s());
         let whole = taken.iter().map(|span| span.end - span.first).sum::<usize>() == values.len();
         let usable = sums::peak(&values) < LARGEST && values.iter().chain(&*time_s).all(|v| v.is_finite());
         let mut sampled = if whole && usable {

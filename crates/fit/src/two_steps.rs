@@ -82,7 +82,7 @@ impl Readings {
                 channel: quantity.column(),
                 found,
                 needed,
-                start_s: input.drive.segments[0].start_s,
+                start_s: input.drive.segments[0].start_s(),
                 model: options.model.id,
             });
         }
@@ -94,14 +94,14 @@ fn check_drive(drive: &Drive) -> Result<(), FitError> {
     let finite = |level: Level| !matches!(level, Level::Voltage(v) if !v.is_finite());
     let mut last_s = f64::NEG_INFINITY;
     for (index, segment) in drive.segments.iter().enumerate() {
-        let in_order = segment.start_s.is_finite() && segment.start_s > last_s;
+        let in_order = segment.start_s().is_finite() && segment.start_s() > last_s;
         if !in_order || !finite(segment.level) {
             return Err(FitError::Drive {
                 index,
-                start_s: segment.start_s,
+                start_s: segment.start_s(),
             });
         }
-        last_s = segment.start_s;
+        last_s = segment.start_s();
     }
     if drive.segments.is_empty() || !drive.baseline_v.is_finite() {
         return Err(FitError::Drive {

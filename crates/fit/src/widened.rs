@@ -87,9 +87,9 @@ fn words(settled: &Settled) -> String {
     let between = drive
         .segments
         .iter()
-        .filter(|segment| segment.last_before_s.is_some());
+        .filter(|segment| !segment.edge.is_stated());
     let count = between.clone().count();
-    let first = between.map(|segment| segment.start_s).next().unwrap_or(0.0);
+    let first = between.map(|segment| segment.start_s()).next().unwrap_or(0.0);
     let largest_s = settled
         .open
         .iter()

@@ -4,13 +4,13 @@
 //! moments of two files are printed by two computers whose clocks may differ by more than their digits, and the onset
 //! of bending lags the voltage by what the strip itself needs, which is what a fit is to find out.
 
-mod onset;
+pub(crate) mod onset;
 mod policy;
 
 use crate::clocks::policy::{OFF_BY_HEADER_S, OFF_SIGMAS};
 use crate::drive;
 use ieap_domain::{
-    Channel, ClockOffset, Issue, OffsetSource, Quantity, RunOrigin, Segment, StartedAt, Timestamp,
+    Channel, ClockOffset, Edge, Issue, OffsetSource, Quantity, RunOrigin, Segment, StartedAt, Timestamp,
 };
 
 /// What one file of a run gives.
@@ -139,19 +139,19 @@ fn from_starts(reference: &FileClock<'_>, file: &FileClock<'_>) -> Result<Found,
     })
 }
 
-struct Moment<'a> {
+struct StatedStart<'a> {
     utc_s: f64,
     offset: Option<&'a str>,
     text: String,
 }
 
 /// A certain start; without a zone it counts as if it were UTC, which cancels between two of the same zone.
-fn moment(stamp: Option<&StartedAt>) -> Option<Moment<'_>> {
+fn moment(stamp: Option<&StartedAt>) -> Option<StatedStart<'_>> {
     let stamp = stamp.filter(|stamp| stamp.kind == Timestamp::Start)?;
     let local = stamp.local.as_deref()?;
     let text = format!("{local}{}", stamp.offset.as_deref().unwrap_or("Z"));
     let moment: jiff::Timestamp = text.parse().ok()?;
-    Some(Moment {
+    Some(StatedStart {
         utc_s: moment.as_duration().as_secs_f64(),
         offset: stamp.offset.as_deref(),
         text: format!("{local}{}", stamp.offset.as_deref().unwrap_or("")),
@@ -166,12 +166,12 @@ impl FileClock<'_> {
 
 /// The edge of the voltage (or the first jump of the current) minus the onset of bending.
 fn from_onset(reference: &FileClock<'_>, file: &FileClock<'_>) -> Result<Found, String> {
-    let edge = match (
+    let edge: Moment = match (
         reference.channel(Quantity::Voltage),
         reference.channel(Quantity::Current),
     ) {
         (Some(voltage), _) => voltage_edge(voltage)?,
-        (None, Some(current)) => onset::jump(current)?,
+        (None, Some(current)) => onset::jump(current)?.into(),
         (None, None) => return Err("neither voltage nor current is on the reference clock".to_owned()),
     };
     let bending = [
@@ -196,34 +196,33 @@ fn from_onset(reference: &FileClock<'_>, file: &FileClock<'_>) -> Result<Found, 
 
 /// A moment on a clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Edge {
+struct Moment {
     time_s: f64,
     standard_error_s: f64,
 }
 
-impl Edge {
-    /// Somewhere between two readings.
-    fn between(before_s: f64, after_s: f64) -> Edge {
-        Edge {
-            time_s: 0.5 * (before_s + after_s),
-            standard_error_s: (after_s - before_s) / 12f64.sqrt(),
+impl From<Edge> for Moment {
+    fn from(edge: Edge) -> Moment {
+        Moment {
+            time_s: edge.middle_s(),
+            standard_error_s: edge.standard_deviation_s(),
         }
     }
 }
 
 /// The first step of the voltage, between the last reading before it and the first after.
-fn voltage_edge(voltage: &Channel) -> Result<Edge, String> {
+fn voltage_edge(voltage: &Channel) -> Result<Moment, String> {
     let drive = drive::find(std::slice::from_ref(voltage), false, None, &[]).drive;
     let segments = drive.map(|drive| drive.segments).unwrap_or_default();
     let (time_s, _) = voltage.included();
-    let readings_before = |segment: &Segment| time_s.partition_point(|&time| time < segment.start_s);
+    let readings_before = |segment: &Segment| time_s.partition_point(|&time| time < segment.start_s());
     // An edge before the first reading was not seen.
     let seen = segments.iter().map(readings_before).find(|&before| before > 0);
     match seen.unwrap_or(0) {
         _ if segments.is_empty() => Err("the voltage shows no step".to_owned()),
         0 => Err("the record starts with the voltage applied, so its edge is not seen".to_owned()),
         after if after == time_s.len() => Err("the voltage shows no step".to_owned()),
-        after => Ok(Edge::between(time_s[after - 1], time_s[after])),
+        after => Ok(Edge::between(time_s[after - 1], time_s[after]).into()),
     }
 }
 

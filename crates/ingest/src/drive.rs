@@ -5,11 +5,11 @@ use crate::drive::policy::{
     FEW_LEVELS, HELD_READINGS, HELD_SHARE, MANY_STRETCHES, MOST_PULSES_SHARE, MOST_STEPS_SHARE,
 };
 use ieap_domain::range_of;
-use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
+use ieap_domain::{Channel, Drive, Edge, Issue, Level, Quantity, Segment};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 9;
+pub const VERSION: u32 = 10;
 
 mod found;
 mod held_current;
@@ -25,20 +25,21 @@ pub use found::{FoundDrive, MOVES, NO_STEPS};
 pub use start::ASSUMED;
 pub use unseen::PAUSES;
 
-use start::{Start, before_steps, held_throughout, just_before};
+use start::{Start, before_steps, held_throughout};
 use step::step_threshold;
 
 /// Finds the drive.
 ///
-/// With a voltage channel the steps are found in it; what the source was told to apply, where a file states it for
-/// every reading, goes before what was measured. Readings before the first step are the baseline; a
-/// channel that holds one voltage from its first reading on is a step from the discharged state, at time zero
-/// where the table's zero is the step, else at the first reading. Without a voltage channel `tag_v` is
-/// applied at time zero. `open_s` lists stretches of open circuit (start, end), s, beside those of an
+/// With a voltage channel the steps are found in it, each after the last reading that shows the old level and no later than
+/// the first that shows the new one, whatever the clock says there; what the source was told to apply, where a file states it
+/// for every reading, goes before what was measured unless that contradicts it. Readings before the first step are the
+/// baseline; a channel that holds one voltage from its first reading on is a step from the discharged state before it.
+/// Without a voltage channel `tag_v` is applied where the current jumps, else beside time zero where that may be the step
+/// (a plain table), else before the first reading. `open_s` lists stretches of open circuit (start, end), s, beside those of an
 /// open-circuit channel.
 pub fn find(
     channels: &[Channel],
-    time_zero_is_step: bool,
+    zero_may_be_step: bool,
     tag_v: Option<f64>,
     open_s: &[(f64, f64)],
 ) -> FoundDrive {
@@ -46,32 +47,11 @@ pub fn find(
     let mut open: Vec<(f64, f64)> = open_s.to_vec();
     open.extend(of(Quantity::OpenCircuit).map(stretches_open).unwrap_or_default());
     open.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let responses = channels.iter().filter(|c| c.is_response());
-    let first_response = responses
-        .filter(|c| !c.time_s.is_empty())
-        .min_by(|a, b| a.time_s[0].total_cmp(&b.time_s[0]));
     let found = match (stated::driving(channels), tag_v) {
-        (Some(voltage), _) => {
-            let mut found = from_channel(voltage, channels, time_zero_is_step, &open);
-            found.issues.extend(stated::departure(voltage, channels));
-            stated::placed(found, voltage)
-        }
-        (None, Some(tag_v)) => {
-            let level = Level::Voltage(tag_v);
-            let segment = match (time_zero_is_step, first_response) {
-                (true, _) => Segment::at(0.0, level),
-                (false, Some(channel)) => just_before(&channel.time_s, level),
-                (false, None) => Segment::at(f64::MAX, level),
-            };
-            let drive = Drive {
-                baseline_v: 0.0,
-                segments: vec![segment],
-            };
-            FoundDrive {
-                drive: Some(drive),
-                issues: Vec::new(),
-            }
-        }
+        (Some(voltage), _) => stated::found(voltage, channels, |voltage| {
+            from_channel(voltage, channels, zero_may_be_step, &open)
+        }),
+        (None, Some(tag_v)) => start::of_tag(tag_v, zero_may_be_step, channels),
         (None, None) => FoundDrive {
             drive: None,
             issues: Vec::new(),
@@ -88,7 +68,7 @@ pub fn has_voltage(channels: &[Channel]) -> bool {
 fn from_channel(
     voltage: &Channel,
     channels: &[Channel],
-    time_zero_is_step: bool,
+    zero_may_be_step: bool,
     open: &[(f64, f64)],
 ) -> FoundDrive {
     let (time_s, values) = voltage.included();
@@ -120,7 +100,7 @@ fn from_channel(
         };
     }
     let mut found = if rest.is_empty() {
-        held_throughout(*first, time_zero_is_step, &time_s)
+        held_throughout(*first, zero_may_be_step, &time_s)
     } else {
         let threshold_v = step_threshold(&values, &closed, change_noise_v(&values, &closed));
         let closed_s = readings(&time_s);
@@ -128,10 +108,10 @@ fn from_channel(
             *first,
             rest[0],
             threshold_v,
-            time_zero_is_step,
+            zero_may_be_step,
             (&closed_s, channels),
         );
-        stepped(start, rest, time_zero_is_step)
+        stepped(start, rest)
     };
     if let Some(drive) = &found.drive {
         let told = unseen::pauses((&time_s, &values), is_open, drive);
@@ -148,40 +128,17 @@ struct Stretch {
     level_v: f64,
 }
 
-fn stepped(start: Start, rest: &[Stretch], time_zero_is_step: bool) -> FoundDrive {
-    let holds_zero =
-        |stretch: &Stretch| time_zero_is_step && stretch.last_before_s < 0.0 && 0.0 <= stretch.start_s;
-    // A reading at the very instant of the stated step: the readings follow the clock of the source, and edges lie on them.
-    let is_one_clock = rest
-        .iter()
-        .any(|stretch| holds_zero(stretch) && stretch.start_s == 0.0);
-    let segment = |stretch: &Stretch| {
-        let level = Level::Voltage(stretch.level_v);
-        match () {
-            // Where the table's zero is the step it is more exact than the readings beside it.
-            () if holds_zero(stretch) => Segment::at(0.0, level),
-            () if is_one_clock => Segment::at(stretch.start_s, level),
-            () => Segment {
-                last_before_s: Some(stretch.last_before_s),
-                ..Segment::at(stretch.start_s, level)
-            },
-        }
+fn stepped(start: Start, rest: &[Stretch]) -> FoundDrive {
+    let segment = |stretch: &Stretch| Segment {
+        edge: Edge::between(stretch.last_before_s, stretch.start_s),
+        level: Level::Voltage(stretch.level_v),
     };
-    let segments: Vec<Segment> = start.edge.into_iter().chain(rest.iter().map(segment)).collect();
-    let mut issues: Vec<Issue> = start.issue.into_iter().collect();
-    if time_zero_is_step && segments[0].start_s != 0.0 {
-        let message = format!(
-            "the first step in the voltage column is at {} s, not at time zero",
-            segments[0].start_s
-        );
-        issues.push(Issue::note("step-not-at-zero", message).at("column voltage_v"));
-    }
     FoundDrive {
         drive: Some(Drive {
             baseline_v: start.baseline_v,
-            segments,
+            segments: start.edge.into_iter().chain(rest.iter().map(segment)).collect(),
         }),
-        issues,
+        issues: start.issue.into_iter().collect(),
     }
 }
 
@@ -339,14 +296,14 @@ fn with_open_circuit(mut found: FoundDrive, open: &[(f64, f64)]) -> FoundDrive {
                 .segments
                 .iter()
                 .rev()
-                .find(|s| s.start_s <= time_s)
+                .find(|s| s.start_s() <= time_s)
                 .map(|s| s.level)
         };
         let after = to.is_finite().then(|| due(to)).flatten();
-        drive.segments.retain(|s| s.start_s < from || s.start_s > to);
+        drive.segments.retain(|s| s.start_s() < from || s.start_s() > to);
         drive.segments.push(Segment::at(from, Level::OpenCircuit));
         drive.segments.extend(after.map(|level| Segment::at(to, level)));
-        drive.segments.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+        drive.segments.sort_by(|a, b| a.start_s().total_cmp(&b.start_s()));
     }
     found
 }

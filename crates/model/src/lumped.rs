@@ -123,10 +123,10 @@ impl LumpedModel {
                 Level::Voltage(level_v) => self.held(level_v, &voltages_v),
                 Level::OpenCircuit => self.circuit().response(&voltages_v),
             };
-            response.start_s = segment.start_s;
+            response.start_s = segment.start_s();
             response.strain_start_c_per_cm2 = strain;
             if let Some(next) = drive.segments.get(index + 1) {
-                let lasting_s = next.start_s - segment.start_s;
+                let lasting_s = next.start_s() - segment.start_s();
                 strain = response.strain_c_per_cm2(lasting_s, self.relaxation_rate_per_s);
                 voltages_v = self.voltages_after(segment.level, &voltages_v, lasting_s);
             }

@@ -36,7 +36,7 @@ pub fn integrate_responses(
         .collect();
     state.push(0.0);
     let mut level = Level::Voltage(drive.baseline_v);
-    let first = drive.segments.first().map_or(0.0, |segment| segment.start_s);
+    let first = drive.segments.first().map_or(0.0, |segment| segment.start_s());
     let mut now_s = time_s.first().map_or(first, |&t| t.min(first));
     let mut upcoming = drive.segments.iter().peekable();
     let mut responses = Responses {
@@ -53,8 +53,8 @@ pub fn integrate_responses(
         *now_s = to_s;
     };
     for &t in time_s {
-        while let Some(segment) = upcoming.next_if(|segment| segment.start_s <= t) {
-            advance(&mut state, &mut now_s, segment.start_s, level);
+        while let Some(segment) = upcoming.next_if(|segment| segment.start_s() <= t) {
+            advance(&mut state, &mut now_s, segment.start_s(), level);
             level = segment.level;
         }
         advance(&mut state, &mut now_s, t, level);

@@ -200,9 +200,9 @@ mod tests {
             integrate(rate, now, to, state, 1e-11, 1e-18);
         };
         for &t in time_s {
-            while let Some(segment) = upcoming.next_if(|segment| segment.start_s <= t) {
-                advance(&mut state, now, segment.start_s, level_v);
-                now = segment.start_s;
+            while let Some(segment) = upcoming.next_if(|segment| segment.start_s() <= t) {
+                advance(&mut state, now, segment.start_s(), level_v);
+                now = segment.start_s();
                 if let Level::Voltage(v) = segment.level {
                     level_v = v;
                 }

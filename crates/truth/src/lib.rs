@@ -134,7 +134,7 @@ fn built(
     let times = || current_time_s.iter().chain(curvature_time_s);
     check(truth, drive, times())?;
     let effects = Effects::of_run(&truth.effects, run_index)?;
-    let start_s = drive.segments[0].start_s;
+    let start_s = drive.segments[0].start_s();
     let observation = Observation::new(truth, &effects, start_s)?;
     let held = drive.segments.iter().find_map(|segment| match segment.level {
         Level::Voltage(v) => Some(v),
@@ -176,7 +176,7 @@ impl Records {
         drive: &Drive,
         mut instants: Vec<f64>,
     ) -> Result<Records, TruthError> {
-        let start_s = drive.segments[0].start_s;
+        let start_s = drive.segments[0].start_s();
         instants.retain(|&t| t >= start_s);
         instants.sort_unstable_by(f64::total_cmp);
         instants.dedup();
@@ -192,7 +192,7 @@ impl Records {
         let mut records = Vec::with_capacity(instants.len());
         for &t in &instants {
             loop {
-                let edge_s = upcoming.peek().map_or(f64::INFINITY, |segment| segment.start_s);
+                let edge_s = upcoming.peek().map_or(f64::INFINITY, |segment| segment.start_s());
                 let break_s = breaking.unwrap_or(f64::INFINITY);
                 let event_s = edge_s.min(break_s);
                 if event_s > t {
@@ -280,7 +280,7 @@ fn check<'a>(
     let rising = drive
         .segments
         .windows(2)
-        .all(|pair| pair[0].start_s < pair[1].start_s);
+        .all(|pair| pair[0].start_s() < pair[1].start_s());
     if drive.segments.is_empty() || !rising {
         let found = format!("{} segments", drive.segments.len());
         return Err(bad("drive", found, "one segment or more, with rising starts"));

@@ -108,12 +108,12 @@ impl CurveSource for PageCurves<'_> {
 fn step_s(drive: Option<&Drive>) -> f64 {
     drive
         .and_then(|drive| drive.segments.first())
-        .map_or(0.0, |segment| segment.start_s)
+        .map_or(0.0, |segment| segment.start_s())
 }
 
 fn changes_again(drive: Option<&Drive>, step_s: f64, last_s: f64) -> bool {
     let later = |drive: &Drive| {
-        let mut starts = drive.segments.iter().map(|segment| segment.start_s);
+        let mut starts = drive.segments.iter().map(|segment| segment.start_s());
         starts.any(|start_s| start_s > step_s && start_s < last_s)
     };
     drive.is_some_and(later)

@@ -138,10 +138,10 @@ pub fn cycle_run(run: &RunRecord, channels: &[Channel]) -> Option<CycleRun> {
 
 /// Times in the middle of the drive's segments and their voltages.
 fn volts_of(drive: &Drive) -> (Vec<f64>, Vec<f64>) {
-    let ends = drive.segments.iter().skip(1).map(|next| next.start_s);
-    let last = drive.segments.last().map(|segment| segment.start_s);
+    let ends = drive.segments.iter().skip(1).map(|next| next.start_s());
+    let last = drive.segments.last().map(|segment| segment.start_s());
     let of = |(segment, end): (&ieap_domain::Segment, f64)| match segment.level {
-        Level::Voltage(volts) => Some((0.5 * (segment.start_s + end), volts)),
+        Level::Voltage(volts) => Some((0.5 * (segment.start_s() + end), volts)),
         Level::OpenCircuit => None,
     };
     drive.segments.iter().zip(ends.chain(last)).filter_map(of).unzip()

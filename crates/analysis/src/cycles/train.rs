@@ -33,10 +33,10 @@ pub(super) fn train(drive: &Drive, last_s: f64) -> Option<Train> {
 
 /// Stretches of the drive; none for an open circuit, in which charge does not flow and no voltage is known.
 fn stretches(drive: &Drive, last_s: f64) -> Option<Vec<Held>> {
-    let ends = drive.segments.iter().skip(1).map(|next| next.start_s);
+    let ends = drive.segments.iter().skip(1).map(|next| next.start_s());
     let stretch = |(segment, to_s): (&ieap_domain::Segment, f64)| match segment.level {
         Level::Voltage(voltage_v) => Some(Held {
-            from_s: segment.start_s,
+            from_s: segment.start_s(),
             to_s,
             voltage_v,
         }),
@@ -80,7 +80,7 @@ fn held(drive: &Drive, last_s: f64) -> Option<Train> {
 
 fn wave(drive: &Drive) -> Option<Train> {
     let pairs = drive.segments.windows(2).filter_map(|pair| match pair[0].level {
-        Level::Voltage(volts) => Some((0.5 * (pair[0].start_s + pair[1].start_s), volts)),
+        Level::Voltage(volts) => Some((0.5 * (pair[0].start_s() + pair[1].start_s()), volts)),
         Level::OpenCircuit => None,
     });
     let (time_s, volts): (Vec<f64>, Vec<f64>) = pairs.unzip();

@@ -129,7 +129,7 @@ const PERIODS_OF_CHIRP: usize = 2;
 /// The voltage's own readings: each stands in the middle of its step. What is held at the end is none of the wave.
 fn course(drive: &Drive) -> (Vec<f64>, Vec<f64>) {
     let pairs = drive.segments.windows(2).filter_map(|pair| match pair[0].level {
-        Level::Voltage(volts) => Some((0.5 * (pair[0].start_s + pair[1].start_s), volts)),
+        Level::Voltage(volts) => Some((0.5 * (pair[0].start_s() + pair[1].start_s()), volts)),
         Level::OpenCircuit => None,
     });
     pairs.unzip()

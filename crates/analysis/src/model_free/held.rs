@@ -16,10 +16,7 @@ pub(super) struct Held {
 /// When a segment begins, and the standard deviation of that: anywhere between two readings is in the middle, with that of an
 /// even distribution.
 pub(super) fn edge(segment: &Segment) -> (f64, f64) {
-    let open_s = segment
-        .last_before_s
-        .map_or(0.0, |before| segment.start_s - before);
-    (segment.start_s - 0.5 * open_s, open_s / 12f64.sqrt())
+    (segment.edge.middle_s(), segment.edge.standard_deviation_s())
 }
 
 /// The level of the first step; none where the voltage moves all the time, or never changes.
@@ -39,7 +36,7 @@ pub(super) fn first_level(drive: &Drive) -> Option<Held> {
         end_s: drive
             .segments
             .get(1)
-            .map_or(f64::INFINITY, |next| next.last_before_s.unwrap_or(next.start_s)),
+            .map_or(f64::INFINITY, |next| next.edge.no_earlier_s),
     })
 }
 

@@ -160,7 +160,7 @@ pub fn drive(drive: &Drive, duration_s: f64) -> String {
             seconds(duration_s)
         );
     }
-    let starts = drive.segments.iter().map(|segment| segment.start_s);
+    let starts = drive.segments.iter().map(|segment| segment.start_s());
     let ends = starts.skip(1).chain([duration_s]);
     let segments = drive.segments.iter().zip(ends).take(SHOWN);
     let parts: Vec<String> = segments
@@ -169,7 +169,7 @@ pub fn drive(drive: &Drive, duration_s: f64) -> String {
                 Level::Voltage(volts) => format!("{:.2} V", volts + 0.0),
                 Level::OpenCircuit => "open circuit".to_owned(),
             };
-            format!("{level} for {} s", seconds(end - segment.start_s))
+            format!("{level} for {} s", seconds(end - segment.start_s()))
         })
         .collect();
     let more = if drive.segments.len() > SHOWN {

@@ -321,7 +321,7 @@ fn clocked(even_s: &[f64], plan: Plan, drive: &Drive, clock: &mut ChaCha8Rng) ->
                 .map(|t| t + step_s * clock.random_range(-0.45..0.45))
                 .collect();
             if plan.clock == Clock::IrregularOnEdges {
-                times.extend(drive.segments.iter().map(|segment| segment.start_s));
+                times.extend(drive.segments.iter().map(|segment| segment.start_s()));
                 times.sort_by(f64::total_cmp);
                 times.dedup();
             }

@@ -104,10 +104,10 @@ fn seen(seed: u64, plan: Plan) -> Option<[(f64, bool); 2]> {
 /// Adds a smooth course over the logarithm of the time since each edge, `size` at most readings.
 fn add_error(channel: &mut Channel, drive: &Drive, size: f64, signs: &[f64], rate_hz: f64) {
     let error = |t: f64| {
-        let Some(edge) = drive.segments.iter().rev().find(|segment| segment.start_s <= t) else {
+        let Some(edge) = drive.segments.iter().rev().find(|segment| segment.start_s() <= t) else {
             return 0.0;
         };
-        let place = (1.0 + (t - edge.start_s) * rate_hz).ln() / APART;
+        let place = (1.0 + (t - edge.start_s()) * rate_hz).ln() / APART;
         let each = signs.iter().enumerate().map(|(bump, sign)| {
             let bell = (-0.5 * (place - bump as f64).powi(2)).exp();
             (sign * bell, bell * bell)

@@ -74,7 +74,7 @@ fn edge_responses(group: &RunGroup, place: usize, block: &Block, shape: &[f64]) 
     let row_at = |time_s: f64| block.first + times.partition_point(|&t| t < time_s);
     let starts: Vec<usize> = segments
         .chunks(together)
-        .map(|some| row_at(some[0].start_s))
+        .map(|some| row_at(some[0].start_s()))
         .chain([block.end])
         .collect();
     let of = |ends: &[usize]| {
@@ -93,7 +93,7 @@ fn edge_responses(group: &RunGroup, place: usize, block: &Block, shape: &[f64]) 
 fn of_block(group: &RunGroup, place: usize, block: &Block, found: &mut Vec<ResidualBin>) {
     let run = &group.runs[block.run];
     let drive = run.drive();
-    let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
+    let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s());
     let times = run.times(block.channel);
     let shortest_s = times
         .windows(2)
@@ -112,7 +112,7 @@ fn of_block(group: &RunGroup, place: usize, block: &Block, found: &mut Vec<Resid
         let row = block.first + k;
         let Some(last) = drive
             .segments
-            .partition_point(|segment| segment.start_s <= t)
+            .partition_point(|segment| segment.start_s() <= t)
             .checked_sub(1)
         else {
             clock[BINS_BY_CLOCK].push(row);
@@ -129,7 +129,7 @@ fn of_block(group: &RunGroup, place: usize, block: &Block, found: &mut Vec<Resid
             .position(|level| same(*level, segment.level))
             .unwrap_or(0);
         if levels.len() > 1 {
-            phase[level * BINS_BY_PHASE + logarithmic(t - segment.start_s, BINS_BY_PHASE)].push(row);
+            phase[level * BINS_BY_PHASE + logarithmic(t - segment.start_s(), BINS_BY_PHASE)].push(row);
         }
     }
     let at = |row: usize| times[row - block.first] - start_s;

@@ -46,14 +46,14 @@ fn middles_s(drive: &Drive) -> Option<Vec<f64>> {
     let mut time_s: Vec<f64> = Vec::with_capacity(drive.segments.len());
     for segment in &drive.segments {
         time_s.push(match time_s.last() {
-            Some(before_s) if !is_jump(segment) => 2.0 * segment.start_s - before_s,
-            _ => segment.start_s,
+            Some(before_s) if !is_jump(segment) => 2.0 * segment.start_s() - before_s,
+            _ => segment.start_s(),
         });
     }
-    let mut ends_s = drive.segments.iter().skip(1).map(|next| next.start_s);
+    let mut ends_s = drive.segments.iter().skip(1).map(|next| next.start_s());
     let is_within = |(segment, t): (&Segment, &f64)| {
         let end_s = ends_s.next().unwrap_or(f64::INFINITY);
-        (segment.start_s..end_s).contains(t)
+        (segment.start_s()..end_s).contains(t)
     };
     drive
         .segments
@@ -65,7 +65,7 @@ fn middles_s(drive: &Drive) -> Option<Vec<f64>> {
 
 /// Whether a level of a staircase is reached by a jump, which its readings have between them.
 fn is_jump(segment: &Segment) -> bool {
-    segment.last_before_s.is_some()
+    !segment.edge.is_stated()
 }
 
 #[cfg(test)]
@@ -85,7 +85,7 @@ mod tests {
         let fine = followed(&drive);
         assert!(fine.segments.len() > 1000, "{}", fine.segments.len());
         let at = |t: f64| {
-            let segment = fine.segments.iter().rev().find(|segment| segment.start_s <= t);
+            let segment = fine.segments.iter().rev().find(|segment| segment.start_s() <= t);
             segment.and_then(|segment| volts(segment.level)).unwrap_or(0.0)
         };
         let off = time_s[1..]

@@ -27,7 +27,7 @@ pub(crate) fn fitted(time_s: &[f64], current_a: &[f64], drive: &Drive, step_s: f
         let Level::Voltage(volts) = segment.level else {
             return None;
         };
-        edges.push((segment.start_s, volts - level_v));
+        edges.push((segment.start_s(), volts - level_v));
         level_v = volts;
     }
     let first_s = edges.first()?.0;

@@ -29,7 +29,7 @@ pub(crate) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
     let spread = spreads(&off);
     let near_edge = |k: usize| {
         drive.segments.iter().any(|segment| {
-            let first = time_s.partition_point(|&t| t < segment.start_s);
+            let first = time_s.partition_point(|&t| t < segment.start_s());
             (first.saturating_sub(READINGS_BEFORE_EDGE)..first + READINGS_AFTER_EDGE).contains(&k)
         })
     };

@@ -17,7 +17,7 @@ fn noise_that_grows_with_the_voltage_is_remarked_and_even_noise_is_not() {
         let channels: Vec<Vec<Channel>> = drives
             .iter()
             .map(|drive| {
-                let v = drive.segments[0].start_s - drive.nominal_step_v();
+                let v = drive.segments[0].start_s() - drive.nominal_step_v();
                 let sd = 1e-6 * growth.powf(v / 0.8);
                 let values: Vec<f64> = time_s
                     .iter()

@@ -67,7 +67,7 @@ impl Readings {
             .drive
             .segments
             .first()
-            .map_or(0.0, |segment| segment.start_s);
+            .map_or(0.0, |segment| segment.start_s());
         let step_v = steps(input.drive).first().map_or(1.0, |step| step.1);
         let mut readings = Readings {
             groups: Vec::new(),

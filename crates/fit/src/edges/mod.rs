@@ -83,9 +83,8 @@ impl EdgeTimes {
     /// it, which its edges tell all together.
     pub fn of(drive: &Drive) -> EdgeTimes {
         let open = |k: usize| {
-            let segment = &drive.segments[k];
-            let last_before_s = segment.last_before_s?;
-            (last_before_s < segment.start_s).then_some((last_before_s, segment.start_s))
+            let edge = drive.segments[k].edge;
+            (edge.open_s() > 0.0).then_some((edge.no_earlier_s, edge.no_later_s))
         };
         let between: Vec<Option<(f64, f64)>> = (0..drive.segments.len()).map(open).collect();
         if between.iter().all(Option::is_none) || drive.moves() {
@@ -99,7 +98,7 @@ impl EdgeTimes {
         for (k, between) in between.iter().enumerate() {
             let Some((from_s, to_s)) = *between else { continue };
             let half_s = 0.5 * (to_s - from_s);
-            placed.segments[k].start_s = from_s + half_s;
+            placed.segments[k].edge.no_later_s = from_s + half_s;
             shifts.push(Shift::of_one(k, drive.segments.len(), half_s));
         }
         EdgeTimes {
@@ -123,7 +122,7 @@ impl EdgeTimes {
         let mut drive = self.drive.clone();
         for (shift, by_s) in self.shifts.iter().zip(by_s) {
             let starts = drive.segments.iter_mut().zip(&shift.moves);
-            starts.for_each(|(segment, moves)| segment.start_s += moves * by_s);
+            starts.for_each(|(segment, moves)| segment.edge.no_later_s += moves * by_s);
         }
         drive
     }

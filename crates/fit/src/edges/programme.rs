@@ -58,7 +58,7 @@ impl Programme {
         let mut placed = drive.clone();
         for (k, segment) in placed.segments.iter_mut().enumerate() {
             let (from_s, to_s) = self.first[k % cycle];
-            segment.start_s = 0.5 * (from_s + to_s) + round(k) * self.period_s;
+            segment.edge.no_later_s = 0.5 * (from_s + to_s) + round(k) * self.period_s;
         }
         let of_place = |(place, (from_s, to_s)): (usize, &(f64, f64))| Shift {
             moves: (0..segments)

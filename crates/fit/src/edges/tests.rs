@@ -25,10 +25,10 @@ fn a_stated_drive_is_left_as_it_is() {
 fn an_edge_between_readings_is_taken_in_the_middle() {
     let times: Vec<f64> = (-5..100).map(|k| f64::from(k) + 0.3).collect();
     let edges = EdgeTimes::of(&Drive::step(2.0).as_seen(&times));
-    assert!((edges.drive().segments[0].start_s - -0.2).abs() < 1e-12);
+    assert!((edges.drive().segments[0].start_s() - -0.2).abs() < 1e-12);
     assert!((edges.shifts()[0].standard_deviation_s() - 1.0 / 12.0_f64.sqrt()).abs() < 1e-5);
     let later = edges.shifted(&[0.25]);
-    assert!((later.segments[0].start_s - 0.05).abs() < 1e-12);
+    assert!((later.segments[0].start_s() - 0.05).abs() < 1e-12);
     let (low_s, high_s) = edges.moved(&[0.25]).shifts()[0].limits_s();
     assert!((low_s + 0.75).abs() < 1e-5 && (high_s - 0.25).abs() < 1e-5);
 }
@@ -41,10 +41,10 @@ fn a_train_is_one_programme_that_its_edges_tell_together() {
     assert_eq!(edges.shifts().len(), 3, "up, down, and the period");
     for (found, truth) in edges.drive().segments.iter().zip(&truth.segments) {
         assert!(
-            (found.start_s - truth.start_s).abs() < 0.15,
+            (found.start_s() - truth.start_s()).abs() < 0.15,
             "{} {}",
-            found.start_s,
-            truth.start_s
+            found.start_s(),
+            truth.start_s()
         );
     }
     // The period leaves less to 23 rounds than a reading's interval to one edge.
@@ -56,7 +56,7 @@ fn a_train_is_one_programme_that_its_edges_tell_together() {
 fn edges_without_a_programme_move_each_by_itself() {
     let times: Vec<f64> = (-5..1000).map(f64::from).collect();
     let mut drive = pulses(6, 41.0, 0.4);
-    drive.segments[3].start_s += 7.0;
+    drive.segments[3].edge.no_later_s += 7.0;
     let edges = EdgeTimes::of(&drive.as_seen(&times));
     assert_eq!(edges.shifts().len(), 6);
 }

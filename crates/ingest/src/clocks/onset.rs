@@ -1,15 +1,15 @@
 //! Where a record leaves its resting level: the jump of a current, the onset of bending.
 
-use super::Edge;
+use super::Moment;
 use crate::clocks::policy::{
     BEGINNING_SHARE, DEPARTURE_OVER_NOISE, DEPARTURE_SHARE, DRIFT_OVER_NOISE, DRIFT_SHARE, FEWEST_AT_REST,
     FEWEST_STRAIGHT, LARGEST_OVER_LEAST,
 };
-use ieap_domain::Channel;
+use ieap_domain::{Channel, Edge};
 use ieap_numerics::robust::{sd_on_a_slope, upper_median};
 
 /// The largest change between two neighbouring readings of a current that was at rest before.
-pub(super) fn jump(current: &Channel) -> Result<Edge, String> {
+pub(crate) fn jump(current: &Channel) -> Result<Edge, String> {
     let (time_s, values) = current.included();
     let changes: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     let largest = (0..changes.len()).max_by(|&a, &b| changes[a].total_cmp(&changes[b]));
@@ -24,7 +24,7 @@ pub(super) fn jump(current: &Channel) -> Result<Edge, String> {
 }
 
 /// The moment from which the strip bends: where the straight beginning of the departure meets the resting level.
-pub(super) fn of_bending(bending: &Channel) -> Result<Edge, String> {
+pub(super) fn of_bending(bending: &Channel) -> Result<Moment, String> {
     let (time_s, values) = bending.included();
     if values.len() < 4 * FEWEST_AT_REST {
         return Err(format!("the bending has {} readings only", values.len()));
@@ -59,7 +59,7 @@ pub(super) fn of_bending(bending: &Channel) -> Result<Edge, String> {
         .iter()
         .take_while(|value| (*value - level).abs() <= BEGINNING_SHARE * largest)
         .count();
-    let between = Edge::between(time_s[first - 1], time_s[first]);
+    let between = Moment::from(Edge::between(time_s[first - 1], time_s[first]));
     if straight < FEWEST_STRAIGHT {
         return Ok(between);
     }
@@ -76,14 +76,14 @@ pub(super) fn of_bending(bending: &Channel) -> Result<Edge, String> {
     let (whole, half) = (of(straight), of(straight.div_ceil(2).max(3)));
     // A beginning that is not straight shows by how much its first half disagrees.
     let bent = (whole.time_s - half.time_s).abs();
-    Ok(Edge {
+    Ok(Moment {
         time_s: whole.time_s,
         standard_error_s: whole.standard_error_s.hypot(bent).hypot(between.standard_error_s),
     })
 }
 
 /// Where the least-squares line through readings meets `level`.
-fn meeting(time_s: &[f64], values: &[f64], level: f64, noise: f64, level_error: f64) -> Edge {
+fn meeting(time_s: &[f64], values: &[f64], level: f64, noise: f64, level_error: f64) -> Moment {
     let count = values.len() as f64;
     let (mean_t, mean_v) = (
         time_s.iter().sum::<f64>() / count,
@@ -94,7 +94,7 @@ fn meeting(time_s: &[f64], values: &[f64], level: f64, noise: f64, level_error: 
     let slope = pairs.map(|(t, v)| (t - mean_t) * (v - mean_v)).sum::<f64>() / spread;
     let back_s = (level - mean_v) / slope;
     let variance = noise * noise * (1.0 / count + back_s * back_s / spread) + level_error * level_error;
-    Edge {
+    Moment {
         time_s: mean_t + back_s,
         standard_error_s: variance.sqrt() / slope.abs(),
     }

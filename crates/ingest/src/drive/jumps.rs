@@ -24,7 +24,7 @@ pub fn unexplained(channels: &[Channel], drive: &Drive) -> Option<Issue> {
         .iter()
         .find(|channel| channel.is_whole(Quantity::Current))?;
     let (time_s, values) = current.included();
-    let edges: Vec<f64> = drive.segments.iter().map(|segment| segment.start_s).collect();
+    let edges: Vec<f64> = drive.segments.iter().map(|segment| segment.start_s()).collect();
     let jumps = jumps(&time_s, &values, &edges);
     let first = *jumps.first()?;
     let largest = jumps.iter().fold(first, |most, next| {

@@ -1,10 +1,11 @@
-//! A record that begins under voltage: whether that was applied just before it, to a discharged strip, or held for so long
-//! that the strip was at rest.
+//! A record that begins under voltage: whether that was applied just before it, to a discharged strip, so long before that the
+//! strip was at rest, or at a time that nothing tells.
 
-use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
+use ieap_domain::{Channel, Drive, Edge, EdgeOrigin, Issue, Level, Quantity, Segment};
 
 use super::{FoundDrive, Stretch};
-use crate::drive::policy::{AT_REST_BELOW, HELD_READINGS, JUST_APPLIED_FROM};
+use crate::clocks::onset;
+use crate::drive::policy::{AT_REST_BELOW, EDGE_STAYS, HELD_READINGS, JUST_APPLIED_FROM};
 
 /// Codes of what is said of a strip before the record.
 pub const ASSUMED: [&str; 2] = ["start-state-assumed", "start-state-unknown"];
@@ -19,44 +20,69 @@ pub(super) struct Start {
     pub issue: Option<Issue>,
 }
 
-/// One voltage throughout: applied at the start, to a discharged sample.
-pub(super) fn held_throughout(held: Stretch, time_zero_is_step: bool, time_s: &[f64]) -> FoundDrive {
-    if time_zero_is_step && held.start_s < 0.0 {
-        let message = format!(
-            "the voltage is {:.4} V before and after time zero: there is no step",
-            held.level_v
-        );
-        let issue = Issue::warning("no-step", message)
-            .at("column voltage_v")
-            .mend("leave the voltage column out and tag voltage_v, if a step was applied at time zero");
-        return FoundDrive {
-            drive: None,
-            issues: vec![issue],
-        };
-    }
-    let level = Level::Voltage(held.level_v);
-    let segment = if time_zero_is_step {
-        Segment::at(0.0, level)
-    } else {
-        just_before(time_s, level)
+/// One voltage throughout: applied before the first reading, to a discharged sample.
+pub(super) fn held_throughout(held: Stretch, zero_may_be_step: bool, time_s: &[f64]) -> FoundDrive {
+    let edge = before_record(time_s, zero_may_be_step);
+    applied_at(edge, held.level_v)
+}
+
+/// A voltage that is stated beside no readings of it, applied to a discharged sample: where the current jumps, or before the
+/// response begins.
+pub(super) fn of_tag(level_v: f64, zero_may_be_step: bool, channels: &[Channel]) -> FoundDrive {
+    let whole = |quantity: Quantity| channels.iter().find(|channel| channel.is_whole(quantity));
+    let current = whole(Quantity::Current).or_else(|| whole(Quantity::CurrentDensity));
+    // Where there is a current its clock is the run's; bending may be read by another instrument.
+    let Some(response) = current.or_else(|| channels.iter().find(|channel| channel.is_response())) else {
+        return applied_at(Edge::at(0.0), level_v);
     };
+    let (time_s, _) = response.included();
+    let beside_zero = || {
+        let after = time_s.partition_point(|t| *t < 0.0);
+        let before_s = *time_s.get(after.checked_sub(1)?)?;
+        Some(Edge::between(before_s, *time_s.get(after)?)).filter(|_| zero_may_be_step)
+    };
+    let edge = current.and_then(jump_that_stays).or_else(beside_zero);
+    let Some(edge) = edge else {
+        return applied_at(before_record(&time_s, zero_may_be_step), level_v);
+    };
+    found_at(edge, level_v, Vec::new())
+}
+
+/// Where the current jumps from rest; none where it comes back at once, as a reading does that went astray.
+fn jump_that_stays(current: &Channel) -> Option<Edge> {
+    let edge = onset::jump(current).ok()?;
+    let (time_s, values) = current.included();
+    let before = time_s.partition_point(|t| *t < edge.no_earlier_s);
+    let [at_rest, jumped, later] = *values.get(before..before + 3)? else {
+        return None;
+    };
+    ((later - at_rest) / (jumped - at_rest) > EDGE_STAYS).then_some(edge)
+}
+
+fn applied_at(edge: Edge, level_v: f64) -> FoundDrive {
+    let issue = if edge.is_unseen() { not_told(level_v) } else { assumed(level_v) };
+    found_at(edge, level_v, vec![issue])
+}
+
+fn found_at(edge: Edge, level_v: f64, issues: Vec<Issue>) -> FoundDrive {
+    let level = Level::Voltage(level_v);
     let drive = Drive {
         baseline_v: 0.0,
-        segments: vec![segment],
+        segments: vec![Segment { edge, level }],
     };
     FoundDrive {
         drive: Some(drive),
-        issues: vec![assumed(held.level_v)],
+        issues,
     }
 }
 
-/// The start of a record that steps later: a first level that is not 0 V was applied at or just before the first reading,
-/// unless the readings before a stated step or the current tell that the strip was at rest.
+/// The start of a record that steps later: a first level that is not 0 V was applied before the first reading, unless the
+/// current, or where it does not tell a table that counts its time from the next step, says that the strip was at rest.
 pub(super) fn before_steps(
     first: Stretch,
     next: Stretch,
     threshold_v: f64,
-    time_zero_is_step: bool,
+    zero_may_be_step: bool,
     (time_s, channels): (&[f64], &[Channel]),
 ) -> Start {
     let held = Start {
@@ -64,39 +90,67 @@ pub(super) fn before_steps(
         edge: None,
         issue: None,
     };
-    let steps_at_zero = next.last_before_s < 0.0 && 0.0 <= next.start_s;
-    if first.level_v.abs() <= threshold_v || time_zero_is_step && steps_at_zero {
+    if first.level_v.abs() <= threshold_v {
         return held;
     }
     let level = Level::Voltage(first.level_v);
     let applied = |edge, issue| Start {
         baseline_v: 0.0,
-        edge: Some(edge),
+        edge: Some(Segment { edge, level }),
         issue: Some(issue),
     };
-    if time_zero_is_step && first.start_s >= 0.0 {
-        return applied(Segment::at(0.0, level), assumed(first.level_v));
-    }
-    let edge = just_before(time_s, level);
+    let counts_from_next = zero_may_be_step && next.last_before_s < 0.0 && 0.0 <= next.start_s;
+    let told = |edge: Edge| {
+        let issue = if edge.is_unseen() { not_told(first.level_v) } else { assumed(first.level_v) };
+        applied(edge, issue)
+    };
     match share_of_an_edge(first, next, channels) {
+        Some(share) if share < AT_REST_BELOW && counts_from_next => held,
         Some(share) if share < AT_REST_BELOW => Start {
             issue: Some(at_rest(first.level_v)),
             ..held
         },
-        Some(share) if share >= JUST_APPLIED_FROM => applied(edge, assumed(first.level_v)),
-        _ => applied(edge, not_told(first.level_v)),
+        // The current tells that it was applied just now, to within an interval of the readings.
+        Some(share) if share >= JUST_APPLIED_FROM => told(just_before(time_s)),
+        _ if counts_from_next => held,
+        // Neither: the record began late.
+        Some(_) => told(unseen(time_s)),
+        None => told(before_record(time_s, zero_may_be_step)),
     }
 }
 
-/// A level that the first of the readings finds applied: it was applied less than one interval before.
-pub(super) fn just_before(time_s: &[f64], level: Level) -> Segment {
-    let start_s = time_s.first().copied().unwrap_or(0.0);
-    let interval_s = time_s.get(1).map_or(0.0, |next_s| next_s - start_s);
-    Segment {
-        last_before_s: (interval_s > 0.0).then_some(start_s - interval_s),
-        ..Segment::at(start_s, level)
+/// When the level was applied that the first of the readings finds: within one interval before it, where the record begins with
+/// the technique. A plain table (`zero_may_be_step`) does so where it begins within one interval of its own zero; of another
+/// one rows may have been cut away, and nothing tells when it was.
+fn before_record(time_s: &[f64], zero_may_be_step: bool) -> Edge {
+    let near = just_before(time_s);
+    let begins_s = near.no_later_s;
+    if !zero_may_be_step || begins_s.abs() <= NEAR_ZERO * near.open_s() {
+        return near;
+    }
+    unseen(time_s)
+}
+
+/// Before the first reading, at a time that nothing tells.
+fn unseen(time_s: &[f64]) -> Edge {
+    let (begins_s, ends_s) = (time_s.first().copied(), time_s.last().copied());
+    let begins_s = begins_s.unwrap_or(0.0);
+    Edge {
+        no_earlier_s: 2.0 * begins_s - ends_s.unwrap_or(begins_s),
+        no_later_s: begins_s,
+        origin: EdgeOrigin::Unseen,
     }
 }
+
+/// Within one interval before the first reading.
+fn just_before(time_s: &[f64]) -> Edge {
+    let start_s = time_s.first().copied().unwrap_or(0.0);
+    let interval_s = time_s.get(1).map_or(0.0, |next_s| next_s - start_s);
+    Edge::between(start_s - interval_s, start_s)
+}
+
+/// Intervals from zero within which a table begins with its step: one, but for rounding of its times.
+const NEAR_ZERO: f64 = 1.0 + 1e-6;
 
 /// What the current does per volt at the start of the record, as a share of what it does at the next edge: 1 where the voltage
 /// was just applied, 0 where the strip was at rest. None without a current.
@@ -136,13 +190,12 @@ fn at_rest(level_v: f64) -> Issue {
 
 fn not_told(level_v: f64) -> Issue {
     let message = format!(
-        "the record starts with {level_v:.4} V already applied, and the current does not tell since when: it is taken as applied \
-         just before the first reading, to a discharged sample (0 V)"
+        "the record starts with {level_v:.4} V already applied, and nothing tells since when: what depends on it is a bound or \
+         open; the sample is taken as discharged (0 V) before"
     );
     Issue::warning("start-state-unknown", message)
         .at("column voltage_v")
         .mend(
-            "record some seconds before the voltage is applied; or write a plain table (`ieap convert`) whose time zero is the \
-             first step, with a row of the voltage before it",
+            "keep the rows before the voltage was applied; or, where the first row is at the step, count the time from it",
         )
 }

@@ -2,7 +2,7 @@
 
 use super::FoundDrive;
 use crate::drive::policy::DEPARTURE_V;
-use ieap_domain::{Channel, Issue, Quantity};
+use ieap_domain::{Channel, Issue, Quantity, Severity};
 
 /// The channel that the steps are found in: the stated control where it has a reading for each of the measured
 /// voltage, so that it covers the record, else the measured voltage.
@@ -14,14 +14,34 @@ pub(super) fn driving(channels: &[Channel]) -> Option<&Channel> {
     }
 }
 
-/// Says how far the measured voltage departs from the stated one, where the stated one is the drive.
-pub(super) fn departure(driving: &Channel, channels: &[Channel]) -> Option<Issue> {
-    if driving.quantity != Quantity::ControlVoltage {
-        return None;
-    }
-    let measured = channels
-        .iter()
-        .find(|channel| channel.is_whole(Quantity::Voltage))?;
+/// What `of` finds in the channel that drives. Where most readings of a measured voltage contradict a stated one, and have a
+/// drive themselves, they win; how far they depart from it is said.
+pub(super) fn found(
+    driving: &Channel,
+    channels: &[Channel],
+    of: impl Fn(&Channel) -> FoundDrive,
+) -> FoundDrive {
+    let found = placed(of(driving), driving);
+    let measured = channels.iter().find(|channel| channel.is_whole(Quantity::Voltage));
+    let Some(measured) = measured.filter(|_| driving.quantity == Quantity::ControlVoltage) else {
+        return found;
+    };
+    let Some(departure) = departure(driving, measured) else {
+        return found;
+    };
+    let read = of(measured);
+    let (mut found, used) = if departure.severity == Severity::Warning && read.drive.is_some() {
+        (read, measured)
+    } else {
+        (found, driving)
+    };
+    let message = format!("the drive is {}; {}", used.raw_name, departure.message);
+    found.issues.push(Issue { message, ..departure });
+    found
+}
+
+/// Says how far the measured voltage departs from the stated one: a warning where most readings do.
+fn departure(driving: &Channel, measured: &Channel) -> Option<Issue> {
     let stated = driving.time_s.iter().zip(driving.values.iter());
     let apart: Vec<(f64, f64, f64)> = stated
         .filter_map(|(&time_s, &stated_v)| {
@@ -33,10 +53,10 @@ pub(super) fn departure(driving: &Channel, channels: &[Channel]) -> Option<Issue
     let size = |(_, stated_v, measured_v): &(f64, f64, f64)| (measured_v - stated_v).abs();
     let (time_s, stated_v, measured_v) = *apart.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
     let message = format!(
-        "the drive is the stated {}; the measured {} lies more than {DEPARTURE_V} V from it in {} of {} readings, \
-         farthest at {time_s} s: {measured_v:.4} V where {stated_v:.4} V is stated",
-        driving.raw_name,
+        "the measured {} lies more than {DEPARTURE_V} V from the stated {} in {} of {} readings, farthest at {time_s} s: \
+         {measured_v:.4} V where {stated_v:.4} V is stated",
         measured.raw_name,
+        driving.raw_name,
         apart.len(),
         driving.len()
     );
@@ -51,7 +71,7 @@ pub(super) fn departure(driving: &Channel, channels: &[Channel]) -> Option<Issue
 }
 
 /// The same with its issues at the column that the drive was found in.
-pub(super) fn placed(mut found: FoundDrive, driving: &Channel) -> FoundDrive {
+fn placed(mut found: FoundDrive, driving: &Channel) -> FoundDrive {
     let measured = format!("column {}", Quantity::Voltage.column());
     for issue in found.issues.iter_mut().filter(|issue| issue.place == measured) {
         issue.place = format!("column {}", driving.quantity.column());

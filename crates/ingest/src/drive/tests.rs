@@ -20,7 +20,7 @@ fn segments(found: &FoundDrive) -> Vec<(f64, f64)> {
         .unwrap()
         .segments
         .iter()
-        .map(|s| (s.start_s, level(s)))
+        .map(|s| (s.start_s(), level(s)))
         .collect()
 }
 
@@ -33,7 +33,8 @@ fn a_step_at_time_zero_between_two_readings() {
         &[],
     );
     assert_eq!(found.drive.as_ref().unwrap().baseline_v, 0.0);
-    assert_eq!(segments(&found), vec![(0.0, 2.5)]);
+    assert_eq!(segments(&found), vec![(0.5, 2.5)]);
+    assert_eq!(edges(&found), [Edge::between(-1.0, 0.5)]);
     assert!(found.issues.is_empty());
 }
 
@@ -60,7 +61,7 @@ fn a_discharge_starts_from_its_baseline() {
         &[],
     );
     assert_eq!(found.drive.as_ref().unwrap().baseline_v, 5.0);
-    assert_eq!(segments(&found), vec![(0.0, 0.0)]);
+    assert_eq!(segments(&found), vec![(0.1, 0.0)]);
 }
 
 #[test]
@@ -72,9 +73,21 @@ fn one_voltage_throughout_is_a_step_from_the_discharged_state() {
     assert_eq!(segments(&found).len(), 1);
     assert_eq!(segments(&found)[0].0, 0.0);
     assert_eq!(found.issues[0].code, "start-state-assumed");
-    let before: Vec<(f64, f64)> = (-5..5).map(|k| (k as f64, 1.0)).collect();
-    let none = find(&[voltage(&before)], true, None, &[]);
-    assert!(none.drive.is_none() && none.issues[0].code == "no-step");
+    // A table that begins long before or after its own zero does not tell since when.
+    for from_s in [-5, 10] {
+        let later: Vec<(f64, f64)> = (from_s..from_s + 10).map(|k| (f64::from(k), 1.0)).collect();
+        let found = find(&[voltage(&later)], true, None, &[]);
+        assert!(edges(&found)[0].is_unseen());
+        assert_eq!(edges(&found)[0].no_later_s, f64::from(from_s));
+        assert_eq!(found.issues[0].code, "start-state-unknown");
+    }
+    // Within an interval of it it does, on either side alike.
+    for from_s in [0.0, 1e-14, -1e-14, 0.7, 1.0] {
+        let near: Vec<(f64, f64)> = (0..10).map(|k| (from_s + f64::from(k), 1.0)).collect();
+        let found = find(&[voltage(&near)], true, None, &[]);
+        assert_eq!(edges(&found), [Edge::between(from_s - (near[1].0 - from_s), from_s)]);
+        assert_eq!(found.issues[0].code, "start-state-assumed");
+    }
 }
 
 #[test]
@@ -116,7 +129,7 @@ fn a_voltage_that_moves_is_the_staircase_of_its_readings() {
     assert!(drive.moves());
     assert_eq!(drive.edges_s(), [0.0]);
     assert_eq!(drive.segments.len(), 1200);
-    assert_eq!(drive.segments[7].start_s, 3.25);
+    assert_eq!(drive.segments[7].start_s(), 3.25);
     assert!(
         said(&sine).contains("0.02 Hz sine of 2 V amplitude"),
         "{}",
@@ -177,7 +190,7 @@ fn a_coarse_wave_has_more_steps_than_readings_and_a_rest_is_a_baseline() {
         found.issues
     );
     assert!(
-        (39.0..42.0).contains(&drive.segments[0].start_s),
+        (39.0..42.0).contains(&drive.segments[0].start_s()),
         "{:?}",
         drive.segments[0]
     );
@@ -261,7 +274,7 @@ fn currents_read_at_other_times_find_the_voltage_of_their_time() {
         .drive
         .unwrap();
     for t in &current_s[3..] {
-        let after = drive.segments.partition_point(|segment| segment.start_s <= *t);
+        let after = drive.segments.partition_point(|segment| segment.start_s() <= *t);
         let Level::Voltage(volts) = drive.segments[after - 1].level else {
             panic!("open")
         };
@@ -400,30 +413,36 @@ fn a_voltage_that_follows_from_a_held_current_is_told_as_that_and_not_as_a_sweep
     }
 }
 
-/// The last reading before each edge that only readings tell of.
-fn last_before(found: &FoundDrive) -> Vec<Option<f64>> {
+fn edges(found: &FoundDrive) -> Vec<Edge> {
     let segments = &found.drive.as_ref().unwrap().segments;
-    segments.iter().map(|segment| segment.last_before_s).collect()
+    segments.iter().map(|segment| segment.edge).collect()
 }
 
 #[test]
-fn an_edge_lies_between_two_readings_unless_it_is_stated_or_one_clock_reads_and_drives() {
-    let level = |t: f64| if (0.0..30.0).contains(&t) { 2.0 } else { 0.0 };
+fn an_edge_lies_between_two_readings_whatever_the_clock_says_there() {
+    let level = |t: f64| if (-1e-9..30.0).contains(&t) { 2.0 } else { 0.0 };
     let read = |first_s: f64| -> Vec<(f64, f64)> {
         let times = (0..70).map(|k| first_s + f64::from(k));
         times.map(|t| (t, level(t))).collect()
     };
-    let beside = find(&[voltage(&read(-9.7))], true, None, &[]);
-    let starts: Vec<f64> = segments(&beside).iter().map(|own| own.0).collect();
-    assert!(starts[0] == 0.0 && (starts[1] - 30.3).abs() < 1e-9);
-    assert_eq!(last_before(&beside)[0], None, "the step at zero is stated");
-    assert!((last_before(&beside)[1].unwrap() - 29.3).abs() < 1e-9);
-    let on = find(&[voltage(&read(-10.0))], true, None, &[]);
-    assert_eq!(last_before(&on), [None, None]);
-    let unstated = find(&[voltage(&read(-9.7))], false, None, &[]);
-    assert!((last_before(&unstated)[0].unwrap() + 0.7).abs() < 1e-9);
+    let near = |a: Edge, b: (f64, f64)| {
+        (a.no_earlier_s - b.0).abs() < 1e-9 && (a.no_later_s - b.1).abs() < 1e-9 && !a.is_stated()
+    };
+    for zero_may_be_step in [true, false] {
+        // With a reading at exactly zero, beside it by rounding, and between.
+        for (first_s, expected) in [
+            (-10.0, [(-1.0, 0.0), (29.0, 30.0)]),
+            (-10.0 - 1e-14, [(-1.0, 0.0), (29.0, 30.0)]),
+            (-9.7, [(-0.7, 0.3), (29.3, 30.3)]),
+        ] {
+            let found = find(&[voltage(&read(first_s))], zero_may_be_step, None, &[]);
+            let edges = edges(&found);
+            assert!(near(edges[0], expected[0]), "{edges:?}");
+            assert!(near(edges[1], expected[1]) || first_s < -10.0, "{edges:?}");
+        }
+    }
     let applied = find(&[voltage(&read(3.0)[..20])], false, None, &[]);
-    assert_eq!(last_before(&applied), [Some(2.0)], "less than an interval before");
+    assert_eq!(edges(&applied), [Edge::between(2.0, 3.0)], "less than an interval before");
 }
 
 #[test]
@@ -484,12 +503,12 @@ fn a_pause_in_which_edges_would_not_be_seen_is_told() {
         "{}",
         said(&changed)
     );
-    // Readings ever farther apart, at irregular times, at open circuit, or beside an edge that is stated, hide nothing.
+    // Readings ever farther apart, at irregular times or at open circuit, hide nothing.
     let doubling: Vec<(f64, f64)> = (0..20).map(|k| (2_f64.powi(k), 1.0)).collect();
     let jittered: Vec<(f64, f64)> = (0..200)
         .map(|k| (f64::from(k) + 0.45 * f64::from(k * 7919 % 13 - 6) / 6.0, 1.0))
         .collect();
-    let stated: Vec<(f64, f64)> = (0..100)
+    let counted: Vec<(f64, f64)> = (0..100)
         .map(|k| {
             (
                 f64::from(k - 3) + if k < 3 { -90.0 } else { 0.0 },
@@ -500,7 +519,8 @@ fn a_pause_in_which_edges_would_not_be_seen_is_told() {
     let no_pause = |found: FoundDrive| found.drive.is_some() && found.issues.iter().all(|i| i.code != PAUSES);
     assert!(no_pause(find(&[voltage(&doubling)], false, None, &[])));
     assert!(no_pause(find(&[voltage(&jittered)], false, None, &[])));
-    assert!(no_pause(find(&[voltage(&stated)], true, None, &[])));
+    // A table that counts from its step does not tell more than its readings do.
+    assert!(!no_pause(find(&[voltage(&counted)], true, None, &[])));
     let open = [(119.5, 299.5)];
     assert!(no_pause(find(
         &[voltage(&read(2.0))],
@@ -542,16 +562,16 @@ fn record_under_voltage(from_s: f64, is_rested: bool, leak_ohm: f64) -> [Channel
 
 #[test]
 fn a_first_reading_under_voltage_is_an_edge_also_where_steps_follow() {
-    // Time zero is the step, and the record begins with it.
+    // A plain table that begins with its own zero.
     let found = find(&record_under_voltage(0.0, false, 1e4), true, None, &[]);
     assert_eq!(found.drive.as_ref().unwrap().baseline_v, 0.0);
     assert_eq!(segments(&found), [(0.0, 2.0), (300.0, 0.0)]);
-    assert_eq!(found.drive.as_ref().unwrap().segments[0].last_before_s, None);
+    assert_eq!(edges(&found)[0], Edge::between(-1.0, 0.0));
     assert_eq!(found.issues[0].code, "start-state-assumed");
     // The clock is the instrument's: the edge lies within the interval before the first reading.
     let found = find(&record_under_voltage(7.0, false, 1e4), false, None, &[]);
     assert_eq!(segments(&found), [(7.0, 2.0), (307.0, 0.0)]);
-    assert_eq!(found.drive.as_ref().unwrap().segments[0].last_before_s, Some(6.0));
+    assert_eq!(edges(&found)[0], Edge::between(6.0, 7.0));
     assert_eq!(found.issues[0].severity, ieap_domain::Severity::Note);
 }
 
@@ -563,22 +583,27 @@ fn a_strip_that_the_current_shows_at_rest_was_held_before() {
         assert_eq!(segments(&found), [(307.0, 0.0)]);
         assert!(said(&found).contains("shows no charging"), "{}", said(&found));
     }
-    // Before a stated step nothing is asked of the current.
-    let found = find(&record_under_voltage(-300.0, false, 1e4), true, None, &[]);
-    assert_eq!(segments(&found), [(0.0, 0.0)]);
-    assert!(found.issues.is_empty(), "{:?}", found.issues);
+    // What the current shows goes before a table's own zero; where it shows rest, or nothing, the table counts from its step.
+    let charging = record_under_voltage(-300.0, false, 1e4);
+    assert_eq!(segments(&find(&charging, true, None, &[])), [(-300.0, 2.0), (0.0, 0.0)]);
+    for channels in [&record_under_voltage(-300.0, true, 1e4)[..], &charging[..1]] {
+        let found = find(channels, true, None, &[]);
+        assert_eq!(segments(&found), [(0.0, 0.0)]);
+        assert!(found.issues.is_empty(), "{:?}", found.issues);
+    }
 }
 
 #[test]
 fn where_nothing_tells_since_when_the_voltage_is_applied_a_warning_does() {
     let [volts, _] = record_under_voltage(7.0, false, 1e4);
-    let found = find(&[volts], false, None, &[]);
+    let found = find(&[volts], true, None, &[]);
     assert_eq!(segments(&found).len(), 2);
     let told = &found.issues[0];
     assert_eq!(
         (&*told.code, told.severity),
         ("start-state-unknown", ieap_domain::Severity::Warning)
     );
+    assert!(edges(&found)[0].is_unseen());
     // Neither charging from nothing nor at rest: the record began late.
     let [volts, mut current] = record_under_voltage(7.0, false, 1e4);
     let late: Vec<f64> = current
@@ -588,8 +613,7 @@ fn where_nothing_tells_since_when_the_voltage_is_applied_a_warning_does() {
         .map(|(k, i)| if k < 300 { 0.3 * i } else { *i })
         .collect();
     current.values = late.into();
-    assert_eq!(
-        find(&[volts, current], false, None, &[]).issues[0].code,
-        "start-state-unknown"
-    );
+    let late = find(&[volts, current], false, None, &[]);
+    assert_eq!(late.issues[0].code, "start-state-unknown");
+    assert!(edges(&late)[0].is_unseen());
 }

@@ -55,7 +55,7 @@ pub(super) fn pauses(
     let is_stated = |k: usize| {
         let within = |at_s: f64| time_s[k] < at_s && at_s <= time_s[k + 1];
         let mut segments = drive.segments.iter();
-        segments.any(|segment| segment.last_before_s.is_none() && within(segment.start_s))
+        segments.any(|segment| segment.edge.is_stated() && within(segment.start_s()))
     };
     let hidden: Vec<usize> = (0..apart.len())
         .filter(|&k| is_pause(k) && !is_stated(k) && !is_open(time_s[k]) && !is_open(time_s[k + 1]))
@@ -64,7 +64,7 @@ pub(super) fn pauses(
     let (from_s, to_s) = (time_s[longest], time_s[longest + 1]);
     let changed = |k: &usize| {
         let within = |at_s: f64| time_s[*k] < at_s && at_s <= time_s[k + 1];
-        drive.segments.iter().any(|segment| within(segment.start_s))
+        drive.segments.iter().any(|segment| within(segment.start_s()))
     };
     let course = if changed(&longest) {
         format!(

@@ -66,9 +66,9 @@ fn integrated(
             found.push(0.0);
             continue;
         }
-        while let Some(segment) = upcoming.next_if(|segment| segment.start_s <= t) {
-            advance(&mut state, now, segment.start_s, level_v);
-            now = segment.start_s;
+        while let Some(segment) = upcoming.next_if(|segment| segment.start_s() <= t) {
+            advance(&mut state, now, segment.start_s(), level_v);
+            now = segment.start_s();
             if let Level::Voltage(v) = segment.level {
                 level_v = v;
             }

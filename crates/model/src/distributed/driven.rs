@@ -88,7 +88,7 @@ pub fn steps(drive: &Drive) -> Vec<(f64, f64)> {
         let Level::Voltage(voltage_v) = segment.level else {
             continue;
         };
-        steps.push((segment.start_s, voltage_v - before));
+        steps.push((segment.start_s(), voltage_v - before));
         before = voltage_v;
     }
     steps

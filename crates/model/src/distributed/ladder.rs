@@ -127,7 +127,7 @@ impl<'a> Ladder<'a> {
         };
         let mut state = self.resting(drive.baseline_v);
         let mut level = Level::Voltage(drive.baseline_v);
-        let first = drive.segments.first().map_or(0.0, |segment| segment.start_s);
+        let first = drive.segments.first().map_or(0.0, |segment| segment.start_s());
         let mut now_s = time_s.first().map_or(first, |&t| t.min(first));
         let mut upcoming = drive.segments.iter().peekable();
         let mut response = self.empty(time_s.len());
@@ -140,8 +140,8 @@ impl<'a> Ladder<'a> {
             *now_s = to_s;
         };
         for &t in time_s {
-            while let Some(segment) = upcoming.next_if(|segment| segment.start_s <= t) {
-                advance(&mut state, &mut now_s, segment.start_s, level, &mut step_s);
+            while let Some(segment) = upcoming.next_if(|segment| segment.start_s() <= t) {
+                advance(&mut state, &mut now_s, segment.start_s(), level, &mut step_s);
                 (level, step_s) = (segment.level, first_step_s);
             }
             advance(&mut state, &mut now_s, t, level, &mut step_s);

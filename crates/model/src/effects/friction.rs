@@ -124,7 +124,7 @@ impl Effect for Friction {
         let start_s = run.start_s();
         let widths: &[f64] = if variant == 0 { &[1.0] } else { &SPREAD };
         let segments = run.drive.segments.iter();
-        let edges_s: Vec<f64> = segments.map(|segment| segment.start_s - start_s).collect();
+        let edges_s: Vec<f64> = segments.map(|segment| segment.start_s() - start_s).collect();
         let play = |part: &f64| Play {
             width: part * parameters[0].max(0.0),
             edges_s: edges_s.clone(),

@@ -53,7 +53,7 @@ fn found(run: &RunContext, time_s: f64, largest_v: f64) -> Vec<(f64, f64)> {
     let start_s = run.start_s();
     let (mut remembered, mut polarity, mut before_s) = (0.0, 0.0, 0.0);
     let at = |segment: &Segment| {
-        let clock_s = segment.start_s - start_s;
+        let clock_s = segment.start_s() - start_s;
         remembered += (remembered - polarity) * (-(clock_s - before_s) / time_s).exp_m1();
         before_s = clock_s;
         if let Level::Voltage(v) = segment.level {

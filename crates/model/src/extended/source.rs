@@ -28,5 +28,5 @@ impl System {
 /// Times at which a source that ramps reaches its level.
 pub(super) fn ramp_ends(run: &RunContext, system: &System) -> impl Iterator<Item = f64> {
     let segments = run.drive.segments.iter();
-    (system.ramp_s().into_iter()).flat_map(move |ramp_s| segments.clone().map(move |s| s.start_s + ramp_s))
+    (system.ramp_s().into_iter()).flat_map(move |ramp_s| segments.clone().map(move |s| s.start_s() + ramp_s))
 }

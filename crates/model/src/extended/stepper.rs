@@ -125,8 +125,8 @@ impl<'a> Stepper<'a> {
                     self.advance(&mut state, &mut work, h, level);
                 }
             }
-            while let Some(next) = segments.next_if(|next| next.start_s <= t) {
-                segment = Some((next.start_s, next.level));
+            while let Some(next) = segments.next_if(|next| next.start_s() <= t) {
+                segment = Some((next.start_s(), next.level));
                 if let Level::Voltage(v) = next.level {
                     state.source_v_per_s = self.system.ramp_v_per_s(state.source_v, v);
                 }

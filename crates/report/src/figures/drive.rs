@@ -55,7 +55,7 @@ fn held(drive: &Drive, first_s: f64, last_s: f64) -> Vec<Vec<(f64, f64)>> {
             Level::Voltage(voltage_v) => Some(voltage_v),
             Level::OpenCircuit => None,
         };
-        (next.start_s, level)
+        (next.start_s(), level)
     });
     for (until_s, next) in ends.chain([(last_s, None)]) {
         let until_s = until_s.clamp(from_s, last_s.max(from_s));

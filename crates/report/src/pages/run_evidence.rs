@@ -94,7 +94,7 @@ fn drive_text(drive: &Drive) -> String {
             Level::Voltage(voltage_v) => voltage_label(voltage_v),
             Level::OpenCircuit => "open circuit".to_owned(),
         };
-        format!("{level} at {} s", plain(segment.start_s))
+        format!("{level} at {} s", plain(segment.start_s()))
     };
     if drive.moves() {
         let volts = drive.segments.iter().filter_map(|segment| match segment.level {
@@ -107,7 +107,7 @@ fn drive_text(drive: &Drive) -> String {
             voltage_label(drive.baseline_v),
             voltage_label(to_millivolt(low_v)),
             voltage_label(to_millivolt(high_v)),
-            plain(drive.segments[0].start_s),
+            plain(drive.segments[0].start_s()),
             drive.segments.len()
         );
     }

@@ -161,7 +161,7 @@ type View = (&'static str, TimeView, &'static str);
 /// The time axes of the responses: see [`crate::figures::response`].
 fn views(drive: Option<&Drive>, curves: &[RunCurve]) -> Vec<View> {
     let segments = drive.map_or(&[][..], |drive| &drive.segments);
-    let step_s = segments.first().map_or(0.0, |segment| segment.start_s);
+    let step_s = segments.first().map_or(0.0, |segment| segment.start_s());
     let about_step = TimeView::about_step(step_s, curves).filter(|_| segments.len() == 1);
     if let Some(view) = about_step {
         return vec![("step", view, "")];
@@ -171,7 +171,7 @@ fn views(drive: Option<&Drive>, curves: &[RunCurve]) -> Vec<View> {
     }
     let since = TimeView::SinceStep {
         step_s,
-        until_s: segments.get(1).map_or(f64::INFINITY, |next| next.start_s),
+        until_s: segments.get(1).map_or(f64::INFINITY, |next| next.start_s()),
     };
     vec![
         ("whole", TimeView::Whole, " over the whole run"),
@@ -202,7 +202,7 @@ mod tests {
             last_s: 600.0,
         };
         assert_eq!(views(Some(&drive), &curves)[0].1, about);
-        drive.segments[0].start_s = 10.0;
+        drive.segments[0].edge = ieap_domain::Edge::at(10.0);
         drive.segments.push(Segment::at(300.0, Level::OpenCircuit));
         let since = |step_s, until_s| TimeView::SinceStep { step_s, until_s };
         assert_eq!(views(Some(&drive), &curves)[1].1, since(10.0, 300.0));

@@ -150,7 +150,7 @@ fn stepped<'a>(drawn: &[(&RunRecord, &'a DrawnRun)]) -> Vec<Stepped<'a>> {
 /// When the only step is, s; none of a drive that changes more than once.
 fn only_step(drive: Option<&Drive>) -> Option<f64> {
     match drive?.segments.as_slice() {
-        [only] => Some(only.start_s),
+        [only] => Some(only.start_s()),
         _ => None,
     }
 }

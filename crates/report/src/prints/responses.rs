@@ -142,7 +142,7 @@ fn step_s(run: &RunRecord) -> f64 {
     let Some(drive) = &run.drive else { return 0.0 };
     let leaves = |level: Level| matches!(level, Level::Voltage(volts) if volts != drive.baseline_v);
     let first = drive.segments.iter().find(|segment| leaves(segment.level));
-    first.map_or(0.0, |segment| segment.start_s)
+    first.map_or(0.0, |segment| segment.start_s())
 }
 
 fn line(curve: &RunCurve, style: usize, step_s: f64, shown: &dyn Fn(f64) -> f64) -> Line {

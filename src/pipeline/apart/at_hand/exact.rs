@@ -133,7 +133,7 @@ fn check_held(drive: &Drive) -> Result<(), Issue> {
     let Some(open) = open else { return Ok(()) };
     let found = format!(
         "an open circuit from {} s on, which the distributed model does not describe",
-        open.start_s
+        open.start_s()
     );
     let issue = Issue::error("bad-drive", found).at("drive");
     Err(issue.mend("hold a voltage in its place, or simulate a lumped model"))

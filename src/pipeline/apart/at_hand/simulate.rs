@@ -164,6 +164,6 @@ fn level(drive: &Drive, time_s: f64) -> Level {
         .segments
         .iter()
         .rev()
-        .find(|segment| segment.start_s <= time_s);
+        .find(|segment| segment.start_s() <= time_s);
     held.map_or(Level::Voltage(drive.baseline_v), |segment| segment.level)
 }

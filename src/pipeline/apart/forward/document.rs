@@ -97,7 +97,7 @@ pub struct SegmentEntry {
 impl DriveEntry {
     pub(in crate::pipeline::apart) fn of(drive: &Drive) -> DriveEntry {
         let entry = |segment: &Segment| SegmentEntry {
-            start_s: segment.start_s,
+            start_s: segment.start_s(),
             voltage_v: match segment.level {
                 Level::Voltage(volts) => Some(volts),
                 Level::OpenCircuit => None,

@@ -34,7 +34,7 @@ pub fn write_drive(drive: &Drive) -> String {
     for segment in &drive.segments {
         if let Level::Voltage(volts) = segment.level {
             // Writing to a string does not fail.
-            let _ = writeln!(text, "{},{}", segment.start_s, volts);
+            let _ = writeln!(text, "{},{}", segment.start_s(), volts);
         }
     }
     text

@@ -58,7 +58,7 @@ impl Source {
             ));
         }
         let read = Read::of(fit)?;
-        let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
+        let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s());
         let last = |curve: &RunCurve| curve.time_s.last().copied().unwrap_or(start_s);
         let last_s = curves.iter().map(last).fold(start_s, f64::max);
         Ok(Source {
@@ -91,10 +91,10 @@ impl Source {
 
 /// The voltages of a drive up to `end_s`; open circuits, in which the source holds none, do not count.
 pub(super) fn applied(drive: &Drive, end_s: f64) -> Applied {
-    let ends = drive.segments.iter().skip(1).map(|segment| segment.start_s);
+    let ends = drive.segments.iter().skip(1).map(|segment| segment.start_s());
     let (mut lasting_s, mut size, mut square) = (0.0, 0.0, 0.0);
     for (segment, end) in drive.segments.iter().zip(ends.chain([f64::INFINITY])) {
-        let span_s = (end.min(end_s) - segment.start_s).max(0.0);
+        let span_s = (end.min(end_s) - segment.start_s()).max(0.0);
         if let Level::Voltage(volts) = segment.level {
             lasting_s += span_s;
             size += span_s * volts.abs();

@@ -120,7 +120,7 @@ impl Subject {
             start_is_known: drive
                 .segments
                 .first()
-                .is_some_and(|first| first.last_before_s.is_none()),
+                .is_some_and(|first| first.edge.is_stated()),
             largest_v: own(&grounds)
                 .map(|source| source.step_v.abs())
                 .fold(0.0, f64::max),

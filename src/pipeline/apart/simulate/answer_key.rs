@@ -51,8 +51,8 @@ fn segments(drive: &Drive) -> Vec<Value> {
         .segments
         .iter()
         .map(|segment| match segment.level {
-            Level::Voltage(voltage_v) => json!({ "start_s": segment.start_s, "voltage_v": voltage_v }),
-            Level::OpenCircuit => json!({ "start_s": segment.start_s, "open_circuit": true }),
+            Level::Voltage(voltage_v) => json!({ "start_s": segment.start_s(), "voltage_v": voltage_v }),
+            Level::OpenCircuit => json!({ "start_s": segment.start_s(), "open_circuit": true }),
         })
         .collect()
 }

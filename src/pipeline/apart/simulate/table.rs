@@ -194,7 +194,7 @@ fn applied(drive: &Drive, time_s: f64) -> (String, bool) {
         .segments
         .iter()
         .rev()
-        .find(|segment| segment.start_s <= time_s);
+        .find(|segment| segment.start_s() <= time_s);
     match segment.map_or(Level::Voltage(drive.baseline_v), |segment| segment.level) {
         Level::Voltage(voltage_v) => (voltage_v.to_string(), false),
         Level::OpenCircuit => (String::new(), true),

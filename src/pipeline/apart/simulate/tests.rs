@@ -87,7 +87,7 @@ fn pulses_are_segments_with_pauses() {
         "baseline_v = 0.5\npulses = { voltage_v = 2, on_s = 10, off_s = 5, count = 2 }",
     );
     let drive = read(&format!("{HEAD}{pulses}")).unwrap().run[0].drive();
-    let starts: Vec<f64> = drive.segments.iter().map(|segment| segment.start_s).collect();
+    let starts: Vec<f64> = drive.segments.iter().map(|segment| segment.start_s()).collect();
     assert_eq!((drive.baseline_v, starts), (0.5, vec![0.0, 10.0, 15.0, 25.0]));
     assert_eq!(drive.nominal_step_v(), 2.0);
 }

@@ -86,7 +86,7 @@ fn cut_s(input: &FitInput) -> f64 {
         .drive
         .segments
         .first()
-        .map_or(0.0, |segment| segment.start_s);
+        .map_or(0.0, |segment| segment.start_s());
     let of_responses = input
         .channels
         .iter()
@@ -298,7 +298,7 @@ impl Response {
 }
 
 fn first_s(drive: &Drive) -> f64 {
-    drive.segments.first().map_or(0.0, |segment| segment.start_s)
+    drive.segments.first().map_or(0.0, |segment| segment.start_s())
 }
 
 fn left(described: &Described, quantity: Quantity) -> Option<&Left> {

@@ -83,7 +83,7 @@ fn step_v(group: &RunGroup, place: usize) -> Vec<f64> {
     let moves = drive.moves();
     for segment in &drive.segments {
         if let Level::Voltage(v) = segment.level {
-            steps.push((segment.start_s, v - before_v));
+            steps.push((segment.start_s(), v - before_v));
             if !moves {
                 before_v = v;
             }

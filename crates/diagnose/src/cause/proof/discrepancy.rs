@@ -118,7 +118,7 @@ fn steps(drive: &Drive) -> Vec<(f64, f64)> {
     for segment in &drive.segments {
         if let Level::Voltage(v) = segment.level {
             if v != before_v {
-                found.push((segment.start_s, v - before_v));
+                found.push((segment.start_s(), v - before_v));
             }
             before_v = v;
         }

@@ -104,9 +104,9 @@ fn remembered(drive: &Drive, time_s: &[f64], power: i32, tau_s: f64) -> Vec<f64>
     let (mut mean, mut at_s) = (level, time_s.first().copied().unwrap_or(0.0));
     let mut out = Vec::with_capacity(time_s.len());
     for &t in time_s {
-        while let Some(segment) = segments.next_if(|segment| segment.start_s <= t) {
-            mean = level + (mean - level) * left((segment.start_s - at_s).max(0.0));
-            at_s = segment.start_s;
+        while let Some(segment) = segments.next_if(|segment| segment.start_s() <= t) {
+            mean = level + (mean - level) * left((segment.start_s() - at_s).max(0.0));
+            at_s = segment.start_s();
             if let Level::Voltage(volts) = segment.level {
                 level = volts.powi(power);
             }
