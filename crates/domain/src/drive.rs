@@ -144,14 +144,17 @@ impl Drive {
     }
 
     /// The drive as a voltmeter tells it that is read at these times, in rising order: each start lies between the last reading
-    /// before it and the first one that saw it. Of starts between the same two readings the last level is seen.
+    /// before it and the first one that saw it; before the first reading nothing does. Of starts between the same two readings the last level is seen.
     pub fn as_seen(&self, time_s: &[f64]) -> Drive {
         let mut seen = self.clone();
         for segment in &mut seen.segments {
             let first = time_s.partition_point(|&t| t < segment.start_s());
             let after_s = time_s.get(first).copied().unwrap_or(segment.start_s());
             let before_s = first.checked_sub(1).map(|before| time_s[before]);
-            segment.edge = before_s.map_or(Edge::at(after_s), |before_s| Edge::between(before_s, after_s));
+            segment.edge = match before_s {
+                Some(before_s) => Edge::between(before_s, after_s),
+                None => Edge::before_record(time_s),
+            };
         }
         seen.segments.dedup_by(|later, earlier| {
             let same = later.start_s() <= earlier.start_s();
@@ -166,7 +169,10 @@ impl Drive {
     /// When segments start at which readings may jump, s: all of them, or of a voltage that [`Drive::moves`] the first one
     /// and those at which it jumps or the circuit opens or closes.
     pub fn edges_s(&self) -> Vec<f64> {
-        self.edges().iter().map(|&at| self.segments[at].start_s()).collect()
+        self.edges()
+            .iter()
+            .map(|&at| self.segments[at].start_s())
+            .collect()
     }
 
     /// Which segments these are.

@@ -45,6 +45,17 @@ impl Edge {
         }
     }
 
+    /// An edge before the first of these readings, at a time that nothing tells.
+    pub fn before_record(time_s: &[f64]) -> Edge {
+        let begins_s = time_s.first().copied().unwrap_or(0.0);
+        let ends_s = time_s.last().copied().unwrap_or(0.0);
+        Edge {
+            no_earlier_s: 2.0 * begins_s - ends_s,
+            no_later_s: begins_s,
+            origin: EdgeOrigin::Unseen,
+        }
+    }
+
     /// How long the time is in which it may lie, s; 0 where it is stated.
     pub fn open_s(&self) -> f64 {
         self.no_later_s - self.no_earlier_s

@@ -1,6 +1,8 @@
 //! Values made up for the tests of every room, complete and the same wherever they are asked for: a test writes down
 //! only what it is about, `GroupDiagnosis { verdict, ..finding() }`.
 
+pub mod clocks;
+
 use crate::quantiles::NORMAL_95_ROUNDED;
 use crate::tag::keys;
 use crate::{

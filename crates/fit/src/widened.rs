@@ -84,10 +84,7 @@ fn wider(estimate: &mut Estimate, relative: f64) -> bool {
 
 fn words(settled: &Settled) -> String {
     let drive = settled.edges.drive();
-    let between = drive
-        .segments
-        .iter()
-        .filter(|segment| !segment.edge.is_stated());
+    let between = drive.segments.iter().filter(|segment| !segment.edge.is_stated());
     let count = between.clone().count();
     let first = between.map(|segment| segment.start_s()).next().unwrap_or(0.0);
     let largest_s = settled

@@ -241,7 +241,9 @@ fn an_open_circuit_within_a_sine_is_fitted() {
         5,
     );
     let mut drive = run.drive.clone();
-    let opens = drive.segments.partition_point(|segment| segment.start_s() < 1000.0);
+    let opens = drive
+        .segments
+        .partition_point(|segment| segment.start_s() < 1000.0);
     drive.segments[opens].level = Level::OpenCircuit;
     let time_s = run.channels[0].time_s.clone();
     let channels = super::channels(&model, &drive, &time_s, 1e-3, 0.3, 5);

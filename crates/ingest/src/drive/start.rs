@@ -1,7 +1,7 @@
 //! A record that begins under voltage: whether that was applied just before it, to a discharged strip, so long before that the
 //! strip was at rest, or at a time that nothing tells.
 
-use ieap_domain::{Channel, Drive, Edge, EdgeOrigin, Issue, Level, Quantity, Segment};
+use ieap_domain::{Channel, Drive, Edge, Issue, Level, Quantity, Segment};
 
 use super::{FoundDrive, Stretch};
 use crate::clocks::onset;
@@ -60,7 +60,11 @@ fn jump_that_stays(current: &Channel) -> Option<Edge> {
 }
 
 fn applied_at(edge: Edge, level_v: f64) -> FoundDrive {
-    let issue = if edge.is_unseen() { not_told(level_v) } else { assumed(level_v) };
+    let issue = if edge.is_unseen() {
+        not_told(level_v)
+    } else {
+        assumed(level_v)
+    };
     found_at(edge, level_v, vec![issue])
 }
 
@@ -101,7 +105,11 @@ pub(super) fn before_steps(
     };
     let counts_from_next = zero_may_be_step && next.last_before_s < 0.0 && 0.0 <= next.start_s;
     let told = |edge: Edge| {
-        let issue = if edge.is_unseen() { not_told(first.level_v) } else { assumed(first.level_v) };
+        let issue = if edge.is_unseen() {
+            not_told(first.level_v)
+        } else {
+            assumed(first.level_v)
+        };
         applied(edge, issue)
     };
     match share_of_an_edge(first, next, channels) {
@@ -114,7 +122,7 @@ pub(super) fn before_steps(
         Some(share) if share >= JUST_APPLIED_FROM => told(just_before(time_s)),
         _ if counts_from_next => held,
         // Neither: the record began late.
-        Some(_) => told(unseen(time_s)),
+        Some(_) => told(Edge::before_record(time_s)),
         None => told(before_record(time_s, zero_may_be_step)),
     }
 }
@@ -128,18 +136,7 @@ fn before_record(time_s: &[f64], zero_may_be_step: bool) -> Edge {
     if !zero_may_be_step || begins_s.abs() <= NEAR_ZERO * near.open_s() {
         return near;
     }
-    unseen(time_s)
-}
-
-/// Before the first reading, at a time that nothing tells.
-fn unseen(time_s: &[f64]) -> Edge {
-    let (begins_s, ends_s) = (time_s.first().copied(), time_s.last().copied());
-    let begins_s = begins_s.unwrap_or(0.0);
-    Edge {
-        no_earlier_s: 2.0 * begins_s - ends_s.unwrap_or(begins_s),
-        no_later_s: begins_s,
-        origin: EdgeOrigin::Unseen,
-    }
+    Edge::before_record(time_s)
 }
 
 /// Within one interval before the first reading.

@@ -22,7 +22,9 @@ pub(super) fn found(
     of: impl Fn(&Channel) -> FoundDrive,
 ) -> FoundDrive {
     let found = placed(of(driving), driving);
-    let measured = channels.iter().find(|channel| channel.is_whole(Quantity::Voltage));
+    let measured = channels
+        .iter()
+        .find(|channel| channel.is_whole(Quantity::Voltage));
     let Some(measured) = measured.filter(|_| driving.quantity == Quantity::ControlVoltage) else {
         return found;
     };

@@ -85,7 +85,10 @@ fn one_voltage_throughout_is_a_step_from_the_discharged_state() {
     for from_s in [0.0, 1e-14, -1e-14, 0.7, 1.0] {
         let near: Vec<(f64, f64)> = (0..10).map(|k| (from_s + f64::from(k), 1.0)).collect();
         let found = find(&[voltage(&near)], true, None, &[]);
-        assert_eq!(edges(&found), [Edge::between(from_s - (near[1].0 - from_s), from_s)]);
+        assert_eq!(
+            edges(&found),
+            [Edge::between(from_s - (near[1].0 - from_s), from_s)]
+        );
         assert_eq!(found.issues[0].code, "start-state-assumed");
     }
 }
@@ -442,7 +445,11 @@ fn an_edge_lies_between_two_readings_whatever_the_clock_says_there() {
         }
     }
     let applied = find(&[voltage(&read(3.0)[..20])], false, None, &[]);
-    assert_eq!(edges(&applied), [Edge::between(2.0, 3.0)], "less than an interval before");
+    assert_eq!(
+        edges(&applied),
+        [Edge::between(2.0, 3.0)],
+        "less than an interval before"
+    );
 }
 
 #[test]
@@ -585,7 +592,10 @@ fn a_strip_that_the_current_shows_at_rest_was_held_before() {
     }
     // What the current shows goes before a table's own zero; where it shows rest, or nothing, the table counts from its step.
     let charging = record_under_voltage(-300.0, false, 1e4);
-    assert_eq!(segments(&find(&charging, true, None, &[])), [(-300.0, 2.0), (0.0, 0.0)]);
+    assert_eq!(
+        segments(&find(&charging, true, None, &[])),
+        [(-300.0, 2.0), (0.0, 0.0)]
+    );
     for channels in [&record_under_voltage(-300.0, true, 1e4)[..], &charging[..1]] {
         let found = find(channels, true, None, &[]);
         assert_eq!(segments(&found), [(0.0, 0.0)]);

@@ -48,7 +48,12 @@ impl Grid {
                 .map(move |k| if shares == 1 { shown_s } else { back(k) })
         };
         let seen_s: Vec<f64> = curvature_s.iter().flat_map(seen).collect();
-        let edges: Vec<f64> = run.drive.segments.iter().map(|segment| segment.start_s()).collect();
+        let edges: Vec<f64> = run
+            .drive
+            .segments
+            .iter()
+            .map(|segment| segment.start_s())
+            .collect();
         let last_s = current_s.iter().chain(&seen_s).copied().fold(start_s, f64::max);
         let mut time_s: Vec<f64> = current_s
             .iter()

@@ -36,7 +36,10 @@ pub struct RunContext<'a> {
 impl RunContext<'_> {
     /// Start of the first segment: the origin of the run's clock, s.
     pub fn start_s(&self) -> f64 {
-        self.drive.segments.first().map_or(0.0, |segment| segment.start_s())
+        self.drive
+            .segments
+            .first()
+            .map_or(0.0, |segment| segment.start_s())
     }
 
     /// Voltage of the first segment, V; 0 for an open circuit. Of a voltage that moves all the time its nominal one, for it

@@ -117,10 +117,7 @@ impl Subject {
             curvature_noise: noise_of(Quantity::Curvature).filter(|_| source.bends),
             drive: drive.clone(),
             for_s: source.lasted_s,
-            start_is_known: drive
-                .segments
-                .first()
-                .is_some_and(|first| first.edge.is_stated()),
+            start_is_known: drive.segments.first().is_some_and(|first| first.edge.is_stated()),
             largest_v: own(&grounds)
                 .map(|source| source.step_v.abs())
                 .fold(0.0, f64::max),

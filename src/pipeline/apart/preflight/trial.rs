@@ -148,7 +148,11 @@ impl Trial {
 
     /// Times of readings every so often, of which the first within the drive comes after `phase` (0 to 1) of an interval.
     pub fn times(&self, every_s: f64, phase: f64) -> Vec<f64> {
-        let start_s = self.drive.segments.first().map_or(0.0, |segment| segment.start_s());
+        let start_s = self
+            .drive
+            .segments
+            .first()
+            .map_or(0.0, |segment| segment.start_s());
         let count = (self.for_s / every_s + BEFORE).floor() as usize;
         let time = |k: usize| start_s + (k as f64 - BEFORE + phase) * every_s;
         (0..=count)

@@ -66,7 +66,11 @@ pub fn strip_table(spec: &Spec, strip: &StripSpec, number: usize) -> Result<Stri
         .for_each(|(name, _, _)| text += &format!(",{name}"));
     text += "\n";
     for (row, t) in time_s.iter().enumerate() {
-        let level = drive.segments.iter().rev().find(|segment| segment.start_s() <= *t);
+        let level = drive
+            .segments
+            .iter()
+            .rev()
+            .find(|segment| segment.start_s() <= *t);
         let applied = match level.map(|segment| segment.level) {
             Some(Level::Voltage(voltage_v)) => voltage_v,
             Some(Level::OpenCircuit) | None => drive.baseline_v,

@@ -119,7 +119,10 @@ mod tests {
             let Level::Voltage(volts) = segment.level else {
                 panic!("open")
             };
-            assert!((volts - wave.volts(segment.start_s())).abs() < 0.01, "{segment:?}");
+            assert!(
+                (volts - wave.volts(segment.start_s())).abs() < 0.01,
+                "{segment:?}"
+            );
         }
         assert_eq!(
             drive.segments.last().map(|last| last.level),
