@@ -45,6 +45,8 @@ pub(super) struct Electrical {
     pub(super) gain: Option<f64>,
     /// Intervals whose ends are not where the covariance has them.
     pub(super) ends: Vec<Ends>,
+    /// What is known of a charge that no reading of the current saw, where there may be one.
+    pub(super) unseen: Option<Unseen>,
     /// Offset of the instrument's zero, A, where one was fitted.
     pub(super) offset_a: Option<f64>,
     /// Covariance of [ln c_1.., steady, ln tau_1.., offset where fitted].
@@ -55,6 +57,17 @@ pub(super) struct Electrical {
     pub(super) stop: Stop,
     /// Evaluations of the whole step.
     pub(super) evaluations: u64,
+}
+
+/// What is known of a charge that no reading of the current saw.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Unseen {
+    /// The curvature tells it: the fastest branch stands for it.
+    Told,
+    /// The curvature asks for none; at most this share of the charge that was seen is not excluded.
+    AtMost(f64),
+    /// Nothing.
+    NotKnown,
 }
 
 /// The limit at which a time constant lies.
@@ -84,6 +97,51 @@ impl Electrical {
             charge_to_curvature_per_c_cm,
             relaxation_rate_per_s,
         }
+    }
+
+    /// The circuit without branches that charge faster than the readings follow each other.
+    pub(super) fn without_too_fast(&self) -> Electrical {
+        let n = self.conductances_a_per_v.len();
+        let kept: Vec<usize> = (0..n).filter(|&k| self.at_bound[k] != Some(Bound::Low)).collect();
+        let own = kept
+            .iter()
+            .copied()
+            .chain([n])
+            .chain(kept.iter().map(|k| n + 1 + k));
+        let own: Vec<usize> = own.chain(2 * n + 1..self.covariance.order()).collect();
+        Electrical {
+            conductances_a_per_v: kept.iter().map(|&k| self.conductances_a_per_v[k]).collect(),
+            time_constants_s: kept.iter().map(|&k| self.time_constants_s[k]).collect(),
+            at_bound: kept.iter().map(|&k| self.at_bound[k]).collect(),
+            covariance: self.covariance.part(&own),
+            ..self.clone()
+        }
+    }
+
+    /// The circuit with one more, fastest branch that no reading saw, whose capacitance is that share of all others', known to
+    /// that part of itself.
+    pub(super) fn with_unseen(&self, share: f64, relative: f64, tau_s: f64) -> Electrical {
+        let n = self.conductances_a_per_v.len();
+        let branches = self.conductances_a_per_v.iter().zip(&self.time_constants_s);
+        let charge: f64 = branches.map(|(c, tau)| c * tau).sum();
+        let mut with = self.clone();
+        with.conductances_a_per_v.insert(0, share * charge / tau_s);
+        with.time_constants_s.insert(0, tau_s);
+        with.at_bound.insert(0, Some(Bound::Low));
+        // Where each of the new places stood before; none for the two of the new branch.
+        let before = |place: usize| match place {
+            0 => None,
+            place if place <= n + 1 => Some(place - 1),
+            place if place == n + 2 => None,
+            place => Some(place - 2),
+        };
+        with.covariance =
+            Symmetric::from_fn(self.covariance.order() + 2, |a, b| match (before(a), before(b)) {
+                (Some(a), Some(b)) => self.covariance.get(a, b),
+                _ if a == 0 && b == 0 => relative * relative,
+                _ => 0.0,
+            });
+        with
     }
 
     /// The circuit with its logarithmic parameters moved by `by`, in the covariance's order.
@@ -375,6 +433,7 @@ impl Choosing<'_> {
             bends: false,
             gain: chosen.gain,
             ends: Vec::new(),
+            unseen: None,
             offset_a: chosen.with_offset.then_some(solution.offset_a),
             covariance: sums.covariance(&chosen.residuals),
             residuals: chosen.residuals,

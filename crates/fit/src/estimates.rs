@@ -5,7 +5,7 @@ use ieap_domain::{Drive, Estimate, Level};
 use ieap_numerics::gram::CAPACITY;
 
 use super::bending::Bending;
-use super::electrical::{Bound, Electrical};
+use super::electrical::{Bound, Electrical, Unseen};
 use super::joint::feature::Feature;
 use crate::interval_rule;
 use crate::policy::NARROW_PART;
@@ -146,30 +146,54 @@ fn total_capacitance(electrical: &Electrical) -> Estimate {
         weights[k] = part / total;
         weights[n + 1 + k] = part / total;
     }
-    derived(
-        Feature::TotalCapacitance,
-        total,
-        &weights,
-        electrical,
-        // What charges within a reading took a charge that no reading tells.
-        &[Bound::High, Bound::Low],
-    )
+    // What charges within a reading took a charge that no reading tells; the curvature may.
+    let fatal = match electrical.unseen {
+        Some(Unseen::Told) => &[Bound::High][..],
+        _ => &[Bound::High, Bound::Low],
+    };
+    let mut estimate = derived(Feature::TotalCapacitance, total, &weights, electrical, fatal);
+    match electrical.unseen {
+        Some(Unseen::AtMost(share)) => {
+            estimate.high_95 = estimate.high_95.map(|high| high * (1.0 + share));
+            estimate
+        }
+        Some(Unseen::NotKnown) => match estimate.low_95 {
+            Some(low) => Estimate::above(low, MAY_HIDE),
+            None => estimate,
+        },
+        _ => estimate,
+    }
 }
 
 /// R1 || R2 = A / (c1 + c2).
 fn parallel_resistance(electrical: &Electrical) -> Estimate {
+    if electrical.unseen == Some(Unseen::Told) {
+        let seen = parallel_resistance(&Electrical {
+            unseen: None,
+            ..electrical.without_too_fast()
+        });
+        return match seen.high_95 {
+            Some(high) => Estimate::below(high, beyond(Bound::Low)),
+            None => seen,
+        };
+    }
     let total: f64 = electrical.conductances_a_per_v.iter().sum();
     let mut weights = [0.0; CAPACITY];
     for (weight, conductance) in weights.iter_mut().zip(&electrical.conductances_a_per_v) {
         *weight = -conductance / total;
     }
-    derived(
+    let resistance = electrical.area_cm2 / total;
+    let found = derived(
         Feature::ParallelResistance,
-        electrical.area_cm2 / total,
+        resistance,
         &weights,
         electrical,
         &[Bound::Low],
-    )
+    );
+    match (electrical.unseen, found.high_95) {
+        (Some(Unseen::NotKnown), Some(high)) => Estimate::below(high, MAY_HIDE),
+        _ => found,
+    }
 }
 
 /// A sum over the branches; lost where a branch lies at a bound that such a sum does not survive.
@@ -258,10 +282,14 @@ pub(super) const CHARGE_OPEN: &str =
 /// Why the coupling is open where a branch charges faster than the readings follow each other.
 pub(super) const CHARGE_UNSEEN: &str = "a branch charges faster than the readings follow each other, so that the charge that bends the strip is not known";
 
+/// Why sums over the branches have one bound.
+const MAY_HIDE: &str =
+    "the voltage changed between two readings, and a branch that charged before the later one was not seen";
+
 impl Electrical {
     /// Whether a branch charges faster than the readings follow each other.
     pub(super) fn is_too_fast(&self) -> bool {
-        self.at_bound.contains(&Some(Bound::Low))
+        self.unseen != Some(Unseen::Told) && self.at_bound.contains(&Some(Bound::Low))
     }
 }
 

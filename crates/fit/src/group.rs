@@ -86,7 +86,7 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
     let drives = placed.iter().map(|placed| placed.settled.edges.drive());
     let mut group = fit_placed(&with_drives(inputs, drives), options)?;
     for (fit, placed) in group.runs.iter_mut().zip(&placed) {
-        widen_by(fit, &placed.settled, &placed.here, &placed.moved);
+        widen_by(fit, &placed.settled, &placed.here, &placed.ends);
     }
     Ok(group)
 }

@@ -35,6 +35,8 @@ mod settled_edges;
 mod strain;
 mod two_steps;
 mod uncertainty;
+mod unseen_charge;
+mod unseen_start;
 mod whitened;
 mod widened;
 
@@ -85,6 +87,9 @@ pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
         ..*input
     };
     let mut fit = fit_placed(&placed, options)?;
+    if unseen_start::is_unseen(input.drive) {
+        unseen_start::open(&mut fit, &placed, options);
+    }
     if !settled.open.is_empty() {
         widened::widen(&mut fit, &settled, |drive| {
             in_two_steps(&FitInput { drive, ..*input }, options)
@@ -140,7 +145,8 @@ fn in_two_steps(input: &FitInput, options: &FitOptions) -> Option<Vec<Parameter>
     if let Some(law) = rival_law(options.model.id) {
         return Some(law::fit(input, options, law, readings).parameters);
     }
-    let identified = identify(input, options, readings);
+    let mut identified = identify(input, options, readings);
+    unseen_charge::look(input, options, &mut identified);
     let alone = bending_alone(input, options, &identified);
     let fit = alone.unwrap_or_else(|| outcome::fit(input, options, &identified, None));
     Some(fit.parameters)
@@ -174,6 +180,7 @@ fn fit_placed(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     if let Some(fit) = bending_alone(input, options, &identified) {
         return Ok(fit);
     }
+    unseen_charge::look(input, options, &mut identified);
     let judged = judge(input, options, &mut identified);
     Ok(outcome::fit(input, options, &identified, judged.as_ref()))
 }
@@ -182,6 +189,10 @@ fn fit_placed(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
 /// mislead; estimates, curves and residuals are then those of that fit.
 fn judge(input: &FitInput, options: &FitOptions, identified: &mut Identified) -> Option<Judged> {
     let (current, electrical) = identified.current.as_mut().ok()?;
+    if electrical.unseen.is_some() {
+        // Estimated by itself, beside what the likelihood of the readings tells.
+        return None;
+    }
     let bending = identified.curvature.as_ref().ok();
     let branches = options.model.branches;
     let settled = parabola::is_settled(electrical, bending.map(|(_, bending)| bending), branches);

@@ -20,6 +20,10 @@ pub(crate) const BENDING_EVIDENCE: f64 = 12.0;
 /// Branches that bending alone is asked for: with the relaxation a third one makes four rates, which no record tells.
 pub(crate) const MOST_BRANCHES_OF_BENDING: usize = 2;
 
+/// A branch that no reading saw is so many times faster than the readings follow each other: fast enough that its charge is there
+/// at the first of them, whatever it is. Chosen.
+pub(crate) const UNSEEN_FASTER: f64 = 100.0;
+
 /// An offset of the instrument's zero must explain this share of the misfit. Chosen.
 pub(crate) const OFFSET_SHARE: f64 = 0.3;
 /// The mean before the step is off zero where it is this many standard errors from zero. Chosen.

@@ -6,14 +6,11 @@
 mod policy;
 mod programme;
 
-use crate::edges::policy::SHARED_PART;
-use ieap_domain::Drive;
+use crate::edges::policy::{OF_RANGE, SHARED_PART};
+use ieap_domain::{Drive, Segment};
 use ieap_numerics::symmetric::Symmetric;
 
 use programme::Programme;
-
-/// Standard deviation of a number that lies anywhere in a range, in lengths of the range.
-const OF_UNIFORM: f64 = 0.288_675_134_594_812_9;
 
 /// Part of its range that a shift uses: an edge is never at the very reading before it, which would then lie behind it.
 const INSIDE: f64 = 1.0 - 1e-6;
@@ -27,6 +24,8 @@ const BEGUN_AT: [f64; Shift::PLACES] = [0.0, -0.7, 0.7];
 pub struct EdgeTimes {
     drive: Drive,
     shifts: Vec<Shift>,
+    /// The times after which no edge is, s.
+    latest_s: Vec<f64>,
 }
 
 /// Edges that move together.
@@ -66,16 +65,22 @@ impl Shift {
 
     /// What is not known of it before the readings tell, s.
     pub fn standard_deviation_s(&self) -> f64 {
-        OF_UNIFORM * (self.high_s - self.low_s)
+        OF_RANGE * (self.high_s - self.low_s)
     }
 }
 
 impl EdgeTimes {
     /// Every edge where it is said to be.
     pub fn known(drive: &Drive) -> EdgeTimes {
+        EdgeTimes::placed(drive, drive.clone(), Vec::new())
+    }
+
+    /// With the edges of a drive where `placed` has them, and what may move.
+    fn placed(drive: &Drive, placed: Drive, shifts: Vec<Shift>) -> EdgeTimes {
         EdgeTimes {
-            drive: drive.clone(),
-            shifts: Vec::new(),
+            latest_s: drive.segments.iter().map(|segment| segment.start_s()).collect(),
+            drive: placed,
+            shifts,
         }
     }
 
@@ -84,7 +89,9 @@ impl EdgeTimes {
     pub fn of(drive: &Drive) -> EdgeTimes {
         let open = |k: usize| {
             let edge = drive.segments[k].edge;
-            (edge.open_s() > 0.0).then_some((edge.no_earlier_s, edge.no_later_s))
+            // One that nothing tells of stays where the record begins: see `unseen_start`.
+            let is_open = edge.open_s() > 0.0 && !edge.is_unseen();
+            is_open.then_some((edge.no_earlier_s, edge.no_later_s))
         };
         let between: Vec<Option<(f64, f64)>> = (0..drive.segments.len()).map(open).collect();
         if between.iter().all(Option::is_none) || drive.moves() {
@@ -101,10 +108,7 @@ impl EdgeTimes {
             placed.segments[k].edge.no_later_s = from_s + half_s;
             shifts.push(Shift::of_one(k, drive.segments.len(), half_s));
         }
-        EdgeTimes {
-            drive: placed,
-            shifts,
-        }
+        EdgeTimes::placed(drive, placed, shifts)
     }
 
     /// The drive with its edges where they are taken to be.
@@ -127,6 +131,32 @@ impl EdgeTimes {
         drive
     }
 
+    /// The part of a way that the shifts can go, s, until an edge meets a reading beside it; 1 at most.
+    pub fn part_of(&self, by_s: &[f64]) -> f64 {
+        let there = self.shifted(by_s);
+        let edges = self
+            .drive
+            .segments
+            .iter()
+            .zip(&there.segments)
+            .zip(&self.latest_s);
+        let part = |((here, there), latest_s): ((&Segment, &Segment), &f64)| {
+            let (from_s, to_s) = (here.start_s(), there.start_s());
+            let room_s = if to_s > from_s {
+                latest_s - from_s
+            } else {
+                from_s - here.edge.no_earlier_s
+            };
+            let gone_s = (to_s - from_s).abs();
+            if gone_s > 0.0 {
+                INSIDE * room_s.max(0.0) / gone_s
+            } else {
+                1.0
+            }
+        };
+        edges.map(part).fold(1.0, f64::min)
+    }
+
     /// With the shifts gone so far; what is left of their ranges is counted from there.
     pub fn moved(&self, by_s: &[f64]) -> EdgeTimes {
         let left = |(shift, by_s): (&Shift, &f64)| Shift {
@@ -137,6 +167,7 @@ impl EdgeTimes {
         EdgeTimes {
             drive: self.shifted(by_s),
             shifts: self.shifts.iter().zip(by_s).map(left).collect(),
+            latest_s: self.latest_s.clone(),
         }
     }
 

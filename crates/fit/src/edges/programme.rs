@@ -12,17 +12,16 @@ const TRIED: usize = 400;
 /// A period with where the edges of its first round may be, s.
 type Tried = (f64, Vec<(f64, f64)>);
 
-/// The period, and where the edges of its first round may be.
+/// The period, and where the edges of its middle round may be: whichever of the periods that pass between the readings it is.
 pub(super) struct Programme {
-    period_s: f64,
-    /// Ends of where each edge of the first round may be, s.
-    first: Vec<(f64, f64)>,
-    /// How much longer or shorter the period may be, s.
-    open_s: f64,
+    /// Ends of the period, s.
+    period_s: (f64, f64),
+    /// Ends of where each edge of the middle round may be, s.
+    middle: Vec<(f64, f64)>,
 }
 
 impl Programme {
-    /// The programme with most room between the readings; none where no period passes between all of them.
+    /// The programme of a train; none where no period passes between all of its readings.
     pub(super) fn of(drive: &Drive, between: &[Option<(f64, f64)>]) -> Option<Programme> {
         let between: Vec<(f64, f64)> = between.iter().copied().collect::<Option<_>>()?;
         if between.len() < FEWEST_FOR_PERIOD {
@@ -36,29 +35,34 @@ impl Programme {
         let tried = (0..=TRIED).map(|k| low_s + (high_s - low_s) * k as f64 / TRIED as f64);
         let first = |period_s: f64| Some((period_s, first_round(&between, cycle, period_s)?));
         let possible: Vec<Tried> = tried.filter_map(first).collect();
-        let (shortest_s, longest_s) = (possible.first()?.0, possible.last()?.0);
-        let room_s = |(_, first): &Tried| {
-            let rooms = first.iter().map(|(from, to)| to - from);
-            rooms.fold(f64::INFINITY, f64::min)
+        let half = 0.5 * ((between.len() - 1) / cycle) as f64;
+        let of_place = |place: usize| {
+            let ends = possible.iter().map(|(period_s, first)| {
+                let (from_s, to_s) = first[place];
+                (from_s + half * period_s, to_s + half * period_s)
+            });
+            ends.fold(
+                (f64::INFINITY, f64::NEG_INFINITY),
+                |(low, high), (from_s, to_s)| (low.min(from_s), high.max(to_s)),
+            )
         };
-        let (period_s, first) = possible
-            .into_iter()
-            .max_by(|a, b| room_s(a).total_cmp(&room_s(b)))?;
         Some(Programme {
-            period_s,
-            first,
-            open_s: 0.5 * (longest_s - shortest_s),
+            period_s: (possible.first()?.0, possible.last()?.0),
+            middle: (0..cycle).map(of_place).collect(),
         })
     }
 
     /// Each edge of the period may move with those of its place in other rounds, and all by the length of the period.
     pub(super) fn edge_times(&self, drive: &Drive) -> EdgeTimes {
-        let (cycle, segments) = (self.first.len(), drive.segments.len());
-        let round = |k: usize| (k / cycle) as f64;
+        let (cycle, segments) = (self.middle.len(), drive.segments.len());
+        // About the middle round, so that the length of the period moves no edge that the places move.
+        let half = 0.5 * ((segments - 1) / cycle) as f64;
+        let round = |k: usize| (k / cycle) as f64 - half;
+        let period_s = 0.5 * (self.period_s.0 + self.period_s.1);
         let mut placed = drive.clone();
         for (k, segment) in placed.segments.iter_mut().enumerate() {
-            let (from_s, to_s) = self.first[k % cycle];
-            segment.edge.no_later_s = 0.5 * (from_s + to_s) + round(k) * self.period_s;
+            let (from_s, to_s) = self.middle[k % cycle];
+            segment.edge.no_later_s = 0.5 * (from_s + to_s) + round(k) * period_s;
         }
         let of_place = |(place, (from_s, to_s)): (usize, &(f64, f64))| Shift {
             moves: (0..segments)
@@ -68,20 +72,16 @@ impl Programme {
             high_s: 0.5 * (to_s - from_s),
             is_of_clock: true,
         };
-        let mut shifts: Vec<Shift> = self.first.iter().enumerate().map(of_place).collect();
-        // About the middle round, so that the length of the period moves no edge that the places move.
-        let rounds = round(segments - 1).max(1.0);
-        let reach_s = 0.5 * rounds * self.open_s;
+        let mut shifts: Vec<Shift> = self.middle.iter().enumerate().map(of_place).collect();
+        let half = half.max(0.5);
+        let reach_s = 0.5 * half * (self.period_s.1 - self.period_s.0);
         shifts.push(Shift {
-            moves: (0..segments).map(|k| 2.0 * round(k) / rounds - 1.0).collect(),
+            moves: (0..segments).map(|k| round(k) / half).collect(),
             low_s: -reach_s,
             high_s: reach_s,
             is_of_clock: false,
         });
-        EdgeTimes {
-            drive: placed,
-            shifts,
-        }
+        EdgeTimes::placed(drive, placed, shifts)
     }
 }
 

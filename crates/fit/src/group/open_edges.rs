@@ -1,6 +1,7 @@
 //! Edges between readings, found with all that a group shares: runs that answer alike tell where each other's edges are.
 
 use ieap_domain::Drive;
+use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 use ieap_numerics::symmetric::Symmetric;
 
@@ -8,7 +9,7 @@ use crate::edges::{EdgeTimes, Shift};
 use crate::joint::feature::Feature;
 use crate::joint::problem::{Column, JointProblem, Over, add_run};
 use crate::settled_edges::Settled;
-use crate::widened::Values;
+use crate::widened::{End, Values};
 
 /// Evaluations of a search, and the fall of the sum of squares at which it settles.
 const LIMIT: u64 = 60;
@@ -16,11 +17,11 @@ const SETTLE: f64 = 1e-4;
 /// Step of the derivative by a shift, parts of what is not known of it.
 const STEP: f64 = 1e-4;
 
-/// The edges of one run of a group, and where its parameters go with what is left open of all edges of the group.
+/// The edges of one run of a group, and where its parameters go to both ends of what is left open of all edges of the group.
 pub(super) struct Placed {
     pub(super) settled: Settled,
     pub(super) here: Values,
-    pub(super) moved: Vec<Values>,
+    pub(super) ends: Vec<[Option<End>; 2]>,
 }
 
 /// The edges of every run, searched with the group's parameters from `at`.
@@ -32,17 +33,22 @@ pub(super) fn placed(problem: &JointProblem, at: &[f64], edges: &[EdgeTimes]) ->
     let of_run = |(run, (edges, by_s)): (usize, (&EdgeTimes, &[f64]))| {
         let first = with_edges.first(run);
         let own = |(_, shifts): &Way| shifts[first..first + by_s.len()].to_vec();
-        let there = |(along, _): &Way| {
-            let there: Vec<f64> = place.iter().zip(along).map(|(at, by)| at + by).collect();
-            values(problem, run, &there)
+        let end = |along: &[f64], sign: f64| {
+            let by = |(at, by): (&f64, &f64)| at + sign * NORMAL_95 * by;
+            let there: Vec<f64> = place.iter().zip(along).map(by).collect();
+            Some(End {
+                part: 1.0,
+                there: values(problem, run, &there),
+            })
         };
+        let ends = |(along, _): &Way| [-1.0, 1.0].map(|sign| end(along, sign));
         Placed {
             settled: Settled {
                 edges: edges.moved(by_s),
                 open: ways.iter().map(own).collect(),
             },
             here: values(problem, run, place),
-            moved: ways.iter().map(there).collect(),
+            ends: ways.iter().map(ends).collect(),
         }
     };
     let each = edges.iter().zip(with_edges.by_run(by_s));
