@@ -6,7 +6,7 @@
 use ieap_numerics::sums;
 
 use crate::bending::{self, Bending};
-use crate::electrical::{Electrical, Unseen};
+use crate::electrical::{self, Electrical, Unseen};
 use crate::options::{FitInput, FitOptions};
 use crate::policy::{BRANCH_EVIDENCE, UNSEEN_FASTER};
 use crate::sampled::Sampled;
@@ -23,18 +23,34 @@ const APART: f64 = 0.01;
 
 /// Looks for a charge that the current did not show, where there may be one, and allows for it.
 pub(crate) fn look(input: &FitInput, options: &FitOptions, identified: &mut Identified) {
-    let Ok((current, electrical)) = &mut identified.current else {
-        return;
-    };
-    let seen = electrical.without_too_fast();
-    let is_shown = seen.conductances_a_per_v.len() < electrical.conductances_a_per_v.len();
-    let fewer = seen.conductances_a_per_v.len() < options.model.branches;
     let between = input
         .drive
         .segments
         .iter()
         .any(|segment| !segment.edge.is_stated());
-    if input.drive.moves() || seen.conductances_a_per_v.is_empty() || !between || !(is_shown || fewer) {
+    let Ok((current, electrical)) = &mut identified.current else {
+        return;
+    };
+    if input.drive.moves() || !between {
+        return;
+    }
+    let is_shown = electrical.is_too_fast();
+    if is_shown {
+        // One reading after each edge shows it, how much of it nobody knows: the others tell of the rest.
+        *current = current.without_edges(1);
+        let search = options.search();
+        *electrical = electrical::identify(
+            input.drive,
+            input.area_cm2,
+            current,
+            options.model.branches,
+            search,
+        );
+    }
+    let seen = electrical.without_too_fast();
+    let is_shown = is_shown && seen.conductances_a_per_v.len() < options.model.branches;
+    let fewer = seen.conductances_a_per_v.len() < options.model.branches;
+    if seen.conductances_a_per_v.is_empty() || !fewer {
         return;
     }
     let (shortest_s, _) = current.time_scales_s();
@@ -44,7 +60,7 @@ pub(crate) fn look(input: &FitInput, options: &FitOptions, identified: &mut Iden
         tau_s: shortest_s / UNSEEN_FASTER,
     };
     let found = match &identified.curvature {
-        Ok((sampled, bending)) if bending.evident => parts.found(sampled, bending),
+        Ok((sampled, bending)) if bending.evident => parts.found(sampled),
         _ => None,
     };
     let Some(found) = found else {
@@ -89,7 +105,7 @@ impl Parts<'_> {
         bending::identify(self.input.drive, &electrical, sampled, Search::default())
     }
 
-    fn found(&self, sampled: &Sampled, without: &Bending) -> Option<Found> {
+    fn found(&self, sampled: &Sampled) -> Option<Found> {
         let square = |part: f64| self.bending(part, sampled).residuals.square;
         let mut tried = TRIED.map(|part| (part, square(part)));
         tried.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -120,7 +136,7 @@ impl Parts<'_> {
         bending.covariance = ieap_numerics::symmetric::Symmetric::from_fn(2, |a, b| {
             bending.covariance.get(a, b) + slopes[a] * slopes[b] * error * error
         });
-        let fall = without.residuals.square - bending.residuals.square;
+        let fall = square(0.0) - bending.residuals.square;
         Some(Found {
             is_evident: fall > BRANCH_EVIDENCE * variance,
             part,
