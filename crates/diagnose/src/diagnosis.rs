@@ -24,6 +24,19 @@ use crate::readings::scatter;
 ///
 /// It is a pure function of its input and options: the same readings give the same result at any number of threads.
 pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
+    let mut found = of_seen_starts(name, runs, options);
+    // What such a run has before its first reading would be taken for a cause.
+    let unseen = runs.iter().filter(|run| run.starts_unseen());
+    found.remarks.extend(unseen.map(|run| {
+        format!(
+            "{} takes no part: nothing tells since when its first voltage is applied",
+            run.name
+        )
+    }));
+    found
+}
+
+fn of_seen_starts(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
     let raw = RunGroup::new(runs);
     let odd = odd_runs(&raw, options.model);
     if !odd.is_empty() {

@@ -81,15 +81,20 @@ mod tests;
 pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
+    if unseen_start::is_unseen(input.drive) {
+        return unseen_start::fit(input, options, |input| fit_seen(input, options));
+    }
+    fit_seen(input, options)
+}
+
+/// Fits a run whose edges are stated or lie between readings.
+fn fit_seen(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let settled = settled_edges::settled(input, options)?;
     let placed = FitInput {
         drive: settled.edges.drive(),
         ..*input
     };
     let mut fit = fit_placed(&placed, options)?;
-    if unseen_start::is_unseen(input.drive) {
-        unseen_start::open(&mut fit, &placed, options);
-    }
     if !settled.open.is_empty() {
         widened::widen(&mut fit, &settled, |drive| {
             in_two_steps(&FitInput { drive, ..*input }, options)

@@ -5,15 +5,17 @@
 //! and a larger capacitance, applied earlier. A bending strip, a discharge or a reversal in the record tells more.
 
 use ieap_domain::quantiles::CHI_SQUARE_95_OF_ONE;
-use ieap_domain::{Drive, Edge, Estimate, Fit, Parameter};
+use ieap_domain::{Drive, Edge, Estimate, Fit};
 use ieap_numerics::sums;
 
+use crate::error::FitError;
 use crate::interval_rule::is_narrow_enough;
 use crate::options::{FitInput, FitOptions};
 use crate::sampled::Sampled;
-use crate::two_steps::{Identified, Readings, identify};
+use crate::settled_edges::settled;
+use crate::two_steps::{Readings, identify};
 use crate::uncertainty::Residuals;
-use crate::{outcome, unseen_charge};
+use crate::unseen_charge;
 
 const WHY: &str = "the record begins under voltage, and nothing tells since when: keep the rows before the voltage was applied";
 
@@ -22,28 +24,47 @@ pub(crate) fn is_unseen(drive: &Drive) -> bool {
     drive.segments.first().is_some_and(|first| first.edge.is_unseen())
 }
 
-/// The run with its first edge earlier.
-struct Earlier {
-    square: f64,
-    parameters: Vec<Parameter>,
-}
-
 /// Halvings of a stretch of time in which an end is sought.
 const HALVED: usize = 8;
+/// Halvings of the record down to the first time that is tried: less than an interval of most records.
+const FINEST: i32 = 14;
 
-/// Opens the estimates of a fit whose first edge was taken at the first reading.
-pub(crate) fn open(fit: &mut Fit, input: &FitInput, options: &FitOptions) {
+/// Fits a run whose first edge nothing tells; `seen` fits one whose first edge is stated.
+///
+/// # Errors
+/// As [`crate::fit_run`].
+pub(crate) fn fit(
+    input: &FitInput,
+    options: &FitOptions,
+    seen: impl Fn(&FitInput) -> Result<Fit, FitError>,
+) -> Result<Fit, FitError> {
+    let mut fit = seen(&FitInput {
+        drive: &earlier(input.drive, 0.0),
+        ..*input
+    })?;
     let lasts_s = input.drive.segments[0].edge.open_s();
-    let at = |by_s: f64| earlier(input, options, by_s);
-    // By halves of the record, down to less than an interval; then the best of it, and how far on either side is as good.
-    let tried_s: Vec<f64> = std::iter::once(0.0)
-        .chain((0..14).rev().map(|halved| lasts_s * 0.5_f64.powi(halved)))
-        .collect();
-    let tried: Vec<Option<Earlier>> = tried_s.iter().map(|by_s| at(*by_s)).collect();
-    let square = |own: &Option<Earlier>| own.as_ref().map_or(f64::INFINITY, |own| own.square);
+    let at = |by_s: f64| left(input, options, &earlier(input.drive, by_s));
+    // By halves of the record; then the best of it, and how far on either side is as good.
+    let halved = (0..FINEST).rev().map(|halved| lasts_s * 0.5_f64.powi(halved));
+    let tried_s: Vec<f64> = std::iter::once(0.0).chain(halved).collect();
+    let tried: Vec<Option<Left>> = tried_s.iter().map(|by_s| at(*by_s)).collect();
+    // In variances of the noise where the model leaves least, one for all.
+    let noise: Left = std::array::from_fn(|k| {
+        let variances = tried.iter().flatten().map(|own| own[k].1);
+        (0.0, variances.fold(f64::INFINITY, f64::min))
+    });
+    let square = |own: &Option<Left>| {
+        let of = |own: &Left| {
+            own.iter()
+                .zip(noise)
+                .map(|((square, _), (_, noise))| square / noise)
+                .sum()
+        };
+        own.as_ref().map_or(f64::INFINITY, of)
+    };
     let order = (0..tried.len()).min_by(|a, b| square(&tried[*a]).total_cmp(&square(&tried[*b])));
     let Some(near) = order.filter(|near| tried[*near].is_some()) else {
-        return;
+        return Ok(fit);
     };
     let last = tried.len() - 1;
     let (mut low_s, mut high_s) = (tried_s[near.saturating_sub(1)], tried_s[(near + 1).min(last)]);
@@ -80,48 +101,54 @@ pub(crate) fn open(fit: &mut Fit, input: &FitInput, options: &FitOptions) {
     };
     let earliest_s = end_s(&mut (0..=last).filter(|place| tried_s[*place] > best_s));
     let latest_s = end_s(&mut (0..=last).rev().filter(|place| tried_s[*place] < best_s));
+    let of = |by_s: f64| {
+        let drive = earlier(input.drive, by_s);
+        seen(&FitInput {
+            drive: &drive,
+            ..*input
+        })
+    };
+    let (latest, best, earliest) = (of(latest_s)?, of(best_s)?, of(earliest_s)?);
     let is_endless = earliest_s >= lasts_s;
-    let as_good: Vec<Earlier> = [latest_s, best_s, earliest_s]
-        .into_iter()
-        .filter_map(at)
-        .collect();
     for parameter in &mut fit.parameters {
-        let of = |own: &Earlier| {
-            let own = own.parameters.iter().find(|own| own.key == parameter.key);
-            own.map(|own| own.estimate.clone())
-        };
-        let all: Vec<Estimate> = as_good.iter().filter_map(of).collect();
+        let own = |fit: &Fit| fit.parameter(&parameter.key).cloned();
+        let all: Vec<Estimate> = [&latest, &best, &earliest].into_iter().filter_map(own).collect();
         parameter.estimate = common(&parameter.estimate, &all, is_endless);
     }
+    let parameters = fit.parameters;
+    Ok(Fit { parameters, ..best })
 }
 
-fn earlier(input: &FitInput, options: &FitOptions, by_s: f64) -> Option<Earlier> {
-    let mut drive = input.drive.clone();
-    drive.segments[0].edge = Edge::at(drive.segments[0].start_s() - by_s);
+/// The drive with its first edge so long before the first reading, s.
+fn earlier(drive: &Drive, by_s: f64) -> Drive {
+    let mut earlier = drive.clone();
+    let at_s = drive.segments[0].start_s() - by_s;
+    // Not stated: a branch that charges before the first reading is not seen.
+    earlier.segments[0].edge = Edge::between(at_s, at_s);
+    earlier
+}
+
+/// What is left of current and curvature, and the variance of a long sum of it.
+type Left = [(f64, f64); 2];
+
+fn left(input: &FitInput, options: &FitOptions, drive: &Drive) -> Option<Left> {
+    let settled = settled(&FitInput { drive, ..*input }, options).ok()?;
     let input = FitInput {
-        drive: &drive,
+        drive: settled.edges.drive(),
         ..*input
     };
     let mut identified = identify(&input, options, Readings::new(&input).ok()?);
     unseen_charge::look(&input, options, &mut identified);
-    let square = weighed(&identified)?;
-    Some(Earlier {
-        square,
-        parameters: outcome::fit(&input, options, &identified, None).parameters,
-    })
-}
-
-/// What is left of both responses in variances of their noise.
-fn weighed(identified: &Identified) -> Option<f64> {
     let of = |sampled: &Sampled, residuals: &Residuals| {
-        let noise = sampled.scatter.as_ref()?;
-        let memory = residuals.long_run_variance(sums::peak(&sampled.values)) / residuals.noise.variance;
-        Some(residuals.square / (noise.standard_deviation.powi(2) * memory.max(1.0)))
+        (
+            residuals.square,
+            residuals.long_run_variance(sums::peak(&sampled.values)),
+        )
     };
     let (current, electrical) = identified.current.as_ref().ok()?;
     let bent = identified.curvature.as_ref().ok();
-    let bent = bent.and_then(|(sampled, bending)| of(sampled, &bending.residuals));
-    Some(of(current, &electrical.residuals)? + bent.unwrap_or(0.0))
+    let bent = bent.map(|(sampled, bending)| of(sampled, &bending.residuals));
+    Some([of(current, &electrical.residuals), bent.unwrap_or((0.0, 1.0))])
 }
 
 /// What estimates have in common that hold for ever earlier edges: an end that goes on with them is open.

@@ -1,7 +1,8 @@
 //! Readings of a run as results are made of them: current and curvature of the strip, whatever was measured in their place.
 
 use crate::domain::tag::keys;
-use crate::domain::{Channel, RunRecord};
+use crate::domain::{Channel, Drive, RunRecord};
+use crate::fit::{FitInput, FitOptions, placed_drive};
 use crate::ingest::derived;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FitTask;
@@ -23,6 +24,16 @@ pub(crate) fn of_task(context: &Context, task: &FitTask) -> Result<Vec<Channel>,
 /// As of [`of_task`].
 pub(crate) fn of_tasks(context: &Context, tasks: &[FitTask]) -> Result<Vec<Vec<Channel>>, PipelineError> {
     tasks.iter().map(|task| of_task(context, task)).collect()
+}
+
+/// The drive of a run with its edges where a fit of these readings takes them to be; what is not fitted keeps them as they are told.
+pub(crate) fn placed(task: &FitTask, channels: &[Channel]) -> Drive {
+    let input = FitInput {
+        channels,
+        drive: &task.drive,
+        area_cm2: task.area_cm2,
+    };
+    placed_drive(&input, &FitOptions::default()).unwrap_or_else(|_| task.drive.clone())
 }
 
 /// Of any run; the length of the strip is that of its sample.

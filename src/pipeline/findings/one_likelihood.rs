@@ -38,9 +38,10 @@ fn of_pair(
     task: &FitTask,
     channels: &[Channel],
 ) -> OneLikelihood {
+    let drive = readings::placed(task, channels);
     let input = FitInput {
         channels,
-        drive: &task.drive,
+        drive: &drive,
         area_cm2: task.area_cm2,
     };
     let run = spectra

@@ -28,9 +28,10 @@ pub fn reductions_of(context: &Context, runs: &[RunRecord]) -> Result<Vec<RunRed
 }
 
 fn of_run(task: &FitTask, channels: &[Channel]) -> RunReductions {
+    let drive = readings::placed(task, channels);
     let input = FitInput {
         channels,
-        drive: &task.drive,
+        drive: &drive,
         area_cm2: task.area_cm2,
     };
     let fitted = caught(|| reductions(&input).map_err(|error| error.to_string()));

@@ -249,6 +249,8 @@ fn key(drives: Drives) -> &'static str {
         Drives::Moving => "moving",
         Drives::Sine => "sine",
         Drives::StepsAndSine => "steps-and-sine",
+        Drives::Steps => "steps",
+        Drives::Pulses => "pulses",
     }
 }
 

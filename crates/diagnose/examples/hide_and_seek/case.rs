@@ -1,6 +1,7 @@
 //! Groups of runs with known truth: random base parameters, a design of drives, noise of a chosen kind.
 
 use ieap_diagnose::{DesignRun, DiagnoseOptions, KnownNoise, RunInput, diagnose_group};
+use ieap_domain::testing::clocks::LabClock;
 use ieap_domain::{Channel, Drive, GroupDiagnosis, Level, Quantity, Segment};
 use ieap_fit::FitInput;
 use ieap_model::effects::Applied;
@@ -36,6 +37,10 @@ pub enum Drives {
     Repeated,
     /// +2 V, +1 V, -2 V, +2 V then 0 V, and pulses of 20 s.
     Five,
+    /// +2 V, +1 V, -2 V, +2 V then 0 V, and +1 V then -1 V.
+    Steps,
+    /// Pulses of +2 V, +1 V, -2 V, +1.5 V and -1 V, in periods of their own.
+    Pulses,
     /// A sine of 2 V and eight periods, a chirp of 2 V from 1 to 16 periods a record, and a triangle of 1 V and five.
     Moving,
     /// The sine alone.
@@ -64,6 +69,8 @@ pub enum Clock {
     Beside,
     /// At irregular intervals, likewise.
     Irregular,
+    /// On a clock of laboratories, the drive as its readings tell it.
+    Lab(LabClock),
     /// At irregular intervals, with a reading at each edge, from rest on; the drive is stated.
     IrregularOnEdges,
 }
@@ -157,6 +164,8 @@ pub struct Case {
     pub plan: Plan,
     /// The drives as readings tell of them.
     pub seen: Vec<Drive>,
+    /// What the clock of the bending shows beyond the truth, s.
+    pub bending_ahead_s: f64,
 }
 
 /// Readings at rest before the first edge, where the drive is what readings tell.
@@ -208,6 +217,23 @@ pub fn case(seed: u64, plan: Plan) -> Case {
             let each = vec![vec![(0.0, 2.0)], vec![(0.0, -2.0)], pulses];
             [each.clone(), each].concat()
         }
+        // Later edges lie on no reading of a clock that reads the first.
+        Drives::Steps => vec![
+            vec![(0.0, 2.0)],
+            vec![(0.0, 1.0)],
+            vec![(0.0, -2.0)],
+            vec![(0.0, 2.0), (0.50067 * lasting_s, 0.0)],
+            vec![(0.0, 1.0), (0.40053 * lasting_s, -1.0)],
+        ],
+        Drives::Pulses => (0..5)
+            .map(|run| {
+                let half_s = pulse_s * (1.007 + 0.211 * f64::from(run));
+                let volts = [2.0, 1.0, -2.0, 1.5, -1.0][run as usize];
+                let count = (lasting_s / half_s) as i32;
+                let level = |k: i32| (half_s * f64::from(k), if k % 2 == 0 { volts } else { 0.0 });
+                (0..count).map(level).collect()
+            })
+            .collect(),
         Drives::Five => vec![
             vec![(0.0, 2.0)],
             vec![(0.0, 1.0)],
@@ -240,7 +266,16 @@ pub fn case(seed: u64, plan: Plan) -> Case {
     let mut design: Vec<DesignRun> = drives.iter().map(of).collect();
     // Of its own seed: what is drawn beside it stays what it was.
     let mut clock = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed_c10c);
-    for run in &mut design {
+    let mut bending_ahead_s = 0.0;
+    for (place, run) in design.iter_mut().enumerate() {
+        if let Clock::Lab(lab) = plan.clock {
+            let times = lab.times(place, &run.drive, lasting_s, plan.rate_hz.recip(), || {
+                clock.random()
+            });
+            (run.current_time_s, run.curvature_time_s) = (times.current_s, times.bending_s);
+            bending_ahead_s = times.bending_ahead_s;
+            continue;
+        }
         run.current_time_s = clocked(&run.current_time_s, plan, &run.drive, &mut clock);
         run.curvature_time_s.clone_from(&run.current_time_s);
     }
@@ -258,7 +293,7 @@ pub fn case(seed: u64, plan: Plan) -> Case {
     }
     let mut seen: Vec<Drive> = match plan.clock {
         Clock::OnEdges | Clock::IrregularOnEdges => design.iter().map(|run| run.drive.clone()).collect(),
-        Clock::Beside | Clock::Irregular => {
+        Clock::Beside | Clock::Irregular | Clock::Lab(_) => {
             let seen = |run: &DesignRun| run.drive.as_seen(&run.current_time_s);
             design.iter().map(seen).collect()
         }
@@ -280,6 +315,7 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         generator,
         plan,
         seen,
+        bending_ahead_s,
     }
 }
 
@@ -306,7 +342,7 @@ fn clocked(even_s: &[f64], plan: Plan, drive: &Drive, clock: &mut ChaCha8Rng) ->
     let step_s = plan.rate_hz.recip();
     let at_rest = || (0..AT_REST).map(|k| -step_s * (AT_REST - k) as f64);
     match plan.clock {
-        Clock::OnEdges => even_s.to_vec(),
+        Clock::OnEdges | Clock::Lab(_) => even_s.to_vec(),
         Clock::Beside => {
             let beside_s = step_s * clock.random_range(0.1..0.9);
             at_rest()
@@ -430,6 +466,7 @@ fn noisy(values: &[f64], sd: f64, rho: f64, plan: Plan, generator: &mut impl Rng
 /// Current and curvature of every run with noise.
 pub fn measured(case: &mut Case, responses: &[Responses]) -> Vec<Vec<Channel>> {
     let (rho, noise, plan) = (case.noise.autocorrelation, case.noise, case.plan);
+    let ahead_s = case.bending_ahead_s;
     let each = case.design.iter().zip(responses).map(|(run, response)| {
         let mut channel = |quantity, time_s: &[f64], values: &[f64], sd| {
             let values = noisy(values, sd, rho, plan, &mut case.generator);
@@ -450,7 +487,10 @@ pub fn measured(case: &mut Case, responses: &[Responses]) -> Vec<Vec<Channel>> {
             ),
             channel(
                 Quantity::Curvature,
-                &run.curvature_time_s,
+                &run.curvature_time_s
+                    .iter()
+                    .map(|t| t + ahead_s)
+                    .collect::<Vec<f64>>(),
                 &response.curvature_per_cm,
                 noise.curvature_per_cm,
             ),

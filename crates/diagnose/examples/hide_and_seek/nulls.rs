@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use ieap_domain::testing::clocks::LabClock;
 use ieap_domain::{GroupDiagnosis, Verdict};
 
 use crate::benchmark::each;
@@ -9,6 +10,23 @@ use crate::case::{Clock, Drives, Plan, Readings, Slow, case, diagnose, true_resp
 
 /// Seeds of a condition are so far from those of the next.
 const APART: u64 = 10_000;
+
+/// What laboratories' clocks do beside the edges, under steps and under pulses: groups of 5 x 700 readings.
+fn laboratories() -> Vec<(String, Plan)> {
+    let of = |(clock, name): (LabClock, &str)| {
+        [(Drives::Steps, "steps"), (Drives::Pulses, "pulses")].map(|(drives, of)| {
+            let plan = Plan {
+                drives,
+                clock: Clock::Lab(clock),
+                count: 680,
+                autocorrelation: Some(0.0),
+                ..Plan::default()
+            };
+            (format!("{name}, {of}"), plan)
+        })
+    };
+    LabClock::ALL.into_iter().flat_map(of).collect()
+}
 
 /// Conditions with their names. What is not said is as in the first.
 fn conditions() -> Vec<(&'static str, Plan)> {
@@ -152,13 +170,16 @@ pub fn nulls(first: u64, count: u64, only: &[String]) {
         "| condition | groups | p < 0.01 | p < 0.05 | p < 0.5 | distance from uniform (5 % point) | verdicts |"
     );
     println!("|---|---|---|---|---|---|---|");
-    for (place, (name, plan)) in conditions().into_iter().enumerate() {
+    let conditions = conditions()
+        .into_iter()
+        .map(|(name, plan)| (name.to_owned(), plan));
+    for (place, (name, plan)) in conditions.chain(laboratories()).enumerate() {
         if !only.is_empty() && !only.iter().any(|part| name.contains(part.as_str())) {
             continue;
         }
         let began = std::time::Instant::now();
         let found = diagnosed(first + APART * place as u64, count, plan);
-        println!("{}", row(name, &found));
+        println!("{}", row(&name, &found));
         eprintln!(
             "{name}: {:.1} s a group",
             began.elapsed().as_secs_f64() / found.len().max(1) as f64

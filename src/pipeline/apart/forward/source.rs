@@ -3,6 +3,7 @@
 use crate::analysis::forecast::Applied;
 use crate::domain::quantiles::NORMAL_95;
 use crate::domain::{Drive, Estimate, Fit, Level, Quantity, RunCurve, RunRecord};
+use crate::fit::EdgeTimes;
 use crate::model::scaling::propagation::{ReadAt, covariance};
 use crate::model::scaling::{Identified, StripSize};
 use crate::model::{Branch, LumpedModel};
@@ -141,8 +142,9 @@ fn correlated(fit: &Fit, read: &Read, drive: &Drive, area_cm2: f64, curves: &[Ru
         let times = curve.map_or(&[][..], |curve| &curve.time_s);
         (times, noise.map_or(0.0, |noise| noise.standard_deviation))
     };
+    let edges = EdgeTimes::of(drive);
     let read_at = ReadAt {
-        drive,
+        drive: edges.drive(),
         area_cm2,
         current: at(Quantity::Current),
         curvature: at(Quantity::Curvature),

@@ -6,6 +6,7 @@ use crate::domain::thinning::drawn_indices;
 use crate::domain::{Channel, ComparedCurve, Drive, ModelScore, Quantity, ResponseScore, RunComparison};
 use crate::fit::{Described, FitInput, Left, Noise, describe};
 use crate::model::{FitModel, rival_law};
+use crate::pipeline::campaign::readings::placed;
 use crate::store::FitTask;
 
 /// Part of the time after the step that a model is fitted to when it predicts the rest.
@@ -30,12 +31,19 @@ pub(super) fn scored(
     channels: &[Vec<Channel>],
     models: &[&'static FitModel],
 ) -> Vec<RunComparison> {
+    // All models on the edges where a fit has them.
+    let drives: Vec<Drive> = tasks
+        .iter()
+        .zip(channels)
+        .map(|(task, channels)| placed(task, channels))
+        .collect();
     let inputs: Vec<FitInput> = tasks
         .iter()
         .zip(channels)
-        .map(|(task, channels)| FitInput {
+        .zip(&drives)
+        .map(|((task, channels), drive)| FitInput {
             channels,
-            drive: &task.drive,
+            drive,
             area_cm2: task.area_cm2,
         })
         .collect();
