@@ -105,6 +105,7 @@ fn table(document: &str, numbers: &[Bound<'_, PyBytes>]) -> Option<Table> {
             time_s,
             values: doubles(values),
             excluded: part::<Vec<u32>>(&own["excluded"])?.into(),
+            own_clock: false,
         });
     }
     let read = ReadTable {

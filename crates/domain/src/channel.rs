@@ -27,6 +27,8 @@ pub struct Channel {
     pub values: Arc<[f64]>,
     /// Indices (increasing) of readings that are no measurement, such as an overload; a fit leaves them out.
     pub excluded: Arc<[u32]>,
+    /// Whether an instrument with a clock of its own timed it, whose offset from that of the voltage nobody stated.
+    pub own_clock: bool,
 }
 
 impl Channel {
@@ -40,6 +42,7 @@ impl Channel {
             time_s,
             values,
             excluded: Arc::from([]),
+            own_clock: false,
         }
     }
 

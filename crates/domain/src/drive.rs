@@ -166,6 +166,16 @@ impl Drive {
         seen
     }
 
+    /// The same so much later, s: as a clock shows it that is ahead by that.
+    pub fn later(&self, by_s: f64) -> Drive {
+        let mut later = self.clone();
+        for segment in &mut later.segments {
+            segment.edge.no_earlier_s += by_s;
+            segment.edge.no_later_s += by_s;
+        }
+        later
+    }
+
     /// When segments start at which readings may jump, s: all of them, or of a voltage that [`Drive::moves`] the first one
     /// and those at which it jumps or the circuit opens or closes.
     pub fn edges_s(&self) -> Vec<f64> {

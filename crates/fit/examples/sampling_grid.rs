@@ -116,11 +116,14 @@ fn one(levels: &[(f64, f64)], clock: Option<LabClock>, ratio: f64, seed: u64, he
             times.current_s.as_slice().into(),
             noisy(model.current_a(&drive, AREA_CM2, &times.current_s)),
         ),
-        Channel::new(
-            Quantity::Curvature,
-            bending_s.into(),
-            noisy(model.curvature_per_cm(&drive, AREA_CM2, &times.bending_s)),
-        ),
+        Channel {
+            own_clock: clock == Some(LabClock::Joined),
+            ..Channel::new(
+                Quantity::Curvature,
+                bending_s.into(),
+                noisy(model.curvature_per_cm(&drive, AREA_CM2, &times.bending_s)),
+            )
+        },
     ];
     let input = FitInput {
         channels: &channels,

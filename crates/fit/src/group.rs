@@ -25,8 +25,9 @@ use super::sampled::Sampled;
 use crate::edges::EdgeTimes;
 use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};
+use crate::own_clock::{self, Aligned, aligned};
 use crate::two_steps::{Readings, identify, needed};
-use crate::widened::widen_by;
+use crate::widened::{self, widen_by};
 
 pub(super) use intervals::Found;
 use intervals::{JudgedGroup, judge};
@@ -73,6 +74,27 @@ pub struct Sharing {
 /// # Errors
 /// [`FitError`] where there is no run, a key cannot be shared, or a run gives nothing to start from.
 pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit, FitError> {
+    let own = FitOptions {
+        model: options.model,
+        ..FitOptions::default()
+    };
+    let aligned: Vec<Option<Aligned>> = inputs.iter().map(|input| aligned(input, &own)).collect();
+    let on_one_clock = inputs.iter().zip(&aligned).map(|(input, aligned)| FitInput {
+        channels: aligned
+            .as_ref()
+            .map_or(input.channels, |aligned| &aligned.channels),
+        ..*input
+    });
+    let mut group = fit_on_one_clock(&on_one_clock.collect::<Vec<_>>(), options)?;
+    for ((fit, input), aligned) in group.runs.iter_mut().zip(inputs).zip(&aligned) {
+        if let Some(aligned) = aligned {
+            own_clock::widen(fit, input, &own, aligned);
+        }
+    }
+    Ok(group)
+}
+
+fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit, FitError> {
     let edges: Vec<EdgeTimes> = inputs.iter().map(|input| EdgeTimes::of(input.drive)).collect();
     if !edges.iter().any(EdgeTimes::is_open) {
         return fit_placed(inputs, options);
@@ -86,7 +108,9 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
     let drives = placed.iter().map(|placed| placed.settled.edges.drive());
     let mut group = fit_placed(&with_drives(inputs, drives), options)?;
     for (fit, placed) in group.runs.iter_mut().zip(&placed) {
-        widen_by(fit, &placed.settled, &placed.here, &placed.ends);
+        if widen_by(fit, &placed.here, &placed.ends) {
+            fit.issues.push(widened::issue(&placed.settled));
+        }
     }
     Ok(group)
 }

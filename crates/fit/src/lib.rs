@@ -22,11 +22,13 @@ mod interval_rule;
 mod joint;
 mod joint_estimates;
 mod law;
+mod line;
 mod means;
 mod moving;
 mod noise_again;
 mod options;
 mod outcome;
+mod own_clock;
 mod parabola;
 mod policy;
 mod sampled;
@@ -58,6 +60,7 @@ pub use group::{
 pub use moving::{MOVING_VERSION, least_squares_place};
 pub use noise_again::{FoundAgain, NoiseAgain, Pair, Scaled};
 pub use options::{FitInput, FitOptions, Steps};
+pub use own_clock::{Aligned, aligned};
 pub use whitened::WhitenedChannel;
 
 use joint::readings::{Response, RunReadings};
@@ -81,6 +84,21 @@ mod tests;
 pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
+    let Some(aligned) = aligned(input, options) else {
+        return fit_on_one_clock(input, options);
+    };
+    let mut fit = fit_on_one_clock(
+        &FitInput {
+            channels: &aligned.channels,
+            ..*input
+        },
+        options,
+    )?;
+    own_clock::widen(&mut fit, input, options, &aligned);
+    Ok(fit)
+}
+
+fn fit_on_one_clock(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     if unseen_start::is_unseen(input.drive) {
         return unseen_start::fit(input, options, |input| fit_seen(input, options));
     }

@@ -24,6 +24,10 @@ pub(crate) const MOST_BRANCHES_OF_BENDING: usize = 2;
 /// at the first of them, whatever it is. Chosen.
 pub(crate) const UNSEEN_FASTER: f64 = 100.0;
 
+/// Time by which the clocks of two instruments are sought to differ at most, s: two programs started by hand one after the other
+/// differ by less. Chosen.
+pub(crate) const LARGEST_OFFSET_S: f64 = 60.0;
+
 /// An offset of the instrument's zero must explain this share of the misfit. Chosen.
 pub(crate) const OFFSET_SHARE: f64 = 0.3;
 /// The mean before the step is off zero where it is this many standard errors from zero. Chosen.

@@ -3,10 +3,13 @@
 //! It bends the strip all the same, at once and then relaxing, so that the curvature tells how much it is. What the current
 //! alone leaves open of it stands in the capacitance, the resistance and the coupling.
 
+use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
 use ieap_numerics::sums;
+use ieap_numerics::symmetric::Symmetric;
 
 use crate::bending::{self, Bending};
 use crate::electrical::{self, Electrical, Unseen};
+use crate::line::Line;
 use crate::options::{FitInput, FitOptions};
 use crate::policy::{BRANCH_EVIDENCE, UNSEEN_FASTER};
 use crate::sampled::Sampled;
@@ -16,10 +19,6 @@ use crate::two_steps::Identified;
 /// Parts of the whole charge that are tried first, and the largest.
 const TRIED: [f64; 7] = [0.0, 0.05, 0.2, 0.4, 0.6, 0.8, LARGEST];
 const LARGEST: f64 = 0.9;
-/// Halvings of the stretch that holds the best one.
-const REFINED: usize = 14;
-/// Distance of the parts from which the curvature of the sum of squares is taken.
-const APART: f64 = 0.01;
 
 /// Looks for a charge that the current did not show, where there may be one, and allows for it.
 pub(crate) fn look(input: &FitInput, options: &FitOptions, identified: &mut Identified) {
@@ -91,6 +90,7 @@ struct Parts<'a> {
 struct Found {
     part: f64,
     error: f64,
+    most: f64,
     bending: Bending,
     is_evident: bool,
 }
@@ -106,41 +106,31 @@ impl Parts<'_> {
     }
 
     fn found(&self, sampled: &Sampled) -> Option<Found> {
-        let square = |part: f64| self.bending(part, sampled).residuals.square;
-        let mut tried = TRIED.map(|part| (part, square(part)));
-        tried.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let near = TRIED.iter().position(|part| *part == tried[0].0)?;
-        let (mut low, mut high) = (
-            TRIED[near.saturating_sub(1)],
-            TRIED[(near + 1).min(TRIED.len() - 1)],
-        );
-        for _ in 0..REFINED {
-            let (a, b) = (low + 0.382 * (high - low), low + 0.618 * (high - low));
-            if square(a) <= square(b) { high = b } else { low = a }
-        }
-        let part = 0.5 * (low + high);
-        let mut bending = self.bending(part, sampled);
-        let variance = bending.residuals.long_run_variance(sums::peak(&sampled.values));
-        let beside = [-1.0, 1.0].map(|sign| self.bending((part + sign * APART).max(0.0), sampled));
-        let apart = APART + part.min(APART);
-        let rise = (beside[0].residuals.square + beside[1].residuals.square - 2.0 * bending.residuals.square)
-            .max(f64::MIN_POSITIVE);
-        let error = (2.0 * variance * (0.5 * apart).powi(2) / rise).sqrt();
-        if part + error >= LARGEST || !bending.evident {
+        let at = |part: f64| self.bending(part, sampled);
+        let variance = |of: &Bending| of.residuals.long_run_variance(sums::peak(&sampled.values));
+        let line = Line::of(
+            &TRIED,
+            |part| at(part).residuals.square,
+            |part| CHI_SQUARE_95_OF_ONE * variance(&at(part)),
+        )?;
+        let mut bending = at(line.best);
+        if line.high >= LARGEST || !bending.evident {
             return None;
         }
-        let slopes = [
-            (beside[1].coupling_per_c_cm - beside[0].coupling_per_c_cm) / apart,
-            (beside[1].rate_per_s - beside[0].rate_per_s) / apart,
+        let error = (line.high - line.low) / (2.0 * NORMAL_95);
+        let ends = [at(line.low), at(line.high)];
+        let moves = [
+            ends[1].coupling_per_c_cm - ends[0].coupling_per_c_cm,
+            ends[1].rate_per_s - ends[0].rate_per_s,
         ];
-        bending.covariance = ieap_numerics::symmetric::Symmetric::from_fn(2, |a, b| {
-            bending.covariance.get(a, b) + slopes[a] * slopes[b] * error * error
-        });
-        let fall = square(0.0) - bending.residuals.square;
+        let moves = moves.map(|by| by / (2.0 * NORMAL_95));
+        bending.covariance = Symmetric::from_fn(2, |a, b| bending.covariance.get(a, b) + moves[a] * moves[b]);
+        let fall = at(0.0).residuals.square - bending.residuals.square;
         Some(Found {
-            is_evident: fall > BRANCH_EVIDENCE * variance,
-            part,
+            is_evident: fall > BRANCH_EVIDENCE * variance(&bending),
+            part: line.best,
             error,
+            most: line.high,
             bending,
         })
     }
@@ -158,7 +148,6 @@ impl Found {
 
     /// The largest share of the charge that was seen, at 95 %.
     fn most(&self) -> f64 {
-        let most = (self.part + ieap_domain::quantiles::NORMAL_95 * self.error).min(LARGEST);
-        most / (1.0 - most)
+        self.most / (1.0 - self.most)
     }
 }

@@ -10,6 +10,7 @@ use ieap_numerics::sums;
 
 use crate::error::FitError;
 use crate::interval_rule::is_narrow_enough;
+use crate::line::Line;
 use crate::options::{FitInput, FitOptions};
 use crate::sampled::Sampled;
 use crate::settled_edges::settled;
@@ -24,8 +25,6 @@ pub(crate) fn is_unseen(drive: &Drive) -> bool {
     drive.segments.first().is_some_and(|first| first.edge.is_unseen())
 }
 
-/// Halvings of a stretch of time in which an end is sought.
-const HALVED: usize = 8;
 /// Halvings of the record down to the first time that is tried: less than an interval of most records.
 const FINEST: i32 = 14;
 
@@ -62,45 +61,9 @@ pub(crate) fn fit(
         };
         own.as_ref().map_or(f64::INFINITY, of)
     };
-    let order = (0..tried.len()).min_by(|a, b| square(&tried[*a]).total_cmp(&square(&tried[*b])));
-    let Some(near) = order.filter(|near| tried[*near].is_some()) else {
+    let Some(line) = Line::of(&tried_s, |by_s| square(&at(by_s)), |_| CHI_SQUARE_95_OF_ONE) else {
         return Ok(fit);
     };
-    let last = tried.len() - 1;
-    let (mut low_s, mut high_s) = (tried_s[near.saturating_sub(1)], tried_s[(near + 1).min(last)]);
-    let (mut best_s, mut least) = (tried_s[near], square(&tried[near]));
-    for _ in 0..HALVED {
-        for by_s in [0.5 * (low_s + best_s), 0.5 * (best_s + high_s)] {
-            let found = square(&at(by_s));
-            if found < least {
-                (least, best_s) = (found, by_s);
-            }
-        }
-        (low_s, high_s) = (0.5 * (low_s + best_s), 0.5 * (best_s + high_s));
-    }
-    let is_as_good = |own: f64| own - least <= CHI_SQUARE_95_OF_ONE;
-    let end_s = |places: &mut dyn Iterator<Item = usize>| {
-        let mut inside_s = best_s;
-        for place in places {
-            if is_as_good(square(&tried[place])) {
-                inside_s = tried_s[place];
-                continue;
-            }
-            let mut outside_s = tried_s[place];
-            for _ in 0..HALVED {
-                let middle_s = 0.5 * (inside_s + outside_s);
-                if is_as_good(square(&at(middle_s))) {
-                    inside_s = middle_s;
-                } else {
-                    outside_s = middle_s;
-                }
-            }
-            break;
-        }
-        inside_s
-    };
-    let earliest_s = end_s(&mut (0..=last).filter(|place| tried_s[*place] > best_s));
-    let latest_s = end_s(&mut (0..=last).rev().filter(|place| tried_s[*place] < best_s));
     let of = |by_s: f64| {
         let drive = earlier(input.drive, by_s);
         seen(&FitInput {
@@ -108,8 +71,8 @@ pub(crate) fn fit(
             ..*input
         })
     };
-    let (latest, best, earliest) = (of(latest_s)?, of(best_s)?, of(earliest_s)?);
-    let is_endless = earliest_s >= lasts_s;
+    let (latest, best, earliest) = (of(line.low)?, of(line.best)?, of(line.high)?);
+    let is_endless = line.high >= lasts_s;
     for parameter in &mut fit.parameters {
         let own = |fit: &Fit| fit.parameter(&parameter.key).cloned();
         let all: Vec<Estimate> = [&latest, &best, &earliest].into_iter().filter_map(own).collect();

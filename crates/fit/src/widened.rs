@@ -42,7 +42,9 @@ pub(crate) fn widen(fit: &mut Fit, settled: &Settled, plain: impl Fn(&Drive) -> 
         .iter()
         .map(|by_s| [-1.0, 1.0].map(|sign| end(by_s, sign)))
         .collect();
-    widen_by(fit, settled, &here, &ends);
+    if widen_by(fit, &here, &ends) {
+        fit.issues.push(issue(settled));
+    }
 }
 
 /// Where parameters are, a part of the way to the end of what is open; an edge goes no farther than the readings beside it.
@@ -54,8 +56,8 @@ pub(crate) struct End {
 /// Parts of a way below which the edges are at a reading already.
 const LEAST_PART: f64 = 0.05;
 
-/// The same where it is known where the parameters go from `here` to both ends of each of the open ways.
-pub(crate) fn widen_by(fit: &mut Fit, settled: &Settled, here: &Values, ends: &[[Option<End>; 2]]) {
+/// Whether any interval is wider for that: the same where it is known where the parameters go from `here` to both ends of each of the open ways.
+pub(crate) fn widen_by(fit: &mut Fit, here: &Values, ends: &[[Option<End>; 2]]) -> bool {
     let mut widened = 0;
     for parameter in &mut fit.parameters {
         let of = |all: &Values| {
@@ -91,10 +93,7 @@ pub(crate) fn widen_by(fit: &mut Fit, settled: &Settled, here: &Values, ends: &[
         }
         widened += usize::from(wider(&mut parameter.estimate, gone.map(f64::sqrt)));
     }
-    if widened > 0 && settled.edges.is_open() {
-        fit.issues
-            .push(Issue::note("edges-between-readings", words(settled)));
-    }
+    widened > 0
 }
 
 /// How far a part of a value is from the whole of it: as logarithms have it, where it has one.
@@ -135,7 +134,8 @@ fn wider(estimate: &mut Estimate, added: [f64; 2]) -> bool {
     true
 }
 
-fn words(settled: &Settled) -> String {
+/// What is said of edges that widen intervals.
+pub(crate) fn issue(settled: &Settled) -> Issue {
     let drive = settled.edges.drive();
     let between = drive.segments.iter().filter(|segment| !segment.edge.is_stated());
     let count = between.clone().count();
@@ -145,7 +145,7 @@ fn words(settled: &Settled) -> String {
         .iter()
         .map(|by_s| by_s.iter().map(|s| s * s).sum::<f64>().sqrt())
         .fold(0.0, f64::max);
-    format!(
+    let message = format!(
         "{} between two readings of the voltage: the first is taken at {first:.4} s, and what is left open (up to {largest_s:.2} s, \
          one standard deviation) widens the intervals",
         if count == 1 {
@@ -153,5 +153,6 @@ fn words(settled: &Settled) -> String {
         } else {
             format!("{count} edges of the voltage lie")
         }
-    )
+    );
+    Issue::note("edges-between-readings", message)
 }

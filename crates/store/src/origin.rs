@@ -52,6 +52,16 @@ impl Store {
             Ok((first, channels, row.get("offset_s")?))
         })
     }
+
+    /// First channel and number of channels of every clock beside the reference whose offset nobody stated.
+    pub(super) fn own_clocks(&self, run_id: i64) -> Result<Vec<(usize, usize)>, StoreError> {
+        let sql = "SELECT first_channel, channels FROM run_clock
+                   WHERE run_id = ?1 AND is_reference = 0 AND NOT EXISTS
+                         (SELECT 1 FROM clock_offset WHERE run_id = ?1 AND clock = ordinal AND applied = 1)";
+        self.rows_of(run_id, sql, |row| {
+            Ok((count_in(row, "first_channel")?, count_in(row, "channels")?))
+        })
+    }
 }
 
 type Times = Arc<[f64]>;

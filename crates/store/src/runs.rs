@@ -237,6 +237,12 @@ impl Store {
             let timed = first.min(channels.len())..(first + count).min(channels.len());
             shift(&mut channels[timed], offset_s);
         }
+        for (first, count) in self.own_clocks(run_id)? {
+            let timed = first.min(channels.len())..(first + count).min(channels.len());
+            channels[timed]
+                .iter_mut()
+                .for_each(|channel| channel.own_clock = true);
+        }
         // What is no list of stretches was pointed out when the run was tagged.
         let stretches = self.chosen_tag(run_id, keys::LEAVE_OUT)?;
         let stretches = stretches.and_then(|text| left_out::stretches(&text));
@@ -496,6 +502,7 @@ fn read_channel(row: &Row<'_>, earlier: &[Channel]) -> Result<Channel, StepError
         time_s,
         values,
         excluded: unpack_u32(&row.get::<_, Vec<u8>>("excluded_blob")?)?.into(),
+        own_clock: false,
     })
 }
 

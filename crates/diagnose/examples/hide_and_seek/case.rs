@@ -471,6 +471,7 @@ pub fn measured(case: &mut Case, responses: &[Responses]) -> Vec<Vec<Channel>> {
         let mut channel = |quantity, time_s: &[f64], values: &[f64], sd| {
             let values = noisy(values, sd, rho, plan, &mut case.generator);
             let mut channel = Channel::new(quantity, time_s.into(), values.into());
+            channel.own_clock = quantity == Quantity::Curvature && plan.clock == Clock::Lab(LabClock::Joined);
             match plan.slow {
                 Slow::None => {}
                 Slow::Red(time_s) => add_red(&mut channel, sd, time_s, &mut case.generator),

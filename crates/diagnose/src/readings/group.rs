@@ -1,7 +1,7 @@
 //! The runs that are diagnosed together, with their noise.
 
 use ieap_domain::{Channel, Drive, Quantity};
-use ieap_fit::{EdgeTimes, FitInput, WhitenedChannel};
+use ieap_fit::{EdgeTimes, FitInput, FitOptions, WhitenedChannel, aligned};
 use ieap_model::effects::TagAt;
 use ieap_model::extended::{ExtendedModel, RunContext};
 use ieap_numerics::robust::median_step;
@@ -50,7 +50,9 @@ pub(crate) struct GroupRun<'a> {
     pub(crate) given: RunInput<'a>,
     /// Its drive, with the edges where they are taken to be.
     pub(crate) edges: EdgeTimes,
-    /// What is left open of the edges, taken out of its whitened residuals.
+    /// What is not known of the offset of a clock that the bending has of its own, one standard deviation, s; 0 where it has none.
+    bending_error_s: f64,
+    /// What is left open of the edges, and of that offset, taken out of its whitened residuals.
     pub(crate) open_edges: LeftOpen,
     /// Likewise of its own parameters, where runs scatter.
     pub(crate) open_parameters: LeftOpen,
@@ -215,7 +217,7 @@ impl<'a> RunGroup<'a> {
     /// Finds anew how what is not known of the edges changes the whitened rows.
     fn open_edges_beside(&mut self, model: &ExtendedModel) {
         for (index, run) in self.runs.iter_mut().enumerate() {
-            if run.edges.is_open() {
+            if run.edges.is_open() || run.bending_error_s > 0.0 {
                 run.open_edges = run.open_edges_beside(model, index);
             }
         }
@@ -401,9 +403,13 @@ impl<'a> GroupRun<'a> {
     fn new(given: &RunInput<'a>) -> Option<GroupRun<'a>> {
         let mut spikes = [0, 0];
         let edges = EdgeTimes::of(&followed(given.input.drive));
+        let aligned = aligned(&given.input, &FitOptions::default());
+        let on_one_clock = aligned
+            .as_ref()
+            .map_or(given.input.channels, |aligned| &aligned.channels);
         let channels = std::array::from_fn(|k| {
             let wanted = |channel: &&Channel| channel.is_whole(QUANTITIES[k]);
-            let channel = given.input.channels.iter().find(wanted)?;
+            let channel = on_one_clock.iter().find(wanted)?;
             let (channel, left_out) = without_spikes(channel, edges.drive());
             spikes[k] = left_out;
             WhitenedChannel::new(&channel, edges.drive(), FEWEST_READINGS, MOST_READINGS)
@@ -413,6 +419,7 @@ impl<'a> GroupRun<'a> {
         channels.iter().any(Option::is_some).then_some(GroupRun {
             given: *given,
             edges,
+            bending_error_s: aligned.map_or(0.0, |aligned| aligned.error_s()),
             open_edges: LeftOpen::default(),
             open_parameters: LeftOpen::default(),
             duration_s,
@@ -465,21 +472,32 @@ impl<'a> GroupRun<'a> {
     }
 
     fn open_edges_beside(&self, model: &ExtendedModel, index: usize) -> LeftOpen {
-        let with = |by_s: &[f64]| {
-            let drive = self.edges.shifted(by_s);
+        let fitted = |drive: &Drive| {
             let mut context = self.context(index, None);
-            context.drive = &drive;
+            context.drive = drive;
+            self.fitted(model, &context)
+        };
+        let rows = |fitted: &[Vec<f64>; 2]| {
             let mut out = Vec::new();
-            self.whitened(&self.fitted(model, &context), &mut out);
+            self.whitened(fitted, &mut out);
             out
         };
-        let here = with(&vec![0.0; self.edges.shifts().len()]);
-        let change = |way: Vec<f64>| -> Vec<f64> {
-            let there = with(&way.iter().map(|by_s| SLOPE * by_s).collect::<Vec<f64>>());
+        let still = fitted(self.drive());
+        let here = rows(&still);
+        let change = |there: &[Vec<f64>; 2]| -> Vec<f64> {
+            let there = rows(there);
             let pairs = here.iter().zip(&there);
             pairs.map(|(here, there)| (there - here) / SLOPE).collect()
         };
-        LeftOpen::of(self.edges.open_ways().into_iter().map(change))
+        let of_way = |way: Vec<f64>| {
+            let by_s: Vec<f64> = way.iter().map(|by_s| SLOPE * by_s).collect();
+            change(&fitted(&self.edges.shifted(&by_s)))
+        };
+        let of_clock = (self.bending_error_s > 0.0).then(|| {
+            let [_, bent] = fitted(&self.drive().later(SLOPE * self.bending_error_s));
+            change(&[still[0].clone(), bent])
+        });
+        LeftOpen::of(self.edges.open_ways().into_iter().map(of_way).chain(of_clock))
     }
 
     pub(crate) fn context(&self, index: usize, resolved_s: Option<f64>) -> RunContext<'_> {

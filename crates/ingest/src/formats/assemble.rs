@@ -353,6 +353,7 @@ fn channels(
             },
             time_s: time_of(rows, &all, &mut shared),
             values: values.into(),
+            own_clock: false,
         });
     }
     channels
