@@ -43,7 +43,7 @@ mod whitened;
 mod widened;
 
 use crate::joint::policy::MISFIT_FACTOR;
-use ieap_domain::{Drive, Fit, KnownParameter, Parameter};
+use ieap_domain::{Drive, Fit, KnownParameter};
 use ieap_model::rival_law;
 
 pub use described::{Described, Left, Noise, describe};
@@ -115,7 +115,7 @@ fn fit_seen(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let mut fit = fit_placed(&placed, options)?;
     if !settled.open.is_empty() {
         widened::widen(&mut fit, &settled, |drive| {
-            in_two_steps(&FitInput { drive, ..*input }, options)
+            Some(in_two_steps(&FitInput { drive, ..*input }, options)?.parameters)
         });
     }
     Ok(fit)
@@ -161,18 +161,16 @@ pub fn placed_drive(input: &FitInput, options: &FitOptions) -> Result<Drive, Fit
     Ok(settled_edges::settled(input, options)?.edges.drive().clone())
 }
 
-/// The parameters of a run in two steps, of its bending alone, or by the law of a rival, and nothing further; none where there
-/// is nothing to fit.
-fn in_two_steps(input: &FitInput, options: &FitOptions) -> Option<Vec<Parameter>> {
+/// A run in two steps, of its bending alone, or by the law of a rival, and nothing further; none where there is nothing to fit.
+fn in_two_steps(input: &FitInput, options: &FitOptions) -> Option<Fit> {
     let readings = Readings::new(input).ok()?;
     if let Some(law) = rival_law(options.model.id) {
-        return Some(law::fit(input, options, law, readings).parameters);
+        return Some(law::fit(input, options, law, readings));
     }
     let mut identified = identify(input, options, readings);
     unseen_charge::look(input, options, &mut identified);
     let alone = bending_alone(input, options, &identified);
-    let fit = alone.unwrap_or_else(|| outcome::fit(input, options, &identified, None));
-    Some(fit.parameters)
+    Some(alone.unwrap_or_else(|| outcome::fit(input, options, &identified, None)))
 }
 
 /// The fit of the curvature where the current tells of no circuit; none where there are too few readings of it.

@@ -120,7 +120,7 @@ pub(crate) fn widen(fit: &mut Fit, input: &FitInput, options: &FitOptions, align
             },
             options,
         );
-        fitted.map_or_else(Values::new, |fitted| values(&fitted))
+        fitted.map_or_else(Values::new, |fitted| values(&fitted.parameters))
     };
     let [here, low, high] = aligned.ahead_s.map(with);
     let end = |there| Some(End { part: 1.0, there });

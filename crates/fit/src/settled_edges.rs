@@ -1,6 +1,7 @@
 //! Edges found with the circuit, from the current: what two edges and more tell of each other.
 
-use ieap_domain::Drive;
+use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
+use ieap_domain::{ChannelNoise, Drive, range_of};
 use ieap_numerics::least_squares::Levenberg;
 use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
@@ -9,6 +10,8 @@ use crate::coupled::Current;
 use crate::edges::{EdgeTimes, Shift};
 use crate::electrical::Electrical;
 use crate::error::FitError;
+use crate::in_two_steps;
+use crate::line::Line;
 use crate::options::{FitInput, FitOptions};
 use crate::sampled::Sampled;
 use crate::search::Limits;
@@ -46,6 +49,10 @@ pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled,
     if !middle.edges.is_open() {
         return Ok(middle);
     }
+    if let [shift] = middle.edges.shifts() {
+        let (low_s, high_s) = shift.limits_s();
+        return Ok(of_one(input, options, &middle.edges, (low_s, high_s)).unwrap_or(middle));
+    }
     let placed = FitInput {
         drive: middle.edges.drive(),
         ..*input
@@ -59,6 +66,71 @@ pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled,
         .and_then(|(sampled, electrical)| searched(&middle.edges, sampled, electrical));
     Ok(found.unwrap_or(middle))
 }
+
+/// Parts of its range at which one edge is tried first.
+const TRIED: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+
+/// One edge alone: of a current it is as good anywhere, for what it is off by the branches take up, but the bending begins with
+/// it. None where neither tells more than the readings beside it.
+fn of_one(
+    input: &FitInput,
+    options: &FitOptions,
+    edges: &EdgeTimes,
+    (low_s, high_s): (f64, f64),
+) -> Option<Settled> {
+    let left = |by_s: f64| -> Option<Vec<(f64, f64)>> {
+        let drive = edges.shifted(&[by_s]);
+        let fit = in_two_steps(
+            &FitInput {
+                drive: &drive,
+                ..*input
+            },
+            options,
+        )?;
+        let of = |noise: &ChannelNoise| {
+            let memory = noise.residual_autocorrelation.clamp(0.0, MOST_MEMORY);
+            let variance = noise.residual_rms.powi(2);
+            (
+                variance * noise.readings as f64,
+                variance * (1.0 + memory) / (1.0 - memory),
+            )
+        };
+        Some(fit.noise.iter().map(of).collect())
+    };
+    let tried: Vec<f64> = TRIED
+        .iter()
+        .map(|part| 0.5 * ((1.0 + part) * high_s + (1.0 - part) * low_s))
+        .collect();
+    let found: Vec<Vec<(f64, f64)>> = tried.iter().map(|by_s| left(*by_s)).collect::<Option<_>>()?;
+    // In variances of the noise where the model leaves least.
+    let least = |k: usize| {
+        found
+            .iter()
+            .filter_map(|own| Some(own.get(k)?.1))
+            .fold(f64::INFINITY, f64::min)
+    };
+    let noise: Vec<f64> = (0..found[0].len()).map(least).collect();
+    let square = |own: &[(f64, f64)]| {
+        own.iter()
+            .zip(&noise)
+            .map(|(own, noise)| own.0 / noise)
+            .sum::<f64>()
+    };
+    let squares: Vec<f64> = found.iter().map(|own| square(own)).collect();
+    let (low, high) = range_of(squares.iter().copied());
+    if high - low < CHI_SQUARE_95_OF_ONE {
+        return None;
+    }
+    let at = |by_s: f64| left(by_s).map_or(f64::INFINITY, |own| square(&own));
+    let line = Line::of(&tried, at, |_| CHI_SQUARE_95_OF_ONE)?;
+    Some(Settled {
+        edges: edges.moved(&[line.best]),
+        open: vec![vec![(line.high - line.low) / (2.0 * NORMAL_95)]],
+    })
+}
+
+/// Memory of what is left beyond which it is no noise. Chosen.
+const MOST_MEMORY: f64 = 0.9;
 
 fn searched(edges: &EdgeTimes, sampled: &Sampled, electrical: &Electrical) -> Option<Settled> {
     let limits = Limits::of(sampled)?;
@@ -86,13 +158,7 @@ fn searched(edges: &EdgeTimes, sampled: &Sampled, electrical: &Electrical) -> Op
         }
         Levenberg::by_region(LIMIT, SETTLE, rounding).search(&current, &start)
     };
-    // One edge alone is as good anywhere: what it is off by the branches take up.
-    let places = if edges.shifts().len() > 1 {
-        Shift::PLACES
-    } else {
-        1
-    };
-    let best = (0..places)
+    let best = (0..Shift::PLACES)
         .map(begun_at)
         .filter(|found| found.local.square.is_finite())
         .min_by(|a, b| a.local.square.total_cmp(&b.local.square))?;

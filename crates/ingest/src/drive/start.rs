@@ -35,17 +35,40 @@ pub(super) fn of_tag(level_v: f64, zero_may_be_step: bool, channels: &[Channel])
     let Some(response) = current.or_else(|| channels.iter().find(|channel| channel.is_response())) else {
         return applied_at(Edge::at(0.0), level_v);
     };
-    let (time_s, _) = response.included();
+    let (time_s, values) = response.included();
     let beside_zero = || {
         let after = time_s.partition_point(|t| *t < 0.0);
         let before_s = *time_s.get(after.checked_sub(1)?)?;
         Some(Edge::between(before_s, *time_s.get(after)?)).filter(|_| zero_may_be_step)
     };
     let edge = current.and_then(jump_that_stays).or_else(beside_zero);
-    let Some(edge) = edge else {
-        return applied_at(before_record(&time_s, zero_may_be_step), level_v);
-    };
-    found_at(edge, level_v, Vec::new())
+    let is_current = current.is_some();
+    match edge {
+        Some(edge) if is_current => found_at(answered(edge, &time_s, &values), level_v, Vec::new()),
+        Some(edge) => found_at(edge, level_v, Vec::new()),
+        None => {
+            let before = before_record(&time_s, zero_may_be_step);
+            let edge = if is_current {
+                answered(before, &time_s, &values)
+            } else {
+                before
+            };
+            applied_at(edge, level_v)
+        }
+    }
+}
+
+/// The edge, or the next interval where the current shows that it comes behind the first reading that could have seen it: a
+/// reading beside the ones before, and far from the next.
+fn answered(edge: Edge, time_s: &[f64], current: &[f64]) -> Edge {
+    let at = time_s.partition_point(|t| *t < edge.no_later_s);
+    let before = at.checked_sub(1).map_or(0.0, |before| current[before]);
+    match (current.get(at), current.get(at + 1), time_s.get(at + 1)) {
+        (Some(own), Some(next), Some(&next_s)) if (own - before).abs() < (next - own).abs() => {
+            Edge::between(time_s[at], next_s)
+        }
+        _ => edge,
+    }
 }
 
 /// Where the current jumps from rest; none where it comes back at once, as a reading does that went astray.
