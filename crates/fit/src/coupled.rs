@@ -6,7 +6,6 @@ use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Problem, Stop};
 
 use super::circuit::Solution;
-use super::edges::EdgeTimes;
 use super::sampled::Sampled;
 
 /// Step of the difference quotients in logarithms.
@@ -42,19 +41,17 @@ pub(super) fn is_coupled(drive: &Drive) -> bool {
     })
 }
 
-/// The current of unit area as a function of [ln c_1.., steady / unit, ln tau_1.., shifts of the edges].
-pub(super) struct Current<'a> {
-    pub(super) edges: &'a EdgeTimes,
-    pub(super) sampled: &'a Sampled,
-    pub(super) branches: usize,
-    pub(super) unit_a_per_v: f64,
-    /// Standard deviation of the noise, A, against which what is known of the edges before any reading is weighed.
-    pub(super) noise_a: f64,
-    pub(super) bounds: Bounds,
+/// The current of unit area as a function of [ln c_1.., steady / unit, ln tau_1..].
+struct Current<'a> {
+    drive: &'a Drive,
+    sampled: &'a Sampled,
+    branches: usize,
+    unit_a_per_v: f64,
+    bounds: Bounds,
 }
 
 impl Current<'_> {
-    pub(super) fn at(&self, place: &[f64]) -> Vec<f64> {
+    fn at(&self, place: &[f64]) -> Vec<f64> {
         let n = self.branches;
         let branch = |k: usize| Branch {
             resistance_ohm_cm2: (-place[k]).exp(),
@@ -66,8 +63,7 @@ impl Current<'_> {
             charge_to_curvature_per_c_cm: 0.0,
             relaxation_rate_per_s: 0.0,
         };
-        let drive = self.edges.shifted(&place[2 * n + 1..]);
-        let mut current = model.current_a(&drive, 1.0, &self.sampled.time_s);
+        let mut current = model.current_a(self.drive, 1.0, &self.sampled.time_s);
         self.sampled.weigh_all(&mut current);
         current
     }
@@ -102,24 +98,19 @@ impl Problem for Current<'_> {
         let mut values = self.sampled.values.to_vec();
         self.sampled.weigh_all(&mut values);
         let residuals: Vec<f64> = values.iter().zip(&here).map(|(y, f)| y - f).collect();
-        let mut local = Local::of(&residuals, &jacobian);
-        if self.edges.is_open() {
-            local.add_known_before(&self.edges.known_before(), self.noise_a * self.noise_a, place);
-        }
-        local
+        Local::of(&residuals, &jacobian)
     }
 }
 
 impl<'a> Current<'a> {
     /// About `conductances_a_per_v` (of the branches, and the steady one), with time constants between `low` and `high`
     /// (logarithms of s), and a place to start from.
-    pub(super) fn about(
-        edges: &'a EdgeTimes,
+    fn about(
+        drive: &'a Drive,
         sampled: &'a Sampled,
         conductances_a_per_v: &[f64],
         log_time_constants: &[f64],
         (low, high): (f64, f64),
-        noise_a: f64,
     ) -> (Current<'a>, Vec<f64>) {
         let n = log_time_constants.len();
         let unit_a_per_v: f64 = conductances_a_per_v.iter().sum();
@@ -131,17 +122,11 @@ impl<'a> Current<'a> {
         let mut bounds = Bounds::even(n, unit_a_per_v.ln() - 20.0, unit_a_per_v.ln() + 10.0);
         bounds.push(0.0, 1e3);
         (0..n).for_each(|_| bounds.push(low, high));
-        for shift in edges.shifts() {
-            let (low_s, high_s) = shift.limits_s();
-            bounds.push(low_s, high_s);
-            start.push(0.0);
-        }
         let current = Current {
-            edges,
+            drive,
             sampled,
             branches: n,
             unit_a_per_v,
-            noise_a,
             bounds,
         };
         (current, start)
@@ -152,14 +137,12 @@ impl<'a> Current<'a> {
 /// between `low` and `high` (logarithms of s).
 pub(super) fn refine(drive: &Drive, sampled: &Sampled, from: &Solution, low: f64, high: f64) -> Refined {
     let n = from.log_time_constants.len();
-    let edges = EdgeTimes::known(drive);
     let (current, start) = Current::about(
-        &edges,
+        drive,
         sampled,
         &from.conductances_a_per_v,
         &from.log_time_constants,
         (low, high),
-        0.0,
     );
     let unit_a_per_v = current.unit_a_per_v;
     let rounding = 4.0 * f64::EPSILON * sampled.square();

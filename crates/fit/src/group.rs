@@ -26,6 +26,7 @@ use crate::edges::EdgeTimes;
 use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};
 use crate::own_clock::{self, Aligned, aligned};
+use crate::settled_edges::Settled;
 use crate::two_steps::{Readings, identify, needed};
 use crate::widened::{self, widen_by};
 
@@ -113,6 +114,16 @@ fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> Result<Group
         }
     }
     Ok(group)
+}
+
+/// The edges of one run, searched with the parameters of both its responses; none where its current tells of no circuit.
+pub(crate) fn settled(input: &FitInput, options: &FitOptions, edges: &EdgeTimes) -> Option<Settled> {
+    let options = GroupOptions::sharing_all(options.model);
+    let middle = with_drives(&[*input], std::iter::once(edges.drive()));
+    let (runs, starts) = prepared(&middle, &options).ok()?;
+    let (problem, bottom, _) = search(runs, &starts, &shared_places(&options).ok()?);
+    let placed = open_edges::placed(&problem, &bottom.at, std::slice::from_ref(edges))?;
+    placed.into_iter().next().map(|placed| placed.settled)
 }
 
 /// The runs with other drives.
