@@ -1,0 +1,189 @@
+//! The numbers of one cycle of held voltages.
+
+use ieap_domain::Estimate;
+use ieap_domain::quantiles::{NORMAL_95, NORMAL_ONE_SIDED_95};
+use ieap_numerics::linear::{LeastSquares, variance_of_sum};
+
+use super::of_cycle::{NO_BENDING, NO_CURRENT, NOTHING_FLOWED, Numbers, Readings, missing};
+use super::policy::{BLURRED, EDGE, END, LEAST_IN_PERIOD, TOO_WIDE};
+use crate::levels::{Charge, Flow, Level, Sum, symmetric};
+
+/// The numbers of a cycle.
+pub(super) fn of_held(levels: &[Level], flow: Option<&Flow>, curvature: Option<&Readings>) -> Numbers {
+    let amplitude = curvature.and_then(|curvature| amplitude(levels, curvature));
+    let amplitude = amplitude.unwrap_or_else(|| missing(NO_BENDING));
+    let charges: Result<Vec<Charge>, &str> = flow
+        .ok_or(NO_CURRENT)
+        .and_then(|flow| levels.iter().map(|level| flow.charge(level)).collect());
+    let (flow, charges) = match (flow, charges) {
+        (Some(flow), Ok(charges)) => (flow, charges),
+        (_, Err(why)) => return with(amplitude, why),
+        (None, _) => return with(amplitude, NO_CURRENT),
+    };
+    let sum = |weight: &dyn Fn(f64, f64) -> f64| {
+        let parts = levels.iter().zip(&charges);
+        Sum::of(parts.map(|(level, charge)| (weight(level.voltage_v, charge.value), *charge)))
+    };
+    let inward = sum(&|_, charge| if charge > 0.0 { 1.0 } else { 0.0 });
+    let outward = sum(&|_, charge| if charge < 0.0 { -1.0 } else { 0.0 });
+    let efficiency = if inward.value > 0.0 {
+        let part = outward.value / inward.value;
+        // Its change with each charge, to first order.
+        let change = sum(&|_, charge| if charge > 0.0 { -part } else { -1.0 } / inward.value);
+        change.about(part).scaled(100.0)
+    } else {
+        missing(NOTHING_FLOWED)
+    };
+    let alpha = curvature.map(|curvature| alpha(levels, flow, curvature));
+    [
+        amplitude,
+        inward.estimate(1.0),
+        outward.estimate(1.0),
+        efficiency,
+        sum(&|volts, _| volts).estimate(1e3),
+        alpha.unwrap_or_else(|| missing(NO_BENDING)),
+        resistance(levels, flow),
+    ]
+}
+
+fn with(amplitude: Estimate, why: &str) -> Numbers {
+    let none = || missing(why);
+    [amplitude, none(), none(), none(), none(), none(), none()]
+}
+
+/// Half of the swing between the means over the ends of the levels.
+fn amplitude(levels: &[Level], curvature: &Readings) -> Option<Estimate> {
+    let ends = levels.iter().map(|level| end(level, curvature));
+    let ends: Vec<(f64, f64)> = ends.collect::<Option<_>>()?;
+    let by = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
+    let (high, low) = (ends.iter().max_by(by)?, ends.iter().min_by(by)?);
+    Some(symmetric(0.5 * (high.0 - low.0), 0.5 * high.1.hypot(low.1)))
+}
+
+/// The mean over the end of a level and its standard error: a line through its readings there, at the middle of that time.
+fn end(level: &Level, curvature: &Readings) -> Option<(f64, f64)> {
+    let (length_s, until_s) = (END * level.held_s(), level.until.middle_s());
+    let own = level.readings(curvature.time_s);
+    let from = curvature.time_s.partition_point(|t| *t < until_s - length_s);
+    let range = from.clamp(own.start, own.end)..own.end;
+    let (t, y) = (&curvature.time_s[range.clone()], &curvature.values[range]);
+    let middle_s = until_s - 0.5 * length_s;
+    let columns = vec![vec![1.0; t.len()], t.iter().map(|t| t - middle_s).collect()];
+    match LeastSquares::of(columns, y) {
+        Some(line) => {
+            let of_noise = curvature.noise * line.inverse_diagonal(0).sqrt();
+            Some((line.coefficients[0], of_noise.hypot(line.coefficients[1] * level.until.error_s())))
+        }
+        None => Some((*y.first()?, curvature.noise)),
+    }
+}
+
+/// Curvature over stored charge. Within each level the curvature follows the charge that has flowed, less what the leak took,
+/// and falls as fast as it relaxes: its slope on the charge beside the time integrals of the voltage and of itself, and a
+/// constant for each level, in which is what passed before the third reading.
+fn alpha(levels: &[Level], flow: &Flow, curvature: &Readings) -> Estimate {
+    let (mut charge, mut leak, mut relaxed, mut bent) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut rows: Vec<std::ops::Range<usize>> = Vec::new();
+    for level in levels {
+        let since = flow.since_third(level);
+        let first = bent.len();
+        let (mut sum, mut before) = (0.0, None);
+        for k in level.readings(curvature.time_s) {
+            let (t, y) = (curvature.time_s[k], curvature.values[k]);
+            if let Some(flowed) = since.at(t) {
+                let (last_s, last) = before.replace((t, y)).unwrap_or((t, y));
+                sum += 0.5 * (t - last_s) * (y + last);
+                charge.push(flowed);
+                leak.push(level.voltage_v * (t - since.time_s[0]));
+                relaxed.push(sum);
+                bent.push(y);
+            }
+        }
+        if bent.len() > first {
+            rows.push(first..bent.len());
+        }
+    }
+    if bent.len() < LEAST_IN_PERIOD {
+        return missing("too few readings in the cycle to hold the bending against the charge");
+    }
+    let scale = |column: Vec<f64>| -> (Vec<f64>, f64) {
+        let largest = ieap_numerics::sums::peak(&column);
+        (column.iter().map(|own| own / largest.max(f64::MIN_POSITIVE)).collect(), largest)
+    };
+    let (charge, largest) = scale(charge);
+    let mut columns = vec![charge, scale(leak).0, scale(relaxed).0];
+    for row in &rows {
+        columns.push((0..bent.len()).map(|k| f64::from(u8::from(row.contains(&k)))).collect());
+    }
+    columns.retain(|column| column.iter().any(|own| *own != 0.0));
+    let Some(fit) = LeastSquares::of(columns, &bent).filter(|_| largest > 0.0) else {
+        return missing("the readings do not tell the charge of bending from the leak");
+    };
+    let mut direction = vec![0.0; fit.coefficients.len()];
+    direction[0] = 1.0;
+    let weights = fit.weights(&direction);
+    // The noise of the current adds up from reading to reading: in units of the largest charge.
+    let (mut of_current, mut blur) = (0.0, 0.0);
+    for (level, row) in levels.iter().zip(&rows) {
+        let step_s = level.held_s() / row.len() as f64;
+        let own = flow.noise() * step_s / largest;
+        let mut after = 0.0;
+        for k in row.clone().rev() {
+            after += weights[k];
+            of_current += (own * after).powi(2);
+        }
+        blur += own * own * (row.len() as f64).powi(2) / 6.0;
+    }
+    // What the noise of a column takes from its coefficient.
+    let taken = blur * fit.inverse_diagonal(0);
+    let slope = fit.coefficients[0] / (1.0 - taken);
+    let noise = fit.noise();
+    let of_bending = variance_of_sum(&weights, &noise)
+        .sqrt()
+        .max(curvature.noise * ieap_numerics::sums::square(&weights).sqrt());
+    let error = of_bending.hypot(slope * of_current.sqrt()) / (1.0 - taken);
+    if taken > BLURRED || error > TOO_WIDE * slope.abs() {
+        return missing("the charge that flows within the levels is too small for its noise");
+    }
+    symmetric(slope / largest, error / largest)
+}
+
+/// The resistance at the edges within a cycle: the step of the voltage over that of the current, both followed to the edge. An
+/// upper bound where a faster current may have passed between an edge and the first reading behind it.
+fn resistance(levels: &[Level], flow: &Flow) -> Estimate {
+    let range = ieap_domain::range_of(levels.iter().map(|level| level.voltage_v));
+    let (mut volts, mut amperes, mut noise, mut place) = (0.0, 0.0, 0.0_f64, 0.0);
+    let (mut read, mut is_seen) = (0.0, true);
+    for pair in levels.windows(2) {
+        let (before, after) = (flow.at_end(&pair[0]), flow.at_beginning(&pair[1]));
+        let change_v = pair[1].change_v;
+        let (Some(before), Some(after), Some(first)) = (before, after, flow.first(&pair[1])) else {
+            continue;
+        };
+        if change_v.abs() < EDGE * (range.1 - range.0) {
+            continue;
+        }
+        volts += change_v.abs();
+        amperes += change_v.signum() * (after.ampere - before.ampere);
+        read += change_v.signum() * (first - before.ampere);
+        noise = noise.hypot(before.noise).hypot(after.noise);
+        place += before.place + after.place;
+        is_seen &= after.is_seen;
+    }
+    let error = noise.hypot(place);
+    if amperes <= 0.0 || volts <= 0.0 {
+        return missing("the current does not step with the voltage");
+    }
+    if is_seen && error < TOO_WIDE * amperes {
+        let (low, high) = (amperes - NORMAL_95 * error, amperes + NORMAL_95 * error);
+        return Estimate::determined(volts / amperes, volts * error / amperes.powi(2), volts / high, volts / low);
+    }
+    let least = read - NORMAL_ONE_SIDED_95 * noise;
+    if least <= 0.0 {
+        return missing("the step of the current cannot be told from noise");
+    }
+    Estimate::below(
+        volts / least,
+        "a faster current may have passed before the first reading behind an edge",
+    )
+}
