@@ -235,6 +235,9 @@ fn one(name: &str, levels: &[(f64, f64)], clock: Clock, ratio: f64, seed: u64, h
     if let Some(step) = step {
         let end_s = circuit.end_s(0, last_s);
         add(FIGURES[4].key, &step.values[4], circuit.flowed(0.0, end_s));
+        let peak_s = peak_s(&circuit, end_s);
+        add(FIGURES[0].key, &step.values[0], circuit.at(peak_s).bent);
+        add(FIGURES[1].key, &step.values[1], peak_s);
         let joule = |sign: f64| -> f64 {
             let of = |(k, &(from_s, volts)): (usize, &(f64, f64))| {
                 let joule = volts * circuit.flowed(from_s, circuit.end_s(k, last_s));
@@ -273,12 +276,16 @@ fn one(name: &str, levels: &[(f64, f64)], clock: Clock, ratio: f64, seed: u64, h
     }
 }
 
+fn peak_s(circuit: &Circuit, end_s: f64) -> f64 {
+    let places = (1..20_000).map(|k| (end_s - 1e-6) * f64::from(k) / 2e4);
+    places
+        .max_by(|a, b| circuit.at(*a).bent.total_cmp(&circuit.at(*b).bent))
+        .unwrap_or(end_s)
+}
+
 /// Elastic energy at the peak of the first level over the electrical energy until then, percent.
 fn efficiency(circuit: &Circuit, end_s: f64) -> f64 {
-    let places = (1..20_000).map(|k| (end_s - 1e-6) * f64::from(k) / 2e4);
-    let peak_s = places
-        .max_by(|a, b| circuit.at(*a).bent.total_cmp(&circuit.at(*b).bent))
-        .unwrap_or(end_s);
+    let peak_s = peak_s(circuit, end_s);
     let sample = campaign().samples[0].clone();
     let size = |of: Option<f64>| of.unwrap_or(f64::NAN);
     let (width, thickness) = (size(sample.width_mm), size(sample.thickness_mm));

@@ -11,7 +11,6 @@ mod train;
 
 use serde::{Deserialize, Serialize};
 
-use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Channel, Drive, Estimate, Level as Source, Quantity, RunRecord};
 use ieap_numerics::robust::{median, sd_on_a_slope};
 
@@ -173,9 +172,12 @@ fn allow_for_scatter(cycles: &mut [Cycle], k: usize) {
     }
     for cycle in cycles {
         let own = &mut cycle.values[k];
-        if let (Some(value), Some(error)) = (own.value, own.standard_error) {
-            let error = error * seen / usual;
-            *own = Estimate::determined(value, error, value - NORMAL_95 * error, value + NORMAL_95 * error);
+        if let (Some(value), Some(error), Some(low), Some(high)) =
+            (own.value, own.standard_error, own.low_95, own.high_95)
+        {
+            let wider = seen / usual;
+            let (low, high) = (value - wider * (value - low), value + wider * (high - value));
+            *own = Estimate::determined(value, wider * error, low, high);
         }
     }
 }

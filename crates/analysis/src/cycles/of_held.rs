@@ -1,7 +1,7 @@
 //! The numbers of one cycle of held voltages.
 
 use ieap_domain::Estimate;
-use ieap_domain::quantiles::{NORMAL_95, NORMAL_ONE_SIDED_95};
+use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::linear::{LeastSquares, variance_of_sum};
 
 use super::of_cycle::{NO_BENDING, NO_CURRENT, NOTHING_FLOWED, Numbers, Readings, missing};
@@ -22,7 +22,7 @@ pub(super) fn of_held(levels: &[Level], flow: Option<&Flow>, curvature: Option<&
     };
     let sum = |weight: &dyn Fn(f64, f64) -> f64| {
         let parts = levels.iter().zip(&charges);
-        Sum::of(parts.map(|(level, charge)| (weight(level.voltage_v, charge.value), *charge)))
+        Sum::of(parts.map(|(level, charge)| (weight(level.voltage_v, charge.value), *charge))).of_many()
     };
     let inward = sum(&|_, charge| if charge > 0.0 { 1.0 } else { 0.0 });
     let outward = sum(&|_, charge| if charge < 0.0 { -1.0 } else { 0.0 });
@@ -54,28 +54,42 @@ fn with(amplitude: Estimate, why: &str) -> Numbers {
 /// Half of the swing between the means over the ends of the levels.
 fn amplitude(levels: &[Level], curvature: &Readings) -> Option<Estimate> {
     let ends = levels.iter().map(|level| end(level, curvature));
-    let ends: Vec<(f64, f64)> = ends.collect::<Option<_>>()?;
-    let by = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
+    let ends: Vec<End> = ends.collect::<Option<_>>()?;
+    let by = |a: &&End, b: &&End| a.mean.total_cmp(&b.mean);
     let (high, low) = (ends.iter().max_by(by)?, ends.iter().min_by(by)?);
-    Some(symmetric(0.5 * (high.0 - low.0), 0.5 * high.1.hypot(low.1)))
+    // All edges of a run are read by one clock; what differs from cycle to cycle their scatter tells.
+    let error = high.noise.hypot(low.noise).hypot(high.place - low.place);
+    Some(symmetric(0.5 * (high.mean - low.mean), 0.5 * error))
 }
 
-/// The mean over the end of a level and its standard error: a line through its readings there, at the middle of that time.
-fn end(level: &Level, curvature: &Readings) -> Option<(f64, f64)> {
+/// The mean over the end of a level, its standard error, and its change with where the edge lies, in standard deviations of that.
+struct End {
+    mean: f64,
+    noise: f64,
+    place: f64,
+}
+
+/// A line through the readings at the end of a level, at the middle of that time.
+fn end(level: &Level, curvature: &Readings) -> Option<End> {
     let (length_s, until_s) = (END * level.held_s(), level.until.middle_s());
     let own = level.readings(curvature.time_s);
     let from = curvature.time_s.partition_point(|t| *t < until_s - length_s);
-    let range = from.clamp(own.start, own.end)..own.end;
+    let range = from.min(own.end.saturating_sub(2)).max(own.start)..own.end;
     let (t, y) = (&curvature.time_s[range.clone()], &curvature.values[range]);
     let middle_s = until_s - 0.5 * length_s;
     let columns = vec![vec![1.0; t.len()], t.iter().map(|t| t - middle_s).collect()];
-    match LeastSquares::of(columns, y) {
-        Some(line) => {
-            let of_noise = curvature.noise * line.inverse_diagonal(0).sqrt();
-            Some((line.coefficients[0], of_noise.hypot(line.coefficients[1] * level.until.error_s())))
-        }
-        None => Some((*y.first()?, curvature.noise)),
-    }
+    Some(match LeastSquares::of(columns, y) {
+        Some(line) => End {
+            mean: line.coefficients[0],
+            noise: curvature.noise * line.inverse_diagonal(0).sqrt(),
+            place: line.coefficients[1] * level.until.error_s(),
+        },
+        None => End {
+            mean: *y.first()?,
+            noise: curvature.noise,
+            place: 0.0,
+        },
+    })
 }
 
 /// Curvature over stored charge. Within each level the curvature follows the charge that has flowed, less what the leak took,
@@ -153,6 +167,7 @@ fn alpha(levels: &[Level], flow: &Flow, curvature: &Readings) -> Estimate {
 fn resistance(levels: &[Level], flow: &Flow) -> Estimate {
     let range = ieap_domain::range_of(levels.iter().map(|level| level.voltage_v));
     let (mut volts, mut amperes, mut noise, mut place) = (0.0, 0.0, 0.0_f64, 0.0);
+    let mut before_place = 0.0;
     let (mut read, mut is_seen) = (0.0, true);
     for pair in levels.windows(2) {
         let (before, after) = (flow.at_end(&pair[0]), flow.at_beginning(&pair[1]));
@@ -167,6 +182,7 @@ fn resistance(levels: &[Level], flow: &Flow) -> Estimate {
         amperes += change_v.signum() * (after.ampere - before.ampere);
         read += change_v.signum() * (first - before.ampere);
         noise = noise.hypot(before.noise).hypot(after.noise);
+        before_place += before.place;
         place += before.place + after.place;
         is_seen &= after.is_seen;
     }
@@ -178,7 +194,7 @@ fn resistance(levels: &[Level], flow: &Flow) -> Estimate {
         let (low, high) = (amperes - NORMAL_95 * error, amperes + NORMAL_95 * error);
         return Estimate::determined(volts / amperes, volts * error / amperes.powi(2), volts / high, volts / low);
     }
-    let least = read - NORMAL_ONE_SIDED_95 * noise;
+    let least = read - NORMAL_95 * error.min(noise.hypot(before_place));
     if least <= 0.0 {
         return missing("the step of the current cannot be told from noise");
     }

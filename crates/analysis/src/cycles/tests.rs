@@ -28,7 +28,7 @@ fn square_train(cycles: usize, fade: f64, noise: f64, seed: u64) -> (Drive, Vec<
         segments: levels
             .clone()
             .enumerate()
-            .map(|(k, volts)| Segment::at(HALF_S * k as f64, Level::Voltage(volts)))
+            .map(|(k, volts)| Segment::at(HALF_S * k as f64, Source::Voltage(volts)))
             .collect(),
     };
     let (mut time_s, mut ampere, mut bent) = (Vec::new(), Vec::new(), Vec::new());

@@ -311,11 +311,9 @@ fn count(recipe: &Recipe, counts: &mut Counts) {
         let change = 100.0 * (after / before - 1.0);
         count("change", number(step, step_keys::RELATIVE_CHANGE), change);
     }
-    for (step, (start_s, tau_s)) in found.steps.iter().zip([
-        (3600.0, recipe.wetting_s),
-        (3600.0 + recipe.hold_s, recipe.drying_s),
-    ]) {
-        let time_s = equilibrium_s(tau_s, recipe.diffuses) + start_s - step.start_s;
+    // Of the time since the humidity began to change, which is between two readings.
+    for (step, tau_s) in found.steps.iter().zip([recipe.wetting_s, recipe.drying_s]) {
+        let time_s = equilibrium_s(tau_s, recipe.diffuses);
         count(
             "equilibrium time",
             number(step, step_keys::EQUILIBRIUM_TIME),

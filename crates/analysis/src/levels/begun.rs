@@ -7,7 +7,7 @@
 use ieap_numerics::linear::LeastSquares;
 
 use super::policy::{
-    FEWEST_TO_BEGIN, MOST_TO_BEGIN, MOST_UNSEEN, PLACES, READINGS_TO_BEGIN, RESOLVED, SEEN, SHORTEST,
+    FASTER, FEWEST_TO_BEGIN, MOST_TO_BEGIN, MOST_UNSEEN, PLACES, READINGS_TO_BEGIN, RESOLVED, SEEN, SHORTEST,
     STRETCHES_TO_BEGIN, TRIALS,
 };
 
@@ -86,31 +86,35 @@ impl First<'_> {
             agrees * (width / most.max(width)) * if is_fall { 1.0 } else { 0.0 } / TRIALS as f64
         };
         let (low_s, high_s) = self.since_s;
-        let places = if high_s > low_s { PLACES } else { 1 };
-        let place_s = |k: usize| low_s + (high_s - low_s) * (k as f64 + 0.5) / places as f64;
+        let most = MOST_UNSEEN * self.step.abs().max(self.noise);
         let (mut ampere, mut charge) = (Average::new(count), Average::new(count));
         let (mut all, mut straight, mut logarithm) = (0.0, 0.0, (0.0, 0.0));
         for model in &models {
             let (tau_s, fit) = model;
-            let chance = chance(model) / places as f64;
-            if chance <= 0.0 {
+            // Followed back an exponential grows: not beyond what the current can have been.
+            let far_s = match tau_s {
+                Some(tau_s) => high_s.min(tau_s * (most / fit.coefficients[2].abs()).ln()),
+                None => high_s,
+            };
+            let share = if high_s > low_s { (far_s - low_s) / (high_s - low_s) } else { 1.0 };
+            let places = if high_s > low_s { PLACES } else { 1 };
+            let chance = chance(model) * share / places as f64;
+            if chance <= 0.0 || far_s < low_s {
                 continue;
             }
-            for since_s in (0..places).map(place_s) {
+            for k in 0..places {
+                // Both ends are places: a clock that was started by the edge reads on it.
+                let since_s = low_s + (far_s - low_s) * k as f64 / (PLACES - 1) as f64;
                 let mut at_edge = vec![1.0, -since_s / span_s];
                 let mut area = vec![x[to] + since_s, 0.5 * (x[to].powi(2) - since_s.powi(2)) / span_s];
-                match tau_s {
-                    None => straight += chance,
-                    Some(tau_s) => {
-                        let grown = (since_s / tau_s).exp();
-                        if fit.coefficients[2].abs() * grown > MOST_UNSEEN * self.step.abs().max(self.noise) {
-                            continue;
-                        }
-                        at_edge.push(grown);
-                        area.push(tau_s * (grown - (-x[to] / tau_s).exp()));
-                        logarithm.0 += chance * tau_s.ln();
-                        logarithm.1 += chance * tau_s.ln().powi(2);
-                    }
+                if let Some(tau_s) = tau_s {
+                    let grown = (since_s / tau_s).exp();
+                    at_edge.push(grown);
+                    area.push(tau_s * (grown - (-x[to] / tau_s).exp()));
+                    logarithm.0 += chance * tau_s.ln();
+                    logarithm.1 += chance * tau_s.ln().powi(2);
+                } else {
+                    straight += chance;
                 }
                 all += chance;
                 ampere.add(chance, fit, &at_edge);
@@ -123,7 +127,8 @@ impl First<'_> {
         let curved = (all * (1.0 - straight)).max(f64::MIN_POSITIVE);
         let (mean, square) = (logarithm.0 / curved, logarithm.1 / curved);
         let is_known = square - mean * mean < RESOLVED * RESOLVED && mean.exp() > 0.5 * x[1];
-        let is_seen = straight < SEEN;
+        // A relaxation far slower than the stretch that nobody saw says nothing of what was in it.
+        let is_seen = straight < SEEN && mean.exp() < FASTER * high_s;
         Begun {
             ampere: ampere.known(),
             charge: charge.known(),

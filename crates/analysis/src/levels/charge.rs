@@ -22,45 +22,60 @@ pub(crate) struct Charge {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sum {
     pub value: f64,
-    /// How far the 95 % interval reaches down and up.
-    down: f64,
-    up: f64,
+    /// Standard deviation from noise and curvature; from edges that all lie alike, and that each have a place of their own.
+    noise: f64,
+    alike: f64,
+    apart: f64,
+    unseen: f64,
 }
 
 impl Sum {
-    /// Of charges with their weights.
+    /// Of charges with their weights. Of edges it is not known whether they lie alike: the larger error counts.
     pub fn of(parts: impl IntoIterator<Item = (f64, Charge)>) -> Sum {
-        let (mut value, mut noise, mut curvature) = (0.0, 0.0_f64, 0.0);
-        let (mut alike, mut apart) = (0.0, 0.0_f64);
-        let (mut below, mut above) = (0.0, 0.0);
+        let (mut noise, mut curvature) = (0.0_f64, 0.0);
+        let mut sum = Sum {
+            value: 0.0,
+            noise: 0.0,
+            alike: 0.0,
+            apart: 0.0,
+            unseen: 0.0,
+        };
         for (weight, charge) in parts {
-            value += weight * charge.value;
+            sum.value += weight * charge.value;
             noise = noise.hypot(weight * charge.noise);
             curvature += weight * charge.curvature;
+            // What passes unseen is the same in all levels, as large as their steps.
+            sum.unseen += weight * charge.unseen;
             for edge in charge.edges {
-                alike += weight * edge;
-                apart = apart.hypot(weight * edge);
+                sum.alike += weight * edge;
+                sum.apart = sum.apart.hypot(weight * edge);
             }
-            below += (weight * charge.unseen).min(0.0);
-            above += (weight * charge.unseen).max(0.0);
         }
-        // Edges that do not lie between their readings alike add up as if each had its own place.
-        let half = NORMAL_95 * noise.hypot(curvature).hypot(f64::max(f64::abs(alike), apart));
-        Sum {
-            value,
-            down: half.hypot(below),
-            up: half.hypot(above),
-        }
+        sum.noise = noise.hypot(curvature);
+        sum
+    }
+
+    /// The same where what differs from edge to edge is told by how much its like scatter.
+    pub fn of_many(self) -> Sum {
+        Sum { apart: 0.0, ..self }
+    }
+
+    /// How far the 95 % interval reaches down and up.
+    fn reach(&self) -> (f64, f64) {
+        let half = NORMAL_95 * self.noise.hypot(self.alike.abs().max(self.apart));
+        (half.hypot(self.unseen.min(0.0)), half.hypot(self.unseen.max(0.0)))
     }
 
     /// Half of the width of the interval, in standard deviations of a normal error.
     pub fn error(&self) -> f64 {
-        (self.down + self.up) / (2.0 * NORMAL_95)
+        let (down, up) = self.reach();
+        (down + up) / (2.0 * NORMAL_95)
     }
 
     /// As an estimate of another value that changes with it one to one.
     pub fn about(&self, value: f64) -> Estimate {
-        Estimate::determined(value, self.error(), value - self.down, value + self.up)
+        let (down, up) = self.reach();
+        Estimate::determined(value, self.error(), value - down, value + up)
     }
 
     /// As an estimate, times a factor.
