@@ -24,6 +24,8 @@ const LASTING_S: f64 = 600.0;
 const NOISE: f64 = 0.003;
 /// Time constants of the fast branch in intervals of the readings.
 const RATIOS: [f64; 7] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
+/// The drive under which the circuit has its fast branch only.
+const ONE_BRANCH: &str = "pulses, one branch";
 const MODULUS_MPA: f64 = 55.0;
 
 /// Where readings lie.
@@ -74,12 +76,14 @@ fn main() {
 }
 
 /// When levels start, s, and their voltages.
-fn drives() -> [(&'static str, Vec<(f64, f64)>); 3] {
-    let pulses = (0..20).map(|k| (30.0 * f64::from(k), if k % 2 == 0 { 2.0 } else { 0.0 }));
+fn drives() -> [(&'static str, Vec<(f64, f64)>); 4] {
+    let pulse = |k: u32| (30.0 * f64::from(k), if k % 2 == 0 { 2.0 } else { 0.0 });
+    let pulses: Vec<(f64, f64)> = (0..20).map(pulse).collect();
     [
         ("step", vec![(0.0, 2.0)]),
         ("step, discharge", vec![(0.0, 2.0), (300.0, 0.0)]),
-        ("pulses", pulses.collect()),
+        ("pulses", pulses.clone()),
+        (ONE_BRANCH, pulses),
     ]
 }
 
@@ -186,8 +190,9 @@ fn one(name: &str, levels: &[(f64, f64)], clock: Clock, ratio: f64, seed: u64, h
     let mut about = |value: f64| value * random.random_range(-0.3..0.3_f64).exp();
     let fast_s = about(ratio);
     let slow_s = about((10.0 * ratio).clamp(30.0, 250.0)).max(2.5 * fast_s);
+    let slow_ohm = if name == ONE_BRANCH { 1e12 } else { about(1200.0) };
     let circuit = Circuit {
-        branches: [(about(300.0), fast_s), (about(1200.0), slow_s)],
+        branches: [(about(300.0), fast_s), (slow_ohm, slow_s)],
         leak_ohm: about(20_000.0),
         alpha: about(20.0),
         rate_per_s: about(0.01),

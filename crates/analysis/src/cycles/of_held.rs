@@ -1,11 +1,13 @@
 //! The numbers of one cycle of held voltages.
 
+use std::ops::Range;
+
 use ieap_domain::Estimate;
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::linear::{LeastSquares, variance_of_sum};
 
 use super::of_cycle::{NO_BENDING, NO_CURRENT, NOTHING_FLOWED, Numbers, Readings, missing};
-use super::policy::{BLURRED, EDGE, END, LEAST_IN_PERIOD, TOO_WIDE};
+use super::policy::{BLURRED, EDGE, END, LEAST_IN_PERIOD, MOST_SHOWN, TOO_WIDE};
 use crate::levels::{Charge, Flow, Level, Sum, symmetric};
 
 /// The numbers of a cycle.
@@ -97,7 +99,7 @@ fn end(level: &Level, curvature: &Readings) -> Option<End> {
 /// constant for each level, in which is what passed before the third reading.
 fn alpha(levels: &[Level], flow: &Flow, curvature: &Readings) -> Estimate {
     let (mut charge, mut leak, mut relaxed, mut bent) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut rows: Vec<std::ops::Range<usize>> = Vec::new();
+    let mut rows: Vec<Range<usize>> = Vec::new();
     for level in levels {
         let since = flow.since_third(level);
         let first = bent.len();
@@ -122,44 +124,82 @@ fn alpha(levels: &[Level], flow: &Flow, curvature: &Readings) -> Estimate {
     }
     let scale = |column: Vec<f64>| -> (Vec<f64>, f64) {
         let largest = ieap_numerics::sums::peak(&column);
-        (column.iter().map(|own| own / largest.max(f64::MIN_POSITIVE)).collect(), largest)
+        (
+            column
+                .iter()
+                .map(|own| own / largest.max(f64::MIN_POSITIVE))
+                .collect(),
+            largest,
+        )
     };
     let (charge, largest) = scale(charge);
-    let mut columns = vec![charge, scale(leak).0, scale(relaxed).0];
-    for row in &rows {
-        columns.push((0..bent.len()).map(|k| f64::from(u8::from(row.contains(&k)))).collect());
+    if largest == 0.0 {
+        return missing(NOTHING_FLOWED);
     }
-    columns.retain(|column| column.iter().any(|own| *own != 0.0));
-    let Some(fit) = LeastSquares::of(columns, &bent).filter(|_| largest > 0.0) else {
-        return missing("the readings do not tell the charge of bending from the leak");
+    let constant = |row: &Range<usize>| {
+        (0..bent.len())
+            .map(|k| f64::from(u8::from(row.contains(&k))))
+            .collect()
     };
+    let mut plain = vec![charge];
+    plain.extend(rows.iter().map(constant));
+    let others = [scale(leak).0, scale(relaxed).0];
+    let mut all = plain.clone();
+    all.extend(
+        others
+            .into_iter()
+            .filter(|column| ieap_numerics::sums::peak(column) > 0.0),
+    );
+    let (plain, all) = (LeastSquares::of(plain, &bent), LeastSquares::of(all, &bent));
+    let of = |fit: &LeastSquares| slope(fit, levels, &rows, flow.noise() / largest, curvature.noise);
+    let told = all.as_ref().and_then(of).or_else(|| {
+        // One resistor before a capacitor: its charge, the leak and the relaxation go the same way. Where neither of these shows
+        // they are taken for none.
+        let plain = plain.as_ref()?;
+        let noise = plain.noise().long_run_variance();
+        let without = all.map_or(bent.len() as f64 * noise, |all| all.square());
+        let shown = (plain.square() - without) / noise;
+        let (slope, error) = of(plain).filter(|_| shown < MOST_SHOWN)?;
+        Some((slope, error * (0.5 * shown).max(1.0).sqrt()))
+    });
+    match told {
+        Some((slope, error)) => symmetric(slope / largest, error / largest),
+        None => missing(
+            "the charge that flows within the levels is too small for its noise, or goes as the leak does",
+        ),
+    }
+}
+
+/// The first coefficient of a fit, that of the charge in units of its largest, and its standard error; none where that is too
+/// large. `current` is the noise of the current over that largest charge, 1/s.
+fn slope(
+    fit: &LeastSquares,
+    levels: &[Level],
+    rows: &[Range<usize>],
+    current: f64,
+    curvature: f64,
+) -> Option<(f64, f64)> {
     let mut direction = vec![0.0; fit.coefficients.len()];
     direction[0] = 1.0;
     let weights = fit.weights(&direction);
-    // The noise of the current adds up from reading to reading: in units of the largest charge.
-    let (mut of_current, mut blur) = (0.0, 0.0);
-    for (level, row) in levels.iter().zip(&rows) {
-        let step_s = level.held_s() / row.len() as f64;
-        let own = flow.noise() * step_s / largest;
+    // The noise of the current adds up from reading to reading.
+    let (mut of_current, mut blur) = (0.0_f64, 0.0);
+    for (level, row) in levels.iter().zip(rows) {
+        let own = current * level.held_s() / row.len() as f64;
         let mut after = 0.0;
         for k in row.clone().rev() {
             after += weights[k];
-            of_current += (own * after).powi(2);
+            of_current = of_current.hypot(own * after);
         }
         blur += own * own * (row.len() as f64).powi(2) / 6.0;
     }
     // What the noise of a column takes from its coefficient.
     let taken = blur * fit.inverse_diagonal(0);
     let slope = fit.coefficients[0] / (1.0 - taken);
-    let noise = fit.noise();
-    let of_bending = variance_of_sum(&weights, &noise)
-        .sqrt()
-        .max(curvature.noise * ieap_numerics::sums::square(&weights).sqrt());
-    let error = of_bending.hypot(slope * of_current.sqrt()) / (1.0 - taken);
-    if taken > BLURRED || error > TOO_WIDE * slope.abs() {
-        return missing("the charge that flows within the levels is too small for its noise");
-    }
-    symmetric(slope / largest, error / largest)
+    let of_bending = variance_of_sum(&weights, &fit.noise()).sqrt();
+    let of_bending = of_bending.max(curvature * ieap_numerics::sums::square(&weights).sqrt());
+    let error = of_bending.hypot(slope * of_current) / (1.0 - taken);
+    (taken < BLURRED && error < TOO_WIDE * slope.abs()).then_some((slope, error))
 }
 
 /// The resistance at the edges within a cycle: the step of the voltage over that of the current, both followed to the edge. An
@@ -192,7 +232,12 @@ fn resistance(levels: &[Level], flow: &Flow) -> Estimate {
     }
     if is_seen && error < TOO_WIDE * amperes {
         let (low, high) = (amperes - NORMAL_95 * error, amperes + NORMAL_95 * error);
-        return Estimate::determined(volts / amperes, volts * error / amperes.powi(2), volts / high, volts / low);
+        return Estimate::determined(
+            volts / amperes,
+            volts * error / amperes.powi(2),
+            volts / high,
+            volts / low,
+        );
     }
     let least = read - NORMAL_95 * error.min(noise.hypot(before_place));
     if least <= 0.0 {

@@ -27,4 +27,6 @@ pub const END_OF_LIFE: f64 = 0.8;
 /// Part of a slope that the noise of what it is on may take away; more is not put right. Chosen.
 pub const BLURRED: f64 = 0.2;
 /// Standard error of a ratio, in parts of it, from which it is not stated. Chosen.
-pub const TOO_WIDE: f64 = 0.4;
+pub const TOO_WIDE: f64 = 0.25;
+/// Chi-square of a leak and a relaxation above which they show: chance exceeds that of two degrees of freedom once in 10^4.
+pub const MOST_SHOWN: f64 = 18.4;

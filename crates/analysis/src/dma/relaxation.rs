@@ -36,6 +36,8 @@ pub struct Stretch<'a> {
     pub time_s: &'a [f64],
     /// Values at these times.
     pub values: &'a [f64],
+    /// Last reading before the humidity leaves its level, s.
+    pub start_s: f64,
     /// When the humidity leaves its level: times count from the middle of where that may be.
     pub(crate) begun: Edge,
     /// When it has reached the next, s: from there the relaxation is fitted.
@@ -166,7 +168,7 @@ fn equilibrium_time(
     is_open: bool,
     quantile: f64,
 ) -> Estimate {
-    let length_s = stretch.end_s - stretch.begun.latest_s;
+    let length_s = stretch.end_s - stretch.start_s;
     let settling_s = stretch.settled_s - stretch.begun.earliest_s;
     let minutes = |seconds: f64| format!("{:.1} min", seconds / 60.0);
     if times.high <= settling_s {

@@ -74,7 +74,10 @@ impl First<'_> {
         let models: Vec<(Option<f64>, LeastSquares)> =
             line.map(|line| (None, line)).into_iter().chain(beside).collect();
         let variance = self.noise * self.noise * self.memory;
-        let least = models.iter().map(|(_, fit)| fit.square()).fold(f64::INFINITY, f64::min);
+        let least = models
+            .iter()
+            .map(|(_, fit)| fit.square())
+            .fold(f64::INFINITY, f64::min);
         let variance = variance.max(least / (count - 3) as f64).max(f64::MIN_POSITIVE);
         let chance = |(tau_s, fit): &(Option<f64>, LeastSquares)| {
             let agrees = (-0.5 * (fit.square() - least) / variance).exp();
@@ -96,7 +99,11 @@ impl First<'_> {
                 Some(tau_s) => high_s.min(tau_s * (most / fit.coefficients[2].abs()).ln()),
                 None => high_s,
             };
-            let share = if high_s > low_s { (far_s - low_s) / (high_s - low_s) } else { 1.0 };
+            let share = if high_s > low_s {
+                (far_s - low_s) / (high_s - low_s)
+            } else {
+                1.0
+            };
             let places = if high_s > low_s { PLACES } else { 1 };
             let chance = chance(model) * share / places as f64;
             if chance <= 0.0 || far_s < low_s {

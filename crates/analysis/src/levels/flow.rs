@@ -120,8 +120,15 @@ impl Flow {
         Ok(Charge {
             value: begun.charge.value + middle.value + after.value,
             noise: variance_of_sum(&weights, &self.noise).sqrt(),
-            curvature: if t.len() > 3 { middle.error } else { 0.5 * middle.value },
-            edges: [-begun.charge.error * begun.ampere.value.signum(), after.error * ampere.signum()],
+            curvature: if t.len() > 3 {
+                middle.error
+            } else {
+                0.5 * middle.value
+            },
+            edges: [
+                -begun.charge.error * begun.ampere.value.signum(),
+                after.error * ampere.signum(),
+            ],
             unseen: begun.unseen,
         })
     }
@@ -203,9 +210,9 @@ impl Line {
         let count = t.len();
         let columns = vec![vec![1.0; count], t.iter().map(|own| own - t[count - 1]).collect()];
         let fit = (count > 2).then(|| LeastSquares::of(columns, i)).flatten();
-        let (last, slope) = fit
-            .as_ref()
-            .map_or((i[count - 1], 0.0), |fit| (fit.coefficients[0], fit.coefficients[1]));
+        let (last, slope) = fit.as_ref().map_or((i[count - 1], 0.0), |fit| {
+            (fit.coefficients[0], fit.coefficients[1])
+        });
         Line {
             last,
             slope,

@@ -24,7 +24,7 @@ pub const MOST_UNSEEN: f64 = 10.0;
 /// Chance of no relaxation in the first readings below which one counts as seen, and so as the fastest. Chosen.
 pub const SEEN: f64 = 1e-3;
 /// Most of its time constant, in the stretch in which the edge may lie before the first reading. Chosen.
-pub const FASTER: f64 = 5.0;
+pub const FASTER: f64 = 2.0;
 /// Standard deviation of the logarithm of its time constant below which that is known. Chosen.
 pub const RESOLVED: f64 = 0.5;
 /// Part of the correction of trapezia for the curvature between readings that may be wrong. Chosen.

@@ -169,8 +169,10 @@ fn efficiency(
     reached_s: Option<f64>,
 ) -> Estimate {
     let low_s = to_peak.low_95;
-    let (Some(low_s), Some(at_s)) = (low_s, to_peak.value.or(reached_s.zip(low_s).map(|(a, b)| a.max(b))))
-    else {
+    let (Some(low_s), Some(at_s)) = (
+        low_s,
+        to_peak.value.or(reached_s.zip(low_s).map(|(a, b)| a.max(b))),
+    ) else {
         return to_peak.clone();
     };
     let high_s = to_peak.high_95.unwrap_or(2.0 * at_s - low_s);

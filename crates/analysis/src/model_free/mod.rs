@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Channel, Drive, Estimate, Quantity, RunRecord, Sample};
 use ieap_numerics::local_parabola::{Course, Local, MOST_GOES_ON};
-use ieap_numerics::noise::scatter_between;
+use ieap_numerics::noise::local_scatter;
 
 use crate::figure::Figure;
 use crate::levels::{Flow, Level, UNKNOWN_BEGINNING, levels, symmetric};
@@ -154,7 +154,7 @@ fn bending(channel: &Channel, held: &Level, sample: Option<&Sample>) -> ([Estima
     }
     let step_s = held.from.middle_s();
     let (before, until) = (held.from.before(&time_s), held.readings(&time_s).end);
-    let Some(noise) = scatter_between(&time_s, &values, &[step_s]) else {
+    let Some(noise) = local_scatter(&[&values[..before], &values[before..until]]) else {
         return few();
     };
     let goes_on = noise.correlation.clamp(0.0, MOST_GOES_ON);
