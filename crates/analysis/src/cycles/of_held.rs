@@ -5,6 +5,7 @@ use std::ops::Range;
 use ieap_domain::Estimate;
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::linear::{LeastSquares, variance_of_sum};
+use ieap_numerics::sums;
 
 use super::of_cycle::{NO_BENDING, NO_CURRENT, NOTHING_FLOWED, Numbers, Readings, missing};
 use super::policy::{BLURRED, EDGE, END, LEAST_IN_PERIOD, MOST_SHOWN, TOO_WIDE};
@@ -123,7 +124,7 @@ fn alpha(levels: &[Level], flow: &Flow, curvature: &Readings) -> Estimate {
         return missing("too few readings in the cycle to hold the bending against the charge");
     }
     let scale = |column: Vec<f64>| -> (Vec<f64>, f64) {
-        let largest = ieap_numerics::sums::peak(&column);
+        let largest = sums::peak(&column);
         (
             column
                 .iter()
@@ -143,24 +144,22 @@ fn alpha(levels: &[Level], flow: &Flow, curvature: &Readings) -> Estimate {
     };
     let mut plain = vec![charge];
     plain.extend(rows.iter().map(constant));
-    let others = [scale(leak).0, scale(relaxed).0];
+    let mut others = [scale(leak).0, scale(relaxed).0].into_iter();
+    let mut add = |to: &mut Vec<Vec<f64>>| to.extend(others.next().filter(|own| sums::peak(own) > 0.0));
+    add(&mut plain);
     let mut all = plain.clone();
-    all.extend(
-        others
-            .into_iter()
-            .filter(|column| ieap_numerics::sums::peak(column) > 0.0),
-    );
+    add(&mut all);
     let (plain, all) = (LeastSquares::of(plain, &bent), LeastSquares::of(all, &bent));
     let of = |fit: &LeastSquares| slope(fit, levels, &rows, flow.noise() / largest, curvature.noise);
     let told = all.as_ref().and_then(of).or_else(|| {
-        // One resistor before a capacitor: its charge, the leak and the relaxation go the same way. Where neither of these shows
-        // they are taken for none.
+        // Of one resistor before a capacitor charge, leak and relaxation go the same way. Where no relaxation shows, there is
+        // none.
         let plain = plain.as_ref()?;
         let noise = plain.noise().long_run_variance();
         let without = all.map_or(bent.len() as f64 * noise, |all| all.square());
         let shown = (plain.square() - without) / noise;
         let (slope, error) = of(plain).filter(|_| shown < MOST_SHOWN)?;
-        Some((slope, error * (0.5 * shown).max(1.0).sqrt()))
+        Some((slope, error * shown.max(1.0).sqrt()))
     });
     match told {
         Some((slope, error)) => symmetric(slope / largest, error / largest),
@@ -197,7 +196,7 @@ fn slope(
     let taken = blur * fit.inverse_diagonal(0);
     let slope = fit.coefficients[0] / (1.0 - taken);
     let of_bending = variance_of_sum(&weights, &fit.noise()).sqrt();
-    let of_bending = of_bending.max(curvature * ieap_numerics::sums::square(&weights).sqrt());
+    let of_bending = of_bending.max(curvature * sums::square(&weights).sqrt());
     let error = of_bending.hypot(slope * of_current) / (1.0 - taken);
     (taken < BLURRED && error < TOO_WIDE * slope.abs()).then_some((slope, error))
 }

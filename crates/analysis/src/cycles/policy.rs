@@ -28,5 +28,5 @@ pub const END_OF_LIFE: f64 = 0.8;
 pub const BLURRED: f64 = 0.2;
 /// Standard error of a ratio, in parts of it, from which it is not stated. Chosen.
 pub const TOO_WIDE: f64 = 0.25;
-/// Chi-square of a leak and a relaxation above which they show: chance exceeds that of two degrees of freedom once in 10^4.
-pub const MOST_SHOWN: f64 = 18.4;
+/// Chi-square of a relaxation above which it shows: chance exceeds that of one degree of freedom once in 10^4.
+pub const MOST_SHOWN: f64 = 15.1;

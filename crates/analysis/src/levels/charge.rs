@@ -11,18 +11,36 @@ pub(crate) struct Charge {
     pub noise: f64,
     /// From the curvature between readings, with its sign: that of all levels is alike.
     pub curvature: f64,
-    /// Standard deviations from where its edges lie, with their signs when both lie later than thought: all edges of a run are
-    /// read by one clock.
-    pub edges: [f64; 2],
+    /// From where its edges lie.
+    pub edges: [Place; 2],
     /// What may have passed unseen before the first reading, with its sign, in 97.5 % of cases less.
     pub unseen: f64,
+}
+
+/// What the place of an edge does to a charge: standard deviations, C.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Place {
+    /// With its sign when the edge lies later than thought: all edges of a run are read by one clock, and may lie alike.
+    shared: f64,
+    /// Where an edge is less well known than others of its run.
+    own: f64,
+}
+
+impl Place {
+    /// Of an edge of whose stretch that part is the shortest one of the run.
+    pub fn of(change: f64, part: f64) -> Place {
+        Place {
+            shared: change * part,
+            own: change * (1.0 - part * part).max(0.0).sqrt(),
+        }
+    }
 }
 
 /// A weighted sum of charges, in the unit of the weights times C.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sum {
     pub value: f64,
-    /// Standard deviation from noise and curvature; from edges that all lie alike, and that each have a place of their own.
+    /// Standard deviation from all that is each level's own; from edges that all lie alike, and that each lie somewhere.
     noise: f64,
     alike: f64,
     apart: f64,
@@ -47,8 +65,9 @@ impl Sum {
             // What passes unseen is the same in all levels, as large as their steps.
             sum.unseen += weight * charge.unseen;
             for edge in charge.edges {
-                sum.alike += weight * edge;
-                sum.apart = sum.apart.hypot(weight * edge);
+                sum.alike += weight * edge.shared;
+                sum.apart = sum.apart.hypot(weight * edge.shared);
+                noise = noise.hypot(weight * edge.own);
             }
         }
         sum.noise = noise.hypot(curvature);

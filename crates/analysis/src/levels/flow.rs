@@ -10,6 +10,7 @@ use ieap_numerics::noise::local_scatter;
 use ieap_numerics::robust::sd_on_a_slope;
 
 use super::begun::{Begun, First, Known};
+use super::charge::Place;
 use super::policy::{OF_CORRECTION, READINGS_TO_END};
 use super::{Charge, Edge, Level, UNKNOWN_BEGINNING};
 
@@ -21,6 +22,8 @@ pub(crate) struct Flow {
     time_s: Arc<[f64]>,
     amperes: Arc<[f64]>,
     noise: Autoregression,
+    /// Shortest stretch in which an edge of the run lies, s; of those that are not known exactly.
+    open_s: f64,
 }
 
 /// What is known of the current at an edge of a level, A.
@@ -59,7 +62,15 @@ impl Flow {
                 correlation,
             },
             amperes,
+            open_s: (levels.iter().flatten())
+                .map(|level| level.from.open_s())
+                .filter(|open_s| *open_s > 0.0)
+                .fold(f64::INFINITY, f64::min),
         })
+    }
+
+    fn place(&self, change: f64, edge: &Edge) -> Place {
+        Place::of(change, (self.open_s / edge.open_s()).min(1.0))
     }
 
     /// When the current is first and last read, s.
@@ -126,8 +137,8 @@ impl Flow {
                 0.5 * middle.value
             },
             edges: [
-                -begun.charge.error * begun.ampere.value.signum(),
-                after.error * ampere.signum(),
+                self.place(-begun.charge.error * begun.ampere.value.signum(), &level.from),
+                self.place(after.error * ampere.signum(), &level.until),
             ],
             unseen: begun.unseen,
         })

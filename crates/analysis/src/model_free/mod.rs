@@ -231,8 +231,17 @@ impl Seen<'_> {
         self.peak.level.abs() > TOLD * self.peak_error()
     }
 
+    /// Where the strip may bend on, at the end of the level, which is behind the last reading.
     fn peak_estimate(&self) -> Estimate {
-        symmetric(self.peak.level, self.peak_error())
+        let last = self.course.ends().1;
+        let end_s = self.held.held_s();
+        let (slope, _) = match self.place.high {
+            None => self.course.slope_at(last),
+            Some(_) => (0.0, 0.0),
+        };
+        let beyond = slope * (end_s.ln() - last).max(0.0);
+        let of_place = slope * self.held.until.error_s() / end_s;
+        symmetric(self.peak.level + beyond, self.peak_error().hypot(of_place))
     }
 
     fn time_to_peak(&self) -> Estimate {
