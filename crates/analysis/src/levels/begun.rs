@@ -8,7 +8,7 @@ use ieap_numerics::linear::LeastSquares;
 
 use super::policy::{
     FASTER, FEWEST_TO_BEGIN, MOST_TO_BEGIN, MOST_UNSEEN, PLACES, READINGS_TO_BEGIN, RESOLVED, SEEN, SHORTEST,
-    STRETCHES_TO_BEGIN, TRIALS,
+    STRETCHES_TO_BEGIN, TOLD, TRIALS,
 };
 
 /// A number that is linear in the first readings of a level.
@@ -30,7 +30,7 @@ pub(super) struct Begun {
     pub charge: Known,
     pub to: usize,
     /// Most charge that may have passed before the first reading without a trace in it, C, with its sign: none where the
-    /// readings show a relaxation as it begins.
+    /// readings show a relaxation as it begins, infinite where nothing bounds it.
     pub unseen: f64,
     /// Whether nothing faster than what is seen needs to be reckoned with at the edge.
     pub is_seen: bool,
@@ -133,15 +133,22 @@ impl First<'_> {
         let straight = straight / all;
         let curved = (all * (1.0 - straight)).max(f64::MIN_POSITIVE);
         let (mean, square) = (logarithm.0 / curved, logarithm.1 / curved);
-        let is_known = square - mean * mean < RESOLVED * RESOLVED && mean.exp() > 0.5 * x[1];
-        // A relaxation far slower than the stretch that nobody saw says nothing of what was in it.
-        let is_seen = straight < SEEN && mean.exp() < FASTER * high_s;
+        let (mean_s, spread) = (mean.exp(), (square - mean * mean).max(0.0).sqrt());
+        // A relaxation far slower than the stretch that nobody saw says nothing of what was in it; of one that is over at the
+        // second reading nothing tells how large it was.
+        let is_seen = straight < SEEN && mean_s < FASTER * high_s;
+        let is_over = straight < SEEN && spread > RESOLVED && mean_s < x[1];
         Begun {
             ampere: ampere.known(),
             charge: charge.known(),
             to,
-            unseen: if is_seen { 0.0 } else { self.unseen() },
-            is_seen: high_s <= 0.0 || is_seen && is_known,
+            unseen: match (is_over, is_seen) {
+                _ if high_s <= 0.0 => 0.0,
+                (true, _) => self.step.signum() * f64::INFINITY,
+                (false, true) => 0.0,
+                (false, false) => self.unseen(),
+            },
+            is_seen: high_s <= 0.0 || is_seen && !is_over,
         }
     }
 
@@ -168,8 +175,15 @@ impl First<'_> {
         }
     }
 
-    /// The charge of the largest exponential that has fallen below the noise when the first reading is made.
+    /// The charge of the largest exponential that has fallen below the noise when the first reading is made; without bound
+    /// where the current is that of a resistor all the time, so that all that was stored passed unseen.
     fn unseen(&self) -> f64 {
+        let (from, to) = self.amperes.split_at(self.amperes.len() / 2);
+        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
+        let error = self.noise * (4.0 * self.memory / self.amperes.len() as f64).sqrt();
+        if (mean(from) - mean(to)).abs() < TOLD * error {
+            return self.step.signum() * f64::INFINITY;
+        }
         let (most, left) = (MOST_UNSEEN * self.step.abs(), 2.0 * self.noise);
         if most <= left {
             return 0.0;

@@ -3,6 +3,9 @@
 use ieap_domain::Estimate;
 use ieap_domain::quantiles::NORMAL_95;
 
+const PASSED_UNSEEN: &str =
+    "what flowed between an edge and the first reading behind it may have passed unseen";
+
 /// A charge, C. What is not known of it has parts that add up differently over the levels of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Charge {
@@ -63,7 +66,9 @@ impl Sum {
             noise = noise.hypot(weight * charge.noise);
             curvature += weight * charge.curvature;
             // What passes unseen is the same in all levels, as large as their steps.
-            sum.unseen += weight * charge.unseen;
+            if weight != 0.0 {
+                sum.unseen += weight * charge.unseen;
+            }
             for edge in charge.edges {
                 sum.alike += weight * edge.shared;
                 sum.apart = sum.apart.hypot(weight * edge.shared);
@@ -79,21 +84,28 @@ impl Sum {
         Sum { apart: 0.0, ..self }
     }
 
-    /// How far the 95 % interval reaches down and up.
-    fn reach(&self) -> (f64, f64) {
-        let half = NORMAL_95 * self.noise.hypot(self.alike.abs().max(self.apart));
-        (half.hypot(self.unseen.min(0.0)), half.hypot(self.unseen.max(0.0)))
+    fn half(&self) -> f64 {
+        NORMAL_95 * self.noise.hypot(self.alike.abs().max(self.apart))
     }
 
     /// Half of the width of the interval, in standard deviations of a normal error.
     pub fn error(&self) -> f64 {
-        let (down, up) = self.reach();
-        (down + up) / (2.0 * NORMAL_95)
+        0.5 * (self.half() + self.half().hypot(self.unseen)) / NORMAL_95
     }
 
-    /// As an estimate of another value that changes with it one to one.
+    /// As an estimate of another value that changes with it one to one; a bound where nothing tells how much passed unseen.
     pub fn about(&self, value: f64) -> Estimate {
-        let (down, up) = self.reach();
+        let half = self.half();
+        if self.unseen == f64::INFINITY {
+            return Estimate::above(value - half, PASSED_UNSEEN);
+        }
+        if self.unseen == f64::NEG_INFINITY {
+            return Estimate::below(value + half, PASSED_UNSEEN);
+        }
+        if !self.unseen.is_finite() {
+            return Estimate::not_determined(PASSED_UNSEEN);
+        }
+        let (down, up) = (half.hypot(self.unseen.min(0.0)), half.hypot(self.unseen.max(0.0)));
         Estimate::determined(value, self.error(), value - down, value + up)
     }
 

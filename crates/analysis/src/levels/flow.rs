@@ -6,12 +6,12 @@ use ieap_domain::{Channel, range_of};
 use ieap_numerics::correlation::Autoregression;
 use ieap_numerics::linear::{LeastSquares, variance_of_sum};
 use ieap_numerics::local_parabola::MOST_GOES_ON;
-use ieap_numerics::noise::local_scatter;
+use ieap_numerics::noise::{LocalScatter, local_scatter};
 use ieap_numerics::robust::sd_on_a_slope;
 
 use super::begun::{Begun, First, Known};
 use super::charge::Place;
-use super::policy::{OF_CORRECTION, READINGS_TO_END};
+use super::policy::{FEW_LEVELS, OF_CORRECTION, READINGS_TO_END};
 use super::{Charge, Edge, Level, UNKNOWN_BEGINNING};
 
 /// Noise that no ammeter is below, as a share of its range.
@@ -39,16 +39,11 @@ pub(crate) struct AtEdge {
 impl Flow {
     /// Of a channel of currents under those levels; none of too few readings.
     ///
-    /// The noise is that of the later halves of the levels, where the current is steady, or of second differences where levels
-    /// are too short for anything smoother.
+    /// Where levels are too short for anything smoother, the noise is that of second differences.
     pub fn of(channel: &Channel, levels: &[Option<Level>]) -> Option<Flow> {
         let (time_s, amperes) = channel.included();
-        let halves: Vec<&[f64]> = (levels.iter().flatten())
-            .map(|level| level.readings(&time_s))
-            .map(|range| &amperes[range.start + range.len() / 2..range.end])
-            .collect();
         let (low, high) = range_of(amperes.iter().copied());
-        let (sd, correlation) = match local_scatter(&halves) {
+        let (sd, correlation) = match scatter(&time_s, &amperes, levels) {
             Some(scatter) => (
                 scatter.standard_deviation,
                 scatter.correlation.clamp(0.0, MOST_GOES_ON),
@@ -190,6 +185,20 @@ impl Flow {
         let is_later = largest.abs() > i[0].abs() + told * self.noise();
         Some((if is_later { largest } else { i[0] }, self.noise()))
     }
+}
+
+/// The noise of a channel under those levels: of many only of their later halves, where it is steady. None where they are too
+/// short.
+pub(crate) fn scatter(time_s: &[f64], values: &[f64], levels: &[Option<Level>]) -> Option<LocalScatter> {
+    let later = if levels.len() > FEW_LEVELS { 2 } else { usize::MAX };
+    let own = levels.iter().flatten().map(|level| level.readings(time_s));
+    let stretches = own.map(|range| &values[range.start + range.len() / later..range.end]);
+    let rest = levels
+        .iter()
+        .flatten()
+        .next()
+        .map_or(0, |first| first.from.before(time_s));
+    local_scatter(&stretches.chain([&values[..rest]]).collect::<Vec<_>>())
 }
 
 /// The charge from the last readings to the end of a level, and the current there.

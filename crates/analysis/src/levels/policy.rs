@@ -26,6 +26,10 @@ pub const SEEN: f64 = 1e-3;
 /// Most of its time constant, in the stretch in which the edge may lie before the first reading. Chosen.
 pub const FASTER: f64 = 2.0;
 /// Standard deviation of the logarithm of its time constant below which that is known. Chosen.
-pub const RESOLVED: f64 = 0.5;
+pub const RESOLVED: f64 = 0.25;
+/// Standard errors by which the current of the halves of a level differs where a relaxation is seen in it at all. Chosen.
+pub const TOLD: f64 = 5.0;
 /// Part of the correction of trapezia for the curvature between readings that may be wrong. Chosen.
 pub const OF_CORRECTION: f64 = 0.3;
+/// Levels at most whose beginnings are few among the windows from which the noise is had: those of a fifth are left out there.
+pub const FEW_LEVELS: usize = 4;

@@ -13,10 +13,9 @@ use serde::{Deserialize, Serialize};
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Channel, Drive, Estimate, Quantity, RunRecord, Sample};
 use ieap_numerics::local_parabola::{Course, Local, MOST_GOES_ON};
-use ieap_numerics::noise::local_scatter;
 
 use crate::figure::Figure;
-use crate::levels::{Flow, Level, UNKNOWN_BEGINNING, levels, symmetric};
+use crate::levels::{Flow, Level, UNKNOWN_BEGINNING, levels, scatter, symmetric};
 pub use energy::ENERGIES;
 use energy::{Strip, energies};
 use policy::{RISEN, SETTLED, TOLD};
@@ -100,12 +99,13 @@ pub fn model_free(
         .filter_map(|channel| channel.time_s.last())
         .copied()
         .reduce(f64::max)?;
+    let all = levels(drive, last_s);
     let held = first_level(drive, last_s)?;
     let ([peak, to_peak, lost_10, lost_60, rate, settled], reached_s) = match curvature {
-        Some(channel) => bending(channel, &held, sample),
+        Some(channel) => bending(channel, (&held, &all), sample),
         None => (nothing("the run has no bending"), None),
     };
-    let flow = match current.map(|channel| Flow::of(channel, &levels(drive, last_s))) {
+    let flow = match current.map(|channel| Flow::of(channel, &all)) {
         Some(Some(flow)) => Ok(flow),
         Some(None) => Err("too few readings of the current"),
         None => Err("the run has no current"),
@@ -146,7 +146,11 @@ fn no_bending() -> Estimate {
 
 /// Peak, time to it, lost after 10 and 60 min, strain rate, settling time; and when the peak is first reached within its
 /// error, s after the step.
-fn bending(channel: &Channel, held: &Level, sample: Option<&Sample>) -> ([Estimate; 6], Option<f64>) {
+fn bending(
+    channel: &Channel,
+    (held, all): (&Level, &[Option<Level>]),
+    sample: Option<&Sample>,
+) -> ([Estimate; 6], Option<f64>) {
     let (time_s, values) = channel.included();
     let few = || (nothing("too few readings after the step"), None);
     if !held.from.open_s().is_finite() {
@@ -154,7 +158,7 @@ fn bending(channel: &Channel, held: &Level, sample: Option<&Sample>) -> ([Estima
     }
     let step_s = held.from.middle_s();
     let (before, until) = (held.from.before(&time_s), held.readings(&time_s).end);
-    let Some(noise) = local_scatter(&[&values[..before], &values[before..until]]) else {
+    let Some(noise) = scatter(&time_s, &values, all) else {
         return few();
     };
     let goes_on = noise.correlation.clamp(0.0, MOST_GOES_ON);
@@ -398,7 +402,8 @@ fn peak_place(course: &Course, places: &[(f64, Local)], largest: usize) -> PeakP
     let in_errors = |slope: &(f64, f64)| slope.1;
     let rises = (0..=largest).rev().find(|&k| slopes[k].1 > NORMAL_95);
     let falls = (largest..=last).find(|&k| slopes[k].1 < -NORMAL_95);
-    let low = rises.map_or(places[0].0, |k| passes(k, in_errors, NORMAL_95));
+    // Where it does not surely rise the peak may have come before the first reading.
+    let low = rises.map_or(f64::NEG_INFINITY, |k| passes(k, in_errors, NORMAL_95));
     let high = falls.map(|k| passes(k.saturating_sub(1), in_errors, -NORMAL_95));
     let (from, to) = (rises.unwrap_or(0), falls.unwrap_or(last));
     let turns = (from..to).filter(|&k| slopes[k].0 > 0.0 && slopes[k + 1].0 <= 0.0);
