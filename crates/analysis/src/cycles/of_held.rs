@@ -23,17 +23,18 @@ pub(super) fn of_held(levels: &[Level], flow: Option<&Flow>, curvature: Option<&
         (_, Err(why)) => return with(amplitude, why),
         (None, _) => return with(amplitude, NO_CURRENT),
     };
-    let sum = |weight: &dyn Fn(f64, f64) -> f64| {
+    let sum = |weight: &dyn Fn(&Level, &Charge) -> f64| {
         let parts = levels.iter().zip(&charges);
-        Sum::of(parts.map(|(level, charge)| (weight(level.voltage_v, charge.value), *charge))).of_many()
+        Sum::of(parts.map(|(level, charge)| (weight(level, charge), *charge))).of_many()
     };
-    let inward = sum(&|_, charge| if charge > 0.0 { 1.0 } else { 0.0 });
-    let outward = sum(&|_, charge| if charge < 0.0 { -1.0 } else { 0.0 });
+    let is_in = |charge: &Charge| charge.way() > 0.0;
+    let inward = sum(&|_, charge| f64::from(u8::from(is_in(charge))));
+    let outward = sum(&|_, charge| -f64::from(u8::from(!is_in(charge))));
     let efficiency = if inward.value > 0.0 {
         let part = outward.value / inward.value;
         // Its change with each charge, to first order.
-        let change = sum(&|_, charge| if charge > 0.0 { -part } else { -1.0 } / inward.value);
-        change.about(part).scaled(100.0)
+        let change = sum(&|_, charge| if is_in(charge) { -part } else { -1.0 } / inward.value);
+        outward.over(&inward, &change).scaled(100.0)
     } else {
         missing(NOTHING_FLOWED)
     };
@@ -43,7 +44,7 @@ pub(super) fn of_held(levels: &[Level], flow: Option<&Flow>, curvature: Option<&
         inward.estimate(1.0),
         outward.estimate(1.0),
         efficiency,
-        sum(&|volts, _| volts).estimate(1e3),
+        sum(&|level, _| level.voltage_v).estimate(1e3),
         alpha.unwrap_or_else(|| missing(NO_BENDING)),
         resistance(levels, flow),
     ]

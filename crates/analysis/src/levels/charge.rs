@@ -43,49 +43,58 @@ impl Place {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sum {
     pub value: f64,
-    /// Standard deviation from all that is each level's own; from edges that all lie alike, and that each lie somewhere.
+    /// Standard deviation from noise and curvature.
     noise: f64,
-    alike: f64,
-    apart: f64,
+    edges: Edges,
     unseen: f64,
+}
+
+/// Standard deviations from edges: what they share, and what is their own.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Edges {
+    /// Where all lie alike.
+    alike: [f64; 2],
+    /// Where each lies somewhere.
+    apart: [f64; 2],
 }
 
 impl Sum {
     /// Of charges with their weights. Of edges it is not known whether they lie alike: the larger error counts.
     pub fn of(parts: impl IntoIterator<Item = (f64, Charge)>) -> Sum {
-        let (mut noise, mut curvature) = (0.0_f64, 0.0);
-        let mut sum = Sum {
-            value: 0.0,
-            noise: 0.0,
-            alike: 0.0,
-            apart: 0.0,
-            unseen: 0.0,
-        };
-        for (weight, charge) in parts {
-            sum.value += weight * charge.value;
+        let (mut value, mut unseen, mut noise, mut curvature) = (0.0, 0.0, 0.0_f64, 0.0);
+        let mut edges = Edges::default();
+        for (weight, charge) in parts.into_iter().filter(|(weight, _)| *weight != 0.0) {
+            value += weight * charge.value;
             noise = noise.hypot(weight * charge.noise);
             curvature += weight * charge.curvature;
             // What passes unseen is the same in all levels, as large as their steps.
-            if weight != 0.0 {
-                sum.unseen += weight * charge.unseen;
-            }
-            for edge in charge.edges {
-                sum.alike += weight * edge.shared;
-                sum.apart = sum.apart.hypot(weight * edge.shared);
-                noise = noise.hypot(weight * edge.own);
+            unseen += weight * charge.unseen;
+            for place in charge.edges {
+                for (k, part) in [place.shared, place.own].into_iter().enumerate() {
+                    edges.alike[k] += weight * part;
+                    edges.apart[k] = edges.apart[k].hypot(weight * part);
+                }
             }
         }
-        sum.noise = noise.hypot(curvature);
-        sum
+        Sum {
+            value,
+            noise: noise.hypot(curvature),
+            edges,
+            unseen,
+        }
     }
 
     /// The same where what differs from edge to edge is told by how much its like scatter.
-    pub fn of_many(self) -> Sum {
-        Sum { apart: 0.0, ..self }
+    pub fn of_many(mut self) -> Sum {
+        self.edges.apart[0] = 0.0;
+        self
     }
 
     fn half(&self) -> f64 {
-        NORMAL_95 * self.noise.hypot(self.alike.abs().max(self.apart))
+        let Edges { alike, apart } = self.edges;
+        let each = |k: usize| alike[k].abs().max(apart[k]);
+        let together = (alike[0] + alike[1]).abs();
+        NORMAL_95 * self.noise.hypot(each(0).hypot(each(1)).max(together))
     }
 
     /// Half of the width of the interval, in standard deviations of a normal error.
@@ -113,9 +122,32 @@ impl Sum {
     pub fn estimate(&self, factor: f64) -> Estimate {
         self.about(self.value).scaled(factor)
     }
+
+    /// One sum over another, where `change` is what the first order gives of it: what all levels share may change both a lot.
+    pub fn over(&self, below: &Sum, change: &Sum) -> Estimate {
+        let part = self.value / below.value;
+        let mut found = change.about(part);
+        for by in [-NORMAL_95, NORMAL_95] {
+            let moved = |sum: &Sum| (sum.value + by * sum.edges.alike[0]).max(0.0);
+            let other = moved(self) / moved(below);
+            found.low_95 = found.low_95.map(|low| low.min(other));
+            found.high_95 = found.high_95.map(|high| high.max(other));
+        }
+        found
+    }
 }
 
 impl Charge {
+    /// Which way it flows: where its interval holds nothing, the way of what passed unseen.
+    pub fn way(&self) -> f64 {
+        let is_told = self.value.abs() > NORMAL_95 * self.alone().error();
+        if is_told || self.unseen == 0.0 {
+            self.value.signum()
+        } else {
+            self.unseen.signum()
+        }
+    }
+
     /// The charge by itself.
     pub fn alone(self) -> Sum {
         Sum::of([(1.0, self)])

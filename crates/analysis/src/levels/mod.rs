@@ -15,6 +15,7 @@ pub(crate) const UNKNOWN_BEGINNING: &str = "nothing tells how early the voltage 
 
 pub(crate) use charge::{Charge, Sum};
 pub(crate) use flow::{Flow, scatter};
+use policy::PLACE;
 
 /// Where an edge lies: anywhere between two times, which are one where it is known exactly.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,9 +57,10 @@ impl Edge {
         }
     }
 
-    /// Standard deviation of where it lies, s: anywhere is an even distribution.
+    /// Standard deviation of where it lies, s. That of an even distribution is smaller, but either end is a place, too: a clock
+    /// that was started by the edge reads on it, always.
     pub fn error_s(&self) -> f64 {
-        self.open_s() / 12f64.sqrt()
+        PLACE * self.open_s()
     }
 
     /// Readings of the level before it: those that are surely before.

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p ieap-analysis --example edges_grid` counts what all of them together give.
 
+/// Standard deviation of where an edge lies, in the stretch in which it does: 1.96 of them reach beyond either end.
+pub const PLACE: f64 = 1.0 / 3.0;
 /// Fewest readings from which the beginning of a level is told: one more than a line beside an exponential has terms.
 pub const FEWEST_TO_BEGIN: usize = 4;
 /// Readings that tell of it: a straight line follows all but its fastest relaxation over so few. Chosen.

@@ -175,9 +175,8 @@ fn efficiency(
     ) else {
         return to_peak.clone();
     };
-    let high_s = to_peak.high_95.unwrap_or(2.0 * at_s - low_s);
     let until = |after_s: f64| energy(flow, &first.as_far_as(first.from.middle_s() + after_s));
-    let (joule, low, high) = match (until(at_s), until(low_s), until(high_s)) {
+    let (joule, low, high) = match (until(at_s), until(low_s), until(to_peak.high_95.unwrap_or(at_s))) {
         (Ok(joule), low, Ok(high)) => (joule, low.map_or(0.0, |low| low.value), high.value),
         (Err(reason), ..) | (.., Err(reason)) => return Estimate::not_determined(reason),
     };
@@ -191,12 +190,14 @@ fn efficiency(
     let share = product(&[(elastic_uj, 1.0), (&symmetric(joule.value, error), -1.0)]);
     let percent = share.scaled(100.0 * MICRO);
     if to_peak.value.is_some() || percent.value.is_none() {
-        percent
-    } else {
-        Estimate {
-            reason: Some("until the curvature first is what it is when the level ends".to_owned()),
-            ..percent
-        }
+        return percent;
+    }
+    // It may as well come at the end of the level.
+    let most = until(first.held_s()).map_or(joule.value, |most| most.value);
+    Estimate {
+        low_95: percent.low_95.map(|low| low * (joule.value / most).min(1.0)),
+        reason: Some("until the curvature first is what it is when the level ends".to_owned()),
+        ..percent
     }
 }
 

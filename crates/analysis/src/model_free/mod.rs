@@ -245,7 +245,16 @@ impl Seen<'_> {
         };
         let beyond = slope * (end_s.ln() - last).max(0.0);
         let of_place = slope * self.held.until.error_s() / end_s;
-        symmetric(self.peak.level + beyond, self.peak_error().hypot(of_place))
+        let peak = symmetric(self.peak.level + beyond, self.peak_error().hypot(of_place));
+        // Of a strip that falls from its first reading on.
+        if self.place.high.is_none() || self.place.low.is_finite() || self.place.at > self.places[1].0 {
+            return peak;
+        }
+        let reason = "the peak may have come before the first reading";
+        match (peak.low_95, peak.high_95) {
+            (Some(low), _) if self.peak.level > 0.0 => Estimate::above(low, reason),
+            (_, high) => Estimate::below(high.unwrap_or_default(), reason),
+        }
     }
 
     fn time_to_peak(&self) -> Estimate {
