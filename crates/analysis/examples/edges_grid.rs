@@ -77,7 +77,7 @@ fn main() {
 
 /// When levels start, s, and their voltages.
 fn drives() -> [(&'static str, Vec<(f64, f64)>); 4] {
-    let pulse = |k: u32| (30.0 * f64::from(k), if k % 2 == 0 { 2.0 } else { 0.0 });
+    let pulse = |k: u32| (30.0 * f64::from(k), if k.is_multiple_of(2) { 2.0 } else { 0.0 });
     let pulses: Vec<(f64, f64)> = (0..20).map(pulse).collect();
     [
         ("step", vec![(0.0, 2.0)]),
