@@ -11,6 +11,9 @@ use super::policy::{
     STRETCHES_TO_BEGIN, TOLD, TRIALS,
 };
 
+/// The reading to which the models tell the charge: from it on trapezia do.
+const TO: usize = 2;
+
 /// A number that is linear in the first readings of a level.
 #[derive(Debug, Clone)]
 pub(super) struct Known {
@@ -50,106 +53,110 @@ pub(super) struct First<'a> {
     pub memory: f64,
 }
 
+/// What the first readings may follow: a straight line, or one beside an exponential.
+struct Model {
+    tau_s: Option<f64>,
+    fit: LeastSquares,
+}
+
 impl First<'_> {
     pub fn begun(&self) -> Begun {
-        let (t, i) = (self.time_s, self.amperes);
-        if t.len() < FEWEST_TO_BEGIN {
+        if self.time_s.len() < FEWEST_TO_BEGIN {
             return self.barely();
         }
-        let reach_s = t[0] + STRETCHES_TO_BEGIN * self.since_s.1;
-        let count = t.partition_point(|t| *t <= reach_s);
-        let count = count.clamp(READINGS_TO_BEGIN, MOST_TO_BEGIN).min(t.len());
-        let x: Vec<f64> = t[..count].iter().map(|own| own - t[0]).collect();
-        let span_s = x[count - 1];
-        let to = 2;
-        let columns = || vec![vec![1.0; count], x.iter().map(|x| x / span_s).collect()];
-        let line = LeastSquares::of(columns(), &i[..count]);
-        let shortest_s = SHORTEST * x[1];
-        let tau_s = |k: usize| shortest_s * (span_s / shortest_s).powf(k as f64 / (TRIALS - 1) as f64);
-        let beside = (0..TRIALS).filter_map(|k| {
-            let mut columns = columns();
-            columns.push(x.iter().map(|x| (-x / tau_s(k)).exp()).collect());
-            Some((Some(tau_s(k)), LeastSquares::of(columns, &i[..count])?))
-        });
-        let models: Vec<(Option<f64>, LeastSquares)> =
-            line.map(|line| (None, line)).into_iter().chain(beside).collect();
-        let variance = self.noise * self.noise * self.memory;
-        let least = models
-            .iter()
-            .map(|(_, fit)| fit.square())
-            .fold(f64::INFINITY, f64::min);
-        let variance = variance.max(least / (count - 3) as f64).max(f64::MIN_POSITIVE);
-        let chance = |(tau_s, fit): &(Option<f64>, LeastSquares)| {
-            let agrees = (-0.5 * (fit.square() - least) / variance).exp();
-            let Some(_) = tau_s else { return agrees };
-            // What an amplitude could have been before it was read, over what it may be now.
-            let width = (variance * fit.inverse_diagonal(2) * std::f64::consts::TAU).sqrt();
-            let most = MOST_UNSEEN * self.step.abs();
-            let is_fall = fit.coefficients[2] * self.step > 0.0;
-            agrees * (width / most.max(width)) * if is_fall { 1.0 } else { 0.0 } / TRIALS as f64
-        };
-        let (low_s, high_s) = self.since_s;
-        let most = MOST_UNSEEN * self.step.abs().max(self.noise);
-        let (mut ampere, mut charge) = (Average::new(count), Average::new(count));
-        let (mut all, mut straight, mut logarithm) = (0.0, 0.0, (0.0, 0.0));
+        let x = self.since_first();
+        let models = self.models(&x);
+        let least = models.iter().map(|model| model.fit.square());
+        let least = least.fold(f64::INFINITY, f64::min);
+        let variance = (self.noise * self.noise * self.memory).max(least / (x.len() - 3) as f64);
+        let (mut ampere, mut charge) = (Average::new(x.len()), Average::new(x.len()));
+        let mut seen = Seen::default();
         for model in &models {
-            let (tau_s, fit) = model;
-            // Followed back an exponential grows: not beyond what the current can have been.
-            let far_s = match tau_s {
-                Some(tau_s) => high_s.min(tau_s * (most / fit.coefficients[2].abs()).ln()),
-                None => high_s,
-            };
-            let share = if high_s > low_s {
-                (far_s - low_s) / (high_s - low_s)
-            } else {
-                1.0
-            };
-            let places = if high_s > low_s { PLACES } else { 1 };
-            let chance = chance(model) * share / places as f64;
-            if chance <= 0.0 || far_s < low_s {
-                continue;
+            let (places, share) = self.places(model);
+            let chance = self.chance(model, least, variance) * share / places.len() as f64;
+            for since_s in places.into_iter().filter(|_| chance > 0.0) {
+                let (at_edge, area) = model.followed(since_s, x[TO], x[x.len() - 1]);
+                ampere.add(chance, &model.fit, &at_edge);
+                charge.add(chance, &model.fit, &area);
+                seen.add(chance, model.tau_s);
             }
-            for k in 0..places {
-                // Both ends are places: a clock that was started by the edge reads on it.
-                let since_s = low_s + (far_s - low_s) * k as f64 / (PLACES - 1) as f64;
-                let mut at_edge = vec![1.0, -since_s / span_s];
-                let mut area = vec![x[to] + since_s, 0.5 * (x[to].powi(2) - since_s.powi(2)) / span_s];
-                if let Some(tau_s) = tau_s {
-                    let grown = (since_s / tau_s).exp();
-                    at_edge.push(grown);
-                    area.push(tau_s * (grown - (-x[to] / tau_s).exp()));
-                    logarithm.0 += chance * tau_s.ln();
-                    logarithm.1 += chance * tau_s.ln().powi(2);
-                } else {
-                    straight += chance;
-                }
-                all += chance;
-                ampere.add(chance, fit, &at_edge);
-                charge.add(chance, fit, &area);
-            }
-            ampere.weigh(fit);
-            charge.weigh(fit);
+            ampere.weigh(&model.fit);
+            charge.weigh(&model.fit);
         }
-        let straight = straight / all;
-        let curved = (all * (1.0 - straight)).max(f64::MIN_POSITIVE);
-        let (mean, square) = (logarithm.0 / curved, logarithm.1 / curved);
-        let (mean_s, spread) = (mean.exp(), (square - mean * mean).max(0.0).sqrt());
-        // A relaxation far slower than the stretch that nobody saw says nothing of what was in it; of one that is over at the
-        // second reading nothing tells how large it was.
-        let is_seen = straight < SEEN && mean_s < FASTER * high_s;
-        let is_over = straight < SEEN && spread > RESOLVED && mean_s < x[1];
+        let most_s = self.since_s.1;
+        let (is_seen, is_over) = (seen.is_seen(most_s), seen.is_over(x[1]));
         Begun {
             ampere: ampere.known(),
             charge: charge.known(),
-            to,
+            to: TO,
             unseen: match (is_over, is_seen) {
-                _ if high_s <= 0.0 => 0.0,
+                _ if most_s <= 0.0 => 0.0,
                 (true, _) => self.step.signum() * f64::INFINITY,
                 (false, true) => 0.0,
                 (false, false) => self.unseen(),
             },
-            is_seen: high_s <= 0.0 || is_seen && !is_over,
+            is_seen: most_s <= 0.0 || is_seen && !is_over,
         }
+    }
+
+    /// Times of the readings that tell, s since the first one.
+    fn since_first(&self) -> Vec<f64> {
+        let t = self.time_s;
+        let reach_s = t[0] + STRETCHES_TO_BEGIN * self.since_s.1;
+        let count = t.partition_point(|t| *t <= reach_s);
+        let count = count.clamp(READINGS_TO_BEGIN, MOST_TO_BEGIN).min(t.len());
+        t[..count].iter().map(|own| own - t[0]).collect()
+    }
+
+    /// The models through the first readings; what relaxes does so the way of the step.
+    fn models(&self, x: &[f64]) -> Vec<Model> {
+        let (shortest_s, span_s) = (SHORTEST * x[1], x[x.len() - 1]);
+        let trial_s = |k: usize| shortest_s * (span_s / shortest_s).powf(k as f64 / (TRIALS - 1) as f64);
+        let model = |tau_s: Option<f64>| {
+            let mut columns = vec![vec![1.0; x.len()], x.iter().map(|x| x / span_s).collect()];
+            columns.extend(tau_s.map(|tau_s| x.iter().map(|x| (-x / tau_s).exp()).collect()));
+            let fit = LeastSquares::of(columns, &self.amperes[..x.len()])?;
+            Some(Model { tau_s, fit })
+        };
+        let trials = std::iter::once(None).chain((0..TRIALS).map(|k| Some(trial_s(k))));
+        let follows = |model: &Model| model.amplitude().is_none_or(|own| own * self.step > 0.0);
+        trials.filter_map(model).filter(follows).collect()
+    }
+
+    /// How likely a model is, beside the line that describes the readings as well.
+    fn chance(&self, model: &Model, least: f64, variance: f64) -> f64 {
+        let agrees = (-0.5 * (model.fit.square() - least) / variance.max(f64::MIN_POSITIVE)).exp();
+        if model.tau_s.is_none() {
+            return agrees;
+        }
+        // What an amplitude could have been before it was read, over what it may be now.
+        let width = (variance * model.fit.inverse_diagonal(2) * std::f64::consts::TAU).sqrt();
+        agrees * width / self.most().max(width) / TRIALS as f64
+    }
+
+    /// Most that the current may differ at the edge from that before it, A.
+    fn most(&self) -> f64 {
+        MOST_UNSEEN * self.step.abs().max(self.noise)
+    }
+
+    /// Places of the edge to which a model can be followed back, s before the first reading, and their share of all. Both ends
+    /// are places: a clock that was started by the edge reads on it. Followed back an exponential grows.
+    fn places(&self, model: &Model) -> (Vec<f64>, f64) {
+        let (low_s, high_s) = self.since_s;
+        let grown_s = |(tau_s, amplitude): (f64, f64)| tau_s * (self.most() / amplitude.abs()).ln();
+        let far_s = model
+            .tau_s
+            .zip(model.amplitude())
+            .map_or(high_s, grown_s)
+            .min(high_s);
+        if high_s <= low_s || far_s <= low_s {
+            return (vec![low_s], f64::from(u8::from(far_s >= low_s)));
+        }
+        let place = |k: usize| low_s + (far_s - low_s) * k as f64 / (PLACES - 1) as f64;
+        (
+            (0..PLACES).map(place).collect(),
+            (far_s - low_s) / (high_s - low_s),
+        )
     }
 
     /// Of too few readings: the first one back to the edge, half known.
@@ -190,6 +197,68 @@ impl First<'_> {
         }
         let tau_s = self.since_s.1 / (most / left).ln().max(1.0);
         most * tau_s * self.step.signum()
+    }
+}
+
+impl Model {
+    fn amplitude(&self) -> Option<f64> {
+        self.fit.coefficients.get(2).copied()
+    }
+
+    /// What of its coefficients make the current at an edge so long before the first reading, and the charge from there to
+    /// `to_s` after it.
+    fn followed(&self, since_s: f64, to_s: f64, span_s: f64) -> (Vec<f64>, Vec<f64>) {
+        let mut at_edge = vec![1.0, -since_s / span_s];
+        let mut area = vec![to_s + since_s, 0.5 * (to_s.powi(2) - since_s.powi(2)) / span_s];
+        if let Some(tau_s) = self.tau_s {
+            let grown = (since_s / tau_s).exp();
+            at_edge.push(grown);
+            area.push(tau_s * (grown - (-to_s / tau_s).exp()));
+        }
+        (at_edge, area)
+    }
+}
+
+/// What the models together say of a relaxation.
+#[derive(Default)]
+struct Seen {
+    straight: f64,
+    curved: f64,
+    /// Sums of the logarithm of the time constant and its square.
+    logarithm: f64,
+    square: f64,
+}
+
+impl Seen {
+    fn add(&mut self, chance: f64, tau_s: Option<f64>) {
+        match tau_s.map(f64::ln) {
+            None => self.straight += chance,
+            Some(logarithm) => {
+                self.curved += chance;
+                self.logarithm += chance * logarithm;
+                self.square += chance * logarithm * logarithm;
+            }
+        }
+    }
+
+    fn is_curved(&self) -> bool {
+        self.straight < SEEN * (self.straight + self.curved)
+    }
+
+    fn mean_s(&self) -> f64 {
+        (self.logarithm / self.curved).exp()
+    }
+
+    /// Whether one is seen as it begins: one far slower than the stretch that nobody saw says nothing of what was in it.
+    fn is_seen(&self, stretch_s: f64) -> bool {
+        self.is_curved() && self.mean_s() < FASTER * stretch_s
+    }
+
+    /// Whether one is seen of which nothing tells how large it was: it is over at the second reading.
+    fn is_over(&self, second_s: f64) -> bool {
+        let mean = self.logarithm / self.curved;
+        let spread = (self.square / self.curved - mean * mean).max(0.0).sqrt();
+        self.is_curved() && spread > RESOLVED && self.mean_s() < second_s
     }
 }
 
