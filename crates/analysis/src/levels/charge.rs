@@ -129,7 +129,10 @@ impl Sum {
         let mut found = change.about(part);
         for by in [-NORMAL_95, NORMAL_95] {
             let moved = |sum: &Sum| (sum.value + by * sum.edges.alike[0]).max(0.0);
-            let other = moved(self) / moved(below);
+            let other = match moved(below) {
+                0.0 => 0.0,
+                below => moved(self) / below,
+            };
             found.low_95 = found.low_95.map(|low| low.min(other));
             found.high_95 = found.high_95.map(|high| high.max(other));
         }

@@ -153,13 +153,11 @@ impl Flow {
     /// The current right before the edge at which a level ends.
     pub fn at_end(&self, level: &Level) -> Option<AtEdge> {
         let (t, i) = self.readings(level);
-        let last_s = *t.last()?;
-        let middle_s = level.until.middle_s() - last_s;
-        let count = READINGS_TO_END.min(t.len());
-        let line = Line::of(&t[t.len() - count..], &i[t.len() - count..]);
+        let since_s = level.until.middle_s() - t.last()?;
+        let line = Line::of(t, i);
         Some(AtEdge {
-            ampere: line.at(middle_s),
-            noise: variance_of_sum(&line.weights([1.0, middle_s]), &self.noise).sqrt(),
+            ampere: line.last + line.slope * since_s,
+            noise: variance_of_sum(&line.weights([1.0, since_s]), &self.noise).sqrt(),
             place: (line.slope * level.until.error_s()).abs(),
             is_seen: true,
         })
@@ -203,12 +201,10 @@ pub(crate) fn scatter(time_s: &[f64], values: &[f64], levels: &[Option<Level>]) 
 
 /// The charge from the last readings to the end of a level, and the current there.
 fn end(t: &[f64], i: &[f64], until: &Edge) -> (Known, f64) {
-    let count = READINGS_TO_END.min(t.len());
-    let (t, i) = (&t[t.len() - count..], &i[t.len() - count..]);
     let line = Line::of(t, i);
-    let (middle_s, error_s) = (until.middle_s() - t[count - 1], until.error_s());
+    let (middle_s, error_s) = (until.middle_s() - t[t.len() - 1], until.error_s());
     let square_s = middle_s * middle_s + error_s * error_s;
-    let ampere = line.at(middle_s);
+    let ampere = line.last + line.slope * middle_s;
     let known = Known {
         value: line.last * middle_s + 0.5 * line.slope * square_s,
         error: ampere.abs() * error_s,
@@ -222,38 +218,25 @@ struct Line {
     last: f64,
     slope: f64,
     fit: Option<LeastSquares>,
-    count: usize,
 }
 
 impl Line {
     fn of(t: &[f64], i: &[f64]) -> Line {
-        let count = t.len();
-        let columns = vec![vec![1.0; count], t.iter().map(|own| own - t[count - 1]).collect()];
-        let fit = (count > 2).then(|| LeastSquares::of(columns, i)).flatten();
-        let (last, slope) = fit.as_ref().map_or((i[count - 1], 0.0), |fit| {
-            (fit.coefficients[0], fit.coefficients[1])
-        });
-        Line {
-            last,
-            slope,
-            fit,
-            count,
-        }
+        let from = t.len().saturating_sub(READINGS_TO_END);
+        let (last_s, t, i) = (t[t.len() - 1], &t[from..], &i[from..]);
+        let columns = vec![vec![1.0; t.len()], t.iter().map(|own| own - last_s).collect()];
+        let fit = (t.len() > 2).then(|| LeastSquares::of(columns, i)).flatten();
+        let line = fit.as_ref().map(|fit| (fit.coefficients[0], fit.coefficients[1]));
+        let (last, slope) = line.unwrap_or((i[i.len() - 1], 0.0));
+        Line { last, slope, fit }
     }
 
-    fn at(&self, since_last_s: f64) -> f64 {
-        self.last + self.slope * since_last_s
-    }
-
+    /// Weights of the last readings.
     fn weights(&self, combination: [f64; 2]) -> Vec<f64> {
-        self.fit.as_ref().map_or_else(
-            || {
-                let mut weights = vec![0.0; self.count];
-                weights[self.count - 1] = combination[0];
-                weights
-            },
-            |fit| fit.weights(&combination),
-        )
+        let constant = || vec![combination[0]];
+        self.fit
+            .as_ref()
+            .map_or_else(constant, |fit| fit.weights(&combination))
     }
 }
 
