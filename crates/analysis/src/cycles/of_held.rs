@@ -9,23 +9,23 @@ use ieap_numerics::sums;
 
 use super::of_cycle::{NO_BENDING, NO_CURRENT, NOTHING_FLOWED, Numbers, Readings, missing};
 use super::policy::{BLURRED, EDGE, END, LEAST_IN_PERIOD, MOST_SHOWN, TOO_WIDE};
-use crate::levels::{Charge, Flow, Level, Sum, symmetric};
+use crate::levels::{Charge, Flow, Level, Sum, Told, symmetric};
 
 /// The numbers of a cycle.
 pub(super) fn of_held(levels: &[Level], flow: Option<&Flow>, curvature: Option<&Readings>) -> Numbers {
     let amplitude = curvature.and_then(|curvature| amplitude(levels, curvature));
     let amplitude = amplitude.unwrap_or_else(|| missing(NO_BENDING));
-    let charges: Result<Vec<Charge>, &str> = flow
+    let told: Result<Vec<Told>, &str> = flow
         .ok_or(NO_CURRENT)
-        .and_then(|flow| levels.iter().map(|level| flow.charge(level)).collect());
-    let (flow, charges) = match (flow, charges) {
-        (Some(flow), Ok(charges)) => (flow, charges),
+        .and_then(|flow| levels.iter().map(|level| flow.told(level)).collect());
+    let (flow, told) = match (flow, told) {
+        (Some(flow), Ok(told)) => (flow, told),
         (_, Err(why)) => return with(amplitude, why),
         (None, _) => return with(amplitude, NO_CURRENT),
     };
     let sum = |weight: &dyn Fn(&Level, &Charge) -> f64| {
-        let parts = levels.iter().zip(&charges);
-        Sum::of(parts.map(|(level, charge)| (weight(level, charge), *charge))).of_many()
+        let parts = levels.iter().zip(&told);
+        Sum::of(parts.map(|(level, own)| (weight(level, &own.charge), own.charge))).of_many()
     };
     let is_in = |charge: &Charge| charge.way() > 0.0;
     let inward = sum(&|_, charge| f64::from(u8::from(is_in(charge))));
@@ -46,7 +46,7 @@ pub(super) fn of_held(levels: &[Level], flow: Option<&Flow>, curvature: Option<&
         efficiency,
         sum(&|level, _| level.voltage_v).estimate(1e3),
         alpha.unwrap_or_else(|| missing(NO_BENDING)),
-        resistance(levels, flow),
+        resistance(levels, &told),
     ]
 }
 
@@ -204,23 +204,19 @@ fn slope(
 
 /// The resistance at the edges within a cycle: the step of the voltage over that of the current, both followed to the edge. An
 /// upper bound where a faster current may have passed between an edge and the first reading behind it.
-fn resistance(levels: &[Level], flow: &Flow) -> Estimate {
+fn resistance(levels: &[Level], told: &[Told]) -> Estimate {
     let range = ieap_domain::range_of(levels.iter().map(|level| level.voltage_v));
     let (mut volts, mut amperes, mut noise, mut place) = (0.0, 0.0, 0.0_f64, 0.0);
     let mut before_place = 0.0;
     let (mut read, mut is_seen) = (0.0, true);
-    for pair in levels.windows(2) {
-        let (before, after) = (flow.at_end(&pair[0]), flow.at_beginning(&pair[1]));
-        let change_v = pair[1].change_v;
-        let (Some(before), Some(after), Some(first)) = (before, after, flow.first(&pair[1])) else {
-            continue;
-        };
+    for (level, pair) in levels[1..].iter().zip(told.windows(2)) {
+        let (before, after, change_v) = (&pair[0].ends, &pair[1].begins, level.change_v);
         if change_v.abs() < EDGE * (range.1 - range.0) {
             continue;
         }
         volts += change_v.abs();
         amperes += change_v.signum() * (after.ampere - before.ampere);
-        read += change_v.signum() * (first - before.ampere);
+        read += change_v.signum() * (pair[1].first - before.ampere);
         noise = noise.hypot(before.noise).hypot(after.noise);
         before_place += before.place;
         place += before.place + after.place;

@@ -26,6 +26,15 @@ pub(crate) struct Flow {
     open_s: f64,
 }
 
+/// What is known of a level.
+pub(crate) struct Told {
+    pub charge: Charge,
+    /// Its first reading, A.
+    pub first: f64,
+    pub begins: AtEdge,
+    pub ends: AtEdge,
+}
+
 /// What is known of the current at an edge of a level, A.
 pub(crate) struct AtEdge {
     pub ampere: f64,
@@ -102,28 +111,31 @@ impl Flow {
         Some(first.begun())
     }
 
-    /// The charge of a level, or why it cannot be told.
+    /// The charge of a level, and its current at both edges.
     ///
     /// # Errors
     /// The level has no reading, or nothing tells how early it began.
-    pub fn charge(&self, level: &Level) -> Result<Charge, &'static str> {
+    pub fn told(&self, level: &Level) -> Result<Told, &'static str> {
         let (t, i) = self.readings(level);
-        if t.is_empty() {
+        let Some(&first) = i.first() else {
             return Err("a level has no reading of the current");
-        }
+        };
         let begun = self.begun(level).ok_or(UNKNOWN_BEGINNING)?;
         let to = begun.to;
         let middle = trapezia(&t[to..], &i[to..]);
-        let (after, ampere) = end(t, i, &level.until);
+        let (after, ends) = end(t, i, &level.until);
         let mut weights = vec![0.0; t.len()];
-        let parts = [(0, &begun.charge.weights), (to, &middle.weights)];
-        let ending = (t.len() - after.weights.len(), &after.weights);
-        for (from, of) in parts.into_iter().chain([ending]) {
-            for (own, weight) in weights[from..].iter_mut().zip(of) {
+        let parts = [
+            (0, &begun.charge),
+            (to, &middle),
+            (t.len() - after.weights.len(), &after),
+        ];
+        for (from, of) in parts {
+            for (own, weight) in weights[from..].iter_mut().zip(&of.weights) {
                 *own += weight;
             }
         }
-        Ok(Charge {
+        let charge = Charge {
             value: begun.charge.value + middle.value + after.value,
             noise: variance_of_sum(&weights, &self.noise).sqrt(),
             curvature: if t.len() > 3 {
@@ -133,39 +145,30 @@ impl Flow {
             },
             edges: [
                 self.place(-begun.charge.error * begun.ampere.value.signum(), &level.from),
-                self.place(after.error * ampere.signum(), &level.until),
+                self.place(after.error * ends.value.signum(), &level.until),
             ],
             unseen: begun.unseen,
+        };
+        let at_edge = |known: Known, is_seen| AtEdge {
+            ampere: known.value,
+            noise: variance_of_sum(&known.weights, &self.noise).sqrt(),
+            place: known.error,
+            is_seen,
+        };
+        Ok(Told {
+            charge,
+            first,
+            begins: at_edge(begun.ampere, begun.is_seen),
+            ends: at_edge(ends, true),
         })
     }
 
-    /// The current right behind the edge at which a level begins.
-    pub fn at_beginning(&self, level: &Level) -> Option<AtEdge> {
-        let begun = self.begun(level)?;
-        Some(AtEdge {
-            ampere: begun.ampere.value,
-            noise: variance_of_sum(&begun.ampere.weights, &self.noise).sqrt(),
-            place: begun.ampere.error,
-            is_seen: begun.is_seen,
-        })
-    }
-
-    /// The current right before the edge at which a level ends.
-    pub fn at_end(&self, level: &Level) -> Option<AtEdge> {
-        let (t, i) = self.readings(level);
-        let since_s = level.until.middle_s() - t.last()?;
-        let line = Line::of(t, i);
-        Some(AtEdge {
-            ampere: line.last + line.slope * since_s,
-            noise: variance_of_sum(&line.weights([1.0, since_s]), &self.noise).sqrt(),
-            place: (line.slope * level.until.error_s()).abs(),
-            is_seen: true,
-        })
-    }
-
-    /// The first reading of a level, A.
-    pub fn first(&self, level: &Level) -> Option<f64> {
-        self.readings(level).1.first().copied()
+    /// The charge of a level.
+    ///
+    /// # Errors
+    /// As of [`Flow::told`].
+    pub fn charge(&self, level: &Level) -> Result<Charge, &'static str> {
+        Ok(self.told(level)?.charge)
     }
 
     /// The charge from the third reading of a level to a time in it, C; none before that, and behind the last reading.
@@ -200,17 +203,21 @@ pub(crate) fn scatter(time_s: &[f64], values: &[f64], levels: &[Option<Level>]) 
 }
 
 /// The charge from the last readings to the end of a level, and the current there.
-fn end(t: &[f64], i: &[f64], until: &Edge) -> (Known, f64) {
+fn end(t: &[f64], i: &[f64], until: &Edge) -> (Known, Known) {
     let line = Line::of(t, i);
     let (middle_s, error_s) = (until.middle_s() - t[t.len() - 1], until.error_s());
     let square_s = middle_s * middle_s + error_s * error_s;
-    let ampere = line.last + line.slope * middle_s;
-    let known = Known {
+    let ampere = Known {
+        value: line.last + line.slope * middle_s,
+        error: (line.slope * error_s).abs(),
+        weights: line.weights([1.0, middle_s]),
+    };
+    let charge = Known {
         value: line.last * middle_s + 0.5 * line.slope * square_s,
-        error: ampere.abs() * error_s,
+        error: ampere.value.abs() * error_s,
         weights: line.weights([middle_s, 0.5 * square_s]),
     };
-    (known, ampere)
+    (charge, ampere)
 }
 
 /// A straight line through the last readings of a level, about the last one; a constant where they are too few.
