@@ -158,7 +158,8 @@ impl Flow {
         Ok(Told {
             charge,
             first,
-            begins: at_edge(begun.ampere, begun.is_seen),
+            // How far to follow it back is known where the edge is.
+            begins: at_edge(begun.ampere, begun.is_seen && level.from.open_s() <= 0.0),
             ends: at_edge(ends, true),
         })
     }
@@ -190,7 +191,7 @@ impl Flow {
 
 /// The noise of a channel under those levels: of many only of their later halves, where it is steady. None where they are too
 /// short.
-pub(crate) fn scatter(time_s: &[f64], values: &[f64], levels: &[Option<Level>]) -> Option<LocalScatter> {
+fn scatter(time_s: &[f64], values: &[f64], levels: &[Option<Level>]) -> Option<LocalScatter> {
     let later = if levels.len() > FEW_LEVELS { 2 } else { usize::MAX };
     let own = levels.iter().flatten().map(|level| level.readings(time_s));
     let stretches = own.map(|range| &values[range.start + range.len() / later..range.end]);

@@ -14,7 +14,7 @@ use ieap_domain::{Drive, Estimate, Level as Source, Segment};
 pub(crate) const UNKNOWN_BEGINNING: &str = "nothing tells how early the voltage changed";
 
 pub(crate) use charge::{Charge, Sum};
-pub(crate) use flow::{Flow, Told, scatter};
+pub(crate) use flow::{Flow, Told};
 use policy::PLACE;
 
 /// Where an edge lies: anywhere between two times, which are one where it is known exactly.

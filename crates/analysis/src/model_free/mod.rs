@@ -13,9 +13,10 @@ use serde::{Deserialize, Serialize};
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Channel, Drive, Estimate, Quantity, RunRecord, Sample};
 use ieap_numerics::local_parabola::{Course, Local, MOST_GOES_ON};
+use ieap_numerics::noise::scatter_between;
 
 use crate::figure::Figure;
-use crate::levels::{Flow, Level, UNKNOWN_BEGINNING, levels, scatter, symmetric};
+use crate::levels::{Flow, Level, UNKNOWN_BEGINNING, levels, symmetric};
 pub use energy::ENERGIES;
 use energy::{Strip, energies};
 use policy::{RISEN, SETTLED, TOLD};
@@ -102,7 +103,7 @@ pub fn model_free(
     let all = levels(drive, last_s);
     let held = first_level(drive, last_s)?;
     let ([peak, to_peak, lost_10, lost_60, rate, settled], reached_s) = match curvature {
-        Some(channel) => bending(channel, (&held, &all), sample),
+        Some(channel) => bending(channel, &held, sample),
         None => (nothing("the run has no bending"), None),
     };
     let flow = match current.map(|channel| Flow::of(channel, &all)) {
@@ -146,11 +147,7 @@ fn no_bending() -> Estimate {
 
 /// Peak, time to it, lost after 10 and 60 min, strain rate, settling time; and when the peak is first reached within its
 /// error, s after the step.
-fn bending(
-    channel: &Channel,
-    (held, all): (&Level, &[Option<Level>]),
-    sample: Option<&Sample>,
-) -> ([Estimate; 6], Option<f64>) {
+fn bending(channel: &Channel, held: &Level, sample: Option<&Sample>) -> ([Estimate; 6], Option<f64>) {
     let (time_s, values) = channel.included();
     let few = || (nothing("too few readings after the step"), None);
     if !held.from.open_s().is_finite() {
@@ -158,7 +155,7 @@ fn bending(
     }
     let step_s = held.from.middle_s();
     let (before, until) = (held.from.before(&time_s), held.readings(&time_s).end);
-    let Some(noise) = scatter(&time_s, &values, all) else {
+    let Some(noise) = scatter_between(&time_s, &values, &[step_s]) else {
         return few();
     };
     let goes_on = noise.correlation.clamp(0.0, MOST_GOES_ON);
