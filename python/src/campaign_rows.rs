@@ -84,8 +84,11 @@ fn drive(batch: &RecordBatch, row: usize) -> Result<Drive, Issue> {
             true => Level::OpenCircuit,
             false => Level::Voltage(voltage_v),
         };
-        let before_s = before.get(place).copied().filter(|s| s.is_finite());
-        let edge = before_s.map_or(Edge::at(start_s), |before_s| Edge::between(before_s, start_s));
+        let edge = match before.get(place) {
+            Some(before_s) if before_s.is_finite() => Edge::between(*before_s, start_s),
+            Some(f64::NEG_INFINITY) => Edge::before(start_s),
+            _ => Edge::at(start_s),
+        };
         Segment { edge, level }
     };
     let pairs = starts.into_iter().zip(levels).enumerate();

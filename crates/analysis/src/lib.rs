@@ -18,6 +18,7 @@ pub mod impedance;
 pub mod json_rows;
 pub mod kept;
 pub mod laws;
+mod levels;
 pub mod misread;
 pub mod model_free;
 pub mod models_compared;

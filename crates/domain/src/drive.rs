@@ -153,7 +153,7 @@ impl Drive {
             let before_s = first.checked_sub(1).map(|before| time_s[before]);
             segment.edge = match before_s {
                 Some(before_s) => Edge::between(before_s, after_s),
-                None => Edge::before_record(time_s),
+                None => Edge::before(after_s),
             };
         }
         seen.segments.dedup_by(|later, earlier| {

@@ -5,13 +5,19 @@ use serde::{Deserialize, Serialize};
 /// When the voltage changed: after the last reading that shows the old level and no later than the first that shows the new one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Edge {
-    /// It was not before this time, s.
+    /// It was not before this time, s; minus infinity, which is not stored, where nothing tells.
+    #[serde(default = "never", skip_serializing_if = "is_never")]
     pub no_earlier_s: f64,
     /// It was not after this time, s.
     pub no_later_s: f64,
     /// What tells.
     pub origin: EdgeOrigin,
 }
+
+/// What is not known of an edge that lies anywhere in a time counts as so much of that, as a standard deviation. Of an even
+/// distribution it would be 0.289; but either end is a place, too, where a clock that was started by the edge reads on all of
+/// them: with 0.289 88 to 94 of 100 intervals hold there, by `cargo run --release -p ieap-fit --example sampling_grid`.
+pub const EDGE_OF_RANGE: f64 = 0.36;
 
 /// What tells when the voltage changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,8 +27,7 @@ pub enum EdgeOrigin {
     Stated,
     /// The readings beside it.
     Readings,
-    /// Nothing: the record begins after it, and does not say how long after. [`Edge::no_earlier_s`] is then as far back as the
-    /// record is long, which is no knowledge.
+    /// Nothing: the record begins after it, and does not say how long after.
     Unseen,
 }
 
@@ -45,12 +50,10 @@ impl Edge {
         }
     }
 
-    /// An edge before the first of these readings, at a time that nothing tells.
-    pub fn before_record(time_s: &[f64]) -> Edge {
-        let begins_s = time_s.first().copied().unwrap_or(0.0);
-        let ends_s = time_s.last().copied().unwrap_or(0.0);
+    /// An edge before the record, at a time that nothing tells.
+    pub fn before(begins_s: f64) -> Edge {
         Edge {
-            no_earlier_s: 2.0 * begins_s - ends_s,
+            no_earlier_s: f64::NEG_INFINITY,
             no_later_s: begins_s,
             origin: EdgeOrigin::Unseen,
         }
@@ -61,14 +64,32 @@ impl Edge {
         self.no_later_s - self.no_earlier_s
     }
 
-    /// The middle of that time, s.
+    /// The middle of that time, s; the end of it where nothing tells how early.
     pub fn middle_s(&self) -> f64 {
-        0.5 * (self.no_earlier_s + self.no_later_s)
+        if self.is_unseen() {
+            self.no_later_s
+        } else {
+            0.5 * (self.no_earlier_s + self.no_later_s)
+        }
     }
 
-    /// Standard deviation of where it lies in that time, s, as likely anywhere.
+    /// Standard deviation of where it lies in that time, s ([`EDGE_OF_RANGE`]).
     pub fn standard_deviation_s(&self) -> f64 {
-        self.open_s() / 12f64.sqrt()
+        EDGE_OF_RANGE * self.open_s()
+    }
+
+    /// Readings at these times that are surely before it; of one that is stated those of the level before.
+    pub fn readings_before(&self, time_s: &[f64]) -> usize {
+        if self.open_s() > 0.0 {
+            time_s.partition_point(|t| *t <= self.no_earlier_s)
+        } else {
+            self.first_behind(time_s)
+        }
+    }
+
+    /// The first reading at these times that is surely behind it.
+    pub fn first_behind(&self, time_s: &[f64]) -> usize {
+        time_s.partition_point(|t| *t < self.no_later_s)
     }
 
     /// Whether it is stated.
@@ -80,12 +101,12 @@ impl Edge {
     pub fn is_unseen(&self) -> bool {
         self.origin == EdgeOrigin::Unseen
     }
+}
 
-    /// The same taken to be at that time, s.
-    pub fn taken_at(self, time_s: f64) -> Edge {
-        Edge {
-            no_later_s: time_s,
-            ..self
-        }
-    }
+fn never() -> f64 {
+    f64::NEG_INFINITY
+}
+
+fn is_never(time_s: &f64) -> bool {
+    *time_s == f64::NEG_INFINITY
 }

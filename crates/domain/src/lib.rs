@@ -64,7 +64,7 @@ pub use diagnosis::{
     Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
-pub use edge::{Edge, EdgeOrigin};
+pub use edge::{EDGE_OF_RANGE, Edge, EdgeOrigin};
 pub use estimate::{Estimate, EstimateState};
 pub use fault::Fault;
 pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Parameter};

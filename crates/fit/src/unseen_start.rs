@@ -5,7 +5,7 @@
 //! and a larger capacitance, applied earlier. A bending strip, a discharge or a reversal in the record tells more.
 
 use ieap_domain::quantiles::CHI_SQUARE_95_OF_ONE;
-use ieap_domain::{Drive, Edge, Estimate, Fit};
+use ieap_domain::{Channel, Drive, Edge, Estimate, Fit};
 use ieap_numerics::sums;
 
 use crate::error::FitError;
@@ -41,7 +41,9 @@ pub(crate) fn fit(
         drive: &earlier(input.drive, 0.0),
         ..*input
     })?;
-    let lasts_s = input.drive.segments[0].edge.open_s();
+    let last_s = |channel: &Channel| channel.time_s.last().copied();
+    let ends_s = input.channels.iter().filter_map(last_s).fold(0.0, f64::max);
+    let lasts_s = (ends_s - input.drive.segments[0].start_s()).max(f64::MIN_POSITIVE);
     let at = |by_s: f64| left(input, options, &earlier(input.drive, by_s));
     // By halves of the record; then the best of it, and how far on either side is as good.
     let halved = (0..FINEST).rev().map(|halved| lasts_s * 0.5_f64.powi(halved));

@@ -2,6 +2,8 @@
 //! against their number, and what of it has a trend.
 
 mod of_cycle;
+mod of_held;
+mod of_wave;
 pub mod policy;
 #[cfg(test)]
 mod tests;
@@ -9,14 +11,16 @@ mod train;
 
 use serde::{Deserialize, Serialize};
 
-use ieap_domain::quantiles::NORMAL_95;
-use ieap_domain::{Channel, Drive, Estimate, Level, Quantity, RunRecord};
+use ieap_domain::{Channel, Drive, Estimate, Level as Source, Quantity, RunRecord};
 use ieap_numerics::robust::{median, sd_on_a_slope};
 
 use crate::figure::Figure;
 use crate::laws::words::{moves, short};
+use crate::levels::{Flow, Level, levels};
 use crate::monitoring::series::{Limits, Reaches, Series};
-use of_cycle::{Numbers, Readings, of_held, of_wave};
+use of_cycle::{Numbers, Readings};
+use of_held::of_held;
+use of_wave::of_wave;
 use policy::{END_OF_LIFE, MOST_POINTS};
 use train::{Train, train};
 
@@ -97,14 +101,18 @@ pub fn cycle_run(run: &RunRecord, channels: &[Channel]) -> Option<CycleRun> {
         .filter_map(|(time_s, _)| time_s.last())
         .copied()
         .reduce(f64::max)?;
+    let flow = channels
+        .iter()
+        .find(|channel| channel.is_whole(Quantity::Current))
+        .and_then(|channel| Flow::of(channel, &levels(drive, last_s)));
     let current = current.as_ref().map(|(t, y)| Readings::of(t, y));
     let curvature = curvature.as_ref().map(|(t, y)| Readings::of(t, y));
     let volts = volts_of(drive);
     let found: Vec<(f64, Numbers)> = match train(drive, last_s)? {
         Train::Held(cycles) => {
-            let of = |levels: &Vec<train::Held>| {
-                let numbers = of_held(levels, current.as_ref(), curvature.as_ref());
-                (levels[0].from_s, numbers)
+            let of = |levels: &Vec<Level>| {
+                let numbers = of_held(levels, flow.as_ref(), curvature.as_ref());
+                (levels[0].from.no_later_s, numbers)
             };
             cycles.iter().map(of).collect()
         }
@@ -141,8 +149,8 @@ fn volts_of(drive: &Drive) -> (Vec<f64>, Vec<f64>) {
     let ends = drive.segments.iter().skip(1).map(|next| next.start_s());
     let last = drive.segments.last().map(|segment| segment.start_s());
     let of = |(segment, end): (&ieap_domain::Segment, f64)| match segment.level {
-        Level::Voltage(volts) => Some((0.5 * (segment.start_s() + end), volts)),
-        Level::OpenCircuit => None,
+        Source::Voltage(volts) => Some((0.5 * (segment.start_s() + end), volts)),
+        Source::OpenCircuit => None,
     };
     drive.segments.iter().zip(ends.chain(last)).filter_map(of).unzip()
 }
@@ -164,9 +172,12 @@ fn allow_for_scatter(cycles: &mut [Cycle], k: usize) {
     }
     for cycle in cycles {
         let own = &mut cycle.values[k];
-        if let (Some(value), Some(error)) = (own.value, own.standard_error) {
-            let error = error * seen / usual;
-            *own = Estimate::determined(value, error, value - NORMAL_95 * error, value + NORMAL_95 * error);
+        if let (Some(value), Some(error), Some(low), Some(high)) =
+            (own.value, own.standard_error, own.low_95, own.high_95)
+        {
+            let wider = seen / usual;
+            let (low, high) = (value - wider * (value - low), value + wider * (high - value));
+            *own = Estimate::determined(value, wider * error, low, high);
         }
     }
 }

@@ -23,3 +23,10 @@ pub const LEAST_IN_PERIOD: usize = 12;
 pub const MOST_POINTS: usize = 150;
 /// Part of its beginning to which a number has fallen where a life test is over: a convention for batteries.
 pub const END_OF_LIFE: f64 = 0.8;
+
+/// Part of a slope that the noise of what it is on may take away; more is not put right. Chosen.
+pub const BLURRED: f64 = 0.2;
+/// Standard error of a ratio, in parts of it, from which it is not stated. Chosen.
+pub const TOO_WIDE: f64 = 0.25;
+/// Chi-square of a relaxation above which it shows: chance exceeds that of one degree of freedom once in 10^4.
+pub const MOST_SHOWN: f64 = 15.1;

@@ -20,6 +20,16 @@ const EVERY_S: f64 = 0.1;
 /// Cycles of +1 V and -1 V on a resistor before a capacitor, with a curvature per charge that falls by `fade` a cycle.
 /// The charge is exact, step by step.
 fn square_train(cycles: usize, fade: f64, noise: f64, seed: u64) -> (Drive, Vec<Channel>) {
+    train_beside(0.0, 0.0, (cycles, fade), (noise, seed))
+}
+
+/// The same with readings so long after the edges, and a leak of that conductance, which bends nothing.
+fn train_beside(
+    offset_s: f64,
+    leak_s: f64,
+    (cycles, fade): (usize, f64),
+    (noise, seed): (f64, u64),
+) -> (Drive, Vec<Channel>) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
     let levels = (0..2 * cycles).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 });
@@ -28,7 +38,7 @@ fn square_train(cycles: usize, fade: f64, noise: f64, seed: u64) -> (Drive, Vec<
         segments: levels
             .clone()
             .enumerate()
-            .map(|(k, volts)| Segment::at(HALF_S * k as f64, Level::Voltage(volts)))
+            .map(|(k, volts)| Segment::at(HALF_S * k as f64, Source::Voltage(volts)))
             .collect(),
     };
     let (mut time_s, mut ampere, mut bent) = (Vec::new(), Vec::new(), Vec::new());
@@ -37,10 +47,10 @@ fn square_train(cycles: usize, fade: f64, noise: f64, seed: u64) -> (Drive, Vec<
         let alpha = ALPHA * (1.0 - fade * (k / 2) as f64);
         let steps = (HALF_S / EVERY_S).round() as usize;
         for step in 0..steps {
-            let t = EVERY_S * step as f64;
+            let t = EVERY_S * step as f64 + offset_s;
             let now = C_F * volts + (charge - C_F * volts) * (-t / (R_OHM * C_F)).exp();
             time_s.push(HALF_S * k as f64 + t);
-            ampere.push((volts - now / C_F) / R_OHM + noise * 0.01 * normal());
+            ampere.push((volts - now / C_F) / R_OHM + leak_s * volts + noise * 0.01 * normal());
             bent.push(alpha * now + noise * 0.1 * normal());
         }
         charge = C_F * volts + (charge - C_F * volts) * (-HALF_S / (R_OHM * C_F)).exp();
@@ -101,6 +111,39 @@ fn a_square_train_has_the_numbers_of_its_circuit() {
         "amplitude {}",
         value(0)
     );
+}
+
+/// Between readings, on them, and beside a leak: the intervals hold what the circuit does, and alpha is that of what is stored.
+#[test]
+fn edges_between_readings_and_a_leak_move_no_number() {
+    let leak_s = 2e-3;
+    for offset_s in [0.0, 0.04, 0.08] {
+        let (drive, channels) = train_beside(offset_s, leak_s, (20, 0.0), (0.003, 7));
+        let found = told(drive.as_seen(&channels[0].time_s), &channels).unwrap();
+        let q = 2.0 * lasting_charge() + leak_s * HALF_S;
+        let truths = [(1, q), (2, q), (3, 100.0), (4, 2e3 * q), (5, ALPHA)];
+        for (k, truth) in truths {
+            let held = found.cycles[4..].iter().filter(|cycle| {
+                let own = &cycle.values[k];
+                own.low_95.unwrap() <= truth && truth <= own.high_95.unwrap()
+            });
+            let (held, of) = (held.count(), found.cycles.len() - 4);
+            assert!(
+                held + 2 >= of,
+                "{offset_s}, {}: {held} of {of}",
+                CYCLE_FIGURES[k].key
+            );
+            let value = found.cycles[10].values[k].value.unwrap();
+            assert!(
+                (value / truth - 1.0).abs() < 0.08,
+                "{offset_s}: {value} for {truth}"
+            );
+        }
+        // At the edge itself, of which a faster current may have gone by.
+        let resistance = (1.0 / R_OHM + leak_s).recip();
+        let own = &found.cycles[10].values[6];
+        assert!(own.high_95.unwrap() >= resistance, "{own:?} for {resistance}");
+    }
 }
 
 /// Intervals of a cycle over all cycles and seeds hold what the noiseless train gives, and a fade is told with its size.

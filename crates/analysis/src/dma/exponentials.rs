@@ -48,7 +48,7 @@ impl Points {
         let block = count.div_ceil(MOST_POINTS);
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let times = stretch.time_s[first..end].chunks_exact(block);
-        let since_s: Vec<f64> = times.map(|t| mean(t) - stretch.start_s).collect();
+        let since_s: Vec<f64> = times.map(|t| mean(t) - stretch.begun.middle_s()).collect();
         let length_s = since_s[since_s.len() - 1] - since_s[0];
         Ok(Points {
             shortest_s: length_s / since_s.len() as f64,

@@ -10,6 +10,7 @@ use super::policy::{
     PASSAGE, SAME_HUMIDITY_PERCENT, STEP_TO_NOISE,
 };
 
+use ieap_domain::Edge;
 use ieap_domain::Issue;
 use ieap_domain::range_of;
 use ieap_numerics::noise::local_scatter;
@@ -20,6 +21,9 @@ use ieap_numerics::robust::median;
 pub struct HumidityStep {
     /// Last reading at the level before, s.
     pub start_s: f64,
+    /// Where the change began: from the last reading at the level before, or as long before it as a change that goes unnoticed
+    /// takes, to the first reading that has left it.
+    pub(crate) begun: Edge,
     /// First reading at the level after, s.
     pub settled_s: f64,
     /// Since when the level before has been held, s.
@@ -177,6 +181,10 @@ impl Points {
             .unwrap_or(high - 1);
         HumidityStep {
             start_s: time_s[start],
+            begun: Edge::between(
+                time_s[start] - near * (time_s[settled] - time_s[start + 1]).max(0.0),
+                time_s[start + 1],
+            ),
             settled_s: time_s[settled],
             held_from_s: time_s[before.start],
             held_until_s: time_s[after.end - 1],

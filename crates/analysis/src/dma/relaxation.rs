@@ -2,7 +2,9 @@
 
 use super::exponentials::{Points, Trial};
 use super::policy::REMAINDER;
+use ieap_domain::Edge;
 use ieap_domain::Estimate;
+use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::student::quantile_95;
 
 /// A fitted relaxation: `asymptote + SUM amplitude e^(-(t - start)/tau)`.
@@ -34,8 +36,10 @@ pub struct Stretch<'a> {
     pub time_s: &'a [f64],
     /// Values at these times.
     pub values: &'a [f64],
-    /// When the humidity leaves its level, s.
+    /// Last reading before the humidity leaves its level, s.
     pub start_s: f64,
+    /// When the humidity leaves its level: times count from the middle of where that may be.
+    pub(crate) begun: Edge,
     /// When it has reached the next, s: from there the relaxation is fitted.
     pub settled_s: f64,
     /// End of the stretch, s.
@@ -75,12 +79,13 @@ pub fn fit(stretch: &Stretch<'_>) -> Result<Relaxation, String> {
         let centre = other.fit.coefficients[0];
         asymptotes.widen(centre - half, centre + half);
     }
+    let of_fit = quantile * conditional_error(&chosen, &points, stretch, variance);
     times.add_in_quadrature(
         value_s,
-        quantile * conditional_error(&chosen, &points, stretch, variance),
+        of_fit.hypot(NORMAL_95 * stretch.begun.standard_deviation_s()),
     );
     Ok(Relaxation {
-        start_s: stretch.start_s,
+        start_s: stretch.begun.middle_s(),
         asymptote,
         terms: points.terms(&chosen),
         equilibrium_time_s: equilibrium_time(stretch, value_s, times, is_open, quantile),
@@ -167,7 +172,7 @@ fn equilibrium_time(
     quantile: f64,
 ) -> Estimate {
     let length_s = stretch.end_s - stretch.start_s;
-    let settling_s = stretch.settled_s - stretch.start_s;
+    let settling_s = stretch.settled_s - stretch.begun.no_earlier_s;
     let minutes = |seconds: f64| format!("{:.1} min", seconds / 60.0);
     if times.high <= settling_s {
         let reason = format!(

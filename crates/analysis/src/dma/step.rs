@@ -163,6 +163,7 @@ fn relax(
         time_s: &moduli.time_s,
         values: &moduli.complex_mpa,
         start_s: step.start_s,
+        begun: step.begun,
         settled_s: step.settled_s,
         end_s,
         before: before.value,

@@ -184,6 +184,37 @@ fn a_log_like_the_thesiss_is_understood_whole() {
     assert!(found.curves[0].fitted.iter().filter(|v| v.is_finite()).count() > 100);
 }
 
+/// The humidity steps on a reading, right after one, and right before the next: the time to equilibrium holds all.
+#[test]
+fn a_time_to_equilibrium_counts_from_between_two_readings() {
+    let (tau_s, every_s) = (400.0, 30.0);
+    let time_s: Arc<[f64]> = (0..400).map(|k| every_s * f64::from(k)).collect();
+    for wet_s in [3600.0, 3600.3, 3615.0, 3629.7] {
+        let read = |quantity, of: &dyn Fn(f64) -> f64| {
+            let noise = |k: usize| (2.4 * k as f64).sin() + (1.3 * k as f64).cos();
+            let value = |(k, t): (usize, &f64)| of(t - wet_s) + 0.005 * noise(k);
+            Channel::new(
+                quantity,
+                time_s.clone(),
+                time_s.iter().enumerate().map(value).collect(),
+            )
+        };
+        let channels = [
+            read(Quantity::ComplexModulus, &|t| {
+                55.0 + 15.0 * (-t.max(0.0) / tau_s).exp()
+            }),
+            read(Quantity::RelativeHumidity, &|t| if t < 0.0 { 0.0 } else { 40.0 }),
+            read(Quantity::Frequency, &|_| 1.0),
+        ];
+        let found = analyse(&channels).unwrap();
+        let time = number(&found.steps[0], step_keys::EQUILIBRIUM_TIME);
+        let truth = equilibrium_s(tau_s, false);
+        near(time, truth, 0.55 * every_s);
+        let (low, high) = time.low_95.zip(time.high_95).unwrap();
+        assert!(low < truth && truth < high, "{wet_s}: {time:?} for {truth}");
+    }
+}
+
 #[test]
 fn a_plateau_that_is_not_reached_is_said_and_its_time_is_a_bound() {
     let found = analyse(&Recipe::thesis(460.0, 280.0, 900.0, 20_000.0).channels()).unwrap();
@@ -311,11 +342,9 @@ fn count(recipe: &Recipe, counts: &mut Counts) {
         let change = 100.0 * (after / before - 1.0);
         count("change", number(step, step_keys::RELATIVE_CHANGE), change);
     }
-    for (step, (start_s, tau_s)) in found.steps.iter().zip([
-        (3600.0, recipe.wetting_s),
-        (3600.0 + recipe.hold_s, recipe.drying_s),
-    ]) {
-        let time_s = equilibrium_s(tau_s, recipe.diffuses) + start_s - step.start_s;
+    // Of the time since the humidity began to change, which is between two readings.
+    for (step, tau_s) in found.steps.iter().zip([recipe.wetting_s, recipe.drying_s]) {
+        let time_s = equilibrium_s(tau_s, recipe.diffuses);
         count(
             "equilibrium time",
             number(step, step_keys::EQUILIBRIUM_TIME),

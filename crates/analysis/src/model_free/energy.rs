@@ -5,12 +5,12 @@
 mod tests;
 
 use ieap_domain::quantiles::NORMAL_95;
-use ieap_domain::{Drive, Estimate, Level, Sample};
+use ieap_domain::{Drive, Edge, Estimate, Sample};
 
-use super::flow::Flow;
-use super::held::{Held, edge, no_bending, symmetric};
+use super::no_bending;
 use super::policy::TOLD;
 use crate::figure::Figure;
+use crate::levels::{Flow, Level, Sum, levels, symmetric};
 use crate::stiffness::{product, second_moment_m4, size};
 
 /// Every energy of a run, in the order in which it has them.
@@ -77,7 +77,6 @@ const MILLI: f64 = 1e-3;
 const MICRO: f64 = 1e-6;
 /// J per Wh.
 const WATT_HOUR: f64 = 3600.0;
-const NO_READING: &str = "a level has no reading of the current";
 
 /// What an elastic energy and a density need of the strip.
 pub(super) struct Strip<'a> {
@@ -87,31 +86,33 @@ pub(super) struct Strip<'a> {
     pub modulus_mpa: &'a Estimate,
 }
 
-/// The energies of a run whose first level is `first`, in the order of [`ENERGIES`].
+/// The energies of a run whose first level is `first`, in the order of [`ENERGIES`]; `reached_s` is when the peak is first
+/// reached within its error.
 pub(super) fn energies(
     drive: &Drive,
-    first: &Held,
+    first: &Level,
     flow: Result<&Flow, &str>,
-    (peak, to_peak): (&Estimate, &Estimate),
+    (peak, to_peak, reached_s): (&Estimate, &Estimate, Option<f64>),
     strip: &Strip,
 ) -> [Estimate; 9] {
-    let of = |told: fn(&Flow, &Held) -> Option<(f64, f64)>| match flow.map(|flow| told(flow, first)) {
-        Ok(Some((value, error))) => symmetric(value, error),
-        Ok(None) => Estimate::not_determined(NO_READING),
+    let joule = match flow.and_then(|flow| energy(flow, &first.as_far_as(flow.ends_s().1.next_up()))) {
+        Ok(joule) => joule.estimate(1.0),
         Err(reason) => Estimate::not_determined(reason),
     };
-    let (joule, power) = (of(energy), of(power));
+    let power = match flow.map(|flow| flow.largest(first, TOLD)) {
+        Ok(Some((ampere, error))) => symmetric(ampere, error).scaled(first.voltage_v),
+        Ok(None) => Estimate::not_determined("a level has no reading of the current"),
+        Err(reason) => Estimate::not_determined(reason),
+    };
     let elastic = strip.elastic_uj(peak);
     let efficiency = match flow {
-        Ok(flow) => efficiency(flow, first, &elastic, to_peak),
+        Ok(flow) => efficiency(flow, first, &elastic, to_peak, reached_s),
         Err(reason) => Estimate::not_determined(reason),
     };
-    let [inward, outward, net] = match flow.map(|flow| whole(drive, flow)) {
-        Ok(Some(sums)) => sums.map(|(value, error)| symmetric(value / MILLI, error / MILLI)),
-        Ok(None) => [(); 3].map(|()| Estimate::not_determined(NO_READING)),
+    let [inward, outward, net] = match flow.and_then(|flow| whole(drive, flow)) {
+        Ok(sums) => sums.map(|sum| sum.estimate(MILLI.recip())),
         Err(reason) => [(); 3].map(|()| Estimate::not_determined(reason)),
     };
-    let held_s = first.end_s - first.step_s;
     [
         joule.scaled(MILLI.recip()),
         inward,
@@ -120,99 +121,83 @@ pub(super) fn energies(
         elastic,
         efficiency,
         strip.per_dm3(&joule, WATT_HOUR.recip()),
-        strip.per_dm3(&joule, held_s.recip()),
+        strip.per_dm3(&joule, first.held_s().recip()),
         strip.per_dm3(&power, 1.0),
     ]
 }
 
-/// Electrical energy of a level, J, and its standard error.
-fn energy(flow: &Flow, held: &Held) -> Option<(f64, f64)> {
-    let (charge, error) = flow.charge(held)?;
-    Some((held.voltage_v * charge, held.voltage_v.abs() * error))
-}
-
-/// Largest electrical power of a level, W, and its standard error.
-fn power(flow: &Flow, held: &Held) -> Option<(f64, f64)> {
-    let (ampere, error) = flow.largest(held)?;
-    Some((held.voltage_v * ampere, held.voltage_v.abs() * error))
+/// Electrical energy of a level, J.
+fn energy(flow: &Flow, level: &Level) -> Result<Sum, &'static str> {
+    Ok(Sum::of([(level.voltage_v, flow.charge(level)?)]))
 }
 
 /// What went in, what came back and what stayed of all levels, J: what a level takes and gives within itself is one.
-fn whole(drive: &Drive, flow: &Flow) -> Option<[(f64, f64); 3]> {
-    let levels = levels(drive, flow.ends_s());
-    let of: Vec<(f64, f64)> = levels
-        .iter()
-        .map(|held| energy(flow, held))
-        .collect::<Option<_>>()?;
+fn whole(drive: &Drive, flow: &Flow) -> Result<[Sum; 3], &'static str> {
+    let (first_s, last_s) = flow.ends_s();
+    let rest = drive.segments.first().map(|segment| Level {
+        voltage_v: drive.baseline_v,
+        change_v: 0.0,
+        from: Edge::at(first_s),
+        until: segment.edge,
+    });
+    // The rest before the first level counts, too, as far as it is read.
+    let all = rest.filter(|rest| first_s < rest.until.no_earlier_s).into_iter();
+    let all = all.chain(levels(drive, last_s).into_iter().flatten());
+    let of = |level: Level| Ok((level.voltage_v, flow.charge(&level)?));
+    let parts: Vec<(f64, _)> = all
+        .filter(|level| level.voltage_v != 0.0)
+        .map(of)
+        .collect::<Result<_, &str>>()?;
     let sum = |keep: fn(f64) -> bool, sign: f64| {
-        let kept = of.iter().filter(|(joule, _)| keep(*joule));
-        kept.fold((0.0f64, 0.0f64), |(sum, error), (joule, e)| {
-            (sum + sign * joule, error.hypot(*e))
-        })
+        let kept = parts.iter().filter(|(volts, charge)| keep(volts * charge.value));
+        Sum::of(kept.map(|(volts, charge)| (sign * volts, *charge)))
     };
-    Some([
+    Ok([
         sum(|joule| joule > 0.0, 1.0),
         sum(|joule| joule < 0.0, -1.0),
         sum(|_| true, 1.0),
     ])
 }
 
-/// Every level at which energy can flow, the rest before the first one too, each until the next begins.
-fn levels(drive: &Drive, (first_s, last_s): (f64, f64)) -> Vec<Held> {
-    let starts = drive.segments.iter().map(edge);
-    let starts: Vec<(f64, f64)> = std::iter::once((first_s, 0.0)).chain(starts).collect();
-    let baseline = Level::Voltage(drive.baseline_v);
-    let held = std::iter::once(baseline).chain(drive.segments.iter().map(|segment| segment.level));
-    let of = |(k, level): (usize, Level)| {
-        let end_s = starts.get(k + 1).map_or(last_s, |next| next.0.min(last_s));
-        let (step_s, step_error_s) = starts[k];
-        match level {
-            Level::Voltage(voltage_v) if voltage_v != 0.0 && step_s < end_s => Some(Held {
-                voltage_v,
-                step_s,
-                end_s,
-                step_error_s,
-            }),
-            _ => None,
-        }
+/// The elastic energy at the peak over the electrical energy until then. Where the strip may still bend on, until the bending
+/// first is what it is at the most, within its error: what flows while nothing bends is no part of it.
+fn efficiency(
+    flow: &Flow,
+    first: &Level,
+    elastic_uj: &Estimate,
+    to_peak: &Estimate,
+    reached_s: Option<f64>,
+) -> Estimate {
+    let low_s = to_peak.low_95;
+    let (Some(low_s), Some(at_s)) = (
+        low_s,
+        to_peak.value.or(reached_s.zip(low_s).map(|(a, b)| a.max(b))),
+    ) else {
+        return to_peak.clone();
     };
-    held.enumerate().filter_map(of).collect()
-}
-
-/// The elastic energy at the peak over the electrical energy until then; until the end of the level where the strip may
-/// still bend on.
-fn efficiency(flow: &Flow, first: &Held, elastic_uj: &Estimate, to_peak: &Estimate) -> Estimate {
-    let (at_s, low_s, high_s) = match (to_peak.value, to_peak.low_95, to_peak.high_95) {
-        (Some(at_s), Some(low_s), Some(high_s)) => (at_s, low_s, high_s),
-        (None, Some(low_s), None) => (f64::INFINITY, low_s, f64::INFINITY),
-        _ => return to_peak.clone(),
+    let until = |after_s: f64| energy(flow, &first.as_far_as(first.from.middle_s() + after_s));
+    let (joule, low, high) = match (until(at_s), until(low_s), until(to_peak.high_95.unwrap_or(at_s))) {
+        (Ok(joule), low, Ok(high)) => (joule, low.map_or(0.0, |low| low.value), high.value),
+        (Err(reason), ..) | (.., Err(reason)) => return Estimate::not_determined(reason),
     };
-    let until = |after_s: f64| {
-        let end_s = (first.step_s + after_s).min(first.end_s);
-        energy(flow, &Held { end_s, ..*first }).unwrap_or_default()
-    };
-    let (joule, error) = until(at_s);
     // The peak may lie anywhere in its interval.
-    let of_place = if at_s.is_finite() {
-        (until(high_s).0 - until(low_s).0) / (2.0 * NORMAL_95)
-    } else {
-        0.0
-    };
-    let error = error.hypot(of_place);
-    if joule <= TOLD * error {
+    let error = joule.error().hypot((high - low) / (2.0 * NORMAL_95));
+    if joule.value <= TOLD * error {
         return Estimate::not_determined(
             "the electrical energy until the peak cannot be told from its error",
         );
     }
-    let share = product(&[(elastic_uj, 1.0), (&symmetric(joule, error), -1.0)]);
+    let share = product(&[(elastic_uj, 1.0), (&symmetric(joule.value, error), -1.0)]);
     let percent = share.scaled(100.0 * MICRO);
-    if at_s.is_finite() || percent.value.is_none() {
-        percent
-    } else {
-        Estimate {
-            reason: Some("until the end of the level: the curvature may still grow then".to_owned()),
-            ..percent
-        }
+    if to_peak.value.is_some() || percent.value.is_none() {
+        return percent;
+    }
+    // It may as well come at the end of the level.
+    let most = until(first.held_s()).map_or(joule.value, |most| most.value);
+    Estimate {
+        low_95: percent.low_95.map(|low| low * (joule.value / most).min(1.0)),
+        reason: Some("until the curvature first is what it is when the level ends".to_owned()),
+        ..percent
     }
 }
 

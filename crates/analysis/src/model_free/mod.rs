@@ -4,8 +4,6 @@
 //! They hold for the first level of a drive: from its step until the voltage changes again, or the readings end.
 
 mod energy;
-mod flow;
-mod held;
 pub mod policy;
 #[cfg(test)]
 mod tests;
@@ -13,15 +11,14 @@ mod tests;
 use serde::{Deserialize, Serialize};
 
 use ieap_domain::quantiles::NORMAL_95;
-use ieap_domain::{Channel, Estimate, Quantity, RunRecord, Sample};
+use ieap_domain::{Channel, Drive, Estimate, Quantity, RunRecord, Sample};
 use ieap_numerics::local_parabola::{Course, Local, MOST_GOES_ON};
 use ieap_numerics::noise::scatter_between;
 
 use crate::figure::Figure;
+use crate::levels::{Flow, Level, UNKNOWN_BEGINNING, levels, symmetric};
 pub use energy::ENERGIES;
 use energy::{Strip, energies};
-use flow::Flow;
-use held::{Held, edge, first_level, no_bending, symmetric};
 use policy::{RISEN, SETTLED, TOLD};
 
 /// Places of the logarithm of the time at which the course is looked at.
@@ -96,7 +93,6 @@ pub fn model_free(
     modulus_mpa: &Estimate,
 ) -> Option<ModelFree> {
     let drive = run.drive.as_ref()?;
-    let held = first_level(drive)?;
     let of = |quantity| channels.iter().find(|channel| channel.is_whole(quantity));
     let (current, curvature) = (of(Quantity::Current), of(Quantity::Curvature));
     let last = [current, curvature].into_iter().flatten();
@@ -104,28 +100,20 @@ pub fn model_free(
         .filter_map(|channel| channel.time_s.last())
         .copied()
         .reduce(f64::max)?;
-    let held = Held {
-        end_s: held.end_s.min(last_s),
-        ..held
-    };
-    if held.end_s <= held.step_s {
-        return None;
-    }
-    let bending = match curvature {
+    let all = levels(drive, last_s);
+    let held = first_level(drive, last_s)?;
+    let ([peak, to_peak, lost_10, lost_60, rate, settled], reached_s) = match curvature {
         Some(channel) => bending(channel, &held, sample),
-        None => [(); 6].map(|()| Estimate::not_determined("the run has no bending")),
+        None => (nothing("the run has no bending"), None),
     };
-    let [peak, to_peak, lost_10, lost_60, rate, settled] = bending;
-    let edges_s: Vec<f64> = drive.segments.iter().map(|own| edge(own).0).collect();
-    let flow = match current.map(|channel| Flow::of(channel, &edges_s)) {
+    let flow = match current.map(|channel| Flow::of(channel, &all)) {
         Some(Some(flow)) => Ok(flow),
         Some(None) => Err("too few readings of the current"),
         None => Err("the run has no current"),
     };
     let flow = flow.as_ref().map_err(|reason| *reason);
-    let charge = match flow.map(|flow| flow.charge(&held)) {
-        Ok(Some((charge, error))) => symmetric(charge, error),
-        Ok(None) => Estimate::not_determined("too few readings after the step"),
+    let charge = match flow.and_then(|flow| flow.charge(&held.as_far_as(flow.ends_s().1.next_up()))) {
+        Ok(charge) => charge.alone().estimate(1.0),
         Err(reason) => Estimate::not_determined(reason),
     };
     let strip = Strip {
@@ -137,19 +125,37 @@ pub fn model_free(
         run_id: run.id,
         path: run.path.clone(),
         voltage_v: held.voltage_v,
-        held_s: held.end_s - held.step_s,
-        energies: energies(drive, &held, flow, (&peak, &to_peak), &strip),
+        held_s: held.held_s(),
+        energies: energies(drive, &held, flow, (&peak, &to_peak, reached_s), &strip),
         values: [peak, to_peak, lost_10, lost_60, charge, rate, settled],
     })
 }
 
-/// Peak, time to it, lost after 10 and 60 min, strain rate, settling time.
-fn bending(channel: &Channel, held: &Held, sample: Option<&Sample>) -> [Estimate; 6] {
+/// The level of the first step; none where the voltage moves all the time, or never changes, or nothing is read of it.
+fn first_level(drive: &Drive, last_s: f64) -> Option<Level> {
+    let first = (*levels(drive, last_s).first()?)?;
+    (first.change_v != 0.0 && !drive.moves() && first.held_s() > 0.0).then_some(first)
+}
+
+fn nothing(reason: &str) -> [Estimate; 6] {
+    [(); 6].map(|()| Estimate::not_determined(reason))
+}
+
+fn no_bending() -> Estimate {
+    Estimate::not_determined("the bending cannot be told from noise")
+}
+
+/// Peak, time to it, lost after 10 and 60 min, strain rate, settling time; and when the peak is first reached within its
+/// error, s after the step.
+fn bending(channel: &Channel, held: &Level, sample: Option<&Sample>) -> ([Estimate; 6], Option<f64>) {
     let (time_s, values) = channel.included();
-    let few = || [(); 6].map(|()| Estimate::not_determined("too few readings after the step"));
-    let before = time_s.partition_point(|t| *t < held.step_s - 2.0 * held.step_error_s);
-    let until = time_s.partition_point(|t| *t <= held.end_s);
-    let Some(noise) = scatter_between(&time_s, &values, &[held.step_s]) else {
+    let few = || (nothing("too few readings after the step"), None);
+    if !held.from.open_s().is_finite() {
+        return (nothing(UNKNOWN_BEGINNING), None);
+    }
+    let step_s = held.from.middle_s();
+    let (before, until) = (held.from.readings_before(&time_s), held.readings(&time_s).end);
+    let Some(noise) = scatter_between(&time_s, &values, &[step_s]) else {
         return few();
     };
     let goes_on = noise.correlation.clamp(0.0, MOST_GOES_ON);
@@ -160,24 +166,25 @@ fn bending(channel: &Channel, held: &Held, sample: Option<&Sample>) -> [Estimate
         n => noise.standard_deviation.powi(2) * (1.0 + goes_on) / (1.0 - goes_on) / n as f64,
     };
     let bent: Vec<f64> = values[before..until].iter().map(|value| value - rest).collect();
-    let Some(course) = Course::of(&time_s[before..until], &bent, held.step_s, &noise) else {
+    let Some(course) = Course::of(&time_s[before..until], &bent, step_s, &noise) else {
         return few();
     };
     let seen = Seen::new(&course, rest_variance, held);
-    [
+    let told = [
         seen.peak_estimate(),
         seen.time_to_peak(),
         seen.lost_after(600.0, "10 min"),
         seen.lost_after(3600.0, "60 min"),
         seen.strain_rate(sample.and_then(|sample| sample.thickness_mm)),
         seen.settling_time(),
-    ]
+    ];
+    (told, seen.reached_s())
 }
 
 /// The course over the level, with its peak.
 struct Seen<'a> {
     course: &'a Course,
-    held: &'a Held,
+    held: &'a Level,
     rest_variance: f64,
     /// The course at places evenly spread over the logarithm of the time.
     places: Vec<(f64, Local)>,
@@ -197,7 +204,7 @@ struct PeakPlace {
 }
 
 impl Seen<'_> {
-    fn new<'a>(course: &'a Course, rest_variance: f64, held: &'a Held) -> Seen<'a> {
+    fn new<'a>(course: &'a Course, rest_variance: f64, held: &'a Level) -> Seen<'a> {
         let (low, high) = course.ends();
         let place = |k: usize| low + (high - low) * k as f64 / (PLACES - 1) as f64;
         let places: Vec<(f64, Local)> = (0..PLACES).map(|k| (place(k), course.at(place(k)))).collect();
@@ -225,8 +232,26 @@ impl Seen<'_> {
         self.peak.level.abs() > TOLD * self.peak_error()
     }
 
+    /// Where the strip may bend on, at the end of the level, which is behind the last reading.
     fn peak_estimate(&self) -> Estimate {
-        symmetric(self.peak.level, self.peak_error())
+        let last = self.course.ends().1;
+        let end_s = self.held.held_s();
+        let (slope, _) = match self.place.high {
+            None => self.course.slope_at(last),
+            Some(_) => (0.0, 0.0),
+        };
+        let beyond = slope * (end_s.ln() - last).max(0.0);
+        let of_place = slope * self.held.until.standard_deviation_s() / end_s;
+        let peak = symmetric(self.peak.level + beyond, self.peak_error().hypot(of_place));
+        // Of a strip that falls from its first reading on.
+        if self.place.high.is_none() || self.place.low.is_finite() || self.place.at > self.places[1].0 {
+            return peak;
+        }
+        let reason = "the peak may have come before the first reading";
+        match (peak.low_95, peak.high_95) {
+            (Some(low), _) if self.peak.level > 0.0 => Estimate::above(low, reason),
+            (_, high) => Estimate::below(high.unwrap_or_default(), reason),
+        }
     }
 
     fn time_to_peak(&self) -> Estimate {
@@ -234,7 +259,7 @@ impl Seen<'_> {
             return no_bending();
         }
         // Where the step lies moves both ends.
-        let open_s = NORMAL_95 * self.held.step_error_s;
+        let open_s = NORMAL_95 * self.held.from.standard_deviation_s();
         let (time_s, low_s) = (self.place.at.exp(), self.place.low.exp());
         let down = (time_s - low_s).hypot(open_s);
         match self.place.high {
@@ -250,9 +275,17 @@ impl Seen<'_> {
         }
     }
 
+    /// When the course first is at its peak within the errors of both.
+    fn reached_s(&self) -> Option<f64> {
+        let off = |local: &Local| (self.peak.level.abs() - local.level.abs()).max(0.0);
+        let is_there = |local: &Local| off(local) <= NORMAL_95 * self.peak.error().hypot(local.error());
+        let there = self.places.iter().find(|(_, local)| is_there(local));
+        there.map(|(u, _)| u.exp())
+    }
+
     /// A time with the error of its logarithm and that of the step.
     fn time(&self, time_s: f64, of_logarithm: f64) -> Estimate {
-        let error = of_logarithm.hypot(self.held.step_error_s / time_s);
+        let error = of_logarithm.hypot(self.held.from.standard_deviation_s() / time_s);
         if error < 1.0 {
             let width = (NORMAL_95 * error).exp();
             Estimate::determined(time_s, time_s * error, time_s / width, time_s * width)
@@ -270,7 +303,7 @@ impl Seen<'_> {
         if u > high + 1e-3 || u < low {
             return Estimate::not_determined(format!(
                 "the level is seen for {} s",
-                ieap_domain::seconds::seconds(self.held.end_s - self.held.step_s)
+                ieap_domain::seconds::seconds(self.held.held_s())
             ));
         }
         if self.place.high.is_none() || self.place.at > u {
@@ -307,7 +340,7 @@ impl Seen<'_> {
         let time_s = u.exp();
         let rate = 100.0 * thickness_mm / 10.0 * wanted / time_s;
         let error = of_logarithm
-            .hypot(self.held.step_error_s / time_s)
+            .hypot(self.held.from.standard_deviation_s() / time_s)
             .hypot(self.rest_variance.sqrt() / self.peak.level);
         symmetric(rate, rate.abs() * error)
     }
@@ -375,7 +408,8 @@ fn peak_place(course: &Course, places: &[(f64, Local)], largest: usize) -> PeakP
     let in_errors = |slope: &(f64, f64)| slope.1;
     let rises = (0..=largest).rev().find(|&k| slopes[k].1 > NORMAL_95);
     let falls = (largest..=last).find(|&k| slopes[k].1 < -NORMAL_95);
-    let low = rises.map_or(places[0].0, |k| passes(k, in_errors, NORMAL_95));
+    // Where it does not surely rise the peak may have come before the first reading.
+    let low = rises.map_or(f64::NEG_INFINITY, |k| passes(k, in_errors, NORMAL_95));
     let high = falls.map(|k| passes(k.saturating_sub(1), in_errors, -NORMAL_95));
     let (from, to) = (rises.unwrap_or(0), falls.unwrap_or(last));
     let turns = (from..to).filter(|&k| slopes[k].0 > 0.0 && slopes[k + 1].0 <= 0.0);

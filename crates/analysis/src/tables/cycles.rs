@@ -30,7 +30,8 @@ pub fn make(input: &TableInput) -> Table {
     remarks.push(if rows.is_empty() {
         "No run has a train of three cycles or more.".to_owned()
     } else {
-        "Errors are those of the noise, or what neighbouring cycles differ by where that is more.".to_owned()
+        "Errors are those of the noise and of where the edges lie, or what neighbouring cycles differ by where that is more."
+            .to_owned()
     });
     Table {
         title: "Trains, cycle by cycle".to_owned(),

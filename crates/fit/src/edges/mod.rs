@@ -6,8 +6,8 @@
 mod policy;
 mod programme;
 
-use crate::edges::policy::{OF_RANGE, SHARED_PART};
-use ieap_domain::{Drive, Segment};
+use crate::edges::policy::SHARED_PART;
+use ieap_domain::{Drive, EDGE_OF_RANGE, Segment};
 use ieap_numerics::symmetric::Symmetric;
 
 use programme::Programme;
@@ -65,7 +65,7 @@ impl Shift {
 
     /// What is not known of it before the readings tell, s.
     pub fn standard_deviation_s(&self) -> f64 {
-        OF_RANGE * (self.high_s - self.low_s)
+        EDGE_OF_RANGE * (self.high_s - self.low_s)
     }
 }
 

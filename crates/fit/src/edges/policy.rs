@@ -1,10 +1,6 @@
 //! What decides about edges between readings: every number with its unit and where it comes from. What all of them together give,
 //! `cargo run --release -p ieap-fit --example sampling_grid -- 40 5000` counts (docs/validation/fitting.md).
 
-/// What is not known of an edge that lies anywhere in a range counts as so much of the range, as a standard deviation: more than
-/// the 0.289 of an even distribution, so that intervals hold where all edges of a clock lie at an end of their ranges, beside a
-/// reading. Counted by `sampling_grid` ("read at exactly 0"): with 0.289 88 to 94 of 100 hold there.
-pub(super) const OF_RANGE: f64 = 0.36;
 /// Part of the variance of what is not known of edges that they share. Chosen: the clock of the readings may be that of the
 /// source, and then all edges are off alike, or another one; between the two neither is taken for granted.
 pub(super) const SHARED_PART: f64 = 0.75;

@@ -26,7 +26,7 @@ fn an_edge_between_readings_is_taken_in_the_middle() {
     let times: Vec<f64> = (-5..100).map(|k| f64::from(k) + 0.3).collect();
     let edges = EdgeTimes::of(&Drive::step(2.0).as_seen(&times));
     assert!((edges.drive().segments[0].start_s() - -0.2).abs() < 1e-12);
-    assert!((edges.shifts()[0].standard_deviation_s() - 1.0 / 12.0_f64.sqrt()).abs() < 1e-5);
+    assert!((edges.shifts()[0].standard_deviation_s() - ieap_domain::EDGE_OF_RANGE).abs() < 1e-5);
     let later = edges.shifted(&[0.25]);
     assert!((later.segments[0].start_s() - 0.05).abs() < 1e-12);
     let (low_s, high_s) = edges.moved(&[0.25]).shifts()[0].limits_s();
@@ -49,7 +49,7 @@ fn a_train_is_one_programme_that_its_edges_tell_together() {
     }
     // The period leaves less to 23 rounds than a reading's interval to one edge.
     let period = edges.shifts()[2].standard_deviation_s();
-    assert!(period < 0.93 / 12.0_f64.sqrt(), "{period}");
+    assert!(period < 0.93 * ieap_domain::EDGE_OF_RANGE, "{period}");
 }
 
 #[test]

@@ -145,7 +145,7 @@ pub(super) fn before_steps(
         Some(share) if share >= JUST_APPLIED_FROM => told(just_before(time_s)),
         _ if counts_from_next => held,
         // Neither: the record began late.
-        Some(_) => told(Edge::before_record(time_s)),
+        Some(_) => told(Edge::before(time_s.first().copied().unwrap_or(0.0))),
         None => told(before_record(time_s, zero_may_be_step)),
     }
 }
@@ -159,7 +159,7 @@ fn before_record(time_s: &[f64], zero_may_be_step: bool) -> Edge {
     if !zero_may_be_step || begins_s.abs() <= NEAR_ZERO * near.open_s() {
         return near;
     }
-    Edge::before_record(time_s)
+    Edge::before(time_s.first().copied().unwrap_or(0.0))
 }
 
 /// Within one interval before the first reading.

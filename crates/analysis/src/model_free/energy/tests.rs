@@ -88,7 +88,7 @@ fn simulated(noisy: Noisy, seed: u64) -> (ModelFree, f64) {
         Channel::new(Quantity::Curvature, time, bent),
     ];
     let mut made = run("r", "CNaf-01", "air", None, 2.0);
-    let level = |(start_s, volts): (f64, f64)| Segment::at(start_s, Level::Voltage(volts));
+    let level = |(start_s, volts): (f64, f64)| Segment::at(start_s, ieap_domain::Level::Voltage(volts));
     made.drive = Some(Drive {
         baseline_v: 0.0,
         segments: LEVELS.map(level).to_vec(),
@@ -217,7 +217,7 @@ fn what_is_not_known_is_named() {
 }
 
 #[test]
-fn of_a_strip_that_may_bend_on_the_whole_level_counts() {
+fn of_a_strip_that_may_bend_on_what_it_took_to_bend_it_counts() {
     let quiet = Noisy {
         part: 1e-3,
         correlation: 0.0,
@@ -226,18 +226,21 @@ fn of_a_strip_that_may_bend_on_the_whole_level_counts() {
     let (found, _) = simulated(quiet, 1);
     let mut time_s: Vec<f64> = Vec::new();
     time_s.extend((0..600).map(|k| 0.05 + 0.1 * f64::from(k)));
-    let ampere: Arc<[f64]> = time_s.iter().map(|t| current(*t)).collect();
+    // A leak goes on while nothing bends any more.
+    let leaky = |t: f64| current(t) + 1e-3;
+    let ampere: Arc<[f64]> = time_s.iter().map(|t| leaky(*t)).collect();
     let channel = Channel::new(Quantity::Current, time_s.into(), ampere);
-    let flow = Flow::of(&channel, &[0.0]).unwrap();
-    let first = Held {
+    let first = Level {
         voltage_v: 2.0,
-        step_s: 0.0,
-        end_s: 60.0,
-        step_error_s: 0.0,
+        change_v: 2.0,
+        from: Edge::at(0.0),
+        until: Edge::at(60.0),
     };
-    let open = Estimate::above(3.0, "the curvature may still grow when the level ends");
-    let share = efficiency(&flow, &first, &found.energies[4], &open);
-    let expected = 100.0 * found.energies[4].value.unwrap() / (1e3 * 80.0);
-    assert!((share.value.unwrap() / expected - 1.0).abs() < 0.02, "{share:?}");
-    assert!(share.reason.unwrap().contains("end of the level"));
+    let flow = Flow::of(&channel, &[Some(first)]).unwrap();
+    let open = Estimate::above(12.0, "the curvature may still grow when the level ends");
+    let share = efficiency(&flow, &first, &found.energies[4], &open, Some(15.0));
+    let taken_mj = 2e3 * (charge(15.0) + 1e-3 * 15.0);
+    let expected = 100.0 * found.energies[4].value.unwrap() / (1e3 * taken_mj);
+    assert!((share.value.unwrap() / expected - 1.0).abs() < 0.01, "{share:?}");
+    assert!(share.reason.unwrap().contains("first is what it is"));
 }
