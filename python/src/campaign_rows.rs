@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use arrow_array::RecordBatch;
 use ieap::analysis::run_rows::LISTED;
-use ieap::domain::{AskedFit, Channel, Drive, Issue, Level, Quantity, Segment};
+use ieap::domain::{AskedFit, Channel, Drive, Edge, Issue, Level, Quantity, Segment};
 use ieap::pipeline::apart::at_hand::CampaignRow;
 
 use crate::columns::{list_at, numbers, text_at};
@@ -84,8 +84,8 @@ fn drive(batch: &RecordBatch, row: usize) -> Result<Drive, Issue> {
             true => Level::OpenCircuit,
             false => Level::Voltage(voltage_v),
         };
-        let edge = match before.get(place) {
-            Some(before_s) if before_s.is_finite() => Edge::between(*before_s, start_s),
+        let edge = match before.get(place).copied() {
+            Some(before_s) if before_s.is_finite() => Edge::between(before_s, start_s),
             Some(f64::NEG_INFINITY) => Edge::before(start_s),
             _ => Edge::at(start_s),
         };

@@ -73,8 +73,8 @@ pub fn drive_of(baseline_v: f64, segments: &[(f64, Option<f64>)]) -> Option<Driv
 pub fn segments_of(drive: Option<&Drive>) -> Vec<(f64, Option<f64>)> {
     let segments = drive.map_or(&[][..], |drive| &drive.segments);
     let segment = |segment: &Segment| match segment.level {
-        Level::Voltage(voltage_v) => (segment.start_s, Some(voltage_v)),
-        Level::OpenCircuit => (segment.start_s, None),
+        Level::Voltage(voltage_v) => (segment.start_s(), Some(voltage_v)),
+        Level::OpenCircuit => (segment.start_s(), None),
     };
     segments.iter().map(segment).collect()
 }

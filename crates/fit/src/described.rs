@@ -9,8 +9,11 @@ use super::electrical::Electrical;
 use super::law::identify_law;
 use super::sampled::Sampled;
 use super::uncertainty::Residuals;
-use super::{FitError, FitInput, FitOptions, Readings, electrical, needed};
+use crate::electrical;
+use crate::error::FitError;
+use crate::options::{FitInput, FitOptions};
 use crate::policy::FOLLOWED_PART;
+use crate::two_steps::{Readings, needed};
 
 /// What a model leaves of one response.
 #[derive(Debug, Clone, PartialEq)]

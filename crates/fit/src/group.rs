@@ -25,7 +25,6 @@ use super::sampled::Sampled;
 use crate::edges::EdgeTimes;
 use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};
-use crate::own_clock::{self, Aligned, aligned};
 use crate::settled_edges::Settled;
 use crate::two_steps::{Readings, identify, needed};
 use crate::widened::{self, widen_by};
@@ -69,33 +68,9 @@ pub struct Sharing {
     pub p: f64,
 }
 
-/// Fits all runs at once, current and curvature weighted by their noise. Edges that only readings tell of are sought between
-/// these with all that the runs share; what is left open of them widens the intervals.
-///
-/// # Errors
-/// [`FitError`] where there is no run, a key cannot be shared, or a run gives nothing to start from.
-pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit, FitError> {
-    let own = FitOptions {
-        model: options.model,
-        ..FitOptions::default()
-    };
-    let aligned: Vec<Option<Aligned>> = inputs.iter().map(|input| aligned(input, &own)).collect();
-    let on_one_clock = inputs.iter().zip(&aligned).map(|(input, aligned)| FitInput {
-        channels: aligned
-            .as_ref()
-            .map_or(input.channels, |aligned| &aligned.channels),
-        ..*input
-    });
-    let mut group = fit_on_one_clock(&on_one_clock.collect::<Vec<_>>(), options)?;
-    for ((fit, input), aligned) in group.runs.iter_mut().zip(inputs).zip(&aligned) {
-        if let Some(aligned) = aligned {
-            own_clock::widen(fit, input, &own, aligned);
-        }
-    }
-    Ok(group)
-}
-
-fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit, FitError> {
+/// Fits all runs at once, current and curvature weighted by their noise; edges that only readings tell of are sought between
+/// these with all that the runs share, and what is left open of them widens the intervals.
+pub(crate) fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit, FitError> {
     let edges: Vec<EdgeTimes> = inputs.iter().map(|input| EdgeTimes::of(input.drive)).collect();
     if !edges.iter().any(EdgeTimes::is_open) {
         return fit_placed(inputs, options);

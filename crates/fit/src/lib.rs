@@ -30,6 +30,7 @@ mod options;
 mod outcome;
 mod own_clock;
 mod parabola;
+mod plain;
 mod policy;
 mod sampled;
 mod search;
@@ -42,7 +43,6 @@ mod unseen_start;
 mod whitened;
 mod widened;
 
-use crate::joint::policy::MISFIT_FACTOR;
 use ieap_domain::{Drive, Fit, KnownParameter};
 use ieap_model::rival_law;
 
@@ -54,7 +54,7 @@ pub use group::known::can_be_known;
 pub use group::reductions::{Circuit, Reduction, Reductions, reductions};
 pub use group::step_and_spectrum::{StepAndSpectrum, step_and_spectrum};
 pub use group::{
-    Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, fit_group, shareable,
+    Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, shareable,
 };
 
 pub use moving::{MOVING_VERSION, least_squares_place};
@@ -63,10 +63,8 @@ pub use options::{FitInput, FitOptions, Steps};
 pub use own_clock::{Aligned, aligned};
 pub use whitened::WhitenedChannel;
 
-use joint::readings::{Response, RunReadings};
-use joint::single::Judged;
-use sampled::Sampled;
-use two_steps::{Identified, Readings, identify, needed};
+use plain::{bent_alone, in_two_steps, judge};
+use two_steps::{Readings, identify};
 
 #[cfg(test)]
 mod any_input;
@@ -94,7 +92,7 @@ pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
         },
         options,
     )?;
-    own_clock::widen(&mut fit, input, options, &aligned);
+    own_clock::widen(&mut fit, input, &aligned, |input| in_two_steps(input, options));
     Ok(fit)
 }
 
@@ -152,6 +150,33 @@ pub fn fit_knowing(
     Ok(fit)
 }
 
+/// Fits all runs at once, current and curvature weighted by their noise. Edges that only readings tell of are sought between
+/// these with all that the runs share, and clocks of bending beside that of the voltage; what is left open of both widens the
+/// intervals.
+///
+/// # Errors
+/// [`FitError`] where there is no run, a key cannot be shared, or a run gives nothing to start from.
+pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit, FitError> {
+    let own = FitOptions {
+        model: options.model,
+        ..FitOptions::default()
+    };
+    let aligned: Vec<Option<Aligned>> = inputs.iter().map(|input| aligned(input, &own)).collect();
+    let on_one_clock = inputs.iter().zip(&aligned).map(|(input, aligned)| FitInput {
+        channels: aligned
+            .as_ref()
+            .map_or(input.channels, |aligned| &aligned.channels),
+        ..*input
+    });
+    let mut group = group::fit_on_one_clock(&on_one_clock.collect::<Vec<_>>(), options)?;
+    for ((fit, input), aligned) in group.runs.iter_mut().zip(inputs).zip(&aligned) {
+        if let Some(aligned) = aligned {
+            own_clock::widen(fit, input, aligned, |input| in_two_steps(input, &own));
+        }
+    }
+    Ok(group)
+}
+
 /// The drive of a run with its edges where [`fit_run`] takes them to be: those that only readings tell of are sought between
 /// these.
 ///
@@ -159,26 +184,6 @@ pub fn fit_knowing(
 /// As [`fit_run`].
 pub fn placed_drive(input: &FitInput, options: &FitOptions) -> Result<Drive, FitError> {
     Ok(settled_edges::settled(input, options)?.edges.drive().clone())
-}
-
-/// A run in two steps, of its bending alone, or by the law of a rival, and nothing further; none where there is nothing to fit.
-fn in_two_steps(input: &FitInput, options: &FitOptions) -> Option<Fit> {
-    let readings = Readings::new(input).ok()?;
-    if let Some(law) = rival_law(options.model.id) {
-        return Some(law::fit(input, options, law, readings));
-    }
-    let mut identified = identify(input, options, readings);
-    unseen_charge::look(input, options, &mut identified);
-    let alone = bending_alone(input, options, &identified);
-    Some(alone.unwrap_or_else(|| outcome::fit(input, options, &identified, None)))
-}
-
-/// The fit of the curvature where the current tells of no circuit; none where there are too few readings of it.
-fn bending_alone(input: &FitInput, options: &FitOptions, identified: &Identified) -> Option<Fit> {
-    let why = identified.current.as_ref().err()?;
-    let curvature = identified.unfitted_curvature.as_ref()?;
-    let enough = curvature.after_step() >= needed(options.model);
-    enough.then(|| bending_alone::fit(input, options, curvature.clone(), why))?
 }
 
 /// Fits a run whose edges are where its drive has them.
@@ -198,66 +203,10 @@ fn fit_placed(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
             return Ok(fit);
         }
     }
-    if let Some(fit) = bending_alone(input, options, &identified) {
+    if let Some(fit) = bent_alone(input, options, &identified) {
         return Ok(fit);
     }
     unseen_charge::look(input, options, &mut identified);
     let judged = judge(input, options, &mut identified);
     Ok(outcome::fit(input, options, &identified, judged.as_ref()))
-}
-
-/// Fits both responses at once, with intervals by profile likelihood, where the covariance of the two steps would
-/// mislead; estimates, curves and residuals are then those of that fit.
-fn judge(input: &FitInput, options: &FitOptions, identified: &mut Identified) -> Option<Judged> {
-    let (current, electrical) = identified.current.as_mut().ok()?;
-    if electrical.unseen.is_some() {
-        // Estimated by itself, beside what the likelihood of the readings tells.
-        return None;
-    }
-    let bending = identified.curvature.as_ref().ok();
-    let branches = options.model.branches;
-    let settled = parabola::is_settled(electrical, bending.map(|(_, bending)| bending), branches);
-    let parabolic = settled && parabola::is_narrow(electrical);
-    let even = current.is_even() && bending.is_none_or(|(curvature, _)| curvature.is_even());
-    let misfit = misfits(current, electrical.residuals.square)
-        || bending.is_some_and(|(curvature, bending)| misfits(curvature, bending.residuals.square));
-    if electrical.conductances_a_per_v.is_empty() || parabolic && even || misfit {
-        return None;
-    }
-    if settled
-        && even
-        && let Some(ends) = parabola::ends(input.drive, current, electrical)
-    {
-        electrical.ends = ends;
-        return None;
-    }
-    let readings = RunReadings {
-        drive: input.drive,
-        area_cm2: input.area_cm2,
-        current: Some(Response::beside_fit(
-            current.clone(),
-            &electrical.residuals.residuals,
-        )),
-        curvature: bending.map(|(curvature, bending)| {
-            Response::beside_fit(curvature.clone(), &bending.residuals.residuals)
-        }),
-    };
-    joint::single::judge(
-        &readings,
-        electrical,
-        bending.map(|(_, bending)| bending),
-        branches,
-        parabolic,
-    )
-}
-
-/// Whether the model plainly does not describe the readings. A likelihood that knows noise only would then state
-/// intervals far too narrow, about another place than the curve that is drawn; those of the two steps are
-/// widened by what the model leaves.
-fn misfits(sampled: &Sampled, square: f64) -> bool {
-    let rms = (square / sampled.len().max(1) as f64).sqrt();
-    sampled
-        .scatter
-        .as_ref()
-        .is_some_and(|noise| rms > MISFIT_FACTOR * noise.standard_deviation)
 }

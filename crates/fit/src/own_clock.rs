@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
-use ieap_domain::{Channel, Fit, Issue, Quantity};
+use ieap_domain::{Channel, Drive, Fit, Issue, Quantity};
 use ieap_numerics::robust::median_step;
 use ieap_numerics::sums;
 
@@ -19,13 +19,14 @@ use crate::search::Search;
 use crate::settled_edges::settled;
 use crate::two_steps::{Readings, identify};
 use crate::widened::{End, Values, values, widen_by};
-use crate::{in_two_steps, placed_drive};
 
 /// Channels on one clock.
 #[derive(Debug, Clone)]
 pub struct Aligned {
     /// The channels with the bending moved to the clock of the voltage.
     pub channels: Vec<Channel>,
+    /// The drive with its edges where the current has them.
+    drive: Drive,
     /// How far its own clock was ahead of that, s: the best value and the ends of its 95 % interval.
     pub ahead_s: [f64; 3],
 }
@@ -101,25 +102,26 @@ pub fn aligned(input: &FitInput, options: &FitOptions) -> Option<Aligned> {
     )?;
     Some(Aligned {
         channels: moved(input.channels, -line.best),
+        drive: edges.drive().clone(),
         ahead_s: [line.best, line.low, line.high],
     })
 }
 
-/// Widens the intervals of a fit of aligned channels by what is left open of the offset, and says what it is; `input` has the
-/// channels as they were.
-pub(crate) fn widen(fit: &mut Fit, input: &FitInput, options: &FitOptions, aligned: &Aligned) {
-    let drive = placed_drive(input, options).ok();
+/// Widens the intervals of a fit of aligned channels by what is left open of the offset, and says what it is; `plain` fits the
+/// run, whose channels are as they were in `input`, in the simplest way.
+pub(crate) fn widen(
+    fit: &mut Fit,
+    input: &FitInput,
+    aligned: &Aligned,
+    plain: impl Fn(&FitInput) -> Option<Fit>,
+) {
     let with = |ahead_s: f64| {
         let channels = moved(input.channels, -ahead_s);
-        let drive = drive.as_ref().unwrap_or(input.drive);
-        let fitted = in_two_steps(
-            &FitInput {
-                channels: &channels,
-                drive,
-                ..*input
-            },
-            options,
-        );
+        let fitted = plain(&FitInput {
+            channels: &channels,
+            drive: &aligned.drive,
+            ..*input
+        });
         fitted.map_or_else(Values::new, |fitted| values(&fitted.parameters))
     };
     let [here, low, high] = aligned.ahead_s.map(with);

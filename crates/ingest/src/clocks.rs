@@ -4,7 +4,7 @@
 //! moments of two files are printed by two computers whose clocks may differ by more than their digits, and the onset
 //! of bending lags the voltage by what the strip itself needs, which is what a fit is to find out.
 
-pub(crate) mod onset;
+mod onset;
 mod policy;
 
 use crate::clocks::policy::{OFF_BY_HEADER_S, OFF_SIGMAS};
@@ -171,7 +171,7 @@ fn from_onset(reference: &FileClock<'_>, file: &FileClock<'_>) -> Result<Found, 
         reference.channel(Quantity::Current),
     ) {
         (Some(voltage), _) => voltage_edge(voltage)?,
-        (None, Some(current)) => onset::jump(current)?.into(),
+        (None, Some(current)) => drive::jumps::from_rest(current)?.into(),
         (None, None) => return Err("neither voltage nor current is on the reference clock".to_owned()),
     };
     let bending = [

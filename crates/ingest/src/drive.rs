@@ -15,7 +15,7 @@ mod found;
 mod held_current;
 pub mod jumps;
 mod moving;
-mod policy;
+pub(crate) mod policy;
 mod start;
 mod stated;
 mod step;
@@ -23,6 +23,7 @@ mod unseen;
 
 pub use found::{FoundDrive, MOVES, NO_STEPS};
 pub use start::ASSUMED;
+pub use stated::contradicted;
 pub use unseen::PAUSES;
 
 use start::{Start, before_steps, held_throughout};

@@ -14,7 +14,9 @@ use super::electrical::Electrical;
 use super::moving;
 use super::outcome::{self, current_words, judged_response, not_converged, parameter_issues};
 use super::sampled::Sampled;
-use super::{FitInput, FitOptions, Identified, Readings, Steps, identify, judge, needed};
+use crate::options::{FitInput, FitOptions, Steps};
+use crate::plain::judge;
+use crate::two_steps::{Identified, Readings, identify, needed};
 pub(super) use identified::{Bent, identify_law};
 use stated::{not_known, stated};
 

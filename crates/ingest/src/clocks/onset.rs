@@ -1,27 +1,12 @@
-//! Where a record leaves its resting level: the jump of a current, the onset of bending.
+//! Where the bending leaves its resting level.
 
 use super::Moment;
 use crate::clocks::policy::{
-    BEGINNING_SHARE, DEPARTURE_OVER_NOISE, DEPARTURE_SHARE, DRIFT_OVER_NOISE, DRIFT_SHARE, FEWEST_AT_REST,
-    FEWEST_STRAIGHT, LARGEST_OVER_LEAST,
+    BEGINNING_SHARE, DEPARTURE_SHARE, DRIFT_OVER_NOISE, DRIFT_SHARE, FEWEST_STRAIGHT, LARGEST_OVER_LEAST,
 };
+use crate::drive::policy::{DEPARTURE_OVER_NOISE, FEWEST_AT_REST};
 use ieap_domain::{Channel, Edge};
 use ieap_numerics::robust::{sd_on_a_slope, upper_median};
-
-/// The largest change between two neighbouring readings of a current that was at rest before.
-pub(crate) fn jump(current: &Channel) -> Result<Edge, String> {
-    let (time_s, values) = current.included();
-    let changes: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    let largest = (0..changes.len()).max_by(|&a, &b| changes[a].total_cmp(&changes[b]));
-    let at = largest
-        .filter(|&at| at + 1 >= FEWEST_AT_REST)
-        .ok_or("the current is not at rest before its first jump")?;
-    let noise = sd_on_a_slope(&values);
-    if changes[at] <= DEPARTURE_OVER_NOISE * noise || changes[at] == 0.0 {
-        return Err("the current shows no jump".to_owned());
-    }
-    Ok(Edge::between(time_s[at], time_s[at + 1]))
-}
 
 /// The moment from which the strip bends: where the straight beginning of the departure meets the resting level.
 pub(super) fn of_bending(bending: &Channel) -> Result<Moment, String> {

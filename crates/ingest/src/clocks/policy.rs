@@ -5,11 +5,7 @@ pub(super) const OFF_SIGMAS: f64 = 3.0;
 /// An offset that headers state differs from the one in use by more than this, s. Chosen.
 pub(super) const OFF_BY_HEADER_S: f64 = 1.0;
 
-/// Readings at rest that an onset needs before it. Chosen.
-pub(super) const FEWEST_AT_REST: usize = 5;
-/// A departure counts where it exceeds this many times the noise. Chosen.
-pub(super) const DEPARTURE_OVER_NOISE: f64 = 6.0;
-/// And where it exceeds this share of the largest departure. Chosen.
+/// A departure of the bending exceeds this share of the largest departure. Chosen.
 pub(super) const DEPARTURE_SHARE: f64 = 0.01;
 /// The largest departure must be this many times the least that counts: else the bending does not leave its noise. Chosen.
 pub(super) const LARGEST_OVER_LEAST: f64 = 2.0;

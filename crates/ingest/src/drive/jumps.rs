@@ -1,12 +1,12 @@
 //! Edges of the current where the stated drive has none: the strip probably saw another voltage than was stated.
 
 use crate::drive::policy::{
-    ANSWERS_WITHIN, BESIDE_EDGE, EDGE_LONGEST_STEP, EDGE_OF_RANGE, EDGE_OVER_BESIDE, EDGE_OVER_NOISE,
-    EDGE_STAYS,
+    ANSWERS_WITHIN, BESIDE_EDGE, DEPARTURE_OVER_NOISE, EDGE_LONGEST_STEP, EDGE_OF_RANGE, EDGE_OVER_BESIDE,
+    EDGE_OVER_NOISE, EDGE_STAYS, FEWEST_AT_REST,
 };
 use ieap_domain::range_of;
-use ieap_domain::{Channel, Drive, Issue, Quantity};
-use ieap_numerics::robust::upper_median;
+use ieap_domain::{Channel, Drive, Edge, Issue, Quantity};
+use ieap_numerics::robust::{sd_on_a_slope, upper_median};
 
 /// Version of what counts as such an edge: raised when the same readings would give another.
 pub const VERSION: u32 = 1;
@@ -16,6 +16,24 @@ pub const VERSION: u32 = 1;
 struct Jump {
     time_s: f64,
     ampere: f64,
+}
+
+/// The largest change between two neighbouring readings of a current that was at rest before.
+///
+/// # Errors
+/// It was not at rest, or shows no jump.
+pub fn from_rest(current: &Channel) -> Result<Edge, String> {
+    let (time_s, values) = current.included();
+    let changes: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let largest = (0..changes.len()).max_by(|&a, &b| changes[a].total_cmp(&changes[b]));
+    let at = largest
+        .filter(|&at| at + 1 >= FEWEST_AT_REST)
+        .ok_or("the current is not at rest before its first jump")?;
+    let noise = sd_on_a_slope(&values);
+    if changes[at] <= DEPARTURE_OVER_NOISE * noise || changes[at] == 0.0 {
+        return Err("the current shows no jump".to_owned());
+    }
+    Ok(Edge::between(time_s[at], time_s[at + 1]))
 }
 
 /// Points out jumps of the current that no edge of the drive explains.

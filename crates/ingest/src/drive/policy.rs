@@ -96,3 +96,8 @@ pub(super) const EDGE_STAYS: f64 = 0.2;
 pub(super) const EDGE_LONGEST_STEP: f64 = 3.0;
 /// Readings beside an edge of the drive within which the current may answer: clocks of one instrument differ by less. Chosen.
 pub(super) const ANSWERS_WITHIN: f64 = 3.0;
+
+/// Readings at rest that an onset needs before it. Chosen.
+pub(crate) const FEWEST_AT_REST: usize = 5;
+/// A departure counts where it exceeds this many times the noise. Chosen.
+pub(crate) const DEPARTURE_OVER_NOISE: f64 = 6.0;

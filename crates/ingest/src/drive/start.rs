@@ -3,8 +3,7 @@
 
 use ieap_domain::{Channel, Drive, Edge, Issue, Level, Quantity, Segment};
 
-use super::{FoundDrive, Stretch};
-use crate::clocks::onset;
+use super::{FoundDrive, Stretch, jumps};
 use crate::drive::policy::{AT_REST_BELOW, EDGE_STAYS, HELD_READINGS, JUST_APPLIED_FROM};
 
 /// Codes of what is said of a strip before the record.
@@ -73,7 +72,7 @@ fn answered(edge: Edge, time_s: &[f64], current: &[f64]) -> Edge {
 
 /// Where the current jumps from rest; none where it comes back at once, as a reading does that went astray.
 fn jump_that_stays(current: &Channel) -> Option<Edge> {
-    let edge = onset::jump(current).ok()?;
+    let edge = jumps::from_rest(current).ok()?;
     let (time_s, values) = current.included();
     let before = time_s.partition_point(|t| *t < edge.no_earlier_s);
     let [at_rest, jumped, later] = *values.get(before..before + 3)? else {

@@ -2,7 +2,8 @@
 
 use super::FoundDrive;
 use crate::drive::policy::DEPARTURE_V;
-use ieap_domain::{Channel, Issue, Quantity, Severity};
+use ieap_domain::drive::NOMINAL_AGREES_PART;
+use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Severity};
 
 /// The channel that the steps are found in: the stated control where it has a reading for each of the measured
 /// voltage, so that it covers the record, else the measured voltage.
@@ -70,6 +71,47 @@ fn departure(driving: &Channel, measured: &Channel) -> Option<Issue> {
     } else {
         Issue::note("control-not-held", message).at(place)
     })
+}
+
+/// Says that the readings of a voltage contradict a drive that is stated beside them: more of them lie off its levels than its
+/// edges explain.
+pub fn contradicted(stated: &Drive, channels: &[Channel]) -> Option<Issue> {
+    let voltage = driving(channels).filter(|_| !stated.moves())?;
+    let (time_s, values) = voltage.included();
+    let largest_v = values
+        .iter()
+        .fold(stated.nominal_step_v().abs(), |most, v| most.max(v.abs()));
+    let off_v = DEPARTURE_V.max(NOMINAL_AGREES_PART * largest_v);
+    let level_v = |t: f64| {
+        let begun = stated
+            .segments
+            .iter()
+            .take_while(|segment| segment.start_s() <= t);
+        begun
+            .last()
+            .map_or(Some(stated.baseline_v), |segment| match segment.level {
+                Level::Voltage(volts) => Some(volts),
+                Level::OpenCircuit => None,
+            })
+    };
+    let readings = time_s.iter().zip(values.iter());
+    let off: Vec<(f64, f64, f64)> = readings
+        .filter_map(|(&t, &read_v)| Some((t, level_v(t)?, read_v)))
+        .filter(|(_, stated_v, read_v)| (read_v - stated_v).abs() > off_v)
+        .collect();
+    let (at_s, stated_v, read_v) = *off.first()?;
+    if off.len() <= stated.segments.len() {
+        return None;
+    }
+    let message = format!(
+        "the drive that is stated contradicts {} of {} readings of the voltage, first at {at_s} s: {read_v:.4} V where \
+         {stated_v:.4} V is stated; the readings are used",
+        off.len(),
+        time_s.len()
+    );
+    let issue =
+        Issue::warning("drive-contradicted", message).at(format!("column {}", voltage.quantity.column()));
+    Some(issue.mend("leave the drive out; or leave the voltage out, where its readings are wrong"))
 }
 
 /// The same with its issues at the column that the drive was found in.

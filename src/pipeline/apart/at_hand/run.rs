@@ -145,18 +145,24 @@ impl RunAtHand {
         let tags: BTreeMap<String, String> = chosen(&resolved);
         let tagging = conclude(Some(&sample), &input, resolved, String::new());
         let of_readings = tagging.drive.clone().filter(|_| read.is_step_response);
-        let Some(drive) = stated.drive.clone().or(of_readings) else {
+        // What is stated holds unless the readings contradict it.
+        let contradiction = stated.drive.as_ref().filter(|_| of_readings.is_some());
+        let contradiction = contradiction.and_then(|drive| drive::contradicted(drive, &read.channels));
+        let of_statement = stated.drive.clone().filter(|_| contradiction.is_none());
+        let is_stated = of_statement.is_some();
+        let Some(drive) = of_statement.or(of_readings) else {
             return Err(no_drive(&tagging.issues, read.is_step_response));
         };
         let (Some(area_cm2), length_cm) = (tagging.area_cm2, tagging.length_cm) else {
             return Err(Issue::error(NO_AREA, "the active area of the strip is not known").at("area_cm2"));
         };
         let mut issues = read.issues.clone();
+        issues.extend(contradiction);
         issues.extend(other_voltage(read, &tags, &drive));
         // What is assumed of a drive that is found does not hold of one that is stated.
         let is_assumption = |issue: &Issue| drive::ASSUMED.contains(&issue.code.as_str());
         let told = tagging.issues.into_iter();
-        issues.extend(told.filter(|issue| stated.drive.is_none() || !is_assumption(issue)));
+        issues.extend(told.filter(|issue| !is_stated || !is_assumption(issue)));
         Ok(RunAtHand {
             channels: as_used(&read.channels, &read.flags, &tags, area_cm2),
             task: FitTask {
