@@ -23,9 +23,9 @@ use super::joint::start::Start;
 use super::outcome;
 use super::sampled::Sampled;
 use crate::edges::EdgeTimes;
+use crate::edges::Settled;
 use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};
-use crate::settled_edges::Settled;
 use crate::two_steps::{Readings, identify, needed};
 use crate::widened::{self, widen_by};
 

@@ -1,29 +1,11 @@
 //! Edges found with all that a run tells: its circuit and its bending, beside where the edges may be.
 
-use ieap_domain::Drive;
+use ieap_domain::Channel;
 
-use crate::edges::EdgeTimes;
+use crate::edges::Settled;
 use crate::error::FitError;
 use crate::group;
 use crate::options::{FitInput, FitOptions};
-
-/// Edges where the readings have them, with what is left open of them.
-pub(crate) struct Settled {
-    pub(crate) edges: EdgeTimes,
-    /// Independent ways in which all edges may still be off together, one standard deviation each, s.
-    pub(crate) open: Vec<Vec<f64>>,
-}
-
-impl Settled {
-    /// Each edge in the middle of where it may be, with all of its range open.
-    pub(crate) fn in_the_middle(drive: &Drive) -> Settled {
-        let edges = EdgeTimes::of(drive);
-        Settled {
-            open: edges.open_ways(),
-            edges,
-        }
-    }
-}
 
 /// The edges of a run. Where it has no current that tells of a circuit they stay in the middle of where they may be, each with
 /// all of its range open.
@@ -35,5 +17,16 @@ pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled,
     if !middle.edges.is_open() {
         return Ok(middle);
     }
-    Ok(group::settled(input, options, &middle.edges).unwrap_or(middle))
+    // A bending on a clock of its own has no part in where the edges are.
+    let others: Vec<Channel> = input
+        .channels
+        .iter()
+        .filter(|channel| !channel.own_clock)
+        .cloned()
+        .collect();
+    let on_one_clock = FitInput {
+        channels: &others,
+        ..*input
+    };
+    Ok(group::settled(&on_one_clock, options, &middle.edges).unwrap_or(middle))
 }

@@ -64,9 +64,7 @@ pub(crate) fn look(input: &FitInput, options: &FitOptions, identified: &mut Iden
     };
     let Some(found) = found else {
         // Nothing but the current tells: what it does not show is not known.
-        if !is_shown {
-            electrical.unseen = Some(Unseen::NotKnown);
-        }
+        electrical.unseen = Some(Unseen::NotKnown);
         return;
     };
     if found.is_evident || is_shown {

@@ -3,9 +3,9 @@
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Drive, Estimate, Fit, Issue, Parameter};
 
+use crate::edges::Settled;
 use crate::interval_rule::is_narrow_enough;
 use crate::policy::WIDENED_FROM_PART;
-use crate::settled_edges::Settled;
 
 const TOO_WIDE: &str = "the edges of the voltage lie between readings, and where they lie moves it by more than its size: read \
                         faster, or state the drive";

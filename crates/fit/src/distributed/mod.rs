@@ -35,9 +35,9 @@ mod unevenness;
 use ieap_domain::{Fit, Level};
 
 use crate::edges::EdgeTimes;
+use crate::edges::Settled;
 use crate::error::FitError;
 use crate::options::Steps;
-use crate::settled_edges::Settled;
 use crate::widened;
 pub use decision::{Bounded, Decision, LumpedOrDistributed};
 pub use given_error::given_resistance;

@@ -204,5 +204,23 @@ impl EdgeTimes {
     }
 }
 
+/// Edges where the readings have them, with what is left open of them.
+pub(crate) struct Settled {
+    pub(crate) edges: EdgeTimes,
+    /// Independent ways in which all edges may still be off together, one standard deviation each, s.
+    pub(crate) open: Vec<Vec<f64>>,
+}
+
+impl Settled {
+    /// Each edge in the middle of where it may be, with all of its range open.
+    pub(crate) fn in_the_middle(drive: &Drive) -> Settled {
+        let edges = EdgeTimes::of(drive);
+        Settled {
+            open: edges.open_ways(),
+            edges,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests;

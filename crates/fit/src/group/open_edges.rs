@@ -5,10 +5,10 @@ use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 use ieap_numerics::symmetric::Symmetric;
 
+use crate::edges::Settled;
 use crate::edges::{EdgeTimes, Shift};
 use crate::joint::feature::Feature;
 use crate::joint::problem::{Column, JointProblem, Over, add_run};
-use crate::settled_edges::Settled;
 use crate::widened::{End, Values};
 
 /// Evaluations of a search, and the fall of the sum of squares at which it settles.

@@ -374,6 +374,74 @@ fn what_is_stated_goes_before_what_was_measured() {
 }
 
 #[test]
+fn readings_win_over_a_stated_drive_that_they_contradict() {
+    let volts = |t: f64| if (0.0..30.4).contains(&t) { 1.5 } else { 0.0 };
+    let readings: Vec<(f64, f64)> = (-10..60).map(|k| (f64::from(k), volts(f64::from(k)))).collect();
+    let stated = |level_v: f64, ends_s: f64| Drive {
+        baseline_v: 0.0,
+        segments: vec![
+            Segment::at(0.0, Level::Voltage(level_v)),
+            Segment::at(ends_s, Level::Voltage(0.0)),
+        ],
+    };
+    let channels = [voltage(&readings)];
+    // Where the edges lie between the readings is no contradiction, nor what a source differs by.
+    for drive in [stated(1.5, 30.4), stated(1.52, 30.9)] {
+        assert_eq!(contradicted(&drive, &channels), None);
+    }
+    for drive in [stated(3.0, 30.4), stated(1.5, 40.0), Drive::step(1.5)] {
+        let issue = contradicted(&drive, &channels).unwrap();
+        assert_eq!(issue.code, "drive-contradicted");
+    }
+    // Readings that hold another voltage than the control says are the drive, and it is said.
+    let said: Vec<(f64, f64)> = readings.iter().map(|(t, v)| (*t, 2.0 * v)).collect();
+    let found = find(&[voltage(&readings), control(&said)], false, None, &[]);
+    assert_eq!(segments(&found)[0].1, 1.5);
+    assert!(
+        found.issues[0].message.starts_with("the drive is voltage_v"),
+        "{:?}",
+        found.issues
+    );
+}
+
+#[test]
+fn a_stated_voltage_is_applied_where_the_current_jumps_not_where_the_clock_is_zero() {
+    let current = |from_s: f64, jumps_s: f64, count: i32| {
+        let times = (0..count).map(|k| from_s + 0.5 * f64::from(k));
+        let readings: Vec<(f64, f64)> = times
+            .map(|t| {
+                (
+                    t,
+                    if t < jumps_s {
+                        0.0
+                    } else {
+                        1e-3 * (1.0 + (-(t - jumps_s) / 8.0).exp())
+                    },
+                )
+            })
+            .collect();
+        Channel {
+            quantity: Quantity::Current,
+            ..voltage(&readings)
+        }
+    };
+    let edge = |channels: &[Channel]| edges(&find(channels, true, Some(2.0), &[]))[0];
+    // The clock is another's.
+    assert_eq!(edge(&[current(0.0, 37.2, 400)]), Edge::between(37.0, 37.5));
+    // A table that begins with its step, or long after one.
+    assert_eq!(edge(&[current(0.5, 0.0, 100)]), Edge::between(0.0, 0.5));
+    assert_eq!(edge(&[current(10.0, 0.0, 100)]), Edge::before(10.0));
+    // The first reading shows nothing yet.
+    assert_eq!(edge(&[current(0.0, 0.2, 100)]), Edge::between(0.0, 0.5));
+    // A grid of a laser beside it changes nothing.
+    let bending = Channel {
+        quantity: Quantity::Curvature,
+        ..voltage(&[(-0.9, 0.0), (0.1, 0.1), (1.1, 0.2)])
+    };
+    assert_eq!(edge(&[bending, current(-5.0, 0.1, 100)]), Edge::between(0.0, 0.5));
+}
+
+#[test]
 fn a_control_that_does_not_cover_the_record_is_not_the_drive() {
     let readings: Vec<(f64, f64)> = (0..20)
         .map(|k| (f64::from(k), if k < 10 { 0.0 } else { 2.0 }))
