@@ -164,7 +164,7 @@ fn bending_without_a_current_is_fitted_and_asked_across_runs() {
             [60.0, 20.0, 80.0, 40.0],
             [80.0, 40.0, 20.0, 60.0],
         ],
-        0.3,
+        0.25,
         without_current,
     );
     let found = of_lambda(&document);

@@ -114,7 +114,7 @@ fn a_step_is_told_without_a_model_in_the_table_and_on_its_page() {
     let missing = cell(&table, "lost_after_60_min_percent");
     assert!(missing["value"].is_null(), "{missing:#}");
     let shown = folder.ieap(&["table", "model-free"]).expect(0).stdout;
-    assert!(shown.contains("the level is seen for 1500 s"), "{shown}");
+    assert!(shown.contains("the level is seen for 150"), "{shown}");
 
     // Energies: the voltage times the charge, per volume of the strip; an elastic one needs a modulus.
     let energies = folder
@@ -154,7 +154,7 @@ fn a_step_is_told_without_a_model_in_the_table_and_on_its_page() {
         .map(|page| std::fs::read_to_string(page.unwrap().path()).unwrap())
         .find(|page| page.contains("Without a model"))
         .expect("the page of the run says it");
-    assert!(page.contains("the level is seen for 1500 s"), "{page}");
+    assert!(page.contains("the level is seen for 150"), "{page}");
     assert!(page.contains("elastic energy of the strip at the peak"), "{page}");
     let explained = folder
         .ieap(&["explain", "model-free", "step.csv", "t_peak"])
@@ -215,7 +215,10 @@ fn a_life_test_is_told_cycle_by_cycle_with_its_fade() {
             (value(row, "coulombic_efficiency_percent") - 100.0).abs() < 2.0,
             "{row}"
         );
-        assert!((value(row, "resistance_ohm") / 100.0 - 1.0).abs() < 0.05, "{row}");
+        // Edges lie between readings a quarter of a second apart, in which the current falls by a ninth: a bound.
+        let resistance = &rows[row]["cells"]["resistance_ohm"];
+        let bound = resistance["high_95"].as_f64().unwrap();
+        assert!((100.0..115.0).contains(&bound), "{row}: {resistance}");
     }
     let shown = folder.ieap(&["table", "cycles"]).expect(0).stdout;
     let told = shown

@@ -83,9 +83,13 @@ pub(crate) fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> R
     };
     let drives = placed.iter().map(|placed| placed.settled.edges.drive());
     let mut group = fit_placed(&with_drives(inputs, drives), options)?;
-    for (fit, placed) in group.runs.iter_mut().zip(&placed) {
+    for (run, (fit, placed)) in group.runs.iter_mut().zip(&placed).enumerate() {
+        let before = fit.clone();
         if widen_by(fit, &placed.here, &placed.ends) {
             fit.issues.push(widened::issue(&placed.settled));
+            // Refits have the edges where they are taken to be, too.
+            let resampled = group.bootstrap.get_mut(run).into_iter().flatten();
+            resampled.for_each(|own| own.widen(&before, fit));
         }
     }
     Ok(group)

@@ -24,6 +24,8 @@ pub(crate) const MOST_BRANCHES_OF_BENDING: usize = 2;
 /// at the first of them, whatever it is. Chosen.
 pub(crate) const UNSEEN_FASTER: f64 = 100.0;
 
+/// Memory of what a fit leaves beyond which it is no noise, where responses are weighed against each other. Chosen.
+pub(crate) const MOST_MEMORY: f64 = 0.9;
 /// Time by which the clocks of two instruments are sought to differ at most, s: two programs started by hand one after the other
 /// differ by less. Chosen.
 pub(crate) const LARGEST_OFFSET_S: f64 = 60.0;

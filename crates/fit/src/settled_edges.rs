@@ -1,14 +1,19 @@
 //! Edges found with all that a run tells: its circuit and its bending, beside where the edges may be.
 
-use ieap_domain::Channel;
+use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
+use ieap_domain::{Channel, ChannelNoise, Quantity, range_of};
+use ieap_model::rival_law;
 
 use crate::edges::Settled;
 use crate::error::FitError;
 use crate::group;
+use crate::line::Line;
 use crate::options::{FitInput, FitOptions};
+use crate::plain::in_two_steps;
+use crate::policy::MOST_MEMORY;
 
-/// The edges of a run. Where it has no current that tells of a circuit they stay in the middle of where they may be, each with
-/// all of its range open.
+/// The edges of a run, of a lumped model with circuit and bending at once; of a rival's law, and of bending without a circuit,
+/// where all of them together are best. Where nothing tells more they stay in the middle of where they may be.
 ///
 /// # Errors
 /// As [`crate::fit_run`].
@@ -17,16 +22,87 @@ pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled,
     if !middle.edges.is_open() {
         return Ok(middle);
     }
-    // A bending on a clock of its own has no part in where the edges are.
-    let others: Vec<Channel> = input
-        .channels
-        .iter()
-        .filter(|channel| !channel.own_clock)
-        .cloned()
-        .collect();
-    let on_one_clock = FitInput {
-        channels: &others,
+    let is_rival = rival_law(options.model.id).is_some();
+    // A bending on a clock of its own has no part in where the edges are, nor has the law that a rival's is held against.
+    let tells =
+        |channel: &&Channel| !channel.own_clock && !(is_rival && channel.quantity == Quantity::Curvature);
+    let telling: Vec<Channel> = input.channels.iter().filter(tells).cloned().collect();
+    let told = FitInput {
+        channels: &telling,
         ..*input
     };
-    Ok(group::settled(&on_one_clock, options, &middle.edges).unwrap_or(middle))
+    Ok(match group::settled(&told, options, &middle.edges) {
+        Some(settled) if !is_rival => settled,
+        settled => of_all_together(input, options, settled.unwrap_or(middle)),
+    })
+}
+
+/// Parts of the way to either side at which all edges are tried first.
+const TRIED: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+
+/// The edges where the plain fit leaves least, moved all alike.
+fn of_all_together(input: &FitInput, options: &FitOptions, from: Settled) -> Settled {
+    let shifts = from.edges.shifts().len();
+    let widest_s = from
+        .edges
+        .shifts()
+        .iter()
+        .map(|shift| shift.limits_s().1 - shift.limits_s().0)
+        .fold(0.0, f64::max);
+    let alike = |by_s: f64| vec![by_s; shifts];
+    let tried = TRIED.map(|part| part * widest_s * from.edges.part_of(&alike(part.signum() * widest_s)));
+    // What is left of each response, and the variance of a long sum of it.
+    let left = |by_s: f64| -> Option<Vec<(f64, f64)>> {
+        let drive = from.edges.shifted(&alike(by_s));
+        let fit = in_two_steps(
+            &FitInput {
+                drive: &drive,
+                ..*input
+            },
+            options,
+        )?;
+        let of = |noise: &ChannelNoise| {
+            let memory = noise.residual_autocorrelation.clamp(0.0, MOST_MEMORY);
+            let variance = noise.residual_rms.powi(2);
+            (
+                variance * noise.readings as f64,
+                variance * (1.0 + memory) / (1.0 - memory),
+            )
+        };
+        Some(fit.noise.iter().map(of).collect())
+    };
+    let Some(found) = tried.iter().map(|by_s| left(*by_s)).collect::<Option<Vec<_>>>() else {
+        return from;
+    };
+    // In variances of the noise where the model leaves least.
+    let least = |k: usize| {
+        found
+            .iter()
+            .filter_map(|own| Some(own.get(k)?.1))
+            .fold(f64::INFINITY, f64::min)
+    };
+    let noise: Vec<f64> = (0..found[0].len()).map(least).collect();
+    let square = |own: &[(f64, f64)]| {
+        own.iter()
+            .zip(&noise)
+            .map(|(own, noise)| own.0 / noise)
+            .sum::<f64>()
+    };
+    let (low, high) = range_of(found.iter().map(|own| square(own)));
+    if high - low < CHI_SQUARE_95_OF_ONE {
+        return from;
+    }
+    let at = |by_s: f64| left(by_s).map_or(f64::INFINITY, |own| square(&own));
+    let Some(line) = Line::of(&tried, at, |_| CHI_SQUARE_95_OF_ONE) else {
+        return from;
+    };
+    let open = if shifts == 1 {
+        vec![alike((line.high - line.low) / (2.0 * NORMAL_95))]
+    } else {
+        from.open
+    };
+    Settled {
+        edges: from.edges.moved(&alike(line.best)),
+        open,
+    }
 }

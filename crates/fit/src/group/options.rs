@@ -1,5 +1,6 @@
 //! How to fit a group, and what its bootstrap says.
 
+use ieap_domain::Fit;
 use ieap_model::FitModel;
 
 use crate::options::FitOptions;
@@ -77,4 +78,23 @@ pub struct Resampled {
     pub high_95: f64,
     /// Refits that counted.
     pub replicates: usize,
+}
+
+impl Resampled {
+    /// Widened as the parameter's own error is from one fit to the other.
+    pub(crate) fn widen(&mut self, before: &Fit, after: &Fit) {
+        let error = |fit: &Fit| fit.parameter(&self.key)?.standard_error;
+        let wider = error(after)
+            .zip(error(before))
+            .map(|(after, before)| after / before);
+        let Some(wider) = wider.filter(|wider| wider.is_finite()) else {
+            return;
+        };
+        let (middle, half) = (
+            0.5 * (self.low_95 + self.high_95),
+            0.5 * (self.high_95 - self.low_95),
+        );
+        self.standard_deviation *= wider;
+        (self.low_95, self.high_95) = (middle - wider * half, middle + wider * half);
+    }
 }

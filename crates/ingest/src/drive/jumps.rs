@@ -1,8 +1,8 @@
 //! Edges of the current where the stated drive has none: the strip probably saw another voltage than was stated.
 
 use crate::drive::policy::{
-    ANSWERS_WITHIN, BESIDE_EDGE, DEPARTURE_OVER_NOISE, EDGE_LONGEST_STEP, EDGE_OF_RANGE, EDGE_OVER_BESIDE,
-    EDGE_OVER_NOISE, EDGE_STAYS, FEWEST_AT_REST,
+    ANSWERS_WITHIN, AT_REST_BELOW, BESIDE_EDGE, DEPARTURE_OVER_NOISE, EDGE_LONGEST_STEP, EDGE_OF_RANGE,
+    EDGE_OVER_BESIDE, EDGE_OVER_NOISE, EDGE_STAYS, FEWEST_AT_REST,
 };
 use ieap_domain::range_of;
 use ieap_domain::{Channel, Drive, Edge, Issue, Quantity};
@@ -29,7 +29,11 @@ pub fn from_rest(current: &Channel) -> Result<Edge, String> {
     let at = largest
         .filter(|&at| at + 1 >= FEWEST_AT_REST)
         .ok_or("the current is not at rest before its first jump")?;
+    let (low, high) = range_of(values[..=at].iter().copied());
     let noise = sd_on_a_slope(&values);
+    if high - low > (AT_REST_BELOW * changes[at]).max(2.0 * DEPARTURE_OVER_NOISE * noise) {
+        return Err("the current is not at rest before its first jump".to_owned());
+    }
     if changes[at] <= DEPARTURE_OVER_NOISE * noise || changes[at] == 0.0 {
         return Err("the current shows no jump".to_owned());
     }

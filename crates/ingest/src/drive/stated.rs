@@ -46,11 +46,19 @@ pub(super) fn found(
 /// Says how far the measured voltage departs from the stated one: a warning where most readings do.
 fn departure(driving: &Channel, measured: &Channel) -> Option<Issue> {
     let stated = driving.time_s.iter().zip(driving.values.iter());
-    let apart: Vec<(f64, f64, f64)> = stated
+    let both: Vec<(f64, f64, f64)> = stated
         .filter_map(|(&time_s, &stated_v)| {
             let at = measured.time_s.binary_search_by(|t| t.total_cmp(&time_s)).ok()?;
             Some((time_s, stated_v, measured.values[at]))
         })
+        .collect();
+    // At rest both say nothing.
+    let held = both
+        .iter()
+        .filter(|(_, stated_v, measured_v)| stated_v.abs().max(measured_v.abs()) > DEPARTURE_V);
+    let held = held.count();
+    let apart: Vec<(f64, f64, f64)> = both
+        .into_iter()
         .filter(|(_, stated_v, measured_v)| (measured_v - stated_v).abs() > DEPARTURE_V)
         .collect();
     let size = |(_, stated_v, measured_v): &(f64, f64, f64)| (measured_v - stated_v).abs();
@@ -64,7 +72,7 @@ fn departure(driving: &Channel, measured: &Channel) -> Option<Issue> {
         driving.len()
     );
     let place = format!("column {}", measured.raw_name);
-    Some(if 2 * apart.len() > driving.len() {
+    Some(if 2 * apart.len() > held {
         Issue::warning("control-not-held", message).at(place).mend(
             "check the wiring and the limits of the source: the strip may not have had the stated voltage",
         )

@@ -135,15 +135,16 @@ impl Trial {
 
     /// The drive as the fit is told it.
     pub fn told(&self, time_s: &[f64]) -> Drive {
-        if !self.start_is_known {
-            return self.drive.as_seen(time_s);
+        let mut told = self.drive.as_seen(time_s);
+        if let (true, Some(first), Some(own)) = (
+            self.start_is_known,
+            told.segments.first_mut(),
+            self.drive.segments.first(),
+        ) {
+            // A trigger tells when the drive begins; later edges are read like all others.
+            first.edge = Edge::at(own.start_s());
         }
-        let mut stated = self.drive.clone();
-        stated
-            .segments
-            .iter_mut()
-            .for_each(|segment| segment.edge = Edge::at(segment.start_s()));
-        stated
+        told
     }
 
     /// Times of readings every so often, of which the first within the drive comes after `phase` (0 to 1) of an interval.

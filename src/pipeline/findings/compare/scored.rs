@@ -4,9 +4,8 @@ use std::time::Instant;
 
 use crate::domain::thinning::drawn_indices;
 use crate::domain::{Channel, ComparedCurve, Drive, ModelScore, Quantity, ResponseScore, RunComparison};
-use crate::fit::{Described, FitInput, Left, Noise, describe};
+use crate::fit::{Described, FitInput, FitOptions, Left, Noise, describe, placed_drive};
 use crate::model::{FitModel, rival_law};
-use crate::pipeline::campaign::readings::placed;
 use crate::store::FitTask;
 
 /// Part of the time after the step that a model is fitted to when it predicts the rest.
@@ -20,6 +19,8 @@ const RESPONSES: [Quantity; 2] = [Quantity::Current, Quantity::Curvature];
 
 /// One model on one run.
 struct Tried {
+    /// The drive with its edges where this model has them.
+    drive: Drive,
     whole: Result<Described, String>,
     earlier: Option<Described>,
     seconds: f64,
@@ -31,19 +32,12 @@ pub(super) fn scored(
     channels: &[Vec<Channel>],
     models: &[&'static FitModel],
 ) -> Vec<RunComparison> {
-    // All models on the edges where a fit has them.
-    let drives: Vec<Drive> = tasks
-        .iter()
-        .zip(channels)
-        .map(|(task, channels)| placed(task, channels))
-        .collect();
     let inputs: Vec<FitInput> = tasks
         .iter()
         .zip(channels)
-        .zip(&drives)
-        .map(|((task, channels), drive)| FitInput {
+        .map(|(task, channels)| FitInput {
             channels,
-            drive,
+            drive: &task.drive,
             area_cm2: task.area_cm2,
         })
         .collect();
@@ -58,6 +52,15 @@ pub(super) fn scored(
 
 fn try_model(input: &FitInput, model: &'static FitModel) -> Tried {
     let begun = Instant::now();
+    let options = FitOptions {
+        model,
+        ..FitOptions::default()
+    };
+    let drive = placed_drive(input, &options).unwrap_or_else(|_| input.drive.clone());
+    let input = &FitInput {
+        drive: &drive,
+        ..*input
+    };
     let whole = if rival_law(model.id).is_some() && !is_bent(input) {
         Err(NOT_BENT.to_owned())
     } else {
@@ -72,6 +75,7 @@ fn try_model(input: &FitInput, model: &'static FitModel) -> Tried {
         describe(&input, model).ok()
     });
     Tried {
+        drive: drive.clone(),
         whole,
         earlier,
         seconds,
@@ -235,7 +239,7 @@ impl Response {
         let input = &inputs[run];
         let unit = self.noise.standard_deviation;
         let predict = |described: &Described| {
-            described.predict(self.quantity, input.drive, input.area_cm2, &self.time_s)
+            described.predict(self.quantity, &own.drive, input.area_cm2, &self.time_s)
         };
         let later = own
             .earlier
@@ -280,7 +284,7 @@ impl Response {
             .map(|tried| {
                 let described = tried.whole.as_ref().ok();
                 let fitted = described.and_then(|described| {
-                    described.predict(self.quantity, input.drive, input.area_cm2, &self.time_s)
+                    described.predict(self.quantity, &tried.drive, input.area_cm2, &self.time_s)
                 });
                 fitted.unwrap_or_default()
             })
