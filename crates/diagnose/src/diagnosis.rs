@@ -1,6 +1,6 @@
 //! A diagnosis from its readings to what is told: the rooms in their order.
 
-use ieap_domain::{CondemnedRun, GroupDiagnosis};
+use ieap_domain::{CondemnedRun, GroupDiagnosis, Verdict};
 use ieap_model::FitModel;
 use ieap_model::extended::ExtendedModel;
 
@@ -26,6 +26,11 @@ use crate::readings::scatter;
 pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
     let mut found = of_seen_starts(name, runs, options);
     // What such a run has before its first reading would be taken for a cause.
+    if !runs.is_empty() && runs.iter().all(RunInput::starts_unseen) {
+        found.verdict = Verdict::Undecided;
+        found.sentence = "Whether the simulation is right cannot be told: nothing tells since when the first voltage is applied."
+            .to_owned();
+    }
     let unseen = runs.iter().filter(|run| run.starts_unseen());
     found.remarks.extend(unseen.map(|run| {
         format!(
