@@ -3,11 +3,13 @@
 use ieap_domain::{CondemnedRun, GroupDiagnosis, Verdict};
 use ieap_model::FitModel;
 use ieap_model::extended::ExtendedModel;
+use ieap_numerics::sums::dot;
 
 use crate::cause::decide::is_slow_noise;
 use crate::cause::evidence::{follow_something, log_odds_of_no_cause};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::base_fit::refit;
+use crate::fitting::edges;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
@@ -17,7 +19,7 @@ use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
 use crate::options::DiagnoseOptions;
 use crate::outcome::finding::{FindingBuilder, nothing};
-use crate::readings::group::{RunGroup, RunInput};
+use crate::readings::group::{Block, RunGroup, RunInput};
 use crate::readings::scatter;
 
 /// Diagnoses runs that one parameter set of the base model describes.
@@ -88,6 +90,17 @@ fn without(
 }
 
 fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptions) -> GroupDiagnosis {
+    looked(name, group, base, options, false)
+}
+
+/// The diagnosis; `on_edges` where the edges are those that an extended model has.
+fn looked(
+    name: &str,
+    group: &RunGroup,
+    base: Fitted,
+    options: &DiagnoseOptions,
+    on_edges: bool,
+) -> GroupDiagnosis {
     let scattered = group.with_scatter(&base.problem.model(&base.at));
     let beside_own = scattered.as_ref().unwrap_or(group);
     let scatter = beside_own
@@ -137,6 +150,17 @@ fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptio
         return builder.without_cause();
     }
     let selection = input.select(&null, &directions);
+    // Edges that the base model found hide a part of what it misses. A bending that is late is no witness of them: of what is
+    // wrong with it alone the causes are held against each other on the edges that the base has.
+    if !on_edges
+        && is_of_current(group, &base, &selection.model)
+        && let Some((moved, at)) = edges::settled(group, &selection.model)
+    {
+        let moved = moved.renoised(&selection.model.problem.model(&at));
+        if let Some(base) = refit(&moved, &base) {
+            return looked(name, &moved, base, options, true);
+        }
+    }
     let found = builder.with_cause(&input, &selection);
     if is_slow_noise(&found.posterior) {
         let slow = beside(group.with_slow_noise(&model));
@@ -166,6 +190,24 @@ fn explains_all(found: &GroupDiagnosis) -> bool {
 }
 
 /// The same beside other noise; none where it takes no scatter that was asked for.
+/// Whether most of what an extended model explains beyond the base is in the current.
+fn is_of_current(group: &RunGroup, base: &Fitted, extended: &Fitted) -> bool {
+    let (before, after) = (base.residuals(), extended.residuals());
+    let fall = |block: &Block| {
+        let rows = block.first..block.end;
+        dot(&before[rows.clone()], &before[rows.clone()]) - dot(&after[rows.clone()], &after[rows])
+    };
+    let of = |channel: usize| {
+        group
+            .blocks
+            .iter()
+            .filter(|block| block.channel == channel)
+            .map(fall)
+            .sum::<f64>()
+    };
+    of(0) > of(1).max(0.0)
+}
+
 fn diagnosed_beside(
     name: &str,
     group: &RunGroup,

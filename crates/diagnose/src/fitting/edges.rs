@@ -1,4 +1,4 @@
-//! Edges of the drives that only readings tell of, found with the base model of the group.
+//! Edges of the drives that only readings tell of, found with a model of the group.
 
 use ieap_fit::Shift;
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Problem};
@@ -15,7 +15,7 @@ const SETTLE: f64 = 0.05;
 /// Step of the difference quotients, in parts of a shift's range.
 const STEP: f64 = 1e-4;
 
-/// The group with its edges where the base model has them best, and the base coordinates there; none where no edge is open.
+/// The group with its edges where the model has them best, and its coordinates there; none where no edge is open.
 pub(crate) fn settled<'a>(group: &RunGroup<'a>, base: &Fitted) -> Option<(RunGroup<'a>, Vec<f64>)> {
     let open: Vec<(usize, usize)> = (group.runs.iter().enumerate())
         .flat_map(|(run, own)| (0..own.edges.shifts().len()).map(move |shift| (run, shift)))
@@ -25,6 +25,7 @@ pub(crate) fn settled<'a>(group: &RunGroup<'a>, base: &Fitted) -> Option<(RunGro
     }
     let searched = WithEdges {
         problem: &base.problem,
+        coordinates: base.at.len(),
         group,
         open,
     };
@@ -45,9 +46,11 @@ pub(crate) fn settled<'a>(group: &RunGroup<'a>, base: &Fitted) -> Option<(RunGro
     Some((moved, at.to_vec()))
 }
 
-/// The base problem with the shifts of all runs' edges behind its coordinates, s.
+/// The problem with the shifts of all runs' edges behind its coordinates, s.
 struct WithEdges<'p, 'g> {
     problem: &'p ExtendedProblem<'p>,
+    /// How many the model has.
+    coordinates: usize,
     group: &'p RunGroup<'g>,
     /// Run and place of every shift.
     open: Vec<(usize, usize)>,
@@ -111,7 +114,7 @@ impl WithEdges<'_, '_> {
 impl Problem for WithEdges<'_, '_> {
     fn bounds(&self) -> Bounds {
         let mut bounds = Bounds::default();
-        for k in 0..self.problem.base_len() {
+        for k in 0..self.coordinates {
             let (low, high) = self.problem.limits_of(k);
             bounds.push(low, high);
         }
@@ -121,7 +124,7 @@ impl Problem for WithEdges<'_, '_> {
     }
 
     fn local(&self, all: &[f64], most: f64) -> Local {
-        let (at, shifts_s) = all.split_at(self.problem.base_len());
+        let (at, shifts_s) = all.split_at(self.coordinates);
         let by_run = self.by_run(shifts_s);
         let here = self.residuals(at, &by_run);
         let square: f64 = here.iter().map(|own| dot(own, own)).sum();
@@ -157,8 +160,10 @@ impl Problem for WithEdges<'_, '_> {
             columns.push(column);
         }
         let mut local = Local::of(&whole, &columns);
-        // Where the readings do not tell, an edge stays in the middle of where it may be.
-        local.add_known_before(&self.known_before(), 1.0, all);
+        // Where the readings do not tell, an edge stays where its own run has it; nor does a model tell that leaves more than the
+        // noise: it would move edges to hide what it misses.
+        let beyond_noise = (square / whole.len().max(1) as f64).max(1.0);
+        local.add_known_before(&self.known_before(), beyond_noise, all);
         local
     }
 }
