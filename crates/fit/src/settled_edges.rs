@@ -25,7 +25,7 @@ pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled,
     let is_rival = rival_law(options.model.id).is_some();
     // A bending on a clock of its own has no part in where the edges are, nor has the law that a rival's is held against.
     let tells =
-        |channel: &&Channel| !channel.own_clock && !(is_rival && channel.quantity == Quantity::Curvature);
+        |channel: &&Channel| !(channel.own_clock || is_rival && channel.quantity == Quantity::Curvature);
     let telling: Vec<Channel> = input.channels.iter().filter(tells).cloned().collect();
     let told = FitInput {
         channels: &telling,
