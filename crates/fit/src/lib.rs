@@ -177,12 +177,6 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
     Ok(group)
 }
 
-/// The edges of a run where [`fit_run`] takes them to be, with what may move of them; of one that is not fitted as they are told.
-pub fn settled_edges(input: &FitInput, options: &FitOptions) -> EdgeTimes {
-    let settled = settled_edges::settled(input, options);
-    settled.map_or_else(|_| EdgeTimes::of(input.drive), |settled| settled.edges)
-}
-
 /// The drive of a run with its edges where [`fit_run`] takes them to be: those that only readings tell of are sought between
 /// these.
 ///

@@ -160,8 +160,8 @@ impl Problem for WithEdges<'_, '_> {
             columns.push(column);
         }
         let mut local = Local::of(&whole, &columns);
-        // Where the readings do not tell, an edge stays where its own run has it; nor does a model tell that leaves more than the
-        // noise: it would move edges to hide what it misses.
+        // Where the readings do not tell, an edge stays in the middle of where it may be; nor does a model tell that leaves more
+        // than the noise: it would move edges to hide what it misses.
         let beyond_noise = (square / whole.len().max(1) as f64).max(1.0);
         local.add_known_before(&self.known_before(), beyond_noise, all);
         local

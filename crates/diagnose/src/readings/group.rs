@@ -1,7 +1,7 @@
 //! The runs that are diagnosed together, with their noise.
 
 use ieap_domain::{Channel, Drive, Quantity};
-use ieap_fit::{EdgeTimes, FitInput, FitOptions, WhitenedChannel, aligned, settled_edges};
+use ieap_fit::{EdgeTimes, FitInput, FitOptions, WhitenedChannel, aligned};
 use ieap_model::effects::TagAt;
 use ieap_model::extended::{ExtendedModel, RunContext};
 use ieap_numerics::robust::median_step;
@@ -402,12 +402,7 @@ fn usual_step_s(channel: &WhitenedChannel) -> f64 {
 impl<'a> GroupRun<'a> {
     fn new(given: &RunInput<'a>) -> Option<GroupRun<'a>> {
         let mut spikes = [0, 0];
-        let edges = if given.input.drive.moves() {
-            EdgeTimes::known(&followed(given.input.drive))
-        } else {
-            // Each run by itself: what runs share may be what is wrong with them.
-            settled_edges(&given.input, &FitOptions::default())
-        };
+        let edges = EdgeTimes::of(&followed(given.input.drive));
         let aligned = aligned(&given.input, &FitOptions::default());
         let on_one_clock = aligned
             .as_ref()
