@@ -302,6 +302,12 @@ fn with_open_circuit(mut found: FoundDrive, open: &[(f64, f64)]) -> FoundDrive {
         };
         let after = to.is_finite().then(|| due(to)).flatten();
         drive.segments.retain(|s| s.start_s() < from || s.start_s() > to);
+        // The last reading of a voltage before the next level may lie before the circuit was open.
+        let later = drive
+            .segments
+            .iter_mut()
+            .filter(|s| s.start_s() > to && !s.edge.is_stated());
+        later.for_each(|s| s.edge.no_earlier_s = s.edge.no_earlier_s.max(to));
         drive.segments.push(Segment::at(from, Level::OpenCircuit));
         drive.segments.extend(after.map(|level| Segment::at(to, level)));
         drive.segments.sort_by(|a, b| a.start_s().total_cmp(&b.start_s()));

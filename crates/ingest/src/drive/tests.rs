@@ -327,6 +327,22 @@ fn an_open_circuit_column_hides_the_floating_voltage() {
     assert_eq!(drive.segments[1].level, Level::OpenCircuit);
 }
 
+#[test]
+fn a_level_behind_an_open_circuit_is_not_before_its_end() {
+    let readings: Vec<(f64, f64)> = (0..100)
+        .map(|k| (f64::from(k), if k < 30 { 1.5 } else { 0.0 }))
+        .collect();
+    let found = find(&[voltage(&readings)], true, None, &[(20.5, 45.5)]);
+    let edges = edges(&found);
+    assert!(
+        edges
+            .windows(2)
+            .all(|pair| pair[0].no_later_s <= pair[1].no_earlier_s),
+        "{edges:?}"
+    );
+    assert_eq!(edges[1], Edge::at(20.5));
+}
+
 fn control(readings: &[(f64, f64)]) -> Channel {
     Channel {
         quantity: Quantity::ControlVoltage,
