@@ -27,14 +27,16 @@ pub struct Aligned {
     pub channels: Vec<Channel>,
     /// The drive with its edges where the current has them.
     drive: Drive,
+    /// How long the time is in which the first edge may be, s: both where it is and where it is taken to be lie anywhere in it.
+    edge_error_s: f64,
     /// How far its own clock was ahead of that, s: the best value and the ends of its 95 % interval.
     pub ahead_s: [f64; 3],
 }
 
 impl Aligned {
-    /// Standard error of the offset, s.
+    /// Standard error of the offset against the drive, s: that of its own, and of where the edges are that it counts from.
     pub fn error_s(&self) -> f64 {
-        (self.ahead_s[2] - self.ahead_s[1]) / (2.0 * NORMAL_95)
+        ((self.ahead_s[2] - self.ahead_s[1]) / (2.0 * NORMAL_95)).hypot(self.edge_error_s)
     }
 
     /// What a reader must know of it.
@@ -103,6 +105,7 @@ pub fn aligned(input: &FitInput, options: &FitOptions) -> Option<Aligned> {
     Some(Aligned {
         channels: moved(input.channels, -line.best),
         drive: edges.drive().clone(),
+        edge_error_s: input.drive.segments[0].edge.open_s(),
         ahead_s: [line.best, line.low, line.high],
     })
 }
