@@ -151,14 +151,16 @@ fn looked(
     }
     let selection = input.select(&null, &directions);
     // Edges that the base model found hide a part of what it misses. A bending that is late is no witness of them: of what is
-    // wrong with it alone the causes are held against each other on the edges that the base has.
+    // wrong with it alone the causes are held against each other on the edges that the base has. Nor is a model that leaves a
+    // misfit itself.
     if !on_edges
         && is_of_current(group, &base, &selection.model)
         && let Some((moved, at)) = edges::settled(group, &selection.model)
     {
         let moved = moved.renoised(&selection.model.problem.model(&at));
-        if let Some(base) = refit(&moved, &base) {
-            return looked(name, &moved, base, options, true);
+        let again = refit(&moved, &base).map(|base| looked(name, &moved, base, options, true));
+        if let Some(found) = again.filter(|again| !again.verdict.is_misfit() || explains_all(again)) {
+            return found;
         }
     }
     let found = builder.with_cause(&input, &selection);
@@ -189,7 +191,6 @@ fn explains_all(found: &GroupDiagnosis) -> bool {
     found.verdict.extends_the_model() && found.p_leftover.is_some_and(|p| p >= WRONG_BELOW)
 }
 
-/// The same beside other noise; none where it takes no scatter that was asked for.
 /// Whether most of what an extended model explains beyond the base is in the current.
 fn is_of_current(group: &RunGroup, base: &Fitted, extended: &Fitted) -> bool {
     let (before, after) = (base.residuals(), extended.residuals());
@@ -208,6 +209,7 @@ fn is_of_current(group: &RunGroup, base: &Fitted, extended: &Fitted) -> bool {
     of(0) > of(1).max(0.0)
 }
 
+/// The same beside other noise; none where it takes no scatter that was asked for.
 fn diagnosed_beside(
     name: &str,
     group: &RunGroup,
