@@ -14,6 +14,7 @@ use super::carried::moved_by_circuit;
 use super::electrical::Electrical;
 use super::sampled::Sampled;
 use super::search::Search;
+use super::shown::Shown;
 use super::strain::{Charged, Strain};
 use super::uncertainty::{CovarianceSums, Residuals};
 
@@ -34,7 +35,7 @@ pub(super) struct Bending {
     /// Covariance of [alpha, lambda], the uncertainty of the electrical parameters included.
     pub(super) covariance: Symmetric,
     /// Whether the curvature shows any response to the charge.
-    pub(super) evident: bool,
+    pub(super) shown: Shown,
     /// Whether the rate lies at the upper limit of the search.
     pub(super) at_upper_bound: bool,
     /// Residuals of the curvature.
@@ -123,13 +124,13 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
     let rate_per_s = landscape.rate_per_s(found.at[0]);
     let (x, _) = short.solve(&short.gram(rate_per_s));
     let residuals = residuals(&full, rate_per_s, &x);
-    let evident = residuals.show_response(sampled, full.with_offset);
+    let shown = Shown::of(&residuals, sampled, full.with_offset);
     Bending {
         coupling_per_c_cm: x[0],
         rate_per_s,
         offset_per_cm: full.with_offset.then_some(x[2]),
         covariance: covariance(drive, electrical, &full, &short, rate_per_s, &x, &residuals),
-        evident,
+        shown,
         at_upper_bound: found.at[0] >= high * (1.0 - 1e-9),
         residuals,
         stop: found.stop,

@@ -17,9 +17,9 @@ use super::joint::start::Start;
 use super::joint_estimates::{choice_in_words, judged_estimate};
 use super::outcome::{judged_response, not_converged, parameter_issues};
 use super::sampled::Sampled;
-use crate::interval_rule;
 use crate::options::{FitInput, FitOptions};
 use crate::policy::{BENDING_EVIDENCE, BRANCH_DOUBT, BRANCH_EVIDENCE, MOST_BRANCHES_OF_BENDING};
+use crate::shown::Shown;
 
 /// Time constants and relaxation times that are tried, parts of the record.
 const TIMES: [f64; 4] = [0.01, 0.1, 1.0, 10.0];
@@ -41,9 +41,12 @@ pub(super) fn fit(input: &FitInput, options: &FitOptions, sampled: Sampled, why:
         curvature: Some(Response::new(sampled)),
     };
     let per_volt = unit_response(&run)?;
+    let curvature = &run.curvature.as_ref()?.sampled;
     let most = options.model.branches.min(MOST_BRANCHES_OF_BENDING);
     let one = minimum(&run, &starts(&run, per_volt, 1))?;
-    let is_flat = gain_over_nothing(&one) <= BENDING_EVIDENCE;
+    let with_offset = curvature.rests_off_zero();
+    let shown = Shown::beside(gain_over_nothing(&one) > BENDING_EVIDENCE, curvature, with_offset);
+    let is_flat = !shown.is_response();
     let (found, weighing) = if is_flat || most == 1 {
         (one, None)
     } else {
@@ -56,7 +59,7 @@ pub(super) fn fit(input: &FitInput, options: &FitOptions, sampled: Sampled, why:
     let known = Known {
         judged: &judged,
         sign: per_volt.signum(),
-        is_flat,
+        shown,
         why,
     };
     let parameters = known.parameters(input, options);
@@ -270,7 +273,7 @@ struct Known<'a> {
     judged: &'a Judged,
     /// To which side the strip bends under a positive voltage.
     sign: f64,
-    is_flat: bool,
+    shown: Shown,
     why: &'a str,
 }
 
@@ -303,8 +306,8 @@ impl Known<'_> {
     }
 
     fn estimate(&self, feature: Feature, drive: &Drive) -> Estimate {
-        if self.is_flat {
-            return Estimate::not_determined(interval_rule::FLAT);
+        if let Some(why) = self.shown.why_open() {
+            return Estimate::not_determined(why);
         }
         match feature.branch() {
             Some(k) if k >= MOST_BRANCHES_OF_BENDING => {

@@ -12,6 +12,7 @@ use super::uncertainty::Residuals;
 use crate::electrical;
 use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};
+use crate::outliers::Cleaned;
 use crate::policy::FOLLOWED_PART;
 use crate::two_steps::{Readings, needed};
 
@@ -126,6 +127,8 @@ pub fn describe(input: &FitInput, model: &'static FitModel) -> Result<Described,
         model,
         ..FitOptions::default()
     };
+    let cleaned = Cleaned::of(input);
+    let input = &cleaned.input(input);
     let readings = Readings::new(input)?;
     readings.check(input, &options)?;
     let current = readings

@@ -304,9 +304,9 @@ pub(super) fn bending_estimate(feature: Feature, bending: Result<&Bending, &str>
         Ok(bending) => bending,
         Err(reason) => return Some(Estimate::not_determined(reason)),
     };
-    if !bending.evident {
+    if let Some(why) = bending.shown.why_open() {
         // A coupling near zero leaves the rate open, and its own size depends on that rate.
-        return Some(Estimate::not_determined(interval_rule::FLAT));
+        return Some(Estimate::not_determined(why));
     }
     let error = bending.covariance.get(index, index).max(0.0).sqrt();
     let half = bending.residuals.quantile * error;

@@ -11,6 +11,7 @@ use super::joint::profile::Interval;
 use super::outcome::{joint_parameters, judged_response};
 use super::sampled::Sampled;
 use crate::options::FitInput;
+use crate::outliers::Cleaned;
 
 /// Step of the gradient of a feature, in the local parameters.
 const STEP: f64 = 1e-5;
@@ -96,10 +97,12 @@ pub type Predict<'a> = dyn Fn(&[f64], &[f64]) -> [Vec<f64>; 2] + 'a;
 /// `head` holds the model's name, how it was found and its parameters; the rest is filled in.
 pub fn fit_of_run(input: &FitInput, searched: usize, head: Fit, predict: &Predict) -> Fit {
     let quantities = [Quantity::Current, Quantity::Curvature];
-    let sampled = quantities.map(|quantity| usable(input.channels, input.drive, quantity));
+    let cleaned = Cleaned::of(input);
+    let sampled = quantities.map(|quantity| usable(&cleaned.channels, input.drive, quantity));
     let times = |k: usize| sampled[k].as_ref().map_or(&[][..], |s| &s.time_s);
     let fitted = predict(times(0), times(1));
     let mut fit = head;
+    fit.issues.extend(cleaned.issues_of_whole());
     for ((quantity, sampled), fitted) in quantities.into_iter().zip(&sampled).zip(fitted) {
         let Some(sampled) = sampled else { continue };
         let (noise, curve) = judged_response(quantity, sampled, fitted, input.drive, searched);

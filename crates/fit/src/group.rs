@@ -26,6 +26,7 @@ use crate::edges::EdgeTimes;
 use crate::edges::Settled;
 use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};
+use crate::outliers::Cleaned;
 use crate::two_steps::{Readings, identify, needed};
 use crate::widened::{self, widen_by};
 
@@ -158,7 +159,8 @@ pub fn can_join_group(input: &FitInput, model: &'static FitModel) -> Result<(), 
         let reason = "its voltage moves all the time; it is fitted by itself".to_owned();
         return Err(FitError::OutsideGroup { reason });
     }
-    let readings = Readings::new(input)?;
+    let cleaned = Cleaned::of(input);
+    let readings = Readings::new(&cleaned.input(input))?;
     readings.check(input, &own)?;
     let found = readings.current.as_ref().map(Sampled::after_step);
     let needed = needed(model);

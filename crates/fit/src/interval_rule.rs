@@ -8,6 +8,9 @@ use ieap_domain::Estimate;
 pub(crate) const TOO_WIDE: &str = "its 95 % interval would span more than a factor of five to either side";
 /// Why there are no parameters of the bending.
 pub(crate) const FLAT: &str = "the curvature does not differ from its noise";
+/// The same where the curvature shows more than noise.
+pub(crate) const NOT_DESCRIBED: &str = "the curvature changes by far more than its noise, but not in the course that the charge gives it: \
+                                        this model does not describe the bending";
 /// Why a relaxation rate has an upper bound only.
 pub(crate) const TOO_SLOW: &str = "relaxation is too slow for this record: the rate cannot be told from zero";
 /// Why a steady-state resistance has a lower bound only.

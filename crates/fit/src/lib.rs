@@ -28,6 +28,7 @@ mod moving;
 mod noise_again;
 mod options;
 mod outcome;
+mod outliers;
 mod own_clock;
 mod parabola;
 mod plain;
@@ -35,6 +36,7 @@ mod policy;
 mod sampled;
 mod search;
 mod settled_edges;
+mod shown;
 mod strain;
 mod two_steps;
 mod uncertainty;
@@ -60,6 +62,10 @@ pub use group::{
 pub use moving::{MOVING_VERSION, least_squares_place};
 pub use noise_again::{FoundAgain, NoiseAgain, Pair, Scaled};
 pub use options::{FitInput, FitOptions, Steps};
+pub use outliers::{
+    Cleaned, FEWEST_FOR_SPREAD, READINGS_AFTER_EDGE, READINGS_BEFORE_EDGE, READINGS_OF_SURROUNDINGS,
+    left_out_in_words, without_outliers,
+};
 pub use own_clock::{Aligned, aligned};
 pub use whitened::WhitenedChannel;
 
@@ -72,7 +78,7 @@ mod any_input;
 mod tests;
 
 /// Fits a run. Edges of the drive that only readings tell of are sought between these; what is left open of them widens the
-/// intervals.
+/// intervals. Single readings far off their neighbours are left out, as of every fit ([`without_outliers`]).
 ///
 /// What the data leave open is reported in the fit: an estimate without a value, or with a bound, says why.
 ///
@@ -80,6 +86,13 @@ mod tests;
 /// [`FitError`] where there is nothing to fit: no response channel, too few readings after the step, an area
 /// or a drive that is none.
 pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
+    let cleaned = Cleaned::of(input);
+    let mut fit = fit_cleaned(&cleaned.input(input), options)?;
+    fit.issues.extend(cleaned.issues_of_whole());
+    Ok(fit)
+}
+
+fn fit_cleaned(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
     let Some(aligned) = aligned(input, options) else {
@@ -141,12 +154,15 @@ pub fn fit_knowing(
                 .to_owned(),
         });
     }
+    let cleaned = Cleaned::of(input);
+    let input = &cleaned.input(input);
     let settled = settled_edges::settled(input, options)?;
     let with = |drive: &Drive| group::known::fit(&FitInput { drive, ..*input }, options.model, known);
     let mut fit = with(settled.edges.drive())?;
     if !settled.open.is_empty() {
         widened::widen(&mut fit, &settled, |drive| Some(with(drive).ok()?.parameters));
     }
+    fit.issues.extend(cleaned.issues_of_whole());
     Ok(fit)
 }
 
@@ -161,6 +177,9 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
         model: options.model,
         ..FitOptions::default()
     };
+    let cleaned: Vec<Cleaned> = inputs.iter().map(Cleaned::of).collect();
+    let each = inputs.iter().zip(&cleaned);
+    let inputs: Vec<FitInput> = each.map(|(input, cleaned)| cleaned.input(input)).collect();
     let aligned: Vec<Option<Aligned>> = inputs.iter().map(|input| aligned(input, &own)).collect();
     let on_one_clock = inputs.iter().zip(&aligned).map(|(input, aligned)| FitInput {
         channels: aligned
@@ -169,10 +188,13 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
         ..*input
     });
     let mut group = group::fit_on_one_clock(&on_one_clock.collect::<Vec<_>>(), options)?;
-    for ((fit, input), aligned) in group.runs.iter_mut().zip(inputs).zip(&aligned) {
+    for ((fit, input), aligned) in group.runs.iter_mut().zip(&inputs).zip(&aligned) {
         if let Some(aligned) = aligned {
             own_clock::widen(fit, input, aligned, |input| in_two_steps(input, &own));
         }
+    }
+    for (fit, cleaned) in group.runs.iter_mut().zip(&cleaned) {
+        fit.issues.extend(cleaned.issues_of_whole());
     }
     Ok(group)
 }
@@ -183,7 +205,9 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
 /// # Errors
 /// As [`fit_run`].
 pub fn placed_drive(input: &FitInput, options: &FitOptions) -> Result<Drive, FitError> {
-    Ok(settled_edges::settled(input, options)?.edges.drive().clone())
+    let cleaned = Cleaned::of(input);
+    let settled = settled_edges::settled(&cleaned.input(input), options)?;
+    Ok(settled.edges.drive().clone())
 }
 
 /// Fits a run whose edges are where its drive has them.

@@ -7,6 +7,7 @@
 use ieap_model::LumpedModel;
 
 use crate::options::{FitInput, FitOptions};
+use crate::outliers::Cleaned;
 use crate::parabola;
 use crate::two_steps::{Identified, Readings, identify};
 
@@ -33,6 +34,8 @@ pub(crate) fn look_closer(input: &FitInput, options: &FitOptions, identified: &m
 /// from which a search of several runs begins, and no result. It has the branches that the current shows, the coupling 0 where
 /// no bending follows.
 pub fn least_squares_place(input: &FitInput, options: &FitOptions) -> Option<LumpedModel> {
+    let cleaned = Cleaned::of(input);
+    let input = &cleaned.input(input);
     let found = identify(input, options, Readings::new(input).ok()?);
     let (_, electrical) = found.current.ok()?;
     let bending = found.curvature.map_or((0.0, 0.0), |(_, bending)| {

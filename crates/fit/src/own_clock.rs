@@ -13,6 +13,7 @@ use ieap_numerics::sums;
 use crate::bending;
 use crate::line::Line;
 use crate::options::{FitInput, FitOptions};
+use crate::outliers::Cleaned;
 use crate::policy::LARGEST_OFFSET_S;
 use crate::sampled::Sampled;
 use crate::search::Search;
@@ -60,13 +61,14 @@ impl Aligned {
 /// The channels of a run whose bending has a clock of its own, on one clock; none where there is no such bending, or nothing
 /// tells the offset.
 pub fn aligned(input: &FitInput, options: &FitOptions) -> Option<Aligned> {
-    let bending = input
-        .channels
-        .iter()
-        .find(|channel| channel.quantity == Quantity::Curvature)?;
-    if !bending.own_clock || bending.is_empty() || input.drive.moves() {
+    let is_bending = |channel: &&Channel| channel.quantity == Quantity::Curvature;
+    let is_own = |channel: &Channel| channel.own_clock && !channel.is_empty();
+    if !input.channels.iter().find(is_bending).is_some_and(is_own) || input.drive.moves() {
         return None;
     }
+    let cleaned = Cleaned::of(input);
+    let input = &cleaned.input(input);
+    let bending = input.channels.iter().find(is_bending)?;
     let edges = settled(input, options).ok()?.edges;
     let placed = FitInput {
         drive: edges.drive(),

@@ -23,7 +23,7 @@ pub(super) fn is_settled(electrical: &Electrical, bending: Option<&Bending>, bra
     (n == branches || n >= 2)
         && !electrical.in_doubt
         && electrical.at_bound.iter().all(Option::is_none)
-        && bending.is_none_or(|bending| !bending.evident || bends(bending))
+        && bending.is_none_or(|bending| !bending.shown.is_response() || bends(bending))
 }
 
 /// Whether every interval of a conductance or a time constant is so narrow that the covariance tells it.

@@ -17,6 +17,10 @@ pub(crate) const BRANCH_DOUBT: f64 = 4.0;
 pub(crate) const BRANCH_CLEAR: f64 = 30.0;
 /// A bending response must lower the sum of squares by this much: chance does so in about one of 500 runs.
 pub(crate) const BENDING_EVIDENCE: f64 = 12.0;
+/// A curvature differs from its noise where a mean of neighbouring readings is so many of its standard errors off the level before
+/// the step. Chosen: of records of noise whose neighbours are correlated by up to 0.8, which short records do not tell, at most 3
+/// in 100 do (`noise_that_remembers_does_not_differ_from_itself_and_a_level_does`).
+pub(crate) const DIFFERS_SIGMAS: f64 = 10.0;
 /// Branches that bending alone is asked for: with the relaxation a third one makes four rates, which no record tells.
 pub(crate) const MOST_BRANCHES_OF_BENDING: usize = 2;
 

@@ -46,6 +46,14 @@ pub(super) struct Sampled {
     pub(super) course: Option<Arc<Drive>>,
 }
 
+/// The level before the step.
+pub(super) struct AtRest {
+    /// Mean of the readings.
+    pub(super) mean: f64,
+    /// Variance of a long sum of their noise per reading.
+    pub(super) long_run_variance: f64,
+}
+
 /// Readings at or beyond this size are none: their squares would not be numbers.
 const LARGEST: f64 = 1e100;
 /// A stretch that is compressed at once ends at this multiple of the elapsed time at which it begins.
@@ -236,9 +244,17 @@ impl Sampled {
 
     /// Whether the mean before the step differs from zero beyond its own error.
     pub(super) fn rests_off_zero(&self) -> bool {
+        self.at_rest().is_some_and(|rest| {
+            let variance = rest.long_run_variance / self.before_step() as f64;
+            rest.mean.abs() > OFF_ZERO_SIGMAS * variance.sqrt() && rest.mean != 0.0
+        })
+    }
+
+    /// The level before the step and the noise about it; none of too few readings there.
+    pub(super) fn at_rest(&self) -> Option<AtRest> {
         let before = &self.values[..self.before_step()];
         if before.len() < FEWEST_AT_REST {
-            return false;
+            return None;
         }
         let count = before.len() as f64;
         let mean = before.iter().sum::<f64>() / count;
@@ -250,8 +266,10 @@ impl Sampled {
             last = e;
         }
         let noise = Autoregression::from_sums(square, product, count, 1.0);
-        let variance = noise.long_run_variance().max(noise.variance) / count;
-        mean.abs() > OFF_ZERO_SIGMAS * variance.sqrt() && mean != 0.0
+        Some(AtRest {
+            mean,
+            long_run_variance: noise.long_run_variance().max(noise.variance),
+        })
     }
 
     /// Shortest mean spacing of three readings in a row, and longest time since a segment's start, s.

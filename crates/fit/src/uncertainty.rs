@@ -9,7 +9,7 @@ use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::sampled::Sampled;
-use crate::policy::{BENDING_EVIDENCE, LOST_BELOW};
+use crate::policy::LOST_BELOW;
 
 /// Residuals of one response with what they say of the noise.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,19 +65,6 @@ impl Residuals {
     pub(super) fn long_run_variance(&self, peak: f64) -> f64 {
         let all = self.noise.variance * self.long_run_ratio() * self.excess;
         all.max((1e-9 * peak).powi(2))
-    }
-
-    /// Whether they show any response to what bends the strip: against a constant where an offset was fitted, else
-    /// against nothing.
-    pub(super) fn show_response(&self, sampled: &Sampled, with_offset: bool) -> bool {
-        let values = &sampled.values;
-        let mean = if with_offset {
-            sums::sum(values) / values.len() as f64
-        } else {
-            0.0
-        };
-        let without = sums::square_about(values, mean);
-        without - self.square > BENDING_EVIDENCE * self.long_run_variance(sums::peak(values))
     }
 
     /// Variance of a long sum per reading in variances of the noise, 1 at least.

@@ -59,7 +59,7 @@ pub(crate) fn look(input: &FitInput, options: &FitOptions, identified: &mut Iden
         tau_s: shortest_s / UNSEEN_FASTER,
     };
     let found = match &identified.curvature {
-        Ok((sampled, bending)) if bending.evident => parts.found(sampled),
+        Ok((sampled, bending)) if bending.shown.is_response() => parts.found(sampled),
         _ => None,
     };
     let Some(found) = found else {
@@ -112,7 +112,7 @@ impl Parts<'_> {
             |part| CHI_SQUARE_95_OF_ONE * variance(&at(part)),
         )?;
         let mut bending = at(line.best);
-        if line.high >= LARGEST || !bending.evident {
+        if line.high >= LARGEST || !bending.shown.is_response() {
             return None;
         }
         let error = (line.high - line.low) / (2.0 * NORMAL_95);

@@ -35,6 +35,19 @@ pub fn sd_about_zero(values: &[f64]) -> f64 {
     upper_median(&mut sizes).map_or(0.0, |size| SD_PER_MEDIAN_DISTANCE * size)
 }
 
+/// [`sd_about_zero`] around every value, among those of its stretch of so many and of the stretches beside it; that of all values
+/// where that is wider.
+pub fn sd_around(values: &[f64], stretch: usize) -> Vec<f64> {
+    let whole = sd_about_zero(values);
+    let around = |k: usize| {
+        let first = (k * stretch).saturating_sub(stretch);
+        let end = ((k + 2) * stretch).min(values.len());
+        sd_about_zero(&values[first..end]).max(whole)
+    };
+    let of_stretch = |k: usize| std::iter::repeat_n(around(k), stretch.min(values.len() - k * stretch));
+    (0..values.len().div_ceil(stretch)).flat_map(of_stretch).collect()
+}
+
 /// Standard deviation of Gaussian values from their median distance to their median (MAD); zero of none.
 pub fn sd_about_median(values: &[f64]) -> f64 {
     let mut distances = values.to_vec();
@@ -104,6 +117,19 @@ mod tests {
                 sd_on_a_slope(&[1.0, 2.0])
             ),
             (0.0, 0.0, 0.0)
+        );
+    }
+
+    #[test]
+    fn a_spread_is_that_of_its_surroundings_where_these_are_wide() {
+        let values: Vec<f64> = (0..100).map(|k| if k < 20 { 5.0 } else { 1.0 }).collect();
+        let found = sd_around(&values, 10);
+        let of = |size: f64| SD_PER_MEDIAN_DISTANCE * size;
+        assert_eq!((found.len(), found[0], found[15]), (100, of(5.0), of(5.0)));
+        assert_eq!((found[35], found[99]), (of(1.0), of(1.0)));
+        assert_eq!(
+            (sd_around(&[], 10), sd_around(&[2.0], 10)),
+            (vec![], vec![of(2.0)])
         );
     }
 

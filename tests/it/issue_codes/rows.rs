@@ -169,6 +169,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("one-frequency", By("crates/analysis/src/dma/tests.rs", "one_frequency_of_several_is_used_and_a_sweep_is_refused")),
     ("other-input", By("src/pipeline/apart/at_hand/tests.rs", "a_row_of_a_campaign_is_fitted_as_that_fits_it_or_refused")),
     ("other-technique", Campaign(|to| to.write("runs/a.DTA", format_file("gamry-dta/cv.two_curves_and_rest.DTA")))),
+    ("outliers-left-out", By("crates/fit/src/tests/outliers.rs", "one_glitch_moves_no_number_of_any_fit_and_is_told")),
     ("overload-excluded", Format("gamry-dta/chronoa.aborted.DTA")),
     ("parameter-bounded", Campaign(|to| to.write("runs/a.csv", cut(&run("note", "1"), 31)))),
     ("parameter-not-determined", Campaign(|to| to.write("runs/a.csv", run("note", "1")))),

@@ -36,6 +36,7 @@ use crate::outcome::varying;
 use crate::readings::drawn::{drawn, paired};
 use crate::readings::group::{RunGroup, RunInput, channel_name};
 use crate::readings::tags::not_asked;
+use ieap_fit::left_out_in_words;
 use ieap_model::effects::effect;
 use ieap_numerics::random_effects::Spread;
 use ieap_numerics::sums::dot;
@@ -219,13 +220,10 @@ impl<'g> FindingBuilder<'_, 'g> {
         let given: Vec<RunInput> = self.group.runs.iter().map(|run| run.given).collect();
         let mut remarks = Vec::new();
         for run in &self.group.runs {
-            for (channel, &spikes) in run.spikes.iter().enumerate() {
-                if spikes > 0 {
-                    remarks.push(format!(
-                        "{}: {spikes} single readings of the {} stand far off their neighbours and are left out",
-                        run.given.name,
-                        channel_name(channel)
-                    ));
+            for (channel, left_out_s) in run.left_out_s.iter().enumerate() {
+                if !left_out_s.is_empty() {
+                    let words = left_out_in_words(channel_name(channel), left_out_s);
+                    remarks.push(format!("{}: {words}", run.given.name));
                 }
             }
         }
@@ -290,9 +288,9 @@ impl<'g> FindingBuilder<'_, 'g> {
     }
 
     fn is_spiked(&self) -> bool {
-        let (mut spikes, mut readings) = (0, 0);
+        let (mut left_out, mut readings) = (0, 0);
         for run in &self.group.runs {
-            spikes += run.spikes.iter().sum::<usize>();
+            left_out += run.left_out();
             readings += run
                 .channels
                 .iter()
@@ -300,7 +298,7 @@ impl<'g> FindingBuilder<'_, 'g> {
                 .map(|channel| channel.len())
                 .sum::<usize>();
         }
-        spikes as f64 > SPIKED_PART * readings.max(1) as f64
+        left_out as f64 > SPIKED_PART * readings.max(1) as f64
     }
 
     fn shifts(&self, model: &Fitted) -> Vec<ParameterShift> {

@@ -1,7 +1,7 @@
 //! The runs that are diagnosed together, with their noise.
 
-use ieap_domain::{Channel, Drive, Quantity};
-use ieap_fit::{EdgeTimes, FitInput, FitOptions, WhitenedChannel, aligned};
+use ieap_domain::{Drive, Quantity};
+use ieap_fit::{EdgeTimes, FitInput, FitOptions, WhitenedChannel, aligned, without_outliers};
 use ieap_model::effects::TagAt;
 use ieap_model::extended::{ExtendedModel, RunContext};
 use ieap_numerics::robust::median_step;
@@ -13,7 +13,6 @@ use crate::readings::policy::{
     SAME_STEP_FACTOR, SLOW_WORTH,
 };
 use crate::readings::scatter::{Scatter, left_open};
-use crate::readings::spikes::without_spikes;
 
 /// Step of the slope by an edge's time, in standard deviations of what is not known of it.
 const SLOPE: f64 = 1e-2;
@@ -59,8 +58,8 @@ pub(crate) struct GroupRun<'a> {
     pub(crate) duration_s: f64,
     /// Current and curvature.
     pub(crate) channels: [Option<WhitenedChannel>; 2],
-    /// Readings taken for spikes, of current and curvature.
-    pub(crate) spikes: [usize; 2],
+    /// Times of all readings of current and curvature that are left out, s.
+    pub(crate) left_out_s: [Vec<f64>; 2],
 }
 
 /// Consecutive rows of the whitened residuals that belong to one channel of one run.
@@ -401,18 +400,27 @@ fn usual_step_s(channel: &WhitenedChannel) -> f64 {
 
 impl<'a> GroupRun<'a> {
     fn new(given: &RunInput<'a>) -> Option<GroupRun<'a>> {
-        let mut spikes = [0, 0];
         let edges = EdgeTimes::of(&followed(given.input.drive));
-        let aligned = aligned(&given.input, &FitOptions::default());
+        let cleaned = without_outliers(given.input.channels, given.input.drive);
+        let input = FitInput {
+            channels: &cleaned.channels,
+            ..given.input
+        };
+        let aligned = aligned(&input, &FitOptions::default());
         let on_one_clock = aligned
             .as_ref()
-            .map_or(given.input.channels, |aligned| &aligned.channels);
+            .map_or(input.channels, |aligned| &aligned.channels);
+        let place = |k: usize| {
+            on_one_clock
+                .iter()
+                .position(|channel| channel.is_whole(QUANTITIES[k]))
+        };
         let channels = std::array::from_fn(|k| {
-            let wanted = |channel: &&Channel| channel.is_whole(QUANTITIES[k]);
-            let channel = on_one_clock.iter().find(wanted)?;
-            let (channel, left_out) = without_spikes(channel, edges.drive());
-            spikes[k] = left_out;
-            WhitenedChannel::new(&channel, edges.drive(), FEWEST_READINGS, MOST_READINGS)
+            let channel = &on_one_clock[place(k)?];
+            WhitenedChannel::new(channel, edges.drive(), FEWEST_READINGS, MOST_READINGS)
+        });
+        let left_out_s = std::array::from_fn(|k| {
+            place(k).map_or_else(Vec::new, |place| cleaned.left_out_s[place].clone())
         });
         let last_s = |channel: &WhitenedChannel| channel.time_s().last().copied().unwrap_or(0.0);
         let duration_s = channels.iter().flatten().map(last_s).fold(0.0, f64::max);
@@ -424,8 +432,13 @@ impl<'a> GroupRun<'a> {
             open_parameters: LeftOpen::default(),
             duration_s,
             channels,
-            spikes,
+            left_out_s,
         })
+    }
+
+    /// How many of its readings are left out.
+    pub(crate) fn left_out(&self) -> usize {
+        self.left_out_s.iter().map(Vec::len).sum()
     }
 
     /// Its drive, with the edges where they are taken to be.

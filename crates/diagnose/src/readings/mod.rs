@@ -15,5 +15,4 @@ pub(crate) mod power_law;
 pub(crate) mod quantities;
 pub(crate) mod record_length;
 pub(crate) mod scatter;
-pub(crate) mod spikes;
 pub(crate) mod tags;

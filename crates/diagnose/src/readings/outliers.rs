@@ -1,17 +1,18 @@
-//! Readings off what the base model leaves of their neighbours: spikes that the readings alone do not show, because they
-//! stand beside an edge of the drive, at an end of the record, or beside one another.
+//! Readings off what the base model leaves of their neighbours: those that the readings alone do not show
+//! ([`ieap_fit::without_outliers`]), because they stand beside an edge of the drive, at an end of the record, or beside one another.
 
-use ieap_fit::WhitenedChannel;
+use ieap_fit::{
+    FEWEST_FOR_SPREAD, READINGS_AFTER_EDGE, READINGS_BEFORE_EDGE, READINGS_OF_SURROUNDINGS, WhitenedChannel,
+};
 use ieap_model::extended::ExtendedModel;
-use ieap_numerics::robust::sd_about_zero;
+use ieap_numerics::robust::{sd_about_zero, sd_around};
 use statrs::distribution::{DiscreteCDF, Poisson};
 
-use crate::readings::group::{QUANTITIES, RunGroup};
+use crate::readings::group::{GroupRun, QUANTITIES, RunGroup};
 use crate::readings::policy::{
-    BESIDE_EDGES_BELOW, BEYOND_OTHER_EDGES, FEWEST_FOR_SPREAD, FEWEST_OTHER_EDGES, FEWEST_READINGS,
-    MOST_OUTLIERS_PART, OUTLIER_SIGMAS, READINGS_AFTER_EDGE, READINGS_BEFORE_EDGE,
+    BESIDE_EDGES_BELOW, BEYOND_OTHER_EDGES, FEWEST_OTHER_EDGES, FEWEST_READINGS, MOST_OUTLIERS_PART,
+    OUTLIER_SIGMAS,
 };
-use crate::readings::spikes::spreads;
 
 /// Rounds over a channel, each with the outliers of the one before left out: of neighbours only the farthest one goes.
 const ROUNDS: usize = 6;
@@ -26,7 +27,7 @@ pub(crate) fn without<'a>(group: &RunGroup<'a>, model: &ExtendedModel) -> Option
         cleaned = self::cleaned(group, model, false).0;
     }
     cleaned.give_back(group);
-    let left_out = |group: &RunGroup| group.runs.iter().flat_map(|run| run.spikes).sum::<usize>();
+    let left_out = |group: &RunGroup| group.runs.iter().map(GroupRun::left_out).sum::<usize>();
     (left_out(&cleaned) > left_out(group)).then_some(cleaned)
 }
 
@@ -159,7 +160,7 @@ fn off_neighbours(values: &[f64]) -> Option<Vec<f64>> {
             })
             .collect();
         let is_scattered = sd_about_zero(&differences) > 0.0;
-        let spreads = is_scattered.then(|| spreads(&differences))?;
+        let spreads = is_scattered.then(|| sd_around(&differences, READINGS_OF_SURROUNDINGS))?;
         let pairs = differences.iter().zip(spreads);
         Some(pairs.map(|(own, spread)| own.abs() / spread).collect())
     };
@@ -232,9 +233,10 @@ impl<'a> RunGroup<'a> {
         for (own, before) in self.runs.iter_mut().zip(&before.runs) {
             for kind in 0..QUANTITIES.len() {
                 let left = own.channels[kind].as_ref().map_or(0, WhitenedChannel::len);
-                if own.spikes[kind] as f64 > MOST_OUTLIERS_PART * (left + own.spikes[kind]) as f64 {
+                let out = own.left_out_s[kind].len();
+                if out as f64 > MOST_OUTLIERS_PART * (left + out) as f64 {
                     own.channels[kind].clone_from(&before.channels[kind]);
-                    own.spikes[kind] = before.spikes[kind];
+                    own.left_out_s[kind].clone_from(&before.left_out_s[kind]);
                 }
             }
         }
@@ -248,8 +250,10 @@ impl<'a> RunGroup<'a> {
             return;
         };
         if let Some(kept) = channel.without(outliers, FEWEST_READINGS) {
+            let times = outliers.iter().map(|&k| channel.time_s()[k]);
+            own.left_out_s[kind].extend(times);
+            own.left_out_s[kind].sort_unstable_by(f64::total_cmp);
             own.channels[kind] = Some(kept);
-            own.spikes[kind] += outliers.len();
         }
         self.blocks = RunGroup::blocks(&self.runs);
     }
@@ -278,7 +282,7 @@ mod tests {
             let left = cleaned.runs[0].channels[0]
                 .as_ref()
                 .map_or(0, WhitenedChannel::len);
-            (left, cleaned.runs[0].spikes[0])
+            (left, cleaned.runs[0].left_out_s[0].len())
         };
         let (all, _) = without(0);
         assert_eq!(without(10), (all - 10, 10));

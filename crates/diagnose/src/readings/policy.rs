@@ -35,18 +35,6 @@ pub(super) const FEWEST_FOR_SCATTER: usize = 3;
 /// Orders of a tag's values below which no answer could be as rare as [`TAKEN`].
 pub(super) const FEWEST_ORDERS: f64 = 1.0 / TAKEN;
 
-/// Readings of a channel from which the spread about their neighbours is known, for spikes and outliers. Chosen.
-pub(super) const FEWEST_FOR_SPREAD: usize = 30;
-/// A spike stands this many robust standard deviations off the middle of its neighbours. Chosen: under Gaussian noise fewer than
-/// one in a hundred million readings do.
-pub(super) const SPIKE_SIGMAS: f64 = 6.0;
-/// Readings after an edge of the drive in which a fast decay may look like a spike. Chosen.
-pub(super) const READINGS_AFTER_EDGE: usize = 4;
-/// Readings before an edge whose neighbours lie behind it: the farthest pair of neighbours reaches two readings ahead.
-pub(super) const READINGS_BEFORE_EDGE: usize = 2;
-/// Readings of a stretch whose surroundings tell the spread. Chosen.
-pub(super) const READINGS_OF_SURROUNDINGS: usize = 16;
-
 /// An outlier stands this many robust standard deviations off. Chosen: under Gaussian noise one reading in two million does, and
 /// what a model misses smoothly is not seen in differences of neighbours.
 pub(super) const OUTLIER_SIGMAS: f64 = 5.0;

@@ -2,7 +2,7 @@
 
 use ieap_domain::seconds::seconds;
 use ieap_domain::{Estimate, Fit, Quantity};
-use ieap_fit::{FitOptions, fit_run};
+use ieap_fit::{FitOptions, fit_run, without_outliers};
 use ieap_model::FitModel;
 use ieap_numerics::robust::median_step;
 use ieap_numerics::student::quantile_95;
@@ -54,13 +54,15 @@ fn described(run: &GroupRun, fit: &Fit, model: &FitModel) -> Option<Described> {
         estimate.value
     };
     let of_current = fit.noise.iter().find(|noise| noise.quantity == Quantity::Current);
-    let current = run.given.input.channels.iter();
-    let mut current = current.filter(|channel| channel.is_whole(Quantity::Current));
-    let law = current.next().and_then(|channel| {
-        let (time_s, current_a) = channel.included();
-        let step_s = median_step(&time_s)?;
-        power_law::fitted(&time_s, &current_a, run.drive(), step_s)
-    });
+    let cleaned = without_outliers(run.given.input.channels, run.given.input.drive);
+    let mut current = cleaned.channels.iter();
+    let law = current
+        .find(|channel| channel.is_whole(Quantity::Current))
+        .and_then(|channel| {
+            let (time_s, current_a) = channel.included();
+            let step_s = median_step(&time_s)?;
+            power_law::fitted(&time_s, &current_a, run.drive(), step_s)
+        });
     Some(Described {
         duration_s: run.duration_s,
         tau_s: (1..=model.branches).rev().find_map(value)?,

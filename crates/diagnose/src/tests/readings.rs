@@ -32,6 +32,29 @@ fn a_wrong_unit_and_a_turned_sign_are_faults_of_the_readings() {
 }
 
 #[test]
+fn a_diagnosis_leaves_out_the_readings_that_a_fit_does_and_says_which() {
+    let mut runs = Runs::with(None, &[STEP], 7);
+    let clean = runs.diagnosed();
+    for (channel, factor) in runs.channels[0].iter_mut().zip([40.0, -3.0]) {
+        let peak = channel.values.iter().fold(0.0_f64, |peak, v| peak.max(v.abs()));
+        let glitch = |(k, v): (usize, &f64)| if k == 200 { factor * peak } else { *v };
+        channel.values = channel.values.iter().enumerate().map(glitch).collect();
+    }
+    let time_s = runs.channels[0][0].time_s[200];
+    let inputs = runs.inputs();
+    let cleaned = ieap_fit::without_outliers(inputs[0].input.channels, inputs[0].input.drive);
+    assert_eq!(cleaned.left_out_s, vec![vec![time_s]; 2]);
+    let group = group::RunGroup::new(&inputs);
+    assert_eq!(group.runs[0].left_out_s.to_vec(), cleaned.left_out_s);
+    let found = runs.diagnosed();
+    assert_eq!(found.verdict, clean.verdict);
+    for (remark, name) in found.remarks.iter().zip(["current", "curvature"]) {
+        let words = ieap_fit::left_out_in_words(name, &[time_s]);
+        assert_eq!(*remark, format!("{}: {words}", inputs[0].name));
+    }
+}
+
+#[test]
 #[ignore = "slow: cargo test -- --ignored"]
 fn the_others_are_diagnosed_as_if_a_condemned_run_were_not_there() {
     let runs = Runs::with(None, FOUR, 7).scaled(1, 0, 1000.0);

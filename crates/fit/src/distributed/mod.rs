@@ -32,12 +32,13 @@ mod squares;
 mod tests;
 mod unevenness;
 
-use ieap_domain::{Fit, Level};
+use ieap_domain::{Channel, Fit, Level};
 
 use crate::edges::EdgeTimes;
 use crate::edges::Settled;
 use crate::error::FitError;
 use crate::options::Steps;
+use crate::outliers::{Cleaned, without_outliers};
 use crate::widened;
 pub use decision::{Bounded, Decision, LumpedOrDistributed};
 pub use given_error::given_resistance;
@@ -61,6 +62,12 @@ pub const MODEL_ID: &str = "distributed";
 /// [`FitError`] where there is nothing along the strip to fit, the strip has no size, or the drive is not one of
 /// held voltages.
 pub fn fit_distributed(input: &DistributedInput, steps: Steps) -> Result<Fit, FitError> {
+    let cleaned = without_outliers(input.channels, input.drive);
+    let channels = left_out_together(&cleaned);
+    let input = &DistributedInput {
+        channels: &channels,
+        ..*input
+    };
     let settled = Settled::in_the_middle(input.drive);
     let placed = DistributedInput {
         drive: settled.edges.drive(),
@@ -73,7 +80,33 @@ pub fn fit_distributed(input: &DistributedInput, steps: Steps) -> Result<Fit, Fi
             Some(estimates::parameters(&identify(&moved, steps).ok()?))
         });
     }
+    fit.issues
+        .extend(cleaned.issues(|channel| readings::kind_of(channel, input.strip.length_cm).is_some()));
     Ok(fit)
+}
+
+/// The channels, those that were sampled together without any reading at a time at which one of them is off: places err
+/// alike, and are compared at the same times.
+fn left_out_together(cleaned: &Cleaned) -> Vec<Channel> {
+    let along = |channel: &&Channel| channel.position_mm.is_some();
+    let with_others = |channel: &Channel| {
+        let is_together = |other: &&Channel| {
+            other.quantity == channel.quantity && other.time_s == channel.time_s && along(&channel)
+        };
+        let others = cleaned.channels.iter().filter(along).filter(is_together);
+        let mut excluded: Vec<u32> = others.flat_map(|other| other.excluded.iter().copied()).collect();
+        excluded.extend(channel.excluded.iter());
+        excluded.sort_unstable();
+        excluded.dedup();
+        Channel {
+            excluded: excluded.into(),
+            ..channel.clone()
+        }
+    };
+    if cleaned.left_out_s.iter().all(Vec::is_empty) {
+        return cleaned.channels.clone();
+    }
+    cleaned.channels.iter().map(with_others).collect()
 }
 
 /// Fits a run whose edges are where its drive has them.
@@ -116,6 +149,11 @@ fn by_readings_alone<'a>(input: &DistributedInput<'a>) -> Result<Option<Identifi
 
 /// What a run says of lumped and distributed; none where nothing along the strip can be fitted.
 pub fn decide(input: &DistributedInput) -> Option<Decision> {
+    let channels = left_out_together(&without_outliers(input.channels, input.drive));
+    let input = &DistributedInput {
+        channels: &channels,
+        ..*input
+    };
     let edges = EdgeTimes::of(input.drive);
     let placed = DistributedInput {
         drive: edges.drive(),

@@ -179,7 +179,7 @@ fn spread(time_s: &[f64], step_s: f64) -> Vec<usize> {
 }
 
 /// What the model can say of a channel, and its place in cm; none for channels it says nothing of.
-fn kind_of(channel: &Channel, length_cm: f64) -> Option<(Kind, f64)> {
+pub(super) fn kind_of(channel: &Channel, length_cm: f64) -> Option<(Kind, f64)> {
     let position_cm = channel.position_mm.map(|mm| mm / 10.0);
     let inside = position_cm.is_none_or(|s| s <= length_cm * (1.0 + 1e-9));
     if channel.is_empty() || !inside {

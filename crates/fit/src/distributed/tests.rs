@@ -122,6 +122,52 @@ fn truths(sample: &Sample) -> [(&'static str, f64); 7] {
     ]
 }
 
+/// A fit of those channels with R_e fitted.
+fn fitted_channels(sample: &Sample, channels: &[Channel]) -> Fit {
+    let strip = Strip {
+        length_cm: sample.length_cm,
+        width_cm: sample.width_cm,
+        electrode_resistance_ohm_per_sq: None,
+        electrode_resistance_error_ohm_per_sq: None,
+    };
+    let input = DistributedInput {
+        channels,
+        drive: &Drive::step(1.5),
+        strip,
+    };
+    fit_distributed(&input, Steps::TwoStep).unwrap()
+}
+
+#[test]
+fn a_glitch_at_one_place_is_left_out_of_all_places_that_were_read_with_it_and_told() {
+    let mut glitched = simulated(&PTNAF, true, 0.001, 4);
+    let mut excluded = glitched.clone();
+    let peak = glitched[1].values[150].abs();
+    let glitch = |(k, v): (usize, &f64)| if k == 60 { v - 20.0 * peak } else { *v };
+    glitched[1].values = glitched[1].values.iter().enumerate().map(glitch).collect();
+    for channel in excluded.iter_mut().filter(|c| c.quantity == Quantity::Curvature) {
+        channel.excluded = [60].into();
+    }
+    let mut fit = fitted_channels(&PTNAF, &glitched);
+    let told = fit.issues.pop().unwrap();
+    assert_eq!(
+        (&*told.code, &*told.place),
+        ("outliers-left-out", "column curvature_per_cm@9")
+    );
+    assert!(
+        told.message.starts_with("1 reading of the curvature stands"),
+        "{}",
+        told.message
+    );
+    let expected = fitted_channels(&PTNAF, &excluded);
+    // In words, where a number that is none equals itself.
+    assert!(
+        format!("{fit:?}") == format!("{expected:?}"),
+        "{:?}",
+        fit.parameters
+    );
+}
+
 #[test]
 fn noiseless_samples_of_table_3_come_back() {
     for sample in [&PTNAF, &CNAF] {

@@ -19,6 +19,7 @@ use crate::joint::problem::{JointProblem, Over};
 use crate::joint::readings::Response;
 use crate::joint::start::{Start, problem};
 use crate::options::{FitInput, FitOptions};
+use crate::outliers::Cleaned;
 
 /// A circuit with fewer elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,6 +89,8 @@ pub struct Reductions {
 pub fn reductions(input: &FitInput) -> Result<Reductions, FitError> {
     let one_model = FitOptions::for_model(Circuit::OneBranch.model_id())?.model;
     let two_model = FitOptions::for_model(FULL)?.model;
+    let cleaned = Cleaned::of(input);
+    let input = &cleaned.input(input);
     let bare = Fitted::of(input, one_model, false, &[])?;
     let one = Fitted::of(input, one_model, true, &[&bare])?;
     let two = Fitted::of(input, two_model, false, &[&bare])?;

@@ -17,6 +17,7 @@ use crate::joint::spectrum_rows::SpectrumRows;
 use crate::joint::start::{Start, problem};
 use crate::options::{FitInput, FitOptions};
 use crate::outcome;
+use crate::outliers::Cleaned;
 
 /// What a step and a spectrum say together.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +54,8 @@ pub fn step_and_spectrum(
     let left = readings.saturating_sub(shared).max(1) as f64;
     let scatter = alone.residual_rms * (readings as f64 / left).sqrt();
     let options = GroupOptions::sharing_all(model);
-    let (run, mut start) = prepare(0, input, &options)?;
+    let cleaned = Cleaned::of(input);
+    let (run, mut start) = prepare(0, &cleaned.input(input), &options)?;
     let (step, step_bottom, _) = search(vec![run.clone()], std::slice::from_ref(&start), &[]);
     // A spectrum may tell the leak where the step does not.
     let steady = start.layout().steady();

@@ -12,6 +12,7 @@ use crate::carried::moved_by_circuit;
 use crate::electrical::Electrical;
 use crate::sampled::Sampled;
 use crate::search::Search;
+use crate::shown::Shown;
 use crate::uncertainty::{CovarianceSums, Residuals};
 
 /// Part of the sum of squares at which the search settles.
@@ -35,7 +36,7 @@ pub(crate) struct Bent {
     /// Covariance of `natural`, the uncertainty of the circuit included; zero for what was held.
     pub(crate) covariance: Symmetric,
     /// Whether the curvature shows any response to the charge.
-    pub(crate) evident: bool,
+    pub(crate) shown: Shown,
     /// Residuals of the curvature.
     pub(crate) residuals: Residuals,
     /// Why the search stopped.
@@ -112,12 +113,12 @@ pub(crate) fn identify_law(
         idle,
         offset_per_cm,
         covariance: Symmetric::zero(couplings + shapes.len()),
-        evident: false,
+        shown: Shown::Nothing,
         residuals: Residuals::new(sampled, fitted, free + usize::from(seen.with_offset)),
         stop: found.stop,
         evaluations: found.evaluations + 1,
     };
-    bent.evident = bent.residuals.show_response(sampled, seen.with_offset);
+    bent.shown = Shown::of(&bent.residuals, sampled, seen.with_offset);
     bent.covariance = seen.covariance(&bent, (&full, sampled), (&charge, &nodes));
     bent
 }

@@ -28,13 +28,15 @@ pub(super) fn not_known(reported: &Reported, why: &str) -> Parameter {
 
 /// Everything that the law reports.
 pub(super) fn stated(law: &dyn BendingLaw, bent: &Bent) -> Vec<Parameter> {
-    let open = !bent.evident || !is_coupled(law, bent);
+    let open = match bent.shown.why_open() {
+        None if !is_coupled(law, bent) => Some(OPEN),
+        why => why,
+    };
     let of = |reported: &Reported| Parameter {
         key: reported.key.to_owned(),
-        estimate: if open {
-            Estimate::not_determined(if bent.evident { OPEN } else { interval_rule::FLAT })
-        } else {
-            estimate(law, reported, bent)
+        estimate: match open {
+            Some(why) => Estimate::not_determined(why),
+            None => estimate(law, reported, bent),
         },
     };
     law.reported().iter().map(of).collect()

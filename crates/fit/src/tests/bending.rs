@@ -175,3 +175,60 @@ fn noise_alone_tells_nothing() {
     let reason = fit.parameter("lambda_per_s").unwrap().reason.clone().unwrap();
     assert!(reason.contains("does not differ from its noise"), "{reason}");
 }
+
+/// A current whose charge comes within 1.5 and 12 s, and a bending of its own course that reaches 0.24 1/cm, with noise of 1e-3
+/// of that.
+fn charged_otherwise(course: impl Fn(f64) -> f64) -> Vec<Channel> {
+    let slow = model(&[250.0, 0.006, 5000.0 / 3.0, 0.0072, 10_000.0, 1.0, 0.0, 2.0]);
+    let time_s = times(-5.0, 120.0, 501);
+    let mut run = channels(&slow, &Drive::step(2.0), &time_s, 1e-4, 0.0, 14);
+    let mut rng = ChaCha8Rng::seed_from_u64(14);
+    let noise = noise(&mut rng, 501, 2.4e-4, 0.0);
+    let bent = time_s
+        .iter()
+        .zip(noise)
+        .map(|(t, noise)| 0.24 * course(t.max(0.0)) + noise);
+    run[1].values = bent.collect();
+    run
+}
+
+/// Why what follows from the bending has no value, of a model that has it.
+fn reasons(run: &[Channel], id: &str) -> Vec<String> {
+    let input = FitInput {
+        channels: run,
+        drive: &Drive::step(2.0),
+        area_cm2: AREA_CM2,
+    };
+    let fit = fit_run(&input, &FitOptions::for_model(id).unwrap()).unwrap();
+    let of = |parameter: &ieap_domain::Parameter| parameter.estimate.reason.clone();
+    fit.parameters.iter().filter_map(of).collect()
+}
+
+const IS_NOISE: &str = "does not differ from its noise";
+const IS_NOT_DESCRIBED: &str = "this model does not describe the bending";
+
+#[test]
+fn a_clear_bending_of_another_course_is_never_called_noise() {
+    let within_four_seconds = |t: f64| 1.0 - (-t / 4.0).exp();
+    let swings = |t: f64| (t / 8.0).sin();
+    for id in ["lumped-1", "lumped-2", "kelvin-voigt", "standard-linear-solid"] {
+        for sign in [1.0, -1.0] {
+            let clear = charged_otherwise(|t| sign * within_four_seconds(t));
+            assert!(
+                !reasons(&clear, id).iter().any(|why| why.contains(IS_NOISE)),
+                "{id}"
+            );
+            let swinging = reasons(&charged_otherwise(|t| sign * swings(t)), id);
+            let said = |words: &str| swinging.iter().filter(|why| why.contains(words)).count();
+            assert!(
+                said(IS_NOT_DESCRIBED) >= 2 && said(IS_NOISE) == 0,
+                "{id}: {swinging:?}"
+            );
+        }
+        let still = reasons(&charged_otherwise(|_| 0.0), id);
+        assert!(still.iter().any(|why| why.contains(IS_NOISE)), "{id}: {still:?}");
+    }
+    // Without the current, too.
+    let alone = reasons(&charged_otherwise(swings)[1..], "lumped-2");
+    assert!(!alone.iter().any(|why| why.contains(IS_NOISE)), "{alone:?}");
+}

@@ -18,7 +18,7 @@ fn known(parameter: &str, knowledge: Knowledge) -> KnownParameter {
     }
 }
 
-fn about(parameter: &str, value: f64, standard_error: f64) -> KnownParameter {
+pub(super) fn about(parameter: &str, value: f64, standard_error: f64) -> KnownParameter {
     known(
         parameter,
         Knowledge::About {

@@ -10,6 +10,7 @@ mod limits;
 mod memory;
 mod moving;
 mod one_fit;
+mod outliers;
 mod recovery;
 mod reductions;
 mod step_and_spectrum;
