@@ -11,6 +11,7 @@ use super::output::Output;
 use crate::domain::Quantity;
 use crate::ingest::campaign_file;
 use crate::ingest::profiles::StatedColumn;
+use crate::ingest::table::Answers;
 use crate::pipeline::apart::profile::{ProposedProfile, propose};
 
 /// Propose a profile for a file that no reader understands, and show what it would read
@@ -25,6 +26,10 @@ pub struct ProfileArgs {
     /// "Weg=tip_displacement,mm"
     #[arg(long, value_name = "NAME=QUANTITY[,UNIT]", value_parser = stated)]
     column: Vec<StatedColumn>,
+    /// Answer what the file leaves open, for all files with the same names of columns: clock=mm:ss, decimal=comma, thousands=point,
+    /// elapsed=ms, humidity=fraction, temperature=°F
+    #[arg(long, value_name = "KEY=ANSWER", value_parser = answer, conflicts_with = "column")]
+    answer: Vec<(String, String)>,
     /// Save it as profiles/NAME.toml of the campaign (NAME.toml.draft where something is open)
     #[arg(long, value_name = "NAME")]
     write: Option<String>,
@@ -38,6 +43,7 @@ pub fn run(args: &ProfileArgs, output: &Output) -> Result<u8, CliError> {
         &args.file,
         args.write.as_deref().unwrap_or("proposed"),
         &args.column,
+        &answers(&args.answer)?,
     )
     .map_err(|error| CliError::usage(&error.to_string()))?;
     if let Some(name) = &args.write {
@@ -51,6 +57,25 @@ pub fn run(args: &ProfileArgs, output: &Output) -> Result<u8, CliError> {
     } else {
         SOME_REFUSED
     })
+}
+
+/// `clock=mm:ss`.
+fn answer(text: &str) -> Result<(String, String), String> {
+    let (key, answer) = text
+        .split_once('=')
+        .ok_or("needed KEY=ANSWER, such as clock=mm:ss")?;
+    let pair = (key.trim().to_owned(), answer.trim().to_owned());
+    Answers::default().add(&pair.0, &pair.1).map(|()| pair)
+}
+
+fn answers(given: &[(String, String)]) -> Result<Answers, CliError> {
+    let mut answers = Answers::default();
+    for (key, answer) in given {
+        answers
+            .add(key, answer)
+            .map_err(|reason| CliError::usage(&reason))?;
+    }
+    Ok(answers)
 }
 
 /// `Weg=tip_displacement,mm`.

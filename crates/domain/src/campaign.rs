@@ -1,5 +1,7 @@
 //! What campaign.toml says: the campaign, its samples, materials and environments.
 
+use std::collections::BTreeMap;
+
 use crate::closed_words;
 
 use serde::{Deserialize, Serialize};
@@ -97,6 +99,9 @@ pub struct Campaign {
     /// Order of day, month and year in dates that leave it open.
     #[serde(default)]
     pub date_order: Option<DateOrder>,
+    /// Answers to questions that files leave open, by their keys.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub answers: BTreeMap<String, String>,
     /// A statement printed on every page, such as "simulated, not measured".
     pub notice: Option<String>,
     /// Samples in the file's order.

@@ -42,6 +42,7 @@ pub fn campaign() -> Campaign {
         title: "Back-relaxation under humidity".to_owned(),
         timezone: None,
         date_order: None,
+        answers: Default::default(),
         notice: None,
         samples: vec![sample("CNaf-01", "CNaf"), sample("CPvf-01", "CPvf")].into(),
         materials: vec![],

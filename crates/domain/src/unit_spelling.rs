@@ -27,12 +27,43 @@ pub(super) fn normalise(unit: &str) -> String {
         }
     }
     let bare = text.trim_start_matches(['(', '[']).trim_end_matches([')', ']']);
+    if let Some((_, latin)) = CYRILLIC.iter().find(|(cyrillic, _)| *cyrillic == bare) {
+        return (*latin).to_owned();
+    }
     let bare = match bare.to_ascii_lowercase().find(" vs") {
         Some(reference) => &bare[..reference],
         None => bare,
     };
     bare.chars().filter(|c| !c.is_whitespace()).collect()
 }
+
+/// Units as Russian instruments write them, after the signs above.
+const CYRILLIC: [(&str, &str); 24] = [
+    ("\u{412}", "V"),
+    ("\u{43c}\u{412}", "mV"),
+    ("\u{410}", "A"),
+    ("\u{43c}\u{410}", "mA"),
+    ("\u{43c}\u{43a}\u{410}", "uA"),
+    ("\u{43d}\u{410}", "nA"),
+    ("\u{43c}\u{43c}", "mm"),
+    ("\u{43c}\u{43a}\u{43c}", "um"),
+    ("1/\u{441}\u{43c}", "1/cm"),
+    ("1/\u{43c}", "1/m"),
+    ("deg\u{421}", "degC"),
+    ("\u{41a}", "K"),
+    ("\u{41f}\u{430}", "Pa"),
+    ("\u{433}\u{41f}\u{430}", "hPa"),
+    ("\u{43a}\u{41f}\u{430}", "kPa"),
+    ("\u{441}", "s"),
+    ("\u{441}\u{435}\u{43a}", "s"),
+    ("\u{43c}\u{441}", "ms"),
+    ("\u{43c}\u{43a}\u{441}", "us"),
+    ("\u{43c}\u{438}\u{43d}", "min"),
+    ("\u{447}", "h"),
+    ("\u{413}\u{446}", "Hz"),
+    ("\u{41e}\u{43c}", "Ohm"),
+    ("\u{43c}\u{41d}", "mN"),
+];
 
 /// Conversion of a normalised spelling, where it is a unit of that dimension.
 pub(super) fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion> {

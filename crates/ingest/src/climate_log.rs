@@ -3,6 +3,8 @@
 use jiff::civil::DateTime;
 
 use super::formats::climate::meaning::{ClimateColumn, climate_column};
+use super::formats::error::quoted;
+use super::formats::plausible::is_impossible;
 use super::formats::probe_table;
 use super::{Reading, RunTable, probe_log};
 use ieap_domain::{Channel, ClimateQuantity, Issue, LogReadings};
@@ -81,10 +83,19 @@ pub fn log(reading: &Reading, path: &str) -> Result<Log, Issue> {
         return Ok(with_series(series, issues));
     }
     let base = base_name(reading, path);
-    let mut series: Vec<Series> = Vec::new();
-    for channel in table.channels.iter().filter(|channel| !channel.is_empty()) {
-        if let Some(one) = series_of(channel, &base) {
-            add(&mut series, one);
+    let (mut series, mut issues): (Vec<Series>, Vec<Issue>) = (Vec::new(), Vec::new());
+    for table in &timed {
+        // A table of several is one sensor's.
+        let name = if table.name.is_empty() {
+            base.clone()
+        } else {
+            format!("{base}/{}", table.name)
+        };
+        for channel in table.channels.iter().filter(|channel| !channel.is_empty()) {
+            if let Some((one, issue)) = series_of(channel, &name) {
+                add(&mut series, one);
+                issues.extend(issue);
+            }
         }
     }
     if series.is_empty() {
@@ -100,7 +111,7 @@ pub fn log(reading: &Reading, path: &str) -> Result<Log, Issue> {
         return Err(Issue::error("log-without-climate", message)
             .mend("name the columns with their units, as in Temperature (°C) and RH (%), or date, sample and resistance_ohm_per_sq"));
     }
-    Ok(with_series(series, Vec::new()))
+    Ok(with_series(series, issues))
 }
 
 impl Log {
@@ -165,11 +176,11 @@ impl Series {
     }
 }
 
-fn series_of(channel: &Channel, base: &str) -> Option<Series> {
+fn series_of(channel: &Channel, base: &str) -> Option<(Series, Option<Issue>)> {
     let column = climate_column(&channel.raw_name, &channel.raw_unit);
     let known = ClimateQuantity::measured(channel.quantity);
     let quantity = known.or_else(|| ClimateQuantity::measured(column.as_ref()?.quantity))?;
-    // What the reader interpreted is converted already.
+    // What the reader interpreted is converted already, and what is no measurement is out of it.
     let values: Vec<f64> = match (known, &column) {
         (None, Some(column)) => channel
             .values
@@ -178,8 +189,28 @@ fn series_of(channel: &Channel, base: &str) -> Option<Series> {
             .collect(),
         _ => channel.values.to_vec(),
     };
-    let elapsed_s = channel.time_s.to_vec();
-    Some(Series {
+    let of_air = column.as_ref().map_or(channel.quantity, |column| column.quantity);
+    let is_measured = |(raw, value): (&f64, &f64)| !is_impossible(of_air, *raw, *value);
+    let kept: Vec<bool> = channel.values.iter().zip(&values).map(is_measured).collect();
+    let only = |numbers: &[f64]| -> Vec<f64> {
+        numbers
+            .iter()
+            .zip(&kept)
+            .filter(|(_, kept)| **kept)
+            .map(|(number, _)| *number)
+            .collect()
+    };
+    let (elapsed_s, values) = (only(&channel.time_s), only(&values));
+    let lost = kept.len() - values.len();
+    let issue = (lost > 0).then(|| {
+        let message = format!(
+            "{lost} of {} readings of {} are no measurements; left out",
+            kept.len(),
+            quoted(&channel.raw_name)
+        );
+        Issue::warning("impossible-reading", message)
+    });
+    let series = Series {
         sensor: sensor_name(base, column.as_ref()),
         quantity,
         raw_name: channel.raw_name.clone(),
@@ -187,7 +218,8 @@ fn series_of(channel: &Channel, base: &str) -> Option<Series> {
         interval_s: median_step(&elapsed_s).unwrap_or(0.0),
         readings: LogReadings { elapsed_s, values },
         is_mean: column.is_some_and(|column| column.is_mean),
-    })
+    };
+    Some((series, issue))
 }
 
 /// A serial number names a sensor wherever it is read out; without one the logger's name does, with the part.

@@ -20,6 +20,7 @@ pub mod reading;
 pub mod run_sheet;
 pub mod same_readings;
 pub mod scan;
+pub mod table;
 pub mod tags;
 pub mod text;
 pub mod watch;

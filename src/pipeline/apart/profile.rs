@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::inspect::{Inspection, inspect_bytes};
+use crate::ingest::formats::{self, ReadContext, ReadError};
 use crate::ingest::profiles::{self, FOLDER, StatedColumn};
+use crate::ingest::table::Answers;
 use crate::pipeline::PipelineError;
 use crate::pipeline::ground::whole_file::put_bytes;
 use crate::system::fs;
@@ -25,21 +27,39 @@ pub struct ProposedProfile {
     pub written: Option<PathBuf>,
 }
 
-/// Proposes a profile for `file`, under the id `name`, with what is `stated` of its columns.
+/// Proposes a profile for `file`, under the id `name`, with what is `stated` of its columns, or one of `answers` to what it leaves
+/// open.
 ///
 /// # Errors
 /// The file cannot be opened, or holds no table.
-pub fn propose(file: &Path, name: &str, stated: &[StatedColumn]) -> Result<ProposedProfile, PipelineError> {
+pub fn propose(
+    file: &Path,
+    name: &str,
+    stated: &[StatedColumn],
+    answers: &Answers,
+) -> Result<ProposedProfile, PipelineError> {
     let bytes = fs::read(file).map_err(|source| PipelineError::File {
         path: file.to_owned(),
         doing: "reading the file",
         source,
     })?;
     let file_name = file.file_name().unwrap_or_default().to_string_lossy();
-    let proposal = profiles::propose(&file_name, &bytes, stated).map_err(|error| PipelineError::NoTable {
+    let proposal = if answers.is_empty() {
+        profiles::propose(&file_name, &bytes, stated)
+    } else {
+        profiles::answered(&file_name, &bytes, answers)
+    };
+    let mut proposal = proposal.map_err(|error| PipelineError::NoTable {
         path: file.to_owned(),
         found: error.to_string(),
     })?;
+    if answers.is_empty()
+        && let Err(ReadError::Asked(question)) = formats::read(&file_name, &bytes, &ReadContext::default())
+    {
+        proposal
+            .open
+            .push(format!("{question} Answer with --answer {}=...", question.key));
+    }
     let parsed = profiles::from_text(Path::new(&format!("{name}.toml")), &proposal.text);
     let (read, refusal) = match parsed {
         Ok(profile) => (Some(inspect_bytes(file, &bytes, &[profile])), None),

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::Issue;
+use crate::ingest::formats::error::ASKED;
 
 /// Stands for the file's name where issues of several files differ by nothing else.
 const NAME: &str = "RUN";
@@ -69,7 +70,13 @@ fn nameless(issue: &Issue, path: &str) -> Issue {
 type Said = (String, String, String);
 
 fn said(issue: &Issue) -> Said {
-    (issue.code.clone(), issue.message.clone(), issue.mend.clone())
+    // A question is one for all files of its source, whatever numbers stand in them.
+    let message = if issue.code == ASKED {
+        String::new()
+    } else {
+        issue.message.clone()
+    };
+    (issue.code.clone(), message, issue.mend.clone())
 }
 
 #[cfg(test)]

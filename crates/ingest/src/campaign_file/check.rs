@@ -1,6 +1,6 @@
 //! From what campaign.toml holds to a campaign that can be: every statement checked once.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path};
 
 use toml::Spanned;
@@ -10,6 +10,7 @@ use super::lines::Lines;
 use super::{raw, tags};
 use crate::name_pattern::NamePattern;
 use crate::scan::is_own_product;
+use crate::table::Answers;
 use ieap_domain::campaign::Adopted;
 use ieap_domain::campaign::BUILT_IN_ENVIRONMENTS;
 use ieap_domain::campaign::impedance_folder;
@@ -57,6 +58,7 @@ impl Checker<'_> {
             id,
             timezone: self.timezone(head.timezone)?,
             date_order: self.date_order(head.date_order)?,
+            answers: self.answers(file.answers)?,
             notice: head.notice,
             samples: samples.into(),
             materials: self.materials(file.material)?,
@@ -262,6 +264,17 @@ impl Checker<'_> {
             }),
             order => Ok(order),
         }
+    }
+
+    fn answers(&self, stated: BTreeMap<String, String>) -> Result<BTreeMap<String, String>, Error> {
+        let mut answers = Answers::default();
+        for (key, answer) in &stated {
+            answers.add(key, answer).map_err(|reason| Error::BadAnswer {
+                path: self.path.into(),
+                reason,
+            })?;
+        }
+        Ok(stated)
     }
 
     /// The folder of modulus logs, which cannot be the whole campaign: it tells them from runs.

@@ -119,6 +119,14 @@ pub enum CampaignFileError {
         /// The text found.
         found: String,
     },
+    /// An answer to no question, or none to a question.
+    #[error("{}, [answers]: {reason}", path.display())]
+    BadAnswer {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// A key to group by that is none.
     #[error("{}, [campaign] group_by: \"{found}\": {reason}; write tag keys, such as [\"sample\", \"environment\"]", path.display())]
     BadGroupBy {

@@ -11,7 +11,7 @@ use ieap_domain::Issue;
 pub const UNKNOWN_KEY: &str = "unknown-key";
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 16] = [
+const KNOWN: [(&str, &[&str]); 17] = [
     (
         "campaign",
         &[
@@ -104,6 +104,17 @@ const KNOWN: [(&str, &[&str]); 16] = [
         ],
     ),
     ("compare", &["reference", "by"]),
+    (
+        "answers",
+        &[
+            "clock",
+            "decimal",
+            "thousands",
+            "elapsed",
+            "humidity",
+            "temperature",
+        ],
+    ),
     (
         "publication",
         &[

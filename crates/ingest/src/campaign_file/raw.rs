@@ -35,6 +35,8 @@ pub(super) struct File {
     pub tags: Tags,
     #[serde(default)]
     pub fit: Fit,
+    #[serde(default)]
+    pub answers: BTreeMap<String, String>,
 }
 
 /// `[tags]`.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::cells::CellTable;
 use super::columns::{holds_text, judge_columns, read_flags};
 use super::error::{ReadError, quoted};
-use super::plausible::implausible;
+use super::plausible::{implausible, is_impossible};
 use super::time_axis::{self, TimeAxis};
 use crate::RunTable;
 use crate::formats::policy::{BAD_SHARE, MOSTLY_CAPACITIVE};
@@ -84,7 +84,7 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
     check_ragged(raw, issues)?;
     read_flags(raw);
     let meanings = judge_columns(raw, issues);
-    let time_index = time_column(raw, &meanings)?;
+    let mut time_index = time_column(raw, &meanings)?;
     let is_spectrum = is_spectrum(&meanings);
     let axis = match time_index {
         Some(index) => {
@@ -95,7 +95,14 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
                 .iter()
                 .map(|&t| conversion.apply(t))
                 .collect();
-            time_axis::increasing(&time_s, &raw.cells, column, issues)?
+            match time_axis::increasing(&time_s, &raw.cells, column, issues) {
+                // The time of a spectrum is that of its start, or too coarse to tell its frequencies apart.
+                Err(ReadError::TimeOrder { .. }) if is_spectrum => {
+                    time_index = None;
+                    TimeAxis::of_rows(rows)
+                }
+                axis => axis?,
+            }
         }
         None if raw.must_be_run && !is_spectrum => {
             let message = "no column of times: the readings of the sweep are numbered by row";
@@ -295,6 +302,7 @@ fn channels(
     excluded_rows.sort_unstable();
     let mut shared: Vec<(Vec<u32>, Arc<[f64]>)> = Vec::new();
     let mut channels: Vec<Channel> = Vec::new();
+    let mut flags: Vec<RowFlag> = Vec::new();
     let is_of_strip = meanings
         .iter()
         .any(|m| m.quantity().is_some_and(Quantity::is_response));
@@ -325,7 +333,26 @@ fn channels(
             Quantity::Other => Conversion::IDENTITY,
             _ => conversion_of(&meanings[index]),
         };
-        let (rows, values) = finite(std::mem::take(&mut column.numbers), conversion, axis);
+        let mut numbers = std::mem::take(&mut column.numbers);
+        let gaps = take_impossible(&mut numbers, quantity, conversion);
+        if let Some((first, number)) = gaps.first() {
+            let message = format!(
+                "{} of {} readings of {} are no measurements, first {number:e}; left out",
+                gaps.len(),
+                column.filled,
+                quoted(&header.raw_name)
+            );
+            let line = raw.cells.line_of_row[*first as usize];
+            issues.push(Issue::warning("impossible-reading", message).at(format!("line {line}")));
+            let flag = |(row, number): &(u32, f64)| RowFlag {
+                row: *row,
+                column: header.raw_name.clone(),
+                flag: format!("{number:e}"),
+                excludes: false,
+            };
+            flags.extend(gaps.iter().map(flag));
+        }
+        let (rows, values) = finite(numbers, conversion, axis);
         if values.is_empty() {
             if quantity != Quantity::Other {
                 let message = format!("column {} holds no number", quoted(&header.raw_name));
@@ -356,7 +383,21 @@ fn channels(
             own_clock: false,
         });
     }
+    raw.flags.extend(flags);
+    raw.flags.sort_by_key(|flag| flag.row);
     channels
+}
+
+/// Takes numbers out that are no measurements; gives their rows.
+fn take_impossible(numbers: &mut [f64], quantity: Quantity, conversion: Conversion) -> Vec<(u32, f64)> {
+    let mut found = Vec::new();
+    for (row, number) in numbers.iter_mut().enumerate() {
+        if is_impossible(quantity, *number, conversion.apply(*number)) {
+            found.push((row as u32, *number));
+            *number = f64::NAN;
+        }
+    }
+    found
 }
 
 /// Indices on the axis with a finite number, and those numbers converted.

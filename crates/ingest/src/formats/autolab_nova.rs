@@ -51,11 +51,15 @@ impl Format for AutolabNova {
         }
     }
 
-    fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
+    fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         let mut issues = Vec::new();
-        let text = delimited::read(bytes, is_flag, &mut issues)?;
-        let is_step_response = !is_cyclic(&text.headers);
-        let table = table(String::new(), text.headers, text.cells, &mut issues)?;
+        let decoded = delimited::decoded(bytes)?;
+        let text = delimited::text(&decoded, &mut issues)?;
+        let layout = crate::table::layout::decide(&text.lines, context)?;
+        let part = layout.shape.data_at..text.lines.len();
+        let read = crate::table::read(&text.lines, &layout, part, is_flag);
+        let is_step_response = !is_cyclic(&read.headers);
+        let table = table(String::new(), read.headers, read.cells, &mut issues)?;
         Ok(Reading {
             format: self.id(),
             reader_version: self.version(),
@@ -63,11 +67,11 @@ impl Format for AutolabNova {
             is_step_response,
             encoding: Some(text.encoding),
             status: text.status,
+            original_metadata: text.metadata(layout.shape.names_at),
             status_evidence: text.status_evidence,
             started_at: None,
             header_tags: Vec::new(),
             tables: vec![table],
-            original_metadata: text.metadata,
             issues,
         })
     }

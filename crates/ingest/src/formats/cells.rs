@@ -127,6 +127,35 @@ impl CellTable {
         }
     }
 
+    /// The table with some of its rows only, in their order; none stands for all.
+    pub fn only(&self, rows: Option<&[usize]>) -> CellTable {
+        let Some(rows) = rows else {
+            return self.clone();
+        };
+        let column = |column: &CellColumn| {
+            let numbers: Vec<f64> = rows.iter().map(|row| column.numbers[*row]).collect();
+            let new_row = |old: u32| rows.binary_search(&(old as usize)).ok();
+            let texts = column
+                .texts
+                .iter()
+                .filter_map(|(row, text)| Some((new_row(*row)? as u32, text.clone())));
+            CellColumn {
+                filled: column.filled.min(numbers.len()),
+                texts: texts.collect(),
+                numbers,
+                // Said once, of the table as a whole.
+                text: Tally::default(),
+                not_finite: Tally::default(),
+                keep_text: column.keep_text || column.text.count > 0,
+            }
+        };
+        CellTable {
+            columns: self.columns.iter().map(column).collect(),
+            line_of_row: rows.iter().map(|row| self.line_of_row[*row]).collect(),
+            ..self.clone()
+        }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.line_of_row.len()

@@ -78,10 +78,7 @@ impl Format for Chi {
         };
         let (preamble, rows) = (&lines[..names_at], &lines[names_at + 1..]);
         drop_empty_columns(&mut headers, rows, delimiter, &mut issues);
-        let dialect = Dialect {
-            delimiter,
-            decimal: Decimal::Point,
-        };
+        let dialect = Dialect::new(delimiter, Decimal::Point);
         let cells = delimited::cells_of(lines[names_at].number, headers.len(), rows, dialect);
         let mut raw = Raw::of_instrument(String::new(), headers, cells);
         let parameters = parameters(preamble);

@@ -2,70 +2,75 @@
 
 use super::cells::CellTable;
 use super::error::{ReadError, quoted};
-use crate::text::grid::{Dialect, is_blank_or_comment, push_line};
-use crate::text::header::Header;
-use crate::text::layout::{self, Layout};
+use crate::text::grid::{Dialect, push_line};
 use crate::text::whole_line::sign_of_whole;
 use crate::text::{Cell, Decimal, Decoded, Delimiter, Line, Lines, decode, number};
 use ieap_domain::{Issue, RunStatus};
 
-/// What was read before columns get their meaning.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DelimitedText {
+/// A delimited text before its columns get their meaning.
+#[derive(Debug)]
+pub struct Text<'a> {
     /// Encoding found.
     pub encoding: &'static str,
-    /// Columns as the header describes them.
-    pub headers: Vec<Header>,
-    /// The cells.
-    pub cells: CellTable,
-    /// Comments and lines before the header, in the file's order.
-    pub metadata: Vec<(String, String)>,
+    /// Its lines, without a cut one.
+    pub lines: Vec<Line<'a>>,
     /// Complete or cut.
     pub status: RunStatus,
     /// Evidence for `status`.
     pub status_evidence: String,
 }
 
-/// Reads a delimited text; `is_text` says which columns hold texts, such as overload flags.
+impl Text<'_> {
+    /// Evidence of a format that declares no number of rows.
+    pub fn evidence(&self) -> String {
+        match self.status {
+            RunStatus::Complete => format!("{}; the format declares no number of rows", self.status_evidence),
+            _ => self.status_evidence.clone(),
+        }
+    }
+
+    /// Comments and lines before the names, in the file's order.
+    pub fn metadata(&self, names_at: Option<usize>) -> Vec<(String, String)> {
+        metadata(&self.lines, names_at.unwrap_or(0))
+    }
+}
+
+/// The lines of a delimited text. What stands behind a NUL byte is no text: a disk without power leaves it.
 ///
 /// # Errors
-/// The file is empty, has no header or no data, or can be read in two ways.
-pub fn read(
-    bytes: &[u8],
-    is_text: impl Fn(&Header) -> bool,
-    issues: &mut Vec<Issue>,
-) -> Result<DelimitedText, ReadError> {
-    if bytes.is_empty() {
-        return Err(ReadError::Empty);
+/// The file has no whole line yet.
+pub fn text<'a>(decoded: &'a Decoded<'_>, issues: &mut Vec<Issue>) -> Result<Text<'a>, ReadError> {
+    let whole: &str = &decoded.text;
+    let (readable, nul_at) = match whole.find('\0') {
+        Some(at) => (&whole[..at], Some(at)),
+        None => (whole, None),
+    };
+    let mut lines: Vec<Line<'_>> = Lines::new(readable).collect();
+    let (mut status, mut status_evidence) = drop_cut_line(&mut lines, issues);
+    if let Some(at) = nul_at {
+        let line = readable.matches('\n').count() + 1;
+        status = RunStatus::Cut;
+        status_evidence = format!("from byte {at} of the text on it holds NUL bytes");
+        let message = format!(
+            "from line {line} on the file holds {} NUL bytes and what follows them; it is read up to there",
+            whole[at..].matches('\0').count()
+        );
+        issues.push(
+            Issue::warning("nul-bytes", message)
+                .at(format!("line {line}"))
+                .mend("copy the file again; the end of the record is lost where the original has it, too"),
+        );
     }
-    let decoded = decode(bytes);
-    let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).collect();
-    let (status, status_evidence) = drop_cut_line(&mut lines, issues);
     if lines.is_empty() {
         return Err(ReadError::HeaderOnly {
             line: 1,
             found: "its first line has no end yet".to_owned(),
         });
     }
-    note_replacements(&decoded, &lines, issues);
-    let Layout {
-        dialect,
-        headers,
-        header_at,
-        data_at,
-    } = layout::decide(&lines)?;
-    let keep_text: Vec<bool> = headers.iter().map(is_text).collect();
-    let mut cells = CellTable::new(lines[header_at].number, &keep_text, lines.len() - data_at);
-    for line in &lines[data_at..] {
-        if !is_blank_or_comment(line.text) {
-            push_line(&mut cells, *line, dialect);
-        }
-    }
-    Ok(DelimitedText {
+    note_replacements(decoded, &lines, issues);
+    Ok(Text {
         encoding: decoded.encoding,
-        headers,
-        cells,
-        metadata: metadata(&lines, header_at),
+        lines,
         status,
         status_evidence,
     })
@@ -207,51 +212,5 @@ fn key_and_value(text: &str, otherwise: &str) -> (String, String) {
     {
         Some((key, value)) => (key.to_owned(), value.to_owned()),
         None => (otherwise.to_owned(), text.to_owned()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn comments_become_metadata_and_a_cut_line_goes() {
-        let mut issues = Vec::new();
-        let text =
-            "# sample: CNaf-01\n# two words here, no key\ntime_s,current_a\n0,1\n# later = yes\n1,2\n2,3";
-        let read = read(text.as_bytes(), |_| false, &mut issues).unwrap();
-        assert_eq!(read.metadata[0], ("sample".to_owned(), "CNaf-01".to_owned()));
-        assert_eq!(read.metadata[1].0, "comment");
-        assert_eq!(read.metadata[2], ("later".to_owned(), "yes".to_owned()));
-        assert_eq!((read.cells.rows(), read.status), (2, RunStatus::Cut));
-        assert_eq!(
-            (issues[0].code.as_str(), issues[0].place.as_str()),
-            ("file-cut", "line 7")
-        );
-    }
-
-    #[test]
-    fn a_whole_last_row_without_a_line_end_is_read() {
-        for (text, rows) in [
-            ("time_s\tcurrent_a\n0\t1.5E-04\n1\t2.5E-04", 2),
-            ("time_s,current_a\n0,1.50\n1,2.25\n2,3.00\n3,3.25", 4),
-            ("time_s\tcurrent_a\n0\t1.5E-04\n1\t2.5E-0", 1),
-        ] {
-            let mut issues = Vec::new();
-            let read = read(text.as_bytes(), |_| false, &mut issues).unwrap();
-            let is_cut = read.status == RunStatus::Cut;
-            assert_eq!((read.cells.rows(), is_cut), (rows, rows == 1), "{text:?}");
-            assert_eq!(
-                issues.iter().any(|issue| issue.code == "file-cut"),
-                is_cut,
-                "{text:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_first_line_without_an_end_waits() {
-        let error = read(b"time_s,curr", |_| false, &mut Vec::new()).unwrap_err();
-        assert!(error.is_pending());
     }
 }

@@ -250,6 +250,7 @@ mod tests {
         Sheet {
             name: name.to_owned(),
             rows: rows.collect(),
+            formulas_without_value: None,
         }
     }
 

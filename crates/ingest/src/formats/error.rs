@@ -1,11 +1,16 @@
 //! Why a file cannot be read: where, what was found, what was needed, how to mend it.
 
+use std::borrow::Cow;
+
 use thiserror::Error;
 
+use crate::table::Question;
 use ieap_domain::Issue;
 
 /// Code of the refusal of dates that fit several orders, or none.
 pub const AMBIGUOUS_DATES: &str = "ambiguous-dates";
+/// Code of what a person is asked.
+pub const ASKED: &str = "asked";
 /// What every mend is followed by that a profile can take the place of.
 const OR_A_PROFILE: &str =
     "; or keep the file and say once how such files are read: `ieap profile FILE` proposes it";
@@ -76,6 +81,9 @@ pub enum ReadError {
         /// Candidates with their scores and reasons.
         candidates: String,
     },
+    /// Something can be read in several ways, and nothing in the file tells which is right.
+    #[error("{0}")]
+    Asked(Question),
     /// Columns can be separated in two ways, or in none.
     #[error("delimiter and decimal sign cannot be decided: {found}")]
     AmbiguousNumbers {
@@ -154,6 +162,18 @@ pub enum ReadError {
         /// What was tried, with the reasons.
         found: String,
     },
+    /// A workbook holds formulas in place of readings, and no program has computed them.
+    #[error(
+        "{count} cells hold formulas without a value, the first in column {column}: no program has computed them"
+    )]
+    Formulas {
+        /// Row of the first.
+        line: usize,
+        /// Its column from 1.
+        column: usize,
+        /// How many.
+        count: usize,
+    },
     /// Too many rows do not advance in time.
     #[error("time does not increase in {count} of {rows} rows, first at {first}")]
     TimeOrder {
@@ -224,6 +244,7 @@ impl ReadError {
             ReadError::Structure { .. } => "broken-structure",
             ReadError::UnknownFormat { .. } => "unknown-format",
             ReadError::AmbiguousFormat { .. } => "ambiguous-format",
+            ReadError::Asked(_) => ASKED,
             ReadError::AmbiguousNumbers { .. } | ReadError::NoReading { .. } => "ambiguous-numbers",
             ReadError::AmbiguousDates { .. } => AMBIGUOUS_DATES,
             ReadError::NoHeader { .. } => "no-header",
@@ -231,6 +252,7 @@ impl ReadError {
             ReadError::Column { .. } => "column-unusable",
             ReadError::NoResponse { .. } => "no-response",
             ReadError::NoRunAmong { .. } => "no-run-among-variables",
+            ReadError::Formulas { .. } => "formulas-without-values",
             ReadError::TimeOrder { .. } => "time-order",
             ReadError::Ragged { .. } => "ragged-rows",
             ReadError::BrokenContainer { .. } => "broken-container",
@@ -252,6 +274,7 @@ impl ReadError {
     pub fn place(&self) -> String {
         match self {
             ReadError::Structure { offset, .. } => format!("byte {offset}"),
+            ReadError::Asked(question) if question.line > 0 => format!("line {}", question.line),
             ReadError::Column { line: 0, index, .. } => format!("column {index}"),
             ReadError::Column { line, index, .. } => format!("line {line}, column {index}"),
             ReadError::HeaderOnly { line, .. }
@@ -261,6 +284,7 @@ impl ReadError {
             | ReadError::NoHeader { line, .. }
             | ReadError::NoImpedance { line, .. }
             | ReadError::NoResponse { line, .. }
+            | ReadError::Formulas { line, .. }
             | ReadError::TimeOrder { line, .. }
             | ReadError::Ragged { line, .. }
                 if *line > 0 =>
@@ -272,8 +296,9 @@ impl ReadError {
     }
 
     /// What would make the file readable.
-    pub fn mend(&self) -> &'static str {
-        match self {
+    pub fn mend(&self) -> Cow<'static, str> {
+        Cow::Borrowed(match self {
+            ReadError::Asked(question) => return Cow::Owned(question.mend()),
             ReadError::Empty | ReadError::HeaderOnly { .. } => {
                 "wait until the instrument has written the file; it is looked at again when it changes"
             }
@@ -312,6 +337,9 @@ impl ReadError {
                 "save vectors of one length whose names hold their units, such as time_s, voltage_V, current_mA: \
                  save('run.mat', 'time_s', 'voltage_V', 'current_mA', '-v7')"
             }
+            ReadError::Formulas { .. } => {
+                "open the workbook in a spreadsheet program and save it, or export the sheet as CSV"
+            }
             ReadError::TimeOrder { .. } => {
                 "export the time with more digits and the rows in the order in which they were taken"
             }
@@ -322,7 +350,7 @@ impl ReadError {
             ReadError::TooLarge { .. } | ReadError::SheetTooWide { .. } => {
                 "save only the sheet with the run, or export it as CSV"
             }
-        }
+        })
     }
 
     /// Whether a profile can say what the file does not: where its table stands, its columns, units, signs and dates.
@@ -350,7 +378,7 @@ impl ReadError {
         let mend = if self.is_mended_by_profile() && !is_advised {
             format!("{}{OR_A_PROFILE}", self.mend())
         } else {
-            self.mend().to_owned()
+            self.mend().into_owned()
         };
         Issue::error(self.code(), self.to_string())
             .at(self.place())

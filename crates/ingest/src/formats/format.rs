@@ -2,8 +2,9 @@
 
 use super::error::ReadError;
 use crate::Reading;
+use crate::table::Answers;
 use crate::text::decode;
-use ieap_domain::DateOrder;
+use ieap_domain::{Campaign, DateOrder};
 
 /// Bytes of a file that recognition looks at.
 pub const HEAD_BYTES: usize = 64 << 10;
@@ -37,10 +38,17 @@ impl<'a> FileHead<'a> {
         }
     }
 
-    /// The head as text; none where it holds NUL bytes and no UTF-16 mark, as binary files do.
+    /// The head as text; none where it holds NUL bytes and no UTF-16 mark, as binary files do. Nothing but NUL behind a text is
+    /// what a disk leaves that lost its power.
     pub fn text(&self) -> Option<String> {
         let decoded = decode(self.bytes);
-        (!decoded.text.contains('\0')).then(|| decoded.text.into_owned())
+        match decoded.text.find('\0') {
+            None => Some(decoded.text.into_owned()),
+            Some(at) => {
+                let is_tail = at > 0 && decoded.text[at..].bytes().all(|byte| byte == 0);
+                is_tail.then(|| decoded.text[..at].to_owned())
+            }
+        }
     }
 }
 
@@ -61,7 +69,7 @@ pub enum Match {
 }
 
 /// What a reader may need to know beside the bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReadContext {
     /// Most bytes that a zipped spreadsheet may unpack to.
     pub max_unpacked_bytes: u64,
@@ -70,6 +78,19 @@ pub struct ReadContext {
     pub needs_response: bool,
     /// The order of day, month and year that counts where dates leave several.
     pub date_order: Option<DateOrder>,
+    /// What people answered to questions that files leave open.
+    pub answers: Answers,
+}
+
+impl ReadContext {
+    /// What campaign.toml says of files.
+    pub fn of(campaign: &Campaign) -> ReadContext {
+        ReadContext {
+            date_order: campaign.date_order,
+            answers: Answers::of_campaign(campaign),
+            ..ReadContext::default()
+        }
+    }
 }
 
 impl Default for ReadContext {
@@ -78,6 +99,7 @@ impl Default for ReadContext {
             max_unpacked_bytes: 512 << 20,
             needs_response: true,
             date_order: None,
+            answers: Answers::default(),
         }
     }
 }

@@ -141,7 +141,7 @@ fn run_table(
     let mut cells = CellTable::new(table.line, &keep_text, table.rows.len());
     let delimiter = Delimiter::Tab;
     for row in &table.rows {
-        push_line(&mut cells, *row, Dialect { delimiter, decimal });
+        push_line(&mut cells, *row, Dialect::new(delimiter, decimal));
     }
     let mut raw = Raw {
         name: table.name.to_owned(),

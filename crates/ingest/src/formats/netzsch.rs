@@ -70,10 +70,7 @@ impl Format for Netzsch {
                 found: quoted(kind),
             });
         }
-        let dialect = Dialect {
-            delimiter: delimiter(value("SEPARATOR"))?,
-            decimal: decimal(value("DECIMAL"))?,
-        };
+        let dialect = Dialect::new(delimiter(value("SEPARATOR"))?, decimal(value("DECIMAL"))?);
         let names = lines[names_at].text.trim_start_matches('#');
         let headers: Vec<Header> = dialect
             .delimiter

@@ -4,14 +4,12 @@ use super::assemble::{Raw, assemble};
 use super::delimited;
 use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext, ReadError};
-use crate::Reading;
-use crate::profiles::complete;
-use crate::text::grid::is_blank_or_comment;
+use crate::table::{self, layout, start, times};
 use crate::text::header::Header;
-use crate::text::policy::HEADER_WITHIN_LINES;
-use crate::text::{Delimiter, Lines, layout};
+use crate::text::{Delimiter, Line, Lines};
+use crate::{Reading, RunTable, StartedAt};
 use ieap_domain::tag::keys;
-use ieap_domain::{Issue, Quantity, RunStatus};
+use ieap_domain::{Issue, Quantity};
 
 /// Reader of the plain run table, in every spelling: delimiter, decimal sign, encoding and units are found.
 pub struct PlainTable;
@@ -30,7 +28,7 @@ impl Format for PlainTable {
     }
 
     fn version(&self) -> u32 {
-        6
+        7
     }
 
     fn is_generic(&self) -> bool {
@@ -41,98 +39,112 @@ impl Format for PlainTable {
         let Some(text) = head.text() else {
             return Match::No;
         };
-        let lines = Lines::new(&text).filter(|line| !is_blank_or_comment(line.text));
-        let mut is_table = false;
-        for line in lines.take(HEADER_WITHIN_LINES) {
-            for delimiter in Delimiter::ALL {
-                let cells = delimiter.header_cells(line.text);
-                is_table |= cells.len() >= 2 && delimiter != Delimiter::Blanks;
-                if layout::time_among(cells.iter().map(String::as_str)).is_some() {
-                    return Match::Possible {
-                        score: 0.6,
-                        reason: "a header row names a time column",
-                    };
+        let lines: Vec<Line<'_>> = Lines::new(&text).collect();
+        match layout::best_shape(&lines) {
+            Ok(_) | Err(ReadError::HeaderOnly { .. } | ReadError::NoReading { .. }) => Match::Possible {
+                score: 0.6,
+                reason: "a header row names a time column",
+            },
+            Err(_)
+                if layout::shapes(&lines)
+                    .iter()
+                    .any(|shape| !matches!(shape.delimiter, Delimiter::Blanks | Delimiter::WideBlanks)) =>
+            {
+                Match::Possible {
+                    score: 0.1,
+                    reason: "text with delimiters",
                 }
             }
-        }
-        if is_table {
-            Match::Possible {
-                score: 0.1,
-                reason: "text with delimiters",
-            }
-        } else {
-            Match::No
+            Err(_) => Match::No,
         }
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let read = self.by_names(bytes, context);
-        let from_line = match &read {
-            Err(ReadError::NoReading { header, .. }) => *header,
-            Err(ReadError::NoHeader { .. } | ReadError::NoImpedance { .. }) => 1,
-            _ => return read,
-        };
-        self.as_proposed(bytes, from_line, context).map_or(read, Ok)
-    }
-}
-
-impl PlainTable {
-    /// Reads what the names of the columns say.
-    fn by_names(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         let mut issues = Vec::new();
-        let text = delimited::read(bytes, is_flag, &mut issues)?;
-        let raw = Raw {
-            name: String::new(),
-            headers: text.headers,
-            cells: text.cells,
-            flags: Vec::new(),
-            printed_time: None,
-            time_zero_is_step: true,
-            must_be_run: true,
-            must_respond: context.needs_response,
-        };
-        let table = assemble(raw, &mut issues)?;
+        let decoded = delimited::decoded(bytes)?;
+        let text = delimited::text(&decoded, &mut issues)?;
+        let (tables, started_at, names_at) = runs(&text.lines, context, true, &mut issues)?;
+        let metadata = text.metadata(names_at);
         let is_tag = |(key, value): &&(String, String)| is_comment_tag(key) && !value.is_empty();
-        let header_tags = text.metadata.iter().filter(is_tag);
+        let header_tags = metadata.iter().filter(is_tag);
         Ok(Reading {
             format: self.id(),
             reader_version: self.version(),
             technique: None,
-            is_step_response: !holds_spectrum(&table),
+            is_step_response: !tables.iter().all(holds_spectrum),
             encoding: Some(text.encoding),
             status: text.status,
-            status_evidence: match text.status {
-                RunStatus::Complete => text.status_evidence + "; the format declares no number of rows",
-                _ => text.status_evidence,
-            },
-            started_at: None,
+            status_evidence: text.evidence(),
+            started_at,
             header_tags: header_tags
                 .map(|(key, value)| (key.clone(), value.clone(), format!("# {key}")))
                 .collect(),
-            tables: vec![table],
-            original_metadata: text.metadata,
+            tables,
+            original_metadata: metadata,
             issues,
         })
     }
 }
 
-impl PlainTable {
-    /// Reads a table whose rows are timed by dates or times of day, as the profile says that `ieap profile` proposes;
-    /// none where that profile leaves something open. Lines above `from_line` are no part of the table.
-    fn as_proposed(&self, bytes: &[u8], from_line: usize, context: &ReadContext) -> Option<Reading> {
-        let profile = complete(bytes, from_line)?;
-        let reading = profile.read(bytes, context).ok()?;
-        let message = "the names of the columns do not say how the rows are timed; the file is read as `ieap profile` \
-                       proposes";
-        let issue = Issue::note("read-as-proposed", message)
-            .mend("run `ieap profile FILE` for what that is, and keep it in profiles/ to change it");
-        Some(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            issues: std::iter::once(issue).chain(reading.issues).collect(),
-            ..reading
-        })
+/// What lines hold: the tables of runs, the start that they state, and the index of the line of the names.
+pub type Runs = (Vec<RunTable>, Option<StartedAt>, Option<usize>);
+
+/// The runs in lines: more than one where a logger was started anew.
+///
+/// # Errors
+/// As [`table::tables`], [`times::settle`] and [`assemble`].
+pub fn runs(
+    lines: &[Line<'_>],
+    context: &ReadContext,
+    must_be_run: bool,
+    issues: &mut Vec<Issue>,
+) -> Result<Runs, ReadError> {
+    let tables = table::tables(lines, is_flag, context)?;
+    let names_at = tables[0].layout.shape.names_at;
+    let head = lines[..names_at.unwrap_or(0)].iter().map(|line| line.text);
+    let mut started_at = start::stated(head, context.date_order);
+    let several = tables.len() > 1;
+    let mut found = Vec::new();
+    for (index, mut table) in tables.into_iter().enumerate() {
+        let settled = times::settle(&mut table, context, issues)?;
+        table.drop_columns(&settled.spent);
+        if index == 0 {
+            started_at = settled.started_at.or(started_at);
+        } else if settled.started_at.is_some() {
+            // Each part has its own moment; a file has one.
+            let message = format!(
+                "part {} began at another moment than the file; only the first start is kept",
+                index + 1
+            );
+            issues.push(Issue::warning("starts-differ", message));
+        }
+        let raw = Raw {
+            name: if several {
+                format!("part {}", index + 1)
+            } else {
+                String::new()
+            },
+            headers: table.headers,
+            cells: table.cells,
+            flags: Vec::new(),
+            printed_time: None,
+            time_zero_is_step: !settled.is_clock,
+            must_be_run,
+            must_respond: context.needs_response,
+        };
+        found.push(RunTable {
+            clock_set_back: settled.set_back,
+            ..assemble(raw, issues)?
+        });
     }
+    if several {
+        let message = format!(
+            "the names stand {} times: a logger that was started anew; each part is a run",
+            found.len()
+        );
+        issues.push(Issue::note("logger-restarted", message));
+    }
+    Ok((found, started_at, names_at))
 }
 
 /// Whether the table is an impedance spectrum.
@@ -181,12 +193,6 @@ mod tests {
             .find(|c| c.quantity == Quantity::Current)
             .unwrap();
         assert_eq!(&current.values[..], [5e-4, 1.5e-3, 2.5e-3]);
-        assert!(
-            reading
-                .issues
-                .iter()
-                .any(|issue| issue.code == "read-as-proposed")
-        );
         let times = "Time;Current (mA)\n10:00:00;0,5\n10:00:02;1,5\n";
         assert_eq!(
             table(times).unwrap().tables[0].time_first_last_s,

@@ -1,10 +1,27 @@
-//! Ranges that a bench for ionic actuators can plausibly measure: a flag for a wrong unit, never a correction.
+//! Numbers that are no measurements, and ranges that a bench for ionic actuators can plausibly measure: these are a flag for a
+//! wrong unit, never a correction.
 
 use super::cells::CellTable;
 use super::error::quoted;
 use super::time_axis::TimeAxis;
+use crate::formats::policy::OVERFLOW_FROM;
 use crate::text::header::Header;
 use ieap_domain::{Issue, Quantity};
+
+/// Whether a number cannot be a reading of that quantity: instruments write 9.9E37 and the like where they could not measure,
+/// loggers -999; nothing is colder than absolute zero, and no air holds more water than fog. `raw` is as the file has it, `value` in
+/// the canonical unit.
+pub fn is_impossible(quantity: Quantity, raw: f64, value: f64) -> bool {
+    /// Relative humidities that a sensor can read, %: it may be some percent off where the air is saturated.
+    const HUMIDITY_PERCENT: std::ops::RangeInclusive<f64> = 0.0..=105.0;
+    const ABSOLUTE_ZERO_C: f64 = -273.15;
+    let of_quantity = match quantity {
+        Quantity::RelativeHumidity => !HUMIDITY_PERCENT.contains(&value),
+        Quantity::Temperature => value < ABSOLUTE_ZERO_C,
+        _ => false,
+    };
+    raw.abs() >= OVERFLOW_FROM || of_quantity
+}
 
 /// Readings that no actuator gives, such as a current in mA under a header that says A: flagged, never corrected.
 ///
@@ -28,7 +45,7 @@ pub fn implausible(
     let line = cells.line_of_row[axis.rows[rows[first] as usize] as usize];
     let unit = quantity.unit();
     let message = format!(
-        "{count} of {} readings of {} lie outside {low} to {high} {unit}, first {} {unit}; they are taken as they are",
+        "{count} of {} readings of {} lie outside {low} to {high} {unit}, first {} {unit}",
         values.len(),
         quoted(&header.raw_name),
         number(values[first])

@@ -21,11 +21,11 @@ pub(super) const MOSTLY_CAPACITIVE: f64 = 0.9;
 /// Share of steps of a climate log that may go back under the order of dates that is taken (one always may): a clock that is set
 /// right. Chosen.
 pub(super) const GOING_BACK_SHARE: f64 = 0.01;
+/// Numbers from here on are no readings: instruments write 9.9E37, 9.91E37, 1E38 or 199.999E99 for an overload.
+pub(super) const OVERFLOW_FROM: f64 = 9e36;
 /// A thermometer input without a probe reads 1467 degrees Celsius and a few tenths; no probe of a cell reads this, °C.
 pub(super) const NO_PROBE_ABOVE_C: f64 = 1000.0;
 
-/// Rows of a sheet that a header may be looked for in. Chosen.
-pub(super) const HEADER_WITHIN_ROWS: usize = 64;
 /// Lines of a table of a probe that the header may stand below. Chosen.
 pub(super) const PROBE_HEADER_WITHIN: usize = 16;
 /// Lines in which the row of units of a PSTrace export is looked for. Chosen.

@@ -15,6 +15,7 @@ use super::recognition::{FileHead, Match};
 use super::stamp::{self, DateOrder};
 use super::{Format, ReadContext, delimited};
 use crate::formats::policy::PROBE_HEADER_WITHIN;
+use crate::table::layout;
 use crate::text::{Cell, Decimal, Delimiter, Line, Lines, number};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
 use ieap_domain::{Channel, Issue, Quantity, RunStatus};
@@ -163,19 +164,11 @@ struct Row {
 }
 
 fn header(lines: &[Line<'_>]) -> Option<Header> {
-    let lines = lines.iter().enumerate().take(PROBE_HEADER_WITHIN);
-    for (at, line) in lines.filter(|(_, line)| !line.text.starts_with('#')) {
-        for delimiter in [Delimiter::Tab, Delimiter::Semicolon, Delimiter::Comma] {
-            let mut names = Vec::new();
-            delimiter.split(line.text, |_, cell| {
-                names.push(number::unquote(cell).trim().to_owned())
-            });
-            if let Some(header) = columns(at, delimiter, names) {
-                return Some(header);
-            }
-        }
-    }
-    None
+    let shapes = layout::shapes(lines).into_iter();
+    let named = shapes.filter_map(|shape| Some((shape.names_at?, shape)));
+    named
+        .into_iter()
+        .find_map(|(at, shape)| columns(at, shape.delimiter, shape.names))
 }
 
 fn columns(at: usize, delimiter: Delimiter, names: Vec<String>) -> Option<Header> {

@@ -55,6 +55,8 @@ pub struct Sheet {
     pub name: String,
     /// Rows that hold any cell.
     pub rows: Vec<SheetRow>,
+    /// Formulas that no program has computed: how many, and row and column of the first, from 1.
+    pub formulas_without_value: Option<(usize, u32, u32)>,
 }
 
 /// Reads every sheet of an .xlsx or .xls workbook.
@@ -95,9 +97,29 @@ fn read_xlsx(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
                 place(&mut rows, row, column, content);
             }
         }
-        sheets.push(finish(name, rows));
+        drop(reader);
+        let mut sheet = finish(name, rows);
+        sheet.formulas_without_value = uncomputed(&mut book, &sheet);
+        sheets.push(sheet);
     }
     Ok(sheets)
+}
+
+/// Formulas whose cells hold no value: programs that write workbooks leave the computing to the one that opens them.
+fn uncomputed(book: &mut Xlsx<Cursor<&[u8]>>, sheet: &Sheet) -> Option<(usize, u32, u32)> {
+    let formulas = book.worksheet_formula(&sheet.name).ok()?;
+    let (first_row, first_column) = formulas.start()?;
+    let holds_value = |row: u32, column: u32| {
+        let found = sheet.rows.binary_search_by_key(&(row + 1), |own| own.number);
+        found.is_ok_and(|at| sheet.rows[at].cells.iter().any(|(own, _)| *own == column))
+    };
+    let cells = formulas
+        .used_cells()
+        .filter(|(_, _, formula)| !formula.is_empty());
+    let places = cells.map(|(row, column, _)| (first_row + row as u32, first_column + column as u32));
+    let mut empty = places.filter(|(row, column)| !holds_value(*row, *column));
+    let (row, column) = empty.next()?;
+    Some((1 + empty.count(), row + 1, column + 1))
 }
 
 fn read_xls(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
@@ -159,7 +181,11 @@ fn finish(name: String, mut rows: Vec<SheetRow>) -> Sheet {
         row.cells.sort_by_key(|(column, _)| *column);
         row.cells.dedup_by_key(|(column, _)| *column);
     }
-    Sheet { name, rows }
+    Sheet {
+        name,
+        rows,
+        formulas_without_value: None,
+    }
 }
 
 fn from_ref(value: &DataRef<'_>) -> Option<SheetCell> {
@@ -175,6 +201,7 @@ fn from_data(value: &Data) -> Option<SheetCell> {
         Data::Float(number) => SheetCell::Number(*number),
         Data::Bool(is_true) => SheetCell::Number(f64::from(u8::from(*is_true))),
         Data::String(text) => return from_text(text),
+        Data::DateTime(date) if date.is_duration() => SheetCell::Date(format!("duration {}", date.as_f64())),
         Data::DateTime(date) => SheetCell::Date(format!("date {}", day_number(date))),
         Data::DateTimeIso(text) | Data::DurationIso(text) => SheetCell::Date(text.clone()),
         Data::Error(error) => SheetCell::Error(error.to_string()),

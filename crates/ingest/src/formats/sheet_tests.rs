@@ -137,14 +137,18 @@ fn gaps_and_lone_texts_are_no_numbers() {
 }
 
 #[test]
-fn a_date_is_no_number_of_seconds() {
-    let error = read_rows(&[
+fn dates_are_moments_whatever_unit_stands_above_them() {
+    let reading = read_rows(&[
         &[Text("Time (s)"), Text("Current (A)")],
         &[Date(45_000.5), Number(0.001)],
         &[Date(45_000.6), Number(0.002)],
     ])
-    .unwrap_err();
-    assert!(matches!(error, ReadError::Column { index: 1, .. }), "{error}");
+    .unwrap();
+    assert_eq!(reading.tables[0].time_first_last_s, Some((0.0, 8640.0)));
+    assert_eq!(
+        reading.started_at.unwrap().local.as_deref(),
+        Some("2023-03-15T12:00:00")
+    );
 }
 
 #[test]

@@ -1,16 +1,13 @@
 //! Spreadsheets (.xlsx, .xls): every sheet with a header row that names a time column, the plain run table's
 //! columns and those of the NOVA export alike; where there is none, the table of a climate logger.
 
-use super::assemble::{Raw, assemble};
 use super::autolab_nova;
-use super::cells::CellTable;
 use super::recognition::{FileHead, Match};
-use super::sheet_cells::{self, Sheet, SheetCell, SheetRow};
+use super::sheet_cells::{self, Sheet};
 use super::{Format, ReadContext, ReadError, climate, plain_table, unpacking};
-use crate::formats::policy::HEADER_WITHIN_ROWS;
-use crate::text::unit_row::unit_row;
-use crate::text::{Cell, Decimal, layout, number};
-use crate::{Reading, RunTable};
+use crate::table::{self, layout, sheet as text_of};
+use crate::text::{Delimiter, Line};
+use crate::{Reading, RunTable, StartedAt};
 use ieap_domain::{Issue, Quantity, RunStatus};
 
 /// Reader of spreadsheets.
@@ -30,7 +27,7 @@ impl Format for Spreadsheet {
     }
 
     fn version(&self) -> u32 {
-        7
+        8
     }
 
     fn is_generic(&self) -> bool {
@@ -77,17 +74,38 @@ impl Format for Spreadsheet {
         let mut tables = Vec::new();
         let mut refusal = None;
         let mut is_step_response = true;
+        let mut started_at = None;
         let sheets = sheet_cells::read(bytes)?;
+        // A workbook tells numbers from texts itself.
+        let mut own = context.clone();
+        let typed = [("decimal", "point"), ("thousands", "none")];
+        typed
+            .into_iter()
+            .for_each(|(key, word)| own.answers.add(key, word).unwrap_or_default());
+        let mut logs = Vec::new();
         for sheet in &sheets {
-            let Some(header_at) = header_row(sheet) else {
+            issues.extend(uncomputed(sheet));
+            let wide = text_of::texts(sheet, usize::MAX);
+            let Some(columns) = width(&text_of::lines(sheet, &wide)) else {
+                if let Err(waits @ ReadError::HeaderOnly { .. }) =
+                    layout::best_shape(&text_of::lines(sheet, &wide))
+                {
+                    refusal = refusal.or(Some(waits));
+                }
                 continue;
             };
+            let texts = text_of::texts(sheet, columns);
+            if climate::table::is_log(&text_of::lines(sheet, &texts)) {
+                logs.push((sheet, texts));
+                continue;
+            }
             let mut found = Vec::new();
-            match table(sheet, header_at, &mut found) {
-                Ok((table, is_step)) => {
-                    tables.push(table);
+            match run(sheet, &text_of::lines(sheet, &texts), &own, &mut found) {
+                Ok((runs, start, is_step)) => {
+                    tables.extend(runs);
                     issues.extend(found);
                     is_step_response &= is_step;
+                    started_at = started_at.or(start);
                 }
                 Err(error) => {
                     let message = format!("sheet {} is left out: {error}", super::error::quoted(&sheet.name));
@@ -97,11 +115,25 @@ impl Format for Spreadsheet {
             }
         }
         if tables.is_empty()
-            && let Some(log) = climate::sheet::log((self.id(), self.version()), context.date_order, &sheets)
+            && let [(sheet, texts), others @ ..] = logs.as_slice()
         {
-            return log;
+            issues.extend(others.iter().map(|(other, _)| left_out(other, sheet)));
+            let evidence = "the workbook is whole; the format declares no number of rows".to_owned();
+            let status = (RunStatus::Complete, evidence);
+            let lines = text_of::lines(sheet, texts);
+            return climate::table::read_lines(
+                (self.id(), self.version()),
+                None,
+                &own,
+                &lines,
+                status,
+                issues,
+            );
         }
         if tables.is_empty() {
+            if let Some(sheet) = sheets.iter().find(|sheet| sheet.formulas_without_value.is_some()) {
+                return Err(without_values(sheet));
+            }
             return Err(refusal.unwrap_or(ReadError::NoHeader {
                 line: 0,
                 found: "no sheet has a row that names a time column".to_owned(),
@@ -119,12 +151,82 @@ impl Format for Spreadsheet {
             encoding: None,
             status: RunStatus::Complete,
             status_evidence: "the workbook is whole; the format declares no number of rows".to_owned(),
-            started_at: None,
+            started_at,
             header_tags: Vec::new(),
             tables,
             original_metadata: Vec::new(),
             issues,
         })
+    }
+}
+
+/// Columns of the table in a sheet: what stands to the right of its last name belongs to something else.
+fn width(lines: &[Line<'_>]) -> Option<usize> {
+    let shape = layout::shapes(lines)
+        .into_iter()
+        .find(|shape| shape.delimiter == Delimiter::Tab)?;
+    (shape.names_at.is_some() && shape.known > 0).then_some(shape.names.len())
+}
+
+/// The runs of a sheet, the start that it states, and whether they can be step responses.
+fn run(
+    sheet: &Sheet,
+    lines: &[Line<'_>],
+    context: &ReadContext,
+    issues: &mut Vec<Issue>,
+) -> Result<(Vec<RunTable>, Option<StartedAt>, bool), ReadError> {
+    let layout = layout::decide(lines, context)?;
+    let headers = layout.headers();
+    if autolab_nova::is_nova(&headers) {
+        let part = layout.shape.data_at..lines.len();
+        let read = table::read(lines, &layout, part, |header| {
+            plain_table::is_flag(header) || autolab_nova::is_flag(header)
+        });
+        let is_step = !autolab_nova::is_cyclic(&headers);
+        let table = autolab_nova::table(sheet.name.clone(), read.headers, read.cells, issues)?;
+        return Ok((vec![table], None, is_step));
+    }
+    let needs_response = ReadContext {
+        needs_response: true,
+        ..context.clone()
+    };
+    let (mut runs, start, _) = plain_table::runs(lines, &needs_response, true, issues)?;
+    for run in &mut runs {
+        let own = run.name.clone();
+        run.name = if own.is_empty() {
+            sheet.name.clone()
+        } else {
+            format!("{}, {own}", sheet.name)
+        };
+    }
+    Ok((runs, start, true))
+}
+
+fn left_out(other: &Sheet, sheet: &Sheet) -> Issue {
+    let message = format!(
+        "sheet {} is left out: sheet {} is read, and a file is one log",
+        super::error::quoted(&other.name),
+        super::error::quoted(&sheet.name)
+    );
+    Issue::warning("table-refused", message).mend("save each sheet as a file of its own")
+}
+
+fn uncomputed(sheet: &Sheet) -> Option<Issue> {
+    let (count, row, column) = sheet.formulas_without_value?;
+    let message = format!(
+        "sheet {} holds {count} formulas without a value, the first in row {row}, column {column}: no program has computed them",
+        super::error::quoted(&sheet.name)
+    );
+    let mend = "open the workbook in a spreadsheet program and save it, or export the sheet as CSV";
+    Some(Issue::warning("formulas-without-values", message).mend(mend))
+}
+
+fn without_values(sheet: &Sheet) -> ReadError {
+    let (count, row, column) = sheet.formulas_without_value.unwrap_or_default();
+    ReadError::Formulas {
+        line: row as usize,
+        column: column as usize,
+        count,
     }
 }
 
@@ -161,127 +263,5 @@ fn join_halves(tables: &mut Vec<RunTable>, issues: &mut Vec<Issue>) {
     joined.flags.extend(moved.flags);
     if let (Some(own), Some(other)) = (joined.time_first_last_s, moved.time_first_last_s) {
         joined.time_first_last_s = Some((own.0.min(other.0), own.1.max(other.1)));
-    }
-}
-
-/// Index of the first row with a time column that can be used, else of the first that speaks of time.
-fn header_row(sheet: &Sheet) -> Option<usize> {
-    let time = |row: &SheetRow| {
-        let texts = row.cells.iter().filter_map(|(_, cell)| match cell {
-            SheetCell::Text(text) => Some(text.as_str()),
-            _ => None,
-        });
-        layout::time_among(texts)
-    };
-    let rows = &sheet.rows[..sheet.rows.len().min(HEADER_WITHIN_ROWS)];
-    let usable = rows.iter().position(|row| time(row) == Some(true));
-    usable.or_else(|| rows.iter().position(|row| time(row).is_some()))
-}
-
-/// The run table of a sheet, and whether it can be a step response.
-fn table(sheet: &Sheet, header_at: usize, issues: &mut Vec<Issue>) -> Result<(RunTable, bool), ReadError> {
-    let header_row = &sheet.rows[header_at];
-    let named = header_row.cells.iter().filter_map(|(column, cell)| match cell {
-        SheetCell::Text(text) if !text.trim().is_empty() => Some((*column, text)),
-        _ => None,
-    });
-    let (places, names): (Vec<u32>, Vec<&str>) = named.map(|(column, text)| (column, text.as_str())).unzip();
-    let units = units_below(sheet, header_at, &places);
-    let headers = layout::headers(&names, units.as_deref());
-    let is_nova = autolab_nova::is_nova(&headers);
-    let keep_text: Vec<bool> = headers
-        .iter()
-        .map(|header| plain_table::is_flag(header) || (is_nova && autolab_nova::is_flag(header)))
-        .collect();
-    let cells = cells(
-        sheet,
-        header_at,
-        usize::from(units.is_some()),
-        &places,
-        &keep_text,
-    );
-    let name = sheet.name.clone();
-    if is_nova {
-        let is_step_response = !autolab_nova::is_cyclic(&headers);
-        return Ok((
-            autolab_nova::table(name, headers, cells, issues)?,
-            is_step_response,
-        ));
-    }
-    let raw = Raw {
-        name,
-        headers,
-        cells,
-        flags: Vec::new(),
-        printed_time: None,
-        time_zero_is_step: true,
-        must_be_run: true,
-        must_respond: true,
-    };
-    Ok((assemble(raw, issues)?, true))
-}
-
-/// Units in the row below the names.
-fn units_below(sheet: &Sheet, header_at: usize, places: &[u32]) -> Option<Vec<String>> {
-    let row = sheet.rows.get(header_at + 1)?;
-    let text = |place: &u32| {
-        let found = row.cells.binary_search_by_key(place, |(column, _)| *column);
-        match found.map(|at| &row.cells[at].1) {
-            Ok(SheetCell::Text(text)) => Some(text.clone()),
-            Ok(_) => None,
-            Err(_) => Some(String::new()),
-        }
-    };
-    let texts: Vec<String> = places.iter().map(text).collect::<Option<_>>()?;
-    unit_row(places.len(), texts.iter().map(String::as_str))
-}
-
-fn cells(
-    sheet: &Sheet,
-    header_at: usize,
-    rows_of_units: usize,
-    places: &[u32],
-    keep_text: &[bool],
-) -> CellTable {
-    let data = &sheet.rows[header_at + 1 + rows_of_units..];
-    let decimal = decimal_of_texts(data.iter().flat_map(|row| row.cells.iter().map(|(_, cell)| cell)));
-    let mut table = CellTable::new(sheet.rows[header_at].number as usize, keep_text, data.len());
-    for row in data {
-        let mut any = false;
-        for (index, place) in places.iter().enumerate() {
-            let (cell, text) = row.cell(*place, decimal);
-            any |= cell != Cell::Empty;
-            let column = &mut table.columns[index];
-            // A row without any cell is none, so columns run ahead of the rows until it is ended.
-            column.push(row.number as usize, cell, || text.to_owned());
-        }
-        if any {
-            table.end_row(row.number as usize, places.len());
-        } else {
-            let rows = table.rows();
-            table
-                .columns
-                .iter_mut()
-                .for_each(|column| column.numbers.truncate(rows));
-        }
-    }
-    table
-}
-
-/// Decimal sign of numbers that a sheet stores as text: a comma where only that makes them numbers.
-pub fn decimal_of_texts<'a>(cells: impl Iterator<Item = &'a SheetCell>) -> Decimal {
-    let (mut point, mut comma) = (false, false);
-    for cell in cells {
-        if let SheetCell::Text(text) = cell {
-            let reads = |decimal| matches!(number::parse(text, decimal), Cell::Number(_));
-            let (as_point, as_comma) = (reads(Decimal::Point), reads(Decimal::Comma));
-            point |= as_point && !as_comma;
-            comma |= as_comma && !as_point;
-        }
-    }
-    if comma && !point {
-        Decimal::Comma
-    } else {
-        Decimal::Point
     }
 }

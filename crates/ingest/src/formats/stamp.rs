@@ -1,5 +1,7 @@
 //! Dates whose order of day and month the format fixes, or that the file counts as a number.
 
+use std::borrow::Cow;
+
 use jiff::ToSpan;
 use jiff::civil::{Date, DateTime};
 
@@ -64,7 +66,7 @@ pub fn shared(starts: impl IntoIterator<Item = StartedAt>, issues: &mut Vec<Issu
 
 /// The date and time in a text that holds nothing else: `05/26/2000 10:11:12.5 AM`, `Dec. 24, 2026   20:15:16`.
 pub fn civil(raw: &str, order: DateOrder) -> Option<DateTime> {
-    let words = words(raw)?;
+    let words = words(&date_first(raw))?;
     let [a, b, c, hour, minute, rest @ ..] = words.numbers() else {
         return None;
     };
@@ -98,6 +100,24 @@ pub fn civil(raw: &str, order: DateOrder) -> Option<DateTime> {
     Some(date.to_datetime(time))
 }
 
+/// The text with its date before its time of day: some loggers write `23:00:00 28/Mar/2026`.
+fn date_first(raw: &str) -> Cow<'_, str> {
+    let Some((first, rest)) = raw.trim().split_once(char::is_whitespace) else {
+        return Cow::Borrowed(raw);
+    };
+    if !first.contains(':') || rest.contains(':') {
+        return Cow::Borrowed(raw);
+    }
+    let rest = rest.trim_start();
+    let half = rest
+        .get(..2)
+        .filter(|half| ["am", "pm"].contains(&half.to_lowercase().as_str()));
+    match half {
+        Some(half) => Cow::Owned(format!("{} {first} {half}", &rest[2..])),
+        None => Cow::Owned(format!("{rest} {first}")),
+    }
+}
+
 /// Most numbers that a date with a time of day holds: year, month, day, hour, minute, second, fraction.
 const MOST_NUMBERS: usize = 7;
 
@@ -121,10 +141,33 @@ impl Words {
     }
 }
 
+/// Beginnings of the names of months in English, German, French, Spanish, Italian and Portuguese, without accents.
+const MONTHS: [&[&str]; 12] = [
+    &["jan", "ene", "gen", "janv"],
+    &["feb", "fev", "febr"],
+    &["mar", "mae", "mrz", "mars"],
+    &["apr", "avr", "abr"],
+    &["may", "mai", "mag"],
+    &["jun", "juin", "giu"],
+    &["jul", "juil", "lug"],
+    &["aug", "aou", "ago"],
+    &["sep", "set", "sept"],
+    &["oct", "okt", "ott", "out"],
+    &["nov"],
+    &["dec", "dez", "dic"],
+];
+
+/// The number of a month by its name.
+fn month(word: &str) -> Option<u32> {
+    let lower = word.to_ascii_lowercase();
+    let begins = |names: &&[&str]| names.iter().any(|name| lower.starts_with(name));
+    MONTHS
+        .iter()
+        .position(|names| begins(&names))
+        .map(|at| at as u32 + 1)
+}
+
 fn words(raw: &str) -> Option<Words> {
-    const MONTHS: [&str; 12] = [
-        "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec",
-    ];
     let mut words = Words {
         found: [(0, 0); MOST_NUMBERS],
         count: 0,
@@ -143,9 +186,8 @@ fn words(raw: &str) -> Option<Words> {
         } else if word.eq_ignore_ascii_case("pm") {
             words.afternoon = Some(true);
         } else if first.is_ascii_alphabetic() {
-            let begins = |month: &str| word.get(..3).is_some_and(|word| word.eq_ignore_ascii_case(month));
-            match MONTHS.iter().position(|month| begins(month)) {
-                Some(month) => words.push(month as u32 + 1, 2)?,
+            match month(word) {
+                Some(month) => words.push(month, 2)?,
                 None if word.eq_ignore_ascii_case("t") => {}
                 None => return None,
             }
@@ -183,6 +225,9 @@ mod tests {
             ("05/26/00 12:00:42 AM", MonthFirst, Some("2000-05-26T00:00:42")),
             ("24/07/20 13:00", DayFirst, Some("2020-07-24T13:00:00")),
             ("2026-05-13 10:20:30", YearFirst, Some("2026-05-13T10:20:30")),
+            ("23:00:00 28/Mar/2026", DayFirst, Some("2026-03-28T23:00:00")),
+            ("11:00:00 PM 28/03/2026", DayFirst, Some("2026-03-28T23:00:00")),
+            ("28. Okt 2026 10:00", DayFirst, Some("2026-10-28T10:00:00")),
             ("31/12/2020 10:00:00", MonthFirst, None),
             ("2026-05-13", YearFirst, None),
             ("DD.MM.YYYY HH:MM:SS", DayFirst, None),

@@ -182,10 +182,7 @@ fn table(name: String, step: &Step<'_>, issues: &mut Vec<Issue>) -> Result<RunTa
         .enumerate()
         .map(|(index, name)| header(name, unit(index)))
         .collect();
-    let dialect = Dialect {
-        delimiter: Delimiter::Tab,
-        decimal: delimited::decimal_of(&step.rows, Delimiter::Tab)?,
-    };
+    let dialect = Dialect::new(Delimiter::Tab, delimited::decimal_of(&step.rows, Delimiter::Tab)?);
     let cells = delimited::cells_of(step.names_line, headers.len(), &step.rows, dialect);
     assemble_untimed(Raw::of_instrument(name, headers, cells), issues)
 }

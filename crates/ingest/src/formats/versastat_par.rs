@@ -190,10 +190,7 @@ fn table(
     if headers.len() == fields + 1 && headers.last().is_some_and(|header| header.raw_name == "0") {
         headers.pop();
     }
-    let dialect = Dialect {
-        delimiter: Delimiter::Comma,
-        decimal: Decimal::Point,
-    };
+    let dialect = Dialect::new(Delimiter::Comma, Decimal::Point);
     let cells = delimited::cells_of(section.lines[at].number, headers.len(), rows, dialect);
     if is_spectrum {
         // Rows of a spectrum stand for frequencies; their times may repeat.

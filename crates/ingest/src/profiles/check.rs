@@ -1,15 +1,17 @@
 //! From what a profile's file holds to a profile that can be obeyed: every statement checked once.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use encoding_rs::Encoding;
 use toml::Spanned;
 
-use super::definition::{Column, ColumnRef, Container, HeaderPlace, Profile};
+use super::definition::{Column, ColumnRef, Container, HeaderPlace, Profile, TimeBase};
 use super::error::ProfileError as Error;
 use super::glob::Glob;
 use super::raw;
 use crate::campaign_file::line_and_column;
+use crate::table::Answers;
 use crate::text::grid::Dialect;
 use crate::text::{Decimal, Delimiter};
 use ieap_domain::Quantity;
@@ -31,6 +33,10 @@ impl Checker<'_> {
         let head = file
             .profile
             .ok_or_else(|| missing("[profile]", "a table [profile] with version = 1"))?;
+        let says_more = file.layout.is_some() || file.time.is_some() || !file.column.is_empty();
+        if !file.answers.is_empty() {
+            return self.answered(file.answers, file.recognise, says_more, &head);
+        }
         let layout = file
             .layout
             .ok_or_else(|| missing("[layout]", "a table [layout]"))?;
@@ -74,6 +80,51 @@ impl Checker<'_> {
         };
         self.whole(&profile)?;
         Ok(profile)
+    }
+
+    /// A profile that leaves the table to the reader of tables and answers what that asks.
+    fn answered(
+        &self,
+        stated: BTreeMap<String, String>,
+        recognise: raw::Recognise,
+        says_more: bool,
+        head: &raw::Head,
+    ) -> Result<Profile, Error> {
+        if says_more {
+            let needed =
+                "either answers to what the reader of tables asks, or [layout], [time] and [[column]]";
+            return Err(self.refused(None, "[answers]", "it stands beside a layout", needed));
+        }
+        let mut answers = Answers::default();
+        for (key, answer) in &stated {
+            let added = answers.add(key, answer);
+            added.map_err(|reason| {
+                self.refused(None, "[answers]", &reason, "a question with one of its answers")
+            })?;
+        }
+        if recognise.name.is_none() && recognise.contains.is_empty() {
+            let needed = "name or contains, for nothing else tells the files of this source apart";
+            return Err(self.refused(None, "[recognise]", "it says nothing", needed));
+        }
+        Ok(Profile {
+            id: self.id.to_owned(),
+            version: self.version(head.version.clone())?,
+            title: head.title.clone().unwrap_or_else(|| self.id.to_owned()),
+            digest: blake3::hash(self.text.as_bytes()).to_hex().to_string(),
+            text: self.text.to_owned(),
+            technique: head.technique.clone(),
+            step_response: head.step_response.unwrap_or(true),
+            name: recognise.name.as_deref().map(Glob::new),
+            contains: recognise.contains,
+            over_vendor: false,
+            time: TimeBase::Interval { interval_s: 1.0 },
+            time_zero_is_step: false,
+            start: None,
+            container: Container::Answers(answers),
+            header: HeaderPlace::None,
+            lines_after_header: 0,
+            columns: Vec::new(),
+        })
     }
 
     /// What only the parts together show.
@@ -171,6 +222,8 @@ impl Checker<'_> {
             Some("tab") => Delimiter::Tab,
             Some("semicolon") => Delimiter::Semicolon,
             Some("comma") => Delimiter::Comma,
+            Some("bar") => Delimiter::Bar,
+            Some("two blanks") => Delimiter::WideBlanks,
             Some("blanks") => Delimiter::Blanks,
             Some(other) => {
                 return Err(self.refused(
@@ -209,7 +262,7 @@ impl Checker<'_> {
         };
         Ok(Container::Text {
             encoding,
-            dialect: Dialect { delimiter, decimal },
+            dialect: Dialect::new(delimiter, decimal),
             comment: layout.comment.clone().unwrap_or_else(|| "#".to_owned()),
         })
     }

@@ -6,6 +6,7 @@ use jiff::tz::TimeZone;
 use super::glob::Glob;
 use crate::Timestamp;
 use crate::formats::stamp::DateOrder;
+use crate::table::Answers;
 use crate::text::grid::Dialect;
 use ieap_domain::Quantity;
 use ieap_domain::unit::Conversion;
@@ -55,6 +56,8 @@ pub(super) enum Container {
         /// What comment lines begin with; empty where there are none.
         comment: String,
     },
+    /// Whatever the reader of tables takes, which asks what it leaves open: these are the answers.
+    Answers(Answers),
     /// A sheet of a workbook.
     Sheet {
         /// Its name; none takes the first that fits.

@@ -1,18 +1,23 @@
-//! What the rows of a file show of its layout: separator, decimal sign, where names and readings stand, what the time
-//! is.
+//! What the rows of a file show of its layout, for a profile: the reader of tables' own findings, also where they do not
+//! suffice to read it.
 
-use crate::formats::sheet_cells::{Sheet, SheetCell};
-use crate::formats::stamp::{self, DateOrder};
+use crate::formats::sheet_cells::Sheet;
+use crate::formats::stamp::DateOrder;
 use crate::profiles::policy::ROWS_ASKED;
+use crate::table::kind::{self, Kind};
+use crate::table::numbers::{Found, Writing};
+use crate::table::shape::Shape;
+use crate::table::times::names_time;
+use crate::table::{layout, sheet, start};
 use crate::text::grid::{Dialect, is_blank_or_comment};
 use crate::text::header::Header;
-use crate::text::unit_row::unit_row;
-use crate::text::{Cell, Decimal, Delimiter, Line, Lines, decode, number};
+use crate::text::number::unquote;
+use crate::text::{Cell, Decimal, Line, Lines, NumberForm, decode, number};
 use ieap_domain::Quantity;
 
 /// What was seen.
 pub(super) struct Guess {
-    /// Separator and decimal sign; none for a workbook.
+    /// Separator and form of numbers; none for a workbook.
     pub dialect: Option<Dialect>,
     pub encoding: Option<&'static str>,
     /// The workbook's sheet.
@@ -39,48 +44,6 @@ pub(super) struct StartGuess {
     pub orders: Vec<&'static str>,
 }
 
-/// What a line begins with that says when a run began, in small letters, the longer first.
-const STARTS: [&str; 14] = [
-    "startzeitpunkt",
-    "startzeit",
-    "start time",
-    "start date",
-    "start_time",
-    "started at",
-    "started",
-    "start",
-    "messbeginn",
-    "beginn",
-    "begin",
-    "date and time",
-    "datum",
-    "date",
-];
-
-/// The first line that begins so and goes on with a date and a time.
-fn start_line(lines: &[Line<'_>]) -> Option<StartGuess> {
-    lines.iter().find_map(|line| {
-        let text = line.text.trim_start_matches(['"', '#', ' ']);
-        let lower = text.to_lowercase();
-        let word = STARTS.into_iter().find(|word| lower.starts_with(word))?;
-        let is_mark = |c: char| c.is_whitespace() || "\";,:=".contains(c);
-        let rest = text.get(word.len()..)?;
-        let date = rest.trim_matches(is_mark);
-        let reads = |order: &DateOrder| stamp::civil(date, *order).is_some();
-        let mut orders: Vec<DateOrder> = DateOrder::ALL.into_iter().filter(reads).collect();
-        // So are dates with dots written.
-        if date.contains('.') && orders.contains(&DateOrder::DayFirst) {
-            orders = vec![DateOrder::DayFirst];
-        }
-        let end = text.len() - rest.trim_start_matches(is_mark).len();
-        let begins = line.text.trim_start_matches('"').strip_suffix(&text[end..])?;
-        (!orders.is_empty()).then(|| StartGuess {
-            begins: begins.trim_end_matches(['"', ' ', '\t']).to_owned(),
-            orders: orders.into_iter().map(DateOrder::key).collect(),
-        })
-    })
-}
-
 /// What times the rows.
 pub(super) enum TimeGuess {
     Elapsed {
@@ -101,13 +64,6 @@ pub(super) enum TimeGuess {
     },
 }
 
-/// Rows of cells as texts, with the line of each.
-struct Grid {
-    lines: Vec<usize>,
-    rows: Vec<Vec<String>>,
-    decimal: Decimal,
-}
-
 impl Guess {
     /// Columns that the time is read from.
     pub fn time_columns(&self) -> Vec<usize> {
@@ -123,300 +79,179 @@ impl Guess {
     }
 }
 
-/// The layout of a delimited text from that line on; none where no separator makes a table of numbers.
-pub(super) fn guess_text(bytes: &[u8], from_line: usize) -> Option<Guess> {
+/// The first line that begins so and goes on with a date and a time.
+fn start_line(lines: &[Line<'_>]) -> Option<StartGuess> {
+    lines.iter().find_map(|line| {
+        let text = line.text.trim_start_matches(['"', '#', ' ']);
+        let (_, rest) = start::after_word(text)?;
+        let orders = start::orders(rest.trim_matches(start::is_mark));
+        let end = text.len() - rest.trim_start_matches(start::is_mark).len();
+        let begins = line.text.trim_start_matches('"').strip_suffix(&text[end..])?;
+        (!orders.is_empty()).then(|| StartGuess {
+            begins: begins.trim_end_matches(['"', ' ', '\t']).to_owned(),
+            orders: orders.into_iter().map(DateOrder::key).collect(),
+        })
+    })
+}
+
+/// The layout of a delimited text; none where no separator makes a table of numbers.
+pub(super) fn guess_text(bytes: &[u8]) -> Option<Guess> {
     let decoded = decode(bytes);
     if decoded.text.contains('\0') {
         return None;
     }
-    let lines = Lines::new(&decoded.text).skip(from_line.saturating_sub(1));
-    let mut lines: Vec<Line<'_>> = lines.take(ROWS_ASKED).collect();
+    let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).take(ROWS_ASKED).collect();
     lines.pop_if(|line| !line.ended);
-    let lines: Vec<Line<'_>> = lines
-        .into_iter()
-        .filter(|l| !is_blank_or_comment(l.text))
-        .collect();
-    let mut best: Option<(usize, Guess)> = None;
-    for delimiter in Delimiter::ALL {
-        for decimal in [Decimal::Point, Decimal::Comma] {
-            let grid = grid(&lines, delimiter, decimal);
-            if let Some((numbers, mut guess)) = judge(&grid)
-                && best.as_ref().is_none_or(|(most, _)| numbers > *most)
-            {
-                guess.dialect = Some(Dialect { delimiter, decimal });
-                guess.encoding = Some(decoded.encoding);
-                best = Some((numbers, guess));
-            }
-        }
-    }
-    best.map(|(_, mut guess)| {
-        let head: Vec<Line<'_>> = Lines::new(&decoded.text)
-            .take(guess.header_line.saturating_sub(1))
-            .collect();
-        guess.start = start_line(&head);
-        guess
-    })
+    let mut guess = guess(&lines)?;
+    guess.encoding = Some(decoded.encoding);
+    let head = lines
+        .iter()
+        .position(|line| line.number == guess.header_line)
+        .unwrap_or(0);
+    guess.start = start_line(&lines[..head]);
+    Some(guess)
 }
 
 /// The layout of the first sheet with a table of numbers.
 pub(super) fn guess_sheet(sheets: &[Sheet]) -> Option<Guess> {
-    for sheet in sheets {
-        let width = sheet.rows.iter().filter_map(|row| row.cells.last());
-        let width = width.map(|(column, _)| *column as usize + 1).max().unwrap_or(0);
-        let text = |cell: &SheetCell| match cell {
-            SheetCell::Number(number) => number.to_string(),
-            SheetCell::Text(text) | SheetCell::Date(text) | SheetCell::Error(text) => text.clone(),
-        };
-        let sample = &sheet.rows[..sheet.rows.len().min(ROWS_ASKED)];
-        let row = |row: &crate::formats::sheet_cells::SheetRow| {
-            let mut cells = vec![String::new(); width];
-            for (column, cell) in &row.cells {
-                cells[*column as usize] = text(cell);
-            }
-            cells
-        };
-        let grid = Grid {
-            lines: sample.iter().map(|row| row.number as usize).collect(),
-            rows: sample.iter().map(row).collect(),
-            decimal: Decimal::Point,
-        };
-        if let Some((_, mut guess)) = judge(&grid) {
-            guess.sheet = Some(sheet.name.clone());
-            return Some(guess);
-        }
-    }
-    None
-}
-
-fn grid(lines: &[Line<'_>], delimiter: Delimiter, decimal: Decimal) -> Grid {
-    let row = |line: &Line<'_>| {
-        let mut cells = Vec::new();
-        delimiter.split(line.text, |_, cell| {
-            cells.push(number::unquote(cell).to_owned());
-        });
-        cells
-    };
-    let mut rows: Vec<Vec<String>> = lines.iter().map(row).collect();
-    // Separators at the end of every line begin no column; a column that is read less often than the others is one.
-    let filled = |row: &Vec<String>| {
-        row.iter()
-            .rposition(|cell| !cell.is_empty())
-            .map_or(0, |last| last + 1)
-    };
-    let width = rows.iter().map(filled).max().unwrap_or(0);
-    rows.iter_mut().for_each(|row| row.truncate(width));
-    Grid {
-        lines: lines.iter().map(|line| line.number).collect(),
-        rows,
-        decimal,
-    }
-}
-
-/// What the rows come to, and how many cells of them are numbers.
-fn judge(grid: &Grid) -> Option<(usize, Guess)> {
-    let is_number = |cell: &String| matches!(number::parse(cell, grid.decimal), Cell::Number(_));
-    let width = most_common(grid.rows.iter().map(Vec::len).filter(|width| *width >= 2))?;
-    let is_row = |row: &Vec<String>| row.len() <= width && row.len() >= 2 && row.iter().any(is_number);
-    // The table ends at the file's end and begins where its rows begin to look alike.
-    let data_at = (0..grid.rows.len()).find(|&at| {
-        let alike = grid.rows[at..]
-            .iter()
-            .filter(|row| is_row(row) && row.len() == width);
-        let first = &grid.rows[at];
-        is_row(first)
-            && first.len() == width
-            && 10 * alike.count() >= 9 * (grid.rows.len() - at)
-            && shapes_agree(grid, at)
-    })?;
-    let rows = &grid.rows[data_at..];
-    if rows.len() < 2 {
-        return None;
-    }
-    let numbers_of = |column: usize| {
-        rows.iter()
-            .filter(|row| row.get(column).is_some_and(is_number))
-            .count()
-    };
-    let counts: Vec<usize> = (0..width).map(numbers_of).collect();
-    let filled_of = |column: usize| {
-        let filled = |row: &&Vec<String>| row.get(column).is_some_and(|cell| !cell.is_empty());
-        rows.iter().filter(filled).count()
-    };
-    let holds_numbers = |(column, count): (usize, &usize)| *count > 0 && 10 * count >= 9 * filled_of(column);
-    let columns_of_numbers: Vec<bool> = counts.iter().enumerate().map(holds_numbers).collect();
-    let (header_at, units) = names_before(grid, data_at, width);
-    let mut names = header_at.map_or(Vec::new(), |at| grid.rows[at].clone());
-    names.resize(width, String::new());
-    let time = time(grid.decimal, &names, &units, rows);
-    let guess = Guess {
-        dialect: None,
-        encoding: None,
-        sheet: None,
-        header_line: header_at.map_or(0, |at| grid.lines[at]),
-        lines_after_header: match header_at {
-            Some(at) => grid.lines[data_at] - grid.lines[at] - 1,
-            None => grid.lines[data_at] - 1,
-        },
-        names,
-        units,
-        is_number: columns_of_numbers,
-        time,
-        start: None,
-    };
-    Some((counts.iter().sum(), guess))
-}
-
-/// Whether the row at `at` holds numbers where nearly all rows below it do, and words where nearly all do.
-fn shapes_agree(grid: &Grid, at: usize) -> bool {
-    let is_number = |cell: &String| matches!(number::parse(cell, grid.decimal), Cell::Number(_));
-    let below = &grid.rows[at + 1..];
-    grid.rows[at].iter().enumerate().all(|(column, cell)| {
-        let filled = below
-            .iter()
-            .filter_map(|row| row.get(column))
-            .filter(|c| !c.is_empty());
-        let (all, numbers) = filled.fold((0usize, 0usize), |(all, numbers), cell| {
-            (all + 1, numbers + usize::from(is_number(cell)))
-        });
-        let of_numbers = 10 * numbers >= 9 * all;
-        let of_words = 10 * numbers <= all;
-        all == 0 || cell.is_empty() || (is_number(cell) && !of_words) || (!is_number(cell) && !of_numbers)
+    sheets.iter().find_map(|sheet| {
+        let texts = sheet::texts(sheet, usize::MAX);
+        let mut guess = guess(&sheet::lines(sheet, &texts))?;
+        guess.dialect = None;
+        guess.sheet = Some(sheet.name.clone());
+        Some(guess)
     })
 }
 
-fn most_common(widths: impl Iterator<Item = usize>) -> Option<usize> {
-    let mut counts = std::collections::BTreeMap::new();
-    widths.for_each(|width| *counts.entry(width).or_insert(0usize) += 1);
-    counts
+fn guess(lines: &[Line<'_>]) -> Option<Guess> {
+    let numbers = |shape: &Shape| shape.kinds.iter().filter(|kind| **kind == Kind::Number).count();
+    let shapes = layout::shapes(lines)
         .into_iter()
-        .max_by_key(|(width, count)| (*count, *width))
-        .map(|(width, _)| width)
+        .filter(|shape| shape.kinds.len() >= 2 && numbers(shape) > 0);
+    let shape = shapes.max_by_key(|shape| (shape.known, numbers(shape)))?;
+    let rows = rows(&shape, lines);
+    if rows.len() < 2 {
+        return None;
+    }
+    let numbers = form(&shape, lines);
+    let header_line = shape.names_at.map_or(0, |at| lines[at].number);
+    let width = shape.kinds.len().max(shape.names.len());
+    let mut names = shape.names.clone();
+    names.resize(width, String::new());
+    let time = time(numbers, &names, &shape, &rows);
+    Some(Guess {
+        dialect: Some(Dialect {
+            delimiter: shape.delimiter,
+            numbers,
+        }),
+        encoding: None,
+        sheet: None,
+        header_line,
+        lines_after_header: lines[shape.data_at].number - header_line - 1,
+        is_number: (0..width)
+            .map(|column| shape.kinds.get(column) == Some(&Kind::Number))
+            .collect(),
+        names,
+        units: shape.units.clone(),
+        time,
+        start: None,
+    })
 }
 
-/// Index of the row of names above the readings, and the units where they stand in a row of their own.
-fn names_before(grid: &Grid, data_at: usize, width: usize) -> (Option<usize>, Vec<String>) {
-    let is_number = |cell: &String| matches!(number::parse(cell, grid.decimal), Cell::Number(_));
-    let of_words = |at: usize| {
-        let row = &grid.rows[at];
-        (2..=width).contains(&row.len()) && !row.iter().any(is_number)
+fn rows<'a>(shape: &Shape, lines: &[Line<'a>]) -> Vec<Vec<&'a str>> {
+    let data = lines[shape.data_at..]
+        .iter()
+        .filter(|line| !is_blank_or_comment(line.text));
+    let cells = |line: &Line<'a>| {
+        let mut cells = Vec::new();
+        shape
+            .delimiter
+            .split(line.text, |_, cell| cells.push(unquote(cell)));
+        cells
     };
-    let filled = |at: usize| grid.rows[at].iter().filter(|cell| !cell.is_empty()).count();
-    let Some(last) = data_at.checked_sub(1) else {
-        return (None, Vec::new());
-    };
-    let units = last
-        .checked_sub(1)
-        .filter(|&above| of_words(above) && filled(above) >= 2)
-        .and_then(|above| {
-            let cells = grid.rows[last].iter().map(String::as_str);
-            Some((above, unit_row(grid.rows[above].len(), cells)?))
-        });
-    match units {
-        Some((above, units)) => (Some(above), units),
-        None => (of_words(last).then_some(last), Vec::new()),
+    data.map(cells).collect()
+}
+
+/// The form of the numbers; where several fit, the plainest.
+fn form(shape: &Shape, lines: &[Line<'_>]) -> NumberForm {
+    let mut writing = Writing::new(shape.kinds.len());
+    for line in lines[shape.data_at..]
+        .iter()
+        .filter(|line| !is_blank_or_comment(line.text))
+    {
+        shape
+            .delimiter
+            .split(line.text, |index, cell| writing.add(index, line.number, cell));
+    }
+    match writing.decide(shape.delimiter, None, None) {
+        Found::One(form) => form,
+        _ => Decimal::Point.into(),
     }
 }
 
-/// Whether a column is headed by a unit of time alone: `s`, `min`. A letter in upper case stands for something else.
-fn is_unit_of_time(name: &str) -> bool {
-    matches!(name.trim(), "s" | "ms" | "us" | "min" | "h")
-}
-
-fn time(decimal: Decimal, names: &[String], units: &[String], rows: &[Vec<String>]) -> Option<TimeGuess> {
-    const WORDS: [&str; 9] = [
-        "time",
-        "zeit",
-        "date",
-        "datum",
-        "timestamp",
-        "uts",
-        "epoch",
-        "aeg",
-        "elapsed",
-    ];
-    let speaks = |name: &str| {
-        let lower = name.to_lowercase();
-        let known = Header::parse(name).meaning.named_quantity() == Some(Quantity::Time);
-        known || is_unit_of_time(name) || WORDS.iter().any(|word| lower.contains(word))
-    };
-    let mut candidates: Vec<usize> = (0..names.len()).filter(|&at| speaks(&names[at])).collect();
+fn time(form: NumberForm, names: &[String], shape: &Shape, rows: &[Vec<&str>]) -> Option<TimeGuess> {
+    let of_kind = |kind: Kind| (0..names.len()).filter(move |at| shape.kinds.get(*at) == Some(&kind));
+    let mut candidates: Vec<usize> = of_kind(Kind::Number)
+        .filter(|at| names_time(&names[*at]))
+        .collect();
     // A letter such as T may be a temperature as well: words go before it.
     candidates.sort_by_key(|&at| names[at].chars().count() == 1);
-    let cells = |at: usize| {
-        rows.iter()
-            .filter_map(move |row| row.get(at))
-            .filter(|c| !c.is_empty())
-    };
-    let numbers = |at: usize| -> Option<Vec<f64>> {
-        cells(at)
-            .map(|cell| match number::parse(cell, decimal) {
-                Cell::Number(number) => Some(number),
-                _ => None,
-            })
-            .collect()
-    };
-    let rising = |numbers: &[f64]| numbers.windows(2).all(|pair| pair[1] >= pair[0]);
     // Numbers that rise come first: a clock beside them is the same time again, with fewer digits.
     for &index in &candidates {
-        let Some(found) = numbers(index).filter(|found| found.len() >= 2 && rising(found)) else {
+        let numbers = rows
+            .iter()
+            .filter_map(|row| match number::parse_in(row.get(index)?, form) {
+                Cell::Number(number) => Some(number),
+                _ => None,
+            });
+        let found: Vec<f64> = numbers.collect();
+        if found.len() < 2 || found.windows(2).any(|pair| pair[1] < pair[0]) {
             continue;
-        };
-        let epoch_unit = match found[0] {
-            first if (1e9..1e11).contains(&first) => Some("s"),
-            first if (1e12..1e14).contains(&first) => Some("ms"),
-            _ => None,
-        };
-        let unit = units.get(index).filter(|unit| !unit.is_empty());
-        return Some(match epoch_unit {
-            Some(unit) => TimeGuess::Epoch { index, unit },
-            None => {
-                let parsed = if is_unit_of_time(&names[index]) {
-                    names[index].clone()
-                } else {
-                    Header::parse(&names[index]).raw_unit
-                };
-                let stated = unit.cloned().or((!parsed.is_empty()).then_some(parsed));
+        }
+        let unit = shape.units.get(index).filter(|unit| !unit.is_empty());
+        return Some(match found[0] {
+            first if (1e9..1e11).contains(&first) => TimeGuess::Epoch { index, unit: "s" },
+            first if (1e12..1e14).contains(&first) => TimeGuess::Epoch { index, unit: "ms" },
+            _ => {
+                let parsed = Header::parse(&names[index]).raw_unit;
+                let alone = (parsed.is_empty()).then(|| names[index].trim().to_owned());
+                let stated = unit.cloned().or(alone).or(Some(parsed));
                 let unit = stated.filter(|unit| ieap_domain::unit::conversion(Quantity::Time, unit).is_ok());
                 TimeGuess::Elapsed { index, unit }
             }
         });
     }
-    let reads = |at: usize, date: Option<usize>, order: DateOrder| {
-        let mut any = false;
-        let all = rows.iter().all(|row| {
-            let cell = |at: usize| row.get(at).map(String::as_str).unwrap_or("");
-            let text = match date {
-                Some(date) => format!("{} {}", cell(date), cell(at)),
-                None => cell(at).to_owned(),
-            };
-            any = true;
-            text.starts_with("date ") && date.is_none() || stamp::civil(&text, order).is_some()
-        });
-        any && all
-    };
-    for &index in &candidates {
-        for date in std::iter::once(None).chain(candidates.iter().copied().filter(|d| *d != index).map(Some))
-        {
-            let orders: Vec<&'static str> = DateOrder::ALL
-                .into_iter()
-                .filter(|order| reads(index, date, *order))
-                .map(DateOrder::key)
-                .collect();
-            if !orders.is_empty() {
-                // Dates of a workbook are numbers, which have no order.
-                let of_workbook = cells(index).all(|cell| cell.starts_with("date "));
-                let orders = if of_workbook { vec!["year-first"] } else { orders };
-                return Some(TimeGuess::Clock { index, date, orders });
-            }
+    let orders = |texts: &mut dyn Iterator<Item = String>| {
+        let mut left: Vec<DateOrder> = DateOrder::ALL.to_vec();
+        for text in texts.filter(|text| kind::is_moment(text)) {
+            let own = start::orders(&text);
+            left.retain(|order| own.contains(order));
         }
-    }
-    let is_time_of_day = |at: usize| {
-        let mut found =
-            cells(at).map(|cell| stamp::civil(&format!("2000-01-01 {cell}"), DateOrder::YearFirst));
-        cells(at).count() >= 2 && found.all(|moment| moment.is_some())
+        left.into_iter()
+            .map(DateOrder::key)
+            .collect::<Vec<&'static str>>()
     };
-    candidates
-        .into_iter()
-        .find(|&index| is_time_of_day(index))
-        .map(|index| TimeGuess::TimeOfDay { index })
+    let cell = |row: &Vec<&str>, at: usize| row.get(at).copied().unwrap_or("").to_owned();
+    if let Some(index) = of_kind(Kind::Moment).next() {
+        let orders = orders(&mut rows.iter().map(|row| cell(row, index)));
+        return Some(TimeGuess::Clock {
+            index,
+            date: None,
+            orders,
+        });
+    }
+    let clock = of_kind(Kind::Clock).next();
+    if let (Some(date), Some(index)) = (of_kind(Kind::Date).next(), clock) {
+        let orders = orders(
+            &mut rows
+                .iter()
+                .map(|row| format!("{} {}", cell(row, date), cell(row, index))),
+        );
+        return Some(TimeGuess::Clock {
+            index,
+            date: Some(date),
+            orders,
+        });
+    }
+    clock.map(|index| TimeGuess::TimeOfDay { index })
 }

@@ -22,5 +22,4 @@ pub use choose::{Choice, Claim, Reader, choose, read};
 pub use definition::Profile;
 pub use error::ProfileError;
 pub use load::{FOLDER, from_text, is_id, load};
-pub(crate) use propose::complete;
-pub use propose::{Proposal, StatedColumn, propose};
+pub use propose::{Proposal, StatedColumn, answered, propose};

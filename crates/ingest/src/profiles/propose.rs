@@ -1,16 +1,14 @@
 //! Proposes a profile for a file: what its rows show is written down, what they do not show is left open.
 
 use std::fmt::Write;
-use std::path::Path;
 
-use super::definition::Profile;
-use super::from_text;
 use super::guess::{Guess, TimeGuess, guess_sheet, guess_text};
 use crate::formats::error::ReadError;
 use crate::formats::sheet_cells;
+use crate::table::Answers;
 use crate::text::header::{Header, Meaning, leave_lone_phases};
 use crate::text::likely::headed_by_unit;
-use crate::text::{Decimal, Delimiter};
+use crate::text::{Decimal, Delimiter, decode};
 use ieap_domain::Quantity;
 
 /// A profile as it may be saved.
@@ -33,6 +31,44 @@ pub struct StatedColumn {
     pub unit: Option<String>,
 }
 
+/// The profile that answers what a file of that name leaves open, for all files with the same names of columns.
+///
+/// # Errors
+/// The file is no text with a table.
+pub fn answered(name: &str, bytes: &[u8], answers: &Answers) -> Result<Proposal, ReadError> {
+    let decoded = decode(bytes);
+    let guess = guess_text(bytes).filter(|guess| guess.header_line > 0);
+    let guess = guess.ok_or_else(|| ReadError::NoHeader {
+        line: 0,
+        found: "no line that names columns".to_owned(),
+    })?;
+    let names = decoded
+        .text
+        .lines()
+        .nth(guess.header_line - 1)
+        .unwrap_or("")
+        .trim();
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "# What files of this source leave open, answered; proposed from {}.",
+        one_line(name)
+    );
+    let _ = write!(text, "[profile]\nversion = 1\ntitle = {}\n\n", quoted(name));
+    let _ = write!(
+        text,
+        "[recognise]\ncontains = [{}]\n\n[answers]\n",
+        quoted(names.trim_start_matches('\u{feff}'))
+    );
+    for (key, answer) in answers.iter() {
+        let _ = writeln!(text, "{key} = {}", quoted(answer));
+    }
+    Ok(Proposal {
+        text,
+        open: Vec::new(),
+    })
+}
+
 /// Proposes a profile for a file of that name, in which columns are what is `stated` of them.
 ///
 /// # Errors
@@ -45,30 +81,13 @@ pub fn propose(name: &str, bytes: &[u8], stated: &[StatedColumn]) -> Result<Prop
     let guess = if is_workbook {
         guess_sheet(&sheet_cells::read(bytes)?)
     } else {
-        guess_text(bytes, 1)
+        guess_text(bytes)
     };
     let guess = guess.ok_or_else(|| ReadError::NoHeader {
         line: 0,
         found: "no table of numbers, two columns or more in at least two rows".to_owned(),
     })?;
     Ok(written(name, &guess, stated))
-}
-
-/// The profile that is proposed for a text, where the text leaves nothing to be said by a person: every column has a
-/// name, and what these name are numbers. Lines above `from_line` are no part of the table.
-pub(crate) fn complete(bytes: &[u8], from_line: usize) -> Option<Profile> {
-    let guess = guess_text(bytes, from_line)?;
-    let headers = headers(&guess);
-    let is_named = guess.names.iter().all(|name| !name.is_empty());
-    let times = guess.time_columns();
-    let holds_numbers = headers.iter().enumerate().all(|(index, header)| {
-        header.meaning.named_quantity().is_none() || guess.is_number[index] || times.contains(&index)
-    });
-    let proposal = written("table", &guess, &[]);
-    let is_complete = is_named && holds_numbers && proposal.open.is_empty();
-    is_complete
-        .then(|| from_text(Path::new("table.toml"), &proposal.text).ok())
-        .flatten()
 }
 
 fn written(name: &str, guess: &Guess, stated: &[StatedColumn]) -> Proposal {
@@ -120,9 +139,11 @@ fn layout(text: &mut String, guess: &Guess) {
                 Delimiter::Tab => "tab",
                 Delimiter::Semicolon => "semicolon",
                 Delimiter::Comma => "comma",
+                Delimiter::Bar => "bar",
+                Delimiter::WideBlanks => "two blanks",
                 Delimiter::Blanks => "blanks",
             };
-            let decimal = match dialect.decimal {
+            let decimal = match dialect.numbers.decimal {
                 Decimal::Point => "point",
                 Decimal::Comma => "comma",
             };

@@ -1,6 +1,8 @@
 //! A profile as serde sees it, before anything is checked. Unknown keys are refused: a misspelt one would change
 //! what is read without a word.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -16,6 +18,8 @@ pub(super) struct File {
     pub start: Option<Spanned<Start>>,
     #[serde(default)]
     pub column: Vec<Spanned<Column>>,
+    #[serde(default)]
+    pub answers: BTreeMap<String, String>,
 }
 
 /// `[profile]`.

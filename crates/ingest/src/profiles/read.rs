@@ -1,10 +1,11 @@
 //! Reads a file as a profile says.
 
-use super::definition::Profile;
+use super::definition::{Container, Profile};
 use super::time;
 use crate::formats::assemble::{Raw, assemble};
 use crate::formats::cells::CellTable;
 use crate::formats::error::{ReadError, quoted};
+use crate::formats::{self};
 use crate::formats::{ReadContext, stamp};
 use crate::text::header::{Header, Meaning};
 use crate::{Reading, StartedAt};
@@ -16,6 +17,13 @@ impl Profile {
     /// # Errors
     /// No table can be had from the bytes; everything less is an issue of the reading.
     pub fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
+        if let Container::Answers(answers) = &self.container {
+            let answered = ReadContext {
+                answers: context.answers.with(answers),
+                ..context.clone()
+            };
+            return formats::read("table.csv", bytes, &answered);
+        }
         let mut issues = Vec::new();
         let mut found = self.table(bytes, context.max_unpacked_bytes, &mut issues)?;
         if found.cells.rows() == 0 {

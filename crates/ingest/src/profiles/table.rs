@@ -5,7 +5,6 @@ use crate::formats::cells::CellTable;
 use crate::formats::delimited;
 use crate::formats::error::{ReadError, quoted};
 use crate::formats::sheet_cells::{self, Sheet, SheetCell};
-use crate::formats::spreadsheet;
 use crate::text::grid::push_line;
 use crate::text::{Decoded, Line, Lines, decode, number};
 use ieap_domain::{Issue, RunStatus};
@@ -34,6 +33,10 @@ impl Profile {
             return Err("the file has another name".to_owned());
         }
         match &self.container {
+            Container::Answers(_) => {
+                let head = decode(&bytes[..bytes.len().min(HEAD)]);
+                self.contains_all(&head.text)
+            }
             Container::Text { .. } => {
                 if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0") {
                     return Err("it is no text".to_owned());
@@ -75,6 +78,8 @@ impl Profile {
         }
         match &self.container {
             Container::Text { .. } => self.text_table(bytes, issues),
+            // Read by the reader of tables: see `Profile::read`.
+            Container::Answers(_) => Err(ReadError::Empty),
             Container::Sheet { .. } => {
                 if bytes.starts_with(b"PK") {
                     crate::formats::unpacking::check_size(bytes, max_unpacked_bytes)?;
@@ -290,8 +295,9 @@ impl Profile {
         let places = self.places(&names)?;
         let rows = &sheet.rows[data_at..];
         let mut cells = CellTable::new(data_at.max(1), &self.keep_text(names.len(), &places), rows.len());
-        let decimal =
-            spreadsheet::decimal_of_texts(rows.iter().flat_map(|row| row.cells.iter().map(|(_, c)| c)));
+        let decimal = crate::table::sheet::decimal_of_texts(
+            rows.iter().flat_map(|row| row.cells.iter().map(|(_, c)| c)),
+        );
         for row in rows {
             let line = row.number as usize;
             for (index, column) in cells.columns.iter_mut().enumerate() {

@@ -9,16 +9,22 @@ pub enum Delimiter {
     Semicolon,
     /// A comma.
     Comma,
+    /// A vertical bar.
+    Bar,
+    /// Two or more blanks: names and dates hold single ones.
+    WideBlanks,
     /// One or more blanks or tabs.
     Blanks,
 }
 
 impl Delimiter {
     /// Every delimiter, the surest first.
-    pub const ALL: [Delimiter; 4] = [
+    pub const ALL: [Delimiter; 6] = [
         Delimiter::Tab,
         Delimiter::Semicolon,
         Delimiter::Comma,
+        Delimiter::Bar,
+        Delimiter::WideBlanks,
         Delimiter::Blanks,
     ];
 
@@ -28,6 +34,8 @@ impl Delimiter {
             Delimiter::Tab => "tab",
             Delimiter::Semicolon => "semicolon",
             Delimiter::Comma => "comma",
+            Delimiter::Bar => "bar",
+            Delimiter::WideBlanks => "two blanks",
             Delimiter::Blanks => "blanks",
         }
     }
@@ -39,6 +47,11 @@ impl Delimiter {
             Delimiter::Tab => b'\t',
             Delimiter::Semicolon => b';',
             Delimiter::Comma => b',',
+            Delimiter::Bar => b'|',
+            Delimiter::WideBlanks => {
+                let cells = line.split("  ").map(str::trim).filter(|cell| !cell.is_empty());
+                return cells.enumerate().map(|(k, cell)| each(k, cell)).count();
+            }
             Delimiter::Blanks => {
                 return line
                     .split_whitespace()

@@ -2,16 +2,26 @@
 
 use super::delimiter::Delimiter;
 use super::lines::Line;
-use super::number::{self, Decimal};
+use super::number::{self, Decimal, NumberForm};
 use crate::formats::cells::CellTable;
 
-/// Delimiter and decimal sign of a table.
+/// How a table is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dialect {
     /// Between the cells.
     pub delimiter: Delimiter,
-    /// Inside the numbers.
-    pub decimal: Decimal,
+    /// The numbers.
+    pub numbers: NumberForm,
+}
+
+impl Dialect {
+    /// Cells between `delimiter`, numbers with that decimal sign and no marks between thousands.
+    pub fn new(delimiter: Delimiter, decimal: Decimal) -> Dialect {
+        Dialect {
+            delimiter,
+            numbers: decimal.into(),
+        }
+    }
 }
 
 /// Adds one line as a row. A delimiter behind the last field, with nothing after it, is no field.
@@ -22,7 +32,7 @@ pub fn push_line(table: &mut CellTable, line: Line<'_>, dialect: Dialect) {
         .delimiter
         .split(line.text, |index, text| match table.columns.get_mut(index) {
             Some(column) => {
-                column.push(line.number, number::parse(text, dialect.decimal), || {
+                column.push(line.number, number::parse_in(text, dialect.numbers), || {
                     number::unquote(text).to_owned()
                 });
             }
@@ -38,11 +48,13 @@ pub fn push_line(table: &mut CellTable, line: Line<'_>, dialect: Dialect) {
 
 /// Whether a line holds no reading: blank, only delimiters, or a comment.
 pub fn is_blank_or_comment(text: &str) -> bool {
-    let trimmed = text.trim_start();
-    trimmed.starts_with('#')
-        || trimmed
-            .chars()
-            .all(|c| matches!(c, ';' | ',' | '\t' | ' ' | '\u{1a}'))
+    text.trim_start().starts_with('#') || is_blank(text)
+}
+
+/// Whether a line is blank or holds delimiters only.
+pub fn is_blank(text: &str) -> bool {
+    let is_mark = |c| matches!(c, ';' | ',' | '\t' | ' ' | '\r' | '|' | '\u{1a}' | '\u{feff}');
+    text.chars().all(is_mark)
 }
 
 #[cfg(test)]
@@ -51,10 +63,7 @@ mod tests {
 
     fn table(lines: &[&str]) -> CellTable {
         let mut table = CellTable::new(1, &[false, false], 0);
-        let dialect = Dialect {
-            delimiter: Delimiter::Semicolon,
-            decimal: Decimal::Comma,
-        };
+        let dialect = Dialect::new(Delimiter::Semicolon, Decimal::Comma);
         for (k, &text) in lines.iter().enumerate() {
             let line = Line {
                 number: k + 2,

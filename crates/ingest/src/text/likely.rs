@@ -1,6 +1,7 @@
 //! What a column may mean whose name is not known: by a name that is nearly a known one, or by its unit alone.
 
-use super::header::{Header, Meaning, candidates, known_names, spelled_unit};
+use super::header::{Header, Meaning, spelled_unit};
+use super::names::{candidates, known_names};
 use crate::campaign_file::nearest;
 use crate::text::policy::FEWEST_LETTERS;
 use ieap_domain::Quantity;

@@ -50,7 +50,8 @@ impl<'a> Iterator for Lines<'a> {
         };
         Some(Line {
             number: self.number,
-            text,
+            // Programs that append to a file as if it were new write their mark again.
+            text: text.trim_start_matches('\u{feff}'),
             ended,
         })
     }

@@ -9,6 +9,89 @@ pub enum Decimal {
     Comma,
 }
 
+/// What may stand between groups of three digits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Group {
+    /// `9,400`
+    Comma,
+    /// `9.400`
+    Point,
+    /// `9'400`, with a straight or a typographic apostrophe.
+    Apostrophe,
+    /// `9 400`, with a blank, a no-break or a thin space.
+    Space,
+}
+
+impl Group {
+    /// The mark that a character is; none for others.
+    pub fn of(c: char) -> Option<Group> {
+        match c {
+            ',' => Some(Group::Comma),
+            '.' => Some(Group::Point),
+            '\'' | '\u{2019}' => Some(Group::Apostrophe),
+            ' ' | '\u{a0}' | '\u{202f}' | '\u{2009}' => Some(Group::Space),
+            _ => None,
+        }
+    }
+
+    /// The mark in words.
+    pub fn label(self) -> &'static str {
+        match self {
+            Group::Comma => "comma",
+            Group::Point => "point",
+            Group::Apostrophe => "apostrophe",
+            Group::Space => "blank",
+        }
+    }
+}
+
+/// How the numbers of a table are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NumberForm {
+    /// Decimal sign.
+    pub decimal: Decimal,
+    /// Mark between thousands; none where there is none.
+    pub group: Option<Group>,
+}
+
+impl From<Decimal> for NumberForm {
+    fn from(decimal: Decimal) -> NumberForm {
+        NumberForm { decimal, group: None }
+    }
+}
+
+/// As [`parse`], where marks may stand between thousands.
+pub fn parse_in(cell: &str, form: NumberForm) -> Cell {
+    match (parse(cell, form.decimal), form.group) {
+        (Cell::Text, Some(group)) => match ungrouped(unquote(cell), form.decimal, group) {
+            Some(plain) => parse(&plain, form.decimal),
+            None => Cell::Text,
+        },
+        (cell, _) => cell,
+    }
+}
+
+/// The number without the marks between its thousands: groups of three digits behind one to three that begin with none
+/// but a digit above zero.
+fn ungrouped(text: &str, decimal: Decimal, group: Group) -> Option<String> {
+    let is_mark = |c: char| Group::of(c) == Some(group);
+    let bare = text.trim_start_matches(['+', '-', '\u{2212}']);
+    let end = bare.find(|c: char| !c.is_ascii_digit() && !is_mark(c));
+    let (whole, rest) = bare.split_at(end.unwrap_or(bare.len()));
+    if !rest.is_empty() && !rest.starts_with(char::from(decimal.byte())) {
+        return None;
+    }
+    let mut groups = whole.split(is_mark);
+    let first = groups.next()?;
+    let is_first = (1..=3).contains(&first.len()) && !first.starts_with('0');
+    let others: Vec<&str> = groups.collect();
+    if !is_first || others.is_empty() || others.iter().any(|digits| digits.len() != 3) {
+        return None;
+    }
+    let sign = &text[..text.len() - bare.len()];
+    Some(format!("{sign}{first}{}{rest}", others.concat()))
+}
+
 impl Decimal {
     fn byte(self) -> u8 {
         match self {
@@ -43,8 +126,7 @@ pub fn parse(cell: &str, decimal: Decimal) -> Cell {
     match grammar(trimmed.as_bytes(), decimal.byte()) {
         Some(digits) => match digits.exact() {
             Some(number) => Cell::Number(number),
-            None if digits.comma => finite(trimmed.replacen(',', ".", 1).parse()),
-            None => finite(trimmed.parse()),
+            None => finite(trimmed.replacen(',', ".", 1).replace(['d', 'D'], "e").parse()),
         },
         None => word(trimmed, decimal),
     }
@@ -79,8 +161,6 @@ struct Digits {
     /// Digits from the first that is not zero.
     count: usize,
     exponent: i32,
-    /// Whether a comma stands in it.
-    comma: bool,
 }
 
 /// Most digits that a whole number of 64 bits surely holds.
@@ -137,8 +217,7 @@ fn grammar(bytes: &[u8], sign: u8) -> Option<Digits> {
     {
         rest = tail;
         fraction = digits.take(&mut rest);
-        digits.comma = sign == b',';
-        if digits.comma && fraction == 0 {
+        if sign == b',' && fraction == 0 {
             return None;
         }
     }
@@ -146,7 +225,8 @@ fn grammar(bytes: &[u8], sign: u8) -> Option<Digits> {
         return None;
     }
     let mut exponent = 0;
-    if let [b'e' | b'E', tail @ ..] = rest {
+    // Fortran writes a D before the power of ten of a double.
+    if let [b'e' | b'E' | b'd' | b'D', tail @ ..] = rest {
         exponent = power_of_ten(tail)?;
         rest = &[];
     }
@@ -169,12 +249,10 @@ fn power_of_ten(bytes: &[u8]) -> Option<i32> {
 }
 
 fn word(text: &str, decimal: Decimal) -> Cell {
-    if let Some(positive) = text.strip_prefix('\u{2212}') {
-        // The typographic minus that plotting programs write.
-        return match parse(positive, decimal) {
-            Cell::Number(number) if positive.starts_with(|c: char| c.is_ascii_digit()) => {
-                Cell::Number(-number)
-            }
+    if text.contains('\u{2212}') {
+        // The typographic minus that plotting programs write, before the number and in its power of ten.
+        return match parse(&text.replace('\u{2212}', "-"), decimal) {
+            number @ Cell::Number(_) => number,
             _ => Cell::Text,
         };
     }
@@ -224,6 +302,9 @@ mod tests {
             ("5.", 5.0),
             ("\"7\"", 7.0),
             ("\u{2212}0.25", -0.25),
+            ("\u{2212}2.5e\u{2212}03", -0.0025),
+            ("1.5D-03", 0.0015),
+            ("1.23456789012345678901D+02", 123.456789012345678901),
         ] {
             assert_eq!(parse(cell, Decimal::Point), Cell::Number(number), "{cell}");
         }
@@ -249,11 +330,44 @@ mod tests {
             "\u{2212}",
             "\u{2212}-1",
             "--1",
+            "1D",
+            "D3",
         ] {
             assert!(!matches!(parse(cell, Decimal::Point), Cell::Number(_)), "{cell}");
         }
         for cell in ["1.5", "5,", ",", "1.234,5", "1,2,3"] {
             assert_eq!(parse(cell, Decimal::Comma), Cell::Text, "{cell}");
+        }
+    }
+
+    #[test]
+    fn thousands_are_marked_in_groups_of_three() {
+        let form = |decimal, group| NumberForm {
+            decimal,
+            group: Some(group),
+        };
+        for (cell, decimal, group, number) in [
+            ("9,400", Decimal::Point, Group::Comma, 9400.0),
+            ("-9,400.25", Decimal::Point, Group::Comma, -9400.25),
+            ("1.234.567,5", Decimal::Comma, Group::Point, 1_234_567.5),
+            ("1'006.4", Decimal::Point, Group::Apostrophe, 1006.4),
+            ("12\u{202f}345,5", Decimal::Comma, Group::Space, 12345.5),
+            ("945", Decimal::Point, Group::Comma, 945.0),
+        ] {
+            assert_eq!(
+                parse_in(cell, form(decimal, group)),
+                Cell::Number(number),
+                "{cell}"
+            );
+        }
+        for cell in [
+            "0,400", "9,40", "9,4000", "1234,567", ",400", "9,", "9,400,5", "9,400e3",
+        ] {
+            assert_eq!(
+                parse_in(cell, form(Decimal::Point, Group::Comma)),
+                Cell::Text,
+                "{cell}"
+            );
         }
     }
 

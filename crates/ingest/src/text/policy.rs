@@ -4,9 +4,9 @@
 /// Lines that a header may be looked for in. Chosen: data loggers write one or more for each of their channels above it.
 pub(crate) const HEADER_WITHIN_LINES: usize = 256;
 /// Data lines that delimiter and decimal mark are decided from. Chosen.
-pub(super) const LINES_ASKED: usize = 256;
+pub(crate) const LINES_ASKED: usize = 256;
 /// Share of data lines, and of cells of a column, that must obey the reading. Chosen.
-pub(super) const OBEYING_SHARE: f64 = 0.9;
+pub(crate) const OBEYING_SHARE: f64 = 0.9;
 
 /// Fewest letters of a name that a slip may have been made in. Chosen.
 pub(super) const FEWEST_LETTERS: usize = 4;

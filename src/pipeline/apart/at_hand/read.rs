@@ -59,18 +59,17 @@ pub fn read(file: &Path) -> Result<Result<Vec<ReadTable>, Issue>, PipelineError>
     })?;
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     let campaign = absolute.parent().and_then(campaign_file::find);
-    let (profiles, date_order) = match &campaign {
-        Some(folder) => (
-            profiles::load(folder)?,
-            campaign_file::read(folder)?.campaign.date_order,
-        ),
-        None => (Vec::new(), None),
+    let (profiles, context) = match &campaign {
+        Some(folder) => {
+            let read = campaign_file::read(folder)?;
+            (profiles::load(folder)?, ReadContext::of(&read.campaign))
+        }
+        None => (Vec::new(), ReadContext::default()),
     };
     // A log without a response is a table, too: what is missing for a fit is said when one is asked for.
     let context = ReadContext {
         needs_response: false,
-        date_order,
-        ..ReadContext::default()
+        ..context
     };
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let reading = caught(|| profiles::read(&profiles, &name, &bytes, &context));

@@ -7,15 +7,17 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::look::{ProposedFor, Taken, files_below, look};
+use super::look::{ProposedFor, Seen, Taken, files_below, look};
 use super::plan::{NamedSample, PlannedFile, plan};
 use super::text::campaign_text;
 use crate::domain::DateOrder;
 use crate::domain::tag::keys;
 use crate::ingest::campaign_file;
+use crate::ingest::formats::error::ASKED;
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::profiles;
 use crate::pipeline::PipelineError;
+use crate::pipeline::ground::mends::together;
 use crate::pipeline::ground::whole_file::put_bytes;
 
 /// The verb `init --from`.
@@ -138,6 +140,18 @@ fn fill_in(proposed: &Proposed, has_open_dates: bool, no_zone: bool) -> Vec<Stri
     }
     if has_open_dates && proposed.date_order.is_none() {
         open.push("campaign.toml: date_order, for dates that fit two orders".to_owned());
+    }
+    let asked = |seen: &Seen| seen.issues.iter().find(|issue| issue.code == ASKED).cloned();
+    let questions =
+        (proposed.files.iter()).filter_map(|file| Some((file.seen.path.as_str(), vec![asked(&file.seen)?])));
+    for question in together(questions) {
+        let files = question.paths.len();
+        open.extend(question.issues.iter().map(|issue| {
+            format!(
+                "{files} file(s), first {}: {}; {}",
+                question.paths[0], issue.message, issue.mend
+            )
+        }));
     }
     if no_zone {
         open.push("campaign.toml: timezone".to_owned());

@@ -190,6 +190,11 @@ fn one(path: &Path, shown: String, usable: &mut Vec<Profile>, looked: &mut Looke
     match read(path, &name, &bytes, usable, looked) {
         Ok((reading, format)) => of_reading(seen(Taken::Run), &reading, format),
         Err(error) if error.is_sidecar() => seen(Taken::Sidecar),
+        // A proposal would take one of the answers without asking.
+        Err(error @ ReadError::Asked(_)) => Seen {
+            issues: vec![error.issue()],
+            ..seen(Taken::NotRead)
+        },
         Err(error) => {
             let open = propose(&name, &shown, &bytes, usable, looked);
             if let Some(profile) = usable.last().filter(|_| open == Some(true))

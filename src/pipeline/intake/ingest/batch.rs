@@ -37,7 +37,7 @@ pub fn in_batches(
         let with = With {
             folder: &context.folder,
             profiles: &context.profiles,
-            date_order: context.campaign.date_order,
+            campaign: &context.campaign,
             read_file: context.read_file,
         };
         let mut prepared: Vec<Prepared> = batch.par_iter().map(|group| prepare(with, group)).collect();

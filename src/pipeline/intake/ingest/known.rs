@@ -26,7 +26,7 @@ pub fn files_due(context: &Context) -> Result<usize, PipelineError> {
     let changes = scan::diff(&known(&stored), &seen);
     let listed: BTreeSet<&String> = seen.issues.iter().map(|issue| &issue.place).collect();
     let gone = changes.gone.iter().filter(|path| !listed.contains(path)).count();
-    let outdated = Readers::of(&context.profiles, context.campaign.date_order, &stored);
+    let outdated = Readers::of(&context.profiles, &context.campaign, &stored);
     let outdated = outdated.outdated(&stored);
     let orphans = context.store.orphaned_aliases()?;
     let orphans: BTreeSet<&str> = orphans.iter().map(String::as_str).collect();

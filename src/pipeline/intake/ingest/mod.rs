@@ -91,7 +91,7 @@ impl Ingest<'_> {
             files: seen.files.len(),
             ..IngestSummary::default()
         };
-        let readers = Readers::of(&context.profiles, context.campaign.date_order, &stored);
+        let readers = Readers::of(&context.profiles, &context.campaign, &stored);
         // Logs first, so that runs are tagged with them at once.
         for folder in log_folders(&runs_folder) {
             let (logs, _): (Vec<FileRow>, Vec<FileRow>) = logs
@@ -161,7 +161,7 @@ impl Ingest<'_> {
         let changes = scan::diff(&known(stored), &seen);
         note_change_times(context, stored, &changes)?;
         summary.logs.files += seen.files.len();
-        let readers = Readers::of(&context.profiles, context.campaign.date_order, stored);
+        let readers = Readers::of(&context.profiles, &context.campaign, stored);
         let ready = self.ready_files(&readers, stored, &changes, summary);
         let group = |file: &Arc<SeenFile>| Group {
             run_name: file.display.clone(),

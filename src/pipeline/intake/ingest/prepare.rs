@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::frame_folder;
 use crate::domain::fault::caught;
-use crate::domain::{Channel, DateOrder, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin, Spectrum};
+use crate::domain::{Campaign, Channel, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin, Spectrum};
 use crate::ingest::archive::{self, Archived};
 use crate::ingest::clocks::{self, FileClock};
 use crate::ingest::folder_dates::order_beside;
@@ -109,8 +109,8 @@ pub struct With<'a> {
     pub folder: &'a Path,
     /// Its saved profiles.
     pub profiles: &'a [Profile],
-    /// Order of day, month and year that campaign.toml states.
-    pub date_order: Option<DateOrder>,
+    /// What campaign.toml says.
+    pub campaign: &'a Campaign,
     /// What gives their bytes.
     pub read_file: ReadFile,
 }
@@ -175,8 +175,7 @@ fn read(with: With<'_>, kind: RunKind, file: &SeenFile, bytes: &[u8]) -> (Outcom
     let context = ReadContext {
         // A modulus log may have its humidity in a file of its own.
         needs_response: kind != RunKind::Dma,
-        date_order: with.date_order,
-        ..ReadContext::default()
+        ..ReadContext::of(with.campaign)
     };
     let name = file.display.rsplit('/').next().unwrap_or(&file.display);
     if kind != RunKind::Dma && run_sheet::is_sheet(name, bytes) {
@@ -189,7 +188,7 @@ fn read(with: With<'_>, kind: RunKind, file: &SeenFile, bytes: &[u8]) -> (Outcom
     let read_as = |date_order| {
         let context = ReadContext {
             date_order,
-            ..context
+            ..context.clone()
         };
         profiles::read(with.profiles, name, bytes, &context)
     };

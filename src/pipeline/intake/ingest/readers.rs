@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::frame_folder;
-use crate::domain::{DateOrder, FileState};
+use crate::domain::{Campaign, FileState};
 use crate::ingest::Reading;
 use crate::ingest::formats;
 use crate::ingest::formats::error::AMBIGUOUS_DATES;
@@ -16,7 +16,7 @@ use crate::strip;
 pub struct Readers {
     /// Stamp of each reader.
     stamps: BTreeSet<String>,
-    /// Marks the set of profiles and the order of dates; empty where campaign.toml states neither.
+    /// Marks the set of profiles and what campaign.toml says of files; empty where nothing is said.
     profiles: String,
     /// What read each file last, by its path.
     last: BTreeMap<String, String>,
@@ -26,8 +26,8 @@ pub struct Readers {
 const BESIDE: &str = " beside profiles ";
 
 impl Readers {
-    /// The formats with these profiles and that order of dates; `stored` are the files as they were read last.
-    pub fn of(profiles: &[Profile], date_order: Option<DateOrder>, stored: &[FileRow]) -> Readers {
+    /// The formats with these profiles and what the campaign says of files; `stored` are the files as they were read last.
+    pub fn of(profiles: &[Profile], campaign: &Campaign, stored: &[FileRow]) -> Readers {
         let formats = formats::ALL.iter().map(|f| stamp(f.id(), f.version()));
         let saved = profiles
             .iter()
@@ -36,15 +36,18 @@ impl Readers {
         profiles.iter().for_each(|profile| {
             hasher.update(profile.digest.as_bytes());
         });
-        if let Some(order) = date_order {
+        if let Some(order) = campaign.date_order {
             hasher.update(order.key().as_bytes());
+        }
+        for (key, answer) in &campaign.answers {
+            hasher.update(format!("{key}={answer}\n").as_bytes());
         }
         Readers {
             stamps: formats
                 .chain(saved)
                 .chain([stamp(frame_folder::FORMAT, strip::VERSION)])
                 .collect(),
-            profiles: if profiles.is_empty() && date_order.is_none() {
+            profiles: if profiles.is_empty() && campaign.date_order.is_none() && campaign.answers.is_empty() {
                 String::new()
             } else {
                 format!("{BESIDE}{}", &hasher.finalize().to_hex()[..12])

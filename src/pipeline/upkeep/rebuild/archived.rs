@@ -23,7 +23,7 @@ impl<'a> ArchivedFiles<'a> {
             with: With {
                 folder: &context.folder,
                 profiles: &context.profiles,
-                date_order: context.campaign.date_order,
+                campaign: &context.campaign,
                 read_file: context.read_file,
             },
         }

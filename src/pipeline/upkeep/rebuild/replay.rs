@@ -193,7 +193,7 @@ impl Replayed {
                     return Ok(None);
                 };
                 let log = climate_log::log(reading, &file.path)?;
-                let readers = Readers::of(&context.profiles, context.campaign.date_order, &[]);
+                let readers = Readers::of(&context.profiles, &context.campaign, &[]);
                 Ok(new_log(&readers, &prepared, reading, log))
             });
             match made {
@@ -212,7 +212,7 @@ impl Replayed {
 
 /// What runs are made with: the readers, and the climate logs that came before.
 fn tools(context: &Context) -> Result<(Readers, Shelf), PipelineError> {
-    let readers = Readers::of(&context.profiles, context.campaign.date_order, &[]);
+    let readers = Readers::of(&context.profiles, &context.campaign, &[]);
     Ok((readers, Shelf::open(&context.store)?))
 }
 

@@ -108,7 +108,12 @@ fn raw(names: &Line<'_>, rows: &[Line<'_>], issues: &mut Vec<Issue>) -> Result<R
     }
     let delimiter = Delimiter::Tab;
     let decimal = delimited::decimal_of(rows, delimiter)?;
-    let mut cells = delimited::cells_of(names.number, headers.len(), rows, Dialect { delimiter, decimal });
+    let mut cells = delimited::cells_of(
+        names.number,
+        headers.len(),
+        rows,
+        Dialect::new(delimiter, decimal),
+    );
     if let Some(index) = headers.iter().position(|header| header.raw_name == "time/s") {
         read_dates(&mut cells, index, rows, issues);
     }

@@ -2,6 +2,7 @@
 //! `MET_CS215_AirTemperature_degC_Avg`, `Temp, °F (LGR S/N: 1, SEN S/N: 2)`.
 
 use crate::text::header::Header;
+use crate::text::names::names_of;
 use ieap_domain::Quantity;
 use ieap_domain::unit::{self, Conversion};
 
@@ -23,50 +24,71 @@ pub struct ClimateColumn {
 }
 
 /// Words of a name after which a column is no temperature or humidity of the air.
-const OTHER_THINGS: [&str; 17] = [
-    "dew", "taupunkt", "frost", "soil", "panel", "ptemp", "wetbulb", "wet bulb", "batt", "surface",
-    "deficit", "mixing", "absolute", "vapo", "board", "cpu", "setpoint",
+const OTHER_THINGS: [&str; 25] = [
+    "dew",
+    "taupunkt",
+    "ros\u{e9}e",
+    "roc\u{ed}o",
+    "rugiada",
+    "orvalho",
+    "kastepunkt",
+    "\u{440}\u{43e}\u{441}\u{44b}",
+    "\u{9732}\u{70b9}",
+    "\u{9732}\u{9ede}",
+    "frost",
+    "soil",
+    "panel",
+    "ptemp",
+    "wetbulb",
+    "wet bulb",
+    "batt",
+    "surface",
+    "deficit",
+    "mixing",
+    "absolute",
+    "vapo",
+    "board",
+    "cpu",
+    "setpoint",
 ];
 /// Kinds of value that are no reading and no mean.
 const OTHER_KINDS: [&str; 9] = ["min", "max", "std", "sd", "sdev", "tmn", "tmx", "wvc", "tot"];
-const HUMIDITY: [&str; 10] = [
-    "rh",
-    "humidity",
-    "hum",
-    "relhumidity",
-    "feuchte",
-    "luftfeuchte",
-    "luftfeuchtigkeit",
-    "relh",
-    "humidite",
-    "niiskus",
-];
-const TEMPERATURE: [&str; 11] = [
-    "temp",
-    "temperature",
-    "temperatur",
-    "ta",
-    "tair",
-    "airt",
-    "airtc",
-    "airtemp",
-    "t",
-    "celsius",
-    "lufttemperatur",
-];
+/// Short forms of humidity and temperature in names of sensors' columns, beside the names of [`crate::text::names`].
+const HUMIDITY: [&str; 3] = ["hum", "relhumidity", "relh"];
+const TEMPERATURE: [&str; 7] = ["ta", "tair", "airt", "airtc", "airtemp", "t", "celsius"];
+
 /// Words for what is measured in a chamber; a unit must stand beside them.
 const CHAMBER: [(&[&str], Quantity); 3] = [
     (&["o2", "oxygen", "sauerstoff", "hapnik"], Quantity::Oxygen),
     (&["h2o", "water", "moisture", "wasser", "vesi"], Quantity::Water),
-    (
-        &["pressure", "press", "druck", "rõhk", "barometer", "p"],
-        Quantity::Pressure,
-    ),
+    (&["press", "barometer"], Quantity::Pressure),
 ];
 /// Words that say nothing of which sensor it is.
-const PLAIN: [&str; 19] = [
-    "air", "rel", "relative", "ambient", "avg", "ave", "average", "mean", "last", "smp", "percent", "degc",
-    "degf", "c", "f", "pct", "rf", "lft", "tc",
+const PLAIN: [&str; 24] = [
+    "air",
+    "relativa",
+    "suhteline",
+    "\u{43e}\u{442}\u{43d}\u{43e}\u{441}\u{438}\u{442}\u{435}\u{43b}\u{44c}\u{43d}\u{430}\u{44f}",
+    "luft",
+    "humedad",
+    "rel",
+    "relative",
+    "ambient",
+    "avg",
+    "ave",
+    "average",
+    "mean",
+    "last",
+    "smp",
+    "percent",
+    "degc",
+    "degf",
+    "c",
+    "f",
+    "pct",
+    "rf",
+    "lft",
+    "tc",
 ];
 
 /// What a column measures, from its name and unit as the file has them; none where it is no climate of the air.
@@ -74,7 +96,7 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     let (described, serial, label) = without_description(raw_name);
     let lower = described.to_lowercase();
     let unit = if raw_unit.is_empty() {
-        Header::parse(described).raw_unit
+        unit_in(described)
     } else {
         raw_unit.to_owned()
     };
@@ -90,8 +112,13 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     }
     let plain = |word: &str| word.trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
     let is = |known: &[&str], word: &String| known.contains(&plain(word).as_str());
-    let is_humidity = lower_words.iter().any(|word| is(&HUMIDITY, word));
-    let is_temperature = lower_words.iter().any(|word| is(&TEMPERATURE, word));
+    let measures = |quantity: Quantity, short: &[&str], word: &String| {
+        is(short, word) || names_of(quantity).any(|name| is_name(name, &plain(word)))
+    };
+    let says_humidity = |word: &String| measures(Quantity::RelativeHumidity, &HUMIDITY, word);
+    let says_temperature = |word: &String| measures(Quantity::Temperature, &TEMPERATURE, word);
+    let is_humidity = lower_words.iter().any(says_humidity);
+    let is_temperature = lower_words.iter().any(says_temperature);
     let of_chamber = (!is_humidity && !is_temperature)
         .then(|| of_chamber(&lower_words))
         .flatten();
@@ -130,12 +157,12 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     let says = |word: &String| {
         let lower = word.to_lowercase();
         let number = lower.strip_prefix(plain(&lower).as_str()).unwrap_or("");
-        let is_of_chamber = CHAMBER.iter().any(|(words, _)| words.contains(&lower.as_str()))
-            || chamber_unit_word(&lower).is_some();
+        let is_of_chamber =
+            self::of_chamber(std::slice::from_ref(&lower)).is_some() || chamber_unit_word(&lower).is_some();
         if of_chamber.is_some() && is_of_chamber {
             return None;
         }
-        if is(&HUMIDITY, &lower) || is(&TEMPERATURE, &lower) {
+        if says_humidity(&lower) || says_temperature(&lower) {
             (!number.is_empty()).then(|| number.to_owned())
         } else {
             (!PLAIN.contains(&lower.as_str())).then(|| word.clone())
@@ -154,10 +181,34 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     })
 }
 
+/// The unit in a name: behind it, or in brackets anywhere in it (`RH (%) c:3`, `Humidity (RH(%))`).
+fn unit_in(described: &str) -> String {
+    let behind = Header::parse(described).raw_unit;
+    if unit::is_known(&behind) {
+        return behind;
+    }
+    let in_brackets = described
+        .split(['(', '['])
+        .skip(1)
+        .filter_map(|rest| rest.split([')', ']']).next());
+    let known = in_brackets.map(str::trim).find(|text| unit::is_known(text));
+    known.map_or(behind, str::to_owned)
+}
+
+/// Whether a word is a name, or holds one that is written without blanks between words.
+fn is_name(name: &str, word: &str) -> bool {
+    name == word || (name.chars().all(|c| c > '\u{2e80}') && word.contains(name))
+}
+
 /// What a chamber's gauge or analyser measures, by a word of its column.
 fn of_chamber(lower_words: &[String]) -> Option<Quantity> {
-    let is_named = |words: &[&str]| lower_words.iter().any(|word| words.contains(&word.as_str()));
-    let found = CHAMBER.iter().find(|(words, _)| is_named(words));
+    let is_named = |(words, quantity): &&(&[&str], Quantity)| {
+        let is = |word: &String| {
+            words.contains(&word.as_str()) || names_of(*quantity).any(|name| is_name(name, word))
+        };
+        lower_words.iter().any(is)
+    };
+    let found = CHAMBER.iter().find(is_named);
     found.map(|(_, quantity)| *quantity)
 }
 

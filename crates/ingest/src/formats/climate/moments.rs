@@ -126,7 +126,7 @@ fn median_step(clock_s: &[f64]) -> f64 {
 }
 
 /// A date without its offset from UTC, and that offset, s: `2026-11-20T10:00:00+02:00`, `...Z`.
-fn with_offset(text: &str) -> Option<(&str, i64)> {
+pub(crate) fn with_offset(text: &str) -> Option<(&str, i64)> {
     let text = text.trim();
     if let Some(date) = text.strip_suffix(['Z', 'z']) {
         return Some((date, 0));
@@ -134,26 +134,25 @@ fn with_offset(text: &str) -> Option<(&str, i64)> {
     if let Some(date) = text.strip_suffix("UTC").or_else(|| text.strip_suffix("GMT")) {
         return Some((date, 0));
     }
-    let cut = text
-        .len()
-        .checked_sub(6)
-        .filter(|&at| text.is_char_boundary(at))?;
-    let (date, offset) = text.split_at(cut);
     // A date such as 2026-11-20 alone ends so, too: an offset follows a time of day.
-    date.contains(':')
-        .then(|| offset_s(offset))
-        .flatten()
-        .map(|offset| (date, offset))
+    let colon = text.find(':')?;
+    let sign = colon + text[colon..].rfind(['+', '-'])?;
+    let (date, offset) = text.split_at(sign);
+    offset_s(offset).map(|offset| (date, offset))
 }
 
-/// `+02:00` in seconds.
+/// `+02:00`, `+0200` or `+02` in seconds.
 pub fn offset_s(offset: &str) -> Option<i64> {
     let (sign, rest) = match offset.as_bytes().first()? {
         b'+' => (1, &offset[1..]),
         b'-' => (-1, &offset[1..]),
         _ => return None,
     };
-    let (hours, minutes) = rest.split_once(':')?;
+    let (hours, minutes) = match rest.split_once(':') {
+        Some(parts) => parts,
+        None if rest.len() == 4 && rest.is_ascii() => rest.split_at(2),
+        None => (rest, "00"),
+    };
     let part = |text: &str| (text.len() == 2).then(|| text.parse::<i64>().ok()).flatten();
     let (hours, minutes) = (part(hours)?, part(minutes)?);
     (hours <= 18 && minutes < 60).then_some(sign * (3600 * hours + 60 * minutes))

@@ -1,50 +1,29 @@
-//! Tables of any other logger: a column of dates beside temperature or relative humidity, delimited text.
+//! Tables of any other logger: dates beside temperature, humidity, pressure, oxygen or water, as text or in a workbook.
 //!
-//! The time of day may stand in a column of its own beside the dates. Lines before the header are metadata. Delimiter and decimal sign are found; the order of day and month is the
-//! one in which all rows are dates that follow each other. Rows that state an offset from UTC are read by it.
-//! Columns whose unit is not named are taken as °C and percent, and an issue says so.
+//! Where the table stands and what times its rows the one reader of tables finds ([`crate::table`]). A unit that the file does
+//! not name is told by the range of the readings, or asked. Rows of several sensors that a column of words tells apart are a
+//! table for each sensor.
+
+use std::collections::BTreeMap;
 
 use super::meaning::{ClimateColumn, climate_column};
-use super::moments::moments;
-use super::wall_clock::{Log, offset};
-use crate::Reading;
+use crate::formats::assemble::{Raw, assemble};
 use crate::formats::error::quoted;
+use crate::formats::plausible::is_impossible;
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::stamp::DateOrder;
 use crate::formats::{Format, ReadContext, ReadError, delimited};
+use crate::table::kind::Kind;
+use crate::table::policy::{AIR_OF_A_ROOM_C, LARGEST_FRACTION, SMOOTHER_WITHIN};
+use crate::table::{self, Question, Table, epoch, layout, start, times};
 use crate::text::header::{Header, Meaning};
-use crate::text::policy::HEADER_WITHIN_LINES;
-use crate::text::{Delimiter, Line, Lines, number};
+use crate::text::{Line, Lines, number};
+use crate::{Reading, RunTable};
+use ieap_domain::unit::{self, Conversion};
 use ieap_domain::{Issue, Quantity, RunStatus};
+use ieap_numerics::robust::upper_median;
 
 /// Reader of tables with dates.
 pub struct ClimateTable;
-
-const ORDERS: &[DateOrder] = &[DateOrder::MonthFirst, DateOrder::DayFirst, DateOrder::YearFirst];
-/// Names of columns of dates, in small letters without what stands in brackets or behind a comma.
-const DATES: [&str; 21] = [
-    "time",
-    "date",
-    "date time",
-    "datetime",
-    "timestamp",
-    "record time",
-    "date/time",
-    "date & time",
-    "date and time",
-    "time stamp",
-    "zeit",
-    "datum",
-    "datum/zeit",
-    "datum/uhrzeit",
-    "aeg",
-    "kuupäev",
-    "uhrzeit",
-    "kellaaeg",
-    "time of day",
-    "clock",
-    "scan sweep time",
-];
 
 impl Format for ClimateTable {
     fn id(&self) -> &'static str {
@@ -60,16 +39,16 @@ impl Format for ClimateTable {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let lines: Vec<Line<'_>> = Lines::new(&text).take(HEADER_WITHIN_LINES + 2).collect();
+        let lines: Vec<Line<'_>> = Lines::new(&text).collect();
         if is_log(&lines) {
             Match::Possible {
                 score: 0.8,
-                reason: "a column of dates beside temperature, humidity, pressure, oxygen or water",
+                reason: "dates beside temperature, humidity, pressure, oxygen or water",
             }
         } else {
             Match::No
@@ -77,243 +56,370 @@ impl Format for ClimateTable {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let text = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
-        let mut lines = text.lines();
-        let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
-        let evidence = match status {
-            RunStatus::Complete => evidence + "; the format declares no number of rows",
-            _ => evidence,
-        };
+        let decoded = delimited::decoded(bytes)?;
+        let text = delimited::text(&decoded, &mut issues)?;
         let reader = (self.id(), self.version());
-        let date_order = context.date_order;
-        read_lines(
-            reader,
-            Some(text.encoding),
-            date_order,
-            &lines,
-            (status, evidence),
-            issues,
-        )
+        let status = (text.status, text.evidence());
+        read_lines(reader, Some(text.encoding), context, &text.lines, status, issues)
     }
 }
 
-/// Whether lines hold the table of a logger.
+/// Whether lines hold the table of a logger: dates or a start beside climate, and no response of a sample, which makes a run of
+/// it whatever else was logged with it.
 pub fn is_log(lines: &[Line<'_>]) -> bool {
-    find_header(lines).is_some_and(|header| header.has_dates(lines))
+    let Ok(shape) = layout::best_shape(lines) else {
+        return false;
+    };
+    let unit = |index: usize| shape.units.get(index).map_or("", String::as_str);
+    let named = || shape.names.iter().enumerate();
+    let is_response = |(index, name): (usize, &String)| {
+        let header = if unit(index).is_empty() {
+            Header::parse(name)
+        } else {
+            Header::with_unit(name, unit(index))
+        };
+        header.meaning.named_quantity().is_some_and(Quantity::is_response)
+    };
+    let is_climate = |(index, name): (usize, &String)| {
+        shape.kinds.get(index) == Some(&Kind::Number) && climate_column(name, unit(index)).is_some()
+    };
+    let first = lines.get(shape.data_at).map_or("", |line| line.text);
+    let is_epoch = |(index, name): (usize, &String)| {
+        let mut is_moment = false;
+        shape.delimiter.split(first, |at, cell| {
+            is_moment |= at == index && epoch::is_moment(cell)
+        });
+        is_moment && times::names_time(name)
+    };
+    let head = lines[..shape.names_at.unwrap_or(0)].iter().map(|line| line.text);
+    let has_dates = shape
+        .kinds
+        .iter()
+        .any(|kind| matches!(kind, Kind::Moment | Kind::Date))
+        || named().any(is_epoch)
+        || start::stated(head, None).is_some();
+    has_dates && !named().any(is_response) && named().any(is_climate)
 }
 
-/// Reads the lines of a logger's table for the reader of that id and version; its status is that of the lines, and
-/// `date_order` counts where its dates fit several.
+/// Reads the lines of a logger's table for the reader of that id and version; its status is that of the lines.
 ///
 /// # Errors
-/// No header, no row, dates that cannot be read, or that can be read in two orders.
+/// As [`table::tables`] and [`times::settle`]; a unit that nothing tells is asked.
 pub fn read_lines(
     reader: (&'static str, u32),
     encoding: Option<&'static str>,
-    date_order: Option<DateOrder>,
+    context: &ReadContext,
     lines: &[Line<'_>],
     status: (RunStatus, String),
     mut issues: Vec<Issue>,
 ) -> Result<Reading, ReadError> {
-    let Some(header) = find_header(lines) else {
-        let first = lines.first().map_or("", |line| line.text);
-        return Err(ReadError::NoHeader {
-            line: 1,
-            found: quoted(first),
+    let mut tables = table::tables(lines, |_| false, context)?;
+    let mut read = tables.remove(0);
+    if !tables.is_empty() {
+        let rows: usize = tables.iter().map(|table| table.cells.rows()).sum();
+        let message = format!(
+            "the names stand again: a logger that was started anew; {rows} rows behind them are left out"
+        );
+        issues.push(Issue::warning("table-refused", message).mend("save each part as a file of its own"));
+    }
+    let names_at = read.layout.shape.names_at.unwrap_or(0);
+    let settled = times::settle(&mut read, context, &mut issues)?;
+    let head = || lines[..names_at].iter();
+    let started_at = settled
+        .started_at
+        .or_else(|| start::stated(head().map(|line| line.text), context.date_order));
+    let mut metadata = preamble(&lines[..names_at]);
+    metadata.extend(stated_once(&read));
+    measured(&mut read, &settled.spent, context, &mut issues)?;
+    let sensors = sensors(&read, &settled.spent);
+    read.drop_columns(&settled.spent);
+    let mut tables = Vec::new();
+    for (name, rows) in sensors {
+        let mut own = Vec::new();
+        let raw = Raw::of_instrument(name, read.headers.clone(), read.cells.only(rows.as_deref()));
+        tables.push(RunTable {
+            clock_set_back: settled.set_back.clone(),
+            ..assemble(raw, &mut own)?
         });
-    };
-    let names_line = lines[header.at];
-    let rows = &lines[header.at + 1..];
-    let (headers, is_text) = header.columns(names_line.number, &mut issues);
-    let log = Log {
-        reader,
-        time_at: header.time_at,
-        clock_at: header.clock_at,
-        orders: ORDERS,
-        date_order,
-        offset: offset(&header.names[header.time_at]),
-        delimiter: header.delimiter,
-        decimal: delimited::decimal_of(rows.iter().take(256), header.delimiter)?,
-        rows_may_end_early: true,
-        header_line: names_line.number,
-        headers,
-        is_text,
-        rows,
-    };
-    let mut metadata = preamble(&lines[..header.at]);
-    metadata.extend(header.stated_once(rows));
-    log.read(encoding, status, metadata, issues)
+        own.retain(|issue| !issues.contains(issue));
+        issues.extend(own);
+    }
+    Ok(Reading {
+        format: reader.0,
+        reader_version: reader.1,
+        technique: None,
+        is_step_response: false,
+        encoding,
+        status: status.0,
+        status_evidence: status.1,
+        started_at,
+        header_tags: Vec::new(),
+        tables,
+        original_metadata: metadata,
+        issues,
+    })
 }
 
-/// The header row.
-struct HeaderRow {
-    at: usize,
-    delimiter: Delimiter,
-    names: Vec<String>,
-    time_at: usize,
-    /// Column of times of day beside the dates.
-    clock_at: Option<usize>,
+/// Gives the columns their meaning. The first of each quantity is interpreted; the others keep their names and units, for the
+/// file does not say which sensor stands beside the sample.
+fn measured(
+    read: &mut Table<'_>,
+    spent: &[usize],
+    context: &ReadContext,
+    issues: &mut Vec<Issue>,
+) -> Result<(), ReadError> {
+    let mut taken: Vec<Quantity> = Vec::new();
+    let mut told: Vec<String> = Vec::new();
+    let time = |header: &Header| header.meaning.quantity() == Some(Quantity::Time);
+    for index in 0..read.headers.len() {
+        if spent.contains(&index) || time(&read.headers[index]) {
+            continue;
+        }
+        let (name, unit) = (
+            read.headers[index].raw_name.clone(),
+            read.layout.shape.units.get(index).cloned().unwrap_or_default(),
+        );
+        let mut header = Header {
+            raw_unit: read.headers[index].raw_unit.clone(),
+            ..Header::other(&name)
+        };
+        let found = climate_column(&name, &unit).filter(|_| read.kind(index) == Kind::Number);
+        if let Some(ClimateColumn {
+            quantity,
+            mut conversion,
+            unit_is_stated,
+            ..
+        }) = found
+        {
+            let line = read.cells.header_line;
+            if !unit_is_stated {
+                let told_unit = unit_of(quantity, &name, &read.cells.columns[index].numbers, context, line)?;
+                conversion = told_unit.1;
+                told.push(format!("{} is in {}", quoted(&name), told_unit.0));
+                header.raw_unit = told_unit.0.to_owned();
+            }
+            if !taken.contains(&quantity) {
+                taken.push(quantity);
+                header.meaning = Meaning::Known { quantity, conversion };
+            }
+        } else if read.kind(index) == Kind::Number && !is_serial(&name) && speaks_of_climate(&name) {
+            let message = format!("column {} is not known and is not used", quoted(&name));
+            let mend = "name it with its unit, as in Temperature (°C) or RH (%)";
+            issues.push(Issue::note("column-unread", message).mend(mend));
+        }
+        read.headers[index] = header;
+    }
+    if !told.is_empty() {
+        let message = format!(
+            "units that the file does not name are told by the size of the readings: {}",
+            told.join(", ")
+        );
+        let mend = "write the unit into the header, as in Temperature (°C)";
+        issues.push(
+            Issue::note("unit-told", message)
+                .at(format!("line {}", read.cells.header_line))
+                .mend(mend),
+        );
+    }
+    Ok(())
 }
 
-fn find_header(lines: &[Line<'_>]) -> Option<HeaderRow> {
-    for (at, line) in lines.iter().enumerate().take(HEADER_WITHIN_LINES) {
-        for delimiter in [Delimiter::Tab, Delimiter::Semicolon, Delimiter::Comma] {
-            let mut names = Vec::new();
-            delimiter.split(line.text, |_, cell| names.push(number::unquote(cell).to_owned()));
-            let Some((time_at, clock_at)) = times_among(&names, delimiter, &lines[at + 1..]) else {
-                continue;
-            };
-            // A response of a sample makes it a run, whatever else was logged with it.
-            let is_response = |name: &String| {
-                let quantity = Header::parse(name).meaning.named_quantity();
-                quantity.is_some_and(Quantity::is_response)
-            };
-            if names.iter().any(is_response) {
+/// Whether a name that is not known may be that of a climate quantity all the same.
+fn speaks_of_climate(name: &str) -> bool {
+    let lower = name.to_lowercase();
+    let is_known_other = ["dew", "taupunkt", "index", "no", "nr", "#", "batt", "record"]
+        .iter()
+        .any(|word| lower.contains(word));
+    !is_known_other && !lower.is_empty()
+}
+
+/// The unit of readings that name none: that under which all of them can be what the column measures.
+fn unit_of(
+    quantity: Quantity,
+    name: &str,
+    numbers: &[f64],
+    context: &ReadContext,
+    line: usize,
+) -> Result<(&'static str, Conversion), ReadError> {
+    let finite = || {
+        numbers
+            .iter()
+            .copied()
+            .filter(|number| number.is_finite() && !is_impossible(Quantity::Other, *number, *number))
+    };
+    let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), number| {
+        (low.min(number), high.max(number))
+    });
+    if quantity == Quantity::RelativeHumidity {
+        let fraction = ("1", Conversion::scale(100.0, 1.0));
+        let is_fraction = match context.answers.of("humidity") {
+            Some(answer) => answer == "fraction",
+            None if high > LARGEST_FRACTION || low > high => false,
+            None => {
+                return Err(ReadError::Asked(Question {
+                    key: "humidity",
+                    column: name.to_owned(),
+                    line,
+                    found: format!("holds {low} to {high} and names no unit"),
+                    answers: vec![
+                        (
+                            "fraction".to_owned(),
+                            format!("it is {} to {} %", 100.0 * low, 100.0 * high),
+                        ),
+                        ("percent".to_owned(), format!("it is {low} to {high} %")),
+                    ],
+                }));
+            }
+        };
+        return Ok(if is_fraction {
+            fraction
+        } else {
+            ("%", Conversion::IDENTITY)
+        });
+    }
+    let units = ["°C", "°F", "K"];
+    let conversion =
+        |word: &str| unit::conversion(Quantity::Temperature, word).unwrap_or(Conversion::IDENTITY);
+    if let Some(word) = units
+        .into_iter()
+        .find(|word| context.answers.of("temperature") == Some(word))
+    {
+        return Ok((word, conversion(word)));
+    }
+    let fits = |word: &&'static str| {
+        [low, high]
+            .into_iter()
+            .all(|number| AIR_OF_A_ROOM_C.contains(&conversion(word).apply(number)))
+    };
+    let fitting: Vec<&'static str> = units.into_iter().filter(fits).collect();
+    match fitting.as_slice() {
+        [only] => Ok((only, conversion(only))),
+        _ if low > high => Ok(("°C", Conversion::IDENTITY)),
+        _ => Err(ReadError::Asked(Question {
+            key: "temperature",
+            column: name.to_owned(),
+            line,
+            found: format!("holds {low} to {high} and names no unit"),
+            answers: units
+                .map(|word| {
+                    (
+                        word.to_owned(),
+                        format!(
+                            "it is {:.1} to {:.1} °C",
+                            conversion(word).apply(low),
+                            conversion(word).apply(high)
+                        ),
+                    )
+                })
+                .to_vec(),
+        })),
+    }
+}
+
+/// The rows of each sensor, where a column tells sensors apart: by its name, or because readings that jump from row to row are
+/// smooth within the rows of each of its words.
+fn sensors(read: &Table<'_>, spent: &[usize]) -> Vec<(String, Option<Vec<usize>>)> {
+    let columns = (0..read.headers.len()).filter(|column| !spent.contains(column));
+    let several = columns.filter_map(|column| {
+        let rows = rows_of_words(read, column)?;
+        let lower = read.headers[column].raw_name.to_lowercase();
+        let is_named = SENSORS.iter().any(|name| lower.contains(name));
+        let is_word = read.kind(column) == Kind::Word;
+        (is_named || (is_word && is_smooth_within(read, &rows))).then_some(rows)
+    });
+    match several.into_iter().max_by_key(BTreeMap::len) {
+        Some(rows) => rows.into_iter().map(|(name, rows)| (name, Some(rows))).collect(),
+        None => vec![(String::new(), None)],
+    }
+}
+
+/// Words in the name of a column that names sensors.
+const SENSORS: [&str; 22] = [
+    "transmitter",
+    "sensor",
+    "device",
+    "logger",
+    "probe",
+    "station",
+    "node",
+    "location",
+    "f\u{fc}hler",
+    "ger\u{e4}t",
+    "sonde",
+    "messstelle",
+    "capteur",
+    "equipo",
+    "sensore",
+    "andur",
+    "\u{434}\u{430}\u{442}\u{447}\u{438}\u{43a}",
+    "\u{30bb}\u{30f3}\u{30b5}",
+    "\u{4f20}\u{611f}\u{5668}",
+    "sond",
+    "anturi",
+    "channel",
+];
+
+/// The rows of each word or whole number of a column that has several, each in several rows.
+fn rows_of_words(read: &Table<'_>, column: usize) -> Option<BTreeMap<String, Vec<usize>>> {
+    const MOST: usize = 64;
+    let mut rows: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    let mut add = |word: String, row: usize| rows.entry(word).or_default().push(row);
+    match read.kind(column) {
+        Kind::Word => read
+            .texts_of(column)
+            .iter()
+            .enumerate()
+            .for_each(|(row, text)| add((*text).to_owned(), row)),
+        Kind::Number => {
+            let numbers = &read.cells.columns[column].numbers;
+            if numbers.iter().any(|number| number.fract() != 0.0) {
                 return None;
             }
-            let has_climate = names
+            numbers
                 .iter()
                 .enumerate()
-                .any(|(index, name)| index != time_at && climate_column(name, "").is_some());
-            if has_climate {
-                return Some(HeaderRow {
-                    at,
-                    delimiter,
-                    names,
-                    time_at,
-                    clock_at,
-                });
-            }
+                .for_each(|(row, number)| add(number.to_string(), row));
         }
+        _ => return None,
     }
-    None
+    let is_told_apart = (2..=MOST).contains(&rows.len()) && rows.values().all(|rows| rows.len() > 1);
+    is_told_apart.then_some(rows)
 }
 
-/// The column of dates, and that of the times of day where these stand in a column of their own: by the names, and by
-/// the first row where several names would do.
-fn times_among(names: &[String], delimiter: Delimiter, rows: &[Line<'_>]) -> Option<(usize, Option<usize>)> {
-    let named: Vec<usize> = (0..names.len())
-        .filter(|&at| is_date_column(&names[at]))
-        .collect();
-    let first_named = *named.first()?;
-    let Some(first) = rows.iter().find(|row| !row.text.trim().is_empty()) else {
-        return Some((first_named, None));
+/// Whether a measured column changes less from row to row within the rows of each word than from row to row of the file.
+fn is_smooth_within(read: &Table<'_>, rows: &BTreeMap<String, Vec<usize>>) -> bool {
+    let steps = |numbers: &[f64], rows: &mut dyn Iterator<Item = usize>| -> Vec<f64> {
+        let own: Vec<f64> = rows
+            .map(|row| numbers[row])
+            .filter(|number| number.is_finite())
+            .collect();
+        own.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect()
     };
-    let mut cells = Vec::new();
-    delimiter.split(first.text, |_, cell| cells.push(number::unquote(cell)));
-    let text_at = |at: usize| cells.get(at).copied().unwrap_or("");
-    if let Some(&whole) = named.iter().find(|&&at| is_moment(text_at(at))) {
-        return Some((whole, None));
-    }
-    let pairs = named
+    let measured = (0..read.headers.len()).filter(|column| {
+        let known = read.headers[*column].meaning.quantity();
+        known.is_some_and(|quantity| quantity != Quantity::Time && quantity != Quantity::Other)
+    });
+    measured.into_iter().any(|column| {
+        let numbers = &read.cells.columns[column].numbers;
+        let mut within: Vec<f64> = rows
+            .values()
+            .flat_map(|rows| steps(numbers, &mut rows.iter().copied()))
+            .collect();
+        let mut whole = steps(numbers, &mut (0..numbers.len()));
+        let medians = upper_median(&mut within).zip(upper_median(&mut whole));
+        medians.is_some_and(|(within, whole)| whole > SMOOTHER_WITHIN * within)
+    })
+}
+
+/// A serial number that stands in the first row only, in a column of its own.
+fn stated_once(read: &Table<'_>) -> Option<(String, String)> {
+    let at = read
+        .headers
         .iter()
-        .flat_map(|&date| named.iter().map(move |&clock| (date, clock)));
-    let mut apart = pairs.filter(|(date, clock)| date != clock);
-    let is_pair =
-        |&(date, clock): &(usize, usize)| is_moment(&format!("{} {}", text_at(date), text_at(clock)));
-    let pair = apart.find(is_pair).map(|(date, clock)| (date, Some(clock)));
-    Some(pair.unwrap_or((first_named, None)))
-}
-
-/// Whether a text is a date with a time of day; one date may well fit two orders.
-fn is_moment(text: &str) -> bool {
-    !matches!(moments(&[text], ORDERS), Err(super::moments::NoOrder::Fits))
-}
-
-fn is_date_column(name: &str) -> bool {
-    let bare = name
-        .split(['(', '[', ','])
-        .next()
-        .unwrap_or("")
-        .trim()
-        .to_lowercase()
-        .replace('_', " ");
-    let bare = bare.trim_end_matches(" utc").trim_end_matches(" local");
-    DATES.contains(&bare)
-}
-
-impl HeaderRow {
-    /// Whether the first row has a date where dates are to be; a number there is an elapsed time.
-    fn has_dates(&self, lines: &[Line<'_>]) -> bool {
-        let first = lines[self.at + 1..]
-            .iter()
-            .find(|line| !line.text.trim().is_empty());
-        let Some(first) = first else {
-            return true;
-        };
-        let (mut date, mut clock) = ("", None);
-        self.delimiter.split(first.text, |index, cell| {
-            if index == self.time_at {
-                date = number::unquote(cell);
-            } else if Some(index) == self.clock_at {
-                clock = Some(number::unquote(cell));
-            }
-        });
-        match clock {
-            Some(clock) => is_moment(&format!("{date} {clock}")),
-            None => is_moment(date),
-        }
-    }
-
-    /// The columns and which of them hold texts. The first of each quantity is interpreted; the others keep their
-    /// names and units, for the file does not say which sensor stands beside the sample.
-    fn columns(&self, line: usize, issues: &mut Vec<Issue>) -> (Vec<Header>, Vec<bool>) {
-        let mut taken: Vec<Quantity> = Vec::new();
-        let mut assumed: Vec<String> = Vec::new();
-        let mut headers = Vec::new();
-        for (index, name) in self.names.iter().enumerate() {
-            let found = climate_column(name, "").filter(|_| index != self.time_at);
-            let mut header = Header::other(name);
-            if let Some(ClimateColumn {
-                quantity,
-                conversion,
-                unit_is_stated,
-                ..
-            }) = found
-            {
-                if !unit_is_stated {
-                    assumed.push(name.clone());
-                    header.raw_unit = String::new();
-                }
-                if !taken.contains(&quantity) {
-                    taken.push(quantity);
-                    header.meaning = Meaning::Known { quantity, conversion };
-                }
-            }
-            headers.push(header);
-        }
-        if !assumed.is_empty() {
-            let message = format!(
-                "no unit stands in {}: temperatures are taken as °C, humidities as percent",
-                assumed
-                    .iter()
-                    .map(|name| quoted(name))
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            );
-            let mend = "write the unit into the header, as in Temperature (°C)";
-            issues.push(
-                Issue::note("unit-assumed", message)
-                    .at(format!("line {line}"))
-                    .mend(mend),
-            );
-        }
-        let is_text = self.names.iter().map(|name| is_serial(name)).collect();
-        (headers, is_text)
-    }
-
-    /// A serial number that stands in the first row only, in a column of its own.
-    fn stated_once(&self, rows: &[Line<'_>]) -> Option<(String, String)> {
-        let at = self.names.iter().position(|name| is_serial(name))?;
-        let mut found = None;
-        self.delimiter.split(rows.first()?.text, |index, cell| {
-            if index == at && !cell.trim().is_empty() {
-                found = Some(number::unquote(cell).to_owned());
-            }
-        });
-        Some((self.names[at].clone(), found?))
-    }
+        .position(|header| is_serial(&header.raw_name))?;
+    let text = *read.first_row.get(at)?;
+    (!text.is_empty()).then(|| (read.headers[at].raw_name.clone(), text.to_owned()))
 }
 
 fn is_serial(name: &str) -> bool {
@@ -324,9 +430,16 @@ fn is_serial(name: &str) -> bool {
 /// Lines before the header: `key: value` or text.
 fn preamble(lines: &[Line<'_>]) -> Vec<(String, String)> {
     let pair = |line: &Line<'_>| {
-        let text = line.text.trim().trim_matches('"').trim();
-        (!text.is_empty()).then(|| match text.split_once(':') {
-            Some((key, value)) if key.len() <= 40 => (key.trim().to_owned(), value.trim().to_owned()),
+        let text = number::unquote(
+            line.text
+                .trim_matches(|c: char| c.is_whitespace() || matches!(c, ',' | ';')),
+        )
+        .trim();
+        (!text.is_empty()).then(|| match text.split_once([':', '=']) {
+            Some((key, value)) if key.len() <= 40 => {
+                let value = value.trim_matches(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | '"'));
+                (key.trim().trim_matches('"').to_owned(), value.to_owned())
+            }
             _ => ("preamble".to_owned(), text.to_owned()),
         })
     };
@@ -336,6 +449,7 @@ fn preamble(lines: &[Line<'_>]) -> Vec<(String, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::stamp::DateOrder;
     use crate::formats::{read, recognise};
 
     #[test]
@@ -437,8 +551,12 @@ mod tests {
     }
 
     #[test]
-    fn one_broken_date_refuses_the_file_with_its_reason() {
+    fn a_row_without_a_date_is_left_out_and_said_and_many_refuse_the_file() {
         let text = "Time,RH (%)\n2026-01-01 10:00:00,40\nyesterday,41\n2026-01-01 10:02:00,42\n";
+        let reading = read("a.csv", text.as_bytes(), &ReadContext::default()).unwrap();
+        assert_eq!(*reading.tables[0].channels[0].values, [40.0, 42.0]);
+        assert!(reading.issues.iter().any(|issue| issue.code == "time-missing"));
+        let text = text.to_owned() + "2026-01-01 10:03:00,43\ntoday,44\n2026-01-01 10:05:00,45\n";
         let refused = read("a.csv", text.as_bytes(), &ReadContext::default()).unwrap_err();
         assert!(matches!(refused, ReadError::AmbiguousDates { .. }), "{refused}");
     }

@@ -126,10 +126,7 @@ fn table(name: String, set: &DataSet<'_>, issues: &mut Vec<Issue>) -> Result<Run
     let headers = headers(set)?;
     let keep_text = vec![false; headers.len()];
     let mut cells = CellTable::new(set.line, &keep_text, set.rows.len());
-    let dialect = Dialect {
-        delimiter: Delimiter::Blanks,
-        decimal: Decimal::Point,
-    };
+    let dialect = Dialect::new(Delimiter::Blanks, Decimal::Point);
     for row in &set.rows {
         let line = Line {
             number: row.number,

@@ -67,10 +67,7 @@ impl Format for IviumText {
         } else {
             Decimal::Point
         };
-        let dialect = Dialect {
-            delimiter: Delimiter::Blanks,
-            decimal,
-        };
+        let dialect = Dialect::new(Delimiter::Blanks, decimal);
         let cells = delimited::cells_of(names.number, headers.len(), rows, dialect);
         let table = assemble(Raw::of_instrument(String::new(), headers, cells), &mut issues)?;
         let stamp = date_line.text.trim();

@@ -14,7 +14,7 @@ use super::cells::CellTable;
 use super::error::{ReadError, escaped, quoted};
 use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext};
-use crate::text::layout::time_among;
+use crate::table::layout::time_among;
 use crate::{Reading, RunTable};
 use ieap_domain::{Issue, RunStatus};
 use tables::Columns;

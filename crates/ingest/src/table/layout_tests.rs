@@ -4,12 +4,12 @@ use super::*;
 use crate::text::Lines;
 
 fn layout(text: &str) -> Result<Layout, ReadError> {
-    decide(&Lines::new(text).collect::<Vec<_>>())
+    decide(&Lines::new(text).collect::<Vec<_>>(), &ReadContext::default())
 }
 
 fn dialect(text: &str) -> (Delimiter, Decimal) {
     let layout = layout(text).unwrap_or_else(|error| panic!("{text}: {error}"));
-    (layout.dialect.delimiter, layout.dialect.decimal)
+    (layout.dialect.delimiter, layout.dialect.numbers.decimal)
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn mixed_decimal_signs_are_refused() {
 #[test]
 fn units_below_say_what_numbered_inputs_measure() {
     let scope = layout("x-axis,1,2\nsecond,Volt,Ampere\n-1.5E-03,0.5,1E-3\n0,1.0,2E-3\n").unwrap();
-    let found: Vec<Option<Quantity>> = scope.headers.iter().map(|h| h.meaning.quantity()).collect();
+    let found: Vec<Option<Quantity>> = scope.headers().iter().map(|h| h.meaning.quantity()).collect();
     assert_eq!(
         found,
         [
@@ -83,40 +83,37 @@ fn units_below_say_what_numbered_inputs_measure() {
             Some(Quantity::Current)
         ]
     );
-    assert_eq!((scope.header_at, scope.data_at), (0, 2));
+    assert_eq!((scope.shape.names_at, scope.shape.data_at), (Some(0), 2));
     // Which of two voltages is the drive, nothing says.
     let two = layout("x-axis,1,2\nsecond,Volt,Volt\n0,0.5,1\n1,1,2\n").unwrap();
-    assert!(two.headers[1..].iter().all(|h| h.meaning == Meaning::Other));
+    assert!(two.headers()[1..].iter().all(|h| h.meaning == Meaning::Other));
     assert!(layout("x-axis,1\nmm,Volt\n0,0.5\n1,1\n").is_err());
 }
 
 #[test]
 fn a_modulus_may_be_swept_over_the_frequency_without_times() {
     let sweep = layout("Nr;f;T;E'\n;Hz;\u{b0}C;MPa\n1;0,5;25;60,5\n2;1;25;61\n").unwrap();
-    assert_eq!(sweep.dialect.decimal, Decimal::Comma);
-    assert_eq!(sweep.headers[1].meaning.quantity(), Some(Quantity::Frequency));
+    assert_eq!(sweep.dialect.numbers.decimal, Decimal::Comma);
+    assert_eq!(sweep.headers()[1].meaning.quantity(), Some(Quantity::Frequency));
 }
 
 #[test]
 fn a_preamble_may_speak_of_time() {
     let layout = layout("Date;17.7.2024\nTime;12:30:05\nTime (s);I/mA\n0;1\n").unwrap();
-    assert_eq!((layout.header_at, layout.data_at), (2, 3));
+    assert_eq!((layout.shape.names_at, layout.shape.data_at), (Some(2), 3));
 }
 
 #[test]
 fn units_may_stand_in_a_row_of_their_own() {
     let layout = layout("preamble\n\ntime,current\ns,mA\n0,1\n").unwrap();
-    assert_eq!((layout.header_at, layout.data_at), (2, 4));
-    assert_eq!(layout.headers[1].meaning.quantity(), Some(Quantity::Current));
+    assert_eq!((layout.shape.names_at, layout.shape.data_at), (Some(2), 4));
+    assert_eq!(layout.headers()[1].meaning.quantity(), Some(Quantity::Current));
     // Anton Paar: brackets, columns without a unit, and a blank line between.
     let text = "Project:\tx\nInterval data:\tPoint No.\tTime\tStorage Modulus\n\t\t\t\n\t\t[min]\t[Pa]\n\t1\t0.5\t2e6\n";
     let layout = self::layout(text).unwrap();
-    assert_eq!((layout.header_at, layout.data_at), (1, 4));
-    let units: Vec<&str> = layout
-        .headers
-        .iter()
-        .map(|header| header.raw_unit.as_str())
-        .collect();
+    assert_eq!((layout.shape.names_at, layout.shape.data_at), (Some(1), 4));
+    let headers = layout.headers();
+    let units: Vec<&str> = headers.iter().map(|header| header.raw_unit.as_str()).collect();
     assert_eq!(units, ["", "", "min", "Pa"]);
 }
 

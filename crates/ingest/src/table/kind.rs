@@ -1,0 +1,186 @@
+//! What a cell can be, before anything is known of its column.
+
+use crate::formats::stamp::{DateOrder, civil};
+use crate::table::duration;
+use crate::table::numbers::is_readable;
+use crate::text::number::{self, unquote};
+use crate::text::{Cell, Decimal, Group};
+
+/// The kind of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// Nothing, or a word for it: it fits any column.
+    Empty,
+    /// A number, however its decimals and thousands are marked; `NaN` too.
+    Number,
+    /// A date with a time of day.
+    Moment,
+    /// A date alone.
+    Date,
+    /// A time of day or a duration: `10:00:00`, `0:01.5`, `1d 02:03:04`.
+    Clock,
+    /// Anything else.
+    Word,
+}
+
+/// What instruments write for a reading that they could not take.
+const GAPS: [&str; 18] = [
+    "ovld", "ol", "o.l", "o.l.", "over", "overflow", "overload", "ovrng", "ovr", "+over", "-over", "open",
+    "err", "error", "fault", "none", "missing", "bad",
+];
+
+/// The kind of a cell, which may be padded or quoted.
+pub fn kind(cell: &str) -> Kind {
+    let text = unquote(cell);
+    if is_gap(text) {
+        return Kind::Empty;
+    }
+    match number::parse(text, Decimal::Point) {
+        Cell::Number(_) | Cell::NotFinite => return Kind::Number,
+        Cell::Empty => return Kind::Empty,
+        Cell::Text => {}
+    }
+    let has_digit = text.bytes().any(|byte| byte.is_ascii_digit());
+    if !has_digit {
+        return Kind::Word;
+    }
+    if pattern(text).is_some_and(|found| is_readable(&found)) {
+        Kind::Number
+    } else if duration::fields(text).is_some() {
+        Kind::Clock
+    } else if is_moment(text) {
+        Kind::Moment
+    } else if DateOrder::ALL
+        .into_iter()
+        .any(|order| civil(&format!("{text} 12:00"), order).is_some())
+    {
+        Kind::Date
+    } else {
+        Kind::Word
+    }
+}
+
+/// Whether a cell holds a word or marks in place of a reading.
+pub fn is_gap(text: &str) -> bool {
+    let marks = |c: char| matches!(c, '-' | '*' | '#' | '?' | '.' | '_');
+    text.len() <= 9
+        && (!text.is_empty() && text.chars().all(marks) || GAPS.contains(&text.to_lowercase().as_str()))
+}
+
+/// Whether a text is a date with a time of day, in any order and with any offset.
+pub fn is_moment(text: &str) -> bool {
+    let date = crate::formats::climate::moments::with_offset(text).map_or(text, |(date, _)| date);
+    date.contains([':', 'T', 't', '.', ' '])
+        && DateOrder::ALL
+            .into_iter()
+            .any(|order| civil(date, order).is_some())
+}
+
+/// How a number is written: which marks stand in it, and how many digits between them.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Pattern {
+    /// Digits before the first mark.
+    pub first: usize,
+    /// Whether these begin with a zero (`0.400`).
+    pub begins_with_zero: bool,
+    /// Whether all digits are zeros.
+    pub is_zero: bool,
+    /// The marks, each with the digits behind it.
+    pub marks: Vec<(char, usize)>,
+    /// Whether the last digit behind a mark is a zero, which a writer that trims zeros leaves away.
+    pub ends_in_zero: bool,
+    /// Whether a power of ten follows.
+    pub has_exponent: bool,
+}
+
+/// The pattern of a number that is written with any marks; none for other texts.
+pub fn pattern(text: &str) -> Option<Pattern> {
+    let body = text.trim_start_matches(['+', '-', '\u{2212}']);
+    if text.chars().count() > body.chars().count() + 1 {
+        return None;
+    }
+    let (digits, exponent) = match body.find(['e', 'E', 'd', 'D']) {
+        Some(at) => (&body[..at], Some(&body[at + 1..])),
+        None => (body, None),
+    };
+    if let Some(power) = exponent {
+        let bare = power.trim_start_matches(['+', '-', '\u{2212}']);
+        if bare.is_empty() || !bare.bytes().all(|byte| byte.is_ascii_digit()) {
+            return None;
+        }
+    }
+    let mut found = Pattern {
+        first: 0,
+        begins_with_zero: digits.starts_with('0'),
+        is_zero: true,
+        marks: Vec::new(),
+        ends_in_zero: false,
+        has_exponent: exponent.is_some(),
+    };
+    let mut any = false;
+    for c in digits.chars() {
+        if c.is_ascii_digit() {
+            any = true;
+            found.is_zero &= c == '0';
+            match found.marks.last_mut() {
+                Some((_, count)) => *count += 1,
+                None => found.first += 1,
+            }
+        } else {
+            // Two marks do not stand side by side.
+            if found.marks.last().is_some_and(|(_, count)| *count == 0) {
+                return None;
+            }
+            Group::of(c)?;
+            found.marks.push((canonical(c), 0));
+        }
+    }
+    found.ends_in_zero = !found.marks.is_empty() && digits.ends_with('0');
+    (any && (found.first > 0 || found.marks.len() == 1)).then_some(found)
+}
+
+/// One character for all marks of a group.
+fn canonical(mark: char) -> char {
+    match Group::of(mark) {
+        Some(Group::Apostrophe) => '\'',
+        Some(Group::Space) => ' ',
+        _ => mark,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_of_instruments_and_loggers_are_told_apart() {
+        for (cell, expected) in [
+            ("", Kind::Empty),
+            ("OVLD", Kind::Empty),
+            ("---.-", Kind::Empty),
+            ("-1.5E-03", Kind::Number),
+            ("1'006.4", Kind::Number),
+            ("9,400", Kind::Number),
+            ("\u{2212}2.5", Kind::Number),
+            ("1.5D+01", Kind::Number),
+            ("20260319", Kind::Number),
+            ("2026-03-19 14:00:00.5", Kind::Moment),
+            ("2026-03-19T14:00:00+0200", Kind::Moment),
+            ("23:00:00 28/Mar/2026", Kind::Moment),
+            ("28.03.2026 23:00", Kind::Moment),
+            ("28.03.2026", Kind::Date),
+            ("3/28/26", Kind::Date),
+            ("10:00:00", Kind::Clock),
+            ("10:00 PM", Kind::Clock),
+            ("0:01", Kind::Clock),
+            ("27:00:00", Kind::Clock),
+            ("1d 02:03:04", Kind::Clock),
+            ("1.02:03:04.5", Kind::Clock),
+            ("Box 1", Kind::Word),
+            ("Voltage (V)", Kind::Word),
+            ("CH-1[V]", Kind::Word),
+        ] {
+            assert_eq!(kind(cell), expected, "{cell}");
+        }
+    }
+}

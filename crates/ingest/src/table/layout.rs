@@ -1,0 +1,436 @@
+//! How a delimited text is written and where its table stands: that reading under which the most columns are known.
+//!
+//! The decision comes from the grammar of the rows and never from the computer's locale.
+
+use super::kind::Kind;
+use super::numbers::{Found, Writing};
+use super::policy::ROWS_ASKED;
+use super::shape::{Shape, shape};
+use super::times::names_time;
+use crate::formats::ReadContext;
+use crate::formats::assemble::{is_modulus_sweep, is_spectrum};
+use crate::formats::error::{ReadError, quoted};
+use crate::text::grid::{Dialect, is_blank_or_comment};
+use crate::text::header::{Header, Meaning};
+use crate::text::likely::headed_by_unit;
+use crate::text::number;
+use crate::text::policy::{HEADER_WITHIN_LINES, LINES_ASKED, OBEYING_SHARE};
+use crate::text::{Decimal, Delimiter, Group, Line, NumberForm};
+use ieap_domain::Quantity;
+use ieap_domain::unit;
+
+/// What was decided.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// Delimiter and form of numbers.
+    pub dialect: Dialect,
+    /// Where names and readings stand, and what the columns hold.
+    pub shape: Shape,
+}
+
+impl Layout {
+    /// The columns as their names and units describe them.
+    pub fn headers(&self) -> Vec<Header> {
+        let names: Vec<&str> = self.shape.names.iter().map(String::as_str).collect();
+        let units = (!self.shape.units.is_empty()).then_some(self.shape.units.as_slice());
+        headers(&names, units)
+    }
+
+    /// Ranges of lines of readings: one, or several where the names stand again because a logger was started anew.
+    pub fn parts(&self, lines: &[Line<'_>]) -> Vec<std::ops::Range<usize>> {
+        let Some(names) = self.shape.names_at.map(|at| lines[at].text.trim()) else {
+            return vec![self.shape.data_at..lines.len()];
+        };
+        let mut parts = Vec::new();
+        let mut from = self.shape.data_at;
+        let again: Vec<usize> = (from..lines.len())
+            .filter(|at| lines[*at].text.trim() == names)
+            .collect();
+        // A row of units stands below the names each time.
+        let below = self.shape.data_at - self.shape.names_at.unwrap_or(self.shape.data_at);
+        for at in again {
+            parts.push(from..self.without_foot(lines, from..at));
+            from = (at + below).min(lines.len());
+        }
+        parts.push(from..lines.len());
+        parts
+    }
+
+    /// The end of a part without the lines behind it that are no rows, such as `Logging to: LD0029.CSV`.
+    fn without_foot(&self, lines: &[Line<'_>], part: std::ops::Range<usize>) -> usize {
+        let is_row =
+            |at: &usize| self.dialect.delimiter.split(lines[*at].text, |_, _| {}) == self.shape.names.len();
+        part.clone()
+            .rev()
+            .find(is_row)
+            .map_or(part.start, |last| last + 1)
+    }
+
+    /// Decides the form of numbers anew, from all rows.
+    ///
+    /// # Errors
+    /// They contradict each other, or can be read in two ways.
+    pub fn ask_all(&mut self, lines: &[Line<'_>], context: &ReadContext) -> Result<(), ReadError> {
+        self.dialect.numbers = numbers(&self.shape, lines, usize::MAX, context)?;
+        Ok(())
+    }
+}
+
+/// Decides how to read `lines`, all of which have their line end.
+///
+/// # Errors
+/// No line names what times the rows, no row follows, no delimiter fits, or the numbers can be read in several ways.
+pub fn decide(lines: &[Line<'_>], context: &ReadContext) -> Result<Layout, ReadError> {
+    let shape = best_shape(lines)?;
+    let numbers = numbers(&shape, lines, ROWS_ASKED, context)?;
+    Ok(Layout {
+        dialect: Dialect {
+            delimiter: shape.delimiter,
+            numbers,
+        },
+        shape,
+    })
+}
+
+/// The shape of a text that has names and is timed by something.
+///
+/// # Errors
+/// As [`decide`], but for the numbers.
+pub fn best_shape(lines: &[Line<'_>]) -> Result<Shape, ReadError> {
+    let shapes = shapes(lines);
+    let Some(best) = best_of(&shapes) else {
+        return Err(match names_alone(lines) {
+            Some(line) => ReadError::HeaderOnly {
+                line: line.number,
+                found: quoted(line.text),
+            },
+            None => no_header(lines),
+        });
+    };
+    let mut best = best.clone();
+    from_first_names(&mut best, lines);
+    best.units = with_preamble(&best, lines);
+    let headers = headers(
+        &best.names.iter().map(String::as_str).collect::<Vec<_>>(),
+        (!best.units.is_empty()).then_some(best.units.as_slice()),
+    );
+    let names_one = best.names.iter().any(|name| names_time(name));
+    if !has_even_rows(&best, lines) || (names_one && !is_timed(&best, &headers)) {
+        return Err(no_reading(&best, lines));
+    }
+    if !is_timed(&best, &headers) {
+        return Err(no_header(lines));
+    }
+    Ok(best)
+}
+
+/// Begins a shape at the first place where its names stand: a logger that was started anew writes them again, and what it wrote
+/// before may look otherwise.
+fn from_first_names(shape: &mut Shape, lines: &[Line<'_>]) {
+    let Some(at) = shape.names_at else {
+        return;
+    };
+    let is_same = |line: &Line<'_>| line.text.trim() == lines[at].text.trim();
+    if let Some(first) = lines[..at].iter().position(is_same) {
+        shape.data_at = first + shape.data_at - at;
+        shape.names_at = Some(first);
+    }
+}
+
+/// The shapes of a text under every delimiter, or under the one that its first line states as spreadsheets do: `sep=;`.
+pub fn shapes(lines: &[Line<'_>]) -> Vec<Shape> {
+    let stated = lines
+        .first()
+        .and_then(|line| line.text.trim().strip_prefix("sep="));
+    let stated = stated.and_then(|mark| match mark {
+        "" | "\t" | "\\t" => Some(Delimiter::Tab),
+        ";" => Some(Delimiter::Semicolon),
+        "," => Some(Delimiter::Comma),
+        "|" => Some(Delimiter::Bar),
+        _ => None,
+    });
+    let all = Delimiter::ALL
+        .into_iter()
+        .filter(|delimiter| stated.is_none_or(|stated| stated == *delimiter));
+    let mut found: Vec<Shape> = all.filter_map(|delimiter| shape(lines, delimiter)).collect();
+    // Blanks also stand inside names and texts: they separate columns only where nothing else does.
+    let is_blank = |shape: &Shape| matches!(shape.delimiter, Delimiter::Blanks | Delimiter::WideBlanks);
+    if found
+        .iter()
+        .any(|shape| !is_blank(shape) && shape.names_at.is_some() && shape.known > 0)
+    {
+        found.retain(|shape| !is_blank(shape));
+    }
+    found
+}
+
+/// The shape under which most is known.
+fn best_of(shapes: &[Shape]) -> Option<&Shape> {
+    let numbers = |shape: &Shape| shape.kinds.iter().filter(|kind| **kind == Kind::Number).count();
+    let named = shapes
+        .iter()
+        .filter(|shape| shape.names_at.is_some() && shape.known > 0);
+    named.reduce(|a, b| {
+        if (b.known, numbers(b)) > (a.known, numbers(a)) {
+            b
+        } else {
+            a
+        }
+    })
+}
+
+/// Units with those that lines above the names state: `Humidity = %rh`.
+fn with_preamble(shape: &Shape, lines: &[Line<'_>]) -> Vec<String> {
+    let above = &lines[..shape.names_at.unwrap_or(0)];
+    let stated = |name: &String| {
+        let values = above.iter().filter_map(|line| {
+            let (key, value) = line.text.split_once(['=', ':'])?;
+            let is_same = number::unquote(key).eq_ignore_ascii_case(name.trim());
+            is_same.then(|| {
+                value
+                    .trim_matches(|c: char| c.is_whitespace() || ",;\"".contains(c))
+                    .to_owned()
+            })
+        });
+        values.into_iter().find(|value| {
+            unit::is_known(value) || Header::with_unit(name, value).meaning.quantity().is_some()
+        })
+    };
+    let unit = |(index, name): (usize, &String)| {
+        let own = shape.units.get(index).filter(|unit| !unit.is_empty()).cloned();
+        own.or_else(|| stated(name)).unwrap_or_default()
+    };
+    let units: Vec<String> = shape.names.iter().enumerate().map(unit).collect();
+    if units.iter().all(String::is_empty) {
+        Vec::new()
+    } else {
+        units
+    }
+}
+
+/// Whether something times the rows, or they are those of a spectrum or a sweep.
+fn is_timed(shape: &Shape, headers: &[Header]) -> bool {
+    let is_clock = |kind: &Kind| matches!(kind, Kind::Moment | Kind::Clock);
+    let is_named = |(name, kind): (&String, &Kind)| *kind == Kind::Number && names_time(name);
+    let meanings = meanings(headers);
+    let is_time = |(meaning, kind): (&Meaning, &Kind)| {
+        *kind == Kind::Number && meaning.quantity() == Some(Quantity::Time)
+    };
+    shape.kinds.iter().any(is_clock)
+        || meanings.iter().zip(&shape.kinds).any(is_time)
+        || is_spectrum(&meanings)
+        || is_modulus_sweep(&meanings)
+        || shape.names.iter().zip(&shape.kinds).any(is_named)
+}
+
+/// Whether rows have as many fields as there are names. What is empty at the end of a row may be left away with its
+/// delimiters; a delimiter behind the last field begins no other.
+fn has_even_rows(shape: &Shape, lines: &[Line<'_>]) -> bool {
+    let names = shape.names.len();
+    let (mut all, mut fitting, mut full, mut shortest) = (0usize, 0usize, 0usize, names);
+    for line in rows(shape, lines).take(LINES_ASKED) {
+        let mut filled = 0;
+        let fields = shape.delimiter.split(line.text, |index, text| {
+            if !number::unquote(text).is_empty() {
+                filled = index + 1;
+            }
+        });
+        all += 1;
+        fitting += usize::from(filled <= names);
+        full += usize::from(filled == names || fields == names);
+        shortest = shortest.min(filled.max(fields));
+    }
+    let obeys = |part: usize| part > 0 && part as f64 >= OBEYING_SHARE * all as f64;
+    // Columns of events are filled in few rows.
+    let is_known = |index: usize| {
+        let header = Header::parse(&shape.names[index]);
+        header.meaning.named_quantity().is_some()
+    };
+    let ends_early = full > 0 && !(shortest..names).any(is_known);
+    obeys(fitting) && (obeys(full) || ends_early)
+}
+
+/// Lines of readings.
+fn rows<'l, 'a>(shape: &Shape, lines: &'l [Line<'a>]) -> impl Iterator<Item = &'l Line<'a>> + use<'l, 'a> {
+    let names = shape.names_at.map(|at| lines[at].text);
+    let data = lines[shape.data_at..].iter();
+    data.filter(move |line| !is_blank_or_comment(line.text) && Some(line.text) != names)
+}
+
+/// The form of the numbers of a shape, by its first `most` rows.
+fn numbers(
+    shape: &Shape,
+    lines: &[Line<'_>],
+    most: usize,
+    context: &ReadContext,
+) -> Result<NumberForm, ReadError> {
+    let mut writing = Writing::new(shape.names.len());
+    for line in rows(shape, lines).take(most) {
+        shape.delimiter.split(line.text, |index, cell| {
+            if shape.kinds.get(index) == Some(&Kind::Number) {
+                writing.add(index, line.number, cell);
+            }
+        });
+    }
+    let decimal = match context.answers.of("decimal") {
+        Some("point") => Some(Decimal::Point),
+        Some("comma") => Some(Decimal::Comma),
+        _ => None,
+    };
+    let group = context.answers.of("thousands").map(|word| match word {
+        "comma" => Some(Group::Comma),
+        "point" => Some(Group::Point),
+        "apostrophe" => Some(Group::Apostrophe),
+        "blank" => Some(Group::Space),
+        _ => None,
+    });
+    match writing.decide(shape.delimiter, decimal, group) {
+        Found::One(form) => Ok(form),
+        Found::Open(question) => Err(ReadError::Asked(question)),
+        Found::Contradiction { line, first, second } => Err(ReadError::AmbiguousNumbers {
+            line,
+            found: format!(
+                "{} has a decimal comma and {} a decimal point",
+                quoted(&first),
+                quoted(&second)
+            ),
+            mend: match shape.delimiter {
+                Delimiter::Comma => {
+                    "export with a point as decimal sign, or with semicolons or tabs between the columns"
+                }
+                _ => "export with a point as decimal sign",
+            },
+        }),
+    }
+}
+
+/// Headers of names; a name without a unit of its own takes that of the row of units. A number in the place of a name,
+/// as oscilloscopes number their inputs, says nothing: the unit does, where only one input has it.
+pub fn headers(names: &[&str], units: Option<&[String]>) -> Vec<Header> {
+    let unit_of = |index: usize| {
+        units
+            .and_then(|units| units.get(index))
+            .map_or("", String::as_str)
+    };
+    let is_number = |name: &str| {
+        let bare = number::unquote(name);
+        !bare.is_empty() && bare.bytes().all(|byte| byte.is_ascii_digit())
+    };
+    let header = |(index, name): (usize, &&str)| match (Header::parse(name), unit_of(index)) {
+        (header, unit) if header.raw_unit.is_empty() && !unit.is_empty() => {
+            match headed_by_unit(name, unit) {
+                Some(header) if is_number(name) => header,
+                _ => Header::with_unit(name, unit),
+            }
+        }
+        (header, _) => header,
+    };
+    let mut headers: Vec<Header> = names.iter().enumerate().map(header).collect();
+    let quantities: Vec<Option<Quantity>> = headers.iter().map(|h| h.meaning.quantity()).collect();
+    let is_only = |quantity| quantities.iter().filter(|other| **other == quantity).count() == 1;
+    for (header, quantity) in headers.iter_mut().zip(&quantities) {
+        if is_number(&header.raw_name) && !is_only(*quantity) {
+            header.meaning = Meaning::Other;
+        }
+    }
+    headers
+}
+
+/// Whether a time column among two cells or more can be used; none where there is no such column. The frequency of a
+/// spectrum, or of a modulus without any time, does as well.
+pub fn time_among<'a>(cells: impl Iterator<Item = &'a str>) -> Option<bool> {
+    let headers: Vec<Header> = cells.map(Header::parse).collect();
+    axis_among(&meanings(&headers))
+}
+
+fn axis_among(meanings: &[Meaning]) -> Option<bool> {
+    if meanings.len() < 2 {
+        return None;
+    }
+    if is_spectrum(meanings) || is_modulus_sweep(meanings) {
+        return Some(true);
+    }
+    let times = meanings
+        .iter()
+        .filter(|meaning| meaning.named_quantity() == Some(Quantity::Time));
+    times
+        .map(|meaning| meaning.quantity().is_some())
+        .reduce(|a, b| a || b)
+}
+
+fn meanings(headers: &[Header]) -> Vec<Meaning> {
+    headers.iter().map(|header| header.meaning.clone()).collect()
+}
+
+/// A line that names what times the rows, where no row follows it.
+fn names_alone<'l, 'a>(lines: &'l [Line<'a>]) -> Option<&'l Line<'a>> {
+    lines
+        .iter()
+        .take(HEADER_WITHIN_LINES)
+        .filter(|line| !is_blank_or_comment(line.text))
+        .find(|line| {
+            Delimiter::ALL.into_iter().any(|delimiter| {
+                let cells = delimiter.header_cells(line.text);
+                cells.len() > 1 && time_among(cells.iter().map(String::as_str)).is_some()
+            })
+        })
+}
+
+/// Rows that do not fit their names: says how the first differs.
+fn no_reading(shape: &Shape, lines: &[Line<'_>]) -> ReadError {
+    let first = rows(shape, lines).next();
+    let (line, text) = first.map_or((0, ""), |line| (line.number, line.text));
+    let fields = shape.delimiter.split(text, |_, _| {});
+    ReadError::NoReading {
+        header: shape.names_at.map_or(0, |at| lines[at].number),
+        line,
+        found: format!(
+            "under the {} names of the header (between them: {}) stands {}, which has {} fields",
+            shape.names.len(),
+            shape.delimiter.label(),
+            quoted(text),
+            fields
+        ),
+        mend: match shape.delimiter {
+            Delimiter::Comma => {
+                "export with a point as decimal sign, or with semicolons or tabs between the columns"
+            }
+            _ => {
+                "give every row as many fields as there are names, and only numbers below the name of the time"
+            }
+        },
+    }
+}
+
+fn no_header(lines: &[Line<'_>]) -> ReadError {
+    if let Some(line) = lines
+        .iter()
+        .take(HEADER_WITHIN_LINES)
+        .find(|line| names_frequency(line))
+    {
+        return ReadError::NoImpedance {
+            line: line.number,
+            found: quoted(line.text),
+        };
+    }
+    let first = lines.iter().find(|line| !is_blank_or_comment(line.text));
+    ReadError::NoHeader {
+        line: first.map_or(0, |line| line.number),
+        found: quoted(first.map_or("", |line| line.text)),
+    }
+}
+
+/// Whether a line names a frequency beside other columns.
+fn names_frequency(line: &Line<'_>) -> bool {
+    let is_frequency =
+        |cell: &String| Header::parse(cell).meaning.named_quantity() == Some(Quantity::Frequency);
+    !is_blank_or_comment(line.text)
+        && Delimiter::ALL.into_iter().any(|delimiter| {
+            let cells = delimiter.header_cells(line.text);
+            cells.len() > 1 && cells.iter().any(is_frequency)
+        })
+}
+
+#[cfg(test)]
+#[path = "layout_tests.rs"]
+mod tests;

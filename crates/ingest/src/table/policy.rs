@@ -1,0 +1,32 @@
+//! What decides how a table is read: every number with its unit and where it comes from. The inputs that must be read as they
+//! are stand in `tests/it/reading_cases.rs`, random ones in `examples/random_tables` (docs/validation/readers.md).
+
+use std::ops::RangeInclusive;
+
+/// Moments since 1970 that a logger of our time can write, s: 1990 to 2100.
+pub(super) const EPOCH_SINCE_1990_S: RangeInclusive<f64> = 631_152_000.0..=4_102_444_800.0;
+
+/// Share by which an elapsed time and the dates beside it may differ and still be the same. Chosen: clocks of two chips drift by
+/// less; units differ by 60 and more.
+pub(super) const CLOCKS_AGREE_SHARE: f64 = 0.02;
+/// How many times its last digit a record must last before dates are a witness of a unit. Chosen.
+pub(super) const CLOCK_RESOLUTIONS: f64 = 5.0;
+
+/// Sizes of counters that wrap: 16, 24, 31 and 32 bits.
+pub(super) const COUNTERS: [f64; 4] = [65_536.0, 16_777_216.0, 2_147_483_648.0, 4_294_967_296.0];
+/// Rows that count on from where a clock went back to, before it is a clock that starts anew and no glitch. Chosen.
+pub(super) const RESTART_ROWS: usize = 3;
+/// Share by which steps of a clock may differ and still be regular. Chosen.
+pub(super) const REGULAR_WITHIN: f64 = 0.02;
+
+/// Air temperatures that a laboratory can have, °C: what tells a unit that a file does not name. Chosen.
+pub(crate) const AIR_OF_A_ROOM_C: RangeInclusive<f64> = 0.0..=45.0;
+/// A humidity above this is no fraction: the air is saturated at 1. A sensor may read some percent above it. Chosen.
+pub(crate) const LARGEST_FRACTION: f64 = 1.05;
+
+/// How many times smoother readings must be within the rows of each word than from row to row, before the words are sensors.
+/// Chosen.
+pub(crate) const SMOOTHER_WITHIN: f64 = 3.0;
+
+/// Rows that are asked how their numbers are written before the rest is read; the rest is asked too where it does not fit.
+pub(super) const ROWS_ASKED: usize = 20_000;

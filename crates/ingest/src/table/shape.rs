@@ -1,0 +1,316 @@
+//! Where the readings of a text stand under one delimiter, and what stands above them.
+//!
+//! Readings are the rows at the end of the text that look alike: numbers below numbers, dates below dates. The names are
+//! that reading of the rows above them under which the most columns are known: a row alone, a row with units below it, or
+//! two rows that make one name. Where no such row is there, a comment just above the readings may hold the names.
+
+use super::kind::{Kind, kind};
+use crate::formats::climate::meaning::climate_column;
+use crate::text::grid::is_blank;
+use crate::text::header::{Header, Meaning};
+use crate::text::number::unquote;
+use crate::text::policy::{HEADER_WITHIN_LINES, LINES_ASKED, OBEYING_SHARE};
+use crate::text::unit_row::unit_row;
+use crate::text::{Delimiter, Line};
+
+/// Rows above the readings that names are looked for in. Chosen: loggers write a row of names for each property of a channel.
+const ROWS_ABOVE: usize = 8;
+
+/// What stands where in a text.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Between the cells.
+    pub delimiter: Delimiter,
+    /// Index of the line of the names; none where there are none.
+    pub names_at: Option<usize>,
+    /// Index of the first line of readings.
+    pub data_at: usize,
+    /// Names of the columns; empty texts where there are none.
+    pub names: Vec<String>,
+    /// Units in a row of their own; as many as names, or none.
+    pub units: Vec<String>,
+    /// What each column holds.
+    pub kinds: Vec<Kind>,
+    /// How many columns are known by their names.
+    pub known: usize,
+}
+
+struct Row<'a> {
+    at: usize,
+    cells: Vec<&'a str>,
+    kinds: Vec<Kind>,
+}
+
+/// The shape of lines under a delimiter; none where no two rows of two columns look alike.
+pub fn shape(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Shape> {
+    let sample = (lines.iter().enumerate())
+        .filter(|(_, line)| !is_blank(line.text))
+        .take(HEADER_WITHIN_LINES + LINES_ASKED);
+    let (comments, rows): (Vec<_>, Vec<_>) = sample.partition(|(_, line)| is_comment(line.text));
+    let rows: Vec<Row<'_>> = rows
+        .into_iter()
+        .map(|(at, line)| row(at, line.text, delimiter))
+        .collect();
+    let found = blocks(&rows)
+        .into_iter()
+        .map(|(first, kinds)| named(lines, &rows, &comments, delimiter, first, kinds));
+    found.max_by_key(|shape| (shape.known, std::cmp::Reverse(shape.data_at)))
+}
+
+/// The shape whose readings begin in that row, with its names.
+fn named(
+    lines: &[Line<'_>],
+    rows: &[Row<'_>],
+    comments: &[(usize, &Line<'_>)],
+    delimiter: Delimiter,
+    first: usize,
+    kinds: Vec<Kind>,
+) -> Shape {
+    let above = &rows[..first];
+    let from = above.len().saturating_sub(ROWS_ABOVE);
+    let mut found = Shape {
+        delimiter,
+        names_at: None,
+        data_at: rows[first].at,
+        names: vec![String::new(); kinds.len()],
+        units: Vec::new(),
+        known: 0,
+        kinds,
+    };
+    let mut best = 0;
+    for at in (from..above.len()).rev() {
+        let below = above.get(at + 1).or(rows.get(at + 1).filter(|_| at + 1 == first));
+        for (names, units) in readings_of(lines[above[at].at].text, delimiter, below) {
+            found.take(&mut best, names, units, above[at].at);
+        }
+    }
+    let last_comment = comments.iter().rev().find(|(at, _)| *at < found.data_at);
+    if let Some((at, line)) = last_comment.filter(|_| found.names_at.is_none()) {
+        let names = names_in(line.text.trim_start().trim_start_matches('#'), delimiter);
+        found.take(&mut best, names, Vec::new(), *at);
+    }
+    if let Some(names_at) = found.names_at {
+        // The first reading may hold a word in the place of a number: it is none of the names all the same.
+        let is_reading = |row: &&Row<'_>| {
+            let is_units =
+                !found.units.is_empty() && unit_row(row.cells.len(), row.cells.iter().copied()).is_some();
+            row.at > names_at && !is_units && row.matches(&found.kinds) > 0
+        };
+        if let Some(earlier) = above.iter().find(is_reading) {
+            found.data_at = earlier.at;
+        }
+        // Columns that are filled in few rows are columns all the same.
+        let readings = rows
+            .iter()
+            .position(|row| row.at >= found.data_at)
+            .unwrap_or(first);
+        let mut kinds = kinds_of(&rows[readings..]).unwrap_or_default();
+        kinds.resize(kinds.len().max(found.names.len()), Kind::Empty);
+        found.kinds = kinds;
+    }
+    found
+}
+
+fn is_comment(text: &str) -> bool {
+    text.trim_start().starts_with('#')
+}
+
+fn row<'a>(at: usize, text: &'a str, delimiter: Delimiter) -> Row<'a> {
+    let mut cells = Vec::new();
+    delimiter.split(text, |_, cell| cells.push(cell));
+    while cells.last().is_some_and(|cell| unquote(cell).is_empty()) {
+        cells.pop();
+    }
+    let kinds = cells.iter().map(|cell| kind(cell)).collect();
+    Row { at, cells, kinds }
+}
+
+/// Where the readings may begin, and what their columns hold then. The last rows may be a foot, and rows above the table may
+/// look alike, too: what readings are is tried from several places.
+fn blocks(rows: &[Row<'_>]) -> Vec<(usize, Vec<Kind>)> {
+    let ends = [rows.len(), rows.len() * 3 / 4, rows.len().div_ceil(2)];
+    let windows = ends
+        .into_iter()
+        .filter(|end| *end > 0)
+        .flat_map(|end| [12, 3, 1].map(|size| end.saturating_sub(size)..end));
+    let mut found: Vec<(usize, Vec<Kind>)> = Vec::new();
+    for window in windows {
+        let Some(kinds) = kinds_of(&rows[window]) else {
+            continue;
+        };
+        if let Some(first) = first_of(rows, &kinds)
+            && !found.iter().any(|(known, _)| *known == first)
+        {
+            found.push((first, kinds));
+        }
+    }
+    found
+}
+
+/// What the columns of rows hold: for each what most filled cells of it are.
+fn kinds_of(rows: &[Row<'_>]) -> Option<Vec<Kind>> {
+    let of_readings = |row: &&Row<'_>| {
+        row.kinds
+            .iter()
+            .any(|kind| *kind != Kind::Word && *kind != Kind::Empty)
+    };
+    let readings: Vec<&Row<'_>> = rows.iter().filter(of_readings).collect();
+    let width = readings
+        .iter()
+        .map(|row| row.cells.len())
+        .max()
+        .filter(|width| *width >= 2)?;
+    let kind_at = |column: usize| {
+        let kinds = readings
+            .iter()
+            .filter_map(|row| row.kinds.get(column).copied())
+            .filter(|kind| *kind != Kind::Empty);
+        most_common(kinds).unwrap_or(Kind::Empty)
+    };
+    Some((0..width).map(kind_at).collect())
+}
+
+fn most_common<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Option<T> {
+    let mut counts = std::collections::BTreeMap::new();
+    items.for_each(|item| *counts.entry(item).or_insert(0usize) += 1);
+    counts
+        .into_iter()
+        .max_by_key(|(item, count)| (*count, *item))
+        .map(|(item, _)| item)
+}
+
+/// The first row from which on nearly all rows are readings.
+fn first_of(rows: &[Row<'_>], kinds: &[Kind]) -> Option<usize> {
+    let mut first = None;
+    let (mut all, mut readings) = (0usize, 0usize);
+    for (at, row) in rows.iter().enumerate().rev() {
+        all += 1;
+        readings += usize::from(row.is_reading(kinds));
+        let nearly_all = readings as f64 >= OBEYING_SHARE * all as f64 || all - readings <= 1;
+        if row.is_plain(kinds) && nearly_all {
+            first = Some(at);
+        }
+    }
+    first.filter(|_| readings > 0)
+}
+
+impl Row<'_> {
+    /// Cells that hold what their column holds.
+    fn matches(&self, kinds: &[Kind]) -> usize {
+        let pairs = self.kinds.iter().zip(kinds);
+        pairs
+            .filter(|(own, of)| own == of && !matches!(own, Kind::Empty | Kind::Word))
+            .count()
+    }
+
+    /// Cells that hold words or another kind of time where numbers or times are.
+    fn strays<'k>(&self, kinds: &'k [Kind]) -> impl Iterator<Item = Kind> + use<'_, 'k> {
+        let pairs = self.kinds.iter().zip(kinds);
+        let is_stray = |(own, of): &(&Kind, &Kind)| {
+            !matches!(of, Kind::Empty | Kind::Word) && !matches!(own, Kind::Empty) && own != of
+        };
+        pairs.filter(is_stray).map(|(_, of)| *of)
+    }
+
+    fn is_reading(&self, kinds: &[Kind]) -> bool {
+        let strays = self.strays(kinds).count();
+        self.matches(kinds) > strays && !self.strays(kinds).any(|of| of != Kind::Number)
+    }
+
+    /// Whether it is a reading without anything odd in it.
+    fn is_plain(&self, kinds: &[Kind]) -> bool {
+        let times = self
+            .kinds
+            .iter()
+            .zip(kinds)
+            .filter(|(_, of)| matches!(of, Kind::Moment | Kind::Date | Kind::Clock));
+        self.is_reading(kinds)
+            && self.strays(kinds).next().is_none()
+            && times.clone().all(|(own, of)| own == of)
+    }
+}
+
+/// What names and units a row can be, with the row below it.
+fn readings_of(text: &str, delimiter: Delimiter, below: Option<&Row<'_>>) -> Vec<(Vec<String>, Vec<String>)> {
+    let names = names_in(text, delimiter);
+    let Some(below) = below else {
+        return vec![(names, Vec::new())];
+    };
+    let below_cells = || below.cells.iter().map(|cell| unquote(cell));
+    let units = unit_row(names.len().max(below.cells.len()), below_cells());
+    let is_words = below
+        .kinds
+        .iter()
+        .all(|kind| matches!(kind, Kind::Word | Kind::Empty));
+    let joined = |(index, name): (usize, &String)| match below_cells().nth(index).unwrap_or("") {
+        "" => name.clone(),
+        lower if name.is_empty() => lower.to_owned(),
+        lower => format!("{name} {lower}"),
+    };
+    let mut found = Vec::new();
+    match units {
+        Some(mut units) => {
+            units.resize(names.len(), String::new());
+            found.push((names, units));
+        }
+        None if is_words => {
+            found.push((names.iter().enumerate().map(joined).collect(), Vec::new()));
+            found.push((names, Vec::new()));
+        }
+        None => found.push((names, Vec::new())),
+    }
+    found
+}
+
+fn names_in(text: &str, delimiter: Delimiter) -> Vec<String> {
+    let mut names: Vec<String> = delimiter
+        .header_cells(text)
+        .iter()
+        .map(|cell| unquote(cell).to_owned())
+        .collect();
+    while names.last().is_some_and(String::is_empty) {
+        names.pop();
+    }
+    names
+}
+
+impl Shape {
+    /// Takes names where more is known under them than under those before.
+    fn take(&mut self, best: &mut usize, names: Vec<String>, units: Vec<String>, at: usize) {
+        let words = names
+            .iter()
+            .filter(|name| matches!(kind(name), Kind::Word))
+            .count();
+        if names.len() < 2 || words == 0 || names.len() > self.kinds.len().max(2) * 2 {
+            return;
+        }
+        let unit = |index: usize| units.get(index).map_or("", String::as_str);
+        let known: Vec<usize> = (names.iter().enumerate())
+            .map(|(index, name)| known(name, unit(index), self.kinds.get(index).copied()))
+            .collect();
+        let score = 1 + words.min(self.kinds.len()) + 100 * known.iter().sum::<usize>();
+        if score > *best {
+            *best = score;
+            self.known = known.iter().filter(|known| **known > 0).count();
+            self.names_at = Some(at);
+            (self.names, self.units) = (names, units);
+        }
+    }
+}
+
+/// How much a name says: its quantity and unit, its quantity, or nothing.
+fn known(name: &str, unit: &str, kind: Option<Kind>) -> usize {
+    if matches!(kind, Some(Kind::Moment | Kind::Date | Kind::Clock)) {
+        return usize::from(super::times::names_time(name));
+    }
+    let header = if unit.is_empty() {
+        Header::parse(name)
+    } else {
+        Header::with_unit(name, unit)
+    };
+    match header.meaning {
+        Meaning::Known { .. } => 2,
+        Meaning::Refused { .. } => 1,
+        Meaning::Other => usize::from(climate_column(name, unit).is_some() || super::times::names_time(name)),
+    }
+}
