@@ -15,7 +15,7 @@ use crate::domain::{
 };
 use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
-use crate::ingest::tags::{self, OtherName, Resolved, TagRequest};
+use crate::ingest::tags::{self, OtherName, Resolved, TagFiles, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, clocks, drive};
 use crate::pipeline::intake::climate::{Shelf, climate_of};
 use crate::pipeline::{Context, PipelineError};
@@ -51,11 +51,16 @@ pub struct TaggingInput<'a> {
     pub kept: Option<Vec<Tag>>,
 }
 
-/// Tags a run.
+/// Tags a run with what `stated` holds of its tag files.
 ///
 /// # Errors
 /// The database cannot be read.
-pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Result<Tagging, PipelineError> {
+pub fn tagging(
+    context: &Context,
+    shelf: &Shelf,
+    stated: &TagFiles,
+    input: &TaggingInput<'_>,
+) -> Result<Tagging, PipelineError> {
     let hand = hand_tags(context, input.run_path)?;
     let files = tag_files(input.run_path, &input.file_paths);
     let mut header = input.header_tags.clone();
@@ -78,7 +83,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
     let other_names = other_names(context, input.other_names)?;
     let request = TagRequest {
         campaign: &context.campaign,
-        folder: &context.folder,
+        tag_files: stated,
         data_files: &files,
         stem: &tags::stem(named),
         name_pattern: context.campaign.name_pattern_of(input.kind),
@@ -111,7 +116,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
     resolved.issues.extend(doubts);
     let digest = digest(
         context,
-        shelf,
+        (shelf, stated),
         (input.run_path, &files),
         input.other_names,
         window,
@@ -245,7 +250,7 @@ pub fn tag_files(run_path: &str, file_paths: &[&str]) -> Vec<PathBuf> {
 /// BLAKE3 over everything that the tags of a run come from, but the file itself.
 pub fn digest(
     context: &Context,
-    shelf: &Shelf,
+    (shelf, stated): (&Shelf, &TagFiles),
     (run_path, files): (&str, &[PathBuf]),
     other_paths: &[String],
     window: Option<Window>,
@@ -259,7 +264,7 @@ pub fn digest(
     hash.text(&context.campaign_digest)
         .whole(drive::VERSION.into())
         .whole(drive::jumps::VERSION.into())
-        .text(&tags::tag_sources_digest(&context.folder, files))
+        .text(&stated.digest(files))
         .text(&shelf.digest(window));
     take_stated(&mut hash, &planned_tags(context, run_path, files));
     let doubts = doubts(context, run_path, files, other_paths);
@@ -273,7 +278,7 @@ pub fn digest(
         hash.bytes(other.file.as_os_str().as_encoded_bytes());
         take_stated(&mut hash, &other.hand);
         take_stated(&mut hash, &other.planned);
-        hash.text(&tags::tag_sources_digest(&context.folder, &[other.file]));
+        hash.text(&stated.digest(&[other.file]));
     }
     Ok(hash.finished())
 }
@@ -316,13 +321,14 @@ fn planned_name(context: &Context, run_path: &str, files: &[PathBuf]) -> Option<
 /// What keeps the tags of a run from being known: tag files and run sheets that cannot be read.
 pub fn unreadable(
     context: &Context,
+    stated: &TagFiles,
     run_path: &str,
     files: &[PathBuf],
     other_paths: &[String],
 ) -> Vec<Issue> {
     let others = other_paths.iter().map(|path| parse_display_path(path));
     let all: Vec<PathBuf> = files.iter().cloned().chain(others).collect();
-    let mut issues = tags::unreadable(&context.folder, &all);
+    let mut issues = stated.unreadable(&all);
     issues.extend(doubts(context, run_path, files, other_paths));
     issues
 }
