@@ -65,7 +65,8 @@ pub struct TagRequest<'a> {
     pub has_voltage: bool,
     /// Other names of the same readings; empty where there are none.
     pub other_names: &'a [OtherName],
-    /// Means of ambient logs over the run (source [`TagSource::Ambient`]); empty where there are none.
+    /// Means over the run of its own columns and of ambient logs (sources [`TagSource::Column`], [`TagSource::Ambient`]);
+    /// empty where there are none.
     pub ambient: &'a [Tag],
 }
 

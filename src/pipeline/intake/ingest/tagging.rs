@@ -17,7 +17,7 @@ use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
 use crate::ingest::tags::{self, OtherName, Resolved, TagFiles, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, clocks, drive};
-use crate::pipeline::intake::climate::{Shelf, climate_of};
+use crate::pipeline::intake::climate::{self, Asked, Shelf, Start, climate_of};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{HandTag, Tagging};
 
@@ -72,6 +72,7 @@ pub fn tagging(
         .as_ref()
         .map(|started| start::settled(started, context.campaign.date_order, &beside));
     let (started, open_date) = started.unzip();
+    let open_date = open_date.flatten();
     header.extend(started.as_ref().and_then(start_tag));
     // A table of a file with several has the file's name; a joined run has the name of the stem.
     let named = files.first().map_or(Path::new(input.run_path), PathBuf::as_path);
@@ -98,12 +99,22 @@ pub fn tagging(
         ambient: &[],
     };
     let without_logs = tags::resolve(&request);
-    let window = window(without_logs.value(keys::STARTED_AT), times(input.channels));
-    let surroundings = (
-        without_logs.value(keys::ENVIRONMENT),
-        without_logs.value(keys::SAMPLE),
-    );
-    let climate = climate_of(context, shelf, window, surroundings)?;
+    let times = times(input.channels);
+    let window = window(without_logs.value(keys::STARTED_AT), times);
+    let start = match without_logs.value(keys::STARTED_AT) {
+        Some(_) => Start::Known,
+        None if is_start_stated(&without_logs.issues, &open_date) => Start::NotUsable,
+        None => Start::NotStated,
+    };
+    let asked = Asked {
+        window,
+        start,
+        times,
+        own: own_climate(input),
+        environment: without_logs.value(keys::ENVIRONMENT),
+        sample: without_logs.value(keys::SAMPLE),
+    };
+    let climate = climate_of(context, shelf, asked)?;
     let mut resolved = if climate.tags.is_empty() {
         without_logs
     } else {
@@ -132,10 +143,27 @@ pub fn tagging(
         RunKind::Dma => conclude_dma(input, resolved, digest),
         RunKind::Impedance => conclude_spectrum(context, input, resolved, digest),
     };
-    tagging.issues.extend(open_date.flatten());
+    tagging.issues.extend(open_date);
     tagging.issues.extend(climate.issues);
     (tagging.climate, tagging.climate_curves) = (climate.climate, climate.curves);
     Ok(tagging)
+}
+
+/// Whether a start is stated that is none.
+fn is_start_stated(issues: &[Issue], open_date: &Option<Issue>) -> bool {
+    issues
+        .iter()
+        .chain(open_date)
+        .any(|issue| issue.place == keys::STARTED_AT)
+}
+
+/// The columns that hold the run's own climate. A modulus log has none: what it holds was set, and is read reading by
+/// reading.
+fn own_climate<'a>(input: &TaggingInput<'a>) -> &'a [Channel] {
+    match input.kind {
+        RunKind::Actuation | RunKind::Impedance => input.channels,
+        RunKind::Dma => &[],
+    }
 }
 
 /// First and last time of the readings, s.
@@ -264,6 +292,7 @@ pub fn digest(
     hash.text(&context.campaign_digest)
         .whole(drive::VERSION.into())
         .whole(drive::jumps::VERSION.into())
+        .whole(climate::VERSION.into())
         .text(&stated.digest(files))
         .text(&shelf.digest(window));
     take_stated(&mut hash, &planned_tags(context, run_path, files));
