@@ -319,7 +319,7 @@ fn climate(status: &Status, output: &Output) {
     list(
         output,
         "run",
-        "that no log can be held against, for their files state no start (`ieap tag RUN started_at=...`)",
+        "that no log can be held against, for no start of them is known (`ieap tag RUN started_at=...`)",
         &climate.runs_without_start,
     );
     let exposures: Vec<String> = climate

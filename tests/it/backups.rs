@@ -331,6 +331,69 @@ fn a_file_that_cannot_be_read_leaves_the_earlier_copy_and_an_interruption_nothin
     }
 }
 
+/// Refuses the listing of that number: of a folder, or of the names in one that was opened.
+struct RefusesListing {
+    number: usize,
+    asked: std::sync::atomic::AtomicUsize,
+}
+
+impl ieap::system::World for RefusesListing {
+    fn before(&self, call: &ieap::system::Call<'_>) -> std::io::Result<()> {
+        if call.kind != ieap::system::Kind::List {
+            return Ok(());
+        }
+        let asked = self.asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        if asked == self.number {
+            Err(std::io::Error::from_raw_os_error(5))
+        } else {
+            Ok(())
+        }
+    }
+
+    fn after(&self, _call: &ieap::system::Call<'_>) {}
+
+    fn now(&self) -> std::time::SystemTime {
+        std::time::SystemTime::now()
+    }
+}
+
+/// An error of the disk while the names in a folder were read left out its tag files without a word.
+#[test]
+fn a_folder_that_cannot_be_listed_is_told_and_its_tag_files_stay_in_the_backup() {
+    let folder = campaign();
+    folder.write("tags.toml", "operator = \"A\"\n");
+    let elsewhere = tempfile::tempdir().unwrap();
+    let verb = Backup {
+        folder: elsewhere.path().join("backup"),
+        deep: false,
+        keep: 1,
+    };
+    let context = Context::open_read_only(folder.path()).unwrap();
+    let whole = verb.run(&context, &Silent).unwrap();
+    assert_eq!(whole.left_out, []);
+    let (mut number, mut told) = (0, Vec::new());
+    loop {
+        let world = std::sync::Arc::new(RefusesListing {
+            number,
+            asked: 0.into(),
+        });
+        let done = ieap::system::within(world.clone(), || verb.run(&context, &Silent));
+        if world.asked.load(std::sync::atomic::Ordering::Relaxed) <= number {
+            break;
+        }
+        if let Ok(done) = done {
+            assert!(!done.left_out.is_empty(), "listing {number}");
+            assert_eq!(done.files, whole.files, "listing {number}: {:?}", done.left_out);
+            told.extend(done.left_out.into_iter().map(|left| left.path));
+        }
+        number += 1;
+    }
+    for path in [".", "runs"] {
+        assert!(told.iter().any(|told| told == path), "{path}: {told:?}");
+    }
+    assert_eq!(verb.run(&context, &Silent).unwrap().left_out, []);
+}
+
 /// Refuses the call of that number, and all after it where the disk is gone for good.
 struct RefusesFrom {
     call: usize,

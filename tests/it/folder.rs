@@ -16,7 +16,7 @@ use ieap::ingest::scan::{
     DEFAULT_LIMIT_BYTES, Known, ReadFileError, Readiness, Scan, ScanLimits, Sighting, diff, read_stable,
     readiness, scan,
 };
-use ieap::ingest::tags::{TagRequest, resolve, stem};
+use ieap::ingest::tags::{TagFiles, TagRequest, resolve, stem};
 use ieap::ingest::watch::{Wake, WatchMode, WatchOptions, Watcher};
 
 static GO: AtomicBool = AtomicBool::new(false);
@@ -478,7 +478,7 @@ mod needs_shared {
             for file in &found.files {
                 let resolved = resolve(&TagRequest {
                     campaign: &loaded.campaign,
-                    folder: &folder,
+                    tag_files: &TagFiles::of(&folder),
                     data_files: std::slice::from_ref(&file.relative),
                     stem: &stem(&file.relative),
                     name_pattern: loaded.campaign.name_pattern.as_deref(),

@@ -57,6 +57,7 @@ mod needs_shared;
 mod next_runs;
 mod not_read;
 mod output;
+mod own_climate;
 mod own_files;
 mod plan;
 mod prints;

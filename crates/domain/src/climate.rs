@@ -5,7 +5,12 @@ use crate::closed_words;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Issue, Quantity};
+use super::{Issue, Quantity, TagSource};
+
+/// A measured mean agrees with a stated humidity within this, percent points: the accuracy that makers of capacitive sensors state.
+const HUMIDITY_AGREES_PERCENT: f64 = 3.0;
+/// The same of a temperature, °C: of thermistor loggers.
+const TEMPERATURE_AGREES_C: f64 = 1.0;
 
 closed_words! {
     /// What a log holds: the air, and what a four-point probe says of a sample's electrodes.
@@ -65,6 +70,17 @@ impl ClimateQuantity {
                 | ClimateQuantity::Flexings
                 | ClimateQuantity::ProbeHumidity
         )
+    }
+
+    /// Whether a mean of readings may mean what is stated.
+    pub fn agree(self, stated: f64, mean: f64) -> bool {
+        let allowed = match self {
+            ClimateQuantity::RelativeHumidity => HUMIDITY_AGREES_PERCENT,
+            ClimateQuantity::Temperature => TEMPERATURE_AGREES_C,
+            _ => 0.0,
+        };
+        // The last digits of a binary fraction say nothing: 2.51 - 2.5 is 0.00999...
+        (stated - mean).abs() <= allowed + 1e-12 * stated.abs().max(mean.abs())
     }
 
     /// Unit as printed.
@@ -210,7 +226,7 @@ pub struct LogReadings {
 /// What a run had of one quantity by one sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunClimate {
-    /// The sensor.
+    /// The sensor, or [`RunClimate::own_column`].
     pub sensor: String,
     /// What is known.
     pub quantity: ClimateQuantity,
@@ -230,6 +246,30 @@ pub struct RunClimate {
     pub largest_gap_s: f64,
     /// Stated accuracy of the sensor for this quantity; none: not stated.
     pub accuracy: Option<f64>,
+}
+
+impl RunClimate {
+    /// What stands for the sensor where a run's own column of that name measured.
+    pub fn own_column(name: &str) -> String {
+        format!("{} {name}", TagSource::Column.label())
+    }
+
+    /// The column's name where a column of the run's own file measured it, and not a sensor with a log.
+    pub fn own_name(&self) -> Option<&str> {
+        own_name(&self.sensor)
+    }
+}
+
+fn own_name(sensor: &str) -> Option<&str> {
+    sensor.strip_prefix(TagSource::Column.label())?.strip_prefix(' ')
+}
+
+/// The sensor in words: `sensor 10173910`, `its own column RH (%)`.
+pub fn sensor_words(sensor: &str) -> String {
+    match own_name(sensor) {
+        Some(_) => sensor.to_owned(),
+        None => format!("sensor {sensor}"),
+    }
 }
 
 /// Climate around a run, thinned for drawing.

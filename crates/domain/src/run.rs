@@ -6,7 +6,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::tag::keys;
-use super::{ChannelSummary, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Standing, Tag};
+use super::{
+    ChannelSummary, ClimateQuantity, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Standing, Tag,
+};
 
 closed_words! {
     /// What is measured: a modulus log is told by the folder that the file lies in, the others by their columns.
@@ -136,6 +138,27 @@ impl RunRecord {
             .iter()
             .find(|tag| tag.key == key)
             .map(|tag| tag.value.as_str())
+    }
+
+    /// Whether the log of a sensor says what climate it had.
+    pub fn is_covered_by_log(&self) -> bool {
+        let follows = |quantity| !ClimateQuantity::MEASURED.contains(&quantity);
+        self.climate
+            .iter()
+            .any(|found| found.own_name().is_none() && !follows(found.quantity))
+    }
+
+    /// Whether what people or the file's head state of the climate is not what was measured while the run went on.
+    pub fn climate_label_differs(&self) -> bool {
+        ClimateQuantity::MEASURED.into_iter().any(|quantity| {
+            let mut tags = self.tags.iter().filter(|tag| tag.key == quantity.key());
+            let number = |tag: &Tag| tag.value.parse::<f64>().ok();
+            let stated = tags.next().filter(|tag| tag.source.is_stated()).and_then(number);
+            let mut means = tags
+                .filter(|tag| tag.source.is_measured_climate())
+                .filter_map(number);
+            stated.is_some_and(|stated| means.any(|mean| !quantity.agree(stated, mean)))
+        })
     }
 
     /// Number of places along the strip at which `quantity` was measured.

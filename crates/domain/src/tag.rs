@@ -128,12 +128,26 @@ closed_words! {
         Header = "header" => "file header",
         /// The voltage channel of the file.
         Channel = "channel" => "voltage channel",
+        /// A column of the file beside voltage and current, averaged over the run.
+        Column = "column" => "its own column",
         /// Ambient logs, averaged over the run.
         Ambient = "ambient" => "ambient log",
         /// Readings of a four-point probe before and after the run.
         Probe = "probe" => "probe",
         /// Defaults of the environment in campaign.toml.
         EnvironmentDefault = "environment_default" => "environment default",
+    }
+}
+
+impl TagSource {
+    /// Whether a person or the head of the file stated it, so that it is no reading.
+    pub fn is_stated(self) -> bool {
+        self <= TagSource::Header
+    }
+
+    /// Whether it is a mean of what sensors measured while the run went on.
+    pub fn is_measured_climate(self) -> bool {
+        matches!(self, TagSource::Column | TagSource::Ambient)
     }
 }
 

@@ -17,9 +17,10 @@ const LOOKED_AT_BYTES: u64 = 256 << 10;
 pub fn order_beside(file: &Path, date: &str) -> Option<DateOrder> {
     let mark = date.chars().find(|c| is_mark(*c))?;
     let extension = file.extension().map(|end| end.to_ascii_lowercase());
-    let mut others: Vec<_> = fs::read_dir(file.parent()?)
+    // Files that nobody sees may contradict the others: the order is not shown then.
+    let mut others: Vec<_> = fs::entries(file.parent()?)
         .ok()?
-        .flatten()
+        .into_iter()
         .map(|entry| entry.path())
         .filter(|path| path != file && path.extension().map(|end| end.to_ascii_lowercase()) == extension)
         .collect();

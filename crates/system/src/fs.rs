@@ -3,7 +3,7 @@
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-pub use std::fs::{DirEntry, Metadata, Permissions, ReadDir, TryLockError};
+pub use std::fs::{DirEntry, Metadata, Permissions, TryLockError};
 
 use crate::regular::{self, Links};
 use crate::{Call, Kind, call, call_on};
@@ -452,13 +452,44 @@ pub fn create_dir_all(path: impl AsRef<Path>) -> io::Result<()> {
     call(Kind::MakeFolder, path, || std::fs::create_dir_all(path))
 }
 
-/// What lies in a folder.
+/// What lies in a folder, one by one. A system that opens a folder may fail to give its names: [`entries`] gives all of them
+/// or the error.
 ///
 /// # Errors
 /// What the system says.
 pub fn read_dir(path: impl AsRef<Path>) -> io::Result<ReadDir> {
     let path = path.as_ref();
-    call(Kind::List, path, || std::fs::read_dir(path))
+    Ok(ReadDir {
+        entries: call(Kind::List, path, || std::fs::read_dir(path))?,
+        to_ask: Some(path.to_owned()),
+    })
+}
+
+/// All that lies in a folder.
+///
+/// # Errors
+/// What the system says: where it does not give all of it, nothing is given.
+pub fn entries(path: impl AsRef<Path>) -> io::Result<Vec<DirEntry>> {
+    read_dir(path)?.collect()
+}
+
+/// The names in a folder as the system gives them.
+#[derive(Debug)]
+pub struct ReadDir {
+    entries: std::fs::ReadDir,
+    /// The folder, until the system was asked for the first names.
+    to_ask: Option<PathBuf>,
+}
+
+impl Iterator for ReadDir {
+    type Item = io::Result<DirEntry>;
+
+    fn next(&mut self) -> Option<io::Result<DirEntry>> {
+        match self.to_ask.take().map(|path| crate::asked(Kind::List, &path)) {
+            Some(Err(error)) => Some(Err(error)),
+            _ => self.entries.next(),
+        }
+    }
 }
 
 /// Size, times and kind; a link is followed.

@@ -135,7 +135,7 @@ pub struct ClimateStatus {
     pub runs_label_differs: Vec<String>,
     /// Runs that no log covers although there are logs.
     pub runs_not_covered: Vec<String>,
-    /// Runs that state no start: no log can be held against them.
+    /// Runs of which no start is known: no log can be held against them.
     pub runs_without_start: Vec<String>,
 }
 
@@ -288,21 +288,22 @@ fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, Pipel
     for sensor in &mut assessment.sensors {
         sensor.curve = Default::default();
     }
-    let with = |wanted: &dyn Fn(&Issue) -> bool| -> Vec<String> {
-        let found = runs.iter().filter(|run| run.issues.iter().any(wanted));
+    let named = |wanted: &dyn Fn(&RunRecord) -> bool| -> Vec<String> {
+        let found = runs.iter().filter(|run| wanted(run));
         found.map(|run| run.path.clone()).collect()
     };
-    let of_climate = [keys::RELATIVE_HUMIDITY_PERCENT, keys::TEMPERATURE_C];
-    let differs =
-        |issue: &Issue| issue.code == "tag-disagreement" && of_climate.contains(&issue.place.as_str());
+    let with = |code: &str| named(&|run| run.issues.iter().any(|issue| issue.code == code));
+    let without_start = |run: &RunRecord| {
+        run.tag(keys::STARTED_AT).is_none() && run.issues.iter().any(|issue| issue.code == "climate-no-start")
+    };
     Ok(ClimateStatus {
         logs: context.store.logs()?.len(),
         assessment,
-        runs_covered: runs.iter().filter(|run| !run.climate.is_empty()).count(),
-        runs_left_tolerance: with(&|issue| issue.code == "climate-left-tolerance"),
-        runs_label_differs: with(&differs),
-        runs_not_covered: with(&|issue| issue.code == "climate-not-covered"),
-        runs_without_start: with(&|issue| issue.code == "climate-no-start"),
+        runs_covered: named(&RunRecord::is_covered_by_log).len(),
+        runs_left_tolerance: with("climate-left-tolerance"),
+        runs_label_differs: named(&RunRecord::climate_label_differs),
+        runs_not_covered: with("climate-not-covered"),
+        runs_without_start: named(&without_start),
     })
 }
 

@@ -4,6 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::SystemTime;
 
 use ieap::domain::FileState;
@@ -103,6 +104,40 @@ fn a_run_whose_file_became_unreadable_and_went_has_a_file_that_is_gone() {
     let mut differences = rebuilt.content().unwrap().differences(&before);
     differences.retain(|(part, _)| *part != "fit");
     assert_eq!(differences, []);
+}
+
+/// Writes into the tag file of that name once, right after it was read for the first time.
+struct WritesAfterReading(&'static str, &'static str, AtomicBool);
+
+impl World for WritesAfterReading {
+    fn before(&self, _call: &Call<'_>) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn after(&self, call: &Call<'_>) {
+        if call.kind == Kind::Read && call.path.ends_with(self.0) && !self.2.swap(true, Ordering::Relaxed) {
+            fs::write(call.path, self.1).unwrap();
+        }
+    }
+
+    fn now(&self) -> SystemTime {
+        SystemTime::now()
+    }
+}
+
+/// Tags came from one reading of a sidecar and their digest from another, so that what was written in between was never
+/// taken up.
+#[test]
+fn a_sidecar_that_is_written_while_its_run_is_tagged_is_taken_up() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.write("runs/a.csv.toml", "cycle = 1\n");
+    let mut context = open(folder.path());
+    let world = WritesAfterReading("a.csv.toml", "cycle = 2\n", AtomicBool::new(false));
+    within(Arc::new(world), || ingest(&mut context));
+    ingest(&mut context);
+    let run = context.store.runs().unwrap().remove(0);
+    assert_eq!(run.tag("cycle"), Some("2"), "{:?}", run.tags);
 }
 
 /// The watch took an error of the disk for a database that was replaced, and ended.

@@ -6,7 +6,7 @@ use super::covariate::{Covariate, DeclaredTag, Kind};
 use super::policy::{FEWEST_OF_A_KIND, SAME_HUMIDITY_PERCENT};
 use crate::conditions::nominal_voltage_v;
 use ieap_domain::tag::keys;
-use ieap_domain::{Campaign, ClimateQuantity, RunRecord, TagSource};
+use ieap_domain::{Campaign, ClimateQuantity, RunRecord};
 
 /// A stated accuracy is the half-width of an even distribution: its standard deviation is this part of it.
 const EVEN: f64 = 0.577_350_269_189_625_8;
@@ -169,19 +169,19 @@ fn of_run(
     })
 }
 
-/// The tag with the uncertainty of the log that it came from. A label carries none.
+/// The tag with the uncertainty of the readings that it came from. A label carries none.
 fn climate(run: &RunRecord, quantity: ClimateQuantity, key: &str) -> Option<Known> {
     let value = run.tag_number(key)?;
     let measured = run
         .climate
         .iter()
         .find(|climate| climate.chosen && climate.quantity == quantity);
-    let from_log = run
+    let is_measured = run
         .tags
         .iter()
         .find(|tag| tag.key == key)
-        .is_some_and(|tag| tag.source == TagSource::Ambient);
-    let standard_error = measured.filter(|_| from_log).and_then(|measured| {
+        .is_some_and(|tag| tag.source.is_measured_climate());
+    let standard_error = measured.filter(|_| is_measured).and_then(|measured| {
         let parts = [
             measured.standard_deviation,
             measured.accuracy.map(|accuracy| accuracy * EVEN),

@@ -151,7 +151,7 @@ impl Walk<'_> {
             return Ok(Vec::new());
         }
         let mut below = Vec::new();
-        let entries: Vec<fs::DirEntry> = fs::read_dir(&path)?.collect::<io::Result<_>>()?;
+        let entries = fs::entries(&path)?;
         if depth > 0 && frame_folder::is_one(&entries) {
             self.folder_of_frames(relative, &path, &entries)?;
             return Ok(Vec::new());
@@ -163,8 +163,15 @@ impl Walk<'_> {
             if is_passing_name(&name) || is_own_product(&relative) {
                 continue;
             }
-            // An entry that has gone since the folder was listed is no fault: the next scan shows it.
-            let Ok(kind) = entry.file_type() else { continue };
+            let kind = match entry.file_type() {
+                Ok(kind) => kind,
+                // An entry that has gone since the folder was listed is no fault: the next scan shows it.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                Err(error) => {
+                    self.unreadable_folder(&relative, &error);
+                    continue;
+                }
+            };
             if kind.is_symlink() {
                 self.links.push((relative, depth));
             } else if kind.is_dir() {

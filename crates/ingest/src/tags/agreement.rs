@@ -1,11 +1,11 @@
 //! Whether two sources mean the same, and what to say where they do not.
 
-use crate::tags::policy::{HUMIDITY_AGREES_PERCENT, START_AGREES_S, TEMPERATURE_AGREES_C};
+use crate::tags::policy::START_AGREES_S;
 use jiff::Timestamp;
 
 use ieap_domain::drive::{NOMINAL_AGREES_PART, NOMINAL_AGREES_V};
 use ieap_domain::tag::keys;
-use ieap_domain::{Issue, Tag, TagSource};
+use ieap_domain::{ClimateQuantity, Issue, Tag, TagSource};
 
 /// Code of what is said of one measurement under two names that are tagged differently.
 pub const NAMES_CONTRADICT: &str = "names-contradict";
@@ -13,8 +13,8 @@ pub const NAMES_CONTRADICT: &str = "names-contradict";
 /// The issue that names both sources and values, where `overruled` does not mean what `chosen` means.
 ///
 /// It is a warning where two statements about this very run differ, and a note where the stronger source is
-/// there to overrule (a value set by hand, a nearer tags.toml, a default) or the tag is a text that two
-/// sources may well word differently.
+/// there to overrule (a value set by hand, a nearer tags.toml, the run's own column beside a log, a default) or the tag is
+/// a text that two sources may well word differently.
 pub(super) fn disagreement(chosen: &Tag, overruled: &Tag) -> Option<Issue> {
     if agree(chosen, overruled) {
         return None;
@@ -27,7 +27,7 @@ pub(super) fn disagreement(chosen: &Tag, overruled: &Tag) -> Option<Issue> {
         overruled.value,
         origin(overruled)
     );
-    let meant_to_overrule = chosen.source == TagSource::Hand
+    let meant_to_overrule = [TagSource::Hand, TagSource::Column].contains(&chosen.source)
         || chosen.source == overruled.source
         || overruled.source == TagSource::EnvironmentDefault;
     let issue = if meant_to_overrule || is_wording(chosen) {
@@ -95,22 +95,34 @@ fn agree(chosen: &Tag, overruled: &Tag) -> bool {
         return false;
     }
     match (chosen.value.parse::<f64>(), overruled.value.parse::<f64>()) {
-        (Ok(a), Ok(b)) => (a - b).abs() <= tolerance(chosen, overruled, a.abs().max(b.abs())),
+        (Ok(a), Ok(b)) => numbers_agree(chosen, overruled, (a, b)),
         _ => false,
     }
 }
 
-/// How far two numbers of a key may lie apart and still mean the same; zero where neither was measured.
-fn tolerance(chosen: &Tag, overruled: &Tag, magnitude: f64) -> f64 {
-    let from = |source| chosen.source == source || overruled.source == source;
-    let allowed = match chosen.key.as_str() {
-        keys::VOLTAGE_V if from(TagSource::Channel) => NOMINAL_AGREES_V.max(NOMINAL_AGREES_PART * magnitude),
-        keys::RELATIVE_HUMIDITY_PERCENT if from(TagSource::Ambient) => HUMIDITY_AGREES_PERCENT,
-        keys::TEMPERATURE_C if from(TagSource::Ambient) => TEMPERATURE_AGREES_C,
-        _ => 0.0,
+/// Whether two numbers of a key mean the same: exactly where neither was measured.
+fn numbers_agree(chosen: &Tag, overruled: &Tag, (a, b): (f64, f64)) -> bool {
+    let climate = ClimateQuantity::MEASURED
+        .into_iter()
+        .find(|quantity| quantity.key() == chosen.key);
+    if let Some(quantity) = climate
+        && [chosen, overruled]
+            .iter()
+            .any(|tag| tag.source.is_measured_climate())
+    {
+        return quantity.agree(a, b);
+    }
+    let magnitude = a.abs().max(b.abs());
+    let is_measured = [chosen, overruled]
+        .iter()
+        .any(|tag| tag.source == TagSource::Channel);
+    let allowed = if chosen.key == keys::VOLTAGE_V && is_measured {
+        NOMINAL_AGREES_V.max(NOMINAL_AGREES_PART * magnitude)
+    } else {
+        0.0
     };
     // The last digits of a binary fraction say nothing: 2.51 - 2.5 is 0.00999...
-    allowed + 1e-12 * magnitude
+    (a - b).abs() <= allowed + 1e-12 * magnitude
 }
 
 #[cfg(test)]
@@ -128,7 +140,7 @@ mod tests {
 
     #[test]
     fn what_was_measured_agrees_within_the_stated_rule() {
-        use TagSource::{Ambient, Channel, FileName, Sidecar};
+        use TagSource::{Ambient, Channel, Column, FileName, Sidecar};
         for (key, stated, source, other, agrees) in [
             ("voltage_v", "2.5", FileName, "2.50", true),
             ("voltage_v", "2.5", FileName, "2.501", false),
@@ -139,6 +151,8 @@ mod tests {
             ("voltage_v", "2.5", Channel, "-2.5", false),
             ("relative_humidity_percent", "34", Ambient, "36.9", true),
             ("relative_humidity_percent", "34", Ambient, "37.1", false),
+            ("relative_humidity_percent", "34", Column, "36.9", true),
+            ("relative_humidity_percent", "34", Column, "37.1", false),
             ("relative_humidity_percent", "34", FileName, "35", false),
             ("temperature_c", "22", Ambient, "23", true),
             ("temperature_c", "22", Ambient, "23.1", false),

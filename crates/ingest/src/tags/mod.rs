@@ -2,6 +2,7 @@
 
 mod agreement;
 mod declared;
+mod files;
 mod policy;
 mod sources;
 mod stated_value;
@@ -20,7 +21,7 @@ pub use declared::{MISSPELT, TagKey, UNDECLARED, objection, tag_key};
 pub const MISSING: &str = "tag-missing";
 
 pub use agreement::NAMES_CONTRADICT;
-pub use sources::{tag_files_for, tag_sources_digest, unreadable};
+pub use files::{TagFiles, tag_files_for};
 pub use stated_value::{UNKNOWN_SAMPLE, value_objection};
 
 /// Another name under which the readings of a run lie: what is stated of it is stated of the run.
@@ -39,8 +40,8 @@ pub struct OtherName {
 pub struct TagRequest<'a> {
     /// The campaign as campaign.toml states it.
     pub campaign: &'a Campaign,
-    /// Its folder.
-    pub folder: &'a Path,
+    /// What its tag files hold.
+    pub tag_files: &'a TagFiles,
     /// The run's files relative to the campaign, the one that names the run first.
     pub data_files: &'a [PathBuf],
     /// The first file's name without what is no part of the run's name: what `name_pattern` is matched to.
@@ -64,7 +65,8 @@ pub struct TagRequest<'a> {
     pub has_voltage: bool,
     /// Other names of the same readings; empty where there are none.
     pub other_names: &'a [OtherName],
-    /// Means of ambient logs over the run (source [`TagSource::Ambient`]); empty where there are none.
+    /// Means over the run of its own columns and of ambient logs (sources [`TagSource::Column`], [`TagSource::Ambient`]);
+    /// empty where there are none.
     pub ambient: &'a [Tag],
 }
 

@@ -1,60 +1,32 @@
 //! What each source says, before any choice.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::campaign_file::line_and_column;
 use crate::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::scan::display_path;
 use ieap_domain::tag::keys;
-use ieap_domain::{Campaign, InputHash, Issue, Tag, TagSource};
-use ieap_system::fs;
+use ieap_domain::{Campaign, Issue, Tag, TagSource};
 
+use super::files::{TagFile, TagFiles, relative_tag_files};
 use super::value::shortest;
 use super::{OtherName, TagRequest, is_unreadable, stem, tags_of};
 
-/// Name of the file that tags every run of a folder.
-const FOLDER_TAGS: &str = "tags.toml";
-
-/// Largest file that is read for tags: a page of tags has some hundred bytes.
-const LARGEST_BYTES: u64 = 1 << 20;
-
-/// The files that state tags of a data file (relative to the campaign), nearest first, whether they are
-/// there or not: the sidecar, then tags.toml of its folder and of each folder above inside the campaign.
-pub fn tag_files_for(campaign: &Path, data_file: &Path) -> Vec<PathBuf> {
-    relative_tag_files(data_file)
-        .into_iter()
-        .map(|(file, _)| campaign.join(file))
-        .collect()
-}
-
-/// A digest of what those files hold: another digest means that the run is to be tagged again.
-pub fn tag_sources_digest(campaign: &Path, data_files: &[PathBuf]) -> String {
-    let mut hash = InputHash::new();
-    for (file, _) in data_files.iter().flat_map(|file| relative_tag_files(file)) {
-        hash.bytes(file.as_os_str().as_encoded_bytes());
-        match read_limited(&campaign.join(&file)) {
-            Ok(Some(bytes)) => hash.text("there").bytes(&bytes),
-            Ok(None) => hash.text("absent"),
-            Err(error) => hash.text("unreadable").text(&error.kind().to_string()),
-        };
+impl TagFiles {
+    /// Why tag files of these data files (relative to the campaign), or statements in them, cannot be read; one issue each.
+    pub fn unreadable(&self, data_files: &[PathBuf]) -> Vec<Issue> {
+        let mut issues = Vec::new();
+        in_tag_files(self, data_files, &[], &mut issues);
+        issues.retain(is_unreadable);
+        issues
     }
-    hash.finished()
-}
-
-/// Why tag files of these data files (relative to the campaign), or statements in them, cannot be read; one issue each.
-pub fn unreadable(campaign: &Path, data_files: &[PathBuf]) -> Vec<Issue> {
-    let mut issues = Vec::new();
-    in_tag_files(campaign, data_files, &[], &mut issues);
-    issues.retain(is_unreadable);
-    issues
 }
 
 /// Tags of every source but the environment's defaults, strongest first, nearest file first.
 pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {
     let mut tags = request.hand.to_vec();
     tags.extend(in_tag_files(
-        request.folder,
+        request.tag_files,
         request.data_files,
         request.kept,
         issues,
@@ -81,13 +53,13 @@ pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> 
 }
 
 /// Tags of the files that state them, the nearest file first; of a file that is not there what is `kept` of it.
-fn in_tag_files(campaign: &Path, data_files: &[PathBuf], kept: &[Tag], issues: &mut Vec<Issue>) -> Vec<Tag> {
+fn in_tag_files(files: &TagFiles, data_files: &[PathBuf], kept: &[Tag], issues: &mut Vec<Issue>) -> Vec<Tag> {
     let (mut tags, mut read) = (Vec::new(), Vec::new());
     for file in data_files {
         for (path, source) in relative_tag_files(file) {
             // Files of one run share their folders' tags.
             if !read.contains(&path) {
-                tags.extend(in_file(campaign, &path, source, issues).unwrap_or_else(|| {
+                tags.extend(in_file(files, &path, source, issues).unwrap_or_else(|| {
                     let shown = display_path(&path);
                     let of_file = |tag: &&Tag| tag.source == source && tag.detail == shown;
                     kept.iter().filter(of_file).cloned().collect()
@@ -110,7 +82,7 @@ pub(super) fn of_other_names(request: &TagRequest, issues: &mut Vec<Issue>) -> V
         let mut tags = other.hand.clone();
         for (path, source) in relative_tag_files(&other.file) {
             if !read.contains(&path) {
-                tags.extend(in_file(request.folder, &path, source, issues).unwrap_or_default());
+                tags.extend(in_file(request.tag_files, &path, source, issues).unwrap_or_default());
                 read.push(path);
             }
         }
@@ -140,43 +112,18 @@ pub(super) fn defaults(campaign: &Campaign, environment: Option<&str>) -> Vec<Ta
     tags_of(TagSource::EnvironmentDefault, &environment.id, pairs)
 }
 
-fn relative_tag_files(data_file: &Path) -> Vec<(PathBuf, TagSource)> {
-    let mut sidecar = data_file.as_os_str().to_owned();
-    sidecar.push(".toml");
-    let folders = data_file.ancestors().skip(1);
-    let folder_tags = folders.map(|folder| (folder.join(FOLDER_TAGS), TagSource::Folder));
-    std::iter::once((PathBuf::from(sidecar), TagSource::Sidecar))
-        .chain(folder_tags)
-        .collect()
-}
-
-/// The bytes of a file of tags; none where it is not there.
-fn read_limited(path: &Path) -> io::Result<Option<Vec<u8>>> {
-    match fs::metadata(path) {
-        Err(error)
-            if matches!(
-                error.kind(),
-                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
-            ) =>
-        {
-            Ok(None)
-        }
-        Err(error) => Err(error),
-        Ok(found) if found.len() > LARGEST_BYTES => {
-            let message = format!("it has {} bytes, more than {LARGEST_BYTES}", found.len());
-            Err(io::Error::new(io::ErrorKind::FileTooLarge, message))
-        }
-        Ok(_) => fs::read_stated(path).map(Some),
-    }
-}
-
 /// What a tag file states; none where it is not there.
-fn in_file(campaign: &Path, relative: &Path, source: TagSource, issues: &mut Vec<Issue>) -> Option<Vec<Tag>> {
+fn in_file(
+    files: &TagFiles,
+    relative: &Path,
+    source: TagSource,
+    issues: &mut Vec<Issue>,
+) -> Option<Vec<Tag>> {
     let shown = display_path(relative);
-    let bytes = match read_limited(&campaign.join(relative)) {
-        Ok(Some(bytes)) => bytes,
-        Ok(None) => return None,
-        Err(error) => {
+    let bytes = match files.file(relative) {
+        TagFile::There(bytes) => bytes,
+        TagFile::Absent => return None,
+        TagFile::Unreadable(_, error) => {
             let issue = Issue::error("tag-file-unreadable", format!("it cannot be read: {error}"));
             issues.push(
                 issue

@@ -47,7 +47,7 @@ fn resolve_with(files: &[(&str, &str)], given: Given) -> Resolved {
     let stem = stem(&data_files[0]);
     resolve(&TagRequest {
         campaign: &campaign,
-        folder: folder.path(),
+        tag_files: &TagFiles::of(folder.path()),
         data_files: &data_files,
         stem: given.stem.unwrap_or(&stem),
         name_pattern: given.name_pattern.or(campaign.name_pattern.as_deref()),
@@ -340,7 +340,8 @@ fn tag_files_are_those_inside_the_campaign_and_their_digest_follows_their_conten
     ];
     assert_eq!(files, expected.map(|file| campaign.join(file)));
     let data_files = [PathBuf::from(FILE)];
-    let mut digests = vec![tag_sources_digest(campaign, &data_files)];
+    let now = || TagFiles::of(campaign).digest(&data_files);
+    let mut digests = vec![now()];
     for (file, text) in [
         (0, ""),
         (0, "sample = 1"),
@@ -349,13 +350,54 @@ fn tag_files_are_those_inside_the_campaign_and_their_digest_follows_their_conten
         (3, "x = 2"),
     ] {
         fs::write(&files[file], text).unwrap();
-        let digest = tag_sources_digest(campaign, &data_files);
+        let digest = now();
         assert!(!digests.contains(&digest), "{file} {text}");
-        assert_eq!(digest, tag_sources_digest(campaign, &data_files));
+        assert_eq!(digest, now());
         digests.push(digest);
     }
     fs::write(campaign.join("runs/set/other.csv.toml"), "sample = 1").unwrap();
-    assert_eq!(digests.last(), Some(&tag_sources_digest(campaign, &data_files)));
+    assert_eq!(digests.last(), Some(&now()));
+}
+
+/// The digest was of another reading than the tags, so that what was written in between was never taken up.
+#[test]
+fn tags_and_their_digest_are_of_one_reading() {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = campaign(None);
+    fs::create_dir_all(folder.path().join("runs/set")).unwrap();
+    let sidecar = folder.path().join(format!("{FILE}.toml"));
+    let data_files = [PathBuf::from(FILE)];
+    let tags_of = |tag_files: &TagFiles| {
+        let request = TagRequest {
+            campaign: &campaign,
+            tag_files,
+            data_files: &data_files,
+            stem: "a",
+            name_pattern: None,
+            needed: &[],
+            hand: &[],
+            planned: &[],
+            kept: &[],
+            header: &[],
+            channel_voltage_v: None,
+            has_voltage: false,
+            other_names: &[],
+            ambient: &[],
+        };
+        resolve(&request).value("voltage_v").map(str::to_owned)
+    };
+    fs::write(&sidecar, "voltage_v = 1.0\n").unwrap();
+    let before = TagFiles::of(folder.path()).digest(&data_files);
+    let reading = TagFiles::of(folder.path());
+    assert_eq!(tags_of(&reading).as_deref(), Some("1"));
+    fs::write(&sidecar, "voltage_v = 2.0\n").unwrap();
+    assert_eq!(
+        (tags_of(&reading).as_deref(), reading.digest(&data_files)),
+        (Some("1"), before.clone())
+    );
+    let next = TagFiles::of(folder.path());
+    assert_ne!(next.digest(&data_files), before);
+    assert_eq!(tags_of(&next).as_deref(), Some("2"));
 }
 
 /// Text that is nearly a file of tags, so that the reader gets past its first line.
@@ -382,7 +424,7 @@ proptest::proptest! {
         let data_files = [PathBuf::from(FILE)];
         let found = resolve(&TagRequest {
             campaign: &campaign,
-            folder: folder.path(),
+            tag_files: &TagFiles::of(folder.path()),
             data_files: &data_files,
             stem: &stem(&data_files[0]),
             name_pattern: campaign.name_pattern.as_deref(),

@@ -11,6 +11,7 @@ use super::group::series;
 use super::panel::{Chart, Margins, TICK_SIZE, label, panel, pixels, text_style};
 use super::thin;
 use crate::zone::Zone;
+use ieap_domain::climate::sensor_words;
 use ieap_domain::{ClimateCurve, ClimateQuantity};
 
 /// Width of the figure of one run, px.
@@ -88,7 +89,7 @@ pub fn around_run(
                 &mut chart,
                 (x.high, y.high),
                 (-4, 3),
-                &format!("sensor {}", curve.sensor),
+                &sensor_words(&curve.sensor),
                 &name,
             )?;
         }

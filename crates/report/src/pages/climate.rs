@@ -161,7 +161,7 @@ fn summary(site: &Site) -> Vec<String> {
         ];
     }
     let runs = &site.input.runs;
-    let covered = runs.iter().filter(|run| !run.climate.is_empty()).count();
+    let covered = runs.iter().filter(|run| run.is_covered_by_log()).count();
     let flagged = |code: &str| {
         runs.iter()
             .filter(|run| run.issues.iter().any(|issue| issue.code == code))
@@ -185,7 +185,7 @@ fn summary(site: &Site) -> Vec<String> {
             counted(above, "run")
         ));
     }
-    let labels = runs.iter().filter(|run| label_differs(run)).count();
+    let labels = runs.iter().filter(|run| run.climate_label_differs()).count();
     if labels > 0 {
         sentences.push(format!(
             "In {} the label and the measured climate differ.",
@@ -204,12 +204,6 @@ fn summary(site: &Site) -> Vec<String> {
         ));
     }
     sentences
-}
-
-fn label_differs(run: &RunRecord) -> bool {
-    run.issues
-        .iter()
-        .any(|issue| issue.code == "tag-disagreement" && is_climate(&issue.place))
 }
 
 fn is_climate(place: &str) -> bool {

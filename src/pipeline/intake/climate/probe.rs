@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::of_run::five_digits;
+use super::numbers::five_digits;
 use super::shelf::Shelf;
 use crate::analysis::climate::Window;
 use crate::analysis::probe::{Course, ProbeReading, ProbeSeries, at_run, course};

@@ -9,10 +9,10 @@ use super::summary::IngestSummary;
 use super::tagging::{TaggingInput, digest, tag_files, tagging, unreadable};
 use super::window::window;
 use crate::analysis::climate::Window;
-use crate::domain::tag::{UNREADABLE, keys};
+use crate::domain::tag::keys;
 use crate::domain::{Issue, RunRecord, RunState, Tag, TagSource};
 use crate::ingest::formats::date::DATE_UNCERTAIN;
-use crate::ingest::tags::is_unreadable;
+use crate::ingest::tags::{TagFiles, is_unreadable};
 use crate::ingest::{StartedAt, Timestamp};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::now;
@@ -31,6 +31,8 @@ pub fn retag_runs(
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
     let shelf = Shelf::open(&context.store)?;
+    // What is written from here on is of the next time: digest and tags are of one reading.
+    let stated = TagFiles::of(&context.folder);
     context.sheets = known_sheets(context)?;
     let windows: BTreeMap<i64, Option<Window>> = context
         .store
@@ -47,7 +49,6 @@ pub fn retag_runs(
         .collect();
     let other_names = context.store.other_names()?;
     let others_of = |run_id: i64| other_names.get(&run_id).map_or(&[][..], Vec::as_slice);
-    let held = with_unreadable(context)?;
     let gone = context.store.runs_without_files()?;
     let mut due: BTreeMap<i64, Due> = BTreeMap::new();
     for (run_id, path, stored) in context.store.tag_digests()? {
@@ -57,16 +58,13 @@ pub fn retag_runs(
         let files = tag_files(&path, &files);
         let digest = digest(
             context,
-            &shelf,
+            (&shelf, &stated),
             (&path, &files),
             others_of(run_id),
             window,
             gone.contains(&run_id),
         )?;
-        // The digest may be of another moment than the reading that failed: that is over when all can be read.
-        let is_over =
-            || held.contains(&path) && unreadable(context, &path, &files, others_of(run_id)).is_empty();
-        let changed = digest != stored || is_over();
+        let changed = digest != stored;
         if changed || (open_dates.contains(&path) && is_decided_beside(context, run_id, &files)?) {
             due.insert(run_id, Due { digest, changed });
         }
@@ -88,13 +86,13 @@ pub fn retag_runs(
         together(context, |context| {
             for run in batch {
                 let (due, others) = (&due[&run.id], others_of(run.id));
-                match held_by(context, run, others) {
+                match held_by(context, run, others, &stated) {
                     Some(issues) if due.changed => {
                         context.store.hold_tags(&now(), run.id, &due.digest, &issues)?;
                     }
                     // Only its date could be told now: that waits for what cannot be read, too.
                     Some(_) => {}
-                    None if retag(context, &shelf, run, others, gone.contains(&run.id))? => {
+                    None if retag(context, (&shelf, &stated), run, others, gone.contains(&run.id))? => {
                         retagged.push(run.path.clone())
                     }
                     None => {}
@@ -110,29 +108,30 @@ pub fn retag_runs(
     Ok(())
 }
 
-/// Current runs of which it was stored that something which states their tags cannot be read.
-fn with_unreadable(context: &Context) -> Result<BTreeSet<String>, PipelineError> {
-    let mut held = BTreeSet::new();
-    for code in UNREADABLE {
-        let found = context.store.issues_of_code(code)?;
-        held.extend(found.into_iter().map(|(path, _)| path));
-    }
-    Ok(held)
-}
-
 /// Why a run is looked at again.
 struct Due {
     /// Of its tag sources as they are now.
     digest: String,
-    /// Whether the digest is another one than before, or what could not be read then can be read.
+    /// Whether the digest is another one than before.
     changed: bool,
 }
 
 /// Why a run keeps the tags that it has until something is mended: what they came from cannot be read now, and the next
 /// source would give other tags. One that waits for tags is not held.
-fn held_by(context: &Context, run: &RunRecord, other_names: &[String]) -> Option<Vec<Issue>> {
+fn held_by(
+    context: &Context,
+    run: &RunRecord,
+    other_names: &[String],
+    stated: &TagFiles,
+) -> Option<Vec<Issue>> {
     let files: Vec<&str> = run.files.iter().map(|file| file.path.as_str()).collect();
-    let mut issues = unreadable(context, &run.path, &tag_files(&run.path, &files), other_names);
+    let mut issues = unreadable(
+        context,
+        stated,
+        &run.path,
+        &tag_files(&run.path, &files),
+        other_names,
+    );
     let is_lost = run.tags.iter().any(|tag| context.sheets.is_from_damaged(tag));
     if run.state == RunState::Untagged || issues.is_empty() && !is_lost {
         return None;
@@ -167,7 +166,7 @@ fn stated_beside(tags: &[Tag]) -> impl Iterator<Item = &Tag> {
 /// tags from runs that stay.
 fn retag(
     context: &mut Context,
-    shelf: &Shelf,
+    (shelf, stated): (&Shelf, &TagFiles),
     run: &RunRecord,
     other_names: &[String],
     is_gone: bool,
@@ -177,7 +176,7 @@ fn retag(
     let header = run.tags.iter().filter(|tag| tag.source == TagSource::Header);
     let (starts, others): (Vec<_>, Vec<_>) = header.partition(|tag| tag.key == keys::STARTED_AT);
     // The stored start carries its offset already.
-    let stated = starts.first().map(|tag| StartedAt {
+    let start = starts.first().map(|tag| StartedAt {
         raw: tag.detail.clone(),
         kind: Timestamp::Start,
         local: Some(tag.value.clone()),
@@ -187,7 +186,7 @@ fn retag(
     // A date that the file leaves open is read anew, for what decides it may have changed.
     let mut stamps = run.origin.clocks.iter().filter_map(|clock| clock.stamp.as_ref());
     let open = stamps.find(|stamp| start::is_open(stamp)).cloned();
-    let started_at = open.or(stated);
+    let started_at = open.or(start);
     let input = TaggingInput {
         run_path: &run.path,
         kind: run.kind,
@@ -204,7 +203,7 @@ fn retag(
         started_at,
         kept: is_gone.then(|| stated_beside(&run.tags).cloned().collect()),
     };
-    let tagging = tagging(context, shelf, &input)?;
+    let tagging = tagging(context, shelf, stated, &input)?;
     let was_held = run.state != RunState::Untagged && run.issues.iter().any(is_unreadable);
     let is_news = !(was_held || is_gone) || tagging.tags != run.tags;
     context.store.retag(&now(), run.id, &tagging)?;

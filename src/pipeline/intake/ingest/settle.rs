@@ -12,6 +12,7 @@ use crate::domain::data_hash::data_hash;
 use crate::domain::{FileState, Issue, ProfileUse, RunClock, RunKind, RunOrigin, RunStatus};
 use crate::ingest::Reading;
 use crate::ingest::scan::{Changes, Scan};
+use crate::ingest::tags::TagFiles;
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -325,7 +326,7 @@ fn new_run(
         kept: None,
     };
     Ok(NewRun {
-        tagging: tagging(context, shelf, &input)?,
+        tagging: tagging(context, shelf, &TagFiles::of(&context.folder), &input)?,
         data_hash: data_hash(&part.channels),
         format: format_of(first, files[0].profile.as_ref()),
         origin,

@@ -15,9 +15,9 @@ use crate::domain::{
 };
 use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
-use crate::ingest::tags::{self, OtherName, Resolved, TagRequest};
+use crate::ingest::tags::{self, OtherName, Resolved, TagFiles, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, clocks, drive};
-use crate::pipeline::intake::climate::{Shelf, climate_of};
+use crate::pipeline::intake::climate::{self, Asked, Shelf, Start, climate_of};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{HandTag, Tagging};
 
@@ -51,11 +51,16 @@ pub struct TaggingInput<'a> {
     pub kept: Option<Vec<Tag>>,
 }
 
-/// Tags a run.
+/// Tags a run with what `stated` holds of its tag files.
 ///
 /// # Errors
 /// The database cannot be read.
-pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Result<Tagging, PipelineError> {
+pub fn tagging(
+    context: &Context,
+    shelf: &Shelf,
+    stated: &TagFiles,
+    input: &TaggingInput<'_>,
+) -> Result<Tagging, PipelineError> {
     let hand = hand_tags(context, input.run_path)?;
     let files = tag_files(input.run_path, &input.file_paths);
     let mut header = input.header_tags.clone();
@@ -67,6 +72,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         .as_ref()
         .map(|started| start::settled(started, context.campaign.date_order, &beside));
     let (started, open_date) = started.unzip();
+    let open_date = open_date.flatten();
     header.extend(started.as_ref().and_then(start_tag));
     // A table of a file with several has the file's name; a joined run has the name of the stem.
     let named = files.first().map_or(Path::new(input.run_path), PathBuf::as_path);
@@ -78,7 +84,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
     let other_names = other_names(context, input.other_names)?;
     let request = TagRequest {
         campaign: &context.campaign,
-        folder: &context.folder,
+        tag_files: stated,
         data_files: &files,
         stem: &tags::stem(named),
         name_pattern: context.campaign.name_pattern_of(input.kind),
@@ -93,12 +99,22 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         ambient: &[],
     };
     let without_logs = tags::resolve(&request);
-    let window = window(without_logs.value(keys::STARTED_AT), times(input.channels));
-    let surroundings = (
-        without_logs.value(keys::ENVIRONMENT),
-        without_logs.value(keys::SAMPLE),
-    );
-    let climate = climate_of(context, shelf, window, surroundings)?;
+    let times = times(input.channels);
+    let window = window(without_logs.value(keys::STARTED_AT), times);
+    let start = match without_logs.value(keys::STARTED_AT) {
+        Some(_) => Start::Known,
+        None if is_start_stated(&without_logs.issues, &open_date) => Start::NotUsable,
+        None => Start::NotStated,
+    };
+    let asked = Asked {
+        window,
+        start,
+        times,
+        own: own_climate(input),
+        environment: without_logs.value(keys::ENVIRONMENT),
+        sample: without_logs.value(keys::SAMPLE),
+    };
+    let climate = climate_of(context, shelf, asked)?;
     let mut resolved = if climate.tags.is_empty() {
         without_logs
     } else {
@@ -111,7 +127,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
     resolved.issues.extend(doubts);
     let digest = digest(
         context,
-        shelf,
+        (shelf, stated),
         (input.run_path, &files),
         input.other_names,
         window,
@@ -127,10 +143,27 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         RunKind::Dma => conclude_dma(input, resolved, digest),
         RunKind::Impedance => conclude_spectrum(context, input, resolved, digest),
     };
-    tagging.issues.extend(open_date.flatten());
+    tagging.issues.extend(open_date);
     tagging.issues.extend(climate.issues);
     (tagging.climate, tagging.climate_curves) = (climate.climate, climate.curves);
     Ok(tagging)
+}
+
+/// Whether a start is stated that is none.
+fn is_start_stated(issues: &[Issue], open_date: &Option<Issue>) -> bool {
+    issues
+        .iter()
+        .chain(open_date)
+        .any(|issue| issue.place == keys::STARTED_AT)
+}
+
+/// The columns that hold the run's own climate. A modulus log has none: what it holds was set, and is read reading by
+/// reading.
+fn own_climate<'a>(input: &TaggingInput<'a>) -> &'a [Channel] {
+    match input.kind {
+        RunKind::Actuation | RunKind::Impedance => input.channels,
+        RunKind::Dma => &[],
+    }
 }
 
 /// First and last time of the readings, s.
@@ -245,7 +278,7 @@ pub fn tag_files(run_path: &str, file_paths: &[&str]) -> Vec<PathBuf> {
 /// BLAKE3 over everything that the tags of a run come from, but the file itself.
 pub fn digest(
     context: &Context,
-    shelf: &Shelf,
+    (shelf, stated): (&Shelf, &TagFiles),
     (run_path, files): (&str, &[PathBuf]),
     other_paths: &[String],
     window: Option<Window>,
@@ -259,7 +292,8 @@ pub fn digest(
     hash.text(&context.campaign_digest)
         .whole(drive::VERSION.into())
         .whole(drive::jumps::VERSION.into())
-        .text(&tags::tag_sources_digest(&context.folder, files))
+        .whole(climate::VERSION.into())
+        .text(&stated.digest(files))
         .text(&shelf.digest(window));
     take_stated(&mut hash, &planned_tags(context, run_path, files));
     let doubts = doubts(context, run_path, files, other_paths);
@@ -273,7 +307,7 @@ pub fn digest(
         hash.bytes(other.file.as_os_str().as_encoded_bytes());
         take_stated(&mut hash, &other.hand);
         take_stated(&mut hash, &other.planned);
-        hash.text(&tags::tag_sources_digest(&context.folder, &[other.file]));
+        hash.text(&stated.digest(&[other.file]));
     }
     Ok(hash.finished())
 }
@@ -316,13 +350,14 @@ fn planned_name(context: &Context, run_path: &str, files: &[PathBuf]) -> Option<
 /// What keeps the tags of a run from being known: tag files and run sheets that cannot be read.
 pub fn unreadable(
     context: &Context,
+    stated: &TagFiles,
     run_path: &str,
     files: &[PathBuf],
     other_paths: &[String],
 ) -> Vec<Issue> {
     let others = other_paths.iter().map(|path| parse_display_path(path));
     let all: Vec<PathBuf> = files.iter().cloned().chain(others).collect();
-    let mut issues = tags::unreadable(&context.folder, &all);
+    let mut issues = stated.unreadable(&all);
     issues.extend(doubts(context, run_path, files, other_paths));
     issues
 }

@@ -20,6 +20,9 @@ use crate::system::fs;
 /// What is said of a file of which an earlier copy is at hand.
 pub const IN_ITS_PLACE: &str = "an earlier copy of it is in the backup in its place";
 
+/// How the campaign's own folder is named.
+const ITSELF: &str = ".";
+
 /// What is said of a folder that need not be there. Where the earlier list has files of it, it is out of sight and not gone.
 const NOT_THERE: &str = "the folder is not there; make an empty one if its files are not wanted any more";
 
@@ -47,9 +50,9 @@ impl Omitted {
         let mut taken = Vec::new();
         for file in earlier.iter().flat_map(|list| &list.files).filter(at_hand) {
             let holds = |left: &&mut LeftOut| {
-                file.path
-                    .strip_prefix(left.path.as_str())
-                    .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+                let below = file.path.strip_prefix(left.path.as_str());
+                below.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+                    || left.path == ITSELF && !file.path.contains('/')
             };
             let Some(left) = self.unread.iter_mut().find(holds) else {
                 continue;
@@ -115,11 +118,14 @@ pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<
                 stated.into_iter().for_each(&mut add);
             }
             for path in &seen.unreadable {
-                if root.join(path).exists() {
-                    omitted.unread.push(reason(path, "it cannot be looked into"))
+                // Where the system cannot tell, it may well be there.
+                let is_gone = matches!(fs::exists(root.join(path)), Ok(false));
+                let why = if is_gone {
+                    NOT_THERE
                 } else {
-                    omitted.unread.push(reason(path, NOT_THERE))
-                }
+                    "it cannot be looked into"
+                };
+                omitted.unread.push(reason(path, why));
             }
             for file in &seen.files {
                 if file.location(root).is_dir() {
@@ -162,14 +168,12 @@ fn data_file(root: &Path, file: &SeenFile, row: Option<&FileRow>) -> Wanted {
 
 /// Files of a folder that state tags, profiles, views of frames.
 fn statements(root: &Path, folder: &Path, unread: &mut Vec<LeftOut>) -> Vec<Wanted> {
-    let entries = match fs::read_dir(root.join(folder)) {
-        Ok(entries) => entries.flatten().collect::<Vec<_>>(),
+    let entries = match fs::entries(root.join(folder)) {
+        Ok(entries) => entries,
         Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
         Err(error) => {
-            unread.push(reason(
-                &display_path(folder),
-                &format!("it cannot be listed: {error}"),
-            ));
+            let why = format!("it cannot be listed, and the tag files in it are not known: {error}");
+            unread.push(reason(&shown(folder), &why));
             Vec::new()
         }
     };
@@ -181,6 +185,15 @@ fn statements(root: &Path, folder: &Path, unread: &mut Vec<LeftOut>) -> Vec<Want
     named
         .map(|entry| statement(root, &folder.join(entry.file_name())))
         .collect()
+}
+
+/// A folder as people name it: the campaign's own is none below itself.
+fn shown(folder: &Path) -> String {
+    if folder == Path::new("") {
+        ITSELF.to_owned()
+    } else {
+        display_path(folder)
+    }
 }
 
 fn statement(root: &Path, relative: &Path) -> Wanted {

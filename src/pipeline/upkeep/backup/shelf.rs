@@ -222,9 +222,9 @@ pub(super) fn is_database(name: &str) -> bool {
 }
 
 fn databases(folder: &Path) -> Result<Vec<String>, PipelineError> {
-    let entries = fs::read_dir(folder).map_err(failed(folder, "looking into it"))?;
+    let entries = fs::entries(folder).map_err(failed(folder, "looking into it"))?;
     let names = entries
-        .flatten()
+        .iter()
         .map(|entry| entry.file_name().to_string_lossy().into_owned());
     Ok(names.filter(|name| is_database(name)).collect())
 }
