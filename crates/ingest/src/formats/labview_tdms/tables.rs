@@ -28,9 +28,11 @@ pub fn of(
             Timing::Waveforms { .. } => waveforms(group.channels, objects, starts, issues)?,
         };
         for table in found {
-            let name = match tables.iter().any(|table| table.name == group.name) {
-                false => group.name.clone(),
-                true => format!("{} ({})", group.name, tables.len() + 1),
+            let is_taken = tables.iter().any(|table| table.name == group.name);
+            let name = if is_taken {
+                format!("{} ({})", group.name, tables.len() + 1)
+            } else {
+                group.name.clone()
             };
             tables.push(RunTable { name, ..table });
         }
