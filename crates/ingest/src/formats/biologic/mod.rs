@@ -10,11 +10,6 @@ pub mod mpt_header;
 pub use mpr::BiologicMpr;
 pub use mpt::BiologicMpt;
 
-/// Whether a technique, by its name, answers a voltage that is held: chronoamperometry and constant voltage.
-fn holds_the_voltage(technique: &str) -> bool {
-    technique.starts_with("Chronoamperometry") || technique == "Constant Voltage"
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -82,7 +82,7 @@ impl Format for BiologicMpr {
                 sign: "the technique Wait without rows",
             });
         }
-        let is_step_response = technique.is_some_and(super::holds_the_voltage);
+        let is_step_response = technique.is_some_and(super::mode_and_error::holds_the_voltage);
         let log = of("VMP LOG").filter(|log| log.body.len() == log.declared);
         let (status, status_evidence) = match (evidence, log) {
             (Some(evidence), _) => (RunStatus::Cut, evidence),

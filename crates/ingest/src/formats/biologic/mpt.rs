@@ -144,7 +144,7 @@ fn read_dates(cells: &mut CellTable, index: usize, rows: &[Line<'_>], issues: &m
 /// Whether the technique holds the voltage; without a name, a potential that is held in every row.
 fn is_step_response(technique: Option<&str>, raw: &Raw) -> bool {
     if let Some(technique) = technique {
-        return super::holds_the_voltage(technique);
+        return super::mode_and_error::holds_the_voltage(technique);
     }
     let mode = raw.headers.iter().position(|header| header.raw_name == "mode");
     mode.is_some_and(|index| {

@@ -4,7 +4,6 @@ use jiff::ToSpan;
 use jiff::civil::{Date, DateTime};
 
 use super::cursor::TimeStamp;
-use super::names;
 use super::segments::{Object, Property};
 use crate::formats::policy::SAME_TIME_SHARE;
 use crate::formats::stamp;
@@ -108,7 +107,7 @@ pub fn started_at(
     if !of_waveforms.is_empty() {
         return stamp::shared(of_waveforms, issues);
     }
-    let is_whole = |object: &&Object| names(&object.path).is_none();
+    let is_whole = |object: &&Object| object.names().is_none();
     let moments = objects.iter().filter(is_whole).flat_map(|object| {
         let named = object.properties.iter().filter(|(name, _)| names_start(name));
         named.filter_map(|(name, _)| stamp_of(moment(object, name)?, name))

@@ -2,7 +2,6 @@
 
 use super::clock::{self, Sampling, Starts};
 use super::cursor::TimeStamp;
-use super::names;
 use super::segments::{Object, Property};
 use crate::formats::error::quoted;
 use crate::text::header::{Header, Meaning};
@@ -118,7 +117,7 @@ fn without_a_start(groups: &[Group]) -> Option<Issue> {
 
 /// The name of the group and the channel; none for texts, of which a note is made.
 fn numbers(place: usize, object: &Object, issues: &mut Vec<Issue>) -> Option<(String, Numbers)> {
-    let (group, channel) = names(&object.path)?;
+    let (group, channel) = object.names()?;
     if object.is_text {
         let message = format!("channel {} holds texts; it is left out", quoted(&channel));
         issues.push(Issue::note("text-column", message));

@@ -119,13 +119,6 @@ impl Format for LabviewTdms {
     }
 }
 
-/// Group and channel of a path `/'group'/'channel'`; a quote inside a name is doubled.
-fn names(path: &str) -> Option<(String, String)> {
-    let inner = path.strip_prefix("/'")?.strip_suffix('\'')?;
-    let (group, channel) = inner.split_once("'/'")?;
-    Some((group.replace("''", "'"), channel.replace("''", "'")))
-}
-
 /// Applies the scales of raw values; a channel whose scale cannot be applied is left out. Gives the first refusal.
 fn scale(objects: &mut [Object], issues: &mut Vec<Issue>) -> Option<ReadError> {
     let mut refusal = None;
