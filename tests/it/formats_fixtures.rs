@@ -128,6 +128,7 @@ fn twins_read_the_same_numbers() {
         ("ca.complete_crlf.mpt", "ca.three_header_lines.mpt"),
         ("ca.complete_crlf.mpt", "ca.no_last_line_end.mpt"),
         ("ca.complete.mpr", "ca.long_headers.mpr"),
+        ("ca.complete.mpr", "ca.version_2.mpr"),
         ("it.complete.txt", "it.tab_lf.txt"),
         ("ca.utf16.csv", "ca.utf8_lf.csv"),
         ("ca.utf16.csv", "ca.windows_1252.csv"),

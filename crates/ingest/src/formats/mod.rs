@@ -43,6 +43,7 @@ pub mod unpacking;
 pub mod unread;
 pub mod versastat_par;
 mod xls_extent;
+pub mod zplot;
 
 pub use error::ReadError;
 pub use format::{FileHead, Format, Match, ReadContext};
@@ -62,6 +63,7 @@ pub static ALL: &[&dyn Format] = &[
     &labview_lvm::LabviewLvm,
     &labview_tdms::LabviewTdms,
     &versastat_par::VersastatPar,
+    &zplot::Zplot,
     &netzsch::Netzsch,
     &eplexor_xls::EplexorXls,
     &ta_trios::TaTrios,

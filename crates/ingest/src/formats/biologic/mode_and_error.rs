@@ -1,4 +1,4 @@
-//! The columns `mode` and `error`, which both kinds of file have.
+//! The columns `mode` and `error`, which both kinds of file have, and techniques that hold the voltage.
 
 use crate::formats::assemble::RowFlag;
 use crate::formats::cells::CellTable;
@@ -39,4 +39,9 @@ pub(super) fn judge_control(headers: &mut [Header], cells: &CellTable) {
             .filter(is_control)
             .for_each(|header| header.meaning = Meaning::Other);
     }
+}
+
+/// Whether a technique, by its name, answers a voltage that is held: chronoamperometry and constant voltage.
+pub(super) fn holds_the_voltage(technique: &str) -> bool {
+    technique.starts_with("Chronoamperometry") || technique == "Constant Voltage"
 }

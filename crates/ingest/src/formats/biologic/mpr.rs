@@ -4,7 +4,7 @@
 //! unknown one on the columns of a row are left out, with a warning, and the row width given by the module's length is
 //! held against that of the known columns. The log, with the start in local time, is appended when the run ends, so a
 //! file without it was still being written. A module that is shorter than it says shows a cut. The technique `Wait` has
-//! no rows and is a sidecar. Readings of module versions other than 3 and 11 were never seen and are refused.
+//! no rows and is a sidecar. Readings of module versions other than 2, 3 and 11 were never seen and are refused.
 
 use super::mpr_columns::{self, Stored};
 use super::mpt_header;
@@ -49,7 +49,7 @@ impl Format for BiologicMpr {
     }
 
     fn version(&self) -> u32 {
-        4
+        5
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -82,7 +82,7 @@ impl Format for BiologicMpr {
                 sign: "the technique Wait without rows",
             });
         }
-        let is_step_response = technique.is_some_and(|name| name.starts_with("Chronoamperometry"));
+        let is_step_response = technique.is_some_and(super::mode_and_error::holds_the_voltage);
         let log = of("VMP LOG").filter(|log| log.body.len() == log.declared);
         let (status, status_evidence) = match (evidence, log) {
             (Some(evidence), _) => (RunStatus::Cut, evidence),
@@ -167,6 +167,7 @@ fn module(bytes: &[u8], at: usize) -> Option<(Module<'_>, usize)> {
 /// Where ids and rows stand in the readings' module: bytes of the count of columns, and before the rows.
 fn layout(version: u32) -> Result<(usize, usize), ReadError> {
     match version {
+        2 => Ok((1, 405)),
         3 => Ok((1, 406)),
         11 => Ok((2, 1007)),
         _ => Err(ReadError::NeverSeen {

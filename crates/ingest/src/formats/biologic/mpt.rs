@@ -146,10 +146,10 @@ fn read_dates(cells: &mut CellTable, index: usize, rows: &[Line<'_>], issues: &m
     issues.push(Issue::note("time-from-dates", message));
 }
 
-/// Chronoamperometry and constant voltage; without a name, a potential that is held in every row.
+/// Whether the technique holds the voltage; without a name, a potential that is held in every row.
 fn is_step_response(technique: Option<&str>, raw: &Raw) -> bool {
     if let Some(technique) = technique {
-        return technique.starts_with("Chronoamperometry") || technique == "Constant Voltage";
+        return super::mode_and_error::holds_the_voltage(technique);
     }
     let mode = raw.headers.iter().position(|header| header.raw_name == "mode");
     mode.is_some_and(|index| {

@@ -110,7 +110,7 @@ fn all<const N: usize>(bytes: &[u8], into: &mut Vec<f64>, number: impl Fn([u8; N
 }
 
 /// Seconds since 1904-01-01 UTC, and parts of 2^64 of a second.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TimeStamp {
     /// Whole seconds.
     pub seconds: i64,
@@ -122,6 +122,12 @@ impl TimeStamp {
     /// The part of a second.
     pub fn fraction(self) -> f64 {
         self.fractions as f64 / 2f64.powi(64)
+    }
+
+    /// Time since an earlier moment, s.
+    pub fn seconds_after(self, earlier: TimeStamp) -> f64 {
+        let whole = self.seconds.saturating_sub(earlier.seconds) as f64;
+        whole + (self.fraction() - earlier.fraction())
     }
 }
 

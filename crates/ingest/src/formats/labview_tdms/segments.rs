@@ -62,6 +62,13 @@ pub struct Object {
 }
 
 impl Object {
+    /// Group and channel of the path `/'group'/'channel'`; a quote inside a name is doubled.
+    pub fn names(&self) -> Option<(String, String)> {
+        let inner = self.path.strip_prefix("/'")?.strip_suffix('\'')?;
+        let (group, channel) = inner.split_once("'/'")?;
+        Some((group.replace("''", "'"), channel.replace("''", "'")))
+    }
+
     /// A property.
     pub fn property(&self, name: &str) -> Option<&Property> {
         self.properties
