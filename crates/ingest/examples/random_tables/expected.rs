@@ -35,6 +35,8 @@ pub struct Expected {
     pub start_us: Option<i64>,
     /// Offset from UTC that the file states, minutes.
     pub offset_min: Option<i32>,
+    /// The preamble states the start without that offset.
+    pub is_stamped: bool,
     /// Times may be counted from another zero.
     pub free_offset: bool,
     /// A unit of the last digit of time, s.
@@ -55,9 +57,8 @@ pub fn expected(truth: &Truth, dialect: &Dialect, times: &Times, all: &[Written]
             .collect(),
         parts: if truth.is_log { 1 } else { truth.parts.len() },
         start_us: times.start_us.or(stamped),
+        is_stamped: stamped.is_some(),
         offset_min: match zone {
-            // The start may come from the preamble, which states none.
-            _ if stamped.is_some() => None,
             Zone::None => None,
             Zone::Z => Some(0),
             Zone::Offset(minutes, _) => Some(minutes),

@@ -174,21 +174,14 @@ fn series(expected: &Expected, reading: &Reading, found: &[Found], issues: &[Iss
                 format!("sensor {:?}", one.sensor),
             ));
         }
-        let lacks_sensors = expected
-            .series
-            .iter()
-            .filter(|s| s.quantity == one.quantity && s.part == one.part)
-            .count()
-            > found
-                .iter()
-                .filter(|f| f.quantity == one.quantity && f.part == one.part)
-                .count();
+        let rows_of_one = faults.iter().map(|(i, _)| expected.series[*i].cells.len()).max();
+        let is_merged = faults.len() > 1 && rows_of_one.is_some_and(|rows| one.values.len() > rows + 2);
         match faults.iter().find(|(_, fault)| fault.is_none()) {
             Some((at, _)) => {
                 used[*at] = true;
                 taken.push((expected.series[*at].sensor, one.sensor.clone()));
             }
-            None if lacks_sensors => {
+            None if is_merged => {
                 return Some((
                     "two sensors are merged into one series".to_owned(),
                     one.quantity.key().to_owned(),

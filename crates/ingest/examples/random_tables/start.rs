@@ -24,6 +24,7 @@ pub fn start(expected: &Expected, reading: &Reading, is_log: bool) -> Option<Fau
     };
     let offset = stamp.offset.as_deref().map(minutes);
     let shift = match (expected.offset_min, offset) {
+        (Some(_), None) if expected.is_stamped => 0,
         (Some(_), None) => return Some(("the offset from UTC is lost".to_owned(), said)),
         (Some(stated), Some(read)) => read - stated,
         (None, Some(read)) => read,
