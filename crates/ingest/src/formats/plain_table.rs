@@ -100,6 +100,7 @@ pub fn runs(
     issues: &mut Vec<Issue>,
 ) -> Result<Runs, ReadError> {
     let tables = table::tables(lines, is_flag, context)?;
+    issues.extend(tables[0].layout.between(lines));
     let names_at = tables[0].layout.shape.names_at;
     let head = lines[..names_at.unwrap_or(0)].iter().map(|line| line.text);
     let mut started_at = start::stated(head, context.date_order);

@@ -166,14 +166,14 @@ fn started_at(settings: &[(String, String)], issues: &mut Vec<Issue>) -> Option<
 fn raw(names: &Line<'_>, rows: &[Line<'_>]) -> Raw {
     let headers: Vec<Header> = bare(names.text).split_whitespace().map(header).collect();
     let has_tabs = rows.first().is_some_and(|row| row.text.contains('\t'));
-    let dialect = Dialect {
-        delimiter: if has_tabs {
+    let dialect = Dialect::new(
+        if has_tabs {
             Delimiter::Tab
         } else {
             Delimiter::Comma
         },
-        decimal: Decimal::Point,
-    };
+        Decimal::Point,
+    );
     let cells = delimited::cells_of(names.number, headers.len(), rows, dialect);
     Raw::of_instrument(String::new(), headers, cells)
 }

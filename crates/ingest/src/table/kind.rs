@@ -46,7 +46,7 @@ pub fn kind(cell: &str) -> Kind {
     }
     if pattern(text).is_some_and(|found| is_readable(&found)) {
         Kind::Number
-    } else if duration::fields(text).is_some() {
+    } else if is_clock(text) {
         Kind::Clock
     } else if is_moment(text) {
         Kind::Moment
@@ -58,6 +58,12 @@ pub fn kind(cell: &str) -> Kind {
     } else {
         Kind::Word
     }
+}
+
+/// Whether a text is a time of day or a duration, with an offset from UTC or without.
+fn is_clock(text: &str) -> bool {
+    let bare = crate::formats::climate::moments::with_offset(text).map_or(text, |(bare, _)| bare);
+    duration::fields(bare).is_some()
 }
 
 /// Whether a cell holds a word or marks in place of a reading.

@@ -16,8 +16,8 @@ use crate::text::likely::headed_by_unit;
 use crate::text::number;
 use crate::text::policy::{HEADER_WITHIN_LINES, LINES_ASKED, OBEYING_SHARE};
 use crate::text::{Decimal, Delimiter, Group, Line, NumberForm};
-use ieap_domain::Quantity;
 use ieap_domain::unit;
+use ieap_domain::{Issue, Quantity};
 
 /// What was decided.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,10 +56,31 @@ impl Layout {
         parts
     }
 
+    /// Says how many lines between the parts are no rows.
+    pub fn between(&self, lines: &[Line<'_>]) -> Option<Issue> {
+        let parts = self.parts(lines);
+        let gaps = parts.windows(2).map(|pair| pair[0].end..pair[1].start);
+        let is_other = |at: &usize| {
+            !is_blank_or_comment(lines[*at].text)
+                && lines[*at].text.trim() != lines[self.shape.names_at.unwrap_or(0)].text.trim()
+        };
+        let mut others = gaps.flatten().filter(is_other);
+        let first = others.next()?;
+        let message = format!(
+            "{} lines between the parts of the file are no rows, first {}",
+            1 + others.count(),
+            quoted(lines[first].text)
+        );
+        Some(Issue::note("lines-between", message).at(format!("line {}", lines[first].number)))
+    }
+
     /// The end of a part without the lines behind it that are no rows, such as `Logging to: LD0029.CSV`.
     fn without_foot(&self, lines: &[Line<'_>], part: std::ops::Range<usize>) -> usize {
-        let is_row =
-            |at: &usize| self.dialect.delimiter.split(lines[*at].text, |_, _| {}) == self.shape.names.len();
+        let names = self.shape.names.len();
+        let is_row = |at: &usize| {
+            let (fields, filled) = width_of(self.dialect.delimiter, lines[*at].text);
+            fields == names || filled == names
+        };
         part.clone()
             .rev()
             .find(is_row)
@@ -164,19 +185,12 @@ pub fn shapes(lines: &[Line<'_>]) -> Vec<Shape> {
     found
 }
 
-/// The shape under which most is known.
+/// The shape under which most is known; of several the one with the surest delimiter.
 fn best_of(shapes: &[Shape]) -> Option<&Shape> {
-    let numbers = |shape: &Shape| shape.kinds.iter().filter(|kind| **kind == Kind::Number).count();
     let named = shapes
         .iter()
         .filter(|shape| shape.names_at.is_some() && shape.known > 0);
-    named.reduce(|a, b| {
-        if (b.known, numbers(b)) > (a.known, numbers(a)) {
-            b
-        } else {
-            a
-        }
-    })
+    named.reduce(|a, b| if b.known > a.known { b } else { a })
 }
 
 /// Units with those that lines above the names state: `Humidity = %rh`.
@@ -229,12 +243,7 @@ fn has_even_rows(shape: &Shape, lines: &[Line<'_>]) -> bool {
     let names = shape.names.len();
     let (mut all, mut fitting, mut full, mut shortest) = (0usize, 0usize, 0usize, names);
     for line in rows(shape, lines).take(LINES_ASKED) {
-        let mut filled = 0;
-        let fields = shape.delimiter.split(line.text, |index, text| {
-            if !number::unquote(text).is_empty() {
-                filled = index + 1;
-            }
-        });
+        let (fields, filled) = width_of(shape.delimiter, line.text);
         all += 1;
         fitting += usize::from(filled <= names);
         full += usize::from(filled == names || fields == names);
@@ -248,6 +257,17 @@ fn has_even_rows(shape: &Shape, lines: &[Line<'_>]) -> bool {
     };
     let ends_early = full > 0 && !(shortest..names).any(is_known);
     obeys(fitting) && (obeys(full) || ends_early)
+}
+
+/// Fields of a line, and fields up to the last that holds anything.
+fn width_of(delimiter: Delimiter, text: &str) -> (usize, usize) {
+    let mut filled = 0;
+    let fields = delimiter.split(text, |index, text| {
+        if !number::unquote(text).is_empty() {
+            filled = index + 1;
+        }
+    });
+    (fields, filled)
 }
 
 /// Lines of readings.

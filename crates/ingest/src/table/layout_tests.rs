@@ -27,7 +27,12 @@ fn every_delimiter_with_its_decimal_sign() {
             Decimal::Comma,
         ),
         ("time_s\tcurrent_a\n0,5\t1,5\n", Delimiter::Tab, Decimal::Comma),
-        ("Time (s)  I/mA\n0.5  1.5\n", Delimiter::Blanks, Decimal::Point),
+        (
+            "Time (s)  I/mA\n0.5  1.5\n",
+            Delimiter::WideBlanks,
+            Decimal::Point,
+        ),
+        ("Time (s) I/mA\n0.5 1.5\n", Delimiter::Blanks, Decimal::Point),
         (
             "Time (s) ;  I/mA\n  0,5;  1\n",
             Delimiter::Semicolon,

@@ -19,8 +19,9 @@ pub(super) const RESTART_ROWS: usize = 3;
 /// Share by which steps of a clock may differ and still be regular. Chosen.
 pub(super) const REGULAR_WITHIN: f64 = 0.02;
 
-/// Air temperatures that a laboratory can have, °C: what tells a unit that a file does not name. Chosen.
-pub(crate) const AIR_OF_A_ROOM_C: RangeInclusive<f64> = 0.0..=45.0;
+/// Numbers that can be a temperature of a room's air in °C only, where a file names no unit: in °F it would freeze, in K no sensor
+/// works. Freezing is 32 °F.
+pub(crate) const AIR_IN_CELSIUS: RangeInclusive<f64> = 0.0..=32.0;
 /// A humidity above this is no fraction: the air is saturated at 1. A sensor may read some percent above it. Chosen.
 pub(crate) const LARGEST_FRACTION: f64 = 1.05;
 

@@ -6,7 +6,7 @@
 
 use super::kind::{Kind, kind};
 use crate::formats::climate::meaning::climate_column;
-use crate::text::grid::is_blank;
+use crate::text::grid::{is_blank, is_comment};
 use crate::text::header::{Header, Meaning};
 use crate::text::number::unquote;
 use crate::text::policy::{HEADER_WITHIN_LINES, LINES_ASKED, OBEYING_SHARE};
@@ -109,10 +109,6 @@ fn named(
         found.kinds = kinds;
     }
     found
-}
-
-fn is_comment(text: &str) -> bool {
-    text.trim_start().starts_with('#')
 }
 
 fn row<'a>(at: usize, text: &'a str, delimiter: Delimiter) -> Row<'a> {

@@ -48,7 +48,13 @@ pub fn push_line(table: &mut CellTable, line: Line<'_>, dialect: Dialect) {
 
 /// Whether a line holds no reading: blank, only delimiters, or a comment.
 pub fn is_blank_or_comment(text: &str) -> bool {
-    text.trim_start().starts_with('#') || is_blank(text)
+    is_comment(text) || is_blank(text)
+}
+
+/// Whether a line is a comment. A mark alone in the first cell is the name of a column of numbers of rows.
+pub fn is_comment(text: &str) -> bool {
+    let rest = text.trim_start().strip_prefix('#');
+    rest.is_some_and(|rest| !rest.starts_with([';', ',', '\t', '|']))
 }
 
 /// Whether a line is blank or holds delimiters only.

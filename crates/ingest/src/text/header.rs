@@ -203,7 +203,7 @@ fn suffix(cell: &str) -> Option<(String, String)> {
 }
 
 /// The unit in the spelling that [`unit::conversion`] knows: names in lower case lose the case of their unit.
-pub(super) fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
+pub(crate) fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
     unit::dimension(quantity)?;
     let proper = match (quantity, suffix.to_ascii_lowercase().as_str()) {
         (Quantity::Current, "a") => "A",

@@ -1,7 +1,7 @@
 //! What a logger's column measures of the air, and with which of its sensors: `2_DHT22_RH`, `Outside Ave. (C)`,
 //! `MET_CS215_AirTemperature_degC_Avg`, `Temp, °F (LGR S/N: 1, SEN S/N: 2)`.
 
-use crate::text::header::Header;
+use crate::text::header::{Header, spelled_unit};
 use crate::text::names::names_of;
 use ieap_domain::Quantity;
 use ieap_domain::unit::{self, Conversion};
@@ -95,10 +95,9 @@ const PLAIN: [&str; 24] = [
 pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     let (described, serial, label) = without_description(raw_name);
     let lower = described.to_lowercase();
-    let unit = if raw_unit.is_empty() {
-        unit_in(described)
-    } else {
-        raw_unit.to_owned()
+    let unit = match raw_unit {
+        "" => trailing_unit(described).unwrap_or_else(|| unit_in(described)),
+        unit => unit.to_owned(),
     };
     let named = without_unit(described, &unit);
     let words = words(named);
@@ -110,15 +109,12 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     if is_other {
         return None;
     }
-    let plain = |word: &str| word.trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
-    let is = |known: &[&str], word: &String| known.contains(&plain(word).as_str());
-    let measures = |quantity: Quantity, short: &[&str], word: &String| {
-        is(short, word) || names_of(quantity).any(|name| is_name(name, &plain(word)))
-    };
-    let says_humidity = |word: &String| measures(Quantity::RelativeHumidity, &HUMIDITY, word);
-    let says_temperature = |word: &String| measures(Quantity::Temperature, &TEMPERATURE, word);
-    let is_humidity = lower_words.iter().any(says_humidity);
-    let is_temperature = lower_words.iter().any(says_temperature);
+    // A whole name goes before the words of it: `rF` is no degree Fahrenheit.
+    let whole = Header::parse(named.trim()).meaning.named_quantity();
+    let is_humidity =
+        whole == Some(Quantity::RelativeHumidity) || lower_words.iter().any(|word| says_humidity(word));
+    let is_temperature =
+        whole != Some(Quantity::RelativeHumidity) && lower_words.iter().any(|word| says_temperature(word));
     let of_chamber = (!is_humidity && !is_temperature)
         .then(|| of_chamber(&lower_words))
         .flatten();
@@ -154,9 +150,9 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
         true => Conversion::IDENTITY,
         false => unit::conversion(quantity, &unit).ok()?,
     };
-    let says = |word: &String| {
+    let tells_apart = |word: &String| {
         let lower = word.to_lowercase();
-        let number = lower.strip_prefix(plain(&lower).as_str()).unwrap_or("");
+        let number = lower.strip_prefix(plain(&lower)).unwrap_or("");
         let is_of_chamber =
             self::of_chamber(std::slice::from_ref(&lower)).is_some() || chamber_unit_word(&lower).is_some();
         if of_chamber.is_some() && is_of_chamber {
@@ -168,7 +164,7 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
             (!PLAIN.contains(&lower.as_str())).then(|| word.clone())
         }
     };
-    let part: Vec<String> = words.iter().filter_map(says).chain(label).collect();
+    let part: Vec<String> = words.iter().filter_map(tells_apart).chain(label).collect();
     Some(ClimateColumn {
         quantity,
         conversion,
@@ -179,6 +175,39 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
             .iter()
             .any(|word| ["avg", "ave", "average", "mean"].contains(&word.as_str())),
     })
+}
+
+/// A word without the number behind it.
+fn plain(word: &str) -> &str {
+    word.trim_end_matches(|c: char| c.is_ascii_digit())
+}
+
+fn says(quantity: Quantity, short: &[&str], word: &str) -> bool {
+    short.contains(&plain(word)) || names_of(quantity).any(|name| is_name(name, plain(word)))
+}
+
+/// Whether a word in small letters is humidity.
+fn says_humidity(word: &str) -> bool {
+    says(Quantity::RelativeHumidity, &HUMIDITY, word)
+}
+
+/// Whether a word in small letters is temperature.
+fn says_temperature(word: &str) -> bool {
+    says(Quantity::Temperature, &TEMPERATURE, word)
+}
+
+/// The unit that is the last word of a name whose other words say what it measures: `inside Pressione hPa`, `outside T K`.
+fn trailing_unit(described: &str) -> Option<String> {
+    let (head, last) = described.trim().rsplit_once([' ', '_'])?;
+    let lower: Vec<String> = words(head).iter().map(|word| word.to_lowercase()).collect();
+    let quantity = if lower.iter().any(|word| says_humidity(word)) {
+        Quantity::RelativeHumidity
+    } else if lower.iter().any(|word| says_temperature(word)) {
+        Quantity::Temperature
+    } else {
+        of_chamber(&lower)?
+    };
+    spelled_unit(quantity, last)
 }
 
 /// The unit in a name: behind it, or in brackets anywhere in it (`RH (%) c:3`, `Humidity (RH(%))`).

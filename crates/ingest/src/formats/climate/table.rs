@@ -13,7 +13,7 @@ use crate::formats::plausible::is_impossible;
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::{Format, ReadContext, ReadError, delimited};
 use crate::table::kind::Kind;
-use crate::table::policy::{AIR_OF_A_ROOM_C, LARGEST_FRACTION, SMOOTHER_WITHIN};
+use crate::table::policy::{AIR_IN_CELSIUS, LARGEST_FRACTION, SMOOTHER_WITHIN};
 use crate::table::{self, Question, Table, epoch, layout, start, times};
 use crate::text::header::{Header, Meaning};
 use crate::text::{Line, Lines, number};
@@ -115,6 +115,7 @@ pub fn read_lines(
     mut issues: Vec<Issue>,
 ) -> Result<Reading, ReadError> {
     let mut tables = table::tables(lines, |_| false, context)?;
+    issues.extend(tables[0].layout.between(lines));
     let mut read = tables.remove(0);
     if !tables.is_empty() {
         let rows: usize = tables.iter().map(|table| table.cells.rows()).sum();
@@ -287,34 +288,22 @@ fn unit_of(
     {
         return Ok((word, conversion(word)));
     }
-    let fits = |word: &&'static str| {
-        [low, high]
-            .into_iter()
-            .all(|number| AIR_OF_A_ROOM_C.contains(&conversion(word).apply(number)))
-    };
-    let fitting: Vec<&'static str> = units.into_iter().filter(fits).collect();
-    match fitting.as_slice() {
-        [only] => Ok((only, conversion(only))),
-        _ if low > high => Ok(("°C", Conversion::IDENTITY)),
-        _ => Err(ReadError::Asked(Question {
-            key: "temperature",
-            column: name.to_owned(),
-            line,
-            found: format!("holds {low} to {high} and names no unit"),
-            answers: units
-                .map(|word| {
-                    (
-                        word.to_owned(),
-                        format!(
-                            "it is {:.1} to {:.1} °C",
-                            conversion(word).apply(low),
-                            conversion(word).apply(high)
-                        ),
-                    )
-                })
-                .to_vec(),
-        })),
+    // Under °F the air would freeze, under K no sensor works.
+    if low > high || (AIR_IN_CELSIUS.contains(&low) && AIR_IN_CELSIUS.contains(&high)) {
+        return Ok(("°C", Conversion::IDENTITY));
     }
+    Err(ReadError::Asked(Question {
+        key: "temperature",
+        column: name.to_owned(),
+        line,
+        found: format!("holds {low} to {high} and names no unit"),
+        answers: units
+            .map(|word| {
+                let [low, high] = [low, high].map(|number| conversion(word).apply(number));
+                (word.to_owned(), format!("it is {low:.1} to {high:.1} °C"))
+            })
+            .to_vec(),
+    }))
 }
 
 /// The rows of each sensor, where a column tells sensors apart: by its name, or because readings that jump from row to row are
