@@ -175,6 +175,9 @@ pub fn random(dice: &mut Dice, truth: &Truth) -> Dialect {
     };
     marks(dice, &mut dialect);
     dialect.newest_first = dialect.clock.is_pure_wall() && truth.parts.len() == 1 && dice.chance(0.12);
+    // What is lost at the end of such a file is its beginning in time.
+    dialect.cut &= !dialect.newest_first;
+    dialect.open_end &= !dialect.newest_first;
     if dialect.preamble > 0 && dice.chance(0.5) {
         dialect.preamble_date = Some(Wall::stamp(dice));
     }

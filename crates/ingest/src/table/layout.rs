@@ -176,6 +176,14 @@ pub fn shapes(lines: &[Line<'_>]) -> Vec<Shape> {
     let mut found: Vec<Shape> = all.filter_map(|delimiter| shape(lines, delimiter)).collect();
     // Blanks also stand inside names and texts: they separate columns only where nothing else does.
     let is_blank = |shape: &Shape| matches!(shape.delimiter, Delimiter::Blanks | Delimiter::WideBlanks);
+    let wide = found
+        .iter()
+        .find(|shape| shape.delimiter == Delimiter::WideBlanks && shape.known > 0);
+    let unfit = match wide.is_some_and(|wide| has_even_rows(wide, lines)) {
+        true => Delimiter::Blanks,
+        false => Delimiter::WideBlanks,
+    };
+    found.retain(|shape| shape.delimiter != unfit);
     if found
         .iter()
         .any(|shape| !is_blank(shape) && shape.names_at.is_some() && shape.known > 0)

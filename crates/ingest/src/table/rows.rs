@@ -71,6 +71,13 @@ fn restarts(numbers: &[f64]) -> Vec<usize> {
     found
 }
 
+/// Rows whose time is that of the row above.
+fn repeats(numbers: &[f64]) -> Vec<usize> {
+    (1..numbers.len())
+        .filter(|row| numbers[*row] == numbers[row - 1])
+        .collect()
+}
+
 /// Makes the numbers of a clock count on: reverses rows whose newest is first, adds what a counter lost when it wrapped, and
 /// goes on where a clock starts anew at each step, if the dates beside it or a column that counts the steps show how.
 ///
@@ -85,7 +92,9 @@ pub fn go_on(
     conversion: Conversion,
     issues: &mut Vec<Issue>,
 ) -> Result<(), ReadError> {
+    let repeats = repeats(numbers);
     match order(numbers) {
+        Order::Forward if steps_are_counted(table, &repeats) => {}
         Order::Forward => return Ok(()),
         Order::Backward => {
             reverse(table);
@@ -98,7 +107,10 @@ pub fn go_on(
         }
         Order::Restarts => {}
     }
-    let starts = restarts(numbers);
+    let mut starts = restarts(numbers);
+    if starts.is_empty() {
+        starts = repeats;
+    }
     if let Some(modulus) = wraps(numbers, &starts) {
         for (count, start) in starts.iter().enumerate() {
             let end = starts.get(count + 1).copied().unwrap_or(numbers.len());
@@ -195,6 +207,6 @@ fn steps_are_counted(table: &Table<'_>, starts: &[usize]) -> bool {
             let numbers = &table.cells.columns[column].numbers;
             let changes = (1..numbers.len()).filter(|row| numbers[*row] != numbers[row - 1]);
             let rises = |row: &usize| numbers[*row] > numbers[row - 1] && numbers[*row].fract() == 0.0;
-            changes.clone().eq(starts.iter().copied()) && starts.iter().all(rises)
+            !starts.is_empty() && changes.clone().eq(starts.iter().copied()) && starts.iter().all(rises)
         })
 }

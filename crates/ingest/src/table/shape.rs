@@ -78,16 +78,18 @@ fn named(
         kinds,
     };
     let mut best = 0;
-    for at in (from..above.len()).rev() {
-        let below = above.get(at + 1).or(rows.get(at + 1).filter(|_| at + 1 == first));
-        for (names, units) in readings_of(lines[above[at].at].text, delimiter, below) {
-            found.take(&mut best, names, units, above[at].at);
-        }
-    }
-    let last_comment = comments.iter().rev().find(|(at, _)| *at < found.data_at);
-    if let Some((at, line)) = last_comment.filter(|_| found.names_at.is_none()) {
-        let names = names_in(line.text.trim_start().trim_start_matches('#'), delimiter);
-        found.take(&mut best, names, Vec::new(), *at);
+    let texts: Vec<(usize, &str)> = above[from..]
+        .iter()
+        .map(|row| (row.at, lines[row.at].text))
+        .collect();
+    found.take_from(&mut best, &texts);
+    if found.names_at.is_none() {
+        let told = comments
+            .iter()
+            .map(|(at, _)| *at)
+            .filter(|at| *at < found.data_at);
+        let told: Vec<(usize, &str)> = told.map(|at| (at, bare_comment(lines[at].text))).collect();
+        found.take_from(&mut best, &told[told.len().saturating_sub(ROWS_ABOVE)..]);
     }
     if let Some(names_at) = found.names_at {
         // The first reading may hold a word in the place of a number: it is none of the names all the same.
@@ -226,6 +228,11 @@ impl Row<'_> {
     }
 }
 
+/// A comment without its mark.
+fn bare_comment(text: &str) -> &str {
+    text.trim_start().trim_start_matches('#')
+}
+
 /// What names and units a row can be, with the row below it.
 fn readings_of(text: &str, delimiter: Delimiter, below: Option<&Row<'_>>) -> Vec<(Vec<String>, Vec<String>)> {
     let names = names_in(text, delimiter);
@@ -271,6 +278,19 @@ fn names_in(text: &str, delimiter: Delimiter) -> Vec<String> {
 }
 
 impl Shape {
+    /// Takes the names from lines above the readings, the last of which is the next to them.
+    fn take_from(&mut self, best: &mut usize, texts: &[(usize, &str)]) {
+        for index in (0..texts.len()).rev() {
+            let (at, text) = texts[index];
+            let below = texts
+                .get(index + 1)
+                .map(|(at, text)| row(*at, text, self.delimiter));
+            for (names, units) in readings_of(text, self.delimiter, below.as_ref()) {
+                self.take(best, names, units, at);
+            }
+        }
+    }
+
     /// Takes names where more is known under them than under those before.
     fn take(&mut self, best: &mut usize, names: Vec<String>, units: Vec<String>, at: usize) {
         let words = names
