@@ -66,7 +66,9 @@ pub fn expected(truth: &Truth, dialect: &Dialect, times: &Times, all: &[Written]
         // A log is timed from its first row.
         free_offset: times.free_offset && !truth.is_log,
         digit_s: times.digit_s,
-        contradicts: dialect.clock.contradiction.is_some(),
+        // Without a unit an elapsed time says nothing that a date could contradict.
+        contradicts: dialect.clock.contradiction.is_some()
+            && dialect.units != crate::dialect::UnitPlace::Missing,
     }
 }
 

@@ -16,7 +16,7 @@ pub fn is_impossible(quantity: Quantity, raw: f64, value: f64) -> bool {
     const HUMIDITY_PERCENT: std::ops::RangeInclusive<f64> = 0.0..=105.0;
     const ABSOLUTE_ZERO_C: f64 = -273.15;
     /// A gauge of a vacuum may be off by less, Pa.
-    const LEAST_PRESSURE_PA: f64 = -1000.0;
+    const LEAST_PRESSURE_PA: f64 = -500.0;
     let of_quantity = match quantity {
         Quantity::RelativeHumidity => value.is_finite() && !HUMIDITY_PERCENT.contains(&value),
         Quantity::Pressure => value < LEAST_PRESSURE_PA,

@@ -124,12 +124,12 @@ fn with_days(text: &str, first_colon: usize) -> Option<(f64, &str)> {
     let Some(cut) = head.rfind(|c: char| !c.is_ascii_digit()) else {
         return Some((0.0, text));
     };
-    let word = head[..=cut].trim_end_matches([' ', ',', '.', 'T']);
+    let cut_after = cut + head[cut..].chars().next()?.len_utf8();
+    let word = head[..cut_after].trim_end_matches([' ', ',', '.', 'T']);
     let end = word.find(|c: char| !c.is_ascii_digit()).unwrap_or(word.len());
     let (number, unit) = word.split_at(end);
     let is_day = ["", "d", "day", "days", "tage", "tag", "j", "jours", "jour"]
         .contains(&unit.trim().to_lowercase().as_str());
-    let cut_after = cut + head[cut..].chars().next()?.len_utf8();
     (is_day && number.len() <= 4).then_some((number.parse().ok()?, &text[cut_after..]))
 }
 
@@ -175,6 +175,7 @@ mod tests {
             ("10:61", None),
             ("2026-03-19 14:00", None),
             ("a 10:00", None),
+            ("\u{2077} note: 10", None),
         ] {
             assert_eq!(seconds(text), expected, "{text}");
         }

@@ -136,8 +136,9 @@ pub fn best_shape(lines: &[Line<'_>]) -> Result<Shape, ReadError> {
         (!best.units.is_empty()).then_some(best.units.as_slice()),
     );
     let names_one = best.names.iter().any(|name| names_time(name));
-    if !has_even_rows(&best, lines) || (names_one && !is_timed(&best, &headers)) {
-        return Err(no_reading(&best, lines));
+    match evenness(&best, lines) {
+        Some(ends_early) if !names_one || is_timed(&best, &headers) => best.ends_early = ends_early,
+        _ => return Err(no_reading(&best, lines)),
     }
     if !is_timed(&best, &headers) {
         return Err(no_header(lines));
@@ -174,21 +175,14 @@ pub fn shapes(lines: &[Line<'_>]) -> Vec<Shape> {
         .into_iter()
         .filter(|delimiter| stated.is_none_or(|stated| stated == *delimiter));
     let mut found: Vec<Shape> = all.filter_map(|delimiter| shape(lines, delimiter)).collect();
-    // Blanks also stand inside names and texts: they separate columns only where nothing else does.
-    let is_blank = |shape: &Shape| matches!(shape.delimiter, Delimiter::Blanks | Delimiter::WideBlanks);
-    let wide = found
-        .iter()
-        .find(|shape| shape.delimiter == Delimiter::WideBlanks && shape.known > 0);
-    let unfit = match wide.is_some_and(|wide| has_even_rows(wide, lines)) {
-        true => Delimiter::Blanks,
-        false => Delimiter::WideBlanks,
-    };
-    found.retain(|shape| shape.delimiter != unfit);
-    if found
-        .iter()
-        .any(|shape| !is_blank(shape) && shape.names_at.is_some() && shape.known > 0)
-    {
-        found.retain(|shape| !is_blank(shape));
+    // Blanks also stand inside names and texts: two together separate columns only where the rows are even under them, and one
+    // only where nothing else does.
+    let is = |shape: &Shape, delimiter: Delimiter| shape.delimiter == delimiter;
+    found.retain(|shape| !is(shape, Delimiter::WideBlanks) || has_even_rows(shape, lines));
+    let is_other =
+        |shape: &Shape| !is(shape, Delimiter::Blanks) && shape.names_at.is_some() && shape.known > 0;
+    if found.iter().any(is_other) {
+        found.retain(|shape| !is(shape, Delimiter::Blanks));
     }
     found
 }
@@ -248,6 +242,11 @@ fn is_timed(shape: &Shape, headers: &[Header]) -> bool {
 /// Whether rows have as many fields as there are names. What is empty at the end of a row may be left away with its
 /// delimiters; a delimiter behind the last field begins no other.
 fn has_even_rows(shape: &Shape, lines: &[Line<'_>]) -> bool {
+    evenness(shape, lines).is_some()
+}
+
+/// Whether rows end early, where they are even at all.
+fn evenness(shape: &Shape, lines: &[Line<'_>]) -> Option<bool> {
     let names = shape.names.len();
     let (mut all, mut fitting, mut full, mut shortest) = (0usize, 0usize, 0usize, names);
     for line in rows(shape, lines).take(LINES_ASKED) {
@@ -264,7 +263,7 @@ fn has_even_rows(shape: &Shape, lines: &[Line<'_>]) -> bool {
         header.meaning.named_quantity().is_some()
     };
     let ends_early = full > 0 && !(shortest..names).any(is_known);
-    obeys(fitting) && (obeys(full) || ends_early)
+    (obeys(fitting) && (obeys(full) || ends_early)).then_some(ends_early)
 }
 
 /// Fields of a line, and fields up to the last that holds anything.

@@ -89,7 +89,7 @@ pub fn read<'a>(
                 .delimiter
                 .split(line.text, |_, text| first_row.push(unquote(text)));
         }
-        push_line(&mut cells, *line, layout.dialect);
+        push_row(&mut cells, *line, layout);
         if text_columns.is_empty() {
             continue;
         }
@@ -110,6 +110,17 @@ pub fn read<'a>(
         layout: layout.clone(),
         cells,
         texts,
+    }
+}
+
+/// Adds a row; one that ends early where columns may be left away is whole.
+fn push_row(cells: &mut CellTable, line: Line<'_>, layout: &Layout) {
+    let ragged = cells.ragged.clone();
+    push_line(cells, line, layout.dialect);
+    let is_short =
+        |line: Line<'_>| layout.dialect.delimiter.split(line.text, |_, _| {}) < layout.shape.names.len();
+    if layout.shape.ends_early && cells.ragged.count > ragged.count && is_short(line) {
+        cells.ragged = ragged;
     }
 }
 

@@ -5,7 +5,7 @@
 //! two rows that make one name. Where no such row is there, a comment just above the readings may hold the names.
 
 use super::kind::{Kind, kind};
-use crate::formats::climate::meaning::climate_column;
+use crate::formats::climate::meaning::{climate_column, names_dew_point};
 use crate::text::grid::{is_blank, is_comment};
 use crate::text::header::{Header, Meaning};
 use crate::text::number::unquote;
@@ -33,6 +33,8 @@ pub struct Shape {
     pub kinds: Vec<Kind>,
     /// How many columns are known by their names.
     pub known: usize,
+    /// Whether rows may end before the last columns, which hold a word now and then.
+    pub ends_early: bool,
 }
 
 struct Row<'a> {
@@ -75,6 +77,7 @@ fn named(
         names: vec![String::new(); kinds.len()],
         units: Vec::new(),
         known: 0,
+        ends_early: false,
         kinds,
     };
     let mut best = 0;
@@ -84,12 +87,24 @@ fn named(
         .collect();
     found.take_from(&mut best, &texts);
     if found.names_at.is_none() {
-        let told = comments
-            .iter()
-            .map(|(at, _)| *at)
-            .filter(|at| *at < found.data_at);
-        let told: Vec<(usize, &str)> = told.map(|at| (at, bare_comment(lines[at].text))).collect();
-        found.take_from(&mut best, &told[told.len().saturating_sub(ROWS_ABOVE)..]);
+        let told = comments.iter().map(|(at, _)| *at);
+        let told: Vec<usize> = told.filter(|at| *at < found.data_at).collect();
+        let told = &told[told.len().saturating_sub(ROWS_ABOVE)..];
+        // The mark may be the name of a column of numbers of rows.
+        let width = found.kinds.len();
+        let whole = |at: usize| {
+            let bare = bare_comment(lines[at].text);
+            if names_in(bare, delimiter).len() + 1 == width {
+                lines[at].text
+            } else {
+                bare
+            }
+        };
+        let texts: Vec<(usize, &str)> = told.iter().map(|at| (*at, whole(*at))).collect();
+        found.take_from(&mut best, &texts);
+        if found.names.len() != width {
+            found.forget_names();
+        }
     }
     if let Some(names_at) = found.names_at {
         // The first reading may hold a word in the place of a number: it is none of the names all the same.
@@ -278,10 +293,22 @@ fn names_in(text: &str, delimiter: Delimiter) -> Vec<String> {
 }
 
 impl Shape {
+    /// A comment has as many names as there are columns, or is none of names.
+    fn forget_names(&mut self) {
+        self.names = vec![String::new(); self.kinds.len()];
+        (self.names_at, self.units, self.known) = (None, Vec::new(), 0);
+    }
+
     /// Takes the names from lines above the readings, the last of which is the next to them.
     fn take_from(&mut self, best: &mut usize, texts: &[(usize, &str)]) {
         for index in (0..texts.len()).rev() {
             let (at, text) = texts[index];
+            // Units are no names where names stand above them.
+            let cells = names_in(text, self.delimiter);
+            let is_named = index > 0 && names_in(texts[index - 1].1, self.delimiter).len() > 1;
+            if is_named && unit_row(cells.len(), cells.iter().map(String::as_str)).is_some() {
+                continue;
+            }
             let below = texts
                 .get(index + 1)
                 .map(|(at, text)| row(*at, text, self.delimiter));
@@ -304,8 +331,9 @@ impl Shape {
         let known: Vec<usize> = (names.iter().enumerate())
             .map(|(index, name)| known(name, unit(index), self.kinds.get(index).copied()))
             .collect();
+        // Of two rows of words under which as much is known both are the names.
         let score = 1 + words.min(self.kinds.len()) + 100 * known.iter().sum::<usize>();
-        if score > *best {
+        if score > *best || (score == *best && self.names_at.is_some_and(|lower| at < lower)) {
             *best = score;
             self.known = known.iter().filter(|known| **known > 0).count();
             self.names_at = Some(at);
@@ -327,6 +355,10 @@ fn known(name: &str, unit: &str, kind: Option<Kind>) -> usize {
     match header.meaning {
         Meaning::Known { .. } => 2,
         Meaning::Refused { .. } => 1,
-        Meaning::Other => usize::from(climate_column(name, unit).is_some() || super::times::names_time(name)),
+        Meaning::Other if names_dew_point(name) => 2,
+        Meaning::Other => match climate_column(name, unit) {
+            Some(column) => 1 + usize::from(column.unit_is_stated),
+            None => usize::from(super::times::names_time(name)),
+        },
     }
 }

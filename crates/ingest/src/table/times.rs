@@ -28,6 +28,7 @@ const WORDS: [&str; 30] = [
     "timestamp",
     "epoch",
     "unix",
+    "uts",
     "elapsed",
     "clock",
     "aeg",
@@ -554,13 +555,16 @@ fn wall(
     let whole = moments_in.iter().find(by_name).or(moments_in.first()).copied();
     let pair = || {
         let date = *of_kind(table, Kind::Date).first()?;
-        let clocks = of_kind(table, Kind::Clock);
-        let is_counted = |column: &&usize| {
-            let lower = table.headers[**column].raw_name.to_lowercase();
-            ELAPSED.iter().any(|word| lower.contains(word))
+        // Beside a time of day there may be an elapsed time in the same form, which begins at zero.
+        let weight = |column: &usize| {
+            let lower = table.headers[*column].raw_name.to_lowercase();
+            let counts = ELAPSED.iter().any(|word| lower.contains(word));
+            let first = table.texts_of(*column).into_iter().find_map(duration::fields);
+            let is_zero = first.is_some_and(|first| first.seconds(TwoFields::MinutesSeconds) == 0.0);
+            (counts, is_zero)
         };
-        let clock = clocks.iter().find(|column| !is_counted(column)).copied();
-        Some((date, clock))
+        let clock = of_kind(table, Kind::Clock).into_iter().min_by_key(weight);
+        Some((date, clock.filter(|clock| !weight(clock).0)))
     };
     let epoch = super::epoch::find(table);
     let found = match (whole, pair()) {

@@ -24,7 +24,6 @@ const NAMES: [(&[Quantity], &[&str]); 24] = [
             "run time",
             "epoch time",
             "elapsed",
-            "step time",
             "zeit",
             "messzeit",
             "laufzeit",

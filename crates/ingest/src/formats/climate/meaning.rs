@@ -23,10 +23,11 @@ pub struct ClimateColumn {
     pub is_mean: bool,
 }
 
-/// Words of a name after which a column is no temperature or humidity of the air.
-const OTHER_THINGS: [&str; 25] = [
+/// Words for the dew point, which is no temperature of the air.
+const DEW_POINT: [&str; 11] = [
     "dew",
     "taupunkt",
+    "frost",
     "ros\u{e9}e",
     "roc\u{ed}o",
     "rugiada",
@@ -35,22 +36,19 @@ const OTHER_THINGS: [&str; 25] = [
     "\u{440}\u{43e}\u{441}\u{44b}",
     "\u{9732}\u{70b9}",
     "\u{9732}\u{9ede}",
-    "frost",
-    "soil",
-    "panel",
-    "ptemp",
-    "wetbulb",
-    "wet bulb",
-    "batt",
-    "surface",
-    "deficit",
-    "mixing",
-    "absolute",
-    "vapo",
-    "board",
-    "cpu",
-    "setpoint",
 ];
+/// Words of a name after which a column is no temperature or humidity of the air.
+const OTHER_THINGS: [&str; 14] = [
+    "soil", "panel", "ptemp", "wetbulb", "wet bulb", "batt", "surface", "deficit", "mixing", "absolute",
+    "vapo", "board", "cpu", "setpoint",
+];
+
+/// Whether a name is that of a dew point.
+pub fn names_dew_point(name: &str) -> bool {
+    let lower = name.to_lowercase();
+    DEW_POINT.iter().any(|word| lower.contains(word))
+}
+
 /// Kinds of value that are no reading and no mean.
 const OTHER_KINDS: [&str; 9] = ["min", "max", "std", "sd", "sdev", "tmn", "tmx", "wvc", "tot"];
 /// Short forms of humidity and temperature in names of sensors' columns, beside the names of [`crate::text::names`].
@@ -102,7 +100,8 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     let named = without_unit(described, &unit);
     let words = words(named);
     let lower_words: Vec<String> = words.iter().map(|word| word.to_lowercase()).collect();
-    let is_other = OTHER_THINGS.iter().any(|thing| lower.contains(thing))
+    let is_other = names_dew_point(described)
+        || OTHER_THINGS.iter().any(|thing| lower.contains(thing))
         || lower_words
             .iter()
             .any(|word| OTHER_KINDS.contains(&word.as_str()));
@@ -273,7 +272,9 @@ fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut before = ' ';
     for c in name.chars() {
-        let starts = !before.is_alphanumeric() || (before.is_lowercase() && c.is_uppercase());
+        // One small letter is a part of what follows: `hPa`, `rF`.
+        let is_long = words.last().is_some_and(|word| word.chars().count() > 1);
+        let starts = !before.is_alphanumeric() || (before.is_lowercase() && c.is_uppercase() && is_long);
         match words.last_mut() {
             Some(word) if c.is_alphanumeric() && !starts => word.push(c),
             _ if c.is_alphanumeric() => words.push(c.to_string()),

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::meaning::{ClimateColumn, climate_column};
+use super::meaning::{ClimateColumn, climate_column, names_dew_point};
 use crate::formats::assemble::{Raw, assemble};
 use crate::formats::error::quoted;
 use crate::formats::plausible::is_impossible;
@@ -132,9 +132,11 @@ pub fn read_lines(
         .or_else(|| start::stated(head().map(|line| line.text), context.date_order));
     let mut metadata = preamble(&lines[..names_at]);
     metadata.extend(stated_once(&read));
-    measured(&mut read, &settled.spent, context, &mut issues)?;
-    let sensors = sensors(&read, &settled.spent);
-    read.drop_columns(&settled.spent);
+    let mut spent = settled.spent;
+    spent.extend(read.headers.iter().position(|header| is_serial(&header.raw_name)));
+    measured(&mut read, &spent, context, &mut issues)?;
+    let sensors = sensors(&read, &spent);
+    read.drop_columns(&spent);
     let mut tables = Vec::new();
     for (name, rows) in sensors {
         let mut own = Vec::new();
@@ -229,9 +231,10 @@ fn measured(
 /// Whether a name that is not known may be that of a climate quantity all the same.
 fn speaks_of_climate(name: &str) -> bool {
     let lower = name.to_lowercase();
-    let is_known_other = ["dew", "taupunkt", "index", "no", "nr", "#", "batt", "record"]
-        .iter()
-        .any(|word| lower.contains(word));
+    let is_known_other = names_dew_point(name)
+        || ["index", "no", "nr", "#", "batt", "record"]
+            .iter()
+            .any(|word| lower.contains(word));
     !is_known_other && !lower.is_empty()
 }
 
@@ -315,9 +318,12 @@ fn sensors(read: &Table<'_>, spent: &[usize]) -> Vec<(String, Option<Vec<usize>>
         let lower = read.headers[column].raw_name.to_lowercase();
         let is_named = SENSORS.iter().any(|name| lower.contains(name));
         let is_word = read.kind(column) == Kind::Word;
-        (is_named || (is_word && is_smooth_within(read, &rows))).then_some(rows)
+        (is_named || (is_word && is_smooth_within(read, &rows))).then_some((is_named, rows))
     });
-    match several.into_iter().max_by_key(BTreeMap::len) {
+    let found = several
+        .into_iter()
+        .max_by_key(|(is_named, rows)| (*is_named, rows.len()));
+    match found.map(|(_, rows)| rows) {
         Some(rows) => rows.into_iter().map(|(name, rows)| (name, Some(rows))).collect(),
         None => vec![(String::new(), None)],
     }
