@@ -20,7 +20,7 @@ use ieap_domain::unit::{self, Conversion};
 use ieap_domain::{Issue, Quantity};
 
 /// Words that columns of times have in their names, in the languages of laboratories.
-const WORDS: [&str; 30] = [
+const WORDS: [&str; 31] = [
     "time",
     "zeit",
     "date",
