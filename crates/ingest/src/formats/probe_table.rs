@@ -164,6 +164,13 @@ struct Row {
 }
 
 fn header(lines: &[Line<'_>]) -> Option<Header> {
+    let is_probe = |line: &Line<'_>| {
+        let lower = line.text.to_lowercase();
+        PER_SQUARE.iter().any(|mark| lower.contains(mark)) || lower.contains("_per_sq")
+    };
+    if !lines.iter().any(is_probe) {
+        return None;
+    }
     let shapes = layout::shapes(lines).into_iter();
     let named = shapes.filter_map(|shape| Some((shape.names_at?, shape)));
     named

@@ -7,7 +7,7 @@ use crate::profiles::policy::ROWS_ASKED;
 use crate::table::kind::{self, Kind};
 use crate::table::numbers::{Found, Writing};
 use crate::table::shape::Shape;
-use crate::table::times::names_time;
+use crate::table::time_names::names_time;
 use crate::table::{layout, sheet, start};
 use crate::text::grid::{Dialect, is_blank_or_comment};
 use crate::text::header::Header;

@@ -3,9 +3,9 @@
 use jiff::civil::DateTime;
 use jiff::tz::TimeZone;
 
-use super::Table;
 use super::kind::Kind;
-use super::times::names_time;
+use super::read::Table;
+use super::time_names::names_time;
 use crate::formats::climate::moments::Moments;
 use crate::formats::stamp::DateOrder;
 use crate::table::policy::EPOCH_SINCE_1990_S;

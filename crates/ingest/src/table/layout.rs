@@ -6,7 +6,7 @@ use super::kind::Kind;
 use super::numbers::{Found, Writing};
 use super::policy::ROWS_ASKED;
 use super::shape::{Shape, shape};
-use super::times::names_time;
+use super::time_names::names_time;
 use crate::formats::ReadContext;
 use crate::formats::assemble::{is_modulus_sweep, is_spectrum};
 use crate::formats::error::{ReadError, quoted};
@@ -121,10 +121,7 @@ pub fn best_shape(lines: &[Line<'_>]) -> Result<Shape, ReadError> {
     let shapes = shapes(lines);
     let Some(best) = best_of(&shapes) else {
         return Err(match names_alone(lines) {
-            Some(line) => ReadError::HeaderOnly {
-                line: line.number,
-                found: quoted(line.text),
-            },
+            Some(names) => without_rows(names, lines),
             None => no_header(lines),
         });
     };
@@ -263,7 +260,7 @@ fn evenness(shape: &Shape, lines: &[Line<'_>]) -> Option<bool> {
         header.meaning.named_quantity().is_some()
     };
     let ends_early = full > 0 && !(shortest..names).any(is_known);
-    (obeys(fitting) && (obeys(full) || ends_early)).then_some(ends_early)
+    (obeys(fitting) && (obeys(full) || ends_early)).then_some(!obeys(full))
 }
 
 /// Fields of a line, and fields up to the last that holds anything.
@@ -401,6 +398,27 @@ fn names_alone<'l, 'a>(lines: &'l [Line<'a>]) -> Option<&'l Line<'a>> {
                 cells.len() > 1 && time_among(cells.iter().map(String::as_str)).is_some()
             })
         })
+}
+
+/// Names of a table below which no row holds numbers: none follows yet, or what follows is none.
+fn without_rows(names: &Line<'_>, lines: &[Line<'_>]) -> ReadError {
+    let below = |line: &&Line<'_>| line.number > names.number && !is_blank_or_comment(line.text);
+    match lines.iter().find(below) {
+        None => ReadError::HeaderOnly {
+            line: names.number,
+            found: quoted(names.text),
+        },
+        Some(first) => ReadError::NoReading {
+            header: names.number,
+            line: first.number,
+            found: format!(
+                "under {} stands {}, and no row holds numbers",
+                quoted(names.text),
+                quoted(first.text)
+            ),
+            mend: "write only numbers below the name of the time, with one decimal sign in the whole file",
+        },
+    }
 }
 
 /// Rows that do not fit their names: says how the first differs.

@@ -1,7 +1,7 @@
 //! The order of rows: the newest first, counters that wrap, clocks that start anew at each step of a programme.
 
-use super::Table;
 use super::kind::Kind;
+use super::read::Table;
 use crate::formats::error::ReadError;
 use crate::table::policy::{COUNTERS, REGULAR_WITHIN, RESTART_ROWS};
 use ieap_domain::Issue;
@@ -34,21 +34,6 @@ pub fn order(numbers: &[f64]) -> Order {
     } else {
         Order::Restarts
     }
-}
-
-/// Puts the last row first.
-pub fn reverse(table: &mut Table<'_>) {
-    for column in &mut table.cells.columns {
-        let rows = column.numbers.len() as u32;
-        column.numbers.reverse();
-        column.texts.reverse();
-        column
-            .texts
-            .iter_mut()
-            .for_each(|(row, _)| *row = rows - 1 - *row);
-    }
-    table.cells.line_of_row.reverse();
-    table.texts.values_mut().for_each(|texts| texts.reverse());
 }
 
 /// Rows in which a clock starts anew: it goes back and then counts on from there, where a glitch is a row by itself.
@@ -97,7 +82,7 @@ pub fn go_on(
         Order::Forward if steps_are_counted(table, &repeats) => {}
         Order::Forward => return Ok(()),
         Order::Backward => {
-            reverse(table);
+            table.reverse();
             numbers.reverse();
             issues.push(Issue::note(
                 "newest-first",

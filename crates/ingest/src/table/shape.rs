@@ -9,10 +9,12 @@ use crate::formats::climate::meaning::{climate_column, names_dew_point};
 use crate::text::grid::{is_blank, is_comment};
 use crate::text::header::{Header, Meaning};
 use crate::text::number::unquote;
-use crate::text::policy::{HEADER_WITHIN_LINES, LINES_ASKED, OBEYING_SHARE};
+use crate::text::policy::{HEADER_WITHIN_LINES, OBEYING_SHARE};
 use crate::text::unit_row::unit_row;
 use crate::text::{Delimiter, Line};
 
+/// Rows beyond those of a head that show what readings are. Chosen.
+const ROWS_LOOKED_AT: usize = 64;
 /// Rows above the readings that names are looked for in. Chosen: loggers write a row of names for each property of a channel.
 const ROWS_ABOVE: usize = 8;
 
@@ -47,8 +49,17 @@ struct Row<'a> {
 pub fn shape(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Shape> {
     let sample = (lines.iter().enumerate())
         .filter(|(_, line)| !is_blank(line.text))
-        .take(HEADER_WITHIN_LINES + LINES_ASKED);
+        .take(HEADER_WITHIN_LINES + ROWS_LOOKED_AT);
     let (comments, rows): (Vec<_>, Vec<_>) = sample.partition(|(_, line)| is_comment(line.text));
+    // A delimiter that separates nothing where readings are looked for is none: that is told soonest.
+    let is_split = |(_, line): &&(usize, &Line<'_>)| delimiter.split(line.text, |_, _| {}) > 1;
+    let splits = |window: std::ops::Range<usize>| {
+        let window = &rows[window];
+        2 * window.iter().filter(is_split).count() >= window.len()
+    };
+    if !windows(rows.len()).any(splits) {
+        return None;
+    }
     let rows: Vec<Row<'_>> = rows
         .into_iter()
         .map(|(at, line)| row(at, line.text, delimiter))
@@ -138,16 +149,18 @@ fn row<'a>(at: usize, text: &'a str, delimiter: Delimiter) -> Row<'a> {
     Row { at, cells, kinds }
 }
 
+/// Places among so many rows that readings are looked for in.
+fn windows(rows: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
+    let ends = [rows, rows * 3 / 4, rows.div_ceil(2)];
+    let ends = ends.into_iter().filter(|end| *end > 0);
+    ends.flat_map(|end| [12, 3, 1].map(|size| end.saturating_sub(size)..end))
+}
+
 /// Where the readings may begin, and what their columns hold then. The last rows may be a foot, and rows above the table may
 /// look alike, too: what readings are is tried from several places.
 fn blocks(rows: &[Row<'_>]) -> Vec<(usize, Vec<Kind>)> {
-    let ends = [rows.len(), rows.len() * 3 / 4, rows.len().div_ceil(2)];
-    let windows = ends
-        .into_iter()
-        .filter(|end| *end > 0)
-        .flat_map(|end| [12, 3, 1].map(|size| end.saturating_sub(size)..end));
     let mut found: Vec<(usize, Vec<Kind>)> = Vec::new();
-    for window in windows {
+    for window in windows(rows.len()) {
         let Some(kinds) = kinds_of(&rows[window]) else {
             continue;
         };
@@ -345,7 +358,7 @@ impl Shape {
 /// How much a name says: its quantity and unit, its quantity, or nothing.
 fn known(name: &str, unit: &str, kind: Option<Kind>) -> usize {
     if matches!(kind, Some(Kind::Moment | Kind::Date | Kind::Clock)) {
-        return usize::from(super::times::names_time(name));
+        return usize::from(super::time_names::names_time(name));
     }
     let header = if unit.is_empty() {
         Header::parse(name)
@@ -358,7 +371,7 @@ fn known(name: &str, unit: &str, kind: Option<Kind>) -> usize {
         Meaning::Other if names_dew_point(name) => 2,
         Meaning::Other => match climate_column(name, unit) {
             Some(column) => 1 + usize::from(column.unit_is_stated),
-            None => usize::from(super::times::names_time(name)),
+            None => usize::from(super::time_names::names_time(name)),
         },
     }
 }

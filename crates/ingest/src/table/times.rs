@@ -6,8 +6,9 @@
 use super::duration::{self, Fields, TwoFields};
 use super::kind::Kind;
 use super::question::Question;
+use super::read::{Settled, Table};
 use super::rows;
-use super::{Settled, Table};
+use super::time_names::{counts_from_a_start, is_unit_of_time, names_time};
 use crate::formats::ReadContext;
 use crate::formats::climate::moments::{Moments, NoOrder, moments};
 use crate::formats::error::{ReadError, quoted};
@@ -18,84 +19,6 @@ use crate::text::header::{Header, Meaning};
 use crate::{StartedAt, Timestamp};
 use ieap_domain::unit::{self, Conversion};
 use ieap_domain::{Issue, Quantity};
-
-/// Words that columns of times have in their names, in the languages of laboratories.
-const WORDS: [&str; 31] = [
-    "time",
-    "zeit",
-    "date",
-    "datum",
-    "timestamp",
-    "epoch",
-    "unix",
-    "uts",
-    "elapsed",
-    "clock",
-    "aeg",
-    "kuup\u{e4}ev",
-    "temps",
-    "heure",
-    "horodatage",
-    "tiempo",
-    "fecha",
-    "hora",
-    "tempo",
-    "data/ora",
-    "ora",
-    "duration",
-    "dauer",
-    "dur\u{e9}e",
-    "\u{432}\u{440}\u{435}\u{43c}\u{44f}",
-    "\u{434}\u{430}\u{442}\u{430}",
-    "\u{65f6}\u{95f4}",
-    "\u{65e5}\u{671f}",
-    "\u{6642}\u{9593}",
-    "\u{65e5}\u{6642}",
-    "\u{6642}\u{523b}",
-];
-/// Words by which a time counts from the start of something and not from midnight.
-const ELAPSED: [&str; 18] = [
-    "elapsed",
-    "test",
-    "run",
-    "step",
-    "total",
-    "duration",
-    "lauf",
-    "mess",
-    "dauer",
-    "\u{e9}coul",
-    "dur\u{e9}e",
-    "transcurrid",
-    "trascors",
-    "decorrid",
-    "relativ",
-    "since",
-    "\u{7d4c}\u{904e}",
-    "kulunud",
-];
-
-/// Whether a name is that of a time, a date or both.
-pub fn names_time(name: &str) -> bool {
-    let lower = name.to_lowercase();
-    // Words stand inside others (`temps` in `tempsensor`): only those count that German and English compose of them.
-    let parts = || lower.split(|c: char| !c.is_alphanumeric());
-    let has_word = |word: &str| match word {
-        "time" | "zeit" | "date" | "datum" => {
-            parts().any(|part| part.starts_with(word) || part.ends_with(word))
-        }
-        word if word.is_ascii() => parts().any(|part| part == word),
-        word => lower.contains(word),
-    };
-    is_unit_of_time(name)
-        || Header::parse(name).meaning.named_quantity() == Some(Quantity::Time)
-        || WORDS.into_iter().any(has_word)
-}
-
-/// Whether a column is headed by a unit of time alone: `s`, `min`. A letter in upper case stands for something else.
-fn is_unit_of_time(name: &str) -> bool {
-    matches!(name.trim(), "s" | "ms" | "us" | "min" | "h")
-}
 
 /// An elapsed time: its column and its numbers, with the unit that the file states.
 struct Elapsed {
@@ -427,8 +350,7 @@ fn durations(
     let two = two_fields(table, column, &known, wall, context, &seconds)?;
     let mut numbers = seconds(two);
     let lower = header.raw_name.to_lowercase();
-    let counts =
-        ELAPSED.iter().any(|word| lower.contains(word)) || known.iter().any(|found| !found.fits_a_day());
+    let counts = counts_from_a_start(&lower) || known.iter().any(|found| !found.fits_a_day());
     if !counts {
         past_midnight(&mut numbers, issues);
         let first = numbers
@@ -558,7 +480,7 @@ fn wall(
         // Beside a time of day there may be an elapsed time in the same form, which begins at zero.
         let weight = |column: &usize| {
             let lower = table.headers[*column].raw_name.to_lowercase();
-            let counts = ELAPSED.iter().any(|word| lower.contains(word));
+            let counts = counts_from_a_start(&lower);
             let first = table.texts_of(*column).into_iter().find_map(duration::fields);
             let is_zero = first.is_some_and(|first| first.seconds(TwoFields::MinutesSeconds) == 0.0);
             (counts, is_zero)
@@ -647,7 +569,7 @@ fn by_dates(
         if found != Err(NoOrder::Fits) {
             let rows = texts.len();
             at = at.into_iter().rev().map(|row| rows - 1 - row).collect();
-            rows::reverse(table);
+            table.reverse();
             issues.push(Issue::note(
                 "newest-first",
                 "the newest row comes first; rows are read from the last to the first",

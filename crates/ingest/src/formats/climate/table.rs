@@ -14,7 +14,7 @@ use crate::formats::recognition::{FileHead, Match};
 use crate::formats::{Format, ReadContext, ReadError, delimited};
 use crate::table::kind::Kind;
 use crate::table::policy::{AIR_IN_CELSIUS, LARGEST_FRACTION, SMOOTHER_WITHIN};
-use crate::table::{self, Question, Table, epoch, layout, start, times};
+use crate::table::{self, Question, Table, epoch, layout, start, time_names, times};
 use crate::text::header::{Header, Meaning};
 use crate::text::{Line, Lines, number};
 use crate::{Reading, RunTable};
@@ -68,6 +68,11 @@ impl Format for ClimateTable {
 /// Whether lines hold the table of a logger: dates or a start beside climate, and no response of a sample, which makes a run of
 /// it whatever else was logged with it.
 pub fn is_log(lines: &[Line<'_>]) -> bool {
+    // No time of day, no number since 1970: that is told soonest.
+    let speaks_of_moments = |line: &Line<'_>| line.text.contains(':') || has_long_number(line.text);
+    if !lines.iter().any(speaks_of_moments) {
+        return false;
+    }
     let Ok(shape) = layout::best_shape(lines) else {
         return false;
     };
@@ -90,7 +95,7 @@ pub fn is_log(lines: &[Line<'_>]) -> bool {
         shape.delimiter.split(first, |at, cell| {
             is_moment |= at == index && epoch::is_moment(cell)
         });
-        is_moment && times::names_time(name)
+        is_moment && time_names::names_time(name)
     };
     let head = lines[..shape.names_at.unwrap_or(0)].iter().map(|line| line.text);
     let has_dates = shape
@@ -100,6 +105,15 @@ pub fn is_log(lines: &[Line<'_>]) -> bool {
         || named().any(is_epoch)
         || start::stated(head, None).is_some();
     has_dates && !named().any(is_response) && named().any(is_climate)
+}
+
+/// Whether ten digits stand side by side.
+fn has_long_number(text: &str) -> bool {
+    let mut run = 0;
+    text.bytes().any(|byte| {
+        run = if byte.is_ascii_digit() { run + 1 } else { 0 };
+        run >= 10
+    })
 }
 
 /// Reads the lines of a logger's table for the reader of that id and version; its status is that of the lines.
