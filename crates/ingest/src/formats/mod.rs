@@ -34,6 +34,8 @@ pub mod sample_clock;
 pub mod sheet_cells;
 #[cfg(test)]
 mod sheet_tests;
+#[cfg(test)]
+pub mod sheet_writer;
 pub mod sidecar;
 pub mod spreadsheet;
 pub mod stamp;

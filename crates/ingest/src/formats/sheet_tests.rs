@@ -1,94 +1,12 @@
 //! Spreadsheets built cell by cell, with what real ones do: gaps, texts, dates, cells far out, damage.
 
-use std::fmt::Write as _;
-use std::io::{Cursor, Write as _};
-
 use proptest::prelude::*;
-use zip::ZipWriter;
-use zip::write::SimpleFileOptions;
 
+use super::sheet_writer::Xml::{Date, None as Gap, Number, Text};
+use super::sheet_writer::{Xml, sheet, workbook};
 use super::{ReadContext, ReadError, read};
 use crate::Reading;
 use ieap_domain::{Quantity, RunStatus};
-
-/// One cell as it stands in the sheet's XML.
-#[derive(Clone, Copy)]
-enum Xml<'a> {
-    Text(&'a str),
-    Number(f64),
-    /// Style 1 is a date.
-    Date(f64),
-    None,
-}
-use Xml::{Date, None as Gap, Number, Text};
-
-fn sheet(rows: &[&[Xml<'_>]]) -> String {
-    let mut xml = String::new();
-    for (row, cells) in rows.iter().enumerate() {
-        let number = row + 1;
-        let _ = write!(xml, r#"<row r="{number}">"#);
-        for (column, cell) in cells.iter().enumerate() {
-            let place = format!("{}{number}", (b'A' + column as u8) as char);
-            let _ = match cell {
-                Text(text) => write!(xml, r#"<c r="{place}" t="inlineStr"><is><t>{text}</t></is></c>"#),
-                Number(number) => write!(xml, r#"<c r="{place}"><v>{number}</v></c>"#),
-                Date(days) => write!(xml, r#"<c r="{place}" s="1"><v>{days}</v></c>"#),
-                Gap => Ok(()),
-            };
-        }
-        xml.push_str("</row>");
-    }
-    xml
-}
-
-/// A workbook with one sheet for each of `sheets`, the XML of their rows.
-fn workbook(sheets: &[String]) -> Vec<u8> {
-    const MAIN: &str = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
-    const RELATIONS: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
-    const PACKAGE: &str = "http://schemas.openxmlformats.org/package/2006/relationships";
-    let mut names = String::new();
-    let mut parts = String::new();
-    for k in 1..=sheets.len() {
-        let _ = write!(names, r#"<sheet name="Run {k}" sheetId="{k}" r:id="rId{k}"/>"#);
-        let _ = write!(
-            parts,
-            r#"<Relationship Id="rId{k}" Type="{RELATIONS}/worksheet" Target="worksheets/sheet{k}.xml"/>"#
-        );
-    }
-    let styles = format!(
-        r#"<styleSheet xmlns="{MAIN}"><cellXfs><xf numFmtId="0"/><xf numFmtId="14"/></cellXfs></styleSheet>"#
-    );
-    let mut members = vec![
-        ("[Content_Types].xml".to_owned(), "<Types/>".to_owned()),
-        (
-            "_rels/.rels".to_owned(),
-            format!(
-                r#"<Relationships xmlns="{PACKAGE}"><Relationship Id="rId1" Type="{RELATIONS}/officeDocument" Target="xl/workbook.xml"/></Relationships>"#
-            ),
-        ),
-        (
-            "xl/workbook.xml".to_owned(),
-            format!(r#"<workbook xmlns="{MAIN}" xmlns:r="{RELATIONS}"><sheets>{names}</sheets></workbook>"#),
-        ),
-        (
-            "xl/_rels/workbook.xml.rels".to_owned(),
-            format!(r#"<Relationships xmlns="{PACKAGE}">{parts}</Relationships>"#),
-        ),
-        ("xl/styles.xml".to_owned(), styles),
-    ];
-    for (index, rows) in sheets.iter().enumerate() {
-        members.push((
-            format!("xl/worksheets/sheet{}.xml", index + 1),
-            format!(r#"<worksheet xmlns="{MAIN}"><sheetData>{rows}</sheetData></worksheet>"#),
-        ));
-    }
-    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, content) in members {
-        writer.start_file(name, SimpleFileOptions::default()).unwrap();
-        writer.write_all(content.as_bytes()).unwrap();
-    }
-    writer.finish().unwrap().into_inner()
-}
 
 fn read_rows(rows: &[&[Xml<'_>]]) -> Result<Reading, ReadError> {
     read("run.xlsx", &workbook(&[sheet(rows)]), &ReadContext::default())

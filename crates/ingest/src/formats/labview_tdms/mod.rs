@@ -29,6 +29,8 @@ mod tables;
 pub mod values;
 #[cfg(test)]
 mod waveform_tests;
+#[cfg(test)]
+pub mod waveform_writer;
 
 /// Reader of TDMS files.
 pub struct LabviewTdms;
