@@ -233,6 +233,10 @@ fn generic_files_are_read_or_refused_with_a_reason() {
                 2,
                 "the last line has no end"
             ),
+            // Dates beside temperatures with their units: logs of a climate.
+            "case_custom_ts.tsv" | "case_date_time_iso.csv" => {
+                assert_eq!(read_file(&path).unwrap().format, "climate-table", "{name}");
+            }
             _ => assert!(
                 read_file(&path).is_err(),
                 "{name} names no unit of time or no response"

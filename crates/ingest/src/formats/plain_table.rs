@@ -202,6 +202,24 @@ mod tests {
     }
 
     #[test]
+    fn a_logger_that_was_started_anew_wrote_several_runs() {
+        let part = "time_s,current_a\n0,1e-3\n1,2e-3\n";
+        let reading = table(&format!("{part}Logging to: LD2.CSV\n{part}")).unwrap();
+        let rows: Vec<usize> = reading.tables.iter().map(|table| table.rows).collect();
+        assert_eq!(rows, [2, 2]);
+        assert!(reading.issues.iter().any(|issue| issue.code == "lines-between"));
+    }
+
+    #[test]
+    fn dates_beside_a_time_show_its_unit() {
+        let mut text = "Timestamp,Time,Current (A)\n".to_owned();
+        (0..30).for_each(|k| text.push_str(&format!("2026-03-19 14:00:{k:02},{},1e-3\n", 1000 * k)));
+        let reading = table(&text).unwrap();
+        assert_eq!(reading.tables[0].time_first_last_s, Some((0.0, 29.0)));
+        assert!(reading.issues.iter().any(|issue| issue.code == "time-unit-shown"));
+    }
+
+    #[test]
     fn what_a_profile_would_leave_open_or_misread_stays_refused() {
         for text in [
             "Time;Current (mA)\n01/02/2026 10:00:00;0,5\n01/02/2026 10:00:02;1,5\n",

@@ -161,10 +161,7 @@ const MONTHS: [&[&str]; 12] = [
 fn month(word: &str) -> Option<u32> {
     let lower = word.to_ascii_lowercase();
     let begins = |names: &&[&str]| names.iter().any(|name| lower.starts_with(name));
-    MONTHS
-        .iter()
-        .position(|names| begins(&names))
-        .map(|at| at as u32 + 1)
+    MONTHS.iter().position(begins).map(|at| at as u32 + 1)
 }
 
 fn words(raw: &str) -> Option<Words> {

@@ -39,7 +39,7 @@ impl Layout {
     /// Ranges of lines of readings: one, or several where the names stand again because a logger was started anew.
     pub fn parts(&self, lines: &[Line<'_>]) -> Vec<std::ops::Range<usize>> {
         let Some(names) = self.shape.names_at.map(|at| lines[at].text.trim()) else {
-            return vec![self.shape.data_at..lines.len()];
+            return std::iter::once(self.shape.data_at..lines.len()).collect();
         };
         let mut parts = Vec::new();
         let mut from = self.shape.data_at;

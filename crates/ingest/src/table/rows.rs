@@ -72,7 +72,7 @@ fn repeats(numbers: &[f64]) -> Vec<usize> {
 /// The clock starts anew and nothing shows how its parts follow each other.
 pub fn go_on(
     table: &mut Table<'_>,
-    numbers: &mut Vec<f64>,
+    numbers: &mut [f64],
     wall: Option<(&[usize], &[f64])>,
     conversion: Conversion,
     issues: &mut Vec<Issue>,
@@ -103,6 +103,13 @@ pub fn go_on(
                 .iter_mut()
                 .for_each(|number| *number += (count + 1) as f64 * modulus);
         }
+        // A counter that runs free has no zero of its own.
+        let first = numbers
+            .iter()
+            .copied()
+            .find(|number| number.is_finite())
+            .unwrap_or(0.0);
+        numbers.iter_mut().for_each(|number| *number -= first);
         let message = format!(
             "the counter of the time wraps at {modulus} {} time(s); it is counted on",
             starts.len()

@@ -212,7 +212,7 @@ fn trailing_unit(described: &str) -> Option<String> {
 /// The unit in a name: behind it, or in brackets anywhere in it (`RH (%) c:3`, `Humidity (RH(%))`).
 fn unit_in(described: &str) -> String {
     let behind = Header::parse(described).raw_unit;
-    if unit::is_known(&behind) {
+    if !behind.is_empty() && unit::is_known(&behind) {
         return behind;
     }
     let in_brackets = described
