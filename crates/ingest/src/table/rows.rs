@@ -21,36 +21,39 @@ pub enum Order {
 
 /// Which way numbers go.
 pub fn order(numbers: &[f64]) -> Order {
-    let finite: Vec<f64> = numbers
-        .iter()
-        .copied()
-        .filter(|number| number.is_finite())
-        .collect();
-    let steps = || finite.windows(2).map(|pair| pair[1] - pair[0]);
-    if finite.len() > 2 && steps().all(|step| step < 0.0) {
+    let finite: Vec<f64> = finite(numbers).map(|(_, number)| number).collect();
+    if finite.len() > 2 && finite.windows(2).all(|pair| pair[1] < pair[0]) {
         Order::Backward
-    } else if restarts(&finite).is_empty() {
+    } else if restarts(numbers).is_empty() {
         Order::Forward
     } else {
         Order::Restarts
     }
 }
 
+fn finite(numbers: &[f64]) -> impl Iterator<Item = (usize, f64)> + '_ {
+    numbers
+        .iter()
+        .copied()
+        .enumerate()
+        .filter(|(_, number)| number.is_finite())
+}
+
 /// Rows in which a clock starts anew: it goes back and then counts on from there, where a glitch is a row by itself.
 fn restarts(numbers: &[f64]) -> Vec<usize> {
+    let finite: Vec<(usize, f64)> = finite(numbers).collect();
     let mut found = Vec::new();
     let mut latest = f64::NEG_INFINITY;
-    for row in 0..numbers.len() {
-        let number = numbers[row];
-        if number >= latest {
-            latest = number;
+    for (at, (row, number)) in finite.iter().enumerate() {
+        if *number >= latest {
+            latest = *number;
             continue;
         }
-        let run = &numbers[row..(row + RESTART_ROWS).min(numbers.len())];
-        let counts_on = run.len() == RESTART_ROWS && run.windows(2).all(|pair| pair[1] > pair[0]);
-        if counts_on && row > 0 && number < numbers[row - 1] {
-            found.push(row);
-            latest = number;
+        let run = &finite[at..(at + RESTART_ROWS).min(finite.len())];
+        let counts_on = run.len() == RESTART_ROWS && run.windows(2).all(|pair| pair[1].1 > pair[0].1);
+        if counts_on && *number < finite[at - 1].1 {
+            found.push(*row);
+            latest = *number;
         }
     }
     found
@@ -123,10 +126,10 @@ pub fn go_on(
     let counted = is_regular(numbers, step) && steps_are_counted(table, &starts);
     let mut offset = 0.0;
     for (count, start) in starts.iter().enumerate() {
-        let before = numbers[start - 1];
+        let (last, before) = finite(&numbers[..*start]).last().unwrap_or((0, 0.0));
         let by_wall = wall.and_then(|(rows, seconds)| {
             let of = |row: usize| rows.iter().position(|own| *own == row).map(|at| seconds[at]);
-            Some((of(*start)? - of(start - 1)?) / conversion.apply(1.0))
+            Some((of(*start)? - of(last)?) / conversion.apply(1.0))
         });
         let passed = match by_wall {
             Some(passed) if passed > 0.0 => passed,
@@ -139,7 +142,7 @@ pub fn go_on(
                     first: format!(
                         "{} after {}, from where it counts on: the clock starts anew",
                         numbers[*start],
-                        numbers[start - 1] - offset
+                        before - offset
                     ),
                 });
             }
@@ -167,7 +170,10 @@ fn wraps(numbers: &[f64], starts: &[usize]) -> Option<f64> {
         .all(|number| number.fract() == 0.0);
     let goes_on = |modulus: &f64| {
         starts.iter().all(|start| {
-            let passed = numbers[*start] + modulus - numbers[start - 1];
+            let before = finite(&numbers[..*start])
+                .last()
+                .map_or(f64::NAN, |(_, number)| number);
+            let passed = numbers[*start] + modulus - before;
             passed > 0.0 && passed < 2.5 * step
         })
     };

@@ -33,7 +33,7 @@ pub struct Shape {
     pub units: Vec<String>,
     /// What each column holds.
     pub kinds: Vec<Kind>,
-    /// How many columns are known by their names.
+    /// How much is known of the columns by their names.
     pub known: usize,
     /// Whether rows may end before the last columns, which hold a word now and then.
     pub ends_early: bool,
@@ -104,11 +104,11 @@ fn named(
         // The mark may be the name of a column of numbers of rows.
         let width = found.kinds.len();
         let whole = |at: usize| {
-            let bare = bare_comment(lines[at].text);
-            if names_in(bare, delimiter).len() + 1 == width {
+            let own = names_in(lines[at].text, delimiter);
+            if own.len() == width && own[0] == "#" {
                 lines[at].text
             } else {
-                bare
+                bare_comment(lines[at].text)
             }
         };
         let texts: Vec<(usize, &str)> = told.iter().map(|at| (*at, whole(*at))).collect();
@@ -297,7 +297,7 @@ fn names_in(text: &str, delimiter: Delimiter) -> Vec<String> {
     let mut names: Vec<String> = delimiter
         .header_cells(text)
         .iter()
-        .map(|cell| unquote(cell).to_owned())
+        .map(|cell| unquote(cell).trim_end_matches([',', ':']).trim_end().to_owned())
         .collect();
     while names.last().is_some_and(String::is_empty) {
         names.pop();
@@ -348,7 +348,7 @@ impl Shape {
         let score = 1 + words.min(self.kinds.len()) + 100 * known.iter().sum::<usize>();
         if score > *best || (score == *best && self.names_at.is_some_and(|lower| at < lower)) {
             *best = score;
-            self.known = known.iter().filter(|known| **known > 0).count();
+            self.known = known.iter().sum();
             self.names_at = Some(at);
             (self.names, self.units) = (names, units);
         }

@@ -20,7 +20,10 @@ pub fn unit_row<'a>(names: usize, cells: impl Iterator<Item = &'a str>) -> Optio
             .any(|&decimal| !matches!(number::parse(unit, decimal), Cell::Text | Cell::Empty))
     };
     let is_sure = |unit: &&&str| bare(unit).len() < unit.len() || **unit == "-" || unit::is_known(unit);
-    let fits = |unit: &&str| bare(unit).chars().count() <= LONGEST_UNIT || unit::is_known(unit);
+    // `time [s]` is a name with its unit.
+    let is_named = |unit: &str| unit.contains(" [") || unit.contains(" (");
+    let fits =
+        |unit: &&str| (bare(unit).chars().count() <= LONGEST_UNIT && !is_named(unit)) || unit::is_known(unit);
     // Nearly every row holds numbers, and that is told soonest.
     if filled.iter().any(is_number) {
         return None;
