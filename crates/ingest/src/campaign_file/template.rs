@@ -23,6 +23,11 @@ title = {id}                            # what stands above the report
 # method = "variable-projection"         # `ieap models` lists the methods
 # simultaneous = true                    # both responses at once, instead of one after the other
 
+# What tables leave open, answered once for all files; `ieap status` asks (docs/profiles.md lists the questions).
+# [answers]
+# clock = "mm:ss"                        # what 2:01 is; or "hh:mm"
+# humidity = "percent"                   # of logs that name no unit; or "fraction"
+
 # One entry for each strip. Runs name it by the tag `sample`.
 # [[sample]]
 # id = "CNaf-01"
