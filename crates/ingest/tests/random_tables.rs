@@ -62,7 +62,6 @@ mod words;
 mod write;
 
 #[test]
-#[ignore = "the reader is being rewritten"]
 fn no_table_in_a_random_dialect_is_misread_in_silence() {
     let counts = count::count(300, 1);
     assert_eq!(counts.wrong(), 0, "\n{}", counts.text(3));

@@ -149,7 +149,12 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
         Some(campaign) => profiles::load(campaign)?,
         None => Vec::new(),
     };
-    let mut inspection = inspect_bytes(file, &bytes, &profiles);
+    // One that cannot be read says so where it is asked; here a file is shown.
+    let stated = campaign
+        .as_deref()
+        .and_then(|folder| campaign_file::read(folder).ok());
+    let context = stated.map_or_else(ReadContext::default, |read| ReadContext::of(&read.campaign));
+    let mut inspection = inspect_bytes(file, &bytes, &profiles, &context);
     inspection.stored = campaign.and_then(|campaign| stored(&campaign, &absolute));
     Ok(inspection)
 }
@@ -186,7 +191,7 @@ fn stored(campaign: &Path, file: &Path) -> Option<StoredRun> {
 }
 
 /// As [`inspect`], for bytes that were read already.
-pub fn inspect_bytes(file: &Path, bytes: &[u8], profiles: &[Profile]) -> Inspection {
+pub fn inspect_bytes(file: &Path, bytes: &[u8], profiles: &[Profile], context: &ReadContext) -> Inspection {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let shown = file.display().to_string();
     if run_sheet::is_sheet(&name, bytes) {
@@ -199,10 +204,9 @@ pub fn inspect_bytes(file: &Path, bytes: &[u8], profiles: &[Profile]) -> Inspect
         Ok(choice) => choice,
         Err(error) => return refused(shown, &[], &error),
     };
-    let context = ReadContext::default();
     let read = match choice.reader {
-        Reader::Format(format) => format.read(bytes, &context),
-        Reader::Profile(profile) => profile.read(bytes, &context),
+        Reader::Format(format) => format.read(bytes, context),
+        Reader::Profile(profile) => profile.read(bytes, context),
     };
     match read {
         Ok(reading) => of_reading(shown, &choice, &reading),

@@ -62,7 +62,10 @@ pub fn propose(
     }
     let parsed = profiles::from_text(Path::new(&format!("{name}.toml")), &proposal.text);
     let (read, refusal) = match parsed {
-        Ok(profile) => (Some(inspect_bytes(file, &bytes, &[profile])), None),
+        Ok(profile) => (
+            Some(inspect_bytes(file, &bytes, &[profile], &ReadContext::default())),
+            None,
+        ),
         Err(error) => (None, Some(error.to_string())),
     };
     Ok(ProposedProfile {

@@ -59,13 +59,15 @@ impl Counts {
 
     /// Counts in words; of each kind of silent error the first `show` tables.
     pub fn text(&self, show: usize) -> String {
-        let (mut right, mut partly, mut codes) = (0, 0, BTreeMap::<(bool, &str), usize>::new());
+        let (mut right, mut partly, mut told) = (0, 0, 0);
+        let mut codes = BTreeMap::<(bool, &str), usize>::new();
         for (_, outcome) in &self.0 {
             match outcome {
                 Outcome::Right { uninterpreted: 0 } => right += 1,
                 Outcome::Right { .. } => partly += 1,
                 Outcome::Asked(code) => *codes.entry((true, code)).or_default() += 1,
                 Outcome::Refused(code) => *codes.entry((false, code)).or_default() += 1,
+                Outcome::Told => told += 1,
                 Outcome::Wrong { .. } => {}
             }
         }
@@ -82,6 +84,10 @@ impl Counts {
                 let _ = writeln!(text, "    {n:5} {code}");
             }
         }
+        let _ = writeln!(
+            text,
+            "{told} of freezing air in °F that name no unit, read in °C, which a note tells"
+        );
         let _ = writeln!(text, "{} SILENTLY WRONG", self.wrong());
         for (kind, seeds) in self.kinds() {
             let _ = writeln!(text, "    {:5} {kind}", seeds.len());

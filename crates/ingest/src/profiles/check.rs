@@ -17,7 +17,7 @@ use crate::text::{Decimal, Delimiter};
 use ieap_domain::Quantity;
 use ieap_domain::unit;
 
-const SEPARATORS: &str = "\"tab\", \"semicolon\", \"comma\" or \"blanks\"";
+const SEPARATORS: &str = "\"tab\", \"semicolon\", \"comma\", \"bar\", \"two blanks\" or \"blanks\"";
 
 /// Checks one file; `text` gives the line of each statement.
 pub(super) struct Checker<'a> {

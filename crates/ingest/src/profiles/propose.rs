@@ -36,30 +36,23 @@ pub struct StatedColumn {
 /// # Errors
 /// The file is no text with a table.
 pub fn answered(name: &str, bytes: &[u8], answers: &Answers) -> Result<Proposal, ReadError> {
-    let decoded = decode(bytes);
-    let guess = guess_text(bytes).filter(|guess| guess.header_line > 0);
-    let guess = guess.ok_or_else(|| ReadError::NoHeader {
-        line: 0,
-        found: "no line that names columns".to_owned(),
-    })?;
-    let names = decoded
-        .text
-        .lines()
-        .nth(guess.header_line - 1)
-        .unwrap_or("")
-        .trim();
     let mut text = String::new();
     let _ = writeln!(
         text,
         "# What files of this source leave open, answered; proposed from {}.",
         one_line(name)
     );
-    let _ = write!(text, "[profile]\nversion = 1\ntitle = {}\n\n", quoted(name));
     let _ = write!(
         text,
-        "[recognise]\ncontains = [{}]\n\n[answers]\n",
-        quoted(names.trim_start_matches('\u{feff}'))
+        "[profile]\nversion = 1\ntitle = {}\n\n[recognise]\n",
+        quoted(name)
     );
+    let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
+    let _ = match is_workbook(bytes) {
+        true => writeln!(text, "name = {}", quoted(&format!("*.{extension}"))),
+        false => writeln!(text, "contains = [{}]", quoted(&names_of(bytes)?)),
+    };
+    let _ = write!(text, "\n[answers]\n");
     for (key, answer) in answers.iter() {
         let _ = writeln!(text, "{key} = {}", quoted(answer));
     }
@@ -67,6 +60,22 @@ pub fn answered(name: &str, bytes: &[u8], answers: &Answers) -> Result<Proposal,
         text,
         open: Vec::new(),
     })
+}
+
+fn is_workbook(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0")
+}
+
+/// The line that names the columns of a text.
+fn names_of(bytes: &[u8]) -> Result<String, ReadError> {
+    let guess = guess_text(bytes).filter(|guess| guess.header_line > 0);
+    let guess = guess.ok_or_else(|| ReadError::NoHeader {
+        line: 0,
+        found: "no line that names columns".to_owned(),
+    })?;
+    let decoded = decode(bytes);
+    let names = decoded.text.lines().nth(guess.header_line - 1).unwrap_or("");
+    Ok(names.trim().trim_start_matches('\u{feff}').to_owned())
 }
 
 /// Proposes a profile for a file of that name, in which columns are what is `stated` of them.
@@ -77,8 +86,7 @@ pub fn propose(name: &str, bytes: &[u8], stated: &[StatedColumn]) -> Result<Prop
     if bytes.is_empty() {
         return Err(ReadError::Empty);
     }
-    let is_workbook = bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0");
-    let guess = if is_workbook {
+    let guess = if is_workbook(bytes) {
         guess_sheet(&sheet_cells::read(bytes)?)
     } else {
         guess_text(bytes)

@@ -22,7 +22,7 @@ impl Profile {
                 answers: context.answers.with(answers),
                 ..context.clone()
             };
-            return formats::read("table.csv", bytes, &answered);
+            return formats::read("table", bytes, &answered);
         }
         let mut issues = Vec::new();
         let mut found = self.table(bytes, context.max_unpacked_bytes, &mut issues)?;

@@ -195,19 +195,20 @@ fn best_of(shapes: &[Shape]) -> Option<&Shape> {
 /// Units with those that lines above the names state: `Humidity = %rh`.
 fn with_preamble(shape: &Shape, lines: &[Line<'_>]) -> Vec<String> {
     let above = &lines[..shape.names_at.unwrap_or(0)];
-    let stated = |name: &String| {
+    // `T` and `t` are two names, where both stand there.
+    let among = |name: &String, is_same: &dyn Fn(&str) -> bool| {
         let values = above.iter().filter_map(|line| {
             let (key, value) = line.text.split_once(['=', ':'])?;
-            let is_same = number::unquote(key).eq_ignore_ascii_case(name.trim());
-            is_same.then(|| {
-                value
-                    .trim_matches(|c: char| c.is_whitespace() || ",;\"".contains(c))
-                    .to_owned()
-            })
+            let value = value.trim_matches(|c: char| c.is_whitespace() || ",;\"".contains(c));
+            is_same(number::unquote(key).trim_start_matches('#').trim()).then(|| value.to_owned())
         });
         values.into_iter().find(|value| {
             unit::is_known(value) || Header::with_unit(name, value).meaning.quantity().is_some()
         })
+    };
+    let stated = |name: &String| {
+        let exactly = among(name, &|key| key == name.trim());
+        exactly.or_else(|| among(name, &|key| key.eq_ignore_ascii_case(name.trim())))
     };
     let unit = |(index, name): (usize, &String)| {
         let own = shape.units.get(index).filter(|unit| !unit.is_empty()).cloned();

@@ -20,8 +20,14 @@ pub fn unit_row<'a>(names: usize, cells: impl Iterator<Item = &'a str>) -> Optio
             .any(|&decimal| !matches!(number::parse(unit, decimal), Cell::Text | Cell::Empty))
     };
     let is_sure = |unit: &&&str| bare(unit).len() < unit.len() || **unit == "-" || unit::is_known(unit);
-    // `time [s]` is a name with its unit.
-    let is_named = |unit: &str| unit.contains(" [") || unit.contains(" (");
+    // `time [s]` and `Time us` are names with their units.
+    let ends_in_unit = |(_, last): (&str, &str)| unit::is_known(last);
+    let is_named = |unit: &str| {
+        let known = unit::is_known(unit);
+        unit.contains(" [")
+            || unit.contains(" (")
+            || (!known && unit.rsplit_once(' ').is_some_and(ends_in_unit))
+    };
     let fits =
         |unit: &&str| (bare(unit).chars().count() <= LONGEST_UNIT && !is_named(unit)) || unit::is_known(unit);
     // Nearly every row holds numbers, and that is told soonest.

@@ -74,7 +74,7 @@ impl Readers {
     /// The same for files that every reader turned down.
     pub fn all(&self) -> String {
         let stamps: Vec<&str> = self.stamps.iter().map(String::as_str).collect();
-        stamps.join(" ")
+        stamps.join(" ") + &self.profiles
     }
 
     /// Files that these readers would read anew: of runs, where their reader changed or the set of profiles did; of

@@ -213,7 +213,14 @@ fn measured(
             if !unit_is_stated {
                 let told_unit = unit_of(quantity, &name, &read.cells.columns[index].numbers, context, line)?;
                 conversion = told_unit.1;
-                told.push(format!("{} is in {}", quoted(&name), told_unit.0));
+                let key = if quantity == Quantity::Temperature {
+                    "temperature"
+                } else {
+                    "humidity"
+                };
+                if context.answers.of(key).is_none() {
+                    told.push(format!("{} is in {}", quoted(&name), told_unit.0));
+                }
                 header.raw_unit = told_unit.0.to_owned();
             }
             if !taken.contains(&quantity) {
@@ -283,7 +290,7 @@ fn unit_of(
                     answers: vec![
                         (
                             "fraction".to_owned(),
-                            format!("it is {} to {} %", 100.0 * low, 100.0 * high),
+                            format!("it is {:.1} to {:.1} %", 100.0 * low, 100.0 * high),
                         ),
                         ("percent".to_owned(), format!("it is {low} to {high} %")),
                     ],
