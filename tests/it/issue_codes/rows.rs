@@ -52,7 +52,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("column-refused", By("crates/ingest/src/named_columns.rs", "a_tag_that_cannot_be_followed_changes_nothing_and_says_why")),
     ("column-taken", Campaign(|to| to.write("runs/a.csv", run("curvture_per_cm", "0.1")))),
     ("column-unread", Campaign(|to| to.write("runs/a.csv", run("bend (1/m)", "0.1")))),
-    ("column-unusable", Format("plain-table/refused.no_unit.csv")),
+    ("column-unusable", By("crates/ingest/src/formats/error.rs", "an_issue_says_where_and_how_to_mend")),
     ("contact-break", By("tests/it/lumped_or_distributed.rs", "a_cracked_foil_is_found_and_placed")),
     ("contradiction", By("src/pipeline/apart/at_hand/tests.rs", "what_is_stated_and_cannot_both_hold_names_both")),
     ("control-not-held", By("crates/ingest/src/drive/tests.rs", "what_is_stated_goes_before_what_was_measured")),

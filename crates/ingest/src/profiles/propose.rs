@@ -48,9 +48,10 @@ pub fn answered(name: &str, bytes: &[u8], answers: &Answers) -> Result<Proposal,
         quoted(name)
     );
     let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
-    let _ = match is_workbook(bytes) {
-        true => writeln!(text, "name = {}", quoted(&format!("*.{extension}"))),
-        false => writeln!(text, "contains = [{}]", quoted(&names_of(bytes)?)),
+    let _ = if is_workbook(bytes) {
+        writeln!(text, "name = {}", quoted(&format!("*.{extension}")))
+    } else {
+        writeln!(text, "contains = [{}]", quoted(&names_of(bytes)?))
     };
     let _ = write!(text, "\n[answers]\n");
     for (key, answer) in answers.iter() {

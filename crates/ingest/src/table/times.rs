@@ -92,10 +92,7 @@ fn with_elapsed(
         .get(dated)
         .copied()
         .filter(|first| first.is_finite());
-    table.headers[elapsed.column].meaning = Meaning::Known {
-        quantity: Quantity::Time,
-        conversion,
-    };
+    time_by(table, elapsed.column, conversion);
     let started_at = wall.as_ref().map(|wall| {
         let zero_s = first.map_or(0.0, |first| conversion.apply(first))
             - wall.moments.elapsed_s.first().copied().unwrap_or(0.0);
@@ -182,7 +179,10 @@ fn no_unit(header: &Header, line: usize) -> ReadError {
         key: "elapsed",
         column: header.raw_name.clone(),
         line,
-        found: "names no unit of time".to_owned(),
+        found: match header.raw_unit.as_str() {
+            "" => "names no unit of time".to_owned(),
+            unit => format!("has the unit {}, which is no known one of time", quoted(unit)),
+        },
         answers: [
             ("s", "it counts seconds"),
             ("ms", "milliseconds"),
@@ -252,6 +252,19 @@ impl Wall {
     }
 }
 
+/// One column times the rows; other times are columns of their own.
+fn time_by(table: &mut Table<'_>, column: usize, conversion: Conversion) {
+    for header in &mut table.headers {
+        if header.meaning.named_quantity() == Some(Quantity::Time) {
+            header.meaning = Meaning::Other;
+        }
+    }
+    table.headers[column].meaning = Meaning::Known {
+        quantity: Quantity::Time,
+        conversion,
+    };
+}
+
 /// The rows are timed by the wall clock, in seconds from the first.
 fn by_wall(table: &mut Table<'_>, wall: Wall) -> Settled {
     let [at, others @ ..] = wall.columns.as_slice() else {
@@ -267,9 +280,8 @@ fn by_wall(table: &mut Table<'_>, wall: Wall) -> Settled {
     column.text = Default::default();
     column.texts.clear();
     column.keep_text = false;
-    let header = &mut table.headers[*at];
-    header.raw_unit = String::new();
-    header.meaning = Header::with_unit("time", "s").meaning;
+    table.headers[*at].raw_unit = String::new();
+    time_by(table, *at, Conversion::IDENTITY);
     Settled {
         started_at: Some(wall.start(0.0)),
         is_clock: true,

@@ -227,7 +227,10 @@ fn measured(
                 taken.push(quantity);
                 header.meaning = Meaning::Known { quantity, conversion };
             }
-        } else if read.kind(index) == Kind::Number && !is_serial(&name) && speaks_of_climate(&name) {
+        } else if read.kind(index) == Kind::Number
+            && speaks_of_climate(&name)
+            && !counts_rows(&read.cells.columns[index].numbers)
+        {
             let message = format!("column {} is not known and is not used", quoted(&name));
             let mend = "name it with its unit, as in Temperature (°C) or RH (%)";
             issues.push(Issue::note("column-unread", message).mend(mend));
@@ -252,11 +255,13 @@ fn measured(
 /// Whether a name that is not known may be that of a climate quantity all the same.
 fn speaks_of_climate(name: &str) -> bool {
     let lower = name.to_lowercase();
-    let is_known_other = names_dew_point(name)
-        || ["index", "no", "nr", "#", "batt", "record"]
-            .iter()
-            .any(|word| lower.contains(word));
-    !is_known_other && !lower.is_empty()
+    let is_other = ["batt", "record"].iter().any(|word| lower.contains(word));
+    !name.is_empty() && !is_serial(name) && !names_dew_point(name) && !is_other
+}
+
+/// Whether numbers count rows: each is one more than the one before.
+fn counts_rows(numbers: &[f64]) -> bool {
+    numbers.windows(2).all(|pair| pair[1] == pair[0] + 1.0)
 }
 
 /// The unit of readings that name none: that under which all of them can be what the column measures.
