@@ -234,7 +234,7 @@ fn generic_files_are_read_or_refused_with_a_reason() {
                 "the last line has no end"
             ),
             // Dates beside temperatures with their units: logs of a climate.
-            "case_custom_ts.tsv" | "case_date_time_iso.csv" => {
+            "case_custom_ts.tsv" | "case_date_time_iso.csv" | "case_uts_units.csv" => {
                 assert_eq!(read_file(&path).unwrap().format, "climate-table", "{name}");
             }
             _ => assert!(

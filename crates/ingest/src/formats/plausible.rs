@@ -12,8 +12,9 @@ use ieap_domain::{Issue, Quantity};
 /// loggers -999; nothing is colder than absolute zero, and no air holds more water than fog. `raw` is as the file has it, `value` in
 /// the canonical unit.
 pub fn is_impossible(quantity: Quantity, raw: f64, value: f64) -> bool {
-    /// Relative humidities that a sensor can read, %: it may be some percent off where the air is saturated.
-    const HUMIDITY_PERCENT: std::ops::RangeInclusive<f64> = 0.0..=105.0;
+    /// Relative humidities that a sensor can read, %: it is some percent off where the air is saturated, and about its noise below
+    /// zero in dry gas, where leaving that half of the readings out would raise their mean.
+    const HUMIDITY_PERCENT: std::ops::RangeInclusive<f64> = -2.0..=105.0;
     const ABSOLUTE_ZERO_C: f64 = -273.15;
     /// A gauge of a vacuum may be off by less, Pa.
     const LEAST_PRESSURE_PA: f64 = -500.0;
