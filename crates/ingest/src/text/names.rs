@@ -1,7 +1,7 @@
 //! Names of columns in the languages that laboratories write: the one table of synonyms.
 //!
-//! In small letters, blanks for `_` and `-`. A name that is not here is a column of its own; a profile or `[names]` in
-//! campaign.toml says what it is.
+//! In small letters, blanks for `_` and `-`. A name that is not here is a column of its own; a profile says what it is
+//! (`ieap profile FILE --column NAME=QUANTITY`).
 
 use ieap_domain::Quantity;
 
