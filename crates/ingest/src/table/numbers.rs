@@ -66,20 +66,15 @@ impl Writing {
         seen.entry(pattern).or_insert_with(new).count += 1;
     }
 
-    /// The way in which these numbers are written, with what a person answered already.
+    /// The way in which these numbers are written; what a person answered counts where they leave it open.
     pub fn decide(
         &self,
         delimiter: Delimiter,
         decimal: Option<Decimal>,
         group: Option<Option<Group>>,
     ) -> Found {
-        let answered = |form: &NumberForm| {
-            decimal.is_none_or(|decimal| decimal == form.decimal)
-                && group.is_none_or(|group| group == form.group)
-        };
         let mut forms: Vec<(usize, NumberForm)> = all_forms(delimiter)
             .into_iter()
-            .filter(answered)
             .map(|form| (self.unread(form), form))
             .collect();
         let fewest = forms.iter().map(|(unread, _)| *unread).min().unwrap_or(0);
@@ -97,11 +92,32 @@ impl Writing {
         } else {
             sane
         };
-        let first = left[0];
-        match left.iter().find_map(|other| self.differing(first, *other)) {
-            None => Found::One(first),
-            Some((seen, other)) => Found::Open(question(seen, first, other)),
+        // An answer settles what is open, and nothing else.
+        let is_answer = |form: &&NumberForm| {
+            decimal.is_none_or(|decimal| decimal == form.decimal)
+                && group.is_none_or(|group| group == form.group)
+        };
+        match self.open_among(&left) {
+            None => Found::One(left[0]),
+            Some(question) => {
+                let answered: Vec<NumberForm> = left.iter().filter(is_answer).copied().collect();
+                let has_answer = decimal.is_some() || group.is_some();
+                match answered
+                    .first()
+                    .filter(|_| has_answer && self.open_among(&answered).is_none())
+                {
+                    Some(form) => Found::One(*form),
+                    None => Found::Open(question),
+                }
+            }
         }
+    }
+
+    /// What is asked where forms read a cell differently.
+    fn open_among(&self, forms: &[NumberForm]) -> Option<Question> {
+        let first = *forms.first()?;
+        let (seen, other) = forms.iter().find_map(|other| self.differing(first, *other))?;
+        Some(question(seen, first, other))
     }
 
     /// Numbers that cannot be read in that way and can in another.

@@ -117,9 +117,8 @@ fn unit_of(
 ) -> Result<Conversion, ReadError> {
     const UNITS: [&str; 6] = ["s", "ms", "us", "min", "h", "d"];
     let unit = |word: &str| unit::conversion(Quantity::Time, word).ok();
-    if let Some(answer) = context.answers.of("elapsed").and_then(unit) {
-        return Ok(answer);
-    }
+    // An answer settles what is open, and nothing else.
+    let or_answered = |asked: ReadError| context.answers.of("elapsed").and_then(unit).ok_or(asked);
     let shown = wall.and_then(|wall| wall.seconds_per(elapsed));
     let agrees =
         |conversion: Conversion, (ratio, error): (f64, f64)| (conversion.apply(1.0) - ratio).abs() <= error;
@@ -143,7 +142,7 @@ fn unit_of(
             answers.extend(
                 by_wall.map(|word| (word.to_owned(), format!("it counts {word}, as the dates show"))),
             );
-            Err(ReadError::Asked(Question {
+            or_answered(ReadError::Asked(Question {
                 key: "elapsed",
                 column: header.raw_name.clone(),
                 line,
@@ -164,7 +163,7 @@ fn unit_of(
             issues.push(Issue::note("time-unit-shown", message));
             unit(word).ok_or_else(|| no_unit(header, line))
         }
-        (None, _) => Err(no_unit(header, line)),
+        (None, _) => or_answered(no_unit(header, line)),
     }
 }
 
@@ -393,13 +392,6 @@ fn two_fields(
     if of_two.clone().next().is_none() {
         return Ok(TwoFields::MinutesSeconds);
     }
-    let answered = context.answers.of("clock");
-    if let Some(two) = TwoFields::ALL
-        .into_iter()
-        .find(|two| answered == Some(two.word()))
-    {
-        return Ok(two);
-    }
     let unit = table.layout.shape.units.get(column).map_or("", String::as_str);
     if let Some(stated) = TwoFields::stated_in(&header.raw_name).or_else(|| TwoFields::stated_in(unit)) {
         return Ok(stated);
@@ -426,7 +418,13 @@ fn two_fields(
         };
         TwoFields::ALL.into_iter().find(agrees)
     });
-    if let Some(two) = by_wall {
+    let answered = context.answers.of("clock");
+    let answer = || {
+        TwoFields::ALL
+            .into_iter()
+            .find(|two| answered == Some(two.word()))
+    };
+    if let Some(two) = by_wall.or_else(answer) {
         return Ok(two);
     }
     let texts = table.texts_of(column);

@@ -1,5 +1,6 @@
 //! One answer settles what a file leaves open: the same bytes with it give the values that it means.
 
+use ieap_ingest::formats::{ReadContext, read};
 use jiff::civil::date;
 
 use crate::base_run::{base, rows};
@@ -65,4 +66,25 @@ fn whether_a_comma_stands_between_thousands() {
             );
         }
     }
+}
+
+#[test]
+fn an_answer_settles_what_is_open_and_nothing_else() {
+    let table = "Time (s);Current (mA)\n0;0,5\n1;0,25\n2;0,125\n";
+    let mut answers = ieap_ingest::table::Answers::default();
+    for (key, answer) in [
+        ("elapsed", "ms"),
+        ("decimal", "point"),
+        ("clock", "hh:mm"),
+        ("humidity", "fraction"),
+    ] {
+        answers.add(key, answer).unwrap();
+    }
+    let context = ReadContext {
+        answers,
+        ..ReadContext::default()
+    };
+    let plain = read("a.csv", table.as_bytes(), &ReadContext::default()).unwrap();
+    let answered = read("a.csv", table.as_bytes(), &context).unwrap();
+    assert_eq!(plain.tables, answered.tables);
 }

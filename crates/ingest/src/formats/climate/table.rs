@@ -284,8 +284,8 @@ fn unit_of(
     if quantity == Quantity::RelativeHumidity {
         let fraction = ("1", Conversion::scale(100.0, 1.0));
         let is_fraction = match context.answers.of("humidity") {
+            _ if high > LARGEST_FRACTION || low > high => false,
             Some(answer) => answer == "fraction",
-            None if high > LARGEST_FRACTION || low > high => false,
             None => {
                 return Err(ReadError::Asked(Question {
                     key: "humidity",
@@ -311,15 +311,15 @@ fn unit_of(
     let units = ["°C", "°F", "K"];
     let conversion =
         |word: &str| unit::conversion(Quantity::Temperature, word).unwrap_or(Conversion::IDENTITY);
+    // Under °F the air would freeze, under K no sensor works.
+    if low > high || (AIR_IN_CELSIUS.contains(&low) && AIR_IN_CELSIUS.contains(&high)) {
+        return Ok(("°C", Conversion::IDENTITY));
+    }
     if let Some(word) = units
         .into_iter()
         .find(|word| context.answers.of("temperature") == Some(word))
     {
         return Ok((word, conversion(word)));
-    }
-    // Under °F the air would freeze, under K no sensor works.
-    if low > high || (AIR_IN_CELSIUS.contains(&low) && AIR_IN_CELSIUS.contains(&high)) {
-        return Ok(("°C", Conversion::IDENTITY));
     }
     Err(ReadError::Asked(Question {
         key: "temperature",
