@@ -7,8 +7,14 @@ use crate::text::policy::FEWEST_LETTERS;
 use ieap_domain::Quantity;
 use ieap_domain::unit::{self, Conversion};
 
-/// Quantities whose units say what is measured in a table of a run; a length or a voltage may be many things.
-const TOLD_BY_UNIT: [Quantity; 3] = [Quantity::Curvature, Quantity::Current, Quantity::CurrentDensity];
+/// Quantities whose units say what is measured in a table of a run; a length may be many things. A voltage may be, too, but where
+/// a table has no other its drive would be believed from a name while the readings are not asked.
+const TOLD_BY_UNIT: [Quantity; 4] = [
+    Quantity::Curvature,
+    Quantity::Current,
+    Quantity::CurrentDensity,
+    Quantity::Voltage,
+];
 
 /// What a column probably measures.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +105,7 @@ mod tests {
             ("voltge_v", Quantity::Voltage, Some("voltage")),
             ("k_strip [1/m]", Quantity::Curvature, None),
             ("Kanal 3 (mA)", Quantity::Current, None),
+            ("Probe A (V)", Quantity::Voltage, None),
             ("signal / mA/cm2", Quantity::CurrentDensity, None),
         ] {
             let found = likely(&Header::parse(cell)).unwrap_or_else(|| panic!("{cell}"));
