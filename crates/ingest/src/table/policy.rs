@@ -29,5 +29,8 @@ pub(crate) const LARGEST_FRACTION: f64 = 1.05;
 /// Chosen.
 pub(crate) const SMOOTHER_WITHIN: f64 = 3.0;
 
+/// Most columns of a table. Chosen: sheets of multiplexers have some hundred.
+pub(super) const MOST_COLUMNS: usize = 2000;
+
 /// Rows that are asked how their numbers are written before the rest is read; the rest is asked too where it does not fit.
 pub(super) const ROWS_ASKED: usize = 20_000;

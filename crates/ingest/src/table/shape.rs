@@ -6,6 +6,7 @@
 
 use super::kind::{Kind, kind};
 use crate::formats::climate::meaning::{climate_column, names_dew_point};
+use crate::table::policy::MOST_COLUMNS;
 use crate::text::grid::{is_blank, is_comment};
 use crate::text::header::{Header, Meaning};
 use crate::text::number::unquote;
@@ -58,6 +59,11 @@ pub fn shape(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Shape> {
         2 * window.iter().filter(is_split).count() >= window.len()
     };
     if !windows(rows.len()).any(splits) {
+        return None;
+    }
+    // No instrument writes so many columns: a line of that many cells is damage, and looking into each takes seconds.
+    let is_too_wide = |(_, line): &(usize, &Line<'_>)| delimiter.split(line.text, |_, _| {}) > MOST_COLUMNS;
+    if rows.iter().any(is_too_wide) {
         return None;
     }
     let rows: Vec<Row<'_>> = rows

@@ -1,6 +1,7 @@
 //! Names of columns of times: dates, times of day, elapsed times.
 
 use crate::text::header::Header;
+use crate::text::policy::LONGEST_NAME;
 use ieap_domain::Quantity;
 
 /// Words that columns of times have in their names, in the languages of laboratories, with semicolons between them.
@@ -17,6 +18,9 @@ pub fn counts_from_a_start(lower: &str) -> bool {
 
 /// Whether a name is that of a time, a date or both.
 pub fn names_time(name: &str) -> bool {
+    if name.len() > LONGEST_NAME {
+        return false;
+    }
     let lower = name.to_lowercase();
     // Words stand inside others (`temps` in `tempsensor`): only those count that German and English compose of them.
     let parts = || lower.split(|c: char| !c.is_alphanumeric());

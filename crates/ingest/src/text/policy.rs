@@ -13,7 +13,7 @@ pub(super) const FEWEST_LETTERS: usize = 4;
 /// Longest text that may be a unit nobody converts, characters: `mW/(m·K)` has eight.
 pub(super) const LONGEST_UNIT: usize = 8;
 /// Longest name of a column that is looked into, bytes: beyond it stands a text and no name. Chosen.
-pub(super) const LONGEST_NAME: usize = 400;
+pub(crate) const LONGEST_NAME: usize = 400;
 
 /// Lines above the last one that its last field is held against, to see whether it was cut. Chosen.
 pub(super) const LINES_ABOVE_LAST: usize = 64;

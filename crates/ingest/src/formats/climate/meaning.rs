@@ -3,6 +3,7 @@
 
 use crate::text::header::{Header, spelled_unit};
 use crate::text::names::names_of;
+use crate::text::policy::LONGEST_NAME;
 use ieap_domain::Quantity;
 use ieap_domain::unit::{self, Conversion};
 
@@ -91,6 +92,9 @@ const PLAIN: [&str; 24] = [
 
 /// What a column measures, from its name and unit as the file has them; none where it is no climate of the air.
 pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
+    if raw_name.len() > LONGEST_NAME {
+        return None;
+    }
     let (described, serial, label) = without_description(raw_name);
     let lower = described.to_lowercase();
     let unit = match raw_unit {
