@@ -4,7 +4,7 @@ use rusqlite::{Row, params};
 
 use super::blob::pack_f64;
 use super::columns::{count_in, json_in, key_in, series_in, to_json};
-use super::files::{say_renamed, upsert_file};
+use super::files::{take_new_name, upsert_file};
 use super::journal::{Entry, NamedBytes};
 use super::{FileRow, RunContent, StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::{ClimateAssessment, ClimateQuantity, Issue, LogReadings, LogSeries, RunStatus};
@@ -104,8 +104,7 @@ impl Store {
                 transaction.changes(Subject::Log(id))?;
             }
             transaction.execute("UPDATE climate_log SET path = ?2 WHERE path = ?1", [old, new])?;
-            say_renamed(transaction, now, old, file);
-            upsert_file(transaction, file)
+            take_new_name(transaction, now, old, file)
         })
     }
 

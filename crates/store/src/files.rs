@@ -328,14 +328,24 @@ fn say_alias(transaction: &Transaction<'_>, now: &str, file: &FileRow) -> Result
     Ok(())
 }
 
-/// Says that a run or a log took the name of the file that now holds its bytes.
-pub(super) fn say_renamed(transaction: &Transaction<'_>, now: &str, old: &str, file: &FileRow) {
+/// A run or a log took the name of the file that now holds its bytes: it is said, and the file of the old name is forgotten
+/// with it. Apart from it, a refusal in between would leave a file whose run has another name.
+pub(super) fn take_new_name(
+    transaction: &Transaction<'_>,
+    now: &str,
+    old: &str,
+    file: &FileRow,
+) -> Result<(), StepError> {
+    transaction.changes(Subject::File(old.to_owned()))?;
+    transaction.execute("DELETE FROM source_file WHERE path = ?1", [old])?;
+    upsert_file(transaction, file)?;
     let file = NamedBytes {
         path: file.path.clone(),
         hash: file.hash.clone().unwrap_or_default(),
     };
     let old = old.to_owned();
     transaction.says(now, Entry::Renamed { old, file });
+    Ok(())
 }
 
 fn read_file(row: &Row<'_>) -> Result<FileRow, StepError> {

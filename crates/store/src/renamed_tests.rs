@@ -15,7 +15,9 @@ fn files_and_clocks_of_all_revisions_follow_the_new_name_and_other_runs_keep_the
         let run = new_run(path, RunKind::Actuation, &readings);
         store.save_runs("2026-01-01T00:00:00Z", &[], &[run]).unwrap();
     }
-    let file = FileRow::unseen("runs/b.csv".to_owned(), FileState::Run, String::new());
+    let [old, file] = ["runs/a.csv", "runs/b.csv"]
+        .map(|path| FileRow::unseen(path.to_owned(), FileState::Run, String::new()));
+    store.record_files("2026-01-01T00:00:00Z", &[old]).unwrap();
     store
         .rename_run("2026-01-02T00:00:00Z", "runs/a.csv", "runs/b.csv", &file)
         .unwrap();
@@ -29,5 +31,7 @@ fn files_and_clocks_of_all_revisions_follow_the_new_name_and_other_runs_keep_the
         named,
         [["runs/b.csv"; 3], ["runs/other.csv"; 3], ["runs/b.csv"; 3]]
     );
+    // In the same step: no file is left whose run has another name.
+    assert_eq!(store.files().unwrap(), [file]);
     assert_eq!(store.check_all().unwrap(), Vec::<String>::new());
 }

@@ -7,7 +7,7 @@ use rusqlite::{OptionalExtension, Row, params};
 
 use super::blob::{unpack_f64, unpack_u32};
 use super::columns::{count_in, from_json, key_in, series_in, to_json};
-use super::files::{say_renamed, upsert_file};
+use super::files::{take_new_name, upsert_file};
 use super::fits::retire_fit;
 use super::journal::{Entry, NamedBytes, NamedRun};
 use super::modulus::retire_analysis;
@@ -117,8 +117,7 @@ impl Store {
             transaction.execute("UPDATE run SET path = ?2 WHERE path = ?1", [old, new])?;
             transaction.execute("UPDATE hand_tag SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
             transaction.execute("UPDATE run_word SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
-            say_renamed(transaction, now, old, file);
-            upsert_file(transaction, file)
+            take_new_name(transaction, now, old, file)
         })
     }
 

@@ -124,7 +124,6 @@ fn is_known(
         context
             .store
             .rename_log(&now, holder, path, &row(FileState::Log))?;
-        context.store.forget_files(&now, std::slice::from_ref(holder))?;
         summary.renamed.push((holder.clone(), path.clone()));
     } else {
         context.store.record_files(&now, &[row(FileState::Alias)])?;

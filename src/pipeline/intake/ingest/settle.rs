@@ -146,7 +146,6 @@ fn is_known(
     if moved {
         let (old, new) = (run_path.clone(), path.clone());
         context.store.rename_run(&now, &old, &new, &row(FileState::Run))?;
-        context.store.forget_files(&now, std::slice::from_ref(&old))?;
         summary.renamed.push((old, new));
     } else {
         context.store.record_files(&now, &[row(FileState::Alias)])?;

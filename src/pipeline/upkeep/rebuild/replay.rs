@@ -112,7 +112,6 @@ impl Replayed {
                         self.asked.insert(file.path.clone(), asked);
                     }
                 }
-                store.forget_files(at, std::slice::from_ref(old))?;
             }
             Entry::Gone { path, tags } => {
                 // The run's own file, though another one lay in its place.
