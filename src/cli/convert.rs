@@ -7,11 +7,11 @@ use clap::Args;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::typed;
+use crate::domain::number::estimates::{in_words, interval_in_words};
 use crate::domain::typed_value::Measured;
 use crate::domain::words::capital;
 use crate::pipeline::Context;
 use crate::pipeline::apart::convert::{MeasuredStrip, convert};
-use crate::pipeline::documents::estimate_words::{in_words, interval_in_words};
 use crate::pipeline::findings::strip_modulus::strip_modulus;
 
 /// Convert a measure of bending into all others: displacement, curvature, angle, strains, moment, energy

@@ -10,12 +10,12 @@ use super::ingest;
 use super::interrupted::{GoesOn, interrupted};
 use super::output::Output;
 use super::signals;
+use crate::domain::number::estimates::{in_words, interval_in_words};
 use crate::domain::{Gain, Verdict};
 use crate::model::effects;
 use crate::pipeline::documents::diagnosis::{
     DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document, group_title,
 };
-use crate::pipeline::documents::estimate_words::{in_words, interval_in_words};
 use crate::pipeline::documents::gain_words::gained;
 use crate::pipeline::{
     Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest, stands_in,

@@ -7,9 +7,9 @@ use super::exit::{self, CliError};
 use super::global::Global;
 use super::ingest;
 use super::output::Output;
+use crate::domain::number::estimates::in_words;
 use crate::domain::seconds::seconds;
 use crate::pipeline::documents::dma::{LogEntry, dma_document};
-use crate::pipeline::documents::estimate_words::in_words;
 use crate::pipeline::{AnalyseModulus, Ingest};
 
 /// Find the humidity steps in the modulus logs under dma/ and what the modulus does at each, after taking in new files

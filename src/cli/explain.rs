@@ -7,8 +7,8 @@ use serde_json::json;
 
 use super::exit::{CliError, DONE};
 use super::output::Output;
+use crate::domain::number::estimates::{ends, in_words};
 use crate::pipeline::Context;
-use crate::pipeline::documents::estimate_words::{ends, in_words};
 use crate::pipeline::show::explain::{Evidence, Explanation, explain, rows_and_columns};
 
 /// Say which runs, files, fits and versions stand behind a cell of a table

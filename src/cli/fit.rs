@@ -16,7 +16,7 @@ use super::interrupted::{GoesOn, interrupted};
 use super::output::Output;
 use super::signals;
 use crate::domain::FileState;
-use crate::pipeline::documents::estimate_words::in_words;
+use crate::domain::number::estimates::in_words;
 use crate::pipeline::documents::fits::{FitEntry, fits_document};
 use crate::pipeline::documents::groups::entry;
 use crate::pipeline::fits::shard::{FitShard, Part};

@@ -6,10 +6,8 @@ use clap::Args;
 use super::exit::CliError;
 use super::output::Output;
 use crate::domain::Estimate;
+use crate::domain::number::estimates::{ends, in_words, interval_in_words, spread as in_two_digits};
 use crate::domain::words::counted;
-use crate::pipeline::documents::estimate_words::{
-    ends, in_words, interval_in_words, spread as in_two_digits,
-};
 use crate::pipeline::documents::groups::{GroupEntry, GroupRunEntry};
 use crate::pipeline::{FitChoice, FitGroups, FitTogether, Sharing};
 

@@ -8,9 +8,9 @@ use super::global::Global;
 use super::ingest;
 use super::output::Output;
 use crate::domain::Consistency;
+use crate::domain::number::estimates::in_words;
 use crate::model::impedance::{SpectrumCircuit, circuit, spectrum_circuit};
 use crate::pipeline::Ingest;
-use crate::pipeline::documents::estimate_words::in_words;
 use crate::pipeline::documents::impedance::{BesideEntry, SpectrumEntry, impedance_document};
 use crate::pipeline::findings::impedance::spectra;
 

@@ -11,13 +11,13 @@ use super::output::Output;
 use super::table::write;
 use super::typed;
 use crate::domain::Drive;
+use crate::domain::number::estimates::in_words;
 use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
 use crate::pipeline::Context;
 use crate::pipeline::apart::forward::document::Predicted;
 use crate::pipeline::apart::forward::drive_file::read_drive;
 use crate::pipeline::apart::forward::{Predict, PredictedRow, PredictionDocument, prediction_figure};
-use crate::pipeline::documents::estimate_words::in_words;
 
 /// Predict from the stored fits what a strip will do: another size, voltage or drive, with intervals
 ///
@@ -113,6 +113,6 @@ fn print(document: &PredictionDocument, output: &Output) {
 /// `0.123 ± 0.011  (95 %: 0.101 to 0.145)`.
 pub(super) fn words(predicted: &Predicted, scale: f64) -> String {
     let estimate = predicted.estimate(scale);
-    let interval = crate::pipeline::documents::estimate_words::interval_in_words(&estimate);
+    let interval = crate::domain::number::estimates::interval_in_words(&estimate);
     format!("{}{interval}", in_words(&estimate))
 }

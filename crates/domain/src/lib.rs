@@ -26,6 +26,7 @@ pub mod left_out;
 pub mod model_comparison;
 pub mod modulus;
 pub mod monitoring;
+pub mod number;
 mod number_or_null;
 pub mod origin;
 pub mod quantiles;

@@ -8,11 +8,11 @@ use serde::Serialize;
 
 use super::figures::aside::AsideMark;
 use super::figures::axis::Axis;
-use super::number::significant;
 use super::pages::wording::RunLink;
 use super::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::parameters::usable;
+use ieap_domain::number::significant;
 
 pub use super::condemned::{Aside, aside};
 

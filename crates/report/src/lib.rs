@@ -10,7 +10,6 @@ pub mod figures;
 pub mod input;
 pub mod kept;
 mod lookup;
-pub mod number;
 pub mod pages;
 mod press;
 pub mod prints;

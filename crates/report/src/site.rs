@@ -6,7 +6,6 @@ use super::condemned::{Aside, aside};
 use super::figures::residual::Clock;
 use super::input::Input;
 use super::lookup::Lookup;
-use super::number::fixed;
 use super::run_pages::{RunPage, run_pages};
 use super::slug::slugs;
 use super::sparkline::Sparks;
@@ -15,6 +14,7 @@ use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::laws::facts::{RunFacts, facts};
 use ieap_analysis::model_free::ModelFree;
 use ieap_analysis::{Conditions, conditions};
+use ieap_domain::number::fixed;
 use ieap_domain::tag::keys;
 use ieap_domain::{Drive, Fault, GroupDiagnosis, RunRecord};
 

@@ -4,7 +4,6 @@ pub mod campaign;
 pub mod comparison;
 pub mod diagnosis;
 pub mod dma;
-pub mod estimate_words;
 pub mod fits;
 pub mod gain_words;
 pub mod groups;

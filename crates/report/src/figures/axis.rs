@@ -1,6 +1,6 @@
 //! Axes: which range is shown, where ticks stand and what they say.
 
-use crate::number::{Prefix, decimal_exponent, fixed, si_prefix, significant, superscript};
+use ieap_domain::number::{Prefix, decimal_exponent, fixed, si_prefix, significant, superscript};
 use ieap_domain::range_of;
 
 /// How numbers become positions.

@@ -10,7 +10,7 @@ use super::group::{grouped, readings, series};
 use super::law::line;
 use super::panel::{Margins, TICK_SIZE, label, panel, pixels, text_style};
 use super::thin;
-use crate::number::fixed;
+use ieap_domain::number::fixed;
 
 /// Width, px: that of the figure of the life above it.
 const WIDTH: u32 = 400;

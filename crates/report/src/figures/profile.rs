@@ -11,7 +11,7 @@ use super::axis::Axis;
 use super::canvas::{Ink, svg};
 use super::group::series;
 use super::panel::{Margins, panel};
-use crate::number::{decimal_exponent, superscript};
+use ieap_domain::number::{decimal_exponent, superscript};
 
 const WIDTH: u32 = super::shape::PAGE_WIDTH;
 const HEIGHT: u32 = 210;

@@ -15,8 +15,8 @@ use super::canvas::{Area, Ink, TENTHS, svg};
 use super::group::{grouped, readings, series};
 use super::panel::{Chart, Margins, panel, pixels};
 use super::thin;
-use crate::number::significant;
 use ieap_domain::RunCurve;
+use ieap_domain::number::significant;
 
 /// Width of one figure, px.
 const WIDTH: u32 = super::shape::PAGE_WIDTH;

@@ -5,7 +5,6 @@ use ieap_domain::words::counted;
 use serde::Serialize;
 
 use super::finding_words::probability;
-use crate::number::fixed;
 use crate::pages::policy::INFLATION_SHADES;
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
@@ -13,6 +12,7 @@ use ieap_analysis::laws::covariate::Covariate;
 use ieap_analysis::laws::matrix::{ConfoundingMap, Matrix, MatrixCell, matrices};
 use ieap_analysis::laws::words as law_words;
 use ieap_analysis::plan::{PlannedRun, words};
+use ieap_domain::number::fixed;
 
 /// Parameters against covariates, as a table.
 #[derive(Debug, Serialize)]

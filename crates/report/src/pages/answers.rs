@@ -13,12 +13,12 @@ use super::wording::group_title;
 use super::{across, forecasts};
 use crate::aside::Shown;
 use crate::error::ReportError;
-use crate::number::significant;
 use crate::pages::policy::{MOST_GROUPS_NAMED, NOTABLE_RATIO};
 use crate::site::Site;
 use ieap_analysis::laws::Dependence;
 use ieap_analysis::laws::words;
 use ieap_domain::GroupDiagnosis;
+use ieap_domain::number::significant;
 
 /// The first sentences with the figure of the first.
 #[derive(Debug, Default, Serialize)]

@@ -15,7 +15,6 @@ use crate::error::ReportError;
 use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
 use crate::figures::comparison::{Group, Slot, comparison, small_comparison};
-use crate::number::significant;
 use crate::pages::policy::TOLD_AS_FACTOR_FROM;
 use crate::site::Site;
 use ieap_analysis::conditions::{Conditions, nominal_voltage_v};
@@ -23,6 +22,7 @@ use ieap_analysis::laws::words;
 use ieap_analysis::parameters::{COMPARED, usable};
 use ieap_analysis::{Contrast, ParameterInfo, confounding, contrasts};
 use ieap_domain::Estimate;
+use ieap_domain::number::significant;
 
 /// How far beyond the largest (or below the smallest positive) value an interval may stretch an axis.
 const STRETCH: f64 = 2.0;

@@ -7,11 +7,11 @@ use serde::Serialize;
 use crate::error::ReportError;
 use crate::figures::axis::Axis;
 use crate::figures::control::{ControlChart, control_charts};
-use crate::number::significant;
 use crate::site::Site;
 use ieap_analysis::laws::words::symbol;
 use ieap_analysis::monitoring::Watched;
 use ieap_analysis::monitoring::series::Charted;
+use ieap_domain::number::significant;
 use ieap_domain::tag::keys;
 
 /// A chart in numbers.

@@ -18,11 +18,11 @@ use crate::figures::gain_bars::gain_bars;
 use crate::figures::profile::profile;
 use crate::figures::residual::residual;
 use crate::input::{EffectText, Findings};
-use crate::number::{fixed, measured, significant};
 use crate::pages::policy::{MOST_HELD_OUT_FIGURES, MOST_RESIDUAL_FIGURES};
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_domain::campaign::Adopted;
+use ieap_domain::number::{fixed, measured, significant};
 use ieap_domain::{Candidate, EffectFinding, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
 
 /// Bars of the figure of gains.

@@ -10,8 +10,8 @@ use super::wording::{EstimateText, RunLink, with_index};
 use crate::error::ReportError;
 use crate::figures::residual::overlay;
 use crate::input::{EffectParameterText, Findings};
-use crate::number::significant;
 use crate::site::Site;
+use ieap_domain::number::significant;
 use ieap_domain::{EffectFinding, GroupDiagnosis, ResidualCurve};
 
 /// The open part of the page.

@@ -7,8 +7,8 @@ use serde::Serialize;
 use crate::error::ReportError;
 use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Mark, SMALL, sized_panel};
-use crate::number::{measured, significant};
 use ieap_analysis::ParameterInfo;
+use ieap_domain::number::{measured, significant};
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::{GroupDiagnosis, VaryingParameter, VaryingValue};
 

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::figures::residual::Called;
-use crate::number::{measured, significant};
 use crate::pages::policy::ERROR_RISES_FACTOR;
+use ieap_domain::number::{measured, significant};
 use ieap_domain::{Gain, GroupDiagnosis, HeldOutGain, Verdict};
 
 /// Errors before and after, on readings that took no part in the fit.

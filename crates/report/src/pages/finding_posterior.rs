@@ -4,9 +4,9 @@ use ieap_domain::words::in_a_row;
 use serde::Serialize;
 
 use crate::input::Findings;
-use crate::number::fixed;
 use crate::pages::policy::{LEAST_PROBABILITY, MOST_EXPLANATIONS};
 use ieap_analysis::ParameterInfo;
+use ieap_domain::number::fixed;
 use ieap_domain::{CauseNode, GroupDiagnosis, Hypothesis, HypothesisKind};
 
 /// A hypothesis in words.

@@ -2,9 +2,9 @@
 
 use super::wording::readable;
 use crate::input::Findings;
-use crate::number::{fixed, significant};
 use crate::pages::policy::CLEAR_SHIFT_SIGMAS;
 use ieap_domain::diagnosis::follows_a_tag;
+use ieap_domain::number::{fixed, significant};
 use ieap_domain::words::{counted, in_a_row};
 use ieap_domain::{GroupDiagnosis, ParameterShift, Verdict};
 

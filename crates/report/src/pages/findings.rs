@@ -10,9 +10,9 @@ use super::across;
 use super::finding_words::{campaign_lead, counted_from_draws, probability, verdict_of};
 use super::wording::{RunLink, group_title, readable};
 use crate::error::ReportError;
-use crate::number::{interval, measured, significant};
 use crate::site::Site;
 use ieap_analysis::shared_effects::{SharedEffect, SharedParameter, left_out};
+use ieap_domain::number::{interval, measured, significant};
 use ieap_domain::{FromOthers, GroupDiagnosis, Verdict};
 
 #[derive(Debug, Serialize)]

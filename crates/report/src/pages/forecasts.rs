@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use crate::number::significant;
 use crate::site::Site;
 use crate::zone::seconds;
 use ieap_analysis::laws::Covariate;
@@ -10,6 +9,7 @@ use ieap_analysis::laws::fitted::Interval;
 use ieap_analysis::laws::words::symbol;
 use ieap_analysis::monitoring::series::Reaches;
 use ieap_analysis::monitoring::{Watched, words};
+use ieap_domain::number::significant;
 use ieap_domain::tag::keys;
 
 /// A limit of a watched parameter.

@@ -10,9 +10,9 @@ use super::Content;
 use crate::error::ReportError;
 use crate::figures::svg::inline;
 use crate::input::Input;
-use crate::number::significant;
 use crate::prints::frequency::drawn;
 use crate::site::Site;
+use ieap_domain::number::significant;
 
 /// Width of the figure, px.
 const WIDTH: u32 = 760;

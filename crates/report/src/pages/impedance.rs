@@ -11,10 +11,10 @@ use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::relaxation::relaxation;
 use crate::figures::spectrum::{DrawnFit, bode, nyquist, residuals};
-use crate::number::{fixed, plain, significant};
 use crate::pages::policy::MOST_SECTIONS;
 use crate::site::Site;
 use ieap_analysis::impedance::{Comparison, StepSide};
+use ieap_domain::number::{fixed, plain, significant};
 use ieap_domain::tag::keys;
 use ieap_domain::{
     Consistency, Issue, KramersKronig, RelaxationPeak, RelaxationTimes, SpectrumAnalysis, SpectrumRun, Sweep,

@@ -9,10 +9,10 @@ use super::Content;
 use crate::error::ReportError;
 use crate::figures::svg::inline;
 use crate::input::Input;
-use crate::number::significant;
 use crate::prints::models::of_run;
 use crate::site::Site;
 use ieap_analysis::models_compared::{ComparedCondition, ComparedModel, models_compared, outdated};
+use ieap_domain::number::significant;
 
 /// Width of a figure, px.
 const WIDTH: u32 = 560;

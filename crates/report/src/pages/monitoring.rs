@@ -19,13 +19,13 @@ use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Curve, LawFigure, Mark};
 use crate::input::Input;
-use crate::number::significant;
 use crate::pages::policy::OPEN_ALARMS;
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::laws::doubt::Doubted;
 use ieap_analysis::laws::words::{moves, symbol};
 use ieap_analysis::monitoring::{Watched, words};
+use ieap_domain::number::significant;
 
 /// Places at which a trend is drawn.
 const DRAWN: usize = 60;

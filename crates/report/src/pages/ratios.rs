@@ -13,11 +13,11 @@ use crate::error::ReportError;
 use crate::figures::axis::Axis;
 use crate::figures::comparison::{Group, ratio_comparison};
 use crate::input::Input;
-use crate::number::{fixed, interval, rounded};
 use crate::site::Site;
 use ieap_analysis::comparison::ratios::{Ratio, Reference, ratios, reference};
 use ieap_analysis::{PARAMETERS, ParameterInfo};
 use ieap_domain::Estimate;
+use ieap_domain::number::{fixed, interval, rounded};
 
 /// Intervals may stretch an axis beyond the ratios by this factor.
 const STRETCH: f64 = 3.0;

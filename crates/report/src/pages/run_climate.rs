@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::error::ReportError;
 use crate::figures::climate::around_run;
-use crate::number::{fixed, significant};
+use ieap_domain::number::{fixed, significant};
 use ieap_domain::{ClimateCurve, ClimateQuantity, RunClimate, RunRecord};
 
 /// Climate during the run and around it.

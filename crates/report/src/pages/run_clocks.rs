@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::wording::in_unit;
-use crate::number::{plain, significant};
 use crate::pages::policy::MOST_FLAGS;
+use ieap_domain::number::{plain, significant};
 use ieap_domain::{ClockOffset, RunClock, RunRecord, StartedAt, Timestamp};
 
 /// One offset.

@@ -1,10 +1,10 @@
 //! What a run was measured in and at, in words.
 
 use super::wording::{humidity_label, voltage_label};
-use crate::number::significant;
 use crate::site::Site;
 use ieap_analysis::conditions::{material, nominal_voltage_v};
 use ieap_domain::Drive;
+use ieap_domain::number::significant;
 use ieap_domain::tag::keys;
 
 /// `CNaf in air at 34 % RH stepped to 2.5 V`, as far as it is known.

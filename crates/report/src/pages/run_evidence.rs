@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::run_clocks::{self as clocks, FlagRow, OffsetRow};
 use super::wording::{in_unit, voltage_label};
-use crate::number::{plain, significant};
 use crate::pages::policy::MOST_SEGMENTS;
 use crate::site::Site;
+use ieap_domain::number::{plain, significant};
 use ieap_domain::{ChannelSummary, Drive, Level, Quantity, RunCurve, RunRecord, RunStatus};
 
 /// Digits of a hash that pages show.

@@ -5,13 +5,13 @@ use serde::Serialize;
 
 use super::run_evidence::Fact;
 use super::wording::{EstimateText, in_unit, why_unfitted};
-use crate::number::{score, significant};
 use crate::pages::policy::{CORRELATED_FROM, SYSTEMATIC_FROM, WITHIN_NOISE};
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::figure::Figure;
 use ieap_analysis::laws::doubt::Doubts;
 use ieap_analysis::model_free::{ENERGIES, FIGURES, ModelFree};
+use ieap_domain::number::{score, significant};
 use ieap_domain::{ChannelNoise, Estimate, Fit, Parameter, Quantity, RunRecord};
 
 /// A parameter of one run.

@@ -5,10 +5,10 @@ use serde::Serialize;
 
 use super::run_fit::{residual_over_noise, symbol_of};
 use super::wording::{EstimateText, voltage_label};
-use crate::number::{score, significant};
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
+use ieap_domain::number::{score, significant};
 use ieap_domain::tag::keys;
 use ieap_domain::{Quantity, RunRecord};
 

@@ -5,7 +5,6 @@ use std::cmp::Ordering;
 use serde::Serialize;
 
 use super::wording::{EstimateText, RunLink, estimate_of, has_warnings, why_unfitted};
-use crate::number::significant;
 use crate::pages::policy::MOST_RUNS_LISTED;
 use crate::site::Site;
 use crate::sparkline::Sparks;
@@ -14,6 +13,7 @@ use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
 use ieap_analysis::parameters::COMPARED;
 use ieap_domain::RunRecord;
+use ieap_domain::number::significant;
 use ieap_domain::tag::keys;
 
 /// The table.

@@ -14,8 +14,8 @@ use crate::error::ReportError;
 use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Curve, Mark, law_panel};
 use crate::input::Input;
-use crate::number::{fixed, significant};
 use crate::site::Site;
+use ieap_domain::number::{fixed, significant};
 
 /// N m2 to µN m2, and N m / C to mN m / C.
 const MICRO: f64 = 1e6;

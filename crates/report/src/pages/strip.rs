@@ -14,8 +14,8 @@ use crate::figures::along::map::{self, Shown, residual_end};
 use crate::figures::along::shapes::{self, Layout};
 use crate::figures::along::{curves, frames, millimetres, seconds, voltages};
 use crate::figures::svg;
-use crate::number::{fixed, measured, rounded_bound, significant};
 use crate::site::Site;
+use ieap_domain::number::{fixed, measured, rounded_bound, significant};
 use ieap_domain::{AlongCurve, AlongStrip, EndsRatio, Fit, Quantity};
 
 /// Width of a drawing, px.

@@ -7,10 +7,10 @@ use serde::Serialize;
 use super::Content;
 use super::wording::RunLink;
 use crate::error::ReportError;
-use crate::number::interval;
 use crate::site::Site;
 use crate::tables::{ShownCell, grid, note_letter};
 use ieap_analysis::tables::{self, Cell, SourceOrigin, named};
+use ieap_domain::number::interval;
 
 /// Place of the material among the columns, and of the first column that is no part of the condition.
 const MATERIAL: usize = 0;

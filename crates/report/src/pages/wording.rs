@@ -3,11 +3,11 @@
 pub use ieap_analysis::groups::title as group_title;
 use serde::Serialize;
 
-use crate::number::{
-    fixed, interval, lower_bound, measured, measured_stacked, plain, significant, upper_bound, with_unit,
-};
 use crate::site::Site;
 use ieap_analysis::{ParameterInfo, Surroundings};
+use ieap_domain::number::{
+    fixed, interval, lower_bound, measured, measured_stacked, plain, significant, upper_bound, with_unit,
+};
 use ieap_domain::{Estimate, EstimateState, Issue, RunRecord, RunState, Severity};
 
 /// A link to a run's page.

@@ -2,8 +2,8 @@
 //! so that a spreadsheet calculates none of them.
 
 use super::shown::{ShownCell, grid, note_letter};
-use crate::number::{Rounded, rounded, rounded_bound};
 use ieap_analysis::tables::{Cell, Content, Table};
+use ieap_domain::number::{Rounded, rounded, rounded_bound};
 use ieap_domain::safe_text::csv_text;
 
 /// How numbers and fields are told apart.

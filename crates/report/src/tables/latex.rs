@@ -5,8 +5,8 @@ use super::shown::{
     CONCISE, MISSING, NOT_DETERMINED, ShownCell, caption, grid, group_starts, has_errors, head, note_letter,
     note_letters, remarks, repeated,
 };
-use crate::number::Rounded;
 use ieap_analysis::tables::Table;
+use ieap_domain::number::Rounded;
 
 /// Words longer than this many characters are set in a paragraph.
 const LONGEST_LINE: usize = 40;
@@ -138,7 +138,7 @@ fn foot(table: &Table) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::number::rounded;
+    use ieap_domain::number::rounded;
 
     #[test]
     fn numbers_are_left_to_siunitx() {

@@ -1,7 +1,7 @@
 //! A cell as it is printed: rounded, but in no notation yet.
 
-use crate::number::{Rounded, plain, rounded, rounded_bound, rounded_to, score};
 use ieap_analysis::tables::{Column, Content, Table};
+use ieap_domain::number::{Rounded, plain, rounded, rounded_bound, rounded_to, score};
 
 /// Decimals at most of a column of settings.
 const MOST_DECIMALS: usize = 3;
@@ -57,7 +57,7 @@ pub fn text_of(content: &Content) -> String {
     shown(content).text()
 }
 
-/// A content rounded by the rules of [`crate::number`].
+/// A content rounded by the rules of [`ieap_domain::number`].
 pub fn shown(content: &Content) -> ShownCell {
     match content {
         Content::Text(words) => ShownCell::Words(words.clone()),
@@ -93,7 +93,7 @@ pub fn grid(table: &Table) -> Vec<Vec<ShownCell>> {
         .collect();
     let cell = |(column, cell): (usize, &ieap_analysis::tables::Cell)| match &cell.content {
         Content::Exact(number) if decimals[column] > 0 => {
-            ShownCell::Number(digits(crate::number::fixed(*number, decimals[column])))
+            ShownCell::Number(digits(ieap_domain::number::fixed(*number, decimals[column])))
         }
         content => shown(content),
     };

@@ -4,9 +4,9 @@ use super::shown::{
     CONCISE, ShownCell, caption, grid, group_starts, has_errors, head, note_letter, note_letters, remarks,
     repeated,
 };
-use crate::number::Rounded;
 use crate::visible::one_line;
 use ieap_analysis::tables::Table;
+use ieap_domain::number::Rounded;
 
 /// Words longer than this many characters share the width that is left.
 const LONGEST_LINE: usize = 40;

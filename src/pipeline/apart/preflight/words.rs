@@ -3,9 +3,9 @@
 use super::asked::Preflight;
 use super::document::{ChangeEntry, PlanDocument, PlannedParameter, Verdict};
 use super::trial::Trial;
+use crate::domain::number::significant;
 use crate::domain::seconds::seconds;
 use crate::domain::words::{capital, in_a_row};
-use crate::report::number::significant;
 
 /// The answer: what is determined, what is not and why, what mends it.
 pub(super) fn answer(

@@ -4,7 +4,7 @@
 //! Where the drive changes again time is linear, since the logarithm counts from one change only.
 
 use crate::figures::axis::Axis;
-use crate::number::plain;
+use ieap_domain::number::plain;
 use ieap_domain::{AlongCurve, AlongStrip};
 
 /// Frames as they lie on the axis.

@@ -7,7 +7,7 @@ pub mod map;
 pub mod shapes;
 pub mod voltages;
 
-use crate::number::significant;
+use ieap_domain::number::significant;
 
 /// A time for a key: three digits, no zeros at the end: `0.02 s`, `860 s`.
 pub fn seconds(time_s: f64) -> String {

@@ -1,7 +1,7 @@
 //! An estimate as a line of text, with no more digits than its uncertainty carries.
 
-use crate::domain::{Estimate, EstimateState};
-use crate::report::number::{interval, lower_bound, measured, significant, upper_bound};
+use super::{interval, lower_bound, measured, significant, upper_bound};
+use crate::{Estimate, EstimateState};
 
 /// `24.62 ± 0.31`, `> 1.2: reason`, `0.4 to 3.1: reason`, `not determined: reason`.
 pub fn in_words(estimate: &Estimate) -> String {

@@ -8,6 +8,8 @@
 //! Every `f64` can be printed, with any uncertainty: rounding ends in whole units of the last place, whose digits are
 //! then set with a point or zeros, so that nothing is scaled back to a number that may not exist.
 
+pub mod estimates;
+
 /// Values from this power of ten on, or below its negative counterpart, are printed with a power of ten.
 const PLAIN_UP_TO: i32 = 5;
 const PLAIN_DOWN_TO: i32 = -2;
