@@ -15,6 +15,7 @@ pub use ieap_ingest as ingest;
 pub use ieap_model as model;
 pub use ieap_numerics as numerics;
 pub use ieap_report as report;
+pub use ieap_show as show;
 pub use ieap_store as store;
 pub use ieap_strip as strip;
 pub use ieap_system as system;

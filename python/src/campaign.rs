@@ -11,8 +11,8 @@ use ieap::pipeline::apart::at_hand::{ReadTable, Stated};
 use ieap::pipeline::documents::comparison::comparison_document;
 use ieap::pipeline::documents::diagnosis::diagnosis_document;
 use ieap::pipeline::documents::fits::fits_document;
-use ieap::pipeline::documents::impedance::impedance_document;
-use ieap::pipeline::findings::impedance::spectra;
+use ieap::show::Document;
+use ieap::pipeline::findings::impedance::{SCHEMA, spectra};
 use ieap::pipeline::show::partitioned::run_rows_parquet;
 use ieap::pipeline::show::plain_tables::{plain_table, stored_readings};
 use ieap::pipeline::show::tables::{find_format, table};
@@ -141,7 +141,11 @@ impl Campaign {
             let remedy = "write it as impedance.py does: R0-p(R1,CPE1)-W1";
             bad_argument(py, "circuits", &error.to_string(), remedy)
         })?;
-        let document = self.ask(py, |context| Ok(impedance_document(&spectra(context, &asked)?)))?;
+        let value = self.ask(py, |context| Ok(spectra(context, &asked)?))?;
+        let document = Document {
+            schema: SCHEMA,
+            value,
+        };
         json(py, &document)
     }
 

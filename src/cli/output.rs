@@ -16,6 +16,8 @@ use super::printable::printable;
 use crate::domain::Issue;
 use crate::domain::safe_text::json_text;
 use crate::pipeline::Observer;
+use crate::pipeline::show::tables::write_within;
+use crate::show::{Block, Document};
 
 /// How the time of a line is written: RFC 3339 but for a space, with the offset from UTC.
 const LOG_TIME: &str = "%Y-%m-%d %H:%M:%S%:z";
@@ -153,6 +155,49 @@ impl Output {
             self.write(format!("{}\n", json_text(&text)).as_bytes());
         }
         Ok(())
+    }
+
+    /// What a verb found: blocks for people, or the value for machines.
+    ///
+    /// # Errors
+    /// The value cannot be written as JSON.
+    pub fn show<T: Serialize>(
+        &self,
+        schema: &'static str,
+        value: &T,
+        blocks: &[Block],
+    ) -> Result<(), CliError> {
+        self.blocks("", blocks);
+        self.document(&Document { schema, value })
+    }
+
+    /// Blocks under a title, each apart from that before it.
+    fn blocks(&self, title: &str, blocks: &[Block]) {
+        for (at, block) in blocks.iter().enumerate() {
+            let is_large = matches!(block, Block::Part(..) | Block::Table(_));
+            if is_large && (at > 0 || !title.is_empty()) {
+                self.result("");
+            }
+            match block {
+                Block::Say(sentence) => self.result(sentence),
+                Block::Facts(facts) => facts
+                    .iter()
+                    .for_each(|(name, text)| self.result(&format!("  {name:<12} {text}"))),
+                Block::Table(table) => {
+                    let width = self.width().unwrap_or(usize::MAX);
+                    self.result(write_within(table, width).trim_end());
+                    self.result("");
+                }
+                Block::Issues(issues) => issues.iter().for_each(|issue| self.issue(title, issue)),
+                Block::Runs(word, runs) => self.result(&format!("{word}: {}", runs.join(", "))),
+                // A terminal draws none: the page does.
+                Block::Chart(_) => {}
+                Block::Part(title, blocks) => {
+                    self.heading(title);
+                    self.blocks(title, blocks);
+                }
+            }
+        }
     }
 
     /// Whether no messages are wanted.

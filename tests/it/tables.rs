@@ -18,7 +18,7 @@ fn table(input: &Input, name: &str) -> Table {
         runs: &input.runs,
         set_aside: &input.set_aside,
         modulus_logs: &input.modulus_logs,
-        spectra: &input.spectra,
+        spectra: &input.spectra.runs,
         blocked: &input.blocked,
         frequency: &input.frequency,
         model_free: &input.model_free,

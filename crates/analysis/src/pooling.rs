@@ -8,6 +8,8 @@
 //! than the usual one, and the interval takes Student's t with one less than the number of samples: with two or
 //! three samples it is wide, as it should be.
 
+pub use ieap_show::Pooled;
+
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_numerics::student::quantile_95;
 
@@ -29,29 +31,6 @@ pub struct Repeat {
     pub value: f64,
     /// Standard error of the fit; zero where it is not known.
     pub standard_error: f64,
-}
-
-/// The mean of repeats, in their unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pooled {
-    /// Mean.
-    pub value: f64,
-    /// Standard error of the mean, all three sources of spread allowed for.
-    pub standard_error: f64,
-    /// Lower end of the 95 % interval of the mean.
-    pub low_95: f64,
-    /// Upper end.
-    pub high_95: f64,
-    /// Standard error that the fits alone would leave.
-    pub fit_standard_error: f64,
-    /// Standard deviation between runs of one sample, the errors of the fits taken out; none where no sample has two.
-    pub between_runs: Option<f64>,
-    /// Standard deviation between samples, all else taken out; none for one sample.
-    pub between_samples: Option<f64>,
-    /// Number of runs.
-    pub runs: usize,
-    /// Number of samples.
-    pub samples: usize,
 }
 
 /// Errors below this part of the largest value count as this part: a weight must stay finite.

@@ -1,7 +1,7 @@
 //! The outcome of identifying one run with one model.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::{AlongCurve, Estimate, Issue, Quantity, RunCurve};
 
@@ -15,6 +15,14 @@ pub struct Parameter {
     pub key: String,
     /// What is known of it.
     pub estimate: Estimate,
+}
+
+/// Parameters as an object of documents, each under its key.
+///
+/// # Errors
+/// Those of the serializer.
+pub fn by_key<S: Serializer>(parameters: &[Parameter], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(parameters.iter().map(|own| (&own.key, &own.estimate)))
 }
 
 /// What noise is like beside its size, found without the model.

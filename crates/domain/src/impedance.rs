@@ -1,8 +1,11 @@
 //! Impedance spectra: what was measured, whether it can be an impedance at all, and which circuits describe it.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::fit::by_key;
 use super::{Channel, Estimate, Issue, Parameter, Quantity, RunRecord};
 
 /// Fewest frequencies that a spectrum is analysed with: the circuit of the thesis's figure 8 has five parameters.
@@ -117,7 +120,7 @@ pub enum Consistency {
 }
 
 /// The linear Kramers-Kronig test of a spectrum.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct KramersKronig {
     /// The verdict.
     pub verdict: Consistency,
@@ -140,7 +143,7 @@ pub struct KramersKronig {
 }
 
 /// The modulus against that which the phase gives (Z-HIT).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ZHit {
     /// Whether the modulus of the lowest frequencies lies further from what the phase gives than noise and the method's own
     /// error explain.
@@ -200,11 +203,13 @@ pub struct RelaxationTimes {
 }
 
 /// A circuit fitted to a spectrum.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CircuitFit {
     /// Id of the circuit, `lumped-2`, or the circuit as a text, `R0-p(R1,CPE1)`.
     pub circuit: String,
     /// Its parameters in the circuit's order, derived ones last; in Ohm and F of the whole sample.
+    #[serde(serialize_with = "by_key")]
+    #[schemars(with = "BTreeMap<String, Estimate>")]
     pub parameters: Vec<Parameter>,
     /// Root mean square of real and imaginary residual, percent of |Z|.
     pub residual_rms_percent: f64,
@@ -227,7 +232,7 @@ impl CircuitFit {
 }
 
 /// What is found in a sweep.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SpectrumAnalysis {
     /// Whether it can be an impedance.
     pub kramers_kronig: KramersKronig,
@@ -239,7 +244,8 @@ pub struct SpectrumAnalysis {
     pub circuits: Vec<CircuitFit>,
     /// The one with the lowest criterion.
     pub best: String,
-    /// What a reader must know.
+    /// What a reader must know; documents have it beside what is said of the run.
+    #[serde(skip)]
     pub issues: Vec<Issue>,
 }
 

@@ -87,6 +87,6 @@ pub use quantity::Quantity;
 pub use range::range_of;
 pub use run::{FileState, RunFile, RunKind, RunRecord, RunState, RunStatus, SourceFile};
 pub use samples::Samples;
-pub use standing::{RunWord, SameReadings, Standing};
+pub use standing::{RunWord, SameReadings, SetAside, Standing};
 pub use tag::{Tag, TagSource};
 pub use unit_of_key::{UNITS, unit_of_key};

@@ -1,6 +1,9 @@
 //! Whether a run takes part in results, and if not, why.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::RunRecord;
 
 /// What a person said of a whole run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -113,6 +116,31 @@ impl Standing {
             Standing::Copy { .. } => {
                 format!("remove one of the files; if it is a measurement of its own, say so: {vouch}")
             }
+        }
+    }
+}
+
+/// A run, or modulus log, that no result is made from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct SetAside {
+    /// Path relative to the campaign.
+    pub run: String,
+    /// `dropped` by a person, `condemned` for its readings, or a `copy` of another run's.
+    pub standing: &'static str,
+    /// Why.
+    pub reason: String,
+    /// How it comes to speak again.
+    pub mend: String,
+}
+
+impl SetAside {
+    /// What is said of a run that does not speak.
+    pub fn of(run: &RunRecord) -> SetAside {
+        SetAside {
+            run: run.path.clone(),
+            standing: run.standing.key(),
+            reason: run.standing.reason(),
+            mend: run.standing.mend(&run.path),
         }
     }
 }

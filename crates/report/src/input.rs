@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::frequency::FrequencyRun;
-use ieap_analysis::impedance::Comparison;
+use ieap_analysis::impedance::Spectra;
 use ieap_analysis::laws::CampaignLaws;
 use ieap_analysis::laws::contrast::Contrast;
 use ieap_analysis::laws::matrix::ConfoundingMap;
@@ -17,7 +17,7 @@ use ieap_analysis::probe::Course;
 use ieap_analysis::shared_effects::SharedEffect;
 use ieap_domain::{
     BlockedRun, Campaign, ClimateAssessment, Fault, GroupDiagnosis, ModulusLog, RunComparison, RunRecord,
-    SourceFile, SpectrumRun,
+    SourceFile,
 };
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
@@ -33,10 +33,8 @@ pub struct Input {
     pub superseded: Vec<RunRecord>,
     /// Current modulus logs with what was found in them.
     pub modulus_logs: Vec<ModulusLog>,
-    /// Impedance spectra with what was found in them.
-    pub spectra: Vec<SpectrumRun>,
-    /// Those of them with steps of the same sample and condition, beside these.
-    pub spectra_beside: Vec<Comparison>,
+    /// Impedance spectra with what was found in them, alone and beside the steps.
+    pub spectra: Spectra,
     /// What blocking forces of the runs say.
     pub blocked: Vec<BlockedRun>,
     /// What runs under a sine or a chirp say against frequency.
@@ -85,7 +83,7 @@ impl Input {
             runs: &self.runs,
             set_aside: &self.set_aside,
             modulus_logs: &self.modulus_logs,
-            spectra: &self.spectra,
+            spectra: &self.spectra.runs,
             blocked: &self.blocked,
             frequency: &self.frequency,
             model_free: &self.model_free,

@@ -2,6 +2,7 @@
 //! nothing is fitted here.
 
 pub mod aside;
+pub mod blocks;
 mod condemned;
 mod drawn_runs;
 pub mod error;

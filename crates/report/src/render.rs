@@ -9,6 +9,7 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 use tera::{Kwargs, State, Tera};
 
+use super::blocks;
 use super::drawn_runs::{batches, to_draw};
 use super::error::ReportError;
 use super::fault::{guarded, reason_of};
@@ -196,6 +197,7 @@ fn templates(pages: &[&Page]) -> Result<Tera, ReportError> {
         ("strip.html", STRIP_TEMPLATE),
     ]
     .into_iter()
+    .chain(blocks::TEMPLATES)
     .chain(pages);
     tera.add_raw_templates(all)
         .map_err(|source| template_error("templates", source))?;

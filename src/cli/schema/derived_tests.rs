@@ -22,7 +22,7 @@ use crate::pipeline::documents::comparison::ComparisonDocument;
 use crate::pipeline::documents::diagnosis::DiagnosisDocument;
 use crate::pipeline::documents::dma::DmaDocument;
 use crate::pipeline::documents::fits::FitsDocument;
-use crate::pipeline::documents::impedance::ImpedanceDocument;
+use crate::pipeline::findings::impedance::Spectra;
 use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary, UntyingEntry};
 use crate::pipeline::fits::shard::ShardSummary;
 use crate::pipeline::intake::trace::TraceSummary;
@@ -34,6 +34,7 @@ use crate::pipeline::upkeep::verify::Verified;
 use crate::pipeline::{
     Answered, IngestSummary, Proposed, RebuildSummary, ReportSummary, RunSummary, SpokenOf, TagSummary,
 };
+use crate::show::Document;
 
 /// Documents that verbs put together themselves, without a struct.
 const BY_HAND: [&str; 13] = [
@@ -83,7 +84,7 @@ fn derived() -> Vec<Derived> {
             keys([("shard", value::<ShardSummary>(of))])
         }),
         document("fits/1", "fit", whole::<FitsDocument>),
-        document("impedance/1", "impedance", whole::<ImpedanceDocument>),
+        document("impedance/2", "impedance", whole::<Document<Spectra>>),
         document("import-fits/1", "import-fits FILES", |of| {
             keys([("imported", value::<ImportSummary>(of))])
         }),

@@ -3,37 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
-use serde::Serialize;
-
 use crate::analysis::standing::{Grounds, decide};
+pub use crate::domain::SetAside;
 use crate::domain::{ModulusLog, RunRecord, Standing};
 use crate::pipeline::{Context, PipelineError};
-
-/// A run, or modulus log, that no result is made from.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
-pub struct SetAside {
-    /// Path relative to the campaign.
-    pub run: String,
-    /// `dropped` by a person, `condemned` for its readings, or a `copy` of another run's.
-    pub standing: &'static str,
-    /// Why.
-    pub reason: String,
-    /// How it comes to speak again.
-    pub mend: String,
-}
-
-impl SetAside {
-    /// What is said of a run that does not speak.
-    pub fn of(run: &RunRecord) -> SetAside {
-        SetAside {
-            run: run.path.clone(),
-            standing: run.standing.key(),
-            reason: run.standing.reason(),
-            mend: run.standing.mend(&run.path),
-        }
-    }
-}
 
 /// Runs, by whether results are made from them; each by path.
 #[derive(Debug, Clone, Default, PartialEq)]

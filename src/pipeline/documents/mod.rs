@@ -7,6 +7,5 @@ pub mod dma;
 pub mod fits;
 pub mod gain_words;
 pub mod groups;
-pub mod impedance;
 pub mod lengthwise;
 pub(super) mod shared_effects;

@@ -3,7 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::analysis::impedance::{Comparison, comparisons};
+use crate::analysis::impedance::comparisons;
+pub use crate::analysis::impedance::{Spectra, view};
 use crate::domain::fault::caught;
 use crate::domain::{Campaign, Channel, Issue, RunRecord, Spectrum, SpectrumRun, Sweep};
 use crate::fit::impedance;
@@ -18,27 +19,15 @@ const FAULT: &str = "analysis-fault";
 /// Code of what is said of a text that is no circuit.
 const NO_CIRCUIT: &str = "circuit-notation";
 
-/// Every spectrum of a campaign.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Spectra {
-    /// Those that results are made from, by path.
-    pub runs: Vec<SpectrumRun>,
-    /// The others.
-    pub set_aside: Vec<SetAside>,
-    /// Circuits that were asked for and are none.
-    pub refused: Vec<Issue>,
-    /// Those with steps of the same sample and condition, beside them.
-    pub beside: Vec<Comparison>,
-}
+/// Schema of what is printed of them.
+pub const SCHEMA: &str = "ieap/impedance/2";
 
-impl Spectra {
-    /// Whether a fault of the program stopped an analysis.
-    pub fn has_fault(&self) -> bool {
-        let sweeps = self.runs.iter().flat_map(|run| &run.sweeps);
-        sweeps
-            .filter_map(|sweep| sweep.analysis.as_ref().err())
-            .any(|issue| issue.code == FAULT)
-    }
+/// Whether a fault of the program stopped an analysis.
+pub fn has_fault(spectra: &Spectra) -> bool {
+    let sweeps = spectra.runs.iter().flat_map(|run| &run.sweeps);
+    sweeps
+        .filter_map(|sweep| sweep.analysis.as_ref().err())
+        .any(|issue| issue.code == FAULT)
 }
 
 /// Reads and analyses every spectrum, with the circuits of campaign.toml and those in `more`. The outcome does not depend on
@@ -63,12 +52,12 @@ pub fn spectra(context: &Context, more: &[SpectrumCircuit]) -> Result<Spectra, P
             sweeps: sweeps.map(|sweep| analysed(sweep, &asked)).collect(),
         }
     })?;
-    let beside = comparisons(&runs, &standing::speaking(context)?);
+    let beside_steps = comparisons(&runs, &standing::speaking(context)?);
     Ok(Spectra {
         runs,
         set_aside: found.set_aside.iter().map(SetAside::of).collect(),
-        refused,
-        beside,
+        refused_circuits: refused,
+        beside_steps,
     })
 }
 

@@ -47,7 +47,8 @@ fn of_pair(
     let run = spectra
         .iter()
         .find(|spectrum| spectrum.run.path == comparison.spectrum);
-    let sweep = run.and_then(|run| Some((&run.sweeps.get(comparison.sweep)?.spectrum, run.run.area_cm2?)));
+    let sweep =
+        run.and_then(|run| Some((&run.sweeps.get(comparison.sweep - 1)?.spectrum, run.run.area_cm2?)));
     let both = match (sweep, comparison.describes) {
         (_, false) => Err(format!(
             "{} does not describe the spectrum: its numbers are those of no strip",
@@ -63,7 +64,7 @@ fn of_pair(
         run_id: task.run_id,
         path: task.path.clone(),
         spectrum: if several {
-            format!("{}, sweep {}", comparison.spectrum, comparison.sweep + 1)
+            format!("{}, sweep {}", comparison.spectrum, comparison.sweep)
         } else {
             comparison.spectrum.clone()
         },

@@ -1,5 +1,8 @@
 //! The numbers of a spectrum's circuit held against those of the steps of the same sample and condition.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use ieap_domain::quantiles::{NORMAL_95, NORMAL_95_OF_SEVEN};
 use ieap_domain::tag::keys;
 use ieap_domain::{CircuitFit, Estimate, Fit, RunRecord, SpectrumAnalysis, SpectrumRun};
@@ -25,11 +28,12 @@ const COMPARED: [(&str, &str, &str, bool); 7] = [
 ];
 
 /// A number from a spectrum and from steps, per unit area.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BesideRow {
     /// Key of the step's number, with its unit.
     pub key: &'static str,
     /// Symbol.
+    #[serde(skip)]
     pub symbol: &'static str,
     /// From the spectrum.
     pub spectrum: Estimate,
@@ -38,13 +42,14 @@ pub struct BesideRow {
     /// From the steps at the highest voltage, where they have several.
     pub step_at_highest: Option<Estimate>,
     /// Step over spectrum, at the lowest voltage.
+    #[serde(rename = "step_over_spectrum")]
     pub ratio: Estimate,
     /// Whether both can be the same number; none where either says nothing.
     pub agrees: Option<bool>,
 }
 
 /// The steps at one voltage.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct StepSide {
     /// Voltage, V.
     pub voltage_v: f64,
@@ -53,11 +58,12 @@ pub struct StepSide {
 }
 
 /// A spectrum beside the steps of the same sample and condition.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Comparison {
     /// Path of the spectrum's run.
+    #[serde(rename = "run")]
     pub spectrum: String,
-    /// Which sweep of it, from 0.
+    /// Which sweep of it, from 1.
     pub sweep: usize,
     /// The circuit of both, `lumped-2`.
     pub circuit: String,
@@ -72,10 +78,13 @@ pub struct Comparison {
     /// Lowest frequency of the spectrum, Hz.
     pub lowest_hz: f64,
     /// Steps at the lowest voltage.
+    #[serde(rename = "steps")]
     pub lowest: StepSide,
     /// Steps at the highest voltage, where there are several.
+    #[serde(rename = "steps_at_highest")]
     pub highest: Option<StepSide>,
     /// The numbers.
+    #[serde(rename = "numbers")]
     pub rows: Vec<BesideRow>,
     /// What follows, in sentences.
     pub sentences: Vec<String>,
@@ -151,7 +160,7 @@ fn compared(
         .map_or(f64::NAN, |fit| fit.residual_rms_percent);
     let mut comparison = Comparison {
         spectrum: spectrum.path.clone(),
-        sweep,
+        sweep: sweep + 1,
         circuit: circuit.circuit.clone(),
         describes: circuit.describes,
         best: analysis.best.clone(),

@@ -2,12 +2,13 @@
 
 use ieap_domain::tag::keys;
 use ieap_domain::{BlockedRun, Estimate, Quantity, RunRecord};
+use ieap_show::{Content, Measured, Notes};
 
 use super::both_ways::{Ratios, both_ways};
 use super::estimates::{of_logarithm, product, size};
 use super::{Cause, cause, sample_modulus, second_moment_m4};
 use crate::conditions::{Condition, Conditions, conditions_of_materials};
-use crate::tables::{Content, Measured, Notes, TableInput, alpha_of};
+use crate::tables::{TableInput, alpha_of};
 
 /// Per centimetre to per metre.
 const PER_METRE: f64 = 100.0;

@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use super::TableInput;
-use super::table::{Cell, Column, Content, Measured, Notes, Source, SourceOrigin};
 use crate::conditions::{Condition, Conditions, Surroundings};
 use crate::figure::Figure;
 use crate::laws::doubt::Doubts;
@@ -13,6 +12,7 @@ use crate::parameters::ParameterInfo;
 use crate::pooling::{Averaging, Repeat, pooled};
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, RunRecord, RunState};
+use ieap_show::{Cell, Column, Content, Measured, Notes, Source, SourceOrigin};
 
 /// Remark of tables whose cells are means over the runs of a condition.
 pub fn pooled_remark() -> String {

@@ -1,6 +1,6 @@
 //! A table with some of its columns, in an order of one's own.
 
-use super::table::{Cell, Row, Table};
+use ieap_show::{Cell, Row, Table};
 
 /// The table with these columns, by position, in this order. Footnotes that no cell has any more go with their columns.
 pub fn with_columns(table: &Table, columns: &[usize]) -> Table {

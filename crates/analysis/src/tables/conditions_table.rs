@@ -4,9 +4,9 @@ use super::TableInput;
 use super::cells::{
     Shown, condition_columns, condition_stub, parameter_cell, pooled_remark, run_sources, sample_count,
 };
-use super::table::{Cell, Column, Notes, Row, Table};
 use crate::conditions::conditions;
 use crate::parameters::PARAMETERS;
+use ieap_show::{Cell, Column, Notes, Row, Table};
 
 /// The sums stand last among the parameters.
 const FIRST_SUM: usize = 7;

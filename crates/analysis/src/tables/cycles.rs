@@ -5,8 +5,8 @@ use ieap_domain::tag::keys;
 
 use super::TableInput;
 use super::cells::{figure_cells, figure_columns, run_source};
-use super::table::{Cell, Column, Content, Notes, Row, Table};
 use crate::cycles::{CYCLE_FIGURES, Cycle, CycleRun};
+use ieap_show::{Cell, Column, Content, Notes, Row, Table};
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {

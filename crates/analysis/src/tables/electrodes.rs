@@ -1,9 +1,9 @@
 //! Readings of the four-point probe: one row a sample and date, with what happened before it.
 
 use super::TableInput;
-use super::table::{Cell, Column, Content, Measured, Row, Table};
 use crate::probe::{Course, DAY_S};
 use ieap_domain::quantiles::NORMAL_95;
+use ieap_show::{Cell, Column, Content, Measured, Row, Table};
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {

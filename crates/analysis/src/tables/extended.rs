@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::TableInput;
 use super::cells::{Shown, parameter_cell, run_sources};
-use super::table::{Cell, Column, Content, Notes};
 use crate::one_fit::SharedEstimate;
 use ieap_domain::RunRecord;
 use ieap_domain::tag::keys;
+use ieap_show::{Cell, Column, Content, Notes};
 
 /// Parameters of the effects of all current fits, `faradaic-leak.onset_v`, each once.
 pub fn effect_keys(input: &TableInput) -> Vec<String> {

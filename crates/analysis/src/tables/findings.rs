@@ -1,8 +1,8 @@
 //! What diagnoses found: one row a group of runs.
 
 use super::TableInput;
-use super::table::{Cell, Column, Content, Row, Source, SourceOrigin, Table};
 use ieap_domain::GroupDiagnosis;
+use ieap_show::{Cell, Column, Content, Row, Source, SourceOrigin, Table};
 
 /// Digits of a probability, and of a gain.
 const DIGITS: i32 = 2;

@@ -3,8 +3,8 @@
 use super::TableInput;
 use super::cells::{Shown, parameter_cell, run_sources};
 use super::extended::{effect_cell, effect_column, effect_keys, shared_notes};
-use super::table::{Cell, Column, Notes, Row, Table};
 use crate::parameters::{FURTHER, PARAMETERS, ParameterInfo};
+use ieap_show::{Cell, Column, Notes, Row, Table};
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {

@@ -5,9 +5,9 @@ use ieap_domain::tag::keys;
 
 use super::TableInput;
 use super::cells::run_source;
-use super::table::{Cell, Column, Content, Measured, Row, Table};
 use crate::frequency::{FrequencyPoint, FrequencyRun, PerVolt};
 use ieap_domain::quantiles::NORMAL_95;
+use ieap_show::{Cell, Column, Content, Measured, Row, Table};
 
 /// mA/V of A/V.
 const MILLI: f64 = 1e3;

@@ -2,7 +2,6 @@
 
 mod cells;
 mod chosen_columns;
-mod circuits;
 mod conditions_table;
 mod cycles;
 mod electrodes;
@@ -10,29 +9,28 @@ mod extended;
 mod findings;
 mod fits;
 mod frequency;
-mod impedance;
 mod input;
 mod model_free;
 mod models;
 pub mod moved;
 mod reductions;
 mod refused;
-mod relaxation;
 mod runs;
 mod spread;
 mod step_and_spectrum;
 mod stiffness;
-mod table;
 mod table2;
 mod table3;
 mod table4;
 mod table5;
 mod table6;
 
+use crate::impedance::sheet;
+
 pub(crate) use cells::{alpha_of, surroundings_text, volts};
 pub use chosen_columns::with_columns;
+pub use ieap_show::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use input::TableInput;
-pub use table::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use table6::rules;
 
 /// A table that can be asked for.
@@ -167,13 +165,13 @@ pub const TABLES: [NamedTable; 23] = [
         name: "impedance",
         about: "Circuits fitted to the impedance spectra, one row a spectrum and circuit",
         compares_materials: false,
-        make: impedance::make,
+        make: |input| sheet::impedance(input.spectra),
     },
     NamedTable {
         name: "circuits",
         about: "Every number of every circuit fitted to the impedance spectra, also of circuits that campaign.toml asks for",
         compares_materials: false,
-        make: circuits::make,
+        make: |input| sheet::circuits(sheet::analysed(input.spectra)),
     },
     NamedTable {
         name: "step-and-spectrum",
@@ -185,7 +183,7 @@ pub const TABLES: [NamedTable; 23] = [
         name: "relaxation-times",
         about: "Peaks of the distribution of relaxation times of the impedance spectra, one row a peak",
         compares_materials: false,
-        make: relaxation::make,
+        make: |input| sheet::relaxation_times(input.spectra),
     },
     NamedTable {
         name: "frequency",

@@ -5,10 +5,10 @@ use ieap_domain::{Estimate, RunRecord};
 
 use super::TableInput;
 use super::cells::{figure_cells, figure_columns, run_source};
-use super::table::{Cell, Column, Content, Notes, Row, Table};
 use crate::conditions::material;
 use crate::figure::Figure;
 use crate::model_free::{ENERGIES, FIGURES, ModelFree};
+use ieap_show::{Cell, Column, Content, Notes, Row, Table};
 
 /// Columns of one of the two tables, and what they hold of a run.
 type Told<'a> = (&'a [Figure], fn(&ModelFree) -> &[Estimate]);

@@ -1,9 +1,9 @@
 //! Models held against each other: one row a material, surroundings and model.
 
 use super::TableInput;
-use super::table::{Cell, Column, Content, Row, Source, SourceOrigin, Table};
 use crate::models_compared::{ComparedCondition, ComparedModel, models_compared, outdated};
 use ieap_domain::Quantity;
+use ieap_show::{Cell, Column, Content, Row, Source, SourceOrigin, Table};
 
 /// Digits of a multiple of the noise, and of a time.
 const DIGITS: i32 = 2;

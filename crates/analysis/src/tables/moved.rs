@@ -1,6 +1,6 @@
 //! Two versions of one table held against each other: which cells moved after a refit, and how far.
 
-use super::table::{Cell, Content, Table};
+use ieap_show::{Cell, Content, Table};
 
 /// A cell that is not what it was.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,8 +124,8 @@ fn same(a: f64, b: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::table::{Column, Measured, Row};
     use super::*;
+    use ieap_show::{Column, Measured, Row};
 
     fn table(rows: &[(&str, Content)]) -> Table {
         let row = |(label, content): &(&str, Content)| Row {

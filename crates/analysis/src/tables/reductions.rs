@@ -5,9 +5,9 @@ use ieap_domain::tag::keys;
 
 use super::TableInput;
 use super::cells::run_source;
-use super::table::{Cell, Column, Content, Notes, Row, Table};
 use crate::conditions::material;
 use crate::reductions::{ReducedCircuit, RunReductions};
+use ieap_show::{Cell, Column, Content, Notes, Row, Table};
 
 const REMARK: &str = "Each circuit is fitted to both responses at once and held against two branches beside R_ss. It is enough where the readings have nothing against it (p 0.05 or more); by how much its current and curvature differ from the full circuit's is the root mean square in percent of their range. R_a, R_b and C are the elements of figure 7F of the thesis, which has the same impedance as one branch beside R_ss (7G).";
 

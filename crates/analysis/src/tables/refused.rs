@@ -1,8 +1,8 @@
 //! What is in no other table: files that were refused or wait, runs that lack tags or cannot be fitted.
 
 use super::TableInput;
-use super::table::{Cell, Column, Row, Source, SourceOrigin, Table};
 use ieap_domain::{FileState, Issue, RunState, Severity};
+use ieap_show::{Cell, Column, Row, Source, SourceOrigin, Table};
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {

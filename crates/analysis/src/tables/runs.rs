@@ -2,10 +2,10 @@
 
 use super::TableInput;
 use super::cells::{run_sources, score_cell};
-use super::table::{Cell, Column, Row, Table};
 use crate::conditions::{material, nominal_voltage_v};
 use ieap_domain::RunRecord;
 use ieap_domain::tag::keys;
+use ieap_show::{Cell, Column, Row, Table};
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {

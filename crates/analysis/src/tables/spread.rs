@@ -2,9 +2,9 @@
 
 use super::TableInput;
 use super::cells::{Shown, condition_columns, condition_stub, parameter_cell};
-use super::table::{Cell, Column, Content, Notes, Row, Table};
 use crate::conditions::conditions;
 use crate::parameters::PARAMETERS;
+use ieap_show::{Cell, Column, Content, Notes, Row, Table};
 
 /// Digits of a spread: few repeats know it to one or two.
 const DIGITS: i32 = 2;

@@ -5,9 +5,9 @@ use ieap_domain::{Estimate, RunRecord};
 
 use super::TableInput;
 use super::cells::{Shown, contribution, estimate_cell, run_source};
-use super::table::{Cell, Column, Content, Notes, Row, Table};
 use crate::impedance::{Both, OneLikelihood};
 use crate::parameters::ParameterInfo;
+use ieap_show::{Cell, Column, Content, Notes, Row, Table};
 
 /// What is shown of each.
 const SHOWN: [&str; 9] = [

@@ -2,9 +2,9 @@
 
 use super::TableInput;
 use super::cells::{ALPHA, condition_columns, condition_stub, estimate_cell, run_sources};
-use super::table::{Cell, Column, Content, Notes, Row, Table};
 use crate::stiffness::{SampleRow, sample_rows};
 use ieap_domain::Estimate;
+use ieap_show::{Cell, Column, Content, Notes, Row, Table};
 
 const MILLI: f64 = 1e3;
 const MICRO: f64 = 1e6;

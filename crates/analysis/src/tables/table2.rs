@@ -1,8 +1,8 @@
 //! The thesis's table 2: what the materials are made of, one row a material, as campaign.toml states it.
 
 use super::TableInput;
-use super::table::{Cell, Column, Content, Row, Source, SourceOrigin, Table};
 use ieap_domain::Material;
+use ieap_show::{Cell, Column, Content, Row, Source, SourceOrigin, Table};
 
 /// Digits that a ratio of two stated thicknesses is worth.
 const RATIO_DIGITS: i32 = 2;

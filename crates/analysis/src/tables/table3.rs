@@ -2,10 +2,10 @@
 
 use super::TableInput;
 use super::cells::{Shown, parameter_cell, pooled_remark, run_sources, sample_count, sample_ids, score_cell};
-use super::table::{Cell, Column, Notes, Row, Table};
 use crate::conditions::material;
 use ieap_domain::tag::keys;
 use ieap_domain::{RunRecord, Sample};
+use ieap_show::{Cell, Column, Notes, Row, Table};
 
 /// A parameter that only the distributed model has: its fits are told by it.
 const MARK: &str = "re_ohm_per_sq";

@@ -2,10 +2,10 @@
 
 use super::TableInput;
 use super::cells::{Contribution, Shown, combined, pooled_where};
-use super::table::{Cell, Column, Content, Notes, Row, Source, SourceOrigin, Table};
 use ieap_domain::modulus::step_keys;
 use ieap_domain::tag::keys;
 use ieap_domain::{Estimate, ModulusLog, ModulusStep};
+use ieap_show::{Cell, Column, Content, Notes, Row, Source, SourceOrigin, Table};
 use std::borrow::Cow;
 
 /// Humidities that agree when rounded to this step (percentage points) are one step of the programme.

@@ -6,9 +6,9 @@ use super::cells::{
     score_cell,
 };
 use super::extended::{effect_cell, effect_column, effect_keys, shared_notes};
-use super::table::{Cell, Column, Notes, Row, Table};
 use crate::conditions::conditions;
 use crate::parameters::PARAMETERS;
+use ieap_show::{Cell, Column, Notes, Row, Table};
 
 /// Number of parameters that are identified from the current; they stand first among [`PARAMETERS`].
 const ELECTRICAL: usize = 5;

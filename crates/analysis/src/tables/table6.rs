@@ -6,9 +6,9 @@
 
 use super::TableInput;
 use super::cells::{Shown, combined, contribution, humidity_text, run_sources, surroundings_text, volts};
-use super::table::{Cell, Column, Content, Notes, Row, Source, Table};
 use crate::conditions::{Conditions, Surroundings, conditions};
 use crate::parameters::ParameterInfo;
+use ieap_show::{Cell, Column, Content, Notes, Row, Source, Table};
 
 /// Water is not split below this voltage, V.
 pub const WATER_WINDOW_V: f64 = 1.23;

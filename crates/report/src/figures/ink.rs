@@ -103,6 +103,15 @@ impl Ink {
         }
     }
 
+    /// Its class in the style sheet.
+    pub fn class_of(ink: Ink) -> &'static str {
+        let (r, g, b) = ink.rgb();
+        Ink::class(BackendColor {
+            rgb: (r, g, b),
+            alpha: 1.0,
+        })
+    }
+
     /// Class in the style sheet, which strokes and fills follow.
     pub(super) fn class(color: BackendColor) -> &'static str {
         match Ink::ALL.into_iter().find(|ink| ink.rgb() == color.rgb) {

@@ -20,11 +20,9 @@ pub mod overlaid;
 pub mod panel;
 mod positions;
 pub mod profile;
-pub mod relaxation;
 pub mod residual;
 pub mod response;
 mod shape;
-pub mod spectrum;
 pub mod svg;
 pub mod thin;
 

@@ -24,7 +24,6 @@ pub mod findings;
 mod forecasts;
 pub mod frequency;
 pub mod humidity;
-pub mod impedance;
 pub mod index;
 pub mod law_cards;
 pub mod models;
@@ -32,7 +31,7 @@ pub mod monitoring;
 mod needs;
 mod page;
 mod parameter_section;
-mod policy;
+pub(crate) mod policy;
 pub mod ratios;
 pub mod run;
 pub mod run_climate;
@@ -51,8 +50,10 @@ pub mod strip;
 pub mod table5;
 pub mod wording;
 
+use super::blocks;
 use super::input::Input;
 use ieap_analysis::comparison::against::Against;
+use ieap_analysis::impedance;
 use ieap_domain::fault::caught;
 
 pub use finding::content as finding_content;
@@ -199,9 +200,12 @@ pub const PAGES: [Page; 21] = [
         file: "impedance.html",
         title: "Impedance",
         under: None,
-        template: include_str!("../../../../templates/pages/impedance.html"),
-        is_shown: |input| !input.spectra.is_empty(),
-        content: impedance::content,
+        template: blocks::PAGE,
+        is_shown: |input| !input.spectra.runs.is_empty(),
+        content: |site| {
+            let shown = impedance::view(&site.input.spectra, &site.input.campaign);
+            blocks::content(site, "impedance.html", shown)
+        },
     },
     Page {
         file: "findings.html",

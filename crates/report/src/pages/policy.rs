@@ -48,7 +48,7 @@ pub(super) const MOST_RUNS_LISTED: usize = 500;
 /// Laws that are drawn without being asked for, the strongest first. Chosen.
 pub(super) const MOST_LAWS_DRAWN: usize = 12;
 /// Sweeps, or modulus logs, that have a section of their own; the table and the export have all. Chosen.
-pub(super) const MOST_SECTIONS: usize = 40;
+pub(crate) const MOST_SECTIONS: usize = 40;
 /// Residual figures on the page of a finding at most: a page with more takes long to open. The worst runs come first. Chosen.
 pub(super) const MOST_RESIDUAL_FIGURES: usize = 16;
 /// Held-out residuals on such a page at most. Chosen.

@@ -8,7 +8,7 @@ mod currents;
 pub mod family;
 mod figure;
 pub(crate) mod frequency;
-mod grid;
+pub(crate) mod grid;
 mod laws;
 pub(crate) mod models;
 mod modulus;

@@ -12,6 +12,7 @@ mod typst;
 
 pub use csv::write_with_decimal_comma;
 pub use shown::{ShownCell, grid, note_letter, remarks, text_of};
+pub(crate) use shown::{note_letters, repeated};
 pub use text::write_within;
 
 use ieap_analysis::tables::Table;

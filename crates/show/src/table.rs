@@ -1,6 +1,5 @@
 //! A table as a value: columns with quantity and unit, cells with uncertainty and provenance. Nothing is rounded here.
 
-use crate::pooling::Pooled;
 use ieap_domain::Estimate;
 
 /// A finished table. `report::tables` writes it in every format.
@@ -106,6 +105,29 @@ pub struct Measured {
     pub pooled: Option<Pooled>,
 }
 
+/// The mean of repeats, in their unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pooled {
+    /// Mean.
+    pub value: f64,
+    /// Standard error of the mean, all three sources of spread allowed for.
+    pub standard_error: f64,
+    /// Lower end of the 95 % interval of the mean.
+    pub low_95: f64,
+    /// Upper end.
+    pub high_95: f64,
+    /// Standard error that the fits alone would leave.
+    pub fit_standard_error: f64,
+    /// Standard deviation between runs of one sample, the errors of the fits taken out; none where no sample has two.
+    pub between_runs: Option<f64>,
+    /// Standard deviation between samples, all else taken out; none for one sample.
+    pub between_samples: Option<f64>,
+    /// Number of runs.
+    pub runs: usize,
+    /// Number of samples.
+    pub samples: usize,
+}
+
 /// A cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
@@ -160,6 +182,24 @@ pub struct Source {
     pub estimate: Option<Estimate>,
     /// Why it was left out of the cell; none where it is part of it.
     pub left_out: Option<String>,
+}
+
+impl Source {
+    /// A thing of that kind and name, no number taken from it.
+    pub fn of(origin: SourceOrigin, name: &str) -> Source {
+        Source {
+            origin,
+            name: name.to_owned(),
+            key: None,
+            estimate: None,
+            left_out: None,
+        }
+    }
+
+    /// A file that is no run.
+    pub fn file(name: &str) -> Source {
+        Source::of(SourceOrigin::File, name)
+    }
 }
 
 /// Kinds of things that cells are made from.

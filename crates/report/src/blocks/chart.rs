@@ -1,0 +1,347 @@
+//! Draws a chart: on a page, and for print as wide as it is asked.
+
+use plotters::element::{Circle, PathElement};
+use plotters::style::{Color, ShapeStyle};
+use serde::Serialize;
+
+use crate::figures::Ink;
+use crate::figures::axis::{Axis, finite_range};
+use crate::figures::canvas::{Area, Drawing, PAGE_WIDTH, TENTHS, drawing as drawn};
+use crate::figures::comparison::{self, marker};
+use crate::figures::group::series;
+use crate::figures::panel::{self, Margins, panel};
+use crate::figures::thin;
+use ieap_show as show;
+use ieap_show::{Chart, Form, Layer, Mark, Panel, Range, Scale};
+
+/// Height of a panel, px.
+const PANEL_HEIGHT: u32 = 150;
+/// Height of those after the first one of many, px.
+const LOW_HEIGHT: u32 = 100;
+/// Width of a wide picture on a page, px.
+const WIDE: u32 = 760;
+/// Width and height of a picture with equal scales on a page, px.
+const SQUARE: (u32, u32) = (380, 330);
+/// Room under the lowest panel for its axis, px.
+const AXIS_HEIGHT: u32 = 42;
+/// Room about what is drawn, as a part of its range, or as a factor on a logarithmic axis.
+const ROOM: f64 = 0.06;
+const LOG_ROOM: f64 = 1.2;
+/// Width of lines, tenths of a px.
+const LINE: u32 = 14;
+const GUIDE: u32 = 8;
+const RING: u32 = 9;
+/// Radius of readings, tenths of a px, and of those that are many.
+const DOT: i32 = 22;
+const SMALL_DOT: i32 = 9;
+/// More readings than these are drawn as dots.
+const MOST_RINGS: usize = 150;
+/// Dashes of an upright line.
+const DASHES: u32 = 12;
+
+/// How a layer is told on a page.
+#[derive(Debug, Serialize)]
+pub struct Key {
+    /// Class of its colour.
+    class: &'static str,
+    /// Whether it is drawn as a line, not as dots.
+    is_line: bool,
+    name: String,
+}
+
+/// The legend: each named layer once.
+pub fn keys(chart: &Chart) -> Vec<Key> {
+    let mut keys: Vec<Key> = Vec::new();
+    for layer in chart.panels.iter().flat_map(|panel| &panel.layers) {
+        if !layer.name.is_empty() && keys.iter().all(|key| key.name != layer.name) {
+            keys.push(Key {
+                class: Ink::class_of(ink(layer.ink)),
+                is_line: matches!(layer.mark, Mark::Line | Mark::DottedLine),
+                name: layer.name.clone(),
+            });
+        }
+    }
+    keys
+}
+
+/// What a picture shows, for who does not see it.
+pub fn described(chart: &Chart) -> String {
+    let names = keys(chart).into_iter().map(|key| key.name);
+    let names = names.collect::<Vec<_>>().join(", ");
+    [names.as_str(), chart.caption.as_str()].join(". ")
+}
+
+/// Width of a picture on a page, px.
+pub fn width_on_page(chart: &Chart) -> u32 {
+    match chart.form {
+        Form::Plain => PAGE_WIDTH,
+        Form::Wide => WIDE,
+        Form::EqualScales => SQUARE.0,
+    }
+}
+
+/// Draws a chart that is `width` px wide.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn drawing(chart: &Chart, width: u32) -> Result<Drawing, String> {
+    drawn((width, height(chart, width)), |area| draw(area, chart))
+}
+
+fn height(chart: &Chart, width: u32) -> u32 {
+    match chart.form {
+        Form::EqualScales => SQUARE.1 * width / SQUARE.0,
+        Form::Plain | Form::Wide => {
+            (0..chart.panels.len())
+                .map(|at| panel_height(chart, at))
+                .sum::<u32>()
+                + AXIS_HEIGHT
+        }
+    }
+}
+
+/// Of many panels the first one, which all is about, is the highest.
+fn panel_height(chart: &Chart, at: usize) -> u32 {
+    match (at, chart.panels.len()) {
+        (1.., 3..) => LOW_HEIGHT,
+        _ => PANEL_HEIGHT,
+    }
+}
+
+fn draw(area: &Area, chart: &Chart) -> Result<(), String> {
+    let mut rest = area.clone();
+    for (at, own) in chart.panels.iter().enumerate() {
+        let is_last = at + 1 == chart.panels.len();
+        let (this, below) = if is_last {
+            (rest.clone(), rest)
+        } else {
+            rest.split_vertically(panel_height(chart, at) as i32 * TENTHS)
+        };
+        let margins = Margins {
+            left: 62,
+            right: 16,
+            top: 8,
+            bottom: if is_last { AXIS_HEIGHT } else { 6 },
+        };
+        let (x, y) = axes(chart, own);
+        let mut drawn = panel(&this, margins, &x, &y, is_last)?;
+        own.layers
+            .iter()
+            .try_for_each(|layer| draw_layer(&mut drawn, layer, &x, &y))?;
+        rest = below;
+    }
+    Ok(())
+}
+
+/// Axes that show what the panel holds; the horizontal one is that of all panels.
+fn axes(chart: &Chart, own: &Panel) -> (Axis, Axis) {
+    let all: Vec<&Layer> = chart.panels.iter().flat_map(|panel| &panel.layers).collect();
+    let own_layers: Vec<&Layer> = own.layers.iter().collect();
+    let x = shown(&own.x, &all, Mark::Level, |layer| {
+        layer.points.iter().map(|at| at.0).collect()
+    });
+    let y = shown(&own.y, &own_layers, Mark::Upright, |layer| {
+        let bars = layer.bars.iter().flat_map(|bar| [bar.0, bar.1]);
+        layer.points.iter().map(|at| at.1).chain(bars).collect()
+    });
+    if chart.form == Form::EqualScales {
+        let span = (1.0 + ROOM) * (x.1 - x.0).max(y.1 - y.0);
+        let axis = |range: &Range, low: f64| Axis::linear(low, low + span, range.quantity, range.unit, 5);
+        return (axis(&own.x, x.0), axis(&own.y, y.0));
+    }
+    (axis(&own.x, x, 6), axis(&own.y, y, 4))
+}
+
+/// The least and the greatest number that an axis must show: a line widens it only where nothing else is drawn.
+fn shown(range: &Range, layers: &[&Layer], guide: Mark, of: fn(&Layer) -> Vec<f64>) -> (f64, f64) {
+    let is_line = |layer: &&&Layer| layer.mark == Mark::Line;
+    let is_counted = |layer: &&&Layer| layer.mark != guide && !is_line(layer);
+    let is_bare = !layers
+        .iter()
+        .any(|layer| is_counted(&layer) && layer.mark != Mark::Upright);
+    let counted = layers
+        .iter()
+        .filter(|layer| is_counted(layer) || is_bare && is_line(layer));
+    let numbers = counted.flat_map(|layer| of(layer));
+    let numbers = numbers.filter(|at| range.scale == Scale::Linear || *at > 0.0);
+    finite_range(numbers.chain(range.always.iter().copied()))
+}
+
+fn axis(range: &Range, (low, high): (f64, f64), ticks: usize) -> Axis {
+    match range.scale {
+        Scale::Log => Axis::log(low / LOG_ROOM, high * LOG_ROOM, range.quantity, range.unit),
+        Scale::Linear => {
+            let room = ROOM * (high - low);
+            // What begins at zero stands on the axis.
+            let below = if low == 0.0 { 0.0 } else { room };
+            Axis::linear(low - below, high + room, range.quantity, range.unit, ticks)
+        }
+    }
+}
+
+fn draw_layer(chart: &mut panel::Chart, layer: &Layer, x: &Axis, y: &Axis) -> Result<(), String> {
+    let ink = ink(layer.ink).color();
+    let place = |at: &(f64, f64)| (x.position(at.0), y.position(at.1));
+    let is_shown = |at: &(f64, f64)| x.shows(at.0) && y.shows(at.1);
+    let points: Vec<(f64, f64)> = layer.points.iter().filter(|at| is_shown(at)).map(place).collect();
+    let positions = layer.points.iter();
+    match layer.mark {
+        Mark::Readings if points.len() > MOST_RINGS => dots(
+            chart,
+            &layer.name,
+            thin::dots(&points),
+            SMALL_DOT,
+            ink.mix(0.6).filled(),
+        ),
+        Mark::Readings => dots(chart, &layer.name, points, DOT, ink.stroke_width(RING)),
+        Mark::Marks => marks(chart, layer, x, y),
+        Mark::Line | Mark::DottedLine => {
+            let stretches = layer
+                .points
+                .split(|at| !is_shown(at))
+                .filter(|some| some.len() > 1);
+            let pixels = panel::pixels(chart);
+            let thinned =
+                |some: &[(f64, f64)]| thin::line(&some.iter().map(place).collect::<Vec<_>>(), pixels);
+            let stretches = stretches.map(thinned).collect();
+            let is_line = layer.mark == Mark::Line;
+            let name = if is_line { layer.name.as_str() } else { "" };
+            lines(chart, name, stretches, ink.stroke_width(LINE))?;
+            if is_line {
+                return Ok(());
+            }
+            dots(chart, &layer.name, points, DOT / 2, ink.filled())
+        }
+        Mark::Upright => {
+            let upright = positions.flat_map(|at| dashes(x.position(at.0), y));
+            lines(chart, &layer.name, upright.collect(), ink.stroke_width(GUIDE))
+        }
+        Mark::Level => {
+            let level = positions.map(|at| vec![(x.low, y.position(at.1)), (x.high, y.position(at.1))]);
+            lines(chart, &layer.name, level.collect(), ink.stroke_width(GUIDE))
+        }
+    }
+}
+
+/// Marks with their bars; a bar that reaches beyond the axis ends at it.
+fn marks(chart: &mut panel::Chart, layer: &Layer, x: &Axis, y: &Axis) -> Result<(), String> {
+    let style = style_of(layer.ink);
+    let end = |number: f64, edge: f64| if y.shows(number) { y.position(number) } else { edge };
+    let bars = layer
+        .points
+        .iter()
+        .zip(&layer.bars)
+        .filter(|(at, _)| x.shows(at.0));
+    let bars = bars.map(|(at, bar)| {
+        let x = x.position(at.0);
+        vec![(x, end(bar.0, y.low)), (x, end(bar.1, y.high))]
+    });
+    lines(
+        chart,
+        "",
+        bars.collect(),
+        ink(layer.ink).color().stroke_width(GUIDE),
+    )?;
+    series(chart, &layer.name, |chart| {
+        let shown = layer.points.iter().filter(|at| x.shows(at.0) && y.shows(at.1));
+        let mut places = shown.map(|at| (x.position(at.0), y.position(at.1)));
+        places.try_for_each(|at| marker(chart, at, style, true))
+    })
+}
+
+fn dots(
+    chart: &mut panel::Chart,
+    name: &str,
+    points: Vec<(f64, f64)>,
+    radius: i32,
+    style: ShapeStyle,
+) -> Result<(), String> {
+    series(chart, name, |chart| {
+        let circles = points.into_iter().map(|at| Circle::new(at, radius, style));
+        let drawn = chart.draw_series(circles).map(|_| ());
+        drawn.map_err(|error| error.to_string())
+    })
+}
+
+fn lines(
+    chart: &mut panel::Chart,
+    name: &str,
+    lines: Vec<Vec<(f64, f64)>>,
+    style: ShapeStyle,
+) -> Result<(), String> {
+    series(chart, name, |chart| {
+        let paths = lines.into_iter().map(|line| PathElement::new(line, style));
+        let drawn = chart.draw_series(paths).map(|_| ());
+        drawn.map_err(|error| error.to_string())
+    })
+}
+
+fn dashes(at: f64, y: &Axis) -> Vec<Vec<(f64, f64)>> {
+    let place = |part: f64| (at, y.low + (y.high - y.low) * part / f64::from(DASHES));
+    (0..DASHES)
+        .map(|k| vec![place(f64::from(k)), place(f64::from(k) + 0.6)])
+        .collect()
+}
+
+/// Which of the colours and marks a layer has.
+fn style_of(of: show::Ink) -> usize {
+    match of {
+        show::Ink::Series(at) => at % Ink::SERIES.len(),
+        show::Ink::Readings | show::Ink::Guide => 0,
+    }
+}
+
+fn ink(of: show::Ink) -> Ink {
+    match of {
+        show::Ink::Readings => Ink::Text,
+        show::Ink::Series(_) => comparison::ink(style_of(of)),
+        show::Ink::Guide => Ink::Muted,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart() -> Chart {
+        let readings = [(0.0, 1.0), (1.0, 10.0), (10.0, f64::NAN), (100.0, 7.0)];
+        let panel = Panel {
+            x: Range::log("Frequency", "Hz"),
+            y: Range::linear("|Z|", "Ω").with(0.0),
+            layers: vec![
+                Layer::guides(Mark::Upright, [3.0]),
+                Layer::new(
+                    "fit",
+                    Mark::Line,
+                    show::Ink::FIRST,
+                    [(1.0, 1e9), (10.0, 5.0), (20.0, 6.0)],
+                ),
+                Layer::new("Readings", Mark::Readings, show::Ink::Readings, readings),
+                Layer::new("levels", Mark::Marks, show::Ink::SECOND, [(2.0, 5.0)])
+                    .with_bars(vec![(4.0, 6.0)]),
+            ],
+        };
+        Chart::new("t", vec![panel.clone(), panel])
+    }
+
+    #[test]
+    fn axes_have_units_and_what_cannot_be_shown_leaves_no_hole() {
+        let drawn = drawing(&chart(), PAGE_WIDTH).unwrap();
+        let svg = crate::figures::svg::inline(&drawn, "t", "d");
+        assert!(!svg.contains("NaN"), "{svg}");
+        assert!(svg.contains("Frequency (Hz)") && svg.contains("|Z| (Ω)"));
+        assert_eq!(
+            svg.matches("Frequency (Hz)").count(),
+            1,
+            "only the lowest panel has it"
+        );
+        let names: Vec<String> = keys(&chart()).into_iter().map(|key| key.name).collect();
+        assert_eq!(names, ["fit", "Readings", "levels"]);
+    }
+
+    #[test]
+    fn a_line_far_beyond_the_readings_does_not_widen_the_axes() {
+        let (_, y) = axes(&chart(), &chart().panels[0]);
+        assert!(y.high < 12.0 && y.low == 0.0, "{y:?}");
+    }
+}

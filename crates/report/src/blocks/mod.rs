@@ -1,0 +1,209 @@
+//! Blocks on a page. The templates are `templates/page.html` and one a block in `templates/blocks`.
+
+mod chart;
+mod table;
+
+pub use chart::drawing;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use self::chart::Key;
+use self::table::TableText;
+use crate::error::ReportError;
+use crate::figures::svg;
+use crate::pages::Content;
+use crate::pages::policy::MOST_SECTIONS;
+use crate::pages::wording::{IssueText, RunLink};
+use crate::site::Site;
+use crate::slug::slugs;
+use ieap_domain::words::counted;
+use ieap_show::{Block, Chart};
+
+/// Template of pages that are blocks.
+pub const PAGE: &str = include_str!("../../../../templates/page.html");
+
+/// The templates of the blocks, by the names under which the page includes them.
+pub const TEMPLATES: [(&str, &str); 6] = [
+    (
+        "blocks/say.html",
+        include_str!("../../../../templates/blocks/say.html"),
+    ),
+    (
+        "blocks/facts.html",
+        include_str!("../../../../templates/blocks/facts.html"),
+    ),
+    (
+        "blocks/table.html",
+        include_str!("../../../../templates/blocks/table.html"),
+    ),
+    (
+        "blocks/chart.html",
+        include_str!("../../../../templates/blocks/chart.html"),
+    ),
+    (
+        "blocks/issues.html",
+        include_str!("../../../../templates/blocks/issues.html"),
+    ),
+    (
+        "blocks/runs.html",
+        include_str!("../../../../templates/blocks/runs.html"),
+    ),
+];
+
+#[derive(Debug, Serialize)]
+struct BlocksPage {
+    blocks: Vec<Item>,
+}
+
+/// A block as the page's template goes through them, one after the other.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "lowercase", tag = "kind")]
+enum Item {
+    Open {
+        /// Of the heading.
+        level: usize,
+        anchor: String,
+        title: String,
+    },
+    Close,
+    Say {
+        text: String,
+    },
+    Facts {
+        facts: Vec<(&'static str, String)>,
+    },
+    Table(TableText),
+    Chart {
+        figure: String,
+        title: String,
+        keys: Vec<Key>,
+        caption: String,
+    },
+    Issues {
+        issues: Vec<IssueText>,
+    },
+    Runs {
+        word: &'static str,
+        runs: Vec<RunText>,
+    },
+}
+
+/// A run that is led to where it has a page.
+#[derive(Debug, Serialize)]
+struct RunText {
+    name: String,
+    href: Option<String>,
+}
+
+/// The content of a page of blocks. Of many parts only the first are shown, and it is said.
+///
+/// # Errors
+/// A chart cannot be drawn: a fault of the program.
+pub fn content(site: &Site, file: &str, mut blocks: Vec<Block>) -> Result<Content, ReportError> {
+    let is_part = |block: &Block| matches!(block, Block::Part(..));
+    let mut shown = 0;
+    let all = blocks.iter().filter(|block| is_part(block)).count();
+    blocks.retain(|block| {
+        shown += usize::from(is_part(block));
+        !is_part(block) || shown <= MOST_SECTIONS
+    });
+    if all > MOST_SECTIONS {
+        let more = counted(all - MOST_SECTIONS, "part");
+        blocks.push(Block::say(format!(
+            "{more} more stand in the tables and documents of this kind."
+        )));
+    }
+    let mut writer = Writer {
+        site,
+        items: Vec::new(),
+        figures: BTreeMap::new(),
+        anchors: anchors(&blocks),
+    };
+    writer.write(blocks, 2)?;
+    let page = BlocksPage { blocks: writer.items };
+    Content::new(file, &page, writer.figures)
+}
+
+/// Anchors of all parts, the last one first.
+fn anchors(blocks: &[Block]) -> Vec<String> {
+    fn titles<'b>(blocks: &'b [Block], all: &mut Vec<&'b str>) {
+        for block in blocks {
+            if let Block::Part(title, blocks) = block {
+                all.push(title);
+                titles(blocks, all);
+            }
+        }
+    }
+    let mut all = Vec::new();
+    titles(blocks, &mut all);
+    let mut anchors = slugs(all.into_iter());
+    anchors.reverse();
+    anchors
+}
+
+struct Writer<'s> {
+    site: &'s Site<'s>,
+    items: Vec<Item>,
+    figures: BTreeMap<String, String>,
+    anchors: Vec<String>,
+}
+
+impl Writer<'_> {
+    fn write(&mut self, blocks: Vec<Block>, level: usize) -> Result<(), ReportError> {
+        for block in blocks {
+            let item = match block {
+                Block::Say(text) => Item::Say { text },
+                Block::Facts(facts) => Item::Facts { facts },
+                Block::Table(table) => Item::Table(TableText::of(self.site, &table)),
+                Block::Chart(chart) => self.chart(&chart)?,
+                Block::Issues(issues) => Item::Issues {
+                    issues: issues.iter().map(IssueText::from).collect(),
+                },
+                Block::Runs(word, paths) => {
+                    let runs = paths.into_iter().map(|path| self.run(path)).collect();
+                    Item::Runs { word, runs }
+                }
+                Block::Part(title, blocks) => {
+                    let anchor = self.anchors.pop().unwrap_or_default();
+                    self.items.push(Item::Open { level, anchor, title });
+                    self.write(blocks, (level + 1).min(4))?;
+                    Item::Close
+                }
+            };
+            self.items.push(item);
+        }
+        Ok(())
+    }
+
+    fn chart(&mut self, chart: &Chart) -> Result<Item, ReportError> {
+        let figure = format!("chart-{}", self.figures.len() + 1);
+        let drawing = drawing(chart, chart::width_on_page(chart)).map_err(|reason| ReportError::Figure {
+            figure: figure.clone(),
+            reason,
+        })?;
+        let svg = svg::inline(&drawing, &chart.title, &chart::described(chart));
+        self.figures.insert(figure.clone(), svg);
+        Ok(Item::Chart {
+            figure,
+            title: chart.title.clone(),
+            keys: chart::keys(chart),
+            caption: chart.caption.clone(),
+        })
+    }
+
+    fn run(&self, path: String) -> RunText {
+        let link = self.site.run_of(&path).map(|run| RunLink::to(self.site, run));
+        match link {
+            Some(link) => RunText {
+                name: link.name,
+                href: Some(link.href),
+            },
+            None => RunText {
+                name: path,
+                href: None,
+            },
+        }
+    }
+}

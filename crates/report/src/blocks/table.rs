@@ -1,0 +1,103 @@
+//! A table on a page.
+
+use serde::Serialize;
+
+use crate::site::Site;
+use crate::tables::{ShownCell, grid, note_letter, note_letters, remarks, repeated};
+use ieap_domain::number::interval;
+use ieap_show::{Cell, Content, Table};
+
+/// A table as its template prints it.
+#[derive(Debug, Serialize)]
+pub struct TableText {
+    title: String,
+    head: Vec<HeadText>,
+    rows: Vec<Vec<CellText>>,
+    /// Letters and texts.
+    notes: Vec<(String, String)>,
+    remarks: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct HeadText {
+    symbol: String,
+    unit: String,
+    quantity: String,
+    is_number: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct CellText {
+    text: String,
+    /// Letters of its footnotes.
+    letters: String,
+    /// The 95 % interval.
+    interval: String,
+    /// Where it leads to.
+    href: Option<String>,
+    is_number: bool,
+    is_head: bool,
+}
+
+impl TableText {
+    /// The text of a table; the name of a run leads to its page.
+    pub fn of(site: &Site, table: &Table) -> TableText {
+        let (cells, repeated) = (grid(table), repeated(table));
+        let is_number = |column: usize| cells.iter().all(|row| row[column].is_number());
+        let numbers: Vec<bool> = (0..table.columns.len()).map(is_number).collect();
+        let head = table
+            .columns
+            .iter()
+            .zip(&numbers)
+            .map(|(column, is_number)| HeadText {
+                symbol: column.symbol.clone(),
+                unit: column.unit.clone(),
+                quantity: column.quantity.clone(),
+                is_number: *is_number,
+            });
+        let cell = |row: usize, column: usize| {
+            let (cell, shown) = (&table.rows[row].cells[column], &cells[row][column]);
+            CellText {
+                text: if repeated[row][column] {
+                    String::new()
+                } else {
+                    shown.text()
+                },
+                letters: note_letters(&cell.notes),
+                interval: interval_of(cell),
+                href: href(site, cell, shown),
+                is_number: numbers[column],
+                is_head: column < table.stub,
+            }
+        };
+        let row = |row: usize| (0..table.columns.len()).map(|column| cell(row, column)).collect();
+        let notes = table.notes.iter().enumerate();
+        TableText {
+            title: table.title.clone(),
+            head: head.collect(),
+            rows: (0..table.rows.len()).map(row).collect(),
+            notes: notes.map(|(at, note)| (note_letter(at), note.clone())).collect(),
+            remarks: remarks(table),
+        }
+    }
+}
+
+fn interval_of(cell: &Cell) -> String {
+    match &cell.content {
+        Content::Measured(own) => match own.low_95.zip(own.high_95) {
+            Some((low, high)) => format!("95\u{a0}%: {}", interval(low, high)),
+            None => String::new(),
+        },
+        _ => String::new(),
+    }
+}
+
+/// The page of a run that a cell names.
+fn href(site: &Site, cell: &Cell, shown: &ShownCell) -> Option<String> {
+    let ShownCell::Words(words) = shown else {
+        return None;
+    };
+    let named = cell.sources.iter().any(|source| source.name == *words);
+    let run = site.run_of(words).filter(|_| named)?;
+    Some(site.run_href(run))
+}

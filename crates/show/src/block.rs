@@ -1,0 +1,43 @@
+//! What a verb prints and a page shows.
+
+use ieap_domain::Issue;
+
+use crate::chart::Chart;
+use crate::table::Table;
+
+/// A piece of what is shown, in every medium.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// A sentence or a few; between back quotes stands what is to be typed.
+    Say(String),
+    /// What is known of a thing: names and texts.
+    Facts(Vec<(&'static str, String)>),
+    /// A table.
+    Table(Table),
+    /// A picture; a terminal leaves it out.
+    Chart(Chart),
+    /// What a reader must know, each with its mend.
+    Issues(Vec<Issue>),
+    /// Runs by their paths, after a word of what they are; a page leads to them.
+    Runs(&'static str, Vec<String>),
+    /// Blocks under a title.
+    Part(String, Vec<Block>),
+}
+
+impl Block {
+    /// A sentence.
+    pub fn say(sentence: impl Into<String>) -> Block {
+        Block::Say(sentence.into())
+    }
+
+    /// Blocks under a title.
+    pub fn part(title: impl Into<String>, blocks: Vec<Block>) -> Block {
+        Block::Part(title.into(), blocks)
+    }
+
+    /// Issues, or nothing where there are none.
+    pub fn issues<'i>(issues: impl IntoIterator<Item = &'i Issue>) -> Option<Block> {
+        let issues: Vec<Issue> = issues.into_iter().cloned().collect();
+        (!issues.is_empty()).then_some(Block::Issues(issues))
+    }
+}

@@ -1,0 +1,195 @@
+//! A picture as a value: panels below each other, each of layers over two axes. Page, print and terminal draw it alike.
+
+/// A picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// What it shows, a few words.
+    pub title: String,
+    /// What a reader needs beside its legend, a sentence; empty where nothing.
+    pub caption: String,
+    /// Panels from top to bottom; the lowest one has the labels of the horizontal axis.
+    pub panels: Vec<Panel>,
+    /// Its form.
+    pub form: Form,
+}
+
+/// The form of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Form {
+    /// As wide as a column of a page.
+    #[default]
+    Plain,
+    /// As wide as a page: for long times.
+    Wide,
+    /// Square, and a length means the same on both axes, as in a Nyquist plot.
+    EqualScales,
+}
+
+/// A panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Horizontal axis.
+    pub x: Range,
+    /// Vertical axis.
+    pub y: Range,
+    /// Layers from back to front.
+    pub layers: Vec<Layer>,
+}
+
+/// What an axis shows: the finite numbers of the layers that lie in a panel, and what else must be seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Range {
+    /// Quantity.
+    pub quantity: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// How numbers become positions.
+    pub scale: Scale,
+    /// Numbers that are seen in any case.
+    pub always: Vec<f64>,
+}
+
+/// How numbers become positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Proportional.
+    Linear,
+    /// Proportional to the logarithm; what is not positive is left out.
+    Log,
+}
+
+/// One series of a panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    /// What readouts and the legend call it; empty for what has no name.
+    pub name: String,
+    /// What stands at its points.
+    pub mark: Mark,
+    /// Its colour.
+    pub ink: Ink,
+    /// Its points; one that is no number interrupts a line.
+    pub points: Vec<(f64, f64)>,
+    /// Lower and upper end of the interval of each point; empty where there are none.
+    pub bars: Vec<(f64, f64)>,
+}
+
+/// What stands at the points of a layer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// Readings: open circles, or dots where they are many.
+    Readings,
+    /// Marks that are told apart without colour, with their bars.
+    Marks,
+    /// A line through them, as far as the axes show it: it does not widen them.
+    Line,
+    /// A line through them that the axes make room for, and a small dot at each.
+    DottedLine,
+    /// An upright dashed line at each.
+    Upright,
+    /// A level line at each.
+    Level,
+}
+
+/// Colours by what they stand for; a writer has them such that the colour-blind tell them apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ink {
+    /// Readings.
+    Readings,
+    /// The first model or series, the second, and so on.
+    Series(usize),
+    /// Limits and guides.
+    Guide,
+}
+
+impl Range {
+    /// A linear axis.
+    pub fn linear(quantity: &'static str, unit: &'static str) -> Range {
+        Range {
+            quantity,
+            unit,
+            scale: Scale::Linear,
+            always: Vec::new(),
+        }
+    }
+
+    /// A logarithmic axis.
+    pub fn log(quantity: &'static str, unit: &'static str) -> Range {
+        Range {
+            scale: Scale::Log,
+            ..Range::linear(quantity, unit)
+        }
+    }
+
+    /// The same, on which that number is seen.
+    pub fn with(mut self, number: f64) -> Range {
+        self.always.push(number);
+        self
+    }
+}
+
+impl Ink {
+    /// The first series.
+    pub const FIRST: Ink = Ink::Series(0);
+    /// The second.
+    pub const SECOND: Ink = Ink::Series(1);
+    /// The third.
+    pub const THIRD: Ink = Ink::Series(2);
+}
+
+impl Chart {
+    /// A picture of these panels.
+    pub fn new(title: impl Into<String>, panels: Vec<Panel>) -> Chart {
+        Chart {
+            title: title.into(),
+            caption: String::new(),
+            panels,
+            form: Form::Plain,
+        }
+    }
+
+    /// The same with a sentence beside its legend.
+    pub fn told(self, caption: impl Into<String>) -> Chart {
+        Chart {
+            caption: caption.into(),
+            ..self
+        }
+    }
+
+    /// The same in that form.
+    pub fn formed(self, form: Form) -> Chart {
+        Chart { form, ..self }
+    }
+}
+
+impl Layer {
+    /// A layer of these points.
+    pub fn new(
+        name: impl Into<String>,
+        mark: Mark,
+        ink: Ink,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Layer {
+        Layer {
+            name: name.into(),
+            mark,
+            ink,
+            points: points.into_iter().collect(),
+            bars: Vec::new(),
+        }
+    }
+
+    /// The same with the ends of an interval at each point.
+    pub fn with_bars(self, bars: Vec<(f64, f64)>) -> Layer {
+        Layer { bars, ..self }
+    }
+
+    /// Guides, upright or level, at these numbers.
+    pub fn guides(mark: Mark, at: impl IntoIterator<Item = f64>) -> Layer {
+        Layer::new("", mark, Ink::Guide, at.into_iter().map(|at| (at, at)))
+    }
+
+    /// A layer of the numbers `y` over `x`.
+    pub fn over(name: impl Into<String>, mark: Mark, ink: Ink, x: &[f64], y: &[f64]) -> Layer {
+        Layer::new(name, mark, ink, x.iter().copied().zip(y.iter().copied()))
+    }
+}

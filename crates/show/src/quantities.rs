@@ -1,0 +1,77 @@
+//! Quantities, each said once: how it is stored, named and shown in every medium.
+
+use crate::table::Column;
+
+/// A quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// Key under which it is stored, with its unit: `c1_f`.
+    pub key: &'static str,
+    /// Key of the column that shows it, with the unit that it is shown in: `c1_mf`.
+    pub column: &'static str,
+    /// Symbol or short title: `C₁`.
+    pub symbol: &'static str,
+    /// What it is, in words.
+    pub name: &'static str,
+    /// Unit in which it is shown; empty for words and pure numbers.
+    pub unit: &'static str,
+    /// Shown number per stored number.
+    pub factor: f64,
+}
+
+impl Quantity {
+    /// A quantity that is shown as it is stored.
+    pub const fn new(
+        key: &'static str,
+        symbol: &'static str,
+        name: &'static str,
+        unit: &'static str,
+    ) -> Quantity {
+        Quantity {
+            key,
+            column: key,
+            symbol,
+            name,
+            unit,
+            factor: 1.0,
+        }
+    }
+
+    /// Words, or a number without a unit.
+    pub const fn plain(key: &'static str, symbol: &'static str, name: &'static str) -> Quantity {
+        Quantity::new(key, symbol, name, "")
+    }
+
+    /// The same, shown in another unit.
+    pub const fn shown_in(self, column: &'static str, unit: &'static str, factor: f64) -> Quantity {
+        Quantity {
+            column,
+            unit,
+            factor,
+            ..self
+        }
+    }
+
+    /// The same under another symbol.
+    pub const fn called(self, symbol: &'static str, name: &'static str) -> Quantity {
+        Quantity { symbol, name, ..self }
+    }
+
+    /// Its column.
+    pub fn of_column(&self) -> Column {
+        Column::of(self.column, self.symbol, self.name, self.unit)
+    }
+}
+
+/// Run.
+pub const RUN: Quantity = Quantity::plain("run", "Run", "run");
+/// Material.
+pub const MATERIAL: Quantity = Quantity::plain("material", "Material", "material");
+/// Sample.
+pub const SAMPLE: Quantity = Quantity::plain("sample", "Sample", "sample");
+/// Environment.
+pub const ENVIRONMENT: Quantity = Quantity::plain("environment", "Environment", "environment");
+/// Relative humidity.
+pub const HUMIDITY: Quantity = Quantity::new("relative_humidity_percent", "RH", "relative humidity", "%");
+/// Step voltage.
+pub const VOLTAGE: Quantity = Quantity::new("voltage_v", "V₀", "step voltage", "V");
