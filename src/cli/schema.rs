@@ -31,7 +31,7 @@ macro_rules! schemas {
 }
 
 /// Every document that `--json` prints, by name. tests/it/schemas.rs holds what is printed against them.
-pub const SCHEMAS: [Schema; 42] = schemas![
+pub const SCHEMAS: [Schema; 41] = schemas![
     "alarms",
     "answer",
     "backup",
@@ -46,7 +46,6 @@ pub const SCHEMAS: [Schema; 42] = schemas![
     "export",
     "figure",
     "figures",
-    "fit-shard",
     "fits",
     "formats",
     "impedance",

@@ -24,7 +24,6 @@ use crate::pipeline::documents::dma::DmaDocument;
 use crate::pipeline::documents::fits::FitsDocument;
 use crate::pipeline::documents::impedance::ImpedanceDocument;
 use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary, UntyingEntry};
-use crate::pipeline::fits::shard::ShardSummary;
 use crate::pipeline::intake::trace::TraceSummary;
 use crate::pipeline::show::tables::MovedDocument;
 use crate::pipeline::upkeep::backup::{BackedUp, Restored};
@@ -79,12 +78,9 @@ fn derived() -> Vec<Derived> {
             );
             schema
         }),
-        document("fit-shard/1", "fit --shard K/N", |of| {
-            keys([("shard", value::<ShardSummary>(of))])
-        }),
         document("fits/1", "fit", whole::<FitsDocument>),
         document("impedance/1", "impedance", whole::<ImpedanceDocument>),
-        document("import-fits/1", "import-fits FILES", |of| {
+        document("import-fits/2", "import-fits FILES", |of| {
             keys([("imported", value::<ImportSummary>(of))])
         }),
         document("ingest/1", "ingest", |of| {
