@@ -58,7 +58,7 @@ struct Derived {
 fn derived() -> Vec<Derived> {
     let document = |id, printed_by, of| Derived { id, printed_by, of };
     vec![
-        document("alarms/1", "status --alarms", whole::<AlarmsDocument>),
+        document("alarms/2", "status --alarms", whole::<AlarmsDocument>),
         document("answer/1", "answer", |of| {
             keys([("answer", value::<Answered>(of))])
         }),
@@ -111,7 +111,7 @@ fn derived() -> Vec<Derived> {
             keys([("restored", value::<Restored>(of))])
         }),
         document("run/1", "run", |of| keys([("run", value::<RunSummary>(of))])),
-        document("status/1", "status", |of| keys([("status", value::<Status>(of))])),
+        document("status/2", "status", |of| keys([("status", value::<Status>(of))])),
         document("tag/1", "tag RUN KEY=VALUE", |of| {
             keys([
                 ("tag", value::<TagSummary>(of)),
