@@ -289,7 +289,7 @@ fn what_a_campaign_consists_of_is_opened_only_where_a_regular_file_is() {
         "upkeep/import_fits/rows.rs",
         "apart/inspect.rs",
         "apart/profile.rs",
-        "show/research_crate/mod.rs",
+        "show/research_crate.rs",
         "ground/whole_file.rs",
         // Its own temporary file.
         "show/export.rs",
