@@ -31,7 +31,7 @@ use crate::pipeline::upkeep::import_fits::ImportSummary;
 use crate::pipeline::upkeep::status::Status;
 use crate::pipeline::upkeep::verify::Verified;
 use crate::pipeline::{
-    Answered, IngestSummary, Proposed, RebuildSummary, ReportSummary, RunSummary, SpokenOf, TagSummary,
+    IngestSummary, Proposed, RebuildSummary, ReportSummary, RunSummary, SpokenOf, TagSummary,
 };
 
 /// Documents that verbs put together themselves, without a struct.
@@ -59,9 +59,6 @@ fn derived() -> Vec<Derived> {
     let document = |id, printed_by, of| Derived { id, printed_by, of };
     vec![
         document("alarms/2", "status --alarms", whole::<AlarmsDocument>),
-        document("answer/1", "answer", |of| {
-            keys([("answer", value::<Answered>(of))])
-        }),
         document("backup/1", "backup", |of| {
             keys([("backup", value::<BackedUp>(of))])
         }),
