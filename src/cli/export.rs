@@ -12,7 +12,7 @@ use super::output::Output;
 use crate::pipeline::documents::fits::fits_document;
 use crate::pipeline::show::export::{Export, Table, TableFormat};
 use crate::pipeline::show::partitioned::ExportPartitioned;
-use crate::pipeline::show::research_crate::ExportCrate;
+use crate::pipeline::show::research_crate::export_crate;
 use crate::pipeline::{Context, PipelineError};
 
 /// Write runs, fits, findings, laws, readings and other tables as CSV, Parquet or JSON, units in the column names
@@ -139,11 +139,7 @@ pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
 /// A campaign to publish.
 fn research_crate(args: &ExportArgs, context: &Context, output: &Output) -> Result<u8, CliError> {
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("crate.zip"));
-    let export = ExportCrate {
-        path: path.clone(),
-        overwrite: args.overwrite,
-    };
-    let summary = export.run(context)?;
+    let summary = export_crate(context, &path, args.overwrite)?;
     output.result(&format!("{}: {}", path.display(), counted(summary.files, "file")));
     for (name, reason) in &summary.left_out {
         output.message(&format!("  not in it: {name}: {reason}"));

@@ -1,10 +1,8 @@
 //! `ieap fit`.
 
 use crate::domain::words::counted;
-use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::json;
 
 use super::campaign::CampaignArg;
 use super::exit::{self, CliError, INTERRUPTED};
@@ -19,8 +17,7 @@ use crate::domain::FileState;
 use crate::domain::number::estimates::in_words;
 use crate::pipeline::documents::fits::{FitEntry, fits_document};
 use crate::pipeline::documents::groups::entry;
-use crate::pipeline::fits::shard::{FitShard, Part};
-use crate::pipeline::{Context, FAULT, FitRuns, FitSummary, Ingest, PipelineError, files_due};
+use crate::pipeline::{Context, FitRuns, FitSummary, Ingest, PipelineError, files_due};
 
 /// Fit every run that has no fit yet or whose data, tags or model changed, after taking in new files
 #[derive(Debug, Args)]
@@ -34,16 +31,6 @@ pub struct FitArgs {
     again: bool,
     #[command(flatten)]
     group: GroupArgs,
-    /// Fit only the K-th of N parts of the runs, without writing into the campaign: for batch jobs on many computers.
-    /// `ieap import-fits` joins what they write
-    #[arg(long, value_name = "K/N")]
-    shard: Option<Part>,
-    /// File for the results of --shard [default: fits-K-of-N.jsonl]
-    #[arg(long, short, value_name = "FILE", requires = "shard")]
-    output: Option<PathBuf>,
-    /// Write over a file that is there
-    #[arg(long, requires = "shard")]
-    overwrite: bool,
 }
 
 pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -51,9 +38,6 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         choice: args.fit.choice(global),
         again: args.again,
     };
-    if let Some(part) = args.shard {
-        return shard(args, part, fits, output);
-    }
     let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
     let mut context = match args.campaign.open(global, output) {
         Err(error) if error.is_second_instance() => return beside(args, &fits, global, output, error),
@@ -86,44 +70,6 @@ fn fitted(
     say(&summary, output);
     tell(args, global, context, output)?;
     Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
-}
-
-/// One part of the runs, into a file.
-fn shard(args: &FitArgs, part: Part, fits: FitRuns, output: &Output) -> Result<u8, CliError> {
-    if args.group.groups(fits.choice.clone())?.is_some() {
-        return Err(CliError::usage(
-            "--shard fits runs one by one; leave --group, --profile and --bootstrap out",
-        ));
-    }
-    let context = args.campaign.open_read_only(output)?;
-    let named = || PathBuf::from(format!("fits-{}-of-{}.jsonl", part.number, part.of));
-    let shard = FitShard {
-        fits,
-        part,
-        path: args.output.clone().unwrap_or_else(named),
-        overwrite: args.overwrite,
-    };
-    let summary = shard.run(&context, output)?;
-    output.result(&format!(
-        "{}: part {part}, {} fitted, {} up to date, {} could not be fitted",
-        summary.file.display(),
-        summary.fitted,
-        summary.up_to_date,
-        summary.failed.len()
-    ));
-    summary
-        .failed
-        .iter()
-        .for_each(|(path, issue)| output.issue(path, issue));
-    if summary.fitted_together > 0 {
-        output.message(&format!(
-            "{} fitted together with others and in no part: `ieap fit` in the campaign does them",
-            counted(summary.fitted_together, "run")
-        ));
-    }
-    output.document(&json!({ "schema": "ieap/fit-shard/1", "shard": summary }))?;
-    let has_fault = summary.failed.iter().any(|(_, issue)| issue.code == FAULT);
-    Ok(exit::after(has_fault, true))
 }
 
 /// Beside a program that works on the campaign: what is fitted is told where nothing is to be done, since that only reads.

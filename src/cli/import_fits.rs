@@ -13,14 +13,14 @@ use super::output::Output;
 use crate::pipeline::Context;
 use crate::pipeline::upkeep::import_fits::{ImportFits, ImportSummary};
 
-/// Bring fits that were computed elsewhere into the campaign: by `ieap fit --shard`, or on a cluster
+/// Bring fits that were computed elsewhere into the campaign: through Python, on a cluster
 ///
 /// A row is taken where its checksum holds, it is of a run as it is now and was fitted as the campaign would fit it; every other
 /// row is listed with the reason. Every twentieth run, the first 20 rows and those that look odd are fitted again before: where
 /// one differs all rows of its file are.
 #[derive(Debug, Args)]
 pub struct ImportFitsArgs {
-    /// Files with a row a run (.jsonl, .parquet), or folders of them
+    /// Parquet files with a row a run, or folders of them
     #[arg(value_name = "FILES", required = true)]
     files: Vec<PathBuf>,
     /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
@@ -36,8 +36,8 @@ pub fn run(args: &ImportFitsArgs, global: &Global, output: &Output) -> Result<u8
     };
     let summary = import.run(&mut context, output)?;
     print(&summary, output);
-    output.document(&json!({ "schema": "ieap/import-fits/1", "imported": summary }))?;
-    Ok(exit::after(false, summary.is_whole()))
+    output.document(&json!({ "schema": "ieap/import-fits/2", "imported": summary }))?;
+    Ok(exit::after(false, summary.refused.is_empty()))
 }
 
 fn print(summary: &ImportSummary, output: &Output) {
@@ -63,9 +63,6 @@ fn print(summary: &ImportSummary, output: &Output) {
             row.row,
             row.reason
         ));
-    }
-    for damaged in &summary.damaged_files {
-        output.message(&format!("  {}: {}", damaged.file.display(), damaged.reason));
     }
     if summary.imported > 0 {
         output.message("`ieap run` diagnoses and renders from them.");

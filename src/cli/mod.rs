@@ -1,6 +1,5 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
-mod answer;
 mod asked_strip;
 mod backup;
 mod campaign;
@@ -109,7 +108,6 @@ enum Verb {
     Status(status::StatusArgs),
     Verify(verify::VerifyArgs),
     Rebuild(rebuild::RebuildArgs),
-    Answer(answer::AnswerArgs),
     Table(table::TableArgs),
     Explain(explain::ExplainArgs),
     Figure(figure::FigureArgs),
@@ -215,7 +213,6 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Status(args) => status::run(args, output),
         Verb::Verify(args) => verify::run(args, output),
         Verb::Rebuild(args) => rebuild::run(args, global, output),
-        Verb::Answer(args) => answer::run(args, global, output),
         Verb::Table(args) => table::run(args, output),
         Verb::Explain(args) => explain::run(args, output),
         Verb::Figure(args) => figure::run(args, output),

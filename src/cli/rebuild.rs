@@ -71,7 +71,7 @@ fn print(summary: &RebuildSummary, output: &Output) {
     }
     if !summary.journal.is_empty() || !summary.lost.is_empty() {
         output.message(
-            "Something may be lost. `ieap status` says so until you looked and said it: `ieap answer --why ...`.",
+            "Something may be lost. `ieap status` says so until you looked and said it: `ieap run --answer ...`.",
         );
     }
     ingest::left_out(&summary.ingest, output);

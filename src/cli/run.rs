@@ -11,10 +11,11 @@ use super::fit_choice::FitChoiceArgs;
 use super::global::Global;
 use super::interrupted::{GoesOn, interrupted};
 use super::output::Output;
+use super::tag::user_name;
 use super::{diagnose, ingest, report, signals};
 use crate::pipeline::upkeep::verify::archive::raw_files_lost;
 use crate::pipeline::upkeep::verify::missed;
-use crate::pipeline::{Context, DiagnoseSummary, Made, Run, RunSummary};
+use crate::pipeline::{Context, DiagnoseSummary, Made, Run, RunSummary, answer};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
 #[derive(Debug, Args)]
@@ -32,11 +33,23 @@ pub struct RunArgs {
     /// Make a new archive from the files in the campaign, where the old one is lost
     #[arg(long)]
     new_archive: bool,
+    /// Say that you looked after words that may be lost since a rebuilding, and what you found: it is kept in the journal, and
+    /// `status` and `run` then end as ever
+    #[arg(long, value_name = "TEXT")]
+    answer: Option<String>,
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
     let mut context = open(args, global, output)?;
+    if let Some(found) = &args.answer {
+        let lost = answer(&mut context, found, user_name())?;
+        if lost.is_empty() {
+            output.message("no words are known that may be lost: nothing to answer");
+        }
+        lost.iter()
+            .for_each(|lost| output.message(&format!("answered: {lost}")));
+    }
     let job = Run {
         fit: args.fit.choice(global),
         skip_diagnosis: args.no_diagnose,

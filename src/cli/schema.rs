@@ -31,9 +31,8 @@ macro_rules! schemas {
 }
 
 /// Every document that `--json` prints, by name. tests/it/schemas.rs holds what is printed against them.
-pub const SCHEMAS: [Schema; 42] = schemas![
+pub const SCHEMAS: [Schema; 40] = schemas![
     "alarms",
-    "answer",
     "backup",
     "comparison",
     "convert",
@@ -46,7 +45,6 @@ pub const SCHEMAS: [Schema; 42] = schemas![
     "export",
     "figure",
     "figures",
-    "fit-shard",
     "fits",
     "formats",
     "impedance",

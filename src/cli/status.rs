@@ -36,7 +36,7 @@ pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
     }
     say_what_opening_found(&context, output);
     print(&status, output);
-    output.document(&json!({ "schema": "ieap/status/1", "status": status }))?;
+    output.document(&json!({ "schema": "ieap/status/2", "status": status }))?;
     Ok(exit::after(
         false,
         !status.has_slip() && status.words_missed.is_empty(),
@@ -65,7 +65,7 @@ fn alarms_only(status: &Status, output: &Output) -> Result<u8, CliError> {
         });
     }
     output.document(&AlarmsDocument {
-        schema: "ieap/alarms/1",
+        schema: "ieap/alarms/2",
         alarms: &status.alarms,
         taken_back: &status.alarms_taken_back,
         not_watched: status.monitoring.as_deref(),

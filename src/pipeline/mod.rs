@@ -40,7 +40,7 @@ pub use intake::ingest::{Ingest, IngestSummary, UnreadableTags, files_due};
 pub use run::{Made, Run, RunSummary};
 pub use show::left::{Left, left};
 pub use show::report::{RenderReport, ReportSummary};
-pub use upkeep::answer::{Answer, Answered};
+pub use upkeep::answer::answer;
 pub use upkeep::drop::{SpeakOfRuns, SpokenOf};
 pub use upkeep::rebuild::{Rebuild, RebuildSummary};
 pub use upkeep::tag::{SetTags, TagSummary};

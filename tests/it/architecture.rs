@@ -286,12 +286,11 @@ fn what_a_campaign_consists_of_is_opened_only_where_a_regular_file_is() {
     // They read what a user names, or write where a user says: there a pipe or a device may be meant.
     let named_by_a_user = [
         "apart/at_hand/read.rs",
-        "fits/shard.rs",
         "apart/forward/drive_file.rs",
-        "upkeep/import_fits/part.rs",
+        "upkeep/import_fits/rows.rs",
         "apart/inspect.rs",
         "apart/profile.rs",
-        "show/research_crate/mod.rs",
+        "show/research_crate.rs",
         "ground/whole_file.rs",
         // Its own temporary file.
         "show/export.rs",

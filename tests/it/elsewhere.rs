@@ -1,7 +1,11 @@
-//! Fits made elsewhere: in parts, on other computers, and brought back.
+//! Fits made elsewhere, as data frames on a cluster make them, and brought back.
 
-use ieap::pipeline::fits::result::{End, FitResult};
+use ieap::pipeline::FitChoice;
+use ieap::pipeline::apart::at_hand::CampaignRow;
+use ieap::pipeline::fits::result::FitResult;
+use ieap::store::Store;
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 use serde_json::Value;
 
 use crate::campaign::{CampaignFolder, counted, run_table};
@@ -24,74 +28,96 @@ fn content_hash(folder: &CampaignFolder) -> String {
         .to_owned()
 }
 
-/// The lines of the results of all parts.
-fn results(folder: &CampaignFolder, parts: u32) -> Vec<String> {
-    let mut lines = Vec::new();
-    for part in 1..=parts {
-        folder
-            .ieap(&["fit", "--shard", &format!("{part}/{parts}")])
-            .expect(0);
-        let text = std::fs::read_to_string(folder.join(&format!("fits-{part}-of-{parts}.jsonl"))).unwrap();
-        let is_result = |line: &&str| !line.contains("fit-results-end");
-        lines.extend(text.lines().filter(is_result).map(str::to_owned));
-    }
-    lines
+/// The results of all runs, fitted outside of the campaign, with what a copy of it says that they are made from.
+fn results(folder: &CampaignFolder, choice: &FitChoice) -> Vec<Value> {
+    let copy = copied(folder);
+    copy.ieap(&["fit"]).expect(0);
+    let store = Store::open_read_only(copy.path()).unwrap().unwrap();
+    let fitted = |task: ieap::store::FitTask| {
+        let row = CampaignRow {
+            channels: store.channels(task.run_id).unwrap(),
+            run: task.path,
+            data_hash: task.data_hash,
+            input_hash: task.done_input_hash.unwrap(),
+            area_cm2: task.area_cm2,
+            length_cm: task.length_cm,
+            electrode_resistance_ohm_per_sq: task.electrode_resistance_ohm_per_sq,
+            electrode_resistance_error_ohm_per_sq: task.electrode_resistance_error_ohm_per_sq,
+            drive: task.drive,
+            chosen: Default::default(),
+        };
+        serde_json::to_value(row.fit(choice).1).unwrap()
+    };
+    store.fit_tasks().unwrap().into_iter().map(fitted).collect()
 }
 
 /// A row with a checksum of its own, as if it had been written so.
-fn sealed(row: &Value) -> String {
+fn sealed(row: &Value) -> Value {
     let mut result: FitResult = serde_json::from_value(row.clone()).unwrap();
     result.checksum = result.sum();
-    serde_json::to_string(&result).unwrap()
+    serde_json::to_value(&result).unwrap()
 }
 
-/// A part of these rows, with its end.
-fn part(rows: &[String]) -> String {
-    let text: String = rows.iter().map(|row| format!("{row}\n")).collect();
-    let mut sum = blake3::Hasher::new();
-    sum.update(text.as_bytes());
-    text + &serde_json::to_string(&End::of(rows.len(), &sum)).unwrap() + "\n"
+/// What a data frame writes: text columns, the fit as JSON in one of them.
+fn table(rows: &[Value]) -> Vec<u8> {
+    let column = |name: &str| {
+        let text = |row: &Value| match &row[name] {
+            Value::Null => None,
+            Value::String(text) => Some(text.clone()),
+            other => Some(other.to_string()),
+        };
+        let texts: Vec<Option<String>> = rows.iter().map(text).collect();
+        Column::from(Series::new(name.into(), texts))
+    };
+    let columns = [
+        "schema",
+        "run",
+        "data_hash",
+        "input_hash",
+        "code_version",
+        "asked",
+        "fit",
+        "issue",
+        "checksum",
+    ]
+    .map(column);
+    let mut frame = DataFrame::new(rows.len(), columns.to_vec()).unwrap();
+    let mut bytes = Vec::new();
+    polars_io::parquet::write::ParquetWriter::new(&mut bytes)
+        .finish(&mut frame)
+        .unwrap();
+    bytes
 }
 
 #[test]
-fn parts_joined_are_what_one_program_would_have_stored() {
-    let (whole, parted) = (taken_in(5), taken_in(5));
+fn what_comes_back_is_what_the_campaign_would_have_stored() {
+    let (whole, away) = (taken_in(5), taken_in(5));
     whole.ieap(&["fit"]).expect(0);
-    let before = std::fs::read(parted.join("campaign.db")).unwrap();
-    assert_eq!(results(&parted, 3).len(), 5);
-    assert_eq!(
-        std::fs::read(parted.join("campaign.db")).unwrap(),
-        before,
-        "a part writes nothing into the campaign"
-    );
-    let files = ["fits-1-of-3.jsonl", "fits-2-of-3.jsonl", "fits-3-of-3.jsonl"];
-    let imported = parted
-        .ieap(&[&["import-fits", "--json"], &files[..]].concat())
-        .expect(0)
-        .json();
+    let rows = results(&away, &FitChoice::default());
+    away.write("results/part-0.parquet", table(&rows[..2]));
+    away.write("results/part-1.parquet", table(&rows[2..]));
+    away.write("results/_SUCCESS", "");
+    let imported = away.ieap(&["import-fits", "results", "--json"]).expect(0).json();
     assert_eq!(imported["imported"]["imported"], 5);
-    assert_eq!(content_hash(&parted), content_hash(&whole), "to the bit");
-    let again = parted
-        .ieap(&["import-fits", "fits-1-of-3.jsonl", "--json"])
+    assert_eq!(content_hash(&away), content_hash(&whole), "to the bit");
+    let again = away
+        .ieap(&["import-fits", "results/part-0.parquet", "--json"])
         .expect(0)
         .json();
     assert_eq!(again["imported"]["imported"], 0);
-    let left = parted.ieap(&["fit"]).expect(0);
+    let left = away.ieap(&["fit"]).expect(0);
     assert!(left.stderr.contains("0 fitted, 5 up to date"), "{left:?}");
-    let none = parted.ieap(&["fit", "--shard", "1/1", "--json"]).expect(0).json();
-    assert_eq!(
-        (&none["shard"]["fitted"], &none["shard"]["up_to_date"]),
-        (&0.into(), &5.into())
-    );
 }
 
 #[test]
 fn a_choice_that_was_asked_for_travels_with_the_results() {
     let folder = taken_in(1);
-    folder
-        .ieap(&["fit", "--shard", "1/1", "--model", "lumped-1"])
-        .expect(0);
-    folder.ieap(&["import-fits", "fits-1-of-1.jsonl"]).expect(0);
+    let choice = FitChoice {
+        model: Some("lumped-1".to_owned()),
+        ..FitChoice::default()
+    };
+    folder.write("fits.parquet", table(&results(&folder, &choice)));
+    folder.ieap(&["import-fits", "fits.parquet"]).expect(0);
     let fits = folder.ieap(&["fit", "--json"]).expect(0);
     assert!(fits.stderr.contains("model lumped-1"), "kept as asked: {fits:?}");
     assert_eq!(fits.json()["fits"][0]["model"], "lumped-1");
@@ -100,26 +126,27 @@ fn a_choice_that_was_asked_for_travels_with_the_results() {
 #[test]
 fn a_row_that_cannot_be_used_stops_no_other_and_is_told() {
     let folder = taken_in(4);
-    let lines = results(&folder, 1);
-    let changed = |line: &str, key: &str, value: Value| {
-        let mut object: Value = serde_json::from_str(line).unwrap();
-        object[key] = value;
-        sealed(&object)
+    let whole = results(&folder, &FitChoice::default());
+    let with = |key: &str, value: Value| {
+        let mut row = whole[1].clone();
+        row[key] = value;
+        row
     };
-    let mut other_model: Value = serde_json::from_str(&lines[3]).unwrap();
+    let mut other_model = whole[3].clone();
     other_model["fit"]["parameters"][0]["key"] = "beauty".into();
+    let fit = whole[1]["fit"].to_string();
     let rows = [
-        lines[0].clone(),
-        lines[1][..lines[1].len() / 2].to_owned(),
-        changed(&lines[1], "data_hash", "0".into()),
-        changed(&lines[1], "input_hash", "0".into()),
-        changed(&lines[1], "run", "runs/nowhere.csv".into()),
-        changed(&lines[1], "fit", Value::Null),
-        changed(&lines[1], "schema", "ieap/fit-result/9".into()),
+        whole[0].clone(),
+        with("fit", fit[..fit.len() / 2].into()),
+        sealed(&with("data_hash", "0".into())),
+        sealed(&with("input_hash", "0".into())),
+        sealed(&with("run", "runs/nowhere.csv".into())),
+        sealed(&with("fit", Value::Null)),
+        sealed(&with("schema", "ieap/fit-result/9".into())),
         sealed(&other_model),
-        lines[2].clone(),
+        whole[2].clone(),
     ];
-    folder.write("results/part.jsonl", part(&rows));
+    folder.write("results/part.parquet", table(&rows));
     let ended = folder.ieap(&["import-fits", "results", "--json"]).expect(3);
     let imported = ended.json()["imported"].clone();
     assert_eq!((&imported["rows"], &imported["imported"]), (&9.into(), &2.into()));
@@ -140,7 +167,7 @@ fn a_row_that_cannot_be_used_stops_no_other_and_is_told() {
     assert!(reason(6).contains("either a fit or an issue"), "{refused:?}");
     assert!(reason(8).contains("beauty"), "{refused:?}");
     assert!(ended.stderr.contains("row 3, runs/"), "{ended:?}");
-    folder.ieap(&["import-fits", "nothing.jsonl"]).expect(4);
+    folder.ieap(&["import-fits", "nothing.parquet"]).expect(4);
 }
 
 /// A copy of a campaign.
@@ -155,11 +182,11 @@ fn copied(of: &CampaignFolder) -> CampaignFolder {
     copy
 }
 
-/// Bits all over a part, one at a time: what came of another number is never stored.
+/// Bits all over a file, one at a time: what came of another number is never stored.
 #[test]
-fn a_part_that_was_damaged_on_its_way_brings_no_other_number() {
+fn a_file_that_was_damaged_on_its_way_brings_no_other_number() {
     let folder = taken_in(2);
-    let whole = part(&results(&folder, 1)).into_bytes();
+    let whole = table(&results(&folder, &FitChoice::default()));
     let direct = copied(&folder);
     direct.ieap(&["fit"]).expect(0);
     let fits = |folder: &CampaignFolder| {
@@ -174,9 +201,9 @@ fn a_part_that_was_damaged_on_its_way_brings_no_other_number() {
         let mut flipped = whole.clone();
         let at = (turn * 7919 + 13) % flipped.len();
         flipped[at] ^= 1 << (turn % 8);
-        folder.write("part.jsonl", &flipped);
-        let ended = folder.ieap(&["import-fits", "part.jsonl", "--json"]).expect(3);
-        assert!(ended.json()["imported"]["imported"].as_u64().unwrap() <= 2);
+        folder.write("part.parquet", &flipped);
+        // A bit that says nothing of a row, or a file that cannot be read at all: whatever it ends with.
+        let _ = folder.ieap(&["import-fits", "part.parquet"]);
         folder.ieap(&["fit"]).expect(0);
         assert_eq!(fits(&folder), sound, "byte {at}");
     }
@@ -185,18 +212,18 @@ fn a_part_that_was_damaged_on_its_way_brings_no_other_number() {
 #[test]
 fn numbers_that_no_fit_of_the_run_has_are_found_by_fitting_it_again() {
     let folder = taken_in(4);
-    let lines = results(&folder, 1);
+    let whole = results(&folder, &FitChoice::default());
     for factor in [1.1, 1e308] {
         let folder = copied(&folder);
-        let mut rows = lines.clone();
-        let mut wrong: Value = serde_json::from_str(&rows[2]).unwrap();
+        let mut rows = whole.clone();
+        let mut wrong = rows[2].clone();
         for name in ["value", "standard_error", "low_95", "high_95"] {
             let number = &mut wrong["fit"]["parameters"][0]["estimate"][name];
             *number = (number.as_f64().unwrap() * factor).min(f64::MAX).into();
         }
         rows[2] = sealed(&wrong);
-        folder.write("part.jsonl", part(&rows));
-        let ended = folder.ieap(&["import-fits", "part.jsonl", "--json"]).expect(3);
+        folder.write("part.parquet", table(&rows));
+        let ended = folder.ieap(&["import-fits", "part.parquet", "--json"]).expect(3);
         let imported = ended.json()["imported"].clone();
         assert_eq!(
             (&imported["imported"], &imported["fitted_again"]),
@@ -214,33 +241,6 @@ fn numbers_that_no_fit_of_the_run_has_are_found_by_fitting_it_again() {
 }
 
 #[test]
-fn parts_of_an_earlier_version_and_cut_ones_are_told_with_the_mend() {
-    let folder = taken_in(2);
-    let lines = results(&folder, 1);
-    let old = lines.iter().map(|line| {
-        let mut row: Value = serde_json::from_str(line).unwrap();
-        row.as_object_mut().unwrap().remove("checksum");
-        row.to_string()
-    });
-    folder.write("old.jsonl", old.collect::<Vec<String>>().join("\n"));
-    let ended = folder.ieap(&["import-fits", "old.jsonl", "--json"]).expect(3);
-    let imported = ended.json()["imported"].clone();
-    assert_eq!(imported["imported"], 0);
-    let reason = imported["refused"][0]["reason"].as_str().unwrap();
-    assert!(reason.contains("an earlier version"), "{imported}");
-    // Cut at the end of a line: what is there is sound, and that something is lost is said.
-    folder.write("cut.jsonl", format!("{}\n", lines[0]));
-    let ended = folder.ieap(&["import-fits", "cut.jsonl", "--json"]).expect(3);
-    let imported = ended.json()["imported"].clone();
-    assert_eq!(imported["imported"], 1);
-    let reason = imported["damaged_files"][0]["reason"].as_str().unwrap();
-    assert!(
-        reason.contains("its end is missing") && reason.contains("ieap fit --shard"),
-        "{imported}"
-    );
-}
-
-#[test]
 fn a_run_that_cannot_be_fitted_gives_a_row_with_the_reason() {
     let folder = taken_in(1);
     // Too few readings for any model.
@@ -249,65 +249,15 @@ fn a_run_that_cannot_be_fitted_gives_a_row_with_the_reason() {
         "time_s,voltage_v,current_a\n-2,0,0\n-1,0,0\n0,2,0.001\n1,2,0.0009\n2,2,0.0008\n",
     );
     folder.ieap(&["ingest"]).expect(0);
-    let ended = folder.ieap(&["fit", "--shard", "1/1", "--json"]).expect(0);
-    assert_eq!(ended.json()["shard"]["failed"][0][0], "runs/short.csv");
+    folder.write("fits.parquet", table(&results(&folder, &FitChoice::default())));
     let imported = folder
-        .ieap(&["import-fits", "fits-1-of-1.jsonl", "--json"])
+        .ieap(&["import-fits", "fits.parquet", "--json"])
         .expect(0)
         .json();
     assert_eq!(imported["imported"]["failed"][0][0], "runs/short.csv");
     let fits = folder.ieap(&["fit", "--json"]).expect(0).json();
     assert_eq!(fits["not_fitted"][0]["run"], "runs/short.csv");
     assert_eq!(fits["fits"].as_array().unwrap().len(), 1);
-}
-
-/// What a data frame on a cluster writes: text columns, the fit as JSON in one of them.
-#[test]
-fn results_come_back_from_parquet() {
-    use polars::prelude::{Column, DataFrame, NamedFrom, Series};
-    let folder = taken_in(2);
-    let lines: Vec<Value> = results(&folder, 1)
-        .iter()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect();
-    let column = |name: &str| {
-        let texts: Vec<String> = lines
-            .iter()
-            .map(|line| match &line[name] {
-                Value::String(text) => text.clone(),
-                other => other.to_string(),
-            })
-            .collect();
-        Column::from(Series::new(name.into(), texts))
-    };
-    let columns = [
-        "run",
-        "data_hash",
-        "input_hash",
-        "code_version",
-        "fit",
-        "checksum",
-    ]
-    .map(column);
-    let mut table = DataFrame::new(2, columns.to_vec()).unwrap();
-    let mut bytes = Vec::new();
-    polars_io::parquet::write::ParquetWriter::new(&mut bytes)
-        .finish(&mut table)
-        .unwrap();
-    folder.write("from-spark/part-0.parquet", bytes);
-    folder.write("from-spark/_SUCCESS", "");
-    let imported = folder
-        .ieap(&["import-fits", "from-spark", "--json"])
-        .expect(0)
-        .json();
-    assert_eq!(imported["imported"]["imported"], 2);
-    let direct = taken_in(2);
-    direct.ieap(&["fit"]).expect(0);
-    assert_eq!(
-        content_hash(&folder),
-        content_hash(&direct),
-        "numbers come back to the bit"
-    );
 }
 
 /// The tables that clusters read have readings of the strip as a whole only: a fit elsewhere would lack the others.
@@ -402,20 +352,14 @@ fn a_partitioned_export_has_one_row_a_run_in_the_folders_of_hive() {
         panic!("{:?}", of(&vacuum[0], "current_a_readings"));
     };
     assert_eq!(readings.elements().len(), 320);
-    let results = results(&folder, 1);
-    let hashes: Vec<String> = results
-        .iter()
-        .map(|line| {
-            serde_json::from_str::<Value>(line).unwrap()["input_hash"]
-                .as_str()
-                .unwrap()
-                .to_owned()
-        })
-        .collect();
+    let results = results(&folder, &FitChoice::default());
     let parquet::record::Field::Str(hash) = of(&vacuum[0], "input_hash") else {
         panic!("no hash");
     };
-    assert!(hashes.contains(&hash), "the hash under which a result comes back");
+    assert!(
+        results.iter().any(|row| row["input_hash"] == *hash),
+        "the hash under which a result comes back"
+    );
     let again = folder
         .ieap(&["export", "--what", "traces", "--partitioned", "-o", "traces"])
         .expect(2);

@@ -196,8 +196,9 @@ fn what_cannot_come_back_is_named_and_the_rest_comes() {
     let said = folder.ieap(&["run", "--no-diagnose"]).expect(3);
     assert!(said.stdout.contains("fits: 0 new, 2 up to date"), "{said:?}");
     assert!(said.stderr.contains("runs/b.csv did not come back"), "{said:?}");
-    folder.ieap(&["answer", "--why", "it is gone"]).expect(0);
-    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    folder
+        .ieap(&["run", "--no-diagnose", "--answer", "it is gone"])
+        .expect(0);
 }
 
 #[test]

@@ -219,7 +219,7 @@ fn words_that_may_be_lost_are_told_until_a_person_answers() {
         without_database(folder.path());
         fs::write(journal(&folder), damaged).unwrap();
         let told = folder.ieap(&["rebuild"]).expect(3);
-        assert!(told.stderr.contains("ieap answer --why"), "{told:#?}");
+        assert!(told.stderr.contains("ieap run --answer"), "{told:#?}");
         let status = folder.ieap(&["status", "--json"]).expect(3).json();
         let missed = status["status"]["words_missed"].as_array().unwrap();
         assert!(
@@ -231,23 +231,16 @@ fn words_that_may_be_lost_are_told_until_a_person_answers() {
         // Another rebuilding does not forget it.
         folder.ieap(&["rebuild"]).expect(0);
         folder.ieap(&["status"]).expect(3);
-        folder.ieap(&["answer", "--why", " "]).expect(2);
-        let why = &[
-            "answer",
-            "--why",
-            "the tag is said again",
-            "--by",
-            "ann",
-            "--json",
-        ];
-        let answered = folder.ieap(why).expect(0).json();
-        assert_eq!(answered["answer"]["lost"].as_array().unwrap().len(), 1);
+        folder.ieap(&["run", "--answer", " "]).expect(2);
+        let why = &["run", "--no-diagnose", "--answer", "the tag is said again"];
+        let answered = folder.ieap(why).expect(0);
+        assert_eq!(answered.stderr.matches("answered: ").count(), 1, "{answered:?}");
         folder.ieap(&["status"]).expect(0);
         assert_eq!(errors(&folder), Vec::<String>::new());
         folder.ieap(&["rebuild"]).expect(0);
         folder.ieap(&["status"]).expect(0);
-        let nothing = folder.ieap(why).expect(0).json();
-        assert_eq!(nothing["answer"]["lost"], serde_json::json!([]));
+        let nothing = folder.ieap(why).expect(0);
+        assert!(nothing.stderr.contains("nothing to answer"), "{nothing:?}");
         assert!(is_dropped(&folder, "runs/2.csv"));
     }
 }
@@ -343,7 +336,9 @@ fn a_campaign_of_the_version_before_whose_stores_parted_is_taken_up_with_what_ei
         status.stdout.contains("runs/2.csv dropped by tester"),
         "{status:#?}"
     );
-    folder.ieap(&["answer", "--why", "it was dry"]).expect(0);
+    folder
+        .ieap(&["run", "--no-diagnose", "--answer", "it was dry"])
+        .expect(0);
     assert_eq!(errors(&folder), Vec::<String>::new());
     folder.ieap(&["rebuild"]).expect(0);
     folder.ieap(&["status"]).expect(0);

@@ -60,7 +60,7 @@ pub struct Alarm {
     pub sample: String,
     /// Stored key of the parameter that showed it first.
     pub parameter: String,
-    /// What showed it first: `shewhart`, `ewma`, `cusum`, `jump` or `limit`.
+    /// What showed it first: `ewma`, `jump` or `limit`.
     pub chart: String,
     /// Run with which it began.
     pub run: String,
@@ -68,19 +68,19 @@ pub struct Alarm {
     pub message: String,
     /// Whether campaign.toml says that it is known.
     pub acknowledged: bool,
-    /// Every chart of every parameter that shows it, the first one first.
+    /// Every parameter that shows it, the first one first.
     #[serde(default)]
     pub shown_by: Vec<AlarmSign>,
 }
 
-/// One chart that shows a change.
+/// One parameter that shows a change.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AlarmSign {
     /// Id of the sign: it acknowledges the alarm as the alarm's own does.
     pub id: String,
     /// Stored key of the parameter.
     pub parameter: String,
-    /// `shewhart`, `ewma`, `cusum`, `jump` or `limit`.
+    /// `ewma`, `jump` or `limit`.
     pub chart: String,
     /// Run with which the chart left its limits.
     pub run: String,

@@ -20,7 +20,6 @@ pub mod ode;
 mod open_circuit;
 pub mod registry;
 pub mod relaxation;
-pub mod rivals;
 pub mod scaling;
 
 pub use bending::{BendingLaw, bending_law, rival_law};

@@ -1,95 +1,40 @@
-//! Control charts of standard normal numbers: their statistics, and how many numbers pass until a false alarm.
+//! The control chart of standard normal numbers: an exponentially weighted moving average, and how many numbers pass until a false
+//! alarm.
 //!
-//! Average run lengths are those of a Markov chain over a fine partition of the chart's statistic (Brook and Evans
-//! 1972; Lucas and Saccucci 1990 for the weighted average).
+//! Average run lengths are those of a Markov chain over a fine partition of the average (Brook and Evans 1972; Lucas and
+//! Saccucci 1990).
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Weight of the newest number in the weighted average.
 pub const EWMA_WEIGHT: f64 = 0.2;
-/// Allowance of the cumulative sum: half the shift that it is meant for, in standard deviations.
-pub const CUSUM_ALLOWANCE: f64 = 0.5;
-/// States of the Markov chains.
+/// States of the Markov chain.
 const STATES: usize = 61;
 
-/// A chart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Chart {
-    /// Each number by itself (Shewhart).
-    Shewhart,
-    /// Exponentially weighted moving average.
-    Ewma,
-    /// Cumulative sums, upwards and downwards.
-    Cusum,
+/// The limit at which a false alarm comes after `run_length` numbers on average.
+pub fn limit(mean_run_length: f64) -> f64 {
+    // The length grows as the exponential of the limit or faster.
+    let (mut low, mut high) = (0.5_f64, 16.0_f64);
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        if run_length(middle, 0.0) < mean_run_length {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    0.5 * (low + high)
 }
 
-impl Chart {
-    /// Every chart.
-    pub const ALL: [Chart; 3] = [Chart::Shewhart, Chart::Ewma, Chart::Cusum];
-
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            Chart::Shewhart => "shewhart",
-            Chart::Ewma => "ewma",
-            Chart::Cusum => "cusum",
-        }
-    }
-
-    /// Average number of numbers until an alarm at that `limit`, where they lie `shift` standard deviations off.
-    pub fn run_length(self, limit: f64, shift: f64) -> f64 {
-        match self {
-            Chart::Shewhart => 1.0 / (1.0 - below(limit - shift) + below(-limit - shift)).max(1e-300),
-            Chart::Ewma => ewma_run_length(limit, shift),
-            Chart::Cusum => {
-                // Alarms of either side come as those of the two together (Van Dobben de Bruyn 1968).
-                let (up, down) = (cusum_run_length(limit, shift), cusum_run_length(limit, -shift));
-                1.0 / (1.0 / up + 1.0 / down)
-            }
-        }
-    }
-
-    /// The limit at which a false alarm comes after `run_length` numbers on average.
-    pub fn limit(self, run_length: f64) -> f64 {
-        // The length grows as the exponential of the limit or faster; the cumulative sum has the largest limits.
-        let (mut low, mut high) = (0.5_f64, 16.0_f64);
-        for _ in 0..30 {
-            let middle = 0.5 * (low + high);
-            if self.run_length(middle, 0.0) < run_length {
-                low = middle
-            } else {
-                high = middle
-            }
-        }
-        0.5 * (low + high)
-    }
-
-    /// The chart's statistic after each number: the number, the average over its own standard deviation, or the larger
-    /// of the two sums with the sign of its side.
-    pub fn statistic(self, numbers: &[f64]) -> Vec<f64> {
-        match self {
-            Chart::Shewhart => numbers.to_vec(),
-            Chart::Ewma => {
-                let mut average = 0.0;
-                // In units of the deviation that it settles to.
-                let scale = (EWMA_WEIGHT / (2.0 - EWMA_WEIGHT)).sqrt();
-                let next = |number: &f64| {
-                    average += EWMA_WEIGHT * (number - average);
-                    average / scale
-                };
-                numbers.iter().map(next).collect()
-            }
-            Chart::Cusum => {
-                let (mut up, mut down) = (0.0_f64, 0.0_f64);
-                let next = |number: &f64| {
-                    up = (up + number - CUSUM_ALLOWANCE).max(0.0);
-                    down = (down - number - CUSUM_ALLOWANCE).max(0.0);
-                    if up >= down { up } else { -down }
-                };
-                numbers.iter().map(next).collect()
-            }
-        }
-    }
+/// The weighted average after each number, over the standard deviation that it settles to.
+pub fn statistic(numbers: &[f64]) -> Vec<f64> {
+    let mut average = 0.0;
+    let scale = (EWMA_WEIGHT / (2.0 - EWMA_WEIGHT)).sqrt();
+    let next = |number: &f64| {
+        average += EWMA_WEIGHT * (number - average);
+        average / scale
+    };
+    numbers.iter().map(next).collect()
 }
 
 /// Standard normal numbers from readings that nothing is known of beforehand: each is compared with the mean and the
@@ -124,23 +69,8 @@ fn below(x: f64) -> f64 {
     Normal::standard().cdf(x)
 }
 
-/// One-sided cumulative sum from 0.
-fn cusum_run_length(limit: f64, shift: f64) -> f64 {
-    // States: 0, then even parts of what is below the limit; the first is half as wide (Brook and Evans).
-    let width = 2.0 * limit / (2 * STATES - 1) as f64;
-    let passage = |from: usize, to: usize| {
-        let start = from as f64 * width;
-        let upper = (to as f64 + 0.5) * width - start + CUSUM_ALLOWANCE - shift;
-        match to {
-            0 => below(upper),
-            _ => below(upper) - below(upper - width),
-        }
-    };
-    mean_passage(STATES, &passage)[0]
-}
-
-/// Weighted average from 0, limits in units of the deviation that it settles to.
-fn ewma_run_length(limit: f64, shift: f64) -> f64 {
+/// Average number of numbers until the average, from 0, leaves that `limit`, where they lie `shift` standard deviations off.
+pub fn run_length(limit: f64, shift: f64) -> f64 {
     let reach = limit * (EWMA_WEIGHT / (2.0 - EWMA_WEIGHT)).sqrt();
     let width = 2.0 * reach / STATES as f64;
     let center = |state: usize| -reach + (state as f64 + 0.5) * width;
@@ -194,29 +124,16 @@ mod tests {
 
     #[test]
     fn run_lengths_of_the_printed_tables() {
-        // Shewhart at 3: 370.4. Cumulative sum k = 0.5, h = 5: 465 in control, 10.4 at one deviation (Montgomery,
-        // table 9.3). Weighted average 0.2 at 2.962: 500, 10.5 at one deviation (Lucas and Saccucci 1990, table 3).
-        for (chart, limit, shift, expected, part) in [
-            (Chart::Shewhart, 3.0, 0.0, 370.4, 1e-3),
-            (Chart::Shewhart, 3.0, 1.0, 43.89, 1e-3),
-            (Chart::Cusum, 5.0, 0.0, 465.0, 5e-3),
-            (Chart::Cusum, 5.0, 1.0, 10.4, 5e-3),
-            (Chart::Ewma, 2.962, 0.0, 500.0, 2e-2),
-            (Chart::Ewma, 2.962, 1.0, 10.5, 2e-2),
-        ] {
-            let found = chart.run_length(limit, shift);
-            assert!(
-                (found / expected - 1.0).abs() < part,
-                "{chart:?} {shift}: {found}"
-            );
+        // 0.2 at 2.962: 500, 10.5 at one deviation (Lucas and Saccucci 1990, table 3).
+        for (shift, expected) in [(0.0, 500.0), (1.0, 10.5)] {
+            let found = run_length(2.962, shift);
+            assert!((found / expected - 1.0).abs() < 2e-2, "{shift}: {found}");
         }
-        for chart in Chart::ALL {
-            assert!((chart.run_length(chart.limit(300.0), 0.0) / 300.0 - 1.0).abs() < 1e-5);
-        }
+        assert!((run_length(limit(300.0), 0.0) / 300.0 - 1.0).abs() < 1e-5);
     }
 
     /// Numbers until the first alarm, averaged over `tries` series.
-    fn simulated(chart: Chart, limit: f64, self_start: bool, tries: u64) -> (f64, f64) {
+    fn simulated(limit: f64, self_start: bool, tries: u64) -> (f64, f64) {
         let lengths: Vec<f64> = (0..tries)
             .map(|seed| {
                 let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -227,7 +144,7 @@ mod tests {
                     } else {
                         readings.clone()
                     };
-                    let first = chart.statistic(&numbers).iter().position(|x| x.abs() > limit);
+                    let first = statistic(&numbers).iter().position(|x| x.abs() > limit);
                     if let Some(first) = first {
                         return (first + 1) as f64;
                     }
@@ -249,19 +166,14 @@ mod tests {
         } else {
             2_000
         };
-        for chart in Chart::ALL {
-            let limit = chart.limit(60.0);
-            for self_start in [false, true] {
-                let (mean, error) = simulated(chart, limit, self_start, tries);
-                println!(
-                    "{} self-starting {self_start}: {mean:.1} +- {error:.1} of 60",
-                    chart.key()
-                );
-                assert!(
-                    (mean - 60.0).abs() < 3.5 * error + 0.6,
-                    "{chart:?} {self_start}: {mean} {error}"
-                );
-            }
+        let limit = limit(60.0);
+        for self_start in [false, true] {
+            let (mean, error) = simulated(limit, self_start, tries);
+            println!("self-starting {self_start}: {mean:.1} +- {error:.1} of 60");
+            assert!(
+                (mean - 60.0).abs() < 3.5 * error + 0.6,
+                "{self_start}: {mean} {error}"
+            );
         }
     }
 }

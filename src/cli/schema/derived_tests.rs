@@ -24,7 +24,6 @@ use crate::pipeline::documents::dma::DmaDocument;
 use crate::pipeline::documents::fits::FitsDocument;
 use crate::pipeline::findings::impedance::Spectra;
 use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary, UntyingEntry};
-use crate::pipeline::fits::shard::ShardSummary;
 use crate::pipeline::intake::trace::TraceSummary;
 use crate::pipeline::show::tables::MovedDocument;
 use crate::pipeline::upkeep::backup::{BackedUp, Restored};
@@ -32,7 +31,7 @@ use crate::pipeline::upkeep::import_fits::ImportSummary;
 use crate::pipeline::upkeep::status::Status;
 use crate::pipeline::upkeep::verify::Verified;
 use crate::pipeline::{
-    Answered, IngestSummary, Proposed, RebuildSummary, ReportSummary, RunSummary, SpokenOf, TagSummary,
+    IngestSummary, Proposed, RebuildSummary, ReportSummary, RunSummary, SpokenOf, TagSummary,
 };
 use crate::show::Document;
 
@@ -60,10 +59,7 @@ struct Derived {
 fn derived() -> Vec<Derived> {
     let document = |id, printed_by, of| Derived { id, printed_by, of };
     vec![
-        document("alarms/1", "status --alarms", whole::<AlarmsDocument>),
-        document("answer/1", "answer", |of| {
-            keys([("answer", value::<Answered>(of))])
-        }),
+        document("alarms/2", "status --alarms", whole::<AlarmsDocument>),
         document("backup/1", "backup", |of| {
             keys([("backup", value::<BackedUp>(of))])
         }),
@@ -80,12 +76,9 @@ fn derived() -> Vec<Derived> {
             );
             schema
         }),
-        document("fit-shard/1", "fit --shard K/N", |of| {
-            keys([("shard", value::<ShardSummary>(of))])
-        }),
         document("fits/1", "fit", whole::<FitsDocument>),
         document("impedance/2", "impedance", whole::<Document<Spectra>>),
-        document("import-fits/1", "import-fits FILES", |of| {
+        document("import-fits/2", "import-fits FILES", |of| {
             keys([("imported", value::<ImportSummary>(of))])
         }),
         document("ingest/1", "ingest", |of| {
@@ -116,7 +109,7 @@ fn derived() -> Vec<Derived> {
             keys([("restored", value::<Restored>(of))])
         }),
         document("run/1", "run", |of| keys([("run", value::<RunSummary>(of))])),
-        document("status/1", "status", |of| keys([("status", value::<Status>(of))])),
+        document("status/2", "status", |of| keys([("status", value::<Status>(of))])),
         document("tag/1", "tag RUN KEY=VALUE", |of| {
             keys([
                 ("tag", value::<TagSummary>(of)),

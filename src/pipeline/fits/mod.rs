@@ -9,4 +9,3 @@ pub(super) mod outcome;
 pub(super) mod plan;
 pub mod result;
 pub(super) mod runs;
-pub mod shard;

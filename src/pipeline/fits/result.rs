@@ -1,15 +1,13 @@
-//! What the fit of one run came to, as a line of JSON: how results travel between computers. Each carries a checksum, and so does
-//! the file: a disk, a cable and a copy that was cut short change what they carry.
+//! What the fit of one run came to, as a row of a table: how results travel between computers. Each carries a checksum: a disk and
+//! a cable change what they carry.
 
 use serde::{Deserialize, Serialize};
 
 use crate::domain::{AskedFit, Fit, Issue};
 use crate::pipeline::campaign::context::CODE_VERSION;
 
-/// Schema of a line.
+/// Schema of a row.
 pub const SCHEMA: &str = "ieap/fit-result/1";
-/// Schema of the line that ends a file.
-pub const END_SCHEMA: &str = "ieap/fit-results-end/1";
 
 /// The fit of a run, or why it could not be made; with what it was made from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -66,7 +64,7 @@ impl FitResult {
         }
     }
 
-    /// What the fit came to; none where the line says neither.
+    /// What the fit came to; none where the row says neither.
     pub fn outcome(&self) -> Option<Result<&Fit, &Issue>> {
         match (&self.fit, &self.issue) {
             (Some(fit), None) => Some(Ok(fit)),
@@ -75,8 +73,7 @@ impl FitResult {
         }
     }
 
-    /// BLAKE3 of its JSON with an empty checksum: the same however it travelled, as a line or as columns of a table, for numbers
-    /// come back to the bit.
+    /// BLAKE3 of its JSON with an empty checksum: the same however it travelled, for numbers come back to the bit.
     pub fn sum(&self) -> String {
         let open = FitResult {
             checksum: String::new(),
@@ -85,28 +82,6 @@ impl FitResult {
         // What could not be written as JSON has no sum, and none that fits it either.
         let text = serde_json::to_string(&open).unwrap_or_default();
         blake3::hash(text.as_bytes()).to_hex().to_string()
-    }
-}
-
-/// The line that ends a file of results: how many there are, and the checksum of their bytes.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct End {
-    /// Always [`END_SCHEMA`].
-    pub schema: String,
-    /// Number of results.
-    pub rows: usize,
-    /// BLAKE3 of the bytes of their lines, hexadecimal.
-    pub checksum: String,
-}
-
-impl End {
-    /// Of so many results with that sum.
-    pub fn of(rows: usize, sum: &blake3::Hasher) -> End {
-        End {
-            schema: END_SCHEMA.to_owned(),
-            rows,
-            checksum: sum.finalize().to_hex().to_string(),
-        }
     }
 }
 

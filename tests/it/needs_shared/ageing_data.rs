@@ -3,7 +3,8 @@
 
 use calamine::{Data, Reader, Xlsx, open_workbook};
 use ieap::analysis::laws::shape::Law;
-use ieap::analysis::monitoring::series::{Limits, Reaches, Series};
+use ieap::analysis::monitoring::series::{Reaches, Series};
+use ieap::numerics::control_chart;
 
 use super::shared;
 
@@ -35,7 +36,7 @@ fn capacities(battery: &str) -> Option<Vec<f64>> {
 
 #[test]
 fn batteries_fade_and_their_recoveries_are_no_jumps() {
-    let limits = Limits::for_false_alarms(500.0);
+    let limit = control_chart::limit(500.0);
     for (battery, count, first, last) in [("B0005", 168, 1.856, 1.325), ("B0018", 132, 1.855, 1.341)] {
         let Some(capacity) = capacities(battery) else {
             return;
@@ -43,7 +44,7 @@ fn batteries_fade_and_their_recoveries_are_no_jumps() {
         assert_eq!(capacity.len(), count);
         assert!((capacity[0] - first).abs() < 5e-4 && (capacity[count - 1] - last).abs() < 5e-4);
         let fading = series(capacity.iter().map(|ah| ah.ln()).collect(), true);
-        let study = fading.study(limits, 1);
+        let study = fading.study(limit, 1);
         println!(
             "{battery}: {} over {count} discharges, factor {:.3} [{:.3}, {:.3}], {} jumps, p {:.1e}",
             study.trends[0].law.key(),
@@ -57,12 +58,7 @@ fn batteries_fade_and_their_recoveries_are_no_jumps() {
         assert!(study.p_trend.unwrap() < 1e-3);
         let fall = study.trends[0].size.value.exp();
         assert!((fall - last / first).abs() < 0.06, "{fall}");
-        assert!(
-            study
-                .charts
-                .iter()
-                .any(|chart| chart.first_alarm.is_some_and(|at| at < 60))
-        );
+        assert!(study.chart.first_alarm.is_some_and(|at| at < 60));
     }
 }
 
@@ -71,11 +67,11 @@ fn the_end_of_a_battery_is_foretold_or_refused() {
     let Some(capacity) = capacities("B0005") else {
         return;
     };
-    let limits = Limits::for_false_alarms(500.0);
+    let limit = control_chart::limit(500.0);
     let passed = capacity.iter().position(|ah| *ah < 1.4).unwrap() as f64 + 1.0;
     for known in [30, 60, 90, 110] {
         let early = series(capacity[..known].iter().map(|ah| ah.ln()).collect(), true);
-        let study = early.study(limits, 1);
+        let study = early.study(limit, 1);
         let told = early.reaches(&study, 1.4_f64.ln(), true);
         println!("after {known} discharges: {told:?}; passed at {passed}");
         if let Reaches::At(at) = told {
@@ -134,11 +130,11 @@ fn a_sensor_that_was_zeroed_again_is_no_degradation() {
         return;
     };
     assert!(cycles.len() > 2300, "{}", cycles.len());
-    let limits = Limits::for_false_alarms(500.0);
+    let limit = control_chart::limit(500.0);
     // Every third cycle: what is asked does not need more.
     let thinned: Vec<(f64, f64, f64)> = cycles.iter().copied().step_by(3).collect();
     let position = series(thinned.iter().map(|cycle| cycle.1).collect(), false);
-    let study = position.study(limits, 1);
+    let study = position.study(limit, 1);
     let at: Vec<f64> = study.steps.iter().map(|step| thinned[step.at].0).collect();
     println!("position jumps at {at:?} s; drift {:?}", study.trends[0].size);
     for zeroed_s in [3550.0, 4840.0, 9834.0] {
@@ -155,7 +151,7 @@ fn a_sensor_that_was_zeroed_again_is_no_degradation() {
         study.trends[0].size
     );
     let stroke = series(thinned.iter().map(|cycle| cycle.2.ln()).collect(), true);
-    let study = stroke.study(limits, 1);
+    let study = stroke.study(limit, 1);
     println!(
         "stroke: {} by {:.2}, jumps {:?}",
         study.trends[0].law.key(),

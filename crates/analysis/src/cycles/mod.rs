@@ -17,7 +17,8 @@ use ieap_numerics::robust::{median, sd_on_a_slope};
 use crate::figure::Figure;
 use crate::laws::words::{moves, short};
 use crate::levels::{Flow, Level, levels};
-use crate::monitoring::series::{Limits, Reaches, Series};
+use crate::monitoring::series::{Reaches, Series};
+use ieap_numerics::control_chart;
 use of_cycle::{Numbers, Readings};
 use of_held::of_held;
 use of_wave::of_wave;
@@ -184,17 +185,17 @@ fn allow_for_scatter(cycles: &mut [Cycle], k: usize) {
 
 /// What the numbers do over the cycles.
 fn sentences(cycles: &[Cycle]) -> Vec<String> {
-    let limits = Limits::for_false_alarms(1e4);
+    let limit = control_chart::limit(1e4);
     CYCLE_FIGURES
         .iter()
         .enumerate()
-        .filter_map(|(k, figure)| sentence(cycles, k, figure, limits))
+        .filter_map(|(k, figure)| sentence(cycles, k, figure, limit))
         .collect()
 }
 
-fn sentence(cycles: &[Cycle], k: usize, figure: &Figure, limits: Limits) -> Option<String> {
+fn sentence(cycles: &[Cycle], k: usize, figure: &Figure, limit: f64) -> Option<String> {
     let series = series(cycles, k)?;
-    let study = series.study(limits, 1);
+    let study = series.study(limit, 1);
     let law = study.trends.first().filter(|_| study.is_shown())?;
     let mut text = format!(
         "{} ({}) {} over {} cycles, {} (p = {}).",

@@ -5,8 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::series::{Limits, Series, Study};
+use super::series::{Series, Study};
 use crate::laws::shape::Law;
+use ieap_numerics::control_chart;
 
 /// Runs of a series, and the scatter of the logarithm from run to run.
 const RUNS: u32 = 60;
@@ -33,11 +34,11 @@ fn studies(from: u64, course: &(dyn Fn(f64) -> f64 + Sync)) -> Vec<Study> {
         Some(_) => 100,
         None => 10,
     };
-    let limits = Limits::for_false_alarms(500.0);
+    let limit = control_chart::limit(500.0);
     let seeds: Vec<u64> = (from..from + draws).collect();
     seeds
         .par_iter()
-        .map(|&seed| series(seed, course).study(limits, seed))
+        .map(|&seed| series(seed, course).study(limit, seed))
         .collect()
 }
 

@@ -5,8 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::series::{Limits, Series, Study};
+use super::series::{Series, Study};
 use crate::laws::shape::Law;
+use ieap_numerics::control_chart;
 
 /// Total drift of a series with one, and the scatter about it.
 const DRIFT: f64 = 0.3;
@@ -30,7 +31,7 @@ fn study(drift: f64, correlation: f64, seed: u64) -> Study {
         breaks: Vec::new(),
         x,
     };
-    series.study(Limits::for_false_alarms(500.0), seed)
+    series.study(control_chart::limit(500.0), seed)
 }
 
 fn studies(drift: f64, correlation: f64, draws: u64) -> Vec<Study> {

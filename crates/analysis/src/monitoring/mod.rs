@@ -24,9 +24,9 @@ use crate::laws::covariate::Covariate;
 use crate::laws::facts::{RunFacts, start_s};
 use crate::laws::values::{keys, values};
 use ieap_domain::{Alarm, Campaign, RunRecord};
-use ieap_numerics::control_chart::Chart;
+use ieap_numerics::control_chart;
 use reference::Reference;
-use series::{Limits, Reaches, Series};
+use series::{Reaches, Series};
 
 /// What monitoring says of a campaign.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -48,10 +48,10 @@ pub struct Monitoring {
 }
 
 impl Monitoring {
-    /// Runs until each chart sees a shift by one standard deviation, on average.
-    pub fn shifted_run_lengths(&self) -> [f64; 3] {
+    /// Runs until a chart sees a shift by one standard deviation, on average.
+    pub fn shifted_run_length(&self) -> f64 {
         let runs = runs_of_a_chart(self.false_alarm_runs, self.charts_of_a_sample).max(2.0);
-        Chart::ALL.map(|chart| chart.run_length(chart.limit(runs), 1.0))
+        control_chart::run_length(control_chart::limit(runs), 1.0)
     }
 }
 
@@ -81,15 +81,15 @@ pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> 
     for &place in &reference.places {
         samples.entry(&facts[place].sample).or_default().push(place);
     }
-    let mut limits: BTreeMap<usize, Limits> = BTreeMap::new();
+    let mut limits: BTreeMap<usize, f64> = BTreeMap::new();
     let mut questions: Vec<(Vec<usize>, String, usize)> = Vec::new();
     for places in samples
         .into_values()
         .filter(|places| places.len() >= policy::FEWEST_RUNS)
     {
         let keys = keys(runs, facts, &places);
-        let charts = Chart::ALL.len() * keys.len();
-        let of_chart = || Limits::for_false_alarms(runs_of_a_chart(rules.false_alarm_runs, charts));
+        let charts = keys.len();
+        let of_chart = || control_chart::limit(runs_of_a_chart(rules.false_alarm_runs, charts));
         limits.entry(charts).or_insert_with(of_chart);
         questions.extend(keys.into_iter().map(|key| (places.clone(), key, charts)));
     }
@@ -132,7 +132,7 @@ fn watch(
     campaign: &Campaign,
     laws: &CampaignLaws,
     places: &[usize],
-    (key, limits): (&str, Limits),
+    (key, chart_limit): (&str, f64),
 ) -> Option<Watched> {
     let facts = &laws.facts;
     let found = values(runs, facts, places, key).in_doubt_of_one_series(&laws.doubts, runs, facts);
@@ -179,12 +179,12 @@ fn watch(
     let (&axis, others) = axes.split_first()?;
     let (series, of_runs) = over(axis);
     let seed = of_runs.first().map_or(1, |run| runs[*run].id.unsigned_abs() + 1);
-    let study = series.study(limits, seed);
+    let study = series.study(chart_limit, seed);
     let other_axes = others
         .iter()
         .filter_map(|&axis| {
             let (series, _) = over(axis);
-            let study = series.study(limits, seed);
+            let study = series.study(chart_limit, seed);
             let law = study.trends.first().copied().filter(|_| study.is_shown());
             Some((axis, law?))
         })

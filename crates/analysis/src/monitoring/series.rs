@@ -6,7 +6,7 @@ use super::policy::{
 use crate::laws::fitted::{Fitted, Interval};
 use crate::laws::policy::{AS_GOOD, STEP_SIDE};
 use crate::laws::shape::{Law, Span};
-use ieap_numerics::control_chart::{Chart, self_starting};
+use ieap_numerics::control_chart::{self, self_starting};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, median};
 
 /// A number over an axis that grows with use.
@@ -46,11 +46,9 @@ pub struct Change {
     pub p: f64,
 }
 
-/// A control chart of the series.
+/// The control chart of the series, a weighted average.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Charted {
-    /// Which.
-    pub chart: Chart,
     /// Alarm limit of the statistic.
     pub limit: f64,
     /// Statistic, with the reading that each belongs to.
@@ -85,8 +83,8 @@ pub struct Study {
     pub start: f64,
     /// A step beside the trend, where both are told.
     pub change: Option<Change>,
-    /// Control charts.
-    pub charts: Vec<Charted>,
+    /// Control chart.
+    pub chart: Charted,
 }
 
 impl Study {
@@ -96,24 +94,13 @@ impl Study {
     }
 }
 
-/// Alarm limits of the charts, in the order of [`Chart::ALL`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits([f64; 3]);
-
-impl Limits {
-    /// Limits with which `readings` pass between false alarms of a chart on average.
-    pub fn for_false_alarms(readings: f64) -> Limits {
-        Limits(Chart::ALL.map(|chart| chart.limit(readings)))
-    }
-}
-
 impl Series {
-    /// Finds jumps, trend, change and alarms beyond the `limits` of the charts.
-    pub fn study(&self, limits: Limits, seed: u64) -> Study {
+    /// Finds jumps, trend, change and alarms beyond the `limit` of the chart ([`control_chart::limit`]).
+    pub fn study(&self, limit: f64, seed: u64) -> Study {
         let steps = self.steps();
         let segment = self.segments(&steps);
         let mut study = Study {
-            charts: self.charts(&segment, limits),
+            chart: self.chart(&segment, limit),
             steps,
             p_trend: None,
             trends: Vec::new(),
@@ -183,7 +170,7 @@ impl Series {
             .collect()
     }
 
-    fn charts(&self, segment: &[usize], limits: Limits) -> Vec<Charted> {
+    fn chart(&self, segment: &[usize], limit: f64) -> Charted {
         // A chart starts anew after a jump: what is before says nothing of what is after.
         let mut numbers: Vec<(usize, f64)> = Vec::new();
         let last = segment.last().copied().unwrap_or(0);
@@ -193,27 +180,15 @@ impl Series {
             numbers.extend(places.iter().skip(2).copied().zip(self_starting(&own)));
         }
         let plain: Vec<f64> = numbers.iter().map(|(_, number)| *number).collect();
-        Chart::ALL
-            .into_iter()
-            .zip(limits.0)
-            .map(|(chart, limit)| {
-                let statistic: Vec<(usize, f64)> = numbers
-                    .iter()
-                    .map(|(place, _)| *place)
-                    .zip(chart.statistic(&plain))
-                    .collect();
-                let first_alarm = statistic
-                    .iter()
-                    .find(|(_, x)| x.abs() > limit)
-                    .map(|(place, _)| *place);
-                Charted {
-                    chart,
-                    limit,
-                    statistic,
-                    first_alarm,
-                }
-            })
-            .collect()
+        let places = numbers.iter().map(|(place, _)| *place);
+        let statistic: Vec<(usize, f64)> = places.zip(control_chart::statistic(&plain)).collect();
+        let beyond = statistic.iter().find(|(_, x)| x.abs() > limit);
+        let first_alarm = beyond.map(|(place, _)| *place);
+        Charted {
+            limit,
+            statistic,
+            first_alarm,
+        }
     }
 
     /// When the trend reaches `limit` (on the series' scale): only where a trend is shown, and no farther beyond the
@@ -306,16 +281,15 @@ mod tests {
         }
     }
 
-    fn limits() -> Limits {
-        static LIMITS: std::sync::OnceLock<Limits> = std::sync::OnceLock::new();
-        *LIMITS.get_or_init(|| Limits::for_false_alarms(500.0))
+    fn limit() -> f64 {
+        control_chart::limit(500.0)
     }
 
     #[test]
     fn a_trend_is_asked_for_from_five_readings_on() {
         let asked = |n: usize| {
             series(n, 0.01, 5, |x| 0.1 * x)
-                .study(limits(), 1)
+                .study(limit(), 1)
                 .p_trend
                 .is_some()
         };
@@ -325,18 +299,18 @@ mod tests {
     #[test]
     fn a_jump_is_no_degradation() {
         let jumped = series(60, 0.02, 4, |x| if x > 30.0 { -0.8 } else { 0.0 });
-        let study = jumped.study(limits(), 1);
+        let study = jumped.study(limit(), 1);
         assert_eq!(study.steps.len(), 1, "{:?}", study.steps);
         assert_eq!(study.steps[0].at, 30);
         assert!((study.steps[0].size + 0.8).abs() < 0.05);
         assert!(study.p_trend.unwrap() > 0.05, "{:?}", study.p_trend);
-        assert!(study.charts.iter().all(|chart| chart.first_alarm.is_none()));
+        assert_eq!(study.chart.first_alarm, None);
     }
 
     #[test]
     fn a_fade_is_told_with_its_law_and_its_time_to_a_limit() {
         let fading = series(40, 0.02, 2, |x| (1.0 - 0.01 * (x - 1.0)).ln());
-        let study = fading.study(limits(), 1);
+        let study = fading.study(limit(), 1);
         assert!(study.p_trend.unwrap() < 1e-3 && study.steps.is_empty());
         let size = study.trends[0].size;
         let truth = (1.0_f64 - 0.39).ln();
@@ -344,7 +318,7 @@ mod tests {
             size.low_95.unwrap() <= truth && truth <= size.high_95.unwrap(),
             "{size:?}"
         );
-        assert!(study.charts.iter().any(|chart| chart.first_alarm.is_some()));
+        assert!(study.chart.first_alarm.is_some());
         // 50 % is reached at 51, within what may be followed; 10 % is not.
         let Reaches::At(at) = fading.reaches(&study, 0.5_f64.ln(), true) else {
             panic!("{:?}", fading.reaches(&study, 0.5_f64.ln(), true));
@@ -365,7 +339,7 @@ mod tests {
         let mut shown = 0;
         for seed in 0..40 {
             let steady = series(30, 0.1, 100 + seed, |_| 0.0);
-            let study = steady.study(limits(), seed);
+            let study = steady.study(limit(), seed);
             shown += usize::from(study.p_trend.unwrap() <= 0.05);
             assert!(study.steps.is_empty());
             let reached = steady.reaches(&study, -2.0, true);

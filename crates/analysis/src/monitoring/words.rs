@@ -1,7 +1,7 @@
 //! What monitoring found, in sentences.
 
 use super::Watched;
-use super::series::{Charted, Reaches};
+use super::series::Reaches;
 use crate::false_discovery::CLAIMED_BELOW;
 use crate::laws::covariate::Covariate;
 use crate::laws::fitted::{Fitted, Interval};
@@ -148,7 +148,7 @@ fn jumps(watched: &Watched) -> String {
             .map(|step| step.size)
             .max_by(|a, b| a.abs().total_cmp(&b.abs()));
         return format!(
-            " {} jumps at {} {}, at most {}: that is left out of the trend and of the charts.",
+            " {} jumps at {} {}, at most {}: that is left out of the trend and of the chart.",
             subject(watched),
             watched.axis.label(),
             in_a_row(&places),
@@ -162,7 +162,7 @@ fn jumps(watched: &Watched) -> String {
             "from one run to the next"
         };
         format!(
-            " {} jumps {} at {} {}, {why}: that is left out of the trend and of the charts.",
+            " {} jumps {} at {} {}, {why}: that is left out of the trend and of the chart.",
             subject(watched),
             by(step.size, watched.series.is_log),
             watched.axis.label(),
@@ -190,9 +190,9 @@ pub fn steps(watched: &Watched) -> Vec<StepText> {
         at: watched.series.x[step.at],
         size: by(step.size, is_log),
         what: if step.is_stated {
-            "the instrument or its calibration changed; left out of the trend and of the charts"
+            "the instrument or its calibration changed; left out of the trend and of the chart"
         } else {
-            "jump from one run to the next; left out of the trend and of the charts"
+            "jump from one run to the next; left out of the trend and of the chart"
         }
         .to_owned(),
     });
@@ -316,16 +316,11 @@ fn dated(watched: &Watched, at: Interval) -> Option<String> {
     Some(format!(", about {}{ends}{pace}", date(at.value)?))
 }
 
-/// A change that charts of one or more parameters of a sample show.
-pub(super) fn charts_alarm(shown: &[(&Watched, Vec<&Charted>)], false_alarm: f64) -> String {
-    let symbols: Vec<&str> = shown
-        .iter()
-        .map(|(watched, _)| symbol(&watched.parameter))
-        .collect();
-    let of_parameter = |(watched, charts): &(&Watched, Vec<&Charted>)| {
-        let charts: Vec<String> = charts.iter().map(|charted| chart_words(charted)).collect();
-        let charts: Vec<&str> = charts.iter().map(String::as_str).collect();
-        let by = format!("by the {}", in_a_row(&charts));
+/// A change that the charts of one or more parameters of a sample show.
+pub(super) fn charts_alarm(shown: &[&Watched], false_alarm: f64) -> String {
+    let symbols: Vec<&str> = shown.iter().map(|watched| symbol(&watched.parameter)).collect();
+    let of_parameter = |watched: &&Watched| {
+        let by = format!("by the {}", chart_words(watched));
         match shown.len() {
             1 => by,
             _ => format!("{} {by}", symbol(&watched.parameter)),
@@ -335,24 +330,20 @@ pub(super) fn charts_alarm(shown: &[(&Watched, Vec<&Charted>)], false_alarm: f64
     format!(
         "{} of {} left control in the reference condition: {} (all charts of a sample together give a false alarm every {false_alarm:.0} reference runs on average).",
         in_a_row(&symbols),
-        shown.first().map_or("", |(watched, _)| watched.sample.as_str()),
+        shown.first().map_or("", |watched| watched.sample.as_str()),
         parts.join("; "),
     )
 }
 
-/// `CUSUM chart (5.2 beyond 4.8)`.
-fn chart_words(charted: &Charted) -> String {
-    let first = charted.first_alarm.unwrap_or(0);
-    let at = charted.statistic.iter().find(|(place, _)| *place == first);
+/// `EWMA chart (3.9 beyond 3.6)`.
+fn chart_words(watched: &Watched) -> String {
+    let chart = &watched.study.chart;
+    let first = chart.first_alarm.unwrap_or(0);
+    let at = chart.statistic.iter().find(|(place, _)| *place == first);
     format!(
-        "{} chart ({} beyond {})",
-        match charted.chart.key() {
-            "shewhart" => "Shewhart",
-            "ewma" => "EWMA",
-            _ => "CUSUM",
-        },
+        "EWMA chart ({} beyond {})",
         short(at.map_or(0.0, |(_, x)| *x)),
-        short(charted.limit),
+        short(chart.limit),
     )
 }
 
@@ -370,7 +361,7 @@ pub(super) fn jumps_alarm(jumped: &[(&Watched, &super::series::Step)]) -> String
         .collect();
     let each: Vec<&str> = each.iter().map(String::as_str).collect();
     format!(
-        "{} from one run to the next, and no change of the instrument is stated: the charts begin anew after it.",
+        "{} from one run to the next, and no change of the instrument is stated: the chart begins anew after it.",
         in_a_row(&each)
     )
 }

@@ -2,7 +2,8 @@
 
 use super::{DAY_S, ProbeReading, ProbeSeries};
 use crate::laws::shape::Law;
-use crate::monitoring::series::{Limits, Series, Study};
+use crate::monitoring::series::{Series, Study};
+use ieap_numerics::control_chart;
 
 /// Readings between false alarms of a control chart; charts are not shown here.
 const FALSE_ALARM_READINGS: f64 = 500.0;
@@ -43,7 +44,7 @@ pub fn course(series: ProbeSeries) -> Course {
         is_log: true,
         breaks: Vec::new(),
     };
-    let study = over_days.study(Limits::for_false_alarms(FALSE_ALARM_READINGS), 1);
+    let study = over_days.study(control_chart::limit(FALSE_ALARM_READINGS), 1);
     let cracks = cracks(&over_days, &study);
     Course {
         series,

@@ -9,7 +9,6 @@ use crate::circuit::EquivalentCircuit;
 use crate::classical::ClassicalModel;
 use crate::lumped::{Branch, LumpedModel};
 use crate::registry::fit_models;
-use crate::rivals::{TimeDependentModulus, TwoWayTransport};
 
 const AREA_CM2: f64 = 0.1;
 
@@ -134,24 +133,18 @@ fn a_changing_modulus_divides_the_moment() {
     );
     let found = closed("yagasaki-tamagawa", &drive, &[13.88], &[a, b, rate]);
     assert_alike(&found, &expected, 1e-8);
-    let modulus = TimeDependentModulus::new(70.0, 70.0 * a, 70.0 * b, rate).unwrap();
-    let other = modulus.curvature_per_cm(&circuit(), 13.88, 2.0, AREA_CM2, &times());
-    assert_alike(&found, &other, 1e-12);
     let law = rival_law("yagasaki-tamagawa").unwrap();
     assert!(law.refuses(&drive).is_none() && law.refuses(&pulses()).is_some());
 }
 
 #[test]
-fn two_way_transport_is_the_closed_form_of_its_own() {
-    let transport = TwoWayTransport {
-        circuit: circuit(),
-        forward_coupling_per_c_cm: 13.88,
-        equilibrium_coupling_per_c_cm: 3.0,
-        transport_time_constant_s: 400.0,
-    };
-    let expected = transport.curvature_per_cm(&pulses(), AREA_CM2, &times());
-    let found = closed("bao-two-way", &pulses(), &[13.88, 3.0], &[1.0 / 400.0]);
-    assert_alike(&found, &expected, 1e-12);
+fn two_way_transport_without_equilibrium_bending_is_the_model_of_the_thesis() {
+    let bao = |k2: f64| closed("bao-two-way", &pulses(), &[13.88, k2], &[1.0 / 400.0]);
+    let thesis = closed("lumped-2", &pulses(), &[13.88], &[1.0 / 400.0]);
+    assert_alike(&bao(0.0), &thesis, 1e-14);
+    // With K2 = K1 nothing relaxes.
+    let stays = closed("lumped-2", &pulses(), &[13.88], &[0.0]);
+    assert_alike(&bao(13.88), &stays, 1e-12);
 }
 
 /// A circuit that charges at once puts on a moment that is then held: the curvature is the solid's creep.

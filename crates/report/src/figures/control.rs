@@ -1,11 +1,11 @@
-//! Control charts of a series, one above the other: the statistic with its centre, its limits, and what lies beyond them.
+//! The control chart of a series: the statistic with its centre, its limits, and what lies beyond them.
 
 use plotters::element::Circle;
 use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::axis::{Axis, Scale, Tick};
-use super::canvas::{Area, Ink, TENTHS, svg};
+use super::canvas::{Area, Ink, svg};
 use super::group::{grouped, readings, series};
 use super::law::line;
 use super::panel::{Margins, TICK_SIZE, label, panel, pixels, text_style};
@@ -14,9 +14,9 @@ use ieap_domain::number::fixed;
 
 /// Width, px: that of the figure of the life above it.
 const WIDTH: u32 = 400;
-/// Height of one chart, px.
+/// Height of the chart without its axis, px.
 const CHART_HEIGHT: u32 = 78;
-/// Room for the axis under the lowest, px.
+/// Room for the axis under it, px.
 const AXIS_HEIGHT: u32 = 40;
 /// Room beyond the limit where nothing lies there, as a share of the limit.
 const BEYOND: f64 = 1.25;
@@ -24,7 +24,7 @@ const BEYOND: f64 = 1.25;
 /// One chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControlChart<'a> {
-    /// `CUSUM`.
+    /// `EWMA`.
     pub name: &'a str,
     /// Place on the axis and statistic of each reading.
     pub points: Vec<(f64, f64)>,
@@ -34,46 +34,32 @@ pub struct ControlChart<'a> {
     pub first_beyond: String,
 }
 
-/// Draws `charts` over the common axis `x`. None where none has two readings.
+/// Draws `chart` over the axis `x`. None where it has no two readings.
 ///
 /// # Errors
 /// The message of the drawing library.
-pub fn control_charts(
-    charts: &[ControlChart],
+pub fn control_chart(
+    chart: &ControlChart,
     x: &Axis,
     title: &str,
     desc: &str,
 ) -> Result<Option<String>, String> {
-    let drawn: Vec<&ControlChart> = charts.iter().filter(|chart| chart.points.len() > 1).collect();
-    let Some(last) = drawn.len().checked_sub(1) else {
+    if chart.points.len() < 2 {
         return Ok(None);
-    };
-    let height = drawn.len() as u32 * CHART_HEIGHT + AXIS_HEIGHT;
-    let svg = svg((WIDTH, height), title, desc, |area| {
-        let mut rest = area.clone();
-        for (place, chart) in drawn.iter().enumerate() {
-            let (own, below) = if place == last {
-                (rest.clone(), rest)
-            } else {
-                rest.split_vertically(CHART_HEIGHT as i32 * TENTHS)
-            };
-            draw(&own, chart, x, place == last)?;
-            rest = below;
-        }
-        Ok(())
-    })?;
-    Ok(Some(svg))
+    }
+    let size = (WIDTH, CHART_HEIGHT + AXIS_HEIGHT);
+    svg(size, title, desc, |area| draw(area, chart, x)).map(Some)
 }
 
-fn draw(area: &Area, of: &ControlChart, x: &Axis, x_labels: bool) -> Result<(), String> {
+fn draw(area: &Area, of: &ControlChart, x: &Axis) -> Result<(), String> {
     let margins = Margins {
         left: 66,
         right: 14,
         top: 6,
-        bottom: if x_labels { AXIS_HEIGHT } else { 4 },
+        bottom: AXIS_HEIGHT,
     };
     let y = vertical(of);
-    let mut chart = panel(area, margins, x, &y, x_labels)?;
+    let mut chart = panel(area, margins, x, &y, true)?;
     series(&mut chart, "", |chart| {
         for limit in [-of.limit, of.limit] {
             line(chart, vec![(x.low, limit), (x.high, limit)], Ink::Vermillion, 10)?;
@@ -137,7 +123,7 @@ mod tests {
 
     fn chart(statistic: &[f64]) -> ControlChart<'static> {
         ControlChart {
-            name: "CUSUM",
+            name: "EWMA",
             points: statistic
                 .iter()
                 .enumerate()
@@ -151,11 +137,7 @@ mod tests {
     #[test]
     fn what_lies_beyond_the_limit_is_marked_and_dated() {
         let x = Axis::linear(0.0, 5.0, "Cycle", "", 5);
-        let drawn = |statistic: &[f64]| {
-            control_charts(&[chart(statistic)], &x, "t", "d")
-                .unwrap()
-                .unwrap()
-        };
+        let drawn = |statistic: &[f64]| control_chart(&chart(statistic), &x, "t", "d").unwrap().unwrap();
         let alarm = drawn(&[0.0, 1.0, 3.0, 5.2, 6.0]);
         assert!(alarm.contains("12 Mar 2026") && alarm.contains("4.8"), "{alarm}");
         assert_eq!(alarm.matches("dot-k-2-0").count(), 1, "{alarm}");
@@ -164,6 +146,6 @@ mod tests {
             !quiet.contains("12 Mar 2026") && !quiet.contains("dot-k-2-0"),
             "{quiet}"
         );
-        assert_eq!(control_charts(&[chart(&[0.0])], &x, "t", "d").unwrap(), None);
+        assert_eq!(control_chart(&chart(&[0.0]), &x, "t", "d").unwrap(), None);
     }
 }

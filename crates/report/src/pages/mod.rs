@@ -8,7 +8,7 @@ mod answers;
 pub mod climate;
 pub mod comparison;
 mod contrasts;
-mod control_charts;
+mod control_chart;
 pub mod coverage;
 pub mod dma;
 mod dma_humidity;

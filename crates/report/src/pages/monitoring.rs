@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::Content;
-use super::control_charts::{ChartRow, chart_rows, draw_charts};
+use super::control_chart::{ChartNumbers, chart_numbers, draw_chart};
 use super::electrodes::{Electrodes, electrodes};
 use super::forecasts::{Forecast, forecasts, moment};
 use super::wording::{RunLink, readable};
@@ -73,11 +73,11 @@ struct Panel {
     /// Runs set aside that lie beyond the axes.
     #[serde(skip_serializing_if = "String::is_empty")]
     beyond: String,
-    /// Id of the figure of the control charts.
+    /// Id of the figure of the control chart.
     control: Option<String>,
-    /// Whether a chart signals.
+    /// Whether it signals.
     is_alarm: bool,
-    charts: Vec<ChartRow>,
+    chart: ChartNumbers,
     axes: Vec<String>,
 }
 
@@ -117,7 +117,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             }
             None => (None, String::new()),
         };
-        let control = draw_charts(site, (number, watched), &life_axis(watched), &mut figures)?;
+        let control = draw_chart(site, (number, watched), &life_axis(watched), &mut figures)?;
         if samples.last().is_none_or(|last| last.sample != watched.sample) {
             samples.push(SampleSection {
                 sample: watched.sample.clone(),
@@ -224,20 +224,14 @@ fn in_doubt(site: &Site) -> Option<String> {
 fn charts_text(site: &Site) -> String {
     let monitoring = &site.input.monitoring;
     format!(
-        "Control charts: centre at 0 and limits in standard deviations; what lies beyond a limit is marked, the first \
+        "Control charts (EWMA): centre at 0 and limits in standard deviations; what lies beyond a limit is marked, the first \
          such run with its date. All {} of a sample together give a false alarm every {} reference runs on average (from the \
-         third run on) or more rarely. A shift by one standard deviation is seen after {} \
-         (Shewhart), {} (EWMA) or {} runs (CUSUM) on average, later while few runs are known.",
+         third run on) or more rarely. A shift by one standard deviation is seen after {} runs on average, \
+         later while few runs are known.",
         counted(monitoring.charts_of_a_sample, "chart"),
         significant(monitoring.false_alarm_runs, 3),
-        run_length(monitoring, 0),
-        run_length(monitoring, 1),
-        run_length(monitoring, 2),
+        significant(monitoring.shifted_run_length(), 2),
     )
-}
-
-fn run_length(monitoring: &ieap_analysis::monitoring::Monitoring, chart: usize) -> String {
-    significant(monitoring.shifted_run_lengths()[chart], 2)
 }
 
 /// Condemned runs of the sample in the reference condition, where they would stand in a chart.
@@ -288,12 +282,8 @@ fn panel(
         figure,
         beyond,
         control,
-        is_alarm: watched
-            .study
-            .charts
-            .iter()
-            .any(|charted| charted.first_alarm.is_some()),
-        charts: chart_rows(site, watched),
+        is_alarm: watched.study.chart.first_alarm.is_some(),
+        chart: chart_numbers(site, watched),
         axes: axes.collect(),
     }
 }

@@ -2,7 +2,7 @@
 //! is of, a share of them is fitted again, and what holds is stored as if it had been computed here.
 
 mod again;
-mod part;
+mod rows;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -20,7 +20,6 @@ use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FitStamp;
 use crate::system::fs;
 use again::Again;
-use part::{Part, has_ending};
 
 /// Rows stored in one step.
 const BATCH: usize = 256;
@@ -28,7 +27,7 @@ const BATCH: usize = 256;
 /// The verb `import-fits`.
 #[derive(Debug, Clone)]
 pub struct ImportFits {
-    /// Files (`.jsonl`, `.parquet`), or folders of them.
+    /// Parquet files, or folders of them.
     pub files: Vec<PathBuf>,
 }
 
@@ -49,24 +48,6 @@ pub struct ImportSummary {
     pub fitted_again: usize,
     /// Rows that were not taken, with the reason.
     pub refused: Vec<RefusedRow>,
-    /// Files that lack rows, or may, with the reason.
-    pub damaged_files: Vec<DamagedFile>,
-}
-
-impl ImportSummary {
-    /// Whether everything was taken.
-    pub fn is_whole(&self) -> bool {
-        self.refused.is_empty() && self.damaged_files.is_empty()
-    }
-}
-
-/// A file that is not as it was written.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
-pub struct DamagedFile {
-    /// The file.
-    pub file: PathBuf,
-    /// What is wrong with it.
-    pub reason: String,
 }
 
 impl ImportSummary {
@@ -114,16 +95,11 @@ impl ImportFits {
         let mut summary = ImportSummary::default();
         let (mut known, mut again) = (Known::default(), Again::default());
         for file in self.listed()? {
-            let part = Part::read(&file)?;
+            let there = rows::read(&file)?;
             summary.files += 1;
-            summary.rows += part.rows.len();
-            let damage = part.damage.into_iter();
-            summary.damaged_files.extend(damage.map(|reason| DamagedFile {
-                file: file.clone(),
-                reason,
-            }));
+            summary.rows += there.len();
             let mut rows = Vec::new();
-            for (row, read) in (1..).zip(part.rows) {
+            for (row, read) in (1..).zip(there) {
                 let file = file.as_path();
                 match read {
                     Ok(result) => rows.push(Row { file, row, result }),
@@ -156,8 +132,7 @@ impl ImportFits {
             for entry in fs::read_dir(given).map_err(failed)? {
                 let path = entry.map_err(failed)?.path();
                 inside.extend(
-                    Some(path)
-                        .filter(|path| ["jsonl", "parquet"].iter().any(|ending| has_ending(path, ending))),
+                    Some(path).filter(|path| path.extension().is_some_and(|found| found == "parquet")),
                 );
             }
             inside.sort();
@@ -165,7 +140,7 @@ impl ImportFits {
                 return Err(PipelineError::BadArgument {
                     what: "FILES",
                     found: format!("{} without results", given.display()),
-                    needed: "a folder with files that end in .jsonl or .parquet".to_owned(),
+                    needed: "a folder with files that end in .parquet".to_owned(),
                 });
             }
             listed.extend(inside);

@@ -122,7 +122,7 @@ pub fn missed(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     let issue = |lost: String| {
         Issue::error("words-may-be-lost", lost).mend(
             "look which run, tag, dropped run or wish how to fit is missing, put it back or say it again, then \
-             `ieap answer --why ...`",
+             `ieap run --answer ...`",
         )
     };
     Ok(context.store.words_missed()?.into_iter().map(issue).collect())
