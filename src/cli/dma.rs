@@ -8,7 +8,8 @@ use super::global::Global;
 use super::ingest;
 use super::output::Output;
 use crate::domain::number::estimates::in_words;
-use crate::domain::seconds::seconds;
+use crate::domain::number::fixed;
+use crate::domain::number::seconds::seconds;
 use crate::pipeline::documents::dma::{LogEntry, dma_document};
 use crate::pipeline::{AnalyseModulus, Ingest};
 
@@ -63,7 +64,7 @@ fn print(log: &LogEntry, output: &Output) {
     for entry in &log.hysteresis {
         let at = entry
             .relative_humidity_percent
-            .map_or(String::new(), |percent| format!(" at {percent:.0} % RH"));
+            .map_or(String::new(), |percent| format!(" at {} % RH", fixed(percent, 0)));
         let name = format!("hysteresis_percent{at}");
         output.result(&format!("  {name:<36} {}", in_words(&entry.hysteresis_percent)));
     }

@@ -1,6 +1,7 @@
 //! The verb `explain`: the runs, files, fits and versions behind one cell of a table.
 
 use crate::domain::Estimate;
+use crate::domain::number::significant;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -167,12 +168,12 @@ fn how(cell: &Cell) -> String {
         Content::Measured(measured) => match &measured.pooled {
             None => "the estimate of one run".to_owned(),
             Some(mean) => {
-                let spread = |sd: Option<f64>| sd.map_or("not known".to_owned(), |sd| format!("{sd:.2e}"));
+                let spread = |sd: Option<f64>| sd.map_or("not known".to_owned(), |sd| significant(sd, 3));
                 format!(
-                    "random-effects mean of {} runs of {} samples; standard error from the fits alone {:.2e}, standard deviation between runs {}, between samples {}",
+                    "random-effects mean of {} runs of {} samples; standard error from the fits alone {}, standard deviation between runs {}, between samples {}",
                     mean.runs,
                     mean.samples,
-                    mean.fit_standard_error,
+                    significant(mean.fit_standard_error, 3),
                     spread(mean.between_runs),
                     spread(mean.between_samples)
                 )
