@@ -1,5 +1,6 @@
 //! `ieap backup` and `ieap restore`.
 
+use crate::domain::number::fixed;
 use crate::domain::words::counted;
 use std::path::PathBuf;
 
@@ -60,13 +61,13 @@ pub fn run(args: &BackupArgs, _global: &Global, output: &Output) -> Result<u8, C
         ));
     }
     output.result(&format!(
-        "{}: backup of {} ({}, database of {:.1} MB); {} copied now ({:.1} MB).",
+        "{}: backup of {} ({}, database of {} MB); {} copied now ({} MB).",
         done.folder.display(),
         done.made_at,
         counted(done.files, "file"),
-        megabytes(done.database_bytes),
+        fixed(megabytes(done.database_bytes), 1),
         counted(done.copied, "file"),
-        megabytes(done.copied_bytes),
+        fixed(megabytes(done.copied_bytes), 1)
     ));
     if !done.earlier.is_empty() {
         let earlier = counted(done.earlier.len(), "earlier backup");

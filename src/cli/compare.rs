@@ -1,5 +1,6 @@
 //! `ieap compare`.
 
+use crate::domain::number::{fixed, significant, with_sign};
 use crate::domain::words::counted;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -110,17 +111,17 @@ fn print(condition: &ComparedCondition, output: &Output) {
 fn line(model: &ComparedModel) -> String {
     let noise = |number: Option<f64>| match number {
         None => "–".to_owned(),
-        Some(number) if number < 1e5 => format!("{number:.2}"),
-        Some(number) => format!("{number:.0e}"),
+        Some(number) if number < 1e5 => fixed(number, 2),
+        Some(number) => significant(number, 1),
     };
-    let whole = |number: Option<f64>| number.map_or("–".to_owned(), |number| format!("{number:.0}"));
+    let whole = |number: Option<f64>| number.map_or("–".to_owned(), |number| fixed(number, 0));
     let bic = match model.bic_beyond_best {
         Some(0.0) => "best".to_owned(),
-        Some(bic) => format!("+{bic:.0}"),
+        Some(bic) => with_sign(bic, 0),
         None => "–".to_owned(),
     };
     format!(
-        "    {:<22} {:>4} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8} {:>7.2}",
+        "    {:<22} {:>4} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8} {:>7}",
         model.model,
         model.runs,
         whole(model.parameters),
@@ -129,6 +130,6 @@ fn line(model: &ComparedModel) -> String {
         noise(model.later),
         noise(model.other_voltages),
         bic,
-        model.seconds
+        fixed(model.seconds, 2)
     )
 }

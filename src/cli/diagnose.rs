@@ -1,5 +1,7 @@
 //! `ieap diagnose`.
 
+use crate::domain::number::probabilities::equation;
+use crate::domain::number::{fixed, significant};
 use crate::domain::words::counted;
 use clap::Args;
 
@@ -187,14 +189,18 @@ fn print(group: &GroupEntry, output: &Output) {
         .for_each(|effect| print_effect(effect, output));
     if let Some(node) = &group.node {
         let percent = (100.0 * node.probability).min(99.9);
-        output.result(&format!("    tells: {} ({percent:.1} %)", node.path.join(" > ")));
+        output.result(&format!(
+            "    tells: {} ({} %)",
+            node.path.join(" > "),
+            fixed(percent, 1)
+        ));
     }
     if group.set.len() > 1 && group.verdict == Verdict::Set {
         output.result(&format!("    may be: {}", group.set.join(", ")));
     }
     if let Some(gain) = &group.gain {
         output.result(&format!(
-            "    {}on held-out {} {}{}; what is left falls from {:.1} to {:.1} times the noise",
+            "    {}on held-out {} {}{}; what is left falls from {} to {} times the noise",
             match group.verdict {
                 Verdict::Unknown => "what was tried and not accepted: ",
                 _ => "",
@@ -202,8 +208,8 @@ fn print(group: &GroupEntry, output: &Output) {
             gain.parts_word(group.runs.len()),
             gained(&gain.proof),
             later_words(gain),
-            gain.residual_rms_sigma_before,
-            gain.residual_rms_sigma_after
+            fixed(gain.residual_rms_sigma_before, 1),
+            fixed(gain.residual_rms_sigma_after, 1)
         ));
     }
     if let Some(next) = &group.next_run {
@@ -246,8 +252,11 @@ fn print_across(document: &DiagnosisDocument, output: &Output) {
     }
     for found in &document.campaign {
         output.result(&format!(
-            "    {}: {} (p = {:.2e}, q = {:.3})",
-            found.effect, found.sentence, found.p, found.q
+            "    {}: {} (p = {}, {})",
+            found.effect,
+            found.sentence,
+            significant(found.p, 3),
+            equation("q", found.q)
         ));
     }
     if !document.campaign_next_runs.is_empty() {
@@ -266,20 +275,13 @@ fn print_effect(effect: &EffectEntry, output: &Output) {
         .variant
         .as_ref()
         .map_or_else(String::new, |variant| format!(" ({variant})"));
-    let chance = |name: &str, p: f64| {
-        if p < 1e-3 {
-            format!("{name} < 0.001")
-        } else {
-            format!("{name} = {p:.3}")
-        }
-    };
     let q = effect
         .q
-        .map_or_else(String::new, |q| format!(", {}", chance("q", q)));
+        .map_or_else(String::new, |q| format!(", {}", equation("q", q)));
     output.result(&format!(
         "    {}{variant}  {}{q}",
         effect.effect,
-        chance("p", effect.p)
+        equation("p", effect.p)
     ));
     let about = effects::effect(&effect.effect).map(|effect| effect.about());
     for (key, parameter) in &effect.parameters {

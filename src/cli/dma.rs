@@ -7,9 +7,7 @@ use super::exit::{self, CliError};
 use super::global::Global;
 use super::ingest;
 use super::output::Output;
-use crate::domain::number::estimates::in_words;
-use crate::domain::seconds::seconds;
-use crate::pipeline::documents::dma::{LogEntry, dma_document};
+use crate::pipeline::documents::dma::{SCHEMA, dma};
 use crate::pipeline::{AnalyseModulus, Ingest};
 
 /// Find the humidity steps in the modulus logs under dma/ and what the modulus does at each, after taking in new files
@@ -37,34 +35,7 @@ pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         .failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
-    let document = dma_document(&context)?;
-    document.logs.iter().for_each(|log| print(log, output));
-    output.document(&document)?;
+    let (found, blocks) = dma(&context)?;
+    output.show(SCHEMA, &found, &blocks)?;
     Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
-}
-
-fn print(log: &LogEntry, output: &Output) {
-    let sample = log.sample.as_deref().unwrap_or("no sample");
-    let steps = match (&log.modulus_source, log.steps.len()) {
-        (None, _) => format!("not analysed ({})", log.state.replace('_', " ")),
-        (Some(_), 1) => "1 humidity step".to_owned(),
-        (Some(_), count) => format!("{count} humidity steps"),
-    };
-    output.result(&format!("{}  {sample}  {steps}", log.log));
-    for step in &log.steps {
-        output.result(&format!("  at {} s:", seconds(step.start_s)));
-        for (key, entry) in &step.estimates {
-            output.result(&format!("    {key:<34} {}", in_words(entry)));
-        }
-    }
-    if let Some(recovery) = &log.recovery_percent {
-        output.result(&format!("  {:<36} {}", "recovery_percent", in_words(recovery)));
-    }
-    for entry in &log.hysteresis {
-        let at = entry
-            .relative_humidity_percent
-            .map_or(String::new(), |percent| format!(" at {percent:.0} % RH"));
-        let name = format!("hysteresis_percent{at}");
-        output.result(&format!("  {name:<36} {}", in_words(&entry.hysteresis_percent)));
-    }
 }

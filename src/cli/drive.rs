@@ -11,6 +11,7 @@ use super::output::Output;
 use super::predict::words;
 use super::table::write;
 use super::typed;
+use crate::domain::number::fixed;
 use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
 use crate::pipeline::Context;
@@ -83,7 +84,7 @@ pub fn run(args: &DriveArgs, output: &Output) -> Result<u8, CliError> {
 }
 
 fn print(document: &DriveDocument, output: &Output) {
-    let mm = |value: f64| format!("{value:.4} mm");
+    let mm = |value: f64| format!("{} mm", fixed(value, 4));
     output.result(&format!(
         "{} in {}, {} mm by {} mm, {} model, from {}",
         document.sample,
@@ -96,8 +97,10 @@ fn print(document: &DriveDocument, output: &Output) {
     output.result(&match document.reached_after_s {
         None => "The wanted course is not reached within the limits.".to_owned(),
         Some(from) => format!(
-            "Reached to 5 % after {from:.1} s; within 5 % for {:.0} of {:.0} s.",
-            document.near_for_s, document.end_s
+            "Reached to 5 % after {} s; within 5 % for {} of {} s.",
+            fixed(from, 1),
+            fixed(document.near_for_s, 0),
+            fixed(document.end_s, 0)
         ),
     });
     output.result(&format!(
@@ -111,16 +114,17 @@ fn print(document: &DriveDocument, output: &Output) {
         words(&document.leaked_charge_c, 1e3)
     ));
     output.result(&format!(
-        "Voltage: at most {:.3} V either way, set by {}.",
-        document.voltage_limit_v, document.limited_by
+        "Voltage: at most {} V either way, set by {}.",
+        fixed(document.voltage_limit_v, 3),
+        document.limited_by
     ));
     output.result("\n     time   voltage    wanted   reached, mm");
     for row in &document.rows {
         output.result(&format!(
-            "{:>7.1} s {:>7.3} V {:>6.3} mm   {}",
-            row.time_s,
-            row.voltage_v,
-            row.wanted_mm,
+            "{:>7} s {:>7} V {:>6} mm   {}",
+            fixed(row.time_s, 1),
+            fixed(row.voltage_v, 3),
+            fixed(row.wanted_mm, 3),
             words(&row.reached_mm, 1.0)
         ));
     }

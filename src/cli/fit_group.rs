@@ -7,6 +7,7 @@ use super::exit::CliError;
 use super::output::Output;
 use crate::domain::Estimate;
 use crate::domain::number::estimates::{ends, in_words, interval_in_words, spread as in_two_digits};
+use crate::domain::number::{fixed, significant, upper_bound};
 use crate::domain::words::counted;
 use crate::pipeline::documents::groups::{GroupEntry, GroupRunEntry};
 use crate::pipeline::{FitChoice, FitGroups, FitTogether, Sharing};
@@ -86,14 +87,16 @@ pub fn print(group: &GroupEntry, output: &Output) {
     ));
     if let (Some(square), Some(freedom)) = (group.chi_square, group.degrees_of_freedom) {
         output.result(&format!(
-            "    {}, weighted sum of squares {square:.1} for {freedom:.0} degrees of freedom",
-            counted(group.runs.len(), "run")
+            "    {}, weighted sum of squares {} for {} degrees of freedom",
+            counted(group.runs.len(), "run"),
+            fixed(square, 1),
+            fixed(freedom, 0)
         ));
     }
     if let Some(sharing) = &group.sharing {
         output.result(&format!(
-            "    sharing costs {:.1} for {} parameters fewer, chance {}",
-            sharing.chi_square_rise,
+            "    sharing costs {} for {} parameters fewer, chance {}",
+            fixed(sharing.chi_square_rise, 1),
             sharing.parameters_saved,
             chance(sharing.p)
         ));
@@ -110,9 +113,9 @@ pub fn print(group: &GroupEntry, output: &Output) {
         }
         for noise in &run.noise {
             output.result(&format!(
-                "    {:<22} {:.2} x noise",
+                "    {:<22} {} x noise",
                 format!("residual {}", noise.quantity.column()),
-                noise.residual_rms / noise.standard_deviation
+                fixed(noise.residual_rms / noise.standard_deviation, 2)
             ));
         }
     }
@@ -126,9 +129,9 @@ pub fn print(group: &GroupEntry, output: &Output) {
 
 fn chance(p: f64) -> String {
     if p < 1e-9 {
-        "below 1e-9".to_owned()
+        upper_bound(1e-9)
     } else {
-        format!("{p:.2e}")
+        significant(p, 3)
     }
 }
 

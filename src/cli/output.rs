@@ -173,7 +173,8 @@ impl Output {
 
     /// Blocks under a title, each apart from that before it.
     fn blocks(&self, title: &str, blocks: &[Block]) {
-        for (at, block) in blocks.iter().enumerate() {
+        let printed = blocks.iter().filter(|block| !block.is_drawn());
+        for (at, block) in printed.enumerate() {
             let is_large = matches!(block, Block::Part(..) | Block::Table(_));
             if is_large && (at > 0 || !title.is_empty()) {
                 self.result("");
@@ -190,7 +191,6 @@ impl Output {
                 }
                 Block::Issues(issues) => issues.iter().for_each(|issue| self.issue(title, issue)),
                 Block::Runs(word, runs) => self.result(&format!("{word}: {}", runs.join(", "))),
-                // A terminal draws none: the page does.
                 Block::Chart(_) => {}
                 Block::Part(title, blocks) => {
                     self.heading(title);

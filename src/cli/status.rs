@@ -1,5 +1,6 @@
 //! `ieap status`.
 
+use crate::domain::number::fixed;
 use crate::domain::words::counted;
 use clap::Args;
 use schemars::JsonSchema;
@@ -329,12 +330,12 @@ fn climate(status: &Status, output: &Output) {
         .map(|exposure| match &exposure.reason {
             Some(reason) => format!("{}: not known, {reason}", exposure.sample),
             None => format!(
-                "{}: {:.1} h above {} % in {:.1} h that logs cover ({:.1} h not covered)",
+                "{}: {} h above {} % in {} h that logs cover ({} h not covered)",
                 exposure.sample,
-                exposure.above_h,
+                fixed(exposure.above_h, 1),
                 exposure.above_percent,
-                exposure.covered_h,
-                exposure.uncovered_h
+                fixed(exposure.covered_h, 1),
+                fixed(exposure.uncovered_h, 1)
             ),
         })
         .collect();

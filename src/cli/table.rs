@@ -1,5 +1,6 @@
 //! `ieap table`.
 
+use crate::domain::number::fixed;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -163,7 +164,7 @@ fn print_moved(document: &MovedDocument, output: &Output) {
     for cell in &document.cells {
         let sigma = cell
             .sigma
-            .map_or("    –".to_owned(), |sigma| format!("{sigma:5.1} σ"));
+            .map_or("    –".to_owned(), |sigma| format!("{:>5} σ", fixed(sigma, 1)));
         output.result(&format!(
             "{sigma}  {}  {}: {} → {} {}",
             cell.row, cell.column, cell.before, cell.after, cell.unit

@@ -1,5 +1,6 @@
 //! `ieap trace`.
 
+use crate::domain::number::fixed;
 use crate::domain::words::counted;
 use std::path::PathBuf;
 
@@ -112,17 +113,20 @@ pub fn run(args: &TraceArgs, output: &Output) -> Result<u8, CliError> {
 fn print(summary: &TraceSummary, output: &Output) {
     let view = &summary.view;
     output.result(&format!(
-        "{} of {} traced: {} strip, clamp at the {}, {:.2} mm long, {:.3} mm thick",
+        "{} of {} traced: {} strip, clamp at the {}, {} mm long, {} mm thick",
         summary.traced,
         counted(summary.frames, "frame"),
         view.strip,
         view.clamp,
-        view.length_mm,
-        view.thickness_mm
+        fixed(view.length_mm, 2),
+        fixed(view.thickness_mm, 3)
     ));
     output.result(&format!(
-        "  scale {:.3} px/mm ({}); bending counted from {}; edges known to {:.3} px",
-        view.px_per_mm, view.scale_from, view.initial, view.edge_noise_px
+        "  scale {} px/mm ({}); bending counted from {}; edges known to {} px",
+        fixed(view.px_per_mm, 3),
+        view.scale_from,
+        view.initial,
+        fixed(view.edge_noise_px, 3)
     ));
     output.result(&format!("  table: {}", summary.table));
     if let Some(overlays) = &summary.overlays {

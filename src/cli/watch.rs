@@ -1,5 +1,6 @@
 //! `ieap watch`.
 
+use crate::domain::number::significant;
 use std::time::Duration;
 
 use clap::Args;
@@ -72,8 +73,10 @@ fn tell(watched: &Watched, output: &Output) {
             run::print_diagnosed(summary, output);
             for claimed in &summary.claimed {
                 output.message(&format!(
-                    "{}: the simulation is wrong (p = {:.2e}, at or below the level {:.2e} of its turn)",
-                    claimed.run, claimed.p_misfit, claimed.level
+                    "{}: the simulation is wrong (p = {}, at or below the level {} of its turn)",
+                    claimed.run,
+                    significant(claimed.p_misfit, 3),
+                    significant(claimed.level, 3)
                 ));
             }
         }

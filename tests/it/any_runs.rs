@@ -5,7 +5,7 @@ use std::path::Path;
 
 use ieap::domain::Fault;
 use ieap::pipeline::documents::diagnosis::diagnosis_document;
-use ieap::pipeline::documents::dma::dma_document;
+use ieap::pipeline::documents::dma::dma;
 use ieap::pipeline::documents::fits::fits_document;
 use ieap::pipeline::findings::next_runs::{entries, plan, write_sheet};
 use ieap::pipeline::show::explain::explain;
@@ -279,8 +279,7 @@ fn worked_through(folder: &Path) -> Result<Option<Context>, TestCaseError> {
     serde_json::to_string(&document).expect("JSON");
     serde_json::to_string(&fits_document(&context).map_err(|error| failed("fit --json", &error))?)
         .expect("JSON");
-    serde_json::to_string(&dma_document(&context).map_err(|error| failed("dma --json", &error))?)
-        .expect("JSON");
+    serde_json::to_string(&dma(&context).map_err(|error| failed("dma --json", &error))?.0).expect("JSON");
     Ok(Some(context))
 }
 

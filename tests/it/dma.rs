@@ -150,7 +150,7 @@ fn the_page_of_the_thesis_logs() {
     insta::assert_json_snapshot!(content.context);
     // All together, and of each log its course and |E*| over the humidity.
     assert_eq!(content.figures.len(), 7);
-    assert!(content.figures["normalised"].contains("Nafion-117-EMImTFS"));
+    assert!(content.figures["chart-1"].contains("Nafion-117-EMImTFS"));
 }
 
 #[test]

@@ -15,6 +15,7 @@ use super::disk_file::DiskFile;
 use super::one_fit::SharedEstimate;
 use super::parameters::{PARAMETERS, usable};
 use super::parquet_file::{self, About};
+use ieap_domain::number::to_digits;
 use ieap_domain::safe_text::csv_text;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, Parameter, RunRecord};
@@ -146,7 +147,7 @@ pub fn rounded(table: &DataFrame) -> Result<DataFrame, ExportError> {
         } else {
             6
         };
-        let of = |value: f64| format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
+        let of = |value: f64| to_digits(value, digits);
         numbers(column.name(), values.iter().map(|value| value.map(of)))
     };
     frame("rounded", table.columns().iter().map(round).collect())

@@ -1,6 +1,7 @@
 //! What may be claimed where many groups are asked at once: q-values (Benjamini and Hochberg 1995; for answers that
 //! depend on each other in any way Benjamini and Yekutieli 2001).
 
+use ieap_domain::number::probabilities::equation;
 use ieap_domain::{GroupDiagnosis, Verdict};
 
 /// At most this part of what is claimed over a campaign is expected to be false.
@@ -67,15 +68,13 @@ fn take_back(one: &mut GroupDiagnosis, groups: usize) {
     if !wrong || !(too_much(one.q_misfit) || one.effects.iter().any(|effect| too_much(effect.q))) {
         return;
     }
+    let all = one.effects.iter().filter_map(|effect| effect.q);
+    let q = all.chain(one.q_misfit).fold(0.0, f64::max);
     one.verdict = Verdict::Undecided;
     one.sentence = format!(
-        "The simulation may be wrong (p = {:.3}), but among the {groups} groups of this campaign one such result is expected by chance too often (q = {:.2}) to claim it; measure again.",
-        one.p_misfit.unwrap_or(1.0),
-        one.effects
-            .iter()
-            .filter_map(|effect| effect.q)
-            .chain(one.q_misfit)
-            .fold(0.0, f64::max),
+        "The simulation may be wrong ({}), but among the {groups} groups of this campaign one such result is expected by chance too often ({}) to claim it; measure again.",
+        equation("p", one.p_misfit.unwrap_or(1.0)),
+        equation("q", q)
     );
     one.effects.clear();
     one.set.clear();

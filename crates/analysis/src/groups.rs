@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::sequence;
+use ieap_domain::number::digits;
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, RunRecord};
 
@@ -125,7 +126,7 @@ fn by_level(runs: &[RunRecord], name: &str, members: Vec<usize>, issue: Option<&
             0 => format!("{name},{}=unknown", keys::RELATIVE_HUMIDITY_PERCENT),
             count => {
                 let mean = percents.iter().sum::<f64>() / count as f64;
-                format!("{name},{}={mean:.1}", keys::RELATIVE_HUMIDITY_PERCENT)
+                format!("{name},{}={}", keys::RELATIVE_HUMIDITY_PERCENT, digits(mean, 1))
             }
         };
         RunGroup {

@@ -11,6 +11,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::conditions::{HUMIDITY_GAP_PERCENT, VOLTAGE_STEP_V, material, nominal_voltage_v};
 use super::parameters::usable;
+use ieap_domain::number::{fixed, significant};
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, RunRecord};
 
@@ -397,9 +398,9 @@ fn undecided(runs: &[&RunRecord], run: usize, what: Misread, factor: f64, other:
 fn times(what: Misread, factor: f64) -> String {
     let plain = |factor: f64| {
         if factor >= 1e6 {
-            format!("{factor:.0e}")
+            significant(factor, 1)
         } else {
-            format!("{factor:.0}")
+            fixed(factor, 0)
         }
     };
     let said = if factor >= 1.0 {

@@ -1,5 +1,6 @@
 //! Which model describes which material in which environment: comparisons of single runs, summed up.
 
+use ieap_domain::number::{fixed, significant};
 use ieap_domain::tag::keys;
 use ieap_domain::words::counted;
 use ieap_domain::{Campaign, ModelScore, Quantity, ResponseScore, RunComparison, RunRecord};
@@ -115,7 +116,11 @@ fn names(table: &Conditions, index: usize, run: &RunRecord, campaign: &Campaign)
         let around = &table.surroundings[own.surroundings];
         let level = around.humidity.filter(|_| around.humidity_varies);
         let level = level.map_or_else(String::new, |level| {
-            format!(" at {:.0} to {:.0} % RH", level.low_percent, level.high_percent)
+            format!(
+                " at {} to {} % RH",
+                fixed(level.low_percent, 0),
+                fixed(level.high_percent, 0)
+            )
         });
         let surroundings = format!("{}{level}", around.environment);
         return (table.materials[own.material].clone(), surroundings);
@@ -239,11 +244,7 @@ fn sentence(
         Quantity::Curvature => "bending",
         _ => "current",
     };
-    let runs = match runs {
-        1 => "1 run".to_owned(),
-        many => format!("{many} runs"),
-    };
-    let head = format!("{material} in {surroundings} ({runs})");
+    let head = format!("{material} in {surroundings} ({})", counted(runs, "run"));
     let ranked: Vec<&ComparedModel> = models
         .iter()
         .filter(|model| model.bic_beyond_best.is_some())
@@ -317,9 +318,9 @@ fn predicted(
 fn times(number: Option<f64>) -> String {
     match number {
         None => "–".to_owned(),
-        Some(number) if number < 9.95 => format!("{number:.1}"),
-        Some(number) if number < 1e5 => format!("{number:.0}"),
-        Some(number) => format!("{number:.0e}"),
+        Some(number) if number < 9.95 => fixed(number, 1),
+        Some(number) if number < 1e5 => fixed(number, 0),
+        Some(number) => significant(number, 1),
     }
 }
 

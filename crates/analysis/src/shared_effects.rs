@@ -7,6 +7,8 @@ use super::laws::words::{round, short};
 use super::pooling::{Averaging, Pooled, Repeat, pooled};
 use crate::policy::DIFFERS_BELOW;
 use ieap_domain::diagnosis::follows_a_tag;
+use ieap_domain::number::percent;
+use ieap_domain::number::probabilities::equation;
 use ieap_domain::quantiles::CHI_SQUARE_99_OF_ONE;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, EffectFinding, FromOthers, GroupDiagnosis, RunRecord};
@@ -159,10 +161,12 @@ pub fn sentence(effect: &SharedEffect, found: &[GroupDiagnosis]) -> String {
             round(mean.high_95, mean.standard_error)
         );
         text += &match parameter.p_equal {
-            Some(p) if p >= DIFFERS_BELOW => format!(" One {value} stands for all of them (p = {p:.2})."),
+            Some(p) if p >= DIFFERS_BELOW => {
+                format!(" One {value} stands for all of them ({}).", equation("p", p))
+            }
             Some(_) if parameter.is_log => format!(
-                " Samples have a {value} of their own, with a standard deviation of {:.0} % between them.",
-                100.0 * spread / mean.value
+                " Samples have a {value} of their own, with a standard deviation of {} between them.",
+                percent(spread / mean.value, 0)
             ),
             Some(_) => format!(
                 " Samples have a {value} of their own, with a standard deviation of {} between them.",

@@ -35,7 +35,6 @@ mod range;
 pub mod run;
 pub mod safe_text;
 mod samples;
-pub mod seconds;
 pub mod standing;
 pub mod tag;
 #[doc(hidden)]

@@ -9,6 +9,11 @@
 //! then set with a point or zeros, so that nothing is scaled back to a number that may not exist.
 
 pub mod estimates;
+mod machine;
+pub mod probabilities;
+pub mod seconds;
+
+pub use machine::{digits, exact, scientific, to_digits};
 
 /// Values from this power of ten on, or below its negative counterpart, are printed with a power of ten.
 const PLAIN_UP_TO: i32 = 5;
@@ -196,6 +201,18 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     }
     let decimals = decimals.min(MOST_DECIMALS);
     signed(&format!("{value:.decimals$}"))
+}
+
+/// The same with a sign before what is above zero too: `+3`, `−3`, `0`.
+pub fn with_sign(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    let is_above = value > 0.0 && text.contains(|c| matches!(c, '1'..='9'));
+    if is_above { format!("+{text}") } else { text }
+}
+
+/// A share of one as a percentage: 0.123 is `12.3 %` with one decimal.
+pub fn percent(share: f64, decimals: usize) -> String {
+    format!("{} %", fixed(100.0 * share, decimals))
 }
 
 /// Stands for what is no number.

@@ -1,5 +1,6 @@
 //! From intervals of a joint fit to estimates: values, bounds open on one side, or reasons.
 
+use ieap_domain::number::fixed;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::{Drive, Estimate, Level};
 
@@ -35,7 +36,10 @@ fn trade_off(partner: Option<(Feature, f64)>) -> String {
             } else {
                 "both can rise together"
             };
-            format!("; it trades off against {key}: {how} (correlation {correlation:.2})")
+            format!(
+                "; it trades off against {key}: {how} (correlation {})",
+                fixed(correlation, 2)
+            )
         }
         _ => String::new(),
     }
@@ -199,12 +203,12 @@ pub(super) fn choice_in_words(evidence: &Evidence) -> String {
         (Branches::OneOrHidden, _) => "one branch is enough, a second one could hide".to_owned(),
     };
     format!(
-        "{how}: the {} branch lowers the weighted sum of squares by {:.1}; \
-         12 are needed, and BIC asks for {:.1} (of {:.0} effective readings)",
+        "{how}: the {} branch lowers the weighted sum of squares by {}; \
+         12 are needed, and BIC asks for {} (of {} effective readings)",
         ordinal(n),
-        evidence.gain,
-        evidence.penalty,
-        evidence.effective_readings
+        fixed(evidence.gain, 1),
+        fixed(evidence.penalty, 1),
+        fixed(evidence.effective_readings, 0)
     )
 }
 
@@ -218,9 +222,10 @@ pub(super) fn two_step_choice_in_words(electrical: &Electrical) -> Option<String
         format!("{} branches", number(n))
     };
     Some(format!(
-        "{how}: the {} branch lowers the sum of squares by {gain:.1} variances of a long sum of the noise; \
+        "{how}: the {} branch lowers the sum of squares by {} variances of a long sum of the noise; \
          12 are needed",
-        ordinal(n)
+        ordinal(n),
+        fixed(gain, 1)
     ))
 }
 

@@ -12,6 +12,7 @@ mod tests;
 use std::ops::Range;
 use std::sync::Arc;
 
+use ieap_domain::number::to_digits;
 use ieap_domain::{Channel, Drive, Issue, Quantity};
 use ieap_numerics::robust::sd_around;
 use ieap_numerics::sums::peak;
@@ -119,8 +120,7 @@ fn name(quantity: Quantity) -> &'static str {
 
 /// A time to six digits, s.
 fn seconds(time_s: f64) -> String {
-    let rounded = format!("{time_s:.5e}").parse::<f64>();
-    rounded.unwrap_or(time_s).to_string()
+    to_digits(time_s, 6).to_string()
 }
 
 /// Whether any model is fitted to that channel.

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use ieap_domain::number::fixed;
 use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
 use ieap_domain::{Channel, Drive, Fit, Issue, Quantity};
 use ieap_numerics::robust::median_step;
@@ -44,8 +45,11 @@ impl Aligned {
     pub(crate) fn issue(&self) -> Issue {
         let [best, low, high] = self.ahead_s;
         let words = format!(
-            "the bending has a clock of its own, which shows {best:.3} s [{low:.3}, {high:.3}] more than that of the current; its \
-             readings are moved by that, and what is left open of it is in the intervals"
+            "the bending has a clock of its own, which shows {} s [{}, {}] more than that of the current; its \
+             readings are moved by that, and what is left open of it is in the intervals",
+            fixed(best, 3),
+            fixed(low, 3),
+            fixed(high, 3)
         );
         if high >= 0.0 {
             return Issue::note("bending-clock", words);

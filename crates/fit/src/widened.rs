@@ -1,5 +1,6 @@
 //! What is not known of the edges, in the intervals of a fit: how far its parameters go where the edges go.
 
+use ieap_domain::number::fixed;
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Drive, Estimate, Fit, Issue, Parameter};
 
@@ -146,13 +147,15 @@ pub(crate) fn issue(settled: &Settled) -> Issue {
         .map(|by_s| by_s.iter().map(|s| s * s).sum::<f64>().sqrt())
         .fold(0.0, f64::max);
     let message = format!(
-        "{} between two readings of the voltage: the first is taken at {first:.4} s, and what is left open (up to {largest_s:.2} s, \
+        "{} between two readings of the voltage: the first is taken at {} s, and what is left open (up to {} s, \
          one standard deviation) widens the intervals",
         if count == 1 {
             "the edge of the voltage lies".to_owned()
         } else {
             format!("{count} edges of the voltage lie")
-        }
+        },
+        fixed(first, 4),
+        fixed(largest_s, 2)
     );
     Issue::note("edges-between-readings", message)
 }

@@ -9,6 +9,7 @@ mod policy;
 
 use crate::clocks::policy::{OFF_BY_HEADER_S, OFF_SIGMAS};
 use crate::drive;
+use ieap_domain::number::{digits, fixed, measured};
 use ieap_domain::{
     Channel, ClockOffset, Edge, Issue, OffsetSource, Quantity, RunOrigin, Segment, StartedAt, Timestamp,
 };
@@ -79,8 +80,9 @@ pub fn remarks(origin: &RunOrigin, stated_s: Option<f64>) -> Vec<Issue> {
                 offset.detail
             );
             let mend = format!(
-                "where the two instruments had no common trigger, set the tag clock_offset_s = {offset_s:.4}; a strip that \
-                 bends late shows the same, so nothing is changed by itself"
+                "where the two instruments had no common trigger, set the tag clock_offset_s = {}; a strip that \
+                 bends late shows the same, so nothing is changed by itself",
+                digits(offset_s, 4)
             );
             issues.push(Issue::warning("clock-offset", message).mend(mend));
         }
@@ -91,8 +93,8 @@ pub fn remarks(origin: &RunOrigin, stated_s: Option<f64>) -> Vec<Issue> {
 /// `12.3 ± 0.4 s`
 fn with_error(value_s: f64, error_s: Option<f64>) -> String {
     match error_s {
-        Some(error_s) => format!("{value_s:.4} ± {error_s:.2} s"),
-        None => format!("{value_s:.3} s (uncertainty not known)"),
+        Some(error_s) => format!("{} s", measured(value_s, error_s)),
+        None => format!("{} s (uncertainty not known)", fixed(value_s, 3)),
     }
 }
 
@@ -187,9 +189,10 @@ fn from_onset(reference: &FileClock<'_>, file: &FileClock<'_>) -> Result<Found, 
         offset_s: edge.time_s - onset.time_s,
         standard_error_s: Some(edge.standard_error_s.hypot(onset.standard_error_s)),
         detail: format!(
-            "the electrical edge at {:.4} ± {:.2} s, bending from {:.4} ± {:.2} s on its own clock; any lag of the bending \
+            "the electrical edge at {} s, bending from {} s on its own clock; any lag of the bending \
              is in it",
-            edge.time_s, edge.standard_error_s, onset.time_s, onset.standard_error_s
+            measured(edge.time_s, edge.standard_error_s),
+            measured(onset.time_s, onset.standard_error_s)
         ),
     })
 }

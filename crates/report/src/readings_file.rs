@@ -9,6 +9,7 @@ use flate2::Compression;
 use flate2::write::DeflateEncoder;
 
 use super::visible::one_line;
+use ieap_domain::number::to_digits;
 use ieap_domain::{Quantity, RunCurve};
 
 /// Digits of a fitted curve: finer than what noise leaves of it, and a third of all that a number holds.
@@ -52,10 +53,7 @@ fn csv<'a>(runs: impl Iterator<Item = (&'a str, &'a [RunCurve])>) -> String {
         for curve in curves {
             let key = key(name, curve.quantity);
             let rounded = |values: &[f64], at: usize, digits: usize| match values.get(at) {
-                Some(value) => format!("{:.*e}", digits - 1, value)
-                    .parse()
-                    .unwrap_or(*value)
-                    .to_string(),
+                Some(value) => to_digits(*value, digits).to_string(),
                 None => String::new(),
             };
             for (at, (time_s, measured)) in curve.time_s.iter().zip(&curve.measured).enumerate() {

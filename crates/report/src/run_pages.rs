@@ -5,6 +5,7 @@ use super::input::Input;
 use super::slug::slugs;
 use ieap_analysis::conditions::{VOLTAGE_STEP_V, nominal_voltage_v};
 use ieap_analysis::groups::groups;
+use ieap_domain::number::digits;
 use ieap_domain::tag::keys;
 use ieap_domain::{RunRecord, RunState};
 
@@ -82,9 +83,10 @@ fn even(members: &[usize], parts: usize) -> impl Iterator<Item = &[usize]> {
 /// The values of a group's name. Humidities are whole, so that an address outlives most runs that join the group.
 fn file_name(group: &str) -> String {
     let value = |part: &str| match part.split_once('=') {
-        Some((keys::RELATIVE_HUMIDITY_PERCENT, value)) => value
-            .parse::<f64>()
-            .map_or_else(|_| value.to_owned(), |percent| format!("rh{percent:.0}")),
+        Some((keys::RELATIVE_HUMIDITY_PERCENT, value)) => value.parse::<f64>().map_or_else(
+            |_| value.to_owned(),
+            |percent| format!("rh{}", digits(percent, 0)),
+        ),
         Some((_, value)) => value.to_owned(),
         None => part.to_owned(),
     };

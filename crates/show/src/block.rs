@@ -35,6 +35,15 @@ impl Block {
         Block::Part(title.into(), blocks)
     }
 
+    /// Whether it is all pictures, of which a terminal shows nothing.
+    pub fn is_drawn(&self) -> bool {
+        match self {
+            Block::Chart(_) => true,
+            Block::Part(_, blocks) => blocks.iter().all(Block::is_drawn),
+            _ => false,
+        }
+    }
+
     /// Issues, or nothing where there are none.
     pub fn issues<'i>(issues: impl IntoIterator<Item = &'i Issue>) -> Option<Block> {
         let issues: Vec<Issue> = issues.into_iter().cloned().collect();

@@ -84,6 +84,8 @@ pub enum Mark {
     Line,
     /// A line through them that the axes make room for, and a small dot at each.
     DottedLine,
+    /// A line that the axes make room for, with a few marks on it by which it is told apart without colour.
+    MarkedLine,
     /// An upright dashed line at each.
     Upright,
     /// A level line at each.

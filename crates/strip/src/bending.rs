@@ -1,5 +1,6 @@
 //! How far a strip has bent since it stood in its initial shape, in millimetres and per centimetre.
 
+use ieap_domain::number::fixed;
 use serde::Deserialize;
 use thiserror::Error;
 
@@ -80,7 +81,9 @@ pub enum Scale {
 /// A frame's strip does not belong to the initial one.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "the strip is {found_px:.0} pixels long here and {needed_px:.0} in its initial shape: part of it is hidden, or it bends out of the plane"
+    "the strip is {} pixels long here and {} in its initial shape: part of it is hidden, or it bends out of the plane",
+    fixed(*.found_px, 0),
+    fixed(*.needed_px, 0)
 )]
 pub struct OtherLength {
     /// Length here, pixels.

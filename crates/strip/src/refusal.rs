@@ -1,5 +1,6 @@
 //! Why a strip cannot be traced in a picture. A frame is refused rather than guessed.
 
+use ieap_domain::number::fixed;
 use thiserror::Error;
 
 /// What is wrong with the view, with what would mend it. Places are pixels of the whole picture, from the top left.
@@ -35,7 +36,9 @@ pub enum Untraceable {
     },
     /// Nothing stands out from the ground.
     #[error(
-        "nothing in the picture stands out from its ground: the contrast is {contrast:.3} of the full scale and the noise {noise:.3}. Is the strip in view, and lit from behind?"
+        "nothing in the picture stands out from its ground: the contrast is {} of the full scale and the noise {}. Is the strip in view, and lit from behind?",
+        fixed(*.contrast, 3),
+        fixed(*.noise, 3)
     )]
     Empty {
         /// Contrast found, share of the full scale.
@@ -50,7 +53,9 @@ pub enum Untraceable {
     Tone,
     /// What stands out most reaches no side.
     #[error(
-        "the strip reaches no side of the picture: the largest thing lies around ({x:.0}, {y:.0}). Crop the picture (`crop_px`) so that one side is where the strip leaves the clamp"
+        "the strip reaches no side of the picture: the largest thing lies around ({}, {}). Crop the picture (`crop_px`) so that one side is where the strip leaves the clamp",
+        fixed(*.x, 0),
+        fixed(*.y, 0)
     )]
     NoSide {
         /// Column of its middle.
@@ -74,7 +79,11 @@ pub enum Untraceable {
     },
     /// More than one strip, or something as large beside it.
     #[error(
-        "two things may be the strip: one around ({x:.0}, {y:.0}) and one around ({other_x:.0}, {other_y:.0}). Crop the picture to the strip"
+        "two things may be the strip: one around ({}, {}) and one around ({}, {}). Crop the picture to the strip",
+        fixed(*.x, 0),
+        fixed(*.y, 0),
+        fixed(*.other_x, 0),
+        fixed(*.other_y, 0)
     )]
     TwoThings {
         /// Column of the middle of the first.
@@ -88,7 +97,9 @@ pub enum Untraceable {
     },
     /// Too short against its thickness to have a centre line.
     #[error(
-        "what leaves the clamp is {length:.0} pixels long and {width:.0} thick: that is no strip. Is the clamp itself in view? Crop it away (`crop_px`)"
+        "what leaves the clamp is {} pixels long and {} thick: that is no strip. Is the clamp itself in view? Crop it away (`crop_px`)",
+        fixed(*.length, 0),
+        fixed(*.width, 0)
     )]
     NoStrip {
         /// Length that could be followed, pixels.
@@ -98,7 +109,9 @@ pub enum Untraceable {
     },
     /// Thicker at the clamp than further out: the clamp is in view.
     #[error(
-        "what leaves the {side} side is {at_side:.0} pixels thick there and {further:.0} further out: the clamp is in view. Crop it away (`crop_px`)"
+        "what leaves the {side} side is {} pixels thick there and {} further out: the clamp is in view. Crop it away (`crop_px`)",
+        fixed(*.at_side, 0),
+        fixed(*.further, 0)
     )]
     ClampInView {
         /// The side.
@@ -109,7 +122,7 @@ pub enum Untraceable {
         further: f64,
     },
     /// The tip is not in the picture.
-    #[error("the strip leaves the picture at ({x:.0}, {y:.0}): its tip is not in view")]
+    #[error("the strip leaves the picture at ({}, {}): its tip is not in view", fixed(*.x, 0), fixed(*.y, 0))]
     LeavesPicture {
         /// Column.
         x: f64,
@@ -117,7 +130,11 @@ pub enum Untraceable {
         y: f64,
     },
     /// The strip does not end as a strip does.
-    #[error("the strip has no clear end around ({x:.0}, {y:.0}): something lies at its tip, or it fades out")]
+    #[error(
+        "the strip has no clear end around ({}, {}): something lies at its tip, or it fades out",
+        fixed(*.x, 0),
+        fixed(*.y, 0)
+    )]
     NoTip {
         /// Column.
         x: f64,
@@ -126,7 +143,11 @@ pub enum Untraceable {
     },
     /// Too long a stretch is hidden.
     #[error(
-        "the strip is not seen for {gap:.0} of its {length:.0} pixels around ({x:.0}, {y:.0}): a reflection, or something before it"
+        "the strip is not seen for {} of its {} pixels around ({}, {}): a reflection, or something before it",
+        fixed(*.gap, 0),
+        fixed(*.length, 0),
+        fixed(*.x, 0),
+        fixed(*.y, 0)
     )]
     Hidden {
         /// Length of the longest stretch that is not seen, pixels.
@@ -140,7 +161,9 @@ pub enum Untraceable {
     },
     /// Its edges are too uneven to follow.
     #[error(
-        "the edges of the strip scatter by {scatter:.1} pixels about a smooth line, more than {allowed:.1}: the picture is blurred, or this is no strip"
+        "the edges of the strip scatter by {} pixels about a smooth line, more than {}: the picture is blurred, or this is no strip",
+        fixed(*.scatter, 1),
+        fixed(*.allowed, 1)
     )]
     Scatter {
         /// Scatter, pixels.
@@ -150,7 +173,10 @@ pub enum Untraceable {
     },
     /// A good part of what is connected with the strip does not lie along the traced line.
     #[error(
-        "{percent:.0} % of what is connected with the traced strip does not lie along it, around ({x:.0}, {y:.0}): crop it away, or look at the picture"
+        "{} % of what is connected with the traced strip does not lie along it, around ({}, {}): crop it away, or look at the picture",
+        fixed(*.percent, 0),
+        fixed(*.x, 0),
+        fixed(*.y, 0)
     )]
     Branches {
         /// Share of its pixels, percent.

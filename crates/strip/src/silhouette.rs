@@ -1,5 +1,7 @@
 //! What stands out from the ground, as connected things, and which of them is the strip.
 
+use ieap_domain::words::in_a_row;
+
 use super::Side;
 use super::gray::Gray;
 use super::ground::Ground;
@@ -149,11 +151,7 @@ impl Silhouette {
                 Err(Untraceable::NoSide { x, y })
             }
             _ => Err(Untraceable::SeveralSides {
-                sides: reached
-                    .iter()
-                    .map(|side| side.key())
-                    .collect::<Vec<_>>()
-                    .join(" and "),
+                sides: in_a_row(&reached.iter().map(|side| side.key()).collect::<Vec<_>>()),
             }),
         }
     }

@@ -20,7 +20,7 @@ use crate::pipeline::apart::preflight::PlanDocument;
 use crate::pipeline::apart::profile::ProposedProfile;
 use crate::pipeline::documents::comparison::ComparisonDocument;
 use crate::pipeline::documents::diagnosis::DiagnosisDocument;
-use crate::pipeline::documents::dma::DmaDocument;
+use crate::pipeline::documents::dma::Dma;
 use crate::pipeline::documents::fits::FitsDocument;
 use crate::pipeline::findings::impedance::Spectra;
 use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary, UntyingEntry};
@@ -66,7 +66,7 @@ fn derived() -> Vec<Derived> {
         document("comparison/1", "compare", whole::<ComparisonDocument>),
         document("convert/1", "convert NAME=VALUE", whole::<ConversionDocument>),
         document("diagnosis/2", "diagnose", whole::<DiagnosisDocument>),
-        document("dma/1", "dma", whole::<DmaDocument>),
+        document("dma/1", "dma", whole::<Document<Dma>>),
         document("drive/2", "drive", whole::<DriveDocument>),
         document("drop/1", "drop RUN", |of| {
             let mut schema = keys([("drop", value::<SpokenOf>(of))]);

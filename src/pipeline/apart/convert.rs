@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::domain::Estimate;
+use crate::domain::number::fixed;
 use crate::domain::quantiles::NORMAL_95;
 use crate::domain::typed_value::{Measured, ValueKind};
 use crate::model::geometry::conversion::{Bending, ConversionError, FURTHEST_TURN_RAD, KnownStrip};
@@ -321,8 +322,8 @@ fn remarks(strip: &KnownStrip, curvature_per_cm: f64) -> Vec<String> {
         .map(|length| (curvature_per_cm / 10.0 * length).abs());
     if let Some(turn) = turn.filter(|turn| *turn > FURTHEST_TURN_RAD) {
         remarks.push(format!(
-            "The tip has turned by {:.0} degrees and comes back: this tip displacement belongs to a smaller curvature too.",
-            turn * DEG
+            "The tip has turned by {} degrees and comes back: this tip displacement belongs to a smaller curvature too.",
+            fixed(turn * DEG, 0)
         ));
     }
     let thin = strip
@@ -330,7 +331,8 @@ fn remarks(strip: &KnownStrip, curvature_per_cm: f64) -> Vec<String> {
         .map(|thickness| (curvature_per_cm / 10.0 * thickness).abs());
     if let Some(share) = thin.filter(|share| *share > THIN) {
         remarks.push(format!(
-            "Thickness times curvature is {share:.2}: moment, energy and strains are those of a thin strip, below {THIN}."
+            "Thickness times curvature is {}: moment, energy and strains are those of a thin strip, below {THIN}.",
+            fixed(share, 2)
         ));
     }
     if strip.mean_elongation == 0.0 && strip.thickness_mm.is_some() {
@@ -348,10 +350,10 @@ fn remarks(strip: &KnownStrip, curvature_per_cm: f64) -> Vec<String> {
         let layer = |from_neutral_mm: f64| 10.0 * curvature_per_cm * from_neutral_mm;
         let shift_mm = strip.neutral_layer_shift_mm;
         remarks.push(format!(
-            "The bending strain is that about the middle of the thickness. With the neutral layer {shift_mm} mm beside it the outer layers are strained by {:.3} and {:.3} %; their difference is the same, and the middle is strained by {:.3} % (--elongation).",
-            layer(0.5 * thickness_mm + shift_mm),
-            layer(shift_mm - 0.5 * thickness_mm),
-            layer(shift_mm)
+            "The bending strain is that about the middle of the thickness. With the neutral layer {shift_mm} mm beside it the outer layers are strained by {} and {} %; their difference is the same, and the middle is strained by {} % (--elongation).",
+            fixed(layer(0.5 * thickness_mm + shift_mm), 3),
+            fixed(layer(shift_mm - 0.5 * thickness_mm), 3),
+            fixed(layer(shift_mm), 3)
         ));
     }
     remarks

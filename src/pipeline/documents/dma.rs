@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::analysis::dma::view::view;
 use crate::domain::Estimate;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -11,12 +12,14 @@ use crate::domain::tag::keys;
 use crate::domain::{Issue, ModulusLog, Parameter};
 use crate::pipeline::campaign::standing::{self, SetAside};
 use crate::pipeline::{Context, PipelineError};
+use crate::show::Block;
+
+/// Schema of what is printed of modulus logs.
+pub const SCHEMA: &str = "ieap/dma/1";
 
 /// Every modulus log.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct DmaDocument {
-    /// Always `ieap/dma/1`.
-    pub schema: &'static str,
+pub struct Dma {
     /// Logs in the order of their names.
     pub logs: Vec<LogEntry>,
     /// Logs that no result is made from, with the reasons.
@@ -78,17 +81,17 @@ pub struct HysteresisEntry {
     pub hysteresis_percent: Estimate,
 }
 
-/// Reads the modulus logs.
+/// Reads the modulus logs: as a document, and as they are shown.
 ///
 /// # Errors
 /// The database cannot be read.
-pub fn dma_document(context: &Context) -> Result<DmaDocument, PipelineError> {
+pub fn dma(context: &Context) -> Result<(Dma, Vec<Block>), PipelineError> {
     let (logs, set_aside) = standing::modulus_logs(context)?;
-    Ok(DmaDocument {
-        schema: "ieap/dma/1",
+    let document = Dma {
         logs: logs.iter().map(|log| entry(context, log)).collect(),
         set_aside: set_aside.iter().map(|log| SetAside::of(&log.run)).collect(),
-    })
+    };
+    Ok((document, view(&logs, &context.campaign)))
 }
 
 fn entry(context: &Context, log: &ModulusLog) -> LogEntry {

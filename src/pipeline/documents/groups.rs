@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::domain::Estimate;
+use crate::domain::number::fixed;
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
@@ -164,11 +165,11 @@ fn fill(entry: &mut GroupEntry, model: &FitModel, fit: &GroupFit) {
         .collect();
     if let Some(sharing) = entry.sharing.filter(|sharing| sharing.p < CHANCE) {
         let message = format!(
-            "the runs differ in what they were made to share: that raises the weighted sum of squares by {:.0} for {} \
-             parameters fewer, which chance does in less than one of {:.0} cases",
-            sharing.chi_square_rise,
+            "the runs differ in what they were made to share: that raises the weighted sum of squares by {} for {} \
+             parameters fewer, which chance does in less than one of {} cases",
+            fixed(sharing.chi_square_rise, 0),
             sharing.parameters_saved,
-            CHANCE.recip()
+            fixed(CHANCE.recip(), 0)
         );
         entry.issues.push(
             Issue::warning("group-differs", message)

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::analysis::reductions::{ReducedCircuit, RunReductions};
 use crate::domain::fault::caught;
+use crate::domain::number::fixed;
 use crate::domain::{Channel, RunRecord};
 use crate::fit::{Circuit, FitInput, Reduction, Reductions, reductions};
 use crate::pipeline::campaign::making::whenever_asked;
@@ -48,8 +49,8 @@ fn of_run(task: &FitTask, channels: &[Channel]) -> RunReductions {
 fn shown(found: Reductions) -> Result<Vec<ReducedCircuit>, String> {
     if found.circuits.is_empty() {
         Err(format!(
-            "two branches beside R_ss themselves leave {:.0} times the noise: none of these circuits is that of the run",
-            found.full_leaves
+            "two branches beside R_ss themselves leave {} times the noise: none of these circuits is that of the run",
+            fixed(found.full_leaves, 0)
         ))
     } else {
         Ok(found.circuits.iter().map(as_shown).collect())

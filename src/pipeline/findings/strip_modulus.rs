@@ -1,6 +1,7 @@
 //! The modulus of a strip, from the modulus logs of its sample or of its material, and where it is from.
 
 use crate::analysis::stiffness::sample_modulus;
+use crate::domain::number::fixed;
 use crate::domain::words::in_a_row;
 use crate::domain::{Estimate, Sample};
 use crate::pipeline::campaign::standing;
@@ -31,7 +32,8 @@ pub fn strip_modulus(
         let paths = in_a_row(&paths);
         return Ok(StripModulus {
             source: format!(
-                "modulus from {paths} at {at:.0} % RH, in oscillation; bending over minutes may meet a smaller one"
+                "modulus from {paths} at {} % RH, in oscillation; bending over minutes may meet a smaller one",
+                fixed(at, 0)
             ),
             modulus_mpa,
         });

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::domain::words::counted;
 use crate::domain::{AskedFit, Campaign, KnownParameter};
 use crate::fit::{FitError, FitOptions, Steps, can_be_known};
 use crate::model::{FitModel, ModelChoice};
@@ -167,10 +168,7 @@ pub(crate) fn held<'a>(chosen: impl Iterator<Item = &'a Chosen>, campaign: &Camp
 impl HeldChoice {
     /// In words: what holds for which runs, where it comes from, and how it is changed.
     pub fn words(&self) -> String {
-        let runs = match self.runs {
-            1 => "1 run".to_owned(),
-            n => format!("{n} runs"),
-        };
+        let runs = counted(self.runs, "run");
         let said = &self.said;
         let lasting = "`[fit]` (and `model`) in campaign.toml sets it for all runs, those to come as well";
         match self.by {

@@ -1,6 +1,8 @@
 //! The verb `explain`: the runs, files, fits and versions behind one cell of a table.
 
 use crate::domain::Estimate;
+use crate::domain::number::significant;
+use crate::domain::words::counted;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -167,12 +169,12 @@ fn how(cell: &Cell) -> String {
         Content::Measured(measured) => match &measured.pooled {
             None => "the estimate of one run".to_owned(),
             Some(mean) => {
-                let spread = |sd: Option<f64>| sd.map_or("not known".to_owned(), |sd| format!("{sd:.2e}"));
+                let spread = |sd: Option<f64>| sd.map_or("not known".to_owned(), |sd| significant(sd, 3));
                 format!(
-                    "random-effects mean of {} runs of {} samples; standard error from the fits alone {:.2e}, standard deviation between runs {}, between samples {}",
-                    mean.runs,
-                    mean.samples,
-                    mean.fit_standard_error,
+                    "random-effects mean of {} of {}; standard error from the fits alone {}, standard deviation between runs {}, between samples {}",
+                    counted(mean.runs, "run"),
+                    counted(mean.samples, "sample"),
+                    significant(mean.fit_standard_error, 3),
                     spread(mean.between_runs),
                     spread(mean.between_samples)
                 )

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::domain::number::{fixed, interval, rounded_bound, significant};
 use crate::domain::tag::keys;
 use crate::domain::{EstimateState, Fit, RunRecord};
 use crate::pipeline::campaign::standing;
@@ -59,7 +60,7 @@ fn line(run: &RunRecord) -> Option<String> {
         .iter()
         .map(|noise| noise.residual_rms / noise.standard_deviation);
     if let Some(most) = left.filter(|ratio| ratio.is_finite()).reduce(f64::max) {
-        said.push(format!("residual {most:.1} times the noise"));
+        said.push(format!("residual {} times the noise", fixed(most, 1)));
     }
     if !fit.converged {
         said.push("the fit did not converge".to_owned());
@@ -75,24 +76,16 @@ fn line(run: &RunRecord) -> Option<String> {
 fn parameter(fit: &Fit, (key, name, unit): (&str, &str, &str)) -> Option<String> {
     let estimate = fit.parameter(key)?;
     Some(match estimate.state() {
-        EstimateState::Determined(value) => format!("{name} {}{unit}", rounded(value)),
+        EstimateState::Determined(value) => format!("{name} {}{unit}", significant(value, 3)),
         EstimateState::Between(low, high) => {
-            format!("{name} between {} and {}{unit}", rounded(low), rounded(high))
+            format!("{name} from {}{unit}", interval(low, high))
         }
-        EstimateState::Above(low) => format!("{name} above {}{unit}", rounded(low)),
-        EstimateState::Below(high) => format!("{name} below {}{unit}", rounded(high)),
+        EstimateState::Above(low) => format!("{name} above {}{unit}", rounded_bound(low, false).value_text()),
+        EstimateState::Below(high) => {
+            format!("{name} below {}{unit}", rounded_bound(high, true).value_text())
+        }
         EstimateState::Open => format!("{name} not determined"),
     })
-}
-
-/// Three digits, with a power of ten where there would be zeros.
-fn rounded(value: f64) -> String {
-    let power = value.abs().log10().floor();
-    if (-2.0..5.0).contains(&power) {
-        format!("{value:.*}", (2.0 - power).max(0.0) as usize)
-    } else {
-        format!("{value:.2e}")
-    }
 }
 
 #[cfg(test)]
@@ -109,8 +102,7 @@ mod tests {
             ("alpha_per_c_cm", Estimate::below(14.83, "")),
         ]));
         let said = line(&arrived).unwrap();
-        let expected = "CNaf-1, air, 34 % RH, 2 V: lambda 1.24e-3 1/s, alpha below 14.8 1/(C cm)";
+        let expected = "CNaf-1, air, 34 % RH, 2 V: lambda 1.24·10⁻³ 1/s, alpha below 15 1/(C cm)";
         assert!(said.starts_with(expected), "{said}");
-        assert_eq!([0.0124, 123.4, -0.5].map(rounded), ["0.0124", "123", "-0.500"]);
     }
 }

@@ -1,11 +1,11 @@
 //! What a series shows of its sensor: a humidity that is a copy of the temperature, a sensor that is stuck or at the
 //! end of its range, readings that cannot be.
 
-use super::join::duration;
 use super::policy::{
     BETWEEN_ENDS, COPY_SHARE, END_SHARE, FEWEST_AT_END, FEWEST_READINGS, MOVED, POSSIBLE_C, STUCK_HUMIDITY_S,
     STUCK_TEMPERATURE_S,
 };
+use ieap_domain::number::seconds::duration;
 use ieap_domain::range_of;
 use ieap_domain::{ClimateQuantity, Issue};
 

@@ -5,10 +5,11 @@
 //! in steps of half an hour: where the scatter of the difference falls to less than half, and well below the variation
 //! of the air, at another shift than none, the clocks differ by that.
 
-use super::join::duration;
 use super::policy::{
     BIN_S, FEWEST_COMMON, FEWEST_FOR_CLOCKS, LARGEST_SHIFT, MOST_FOR_CLOCKS, OF_VARIATION, SCATTER_LEFT,
 };
+use ieap_domain::number::fixed;
+use ieap_domain::number::seconds::duration;
 use ieap_domain::{ClimateQuantity, Issue, SensorPair};
 
 /// Bins in half an hour.
@@ -181,11 +182,11 @@ fn clocks(pairs: &[SensorPair]) -> Vec<Issue> {
         let (unit, name) = (pair.quantity.unit(), pair.quantity.label().to_lowercase());
         let message = format!(
             "the clock of {late} is {by} h ahead of that of {early}: with it put right the scatter between {} and {} \
-             falls from {:.2} to {:.2} {unit} of {name} ({count} pairs of sensors show it). Nothing was changed",
+             falls from {} to {} {unit} of {name} ({count} pairs of sensors show it). Nothing was changed",
             pair.first,
             pair.second,
-            pair.standard_deviation,
-            difference(pair).1
+            fixed(pair.standard_deviation, 2),
+            fixed(difference(pair).1, 2)
         );
         Issue::warning("clock-offset", message)
             .at(format!("{late}, {early}"))
@@ -209,16 +210,17 @@ fn disagreement(pairs: &[&SensorPair]) -> Option<Issue> {
         "the campaign's tolerance, for accuracies are not stated"
     };
     let message = format!(
-        "{} of {} pairs of sensors in one place differ in {name} by more than is allowed, the most: {} shows {:.2} {unit} \
-         {} than {} (standard deviation {deviation:.2} {unit}, over {}), and {:.2} {unit} are allowed by {against}",
+        "{} of {} pairs of sensors in one place differ in {name} by more than is allowed, the most: {} shows {} {unit} \
+         {} than {} (standard deviation {} {unit}, over {}), and {} {unit} are allowed by {against}",
         pairs.iter().filter(beyond).count(),
         pairs.len(),
         worst.first,
-        bias.abs(),
+        fixed(bias.abs(), 2),
         if bias > 0.0 { "more" } else { "less" },
         worst.second,
+        fixed(deviation, 2),
         duration(worst.hours * 3600.0),
-        worst.allowed
+        fixed(worst.allowed, 2)
     );
     let mend = "calibrate them and state accuracies and corrections under [[sensor]] in campaign.toml, or their places \
                 where they stand apart";

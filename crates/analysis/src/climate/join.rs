@@ -4,6 +4,7 @@
 //! without a gap longer than the rule. Where a log begins or ends within the run, the run is covered if no more than
 //! one interval of the log is missing at that end. Nothing is extrapolated: a run that is not covered has no value.
 
+use ieap_domain::number::seconds::duration;
 use ieap_domain::{ClimateQuantity, RunClimate};
 
 /// A run on UTC.
@@ -46,23 +47,6 @@ impl NoClimate {
             }
             NoClimate::Empty => "has no reading near it".to_owned(),
         }
-    }
-}
-
-/// `40 s`, `25 min`, `3.5 h`, `12 d`.
-pub fn duration(seconds: f64) -> String {
-    let with = |number: f64, unit: &str| {
-        if number < 10.0 {
-            format!("{} {unit}", (10.0 * number).round() / 10.0)
-        } else {
-            format!("{} {unit}", number.round())
-        }
-    };
-    match seconds {
-        s if s < 90.0 => format!("{} s", s.round()),
-        s if s < 5400.0 => with(s / 60.0, "min"),
-        s if s < 172_800.0 => with(s / 3600.0, "h"),
-        s => with(s / 86_400.0, "d"),
     }
 }
 

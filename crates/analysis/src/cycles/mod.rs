@@ -11,6 +11,7 @@ mod train;
 
 use serde::{Deserialize, Serialize};
 
+use ieap_domain::number::fixed;
 use ieap_domain::{Channel, Drive, Estimate, Level as Source, Quantity, RunRecord};
 use ieap_numerics::robust::{median, sd_on_a_slope};
 
@@ -213,10 +214,10 @@ fn sentence(cycles: &[Cycle], k: usize, figure: &Figure, limit: f64) -> Option<S
         text += &match series.reaches(&study, limit, true) {
             Reaches::Beyond => format!(" It has fallen below {percent} % of its beginning."),
             Reaches::At(at) => {
-                let end = |end: Option<f64>| end.map_or("open".to_owned(), |cycle| format!("{cycle:.0}"));
+                let end = |end: Option<f64>| end.map_or("open".to_owned(), |cycle| fixed(cycle, 0));
                 format!(
-                    " It reaches {percent} % of its beginning at cycle {:.0} [{} to {}].",
-                    at.value,
+                    " It reaches {percent} % of its beginning at cycle {} [{} to {}].",
+                    fixed(at.value, 0),
                     end(at.low_95),
                     end(at.high_95)
                 )

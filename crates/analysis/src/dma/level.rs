@@ -3,7 +3,7 @@
 use super::policy::{FEWEST_FOR_LEVEL, LEVEL_WINDOW};
 
 use ieap_domain::Estimate;
-use ieap_domain::seconds::span;
+use ieap_domain::number::seconds::span;
 use ieap_numerics::linear::{LeastSquares, variance_of_sum};
 use ieap_numerics::student::quantile_95;
 

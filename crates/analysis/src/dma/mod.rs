@@ -1,16 +1,20 @@
 //! Modulus logs: what a humidity step does to the modulus. docs/dma.md says how each number is had.
 
+pub mod charts;
 pub mod exponentials;
 pub mod humidity_steps;
 pub mod level;
+pub mod levels;
 pub mod moduli;
 pub mod policy;
 pub mod relaxation;
 pub mod round_trip;
+pub mod sheet;
 pub mod step;
 pub mod table;
 #[cfg(test)]
 mod tests;
+pub mod view;
 
 use humidity_steps::HumiditySteps;
 use ieap_domain::{Channel, Issue, ModulusAnalysis, Quantity, RunCurve};

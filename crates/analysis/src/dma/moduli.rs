@@ -2,6 +2,7 @@
 
 use super::policy::{DISAGREEMENT, FEWEST_OF_FREQUENCY, FREQUENCY_SHARE, SAME_FREQUENCY};
 
+use ieap_domain::number::fixed;
 use ieap_domain::{Channel, Issue, Quantity};
 
 /// Moduli over time.
@@ -238,9 +239,10 @@ fn disagreement(rows: &[Row], what: &str, pair: impl Fn(&Row) -> Option<(f64, f6
     let (time_s, given, computed) = *all.first()?;
     let message = format!(
         "{what} of the instrument differs by more than 1 % from what follows from its other columns in {} of {} \
-         readings, first at {time_s} s: {given} against {computed:.5}; the instrument's is used",
+         readings, first at {time_s} s: {given} against {}; the instrument's is used",
         all.len(),
-        rows.len()
+        rows.len(),
+        fixed(computed, 5)
     );
     Some(
         Issue::warning("moduli-disagree", message)

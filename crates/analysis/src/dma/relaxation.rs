@@ -4,6 +4,7 @@ use super::exponentials::{Points, Trial};
 use super::policy::REMAINDER;
 use ieap_domain::Edge;
 use ieap_domain::Estimate;
+use ieap_domain::number::seconds::duration;
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::student::quantile_95;
 
@@ -173,18 +174,17 @@ fn equilibrium_time(
 ) -> Estimate {
     let length_s = stretch.end_s - stretch.start_s;
     let settling_s = stretch.settled_s - stretch.begun.no_earlier_s;
-    let minutes = |seconds: f64| format!("{:.1} min", seconds / 60.0);
     if times.high <= settling_s {
         let reason = format!(
             "equilibrium is reached before the humidity has settled, {} after the step began",
-            minutes(settling_s)
+            duration(settling_s)
         );
         return Estimate::below(settling_s, reason);
     }
     if is_open || value_s > length_s {
         let reason = format!(
             "the plateau is not reached within the {} after the step",
-            minutes(length_s)
+            duration(length_s)
         );
         return Estimate::above(times.low.clamp(0.0, length_s), reason);
     }

@@ -4,6 +4,7 @@ use super::level::Level;
 use super::policy::{CLEAR, SAME_HUMIDITY_PERCENT};
 use super::step::{MeasuredStep, determined};
 use ieap_domain::modulus::log_keys;
+use ieap_domain::number::fixed;
 use ieap_domain::{Estimate, Parameter};
 
 /// A humidity that was held, with |E*| at its end.
@@ -60,8 +61,8 @@ fn recovery(held: &[Held<'_>], farthest: usize) -> Estimate {
     let (first, last) = (&held[0], &held[held.len() - 1]);
     if farthest + 1 >= held.len() || (first.percent - last.percent).abs() > SAME_HUMIDITY_PERCENT {
         return Estimate::not_determined(format!(
-            "the humidity does not come back to the {:.0} % at which it began",
-            first.percent
+            "the humidity does not come back to the {} % at which it began",
+            fixed(first.percent, 0)
         ));
     }
     let levels = [first.modulus, held[farthest].modulus, last.modulus];

@@ -5,6 +5,8 @@ use super::level::{Level, at_end};
 use super::moduli::Moduli;
 use super::relaxation::{self, Relaxation, Stretch};
 use ieap_domain::modulus::step_keys;
+use ieap_domain::number::fixed;
+use ieap_domain::number::seconds::duration;
 use ieap_domain::{Estimate, Issue, ModulusStep, Parameter};
 
 /// What a log holds over time.
@@ -39,7 +41,7 @@ pub fn measure(series: &Series<'_>, step: HumidityStep, issues: &mut Vec<Issue>)
     let before = level(&moduli.complex_mpa, begin_s, step.start_s);
     let after = level(&moduli.complex_mpa, step.settled_s, end_s);
     let relaxation = relax(moduli, &step, end_s, &before, &after);
-    let place = format!("step at {:.0} s", step.start_s);
+    let place = format!("step at {} s", fixed(step.start_s, 0));
     issues.extend(unsettled(&relaxation, &step, end_s).map(|issue| issue.at(place)));
     let factor = |from_s, until_s| match &moduli.loss_factor {
         Some(values) => of_level(&level(values, from_s, until_s)),
@@ -178,11 +180,11 @@ fn unsettled(relaxation: &Result<Relaxation, String>, step: &HumidityStep, end_s
         return None;
     }
     let message = format!(
-        "the modulus has not come to rest within {:.0} min after the humidity went from {:.0} to {:.0} %: what is \
+        "the modulus has not come to rest within {} after the humidity went from {} to {} %: what is \
          stated is its value at the end of that time, not in equilibrium",
-        (end_s - step.start_s) / 60.0,
-        step.before_percent,
-        step.after_percent
+        duration(end_s - step.start_s),
+        fixed(step.before_percent, 0),
+        fixed(step.after_percent, 0)
     );
     Some(Issue::warning("plateau-not-reached", message).mend("hold the humidity for longer"))
 }

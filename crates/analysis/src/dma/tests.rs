@@ -226,7 +226,7 @@ fn a_plateau_that_is_not_reached_is_said_and_its_time_is_a_bound() {
         time.reason
             .as_ref()
             .unwrap()
-            .contains("not reached within the 120.0 min")
+            .contains("not reached within the 2 h")
     );
     let codes: Vec<&str> = found.issues.iter().map(|issue| issue.code.as_str()).collect();
     assert!(codes.contains(&"plateau-not-reached"), "{codes:?}");

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use ieap_domain::number::{fixed, interval, rounded_bound, significant};
 use ieap_domain::{Estimate, EstimateState};
 
 use super::beside::{BesideRow, Comparison, can_be_same};
@@ -16,9 +17,11 @@ pub fn describe(comparison: &mut Comparison) {
     let title = &comparison.circuit;
     if !comparison.describes {
         let sentence = format!(
-            "{title} does not describe the spectrum: it leaves {:.1} % of |Z|, {} leaves {:.1} %. Its numbers are those of the \
+            "{title} does not describe the spectrum: it leaves {} % of |Z|, {} leaves {} %. Its numbers are those of the \
              nearest such circuit, their intervals too narrow, and nothing is concluded from how they differ from the step's.",
-            comparison.residual_rms_percent, comparison.best, comparison.best_rms_percent
+            fixed(comparison.residual_rms_percent, 1),
+            comparison.best,
+            fixed(comparison.best_rms_percent, 1)
         );
         match comparison.best.as_str() {
             "constant-phase" => said.say(sentence, &["dispersion"]),
@@ -74,13 +77,13 @@ fn differs(row: &BesideRow) -> Option<f64> {
     (row.agrees == Some(false) && !(SLIGHT.recip()..=SLIGHT).contains(&ratio)).then_some(ratio)
 }
 
-/// `1.2·10³ Ω cm²`-like words are the page's; here a number and its unit in plain digits.
+/// A number of a sentence that names its unit.
 fn number(estimate: &Estimate) -> String {
     match estimate.state() {
-        EstimateState::Determined(value) => format!("{value:.3e}"),
-        EstimateState::Between(low, high) => format!("{low:.3e} to {high:.3e}"),
-        EstimateState::Above(low) => format!("more than {low:.3e}"),
-        EstimateState::Below(high) => format!("less than {high:.3e}"),
+        EstimateState::Determined(value) => significant(value, 4),
+        EstimateState::Between(low, high) => interval(low, high),
+        EstimateState::Above(low) => format!("more than {}", rounded_bound(low, false).value_text()),
+        EstimateState::Below(high) => format!("less than {}", rounded_bound(high, true).value_text()),
         EstimateState::Open => "not determined".to_owned(),
     }
 }
@@ -118,11 +121,11 @@ fn leak(comparison: &Comparison, said: &mut Said) {
         said.say(sentence, &["faradaic-leak", "diffusion-limited-leak"]);
     } else if row.agrees == Some(false) {
         let sentence = format!(
-            "The spectrum leaks more than the step: R_ss is {} Ω cm² in it and {} Ω cm² in the step. Below {:.1e} Hz nothing was \
+            "The spectrum leaks more than the step: R_ss is {} Ω cm² in it and {} Ω cm² in the step. Below {} Hz nothing was \
              measured: a slow chain looks like a leak there (slow-branch).",
             number(&row.spectrum),
             number(&row.step),
-            comparison.lowest_hz
+            significant(comparison.lowest_hz, 2)
         );
         said.say(sentence, &["slow-branch"]);
     }
@@ -167,8 +170,9 @@ fn total(comparison: &Comparison, said: &mut Said) {
         said.say(
             format!(
                 "The step stores more: C_total is {step} F/cm² in it and {spectrum} F/cm² in the spectrum, which sees what charges within \
-                 {seen_s:.0} s. Slower charging (slow-branch, dispersion) or a capacitance that grows with the voltage \
-                 (voltage-dependent-capacitance) does that; a lower frequency tells them apart."
+                 {} s. Slower charging (slow-branch, dispersion) or a capacitance that grows with the voltage \
+                 (voltage-dependent-capacitance) does that; a lower frequency tells them apart.",
+                fixed(seen_s, 0)
             ),
             &["slow-branch", "dispersion", "voltage-dependent-capacitance"],
         );

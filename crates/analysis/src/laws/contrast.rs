@@ -1,6 +1,7 @@
 //! Environments and voltages compared parameter by parameter: by what factor one differs from another, in how many
 //! samples, and what that does not say.
 
+use ieap_domain::number::rounded_bound;
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::words::counted;
 use std::collections::{BTreeMap, BTreeSet};
@@ -419,7 +420,7 @@ fn said(ratio: &Ratio, over: &Over) -> String {
             let word = if least >= 0.0 { "higher" } else { "lower" };
             format!(
                 "{place} {word} by a factor of at least {}",
-                short(least.abs().exp())
+                rounded_bound(least.abs().exp(), false).value_text()
             )
         }
         _ => format!("{place} not known"),

@@ -2,6 +2,7 @@
 //! which nobody knows what is wrong is no evidence.
 
 use ieap_domain::quantiles::NORMAL_95;
+use ieap_domain::words::in_a_row;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -158,11 +159,11 @@ impl Doubts {
         let reason = match (doubt, &widened) {
             (Doubt::Widened { causes, .. }, Some(_)) => format!(
                 "the model lacks {} here: the interval allows for what that does to the value",
-                causes.join(" and ")
+                in_a_row(causes)
             ),
             (Doubt::Widened { causes, .. }, None) => format!(
                 "the model lacks {} here, and what that does to the value is not known: the interval holds the noise alone",
-                causes.join(" and ")
+                in_a_row(causes)
             ),
             (Doubt::LeftOut, _) => {
                 "the model does not describe this group: the interval holds the noise alone".to_owned()

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::covariate::{Covariate, DeclaredTag, Kind};
 use super::policy::{FEWEST_OF_A_KIND, SAME_HUMIDITY_PERCENT};
 use crate::conditions::nominal_voltage_v;
+use ieap_domain::number::digits;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, ClimateQuantity, RunRecord};
 
@@ -149,7 +150,7 @@ fn of_run(
         }
     }
     if let Some(volts) = nominal_voltage_v(run) {
-        names.insert(Covariate::Voltage, format!("{:.2}", volts + 0.0));
+        names.insert(Covariate::Voltage, digits(volts + 0.0, 2));
     }
     if let Some(batch) = known.and_then(|sample| sample.batch.clone()) {
         names.insert(Covariate::Batch, batch);

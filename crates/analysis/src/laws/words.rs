@@ -13,6 +13,7 @@ use super::selection::Selection;
 use super::shape::Law;
 use crate::false_discovery::CLAIMED_BELOW;
 use crate::parameters::ParameterInfo;
+use ieap_domain::number::{rounded_bound, significant};
 use ieap_domain::words::{capital, counted, in_a_row};
 
 /// Symbol of a parameter; its key where it has none.
@@ -210,8 +211,8 @@ fn ends(low: Option<f64>, high: Option<f64>, scale: fn(f64) -> f64) -> String {
             let width = 2.0 * (high - low);
             format!(" [{}, {}]", round(low, width), round(high, width))
         }
-        (Some(low), None) => format!(" [above {}]", short(low)),
-        (None, Some(high)) => format!(" [below {}]", short(high)),
+        (Some(low), None) => format!(" [above {}]", rounded_bound(low, false).value_text()),
+        (None, Some(high)) => format!(" [below {}]", rounded_bound(high, true).value_text()),
         (None, None) => String::new(),
     }
 }
@@ -445,22 +446,10 @@ pub fn listed(covariates: &[Covariate]) -> String {
 
 /// A number to the digits that a width of its interval carries: a tenth of it counts.
 pub fn round(value: f64, width: f64) -> String {
-    if !value.is_finite() {
-        return "?".to_owned();
-    }
     let place = (width.abs().max(1e-300) / 10.0).log10().floor() as i32;
     let largest = value.abs().max(1e-300).log10().floor() as i32;
     // Never fewer than two digits nor more than four.
-    let place = place.clamp(largest - 3, largest - 1);
-    if !(-3..5).contains(&largest) {
-        return format!("{value:.*e}", (largest - place).max(0) as usize);
-    }
-    if place >= 0 {
-        let unit = 10f64.powi(place);
-        format!("{:.0}", (value / unit).round() * unit)
-    } else {
-        format!("{value:.*}", (-place) as usize)
-    }
+    significant(value, (largest - place + 1).clamp(2, 4))
 }
 
 /// An end of a span: no zeros that say nothing.
@@ -469,7 +458,7 @@ fn end(value: f64, width: f64) -> String {
         return "0".to_owned();
     }
     let text = round(value, width);
-    if text.contains('.') && !text.contains('e') {
+    if text.contains('.') && !text.contains('·') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {
         text
@@ -478,7 +467,7 @@ fn end(value: f64, width: f64) -> String {
 
 /// Two digits.
 pub fn short(value: f64) -> String {
-    round(value, value)
+    significant(value, 2)
 }
 
 #[cfg(test)]
@@ -498,7 +487,7 @@ mod tests {
         );
         assert_eq!(
             moves(change(0.5, 0.4, 0.8), true),
-            "falls by a factor of 2.0 [1.2, 2.5]"
+            "falls by a factor of 2.0 [1.3, 2.5]"
         );
     }
 

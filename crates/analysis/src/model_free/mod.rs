@@ -303,7 +303,7 @@ impl Seen<'_> {
         if u > high + 1e-3 || u < low {
             return Estimate::not_determined(format!(
                 "the level is seen for {} s",
-                ieap_domain::seconds::seconds(self.held.held_s())
+                ieap_domain::number::seconds::seconds(self.held.held_s())
             ));
         }
         if self.place.high.is_none() || self.place.at > u {

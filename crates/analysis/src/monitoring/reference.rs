@@ -6,6 +6,7 @@ use super::policy::{FEWEST_RUNS, TEMPERATURE_TOLERANCE_C};
 use crate::groups::HUMIDITY_TOLERANCE_PERCENT;
 use crate::laws::covariate::Covariate;
 use crate::laws::facts::RunFacts;
+use ieap_domain::number::fixed;
 use ieap_domain::tag::keys;
 use ieap_domain::{MonitoringRules, RunRecord};
 
@@ -140,7 +141,7 @@ fn most_repeated(facts: &[RunFacts]) -> Option<Reference> {
             .get(&Covariate::Voltage)
             .map(|volts| format!("{volts} V")),
     );
-    words.extend(humidity(center).map(|percent| format!("{percent:.0} % RH")));
+    words.extend(humidity(center).map(|percent| format!("{} % RH", fixed(percent, 0))));
     Some(Reference {
         text: words.join(", "),
         is_named: false,

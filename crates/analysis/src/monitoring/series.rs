@@ -6,6 +6,7 @@ use super::policy::{
 use crate::laws::fitted::{Fitted, Interval};
 use crate::laws::policy::{AS_GOOD, STEP_SIDE};
 use crate::laws::shape::{Law, Span};
+use ieap_domain::number::fixed;
 use ieap_numerics::control_chart::{self, self_starting};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, median};
 
@@ -245,10 +246,13 @@ impl Series {
                 high_95: latest.and_then(|all| all.into_iter().reduce(f64::max)),
             }),
             (None, Some(earliest)) => Reaches::Unknown(format!(
-                "not before {earliest:.4}, and the readings carry a statement up to {horizon:.4} only"
+                "not before {}, and the readings carry a statement up to {} only",
+                fixed(earliest, 4),
+                fixed(horizon, 4)
             )),
             (None, None) => Reaches::Unknown(format!(
-                "not before {horizon:.4}; the readings carry no statement beyond"
+                "not before {}; the readings carry no statement beyond",
+                fixed(horizon, 4)
             )),
         }
     }

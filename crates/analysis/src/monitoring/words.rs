@@ -10,6 +10,7 @@ use crate::laws::shape::Law;
 use crate::laws::words::{listed, moves, round, short, symbol};
 use crate::laws::{CampaignLaws, Dependence};
 use ieap_domain::Limit;
+use ieap_domain::number::fixed;
 use ieap_domain::words::{counted, in_a_row};
 
 /// The life of a parameter of a sample, in a few sentences: what is clearest first.
@@ -253,7 +254,7 @@ fn short_axis(watched: &Watched, x: f64) -> String {
         return "0".to_owned();
     }
     if x.fract() == 0.0 && x.abs() < 1e6 {
-        format!("{x:.0}")
+        fixed(x, 0)
     } else {
         round(x, watched.study.span.length())
     }

@@ -8,6 +8,7 @@ use super::proposed::{Proposal, of_group, of_plan};
 use super::untie::Untying;
 use crate::laws::CampaignLaws;
 use crate::laws::covariate::Covariate;
+use ieap_domain::number::digits;
 use ieap_domain::{Campaign, GroupDiagnosis, RunRecord};
 
 pub use super::proposed::Expected;
@@ -175,10 +176,13 @@ fn stem(id: &str, run: &Proposal) -> String {
     };
     let mut parts = vec![id.to_owned(), plain(&run.sample)];
     parts.extend(run.environment.as_deref().map(plain));
-    parts.extend(run.relative_humidity_percent.map(|rh| format!("rh{rh:.0}")));
+    parts.extend(
+        run.relative_humidity_percent
+            .map(|rh| format!("rh{}", digits(rh, 0))),
+    );
     parts.extend(run.voltage_v.map(|volts| {
         let sign = if volts < 0.0 { "minus" } else { "" };
-        format!("{sign}{:.0}mV", 1000.0 * volts.abs())
+        format!("{sign}{}mV", digits(1000.0 * volts.abs(), 0))
     }));
     parts.join("-")
 }

@@ -9,6 +9,7 @@ use super::words;
 use crate::conditions::{VOLTAGE_STEP_V, nominal_voltage_v};
 use crate::laws::covariate::Covariate;
 use crate::laws::policy::INFLATION_LIMIT;
+use ieap_domain::number::fixed;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, GroupDiagnosis, RunRecord};
 
@@ -149,7 +150,8 @@ fn drive_of(setting: &Setting, voltage_v: Option<f64>, runs: &[RunRecord], campa
         let duration_s = run.channels.iter().filter_map(|c| c.last_time_s).reduce(last)?;
         Some(words::drive(run.drive.as_ref()?, duration_s))
     });
-    described.unwrap_or_else(|| voltage_v.map_or_else(String::new, |volts| format!("hold {volts:.2} V")))
+    described
+        .unwrap_or_else(|| voltage_v.map_or_else(String::new, |volts| format!("hold {} V", fixed(volts, 2))))
 }
 
 /// The run that splits the set of a group, where one is known.

@@ -6,14 +6,15 @@ use crate::laws::facts::RunFacts;
 use crate::laws::find::TiedSet;
 use crate::laws::policy::INFLATION_LIMIT;
 use crate::laws::words::{listed, short};
-use ieap_domain::seconds::seconds;
+use ieap_domain::number::fixed;
+use ieap_domain::number::seconds::seconds;
 use ieap_domain::words::counted;
 use ieap_domain::{Drive, Level};
 
 /// `38`, `3.1`, or `infinity`.
 pub fn inflation(value: f64) -> String {
     match value.is_finite() && value < super::policy::MOST_INFLATION {
-        true if value >= 100.0 => format!("{value:.0}"),
+        true if value >= 100.0 => fixed(value, 0),
         true => short(value),
         false => "infinity".to_owned(),
     }
@@ -156,7 +157,8 @@ pub fn drive(drive: &Drive, duration_s: f64) -> String {
     if drive.moves() {
         let nominal_v = drive.nominal_step_v();
         return format!(
-            "the moving voltage of up to {nominal_v:.2} V for {} s again",
+            "the moving voltage of up to {} V for {} s again",
+            fixed(nominal_v, 2),
             seconds(duration_s)
         );
     }
@@ -166,7 +168,7 @@ pub fn drive(drive: &Drive, duration_s: f64) -> String {
     let parts: Vec<String> = segments
         .map(|(segment, end)| {
             let level = match segment.level {
-                Level::Voltage(volts) => format!("{:.2} V", volts + 0.0),
+                Level::Voltage(volts) => format!("{} V", fixed(volts, 2)),
                 Level::OpenCircuit => "open circuit".to_owned(),
             };
             format!("{level} for {} s", seconds(end - segment.start_s()))

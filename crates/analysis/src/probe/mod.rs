@@ -1,5 +1,7 @@
 //! What a four-point probe says of the electrodes of a strip: the resistance that a run had, and its course over time.
 
+use ieap_domain::number::fixed;
+
 mod course;
 mod reading;
 mod words;
@@ -40,15 +42,19 @@ pub fn at_run(readings: &[ProbeReading], start_s: f64) -> Result<AtRun, String> 
             let side = if days >= 0.0 { "after" } else { "before" };
             if days.abs() > HOLDS_DAYS {
                 return Err(format!(
-                    "the nearest reading of the probe is {:.0} days {side} the run's start, more than {HOLDS_DAYS:.0}",
-                    days.abs()
+                    "the nearest reading of the probe is {} days {side} the run's start, more than {}",
+                    fixed(days.abs(), 0),
+                    fixed(HOLDS_DAYS, 0)
                 ));
             }
             Ok(AtRun {
                 ohm_per_sq: nearest.ohm_per_sq,
                 error_ohm_per_sq: nearest.error_ohm_per_sq,
                 flexings: nearest.flexings,
-                rests_on: format!("probe, the reading {:.1} days {side} the start", days.abs()),
+                rests_on: format!(
+                    "probe, the reading {} days {side} the start",
+                    fixed(days.abs(), 1)
+                ),
             })
         }
     }
@@ -70,9 +76,9 @@ fn between(before: &ProbeReading, after: &ProbeReading, start_s: f64) -> AtRun {
             .zip(after.flexings)
             .map(|(a, b)| on_line(a, b).round()),
         rests_on: format!(
-            "probe, between readings {:.1} days before and {:.1} days after the start",
-            (start_s - before.at_s) / DAY_S,
-            (after.at_s - start_s) / DAY_S
+            "probe, between readings {} days before and {} days after the start",
+            fixed((start_s - before.at_s) / DAY_S, 1),
+            fixed((after.at_s - start_s) / DAY_S, 1)
         ),
     }
 }

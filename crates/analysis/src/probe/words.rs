@@ -3,6 +3,7 @@
 use super::{Course, DAY_S};
 use crate::laws::shape::Law;
 use crate::laws::words::{moves, short};
+use ieap_domain::number::fixed;
 use ieap_domain::words::counted;
 
 /// What the readings of a sample say, the clearest first.
@@ -12,8 +13,9 @@ pub fn life(course: &Course) -> String {
     let days = study.span.length();
     let mut text = match (study.trends.first(), study.p_trend) {
         (Some(law), Some(p)) if study.is_shown() && law.law != Law::Step => format!(
-            "R_e of {sample} {} over {days:.0} days, {} (p = {}, {readings}).",
+            "R_e of {sample} {} over {} days, {} (p = {}, {readings}).",
             moves(law.size, true),
+            fixed(days, 0),
             law.law.key(),
             short(p)
         ),
@@ -24,7 +26,8 @@ pub fn life(course: &Course) -> String {
             )
         }
         (_, Some(p)) => format!(
-            "R_e of {sample} shows no trend over {days:.0} days (p = {}, {readings}).",
+            "R_e of {sample} shows no trend over {} days (p = {}, {readings}).",
+            fixed(days, 0),
             short(p)
         ),
         (_, None) => format!("R_e of {sample}: {readings}, too few for a trend or a crack."),
@@ -47,7 +50,7 @@ pub fn life(course: &Course) -> String {
 pub fn cracks(course: &Course) -> Vec<String> {
     let readings = &course.series.readings;
     let flexed = |at: usize| match readings[at].flexings {
-        Some(count) => format!(", by {count:.0} flexings"),
+        Some(count) => format!(", by {} flexings", fixed(count, 0)),
         None => String::new(),
     };
     let sentence = |&(at, size): &(usize, f64)| {

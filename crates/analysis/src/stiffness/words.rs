@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use ieap_domain::Estimate;
+use ieap_domain::number::fixed;
 use ieap_domain::words::counted;
 
 use super::{Cause, Change, SampleRow};
@@ -133,7 +134,12 @@ fn times(ratio: &Estimate) -> String {
     match (ratio.value, ratio.low_95, ratio.high_95) {
         (Some(value), Some(low), Some(high)) => {
             let digits = if high - low < 0.02 { 3 } else { 2 };
-            format!("{value:.digits$} ({low:.digits$} to {high:.digits$})")
+            format!(
+                "{} ({} to {})",
+                fixed(value, digits),
+                fixed(low, digits),
+                fixed(high, digits)
+            )
         }
         _ => "an unknown part".to_owned(),
     }

@@ -12,7 +12,7 @@ use crate::parameters::ParameterInfo;
 use crate::pooling::{Averaging, Repeat, pooled};
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, RunRecord, RunState};
-use ieap_show::{Cell, Column, Content, Measured, Notes, Source, SourceOrigin};
+use ieap_show::{Cell, Column, Content, Measured, Notes, Quantity, Source, SourceOrigin};
 
 /// Remark of tables whose cells are means over the runs of a condition.
 pub fn pooled_remark() -> String {
@@ -61,6 +61,18 @@ impl<'a> Shown<'a> {
             unit,
             factor,
         }
+    }
+
+    /// A quantity as tables show it.
+    pub const fn of(quantity: &'a Quantity) -> Shown<'a> {
+        Shown::new(
+            quantity.key,
+            quantity.column,
+            quantity.symbol,
+            quantity.name,
+            quantity.unit,
+            quantity.factor,
+        )
     }
 
     /// A parameter as tables show it.

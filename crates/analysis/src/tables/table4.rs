@@ -2,65 +2,17 @@
 
 use super::TableInput;
 use super::cells::{Contribution, Shown, combined, pooled_where};
+use crate::dma::sheet::STEP;
 use ieap_domain::modulus::step_keys;
 use ieap_domain::tag::keys;
 use ieap_domain::{Estimate, ModulusLog, ModulusStep};
-use ieap_show::{Cell, Column, Content, Notes, Row, Source, SourceOrigin, Table};
+use ieap_show::{Cell, Column, Content, Notes, Quantity, Row, Source, SourceOrigin, Table};
 use std::borrow::Cow;
 
+/// The first numbers of a step.
+const SHOWN: &[Quantity] = STEP.split_at(6).0;
 /// Humidities that agree when rounded to this step (percentage points) are one step of the programme.
 const HUMIDITY_STEP_PERCENT: f64 = 5.0;
-
-const SHOWN: [Shown; 6] = [
-    Shown::new(
-        step_keys::HUMIDITY_BEFORE,
-        step_keys::HUMIDITY_BEFORE,
-        "RH before",
-        "relative humidity before the step",
-        "%",
-        1.0,
-    ),
-    Shown::new(
-        step_keys::HUMIDITY_AFTER,
-        step_keys::HUMIDITY_AFTER,
-        "RH after",
-        "relative humidity after the step",
-        "%",
-        1.0,
-    ),
-    Shown::new(
-        step_keys::MODULUS_BEFORE,
-        step_keys::MODULUS_BEFORE,
-        "|E*| before",
-        "complex modulus when the step begins",
-        "MPa",
-        1.0,
-    ),
-    Shown::new(
-        step_keys::MODULUS_AFTER,
-        step_keys::MODULUS_AFTER,
-        "|E*| after",
-        "complex modulus at the end of the stretch after the step",
-        "MPa",
-        1.0,
-    ),
-    Shown::new(
-        step_keys::RELATIVE_CHANGE,
-        step_keys::RELATIVE_CHANGE,
-        "Δ|E*|",
-        "change relative to the value before, negative where it falls",
-        "%",
-        1.0,
-    ),
-    Shown::new(
-        step_keys::EQUILIBRIUM_TIME,
-        "equilibrium_time_min",
-        "Equilibrium time",
-        "time until the modulus stays within 5 % of its change from equilibrium",
-        "min",
-        1.0 / 60.0,
-    ),
-];
 
 /// Steps of the same programme on the same material.
 struct Alike<'a> {
@@ -81,7 +33,7 @@ pub fn make(input: &TableInput) -> Table {
         Column::plain("material", "Material", "material"),
         Column::plain("step", "Step", "number of the humidity step in the log"),
     ];
-    columns.extend(SHOWN.iter().map(Shown::column));
+    columns.extend(SHOWN.iter().map(Quantity::of_column));
     columns.push(Column::plain("samples", "Samples", "number of samples"));
     columns.push(Column::plain("logs", "Logs", "number of modulus logs"));
     Table {
@@ -157,13 +109,13 @@ fn row(group: &Alike, notes: &mut Notes) -> Row {
         Cell::text(Some(group.material.clone()), sources.clone()),
         Cell::exact(Some(group.ordinal as f64 + 1.0), sources.clone()),
     ];
-    for shown in &SHOWN {
+    for shown in SHOWN {
         let parts: Vec<Contribution> = group
             .steps
             .iter()
             .map(|(log, step)| part(log, step, shown.key))
             .collect();
-        let cell = combined(&parts, shown, notes);
+        let cell = combined(&parts, &Shown::of(shown), notes);
         cells.push(match shown.unit {
             // A humidity between steps is a mean over many readings, whose last digits nobody wants.
             "%" if shown.key != step_keys::RELATIVE_CHANGE => rounded_to_percent(cell),

@@ -6,6 +6,7 @@
 //! (Fisher 1935, Westfall and Young 1993). What goes with the voltage stays with it: only the rest is dealt (Freedman and
 //! Lane 1983), so that a tag that cannot be told from the voltage is never told.
 
+use ieap_domain::number::probabilities::equation;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -36,7 +37,8 @@ pub(crate) fn refused_in_words(dealt: &[(&'static str, f64)]) -> Vec<String> {
         .filter_map(|(id, p)| {
             let summary = effect(id)?.about().summary;
             Some(format!(
-                "{summary} is no cause that is proved: dealt to the runs at random, values of tags explain as much with p = {p:.2}"
+                "{summary} is no cause that is proved: dealt to the runs at random, values of tags explain as much with {}",
+                equation("p", *p)
             ))
         })
         .collect()

@@ -1,5 +1,6 @@
 //! Fits of the extended model: one parameter set for the runs of a group, effects among it.
 
+use ieap_domain::number::{fixed, significant};
 use ieap_domain::{Fit, Issue, Parameter};
 use ieap_fit::{BaseKnowledge, fit_of_run};
 use ieap_model::{FitModel, ModelChoice};
@@ -186,11 +187,11 @@ fn issues(
     let mut issues = vec![Issue::note(
         "shared-parameters",
         format!(
-            "one parameter set for the {} of its group; the effects lower the weighted sum of squares from {:.0} to {:.0} \
+            "one parameter set for the {} of its group; the effects lower the weighted sum of squares from {} to {} \
              ({} readings)",
             counted(group.runs.len()),
-            base.square,
-            extended.square,
+            fixed(base.square, 0),
+            fixed(extended.square, 0),
             group.rows()
         ),
     )];
@@ -202,16 +203,14 @@ fn issues(
         let errors = (after - was).abs() / (wider * standard_error);
         if errors > SHIFT_SIGMAS && after != 0.0 && errors.is_finite() {
             let percent = 100.0 * (was - after).abs() / after.abs();
-            let percent = match percent {
-                p if p < 10.0 => format!("{p:.1}"),
-                p => format!("{p:.0}"),
-            };
+            let percent = significant(percent, 2);
             let side = if *was < after { "small" } else { "large" };
             issues.push(Issue::note(
                 "base-parameter-was-wrong",
                 format!(
-                    "{key} was {percent} % too {side} with {}: {errors:.0} standard errors",
-                    choice.base.id
+                    "{key} was {percent} % too {side} with {}: {} standard errors",
+                    choice.base.id,
+                    fixed(errors, 0)
                 ),
             ));
         }
@@ -219,7 +218,10 @@ fn issues(
     if wider > WIDENED_FROM {
         issues.push(Issue::warning(
             "misfit-left",
-            format!("the extended model leaves {wider:.1} times the noise; intervals are widened by it"),
+            format!(
+                "the extended model leaves {} times the noise; intervals are widened by it",
+                fixed(wider, 1)
+            ),
         ));
     }
     issues

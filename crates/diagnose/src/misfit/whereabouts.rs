@@ -1,6 +1,7 @@
 //! Where the simulation is wrong, in words.
 
-use ieap_domain::seconds::span;
+use ieap_domain::number::seconds::span;
+use ieap_domain::number::{fixed, plain};
 use ieap_domain::words::in_a_row;
 use ieap_domain::{MisfitStretch, Whereabouts};
 
@@ -71,8 +72,9 @@ fn unequal_edge_responses(group: &RunGroup, bins: &[ResidualBin], scores: &[f64]
         )
     };
     Some(format!(
-        "the {} answers {what} unequally, by up to {largest:.0} standard errors more or less than simulated",
+        "the {} answers {what} unequally, by up to {} standard errors more or less than simulated",
         channel_name(block.channel),
+        fixed(largest, 0)
     ))
 }
 
@@ -110,25 +112,17 @@ fn sentence(group: &RunGroup, segments: &[MisfitStretch]) -> String {
         (false, true) => "too large",
         _ => "wrong",
     };
-    let list: Vec<String> = volts
-        .iter()
-        .map(|v| {
-            format!("{v:.2}")
-                .trim_end_matches('0')
-                .trim_end_matches('.')
-                .to_owned()
-        })
-        .collect();
+    let list: Vec<String> = volts.iter().map(|v| plain((100.0 * v).round() / 100.0)).collect();
     let at = if list.is_empty() {
         String::new()
     } else {
         format!(" at {} V", in_a_row(&list))
     };
     format!(
-        "simulated {} {wrong} from {}{at}, by up to {:.0} standard errors of its mean",
+        "simulated {} {wrong} from {}{at}, by up to {} standard errors of its mean",
         worst.channel,
         span(from_s, to_s),
-        worst.sigma.abs()
+        fixed(worst.sigma.abs(), 0)
     )
 }
 

@@ -5,6 +5,8 @@ mod effects;
 mod forms;
 mod sentence;
 
+use ieap_domain::number::probabilities::equation;
+use ieap_domain::number::significant;
 use ieap_domain::{
     DiagnosisNoise, EffectFinding, GroupDiagnosis, MisfitPercent, Parameter, ParameterScatter,
     ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict,
@@ -86,20 +88,20 @@ impl<'g> FindingBuilder<'_, 'g> {
         found.candidates = self.forecasts();
         found.sentence = match found.verdict {
             Verdict::Consistent => format!(
-                "The simulation is right to within the noise{} (p = {:.2}): {} would have been seen.",
+                "The simulation is right to within the noise{} ({}): {} would have been seen.",
                 beside_scatter(&found.scatter, found.scatter_is_noise),
-                self.p_misfit,
+                equation("p", self.p_misfit),
                 error_words(found.visible_percent)
             ),
             Verdict::DataProblem => SPIKED_WORDS.into(),
             _ if self.p_misfit >= RIGHT_FROM => format!(
-                "Nothing speaks against the simulation (p = {:.2}), and little could: only {} would have been seen.",
-                self.p_misfit,
+                "Nothing speaks against the simulation ({}), and little could: only {} would have been seen.",
+                equation("p", self.p_misfit),
                 error_words(found.visible_percent)
             ),
             _ => format!(
-                "The simulation may be wrong (p = {:.3}): too much for chance to be sure, too little to name a cause; {}.",
-                self.p_misfit,
+                "The simulation may be wrong ({}): too much for chance to be sure, too little to name a cause; {}.",
+                equation("p", self.p_misfit),
                 found.whereabouts.as_ref().map_or("", |w| &w.text)
             ),
         };
@@ -349,17 +351,15 @@ fn is_visible(visible: MisfitPercent) -> bool {
 
 /// An error of that size, in words.
 fn error_words(visible: MisfitPercent) -> String {
-    let of =
-        |percent: Option<f64>, what: &str| Some(format!("{} % of the range of the {what}", short(percent?)));
+    let of = |percent: Option<f64>, what: &str| {
+        Some(format!(
+            "{} % of the range of the {what}",
+            significant(percent?, 2)
+        ))
+    };
     let each = [of(visible.current, "current"), of(visible.curvature, "curvature")];
     let sizes: Vec<String> = each.into_iter().flatten().collect();
     format!("an error of {}", sizes.join(" or "))
-}
-
-/// Two digits that count.
-fn short(percent: f64) -> String {
-    let decimals = (1 - percent.abs().max(1e-9).log10().floor() as i32).max(0);
-    format!("{percent:.*}", decimals as usize)
 }
 
 /// What is said of forms of the first effect that explain the readings as well.

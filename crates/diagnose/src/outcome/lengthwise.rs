@@ -10,6 +10,7 @@ use crate::levels::{RIGHT_FROM, TAKEN};
 use crate::options::DiagnoseOptions;
 use crate::outcome::policy::LEAST_CHANCE;
 use crate::readings::group::RunInput;
+use ieap_domain::number::{significant, upper_bound};
 use ieap_domain::{EffectFinding, GroupDiagnosis, Hypothesis, Parameter, Verdict};
 use ieap_fit::distributed::{Decision, LumpedOrDistributed};
 use ieap_model::effects::effect;
@@ -132,9 +133,9 @@ fn proved(
 
 fn chance(p: f64) -> String {
     if p > LEAST_CHANCE {
-        format!("p = {p:.1e}")
+        format!("p = {}", significant(p, 2))
     } else {
-        format!("p below {LEAST_CHANCE:.0e}")
+        format!("p {}", upper_bound(LEAST_CHANCE))
     }
 }
 

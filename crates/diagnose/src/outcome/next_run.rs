@@ -1,6 +1,7 @@
 //! The run that would tell the members of a set apart.
 
-use ieap_domain::seconds::seconds;
+use ieap_domain::number::fixed;
+use ieap_domain::number::seconds::seconds;
 use ieap_domain::{Drive, Level, NextRun, Segment};
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::symmetric::Symmetric;
@@ -55,37 +56,45 @@ pub fn proposals(v: f64, t: f64) -> Vec<(String, Drive, f64)> {
         .collect();
     vec![
         (
-            format!("{:.2} V for {t_s} s, then 0 V for {t_s} s", v),
+            format!("{} V for {t_s} s, then 0 V for {t_s} s", fixed(v, 2)),
             of(&[(0.0, Some(v)), (t, Some(0.0))]),
             2.0 * t,
         ),
         (
-            format!("{:.2} V for {t_s} s (half the voltage)", v / 2.0),
+            format!("{} V for {t_s} s (half the voltage)", fixed(v / 2.0, 2)),
             of(&[(0.0, Some(v / 2.0))]),
             t,
         ),
         (
-            format!("{:.2} V for {t_s} s (reversed)", -v),
+            format!("{} V for {t_s} s (reversed)", fixed(-v, 2)),
             of(&[(0.0, Some(-v))]),
             t,
         ),
         (
-            format!("{:.2} V and 0 V in turn, {} s each, 15 times", v, seconds(on_s)),
+            format!(
+                "{} V and 0 V in turn, {} s each, 15 times",
+                fixed(v, 2),
+                seconds(on_s)
+            ),
             of(&pulses),
             30.0 * on_s,
         ),
         (
-            format!("{:.2} V for {t_s} s, then open circuit for {t_s} s", v),
+            format!("{} V for {t_s} s, then open circuit for {t_s} s", fixed(v, 2)),
             of(&[(0.0, Some(v)), (t, None)]),
             2.0 * t,
         ),
         (
-            format!("{:.2} V for {t_s} s, then {:.2} V for {t_s} s", v, -v),
+            format!(
+                "{} V for {t_s} s, then {} V for {t_s} s",
+                fixed(v, 2),
+                fixed(-v, 2)
+            ),
             of(&[(0.0, Some(v)), (t, Some(-v))]),
             2.0 * t,
         ),
         (
-            format!("{:.2} V for {} s (longer)", v, seconds(5.0 * t)),
+            format!("{} V for {} s (longer)", fixed(v, 2), seconds(5.0 * t)),
             of(&[(0.0, Some(v))]),
             5.0 * t,
         ),

@@ -1,5 +1,7 @@
 //! What is said where the parameters of a group differ between its runs, and nothing else is wrong.
 
+use ieap_domain::number::probabilities::equation;
+use ieap_domain::number::significant;
 use ieap_domain::words::in_a_row;
 use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue};
 
@@ -16,7 +18,12 @@ fn doubted(alone: &[RunAlone]) -> impl Iterator<Item = (&str, f64)> {
 
 fn doubts(alone: &[RunAlone]) -> Vec<String> {
     doubted(alone)
-        .map(|(run, p)| format!("{run} leaves more than noise by itself, or chance did (p = {p:.3})"))
+        .map(|(run, p)| {
+            format!(
+                "{run} leaves more than noise by itself, or chance did ({})",
+                equation("p", p)
+            )
+        })
         .collect()
 }
 
@@ -106,14 +113,7 @@ fn course(parameter: &VaryingParameter) -> Option<String> {
 
 /// Three digits that count.
 pub(crate) fn short(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let decimals = 2 - value.abs().log10().floor() as i32;
-    match decimals {
-        ..=6 => format!("{value:.*}", decimals.max(0) as usize),
-        _ => format!("{value:.2e}"),
-    }
+    significant(value, 3)
 }
 
 /// Symbol, factor to the printed unit, and that unit.

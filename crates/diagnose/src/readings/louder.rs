@@ -1,5 +1,6 @@
 //! Noise that grows from run to run with the voltage, as bubbles at an electrode give.
 
+use ieap_domain::number::significant;
 use ieap_domain::{Channel, Drive};
 use ieap_numerics::robust::sd_on_a_slope;
 
@@ -25,14 +26,14 @@ fn remark(group: &RunGroup, channel: usize) -> Option<String> {
     let are_enough = found.len() >= FEWEST_FOR_LOUDER;
     (are_enough && loud.1 > LOUDER_FACTOR * quiet.1 && kendall(&found) > LOUDER_SIGMAS).then(|| {
         format!(
-            "the noise of the {} grows with the voltage: from {:.1e} {unit} at {} V to {:.1e} {unit} at {} V; bubbles at an \
+            "the noise of the {} grows with the voltage: from {} {unit} at {} V to {} {unit} at {} V; bubbles at an \
              electrode do that, and an instrument that changes to a coarser range",
             channel_name(channel),
-            quiet.1,
+            significant(quiet.1, 2),
             quiet.0,
-            loud.1,
+            significant(loud.1, 2),
             loud.0,
-            unit = QUANTITIES[channel].unit(),
+            unit = QUANTITIES[channel].unit()
         )
     })
 }

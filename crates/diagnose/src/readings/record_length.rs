@@ -1,6 +1,7 @@
 //! Time constants that grow with the length of the record, where a power law describes the current better than they do.
 
-use ieap_domain::seconds::seconds;
+use ieap_domain::number::fixed;
+use ieap_domain::number::seconds::seconds;
 use ieap_domain::{Estimate, Fit, Quantity};
 use ieap_fit::{FitOptions, fit_run, without_outliers};
 use ieap_model::FitModel;
@@ -89,9 +90,10 @@ fn exponent(found: &[Described]) -> String {
     let square: f64 = each.iter().map(|own| (own - mean).powi(2)).sum();
     let off = quantile_95(count - 1.0) * (square / (count - 1.0) / count).sqrt();
     format!(
-        "{mean:.2} (95 % interval {:.2} to {:.2}, from {} runs)",
-        mean - off,
-        mean + off,
+        "{} (95 % interval {} to {}, from {} runs)",
+        fixed(mean, 2),
+        fixed(mean - off, 2),
+        fixed(mean + off, 2),
         each.len()
     )
 }

@@ -1,5 +1,6 @@
 //! Tags that differ between the runs of a group, and in how many orders their values can be dealt to the runs.
 
+use ieap_domain::number::fixed;
 use ieap_model::effects::{Effect, effect};
 
 use crate::readings::group::RunGroup;
@@ -30,10 +31,11 @@ pub(crate) fn not_asked(group: &RunGroup) -> Vec<String> {
     few.filter_map(|tag| {
         let about = effect(tag.id)?.about();
         Some(format!(
-            "{} is not asked for: its values can be dealt to {} runs in {:.0} orders, and a finding needs {FEWEST_ORDERS:.0}",
+            "{} is not asked for: its values can be dealt to {} runs in {} orders, and a finding needs {}",
             about.summary,
             tag.at.len(),
-            orders(&tag.at)
+            fixed(orders(&tag.at), 0),
+            fixed(FEWEST_ORDERS, 0)
         ))
     })
     .collect()

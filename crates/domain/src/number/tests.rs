@@ -85,6 +85,11 @@ fn minus_is_a_minus_and_zero_has_no_sign() {
     assert_eq!(fixed(-0.0001, 2), "0.00");
     assert_eq!(plain(-0.7), "−0.7");
     assert_eq!(superscript(-12), "⁻¹²");
+    assert_eq!(
+        [3.2, -3.2, 0.2, -0.2].map(|value| with_sign(value, 0)),
+        ["+3", "−3", "0", "0"]
+    );
+    assert_eq!(percent(0.1234, 1), "12.3 %");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! A foil that is cracked at a place: electrodes that resist more, or less, from there on (`contact-break`).
 
+use ieap_domain::number::fixed;
+use ieap_domain::number::probabilities::equation;
 use ieap_domain::{Estimate, Issue, Parameter};
 use ieap_numerics::student::quantile_95;
 
@@ -81,10 +83,10 @@ impl ContactBreak {
         let [place, factor] = self.parameters().map(|parameter| parameter.estimate);
         let span = |estimate: &Estimate| {
             format!(
-                "{:.3} ({:.3} to {:.3})",
-                estimate.value.unwrap_or(f64::NAN),
-                estimate.low_95.unwrap_or(f64::NAN),
-                estimate.high_95.unwrap_or(f64::NAN)
+                "{} ({} to {})",
+                fixed(estimate.value.unwrap_or(f64::NAN), 3),
+                fixed(estimate.low_95.unwrap_or(f64::NAN), 3),
+                fixed(estimate.high_95.unwrap_or(f64::NAN), 3)
             )
         };
         let place = match place.value {
@@ -92,10 +94,10 @@ impl ContactBreak {
             None => "from a place on that the readings do not tell".to_owned(),
         };
         let message = format!(
-            "contact-break: the electrodes resist {} times as much along the strip {place}, as a cracked foil does; p = {:.3} over {BREAK_PLACES} places, the sum of squares falls by {:.0} variances of the noise",
+            "contact-break: the electrodes resist {} times as much along the strip {place}, as a cracked foil does; {} over {BREAK_PLACES} places, the sum of squares falls by {} variances of the noise",
             span(&factor),
-            self.p,
-            self.gain
+            equation("p", self.p),
+            fixed(self.gain, 0)
         );
         Issue::warning("contact-break", message)
             .mend("look at the foil there; parameters of this fit hold for the electrodes before the break")

@@ -1,6 +1,7 @@
 //! What the readings of a run say to a resistance that was given.
 
 use ieap_domain::Issue;
+use ieap_domain::number::{interval, measured, significant};
 use ieap_numerics::student::two_sided_chance;
 
 use super::estimates::{electrode_resistance, tells_electrodes};
@@ -19,8 +20,8 @@ pub(super) fn issue(input: &DistributedInput, alone: Option<&Identified>) -> Opt
     let given = strip.electrode_resistance_ohm_per_sq?;
     let probed = strip.probed();
     let read = match probed {
-        Some(probed) => format!("{given:.4} ± {:.2} Ohm/sq", probed.error * given),
-        None => format!("{given:.4} Ohm/sq, without an error"),
+        Some(probed) => format!("{} Ohm/sq", measured(given, probed.error * given)),
+        None => format!("{} Ohm/sq, without an error", significant(given, 4)),
     };
     let told = alone
         .filter(|alone| tells_electrodes(alone))
@@ -36,15 +37,15 @@ pub(super) fn issue(input: &DistributedInput, alone: Option<&Identified>) -> Opt
         (Some(p), Some(told), ..) => {
             let end = |end: Option<f64>| end.unwrap_or(f64::NAN);
             let message = format!(
-                "R_e was given as {read}; the readings of this run alone ask for {:.4} ({:.4} to {:.4}): they contradict each other (p = {p:.1e}), and parameters of this fit hold {}",
-                end(told.value),
-                end(told.low_95),
-                end(told.high_95),
+                "R_e was given as {read}; the readings of this run alone ask for {} ({}): they contradict each other (p = {}), and parameters of this fit hold {}",
+                significant(end(told.value), 3),
+                interval(end(told.low_95), end(told.high_95)),
+                significant(p, 2),
                 if is_broken {
                     "for the readings"
                 } else {
                     "only where the probe is right"
-                },
+                }
             );
             Issue::warning("probe-contradicted", message).mend(
                 "measure the electrodes again; without electrode_resistance_ohm_per_sq R_e is fitted from the readings alone",

@@ -1,5 +1,7 @@
 //! Lumped or distributed: what a run says, in numbers and in a sentence.
 
+use ieap_domain::number::probabilities::equation;
+use ieap_domain::number::{fixed, percent, significant, upper_bound};
 use ieap_domain::{Estimate, Issue, LUMPED_OR_DISTRIBUTED};
 pub(super) use ieap_model::distributed::criterion::LUMPED_TOLERANCE;
 use ieap_model::distributed::{DistributedModel, LumpedError};
@@ -88,13 +90,13 @@ impl Decision {
         let share = |found: &Unevenness| 100.0 * found.gain / found.uneven.max(f64::MIN_POSITIVE);
         let message = match (self.verdict(), &self.unevenness) {
             (LumpedOrDistributed::Distributed, Some(found)) => format!(
-                "distributed: {} places along the strip differ as the electrodes' resistance makes them ({}), and some follow later than others ({}); it explains {:.0} % of the differences, {} -> {} variances of the noise; {criterion}",
+                "distributed: {} places along the strip differ as the electrodes' resistance makes them ({}), and some follow later than others ({}); it explains {} % of the differences, {} -> {} variances of the noise; {criterion}",
                 found.places,
                 chance(found.p),
                 chance(found.p_later),
-                share(found),
+                fixed(share(found), 0),
                 rounded(found.uneven),
-                rounded(found.uneven - found.gain),
+                rounded(found.uneven - found.gain)
             ),
             (LumpedOrDistributed::UnevenPattern, Some(found)) => format!(
                 "open: {} places along the strip differ ({}), but none follows later than another ({}): a coupling that differs from place to place would look the same; {criterion}",
@@ -143,7 +145,6 @@ impl Decision {
     }
 
     fn criterion(&self) -> String {
-        let percent = |share: f64| format!("{:.1}", 100.0 * share);
         match &self.lumped_error {
             Some(Bounded {
                 value: Some(error),
@@ -154,22 +155,22 @@ impl Decision {
                     // As many decimals as tell its ends apart.
                     let digits = (1.0 - (100.0 * (high_first - low_first)).log10()).clamp(1.0, 4.0) as usize;
                     format!(
-                        " (95 % interval {:.digits$} to {:.digits$} %)",
-                        100.0 * low_first,
-                        100.0 * high_first
+                        " (95 % interval {} to {})",
+                        fixed(100.0 * low_first, digits),
+                        percent(*high_first, digits)
                     )
                 } else {
                     String::new()
                 };
                 format!(
-                    "a lumped model with these parameters is wrong at the tip by {} % of its first motion{interval} and by {} % in the end",
-                    percent(error.first_displacement),
-                    percent(error.final_displacement)
+                    "a lumped model with these parameters is wrong at the tip by {} of its first motion{interval} and by {} in the end",
+                    percent(error.first_displacement, 1),
+                    percent(error.final_displacement, 1)
                 )
             }
             Some(Bounded { high_first, .. }) => format!(
-                "a lumped model is wrong at the tip by at most {} % of its first motion",
-                percent(*high_first)
+                "a lumped model is wrong at the tip by at most {} of its first motion",
+                percent(*high_first, 1)
             ),
             None => "by how much a lumped model is wrong is not determined".to_owned(),
         }
@@ -179,16 +180,16 @@ impl Decision {
 /// A chance as it is told.
 fn chance(p: f64) -> String {
     match p {
-        p if p < 1e-6 => "p below 1e-6".to_owned(),
-        p if p < 1e-3 => format!("p = {p:.0e}"),
-        p => format!("p = {p:.3}"),
+        p if p < 1e-6 => format!("p {}", upper_bound(1e-6)),
+        p if p < 1e-3 => format!("p = {}", significant(p, 1)),
+        p => equation("p", p),
     }
 }
 
 fn rounded(square: f64) -> String {
     match square {
-        s if s < 1e5 => format!("{s:.0}"),
-        s => format!("{s:.2e}"),
+        s if s < 1e5 => fixed(s, 0),
+        s => significant(s, 3),
     }
 }
 

@@ -3,6 +3,7 @@
 //! What is exact is held. What has a standard error counts as a reading of the parameter with that error. What has limits is
 //! searched within them. Whether the readings agree with what is known is asked of the same readings without it.
 
+use ieap_domain::number::{measured, significant};
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Fit, Issue, Knowledge, KnownParameter};
 use ieap_model::FitModel;
@@ -273,8 +274,10 @@ fn contradictions(
     if !apart.is_empty() {
         return apart;
     }
-    let message =
-        format!("what is known of the parameters and the readings contradict each other (p = {p:.2e})");
+    let message = format!(
+        "what is known of the parameters and the readings contradict each other (p = {})",
+        significant(p, 3)
+    );
     vec![Issue::warning("known-contradicted", message).mend(MEND)]
 }
 
@@ -286,8 +289,10 @@ fn contradicted(taken: &Taken, own: &Interval, p: f64) -> Issue {
     let apart = |sign: f64| (feature.stated(own.value + sign * own.standard_error) - value).abs();
     let error = 0.5 * (apart(1.0) + apart(-1.0));
     let message = format!(
-        "the readings alone say {value:.4} ± {error:.2}, where {} is taken as known: they contradict each other (p = {p:.1e})",
-        taken.known.knowledge
+        "the readings alone say {}, where {} is taken as known: they contradict each other (p = {})",
+        measured(value, error),
+        taken.known.knowledge,
+        significant(p, 2)
     );
     Issue::warning("known-contradicted", message)
         .at(taken.known.parameter.as_str())

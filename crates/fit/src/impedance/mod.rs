@@ -15,6 +15,7 @@ mod tests;
 pub mod z_hit;
 
 use ieap_domain::impedance::FEWEST_FREQUENCIES;
+use ieap_domain::number::{fixed, significant};
 use ieap_domain::{CircuitFit, Consistency, Issue, KramersKronig, Spectrum, SpectrumAnalysis};
 use ieap_model::impedance::{SpectrumCircuit, circuits as built_in};
 use policy::{DESCRIBES_WITHIN, FINE_RMS};
@@ -96,9 +97,11 @@ fn issues(tested: &KramersKronig, circuits: &[CircuitFit]) -> Vec<Issue> {
     if tested.verdict == Consistency::Violated {
         let (low, high) = tested.off_hz.unwrap_or((f64::NAN, f64::NAN));
         let message = format!(
-            "the readings between {low:.3e} and {high:.3e} Hz are no impedance of anything linear and unchanging: they lie \
-             {:.1} % of |Z| off what the other frequencies allow (Kramers-Kronig)",
-            tested.largest_mean_percent
+            "the readings between {} and {} Hz are no impedance of anything linear and unchanging: they lie \
+             {} % of |Z| off what the other frequencies allow (Kramers-Kronig)",
+            significant(low, 4),
+            significant(high, 4),
+            fixed(tested.largest_mean_percent, 1)
         );
         let mend = "leave these frequencies out, measure with a smaller amplitude, or wait until the sample has come to rest";
         issues.push(Issue::warning("kramers-kronig", message).mend(mend));
@@ -109,9 +112,10 @@ fn issues(tested: &KramersKronig, circuits: &[CircuitFit]) -> Vec<Issue> {
             .map(|fit| fit.residual_rms_percent)
             .fold(f64::INFINITY, f64::min);
         let message = format!(
-            "no circuit of the list describes the spectrum: the best leaves {least:.2} % of |Z|, where the readings scatter by \
-             {:.2} %; intervals are those of the noise alone and too narrow",
-            tested.scatter_percent
+            "no circuit of the list describes the spectrum: the best leaves {} % of |Z|, where the readings scatter by \
+             {} %; intervals are those of the noise alone and too narrow",
+            fixed(least, 2),
+            fixed(tested.scatter_percent, 2)
         );
         issues.push(Issue::warning("no-circuit-describes", message));
     }

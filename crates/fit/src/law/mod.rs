@@ -7,6 +7,7 @@ mod stated;
 #[cfg(test)]
 mod tests;
 
+use ieap_domain::number::significant;
 use ieap_domain::{Fit, Issue, Parameter, Quantity};
 use ieap_model::BendingLaw;
 
@@ -134,8 +135,10 @@ fn add_law(
     fit.issues.extend(parameter_issues(&parameters));
     fit.parameters.extend(parameters);
     if let Some(offset_per_cm) = bent.offset_per_cm {
-        let words =
-            format!("the strip is bent by {offset_per_cm:.4e} 1/cm before the step; fitted as an offset");
+        let words = format!(
+            "the strip is bent by {} 1/cm before the step; fitted as an offset",
+            significant(offset_per_cm, 5)
+        );
         fit.issues
             .push(Issue::note("initial-curvature", words).at("column curvature_per_cm"));
     }

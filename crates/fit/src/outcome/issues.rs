@@ -5,6 +5,7 @@ use crate::joint::single::Judged;
 use crate::joint_estimates::{choice_in_words, two_step_choice_in_words};
 use crate::sampled::Sampled;
 use crate::two_steps::Identified;
+use ieap_domain::number::{interval, rounded_bound, significant};
 use ieap_domain::{Drive, EstimateState, Issue, Level, Parameter};
 use ieap_numerics::decay::Block;
 use ieap_numerics::least_squares::Stop;
@@ -26,15 +27,21 @@ pub(crate) fn parameter_issues(parameters: &[Parameter]) -> Vec<Issue> {
             EstimateState::Determined(_) => continue,
             EstimateState::Between(low, high) => (
                 "parameter-bounded",
-                format!("only bounds are known, {low:.4e} and {high:.4e}"),
+                format!("only bounds are known, {}", interval(low, high)),
             ),
             EstimateState::Above(low) => (
                 "parameter-bounded",
-                format!("only a lower bound is known, {low:.4e}"),
+                format!(
+                    "only a lower bound is known, {}",
+                    rounded_bound(low, false).value_text()
+                ),
             ),
             EstimateState::Below(high) => (
                 "parameter-bounded",
-                format!("only an upper bound is known, {high:.4e}"),
+                format!(
+                    "only an upper bound is known, {}",
+                    rounded_bound(high, true).value_text()
+                ),
             ),
             EstimateState::Open => ("parameter-not-determined", "not determined".to_owned()),
         };
@@ -76,7 +83,8 @@ pub(super) fn issues(
     {
         let offset_a = judged.map_or(of_step, |judged| judged.offsets.current_a);
         let message = format!(
-            "the current is off by {offset_a:.4e} A at every voltage, which no resistor explains; fitted as the instrument's zero"
+            "the current is off by {} A at every voltage, which no resistor explains; fitted as the instrument's zero",
+            significant(offset_a, 5)
         );
         issues.push(Issue::warning("current-offset", message).at("column current_a"));
     }
@@ -84,8 +92,10 @@ pub(super) fn issues(
         && let Some(of_step) = bending.offset_per_cm
     {
         let offset_per_cm = judged.map_or(of_step, |judged| judged.offsets.curvature_per_cm);
-        let message =
-            format!("the strip is bent by {offset_per_cm:.4e} 1/cm before the step; fitted as an offset");
+        let message = format!(
+            "the strip is bent by {} 1/cm before the step; fitted as an offset",
+            significant(offset_per_cm, 5)
+        );
         issues.push(Issue::note("initial-curvature", message).at("column curvature_per_cm"));
     }
     let unfinished = [

@@ -5,6 +5,7 @@ use crate::joint::whitening::{Autocorrelation, longest_s};
 use crate::policy::{ENOUGH_FOR_NOISE, FOLLOWED_PART};
 use crate::sampled::Sampled;
 use crate::uncertainty::Residuals;
+use ieap_domain::number::fixed;
 use ieap_domain::thinning::drawn_indices;
 use ieap_domain::{ChannelNoise, NoiseCharacter, Quantity, RunCurve};
 use ieap_numerics::correlation::lag_one;
@@ -139,8 +140,9 @@ fn noise(sampled: &Sampled, residuals: Option<&Residuals>) -> (f64, String) {
         Some(scatter) => (
             scatter.standard_deviation,
             format!(
-                "scatter of {} neighbouring readings about a smooth curve (correlation of neighbours {:.2})",
-                scatter.window, scatter.correlation
+                "scatter of {} neighbouring readings about a smooth curve (correlation of neighbours {})",
+                scatter.window,
+                fixed(scatter.correlation, 2)
             ),
         ),
         None => {

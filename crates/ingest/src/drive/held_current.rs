@@ -2,6 +2,7 @@
 
 use super::{FoundDrive, NO_STEPS};
 use crate::drive::policy::{HELD_CURRENT_SHARE, HELD_WITHIN};
+use ieap_domain::number::significant;
 use ieap_domain::{Channel, Drive, Issue, Quantity};
 use ieap_numerics::robust::upper_median;
 
@@ -15,7 +16,8 @@ pub(super) fn told(mut found: FoundDrive, channels: &[Channel]) -> FoundDrive {
     let no_steps = found.issues.iter_mut().find(|issue| issue.code == NO_STEPS);
     if let (Some(issue), Some(current_a)) = (no_steps, held_a(channels)) {
         let message = format!(
-            "the current is held at {current_a:.3e} A and the voltage follows from it: a record of a constant current, no steps of the voltage"
+            "the current is held at {} A and the voltage follows from it: a record of a constant current, no steps of the voltage",
+            significant(current_a, 4)
         );
         *issue = Issue::note(NO_STEPS, message)
             .at(issue.place.clone())

@@ -4,6 +4,7 @@ use crate::drive::policy::{
     ANSWERS_WITHIN, AT_REST_BELOW, BESIDE_EDGE, DEPARTURE_OVER_NOISE, EDGE_LONGEST_STEP, EDGE_OF_RANGE,
     EDGE_OVER_BESIDE, EDGE_OVER_NOISE, EDGE_STAYS, FEWEST_AT_REST,
 };
+use ieap_domain::number::fixed;
 use ieap_domain::range_of;
 use ieap_domain::{Channel, Drive, Edge, Issue, Quantity};
 use ieap_numerics::robust::{sd_on_a_slope, upper_median};
@@ -57,10 +58,14 @@ pub fn unexplained(channels: &[Channel], drive: &Drive) -> Option<Issue> {
         }
     });
     let times = match jumps.len() {
-        1 => format!("jumps by {:.4} mA at {} s", 1e3 * largest.ampere, first.time_s),
+        1 => format!(
+            "jumps by {} mA at {} s",
+            fixed(1e3 * largest.ampere, 4),
+            first.time_s
+        ),
         many => format!(
-            "jumps {many} times by up to {:.4} mA, first at {} s",
-            1e3 * largest.ampere.abs(),
+            "jumps {many} times by up to {} mA, first at {} s",
+            fixed(1e3 * largest.ampere.abs(), 4),
             first.time_s
         ),
     };

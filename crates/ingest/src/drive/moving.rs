@@ -5,6 +5,7 @@
 //! period: docs/moving-voltage.md has the numbers.
 
 use ieap_domain::drive::jumps;
+use ieap_domain::number::{fixed, plain, significant, to_digits};
 use ieap_domain::{Channel, Drive, Issue, Quantity, range_of};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 use ieap_numerics::waveform::{LEAST_TURN, Waveform, between, finer, recognise, turns};
@@ -74,7 +75,9 @@ fn course(time_s: &[f64], volts: &[f64], open: &[(f64, f64)]) -> Result<Course, 
     let scatter_v = scatter(volts);
     if scatter_v > MOST_SCATTER * range_v {
         let found = format!(
-            "the voltage scatters by {scatter_v:.2e} V from reading to reading, within {range_v:.3} V: neither steps nor a course"
+            "the voltage scatters by {} V from reading to reading, within {} V: neither steps nor a course",
+            significant(scatter_v, 3),
+            fixed(range_v, 3)
         );
         return Err(refused(found).mend("check the voltmeter's range and wiring; it is kept and not fitted"));
     }
@@ -88,12 +91,13 @@ fn course(time_s: &[f64], volts: &[f64], open: &[(f64, f64)]) -> Result<Course, 
         && readings < READINGS_IN_HALF_PERIOD
     {
         let found = format!(
-            "the voltage turns round every {half_s:.3} s where it is fastest, and is read {readings} times in that time: \
-             {READINGS_IN_HALF_PERIOD} are needed"
+            "the voltage turns round every {} s where it is fastest, and is read {readings} times in that time: \
+             {READINGS_IN_HALF_PERIOD} are needed",
+            fixed(half_s, 3)
         );
         let mend = format!(
-            "record voltage, current and bending every {:.2e} s or faster, or drive more slowly; it is kept and not fitted",
-            half_s / READINGS_IN_HALF_PERIOD as f64
+            "record voltage, current and bending every {} s or faster, or drive more slowly; it is kept and not fitted",
+            significant(half_s / READINGS_IN_HALF_PERIOD as f64, 3)
         );
         return Err(refused(found).mend(mend));
     }
@@ -248,15 +252,15 @@ impl Course {
             Waveform::Other => format!("between {} V and {} V", short(low), short(high)),
         };
         let message = format!(
-            "the voltage moves all the time: {what}; its readings scatter by {:.1e} of their range; the distributed \
+            "the voltage moves all the time: {what}; its readings scatter by {} of their range; the distributed \
              model and fits of whole groups leave the run out",
-            self.scatter_v / (high - low)
+            significant(self.scatter_v / (high - low), 2)
         );
         let mut issues = vec![Issue::note(MOVES, message).at("column voltage_v")];
         if self.rest_v.is_none() && self.first_v.abs() > LEAST_TURN * (high - low) {
             let message = format!(
-                "the record starts with {:.4} V already applied; the sample is taken as discharged (0 V) before it",
-                self.first_v
+                "the record starts with {} V already applied; the sample is taken as discharged (0 V) before it",
+                fixed(self.first_v, 4)
             );
             issues.push(Issue::note("start-state-assumed", message));
         }
@@ -264,13 +268,7 @@ impl Course {
     }
 }
 
-/// Three digits.
+/// Three digits, without zeros that say nothing.
 fn short(value: f64) -> String {
-    let digits = (2 - value.abs().max(1e-12).log10().floor() as i32).clamp(0, 9) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
+    plain(to_digits(value, 3))
 }

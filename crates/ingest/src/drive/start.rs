@@ -1,6 +1,7 @@
 //! A record that begins under voltage: whether that was applied just before it, to a discharged strip, so long before that the
 //! strip was at rest, or at a time that nothing tells.
 
+use ieap_domain::number::fixed;
 use ieap_domain::{Channel, Drive, Edge, Issue, Level, Quantity, Segment};
 
 use super::{FoundDrive, Stretch, jumps};
@@ -194,23 +195,26 @@ fn share_of_an_edge(first: Stretch, next: Stretch, channels: &[Channel]) -> Opti
 
 fn assumed(level_v: f64) -> Issue {
     let message = format!(
-        "the record starts with {level_v:.4} V already applied; the sample is taken as discharged (0 V) before it"
+        "the record starts with {} V already applied; the sample is taken as discharged (0 V) before it",
+        fixed(level_v, 4)
     );
     Issue::note("start-state-assumed", message)
 }
 
 fn at_rest(level_v: f64) -> Issue {
     let message = format!(
-        "the record starts with {level_v:.4} V already applied; the current shows no charging by it, so it is taken as held \
-         for long before"
+        "the record starts with {} V already applied; the current shows no charging by it, so it is taken as held \
+         for long before",
+        fixed(level_v, 4)
     );
     Issue::note("start-state-assumed", message)
 }
 
 fn not_told(level_v: f64) -> Issue {
     let message = format!(
-        "the record starts with {level_v:.4} V already applied, and nothing tells since when: what depends on it is a bound or \
-         open; the sample is taken as discharged (0 V) before"
+        "the record starts with {} V already applied, and nothing tells since when: what depends on it is a bound or \
+         open; the sample is taken as discharged (0 V) before",
+        fixed(level_v, 4)
     );
     Issue::warning("start-state-unknown", message)
         .at("column voltage_v")

@@ -3,6 +3,7 @@
 use super::FoundDrive;
 use crate::drive::policy::DEPARTURE_V;
 use ieap_domain::drive::NOMINAL_AGREES_PART;
+use ieap_domain::number::fixed;
 use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Severity};
 
 /// The channel that the steps are found in: the stated control where it has a reading for each of the measured
@@ -65,11 +66,13 @@ fn departure(driving: &Channel, measured: &Channel) -> Option<Issue> {
     let (time_s, stated_v, measured_v) = *apart.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
     let message = format!(
         "the measured {} lies more than {DEPARTURE_V} V from the stated {} in {} of {} readings, farthest at {time_s} s: \
-         {measured_v:.4} V where {stated_v:.4} V is stated",
+         {} V where {} V is stated",
         measured.raw_name,
         driving.raw_name,
         apart.len(),
-        driving.len()
+        driving.len(),
+        fixed(measured_v, 4),
+        fixed(stated_v, 4)
     );
     let place = format!("column {}", measured.raw_name);
     Some(if 2 * apart.len() > held {
@@ -112,10 +115,12 @@ pub fn contradicted(stated: &Drive, channels: &[Channel]) -> Option<Issue> {
         return None;
     }
     let message = format!(
-        "the drive that is stated contradicts {} of {} readings of the voltage, first at {at_s} s: {read_v:.4} V where \
-         {stated_v:.4} V is stated; the readings are used",
+        "the drive that is stated contradicts {} of {} readings of the voltage, first at {at_s} s: {} V where \
+         {} V is stated; the readings are used",
         off.len(),
-        time_s.len()
+        time_s.len(),
+        fixed(read_v, 4),
+        fixed(stated_v, 4)
     );
     let issue =
         Issue::warning("drive-contradicted", message).at(format!("column {}", voltage.quantity.column()));

@@ -171,7 +171,7 @@ fn a_clipped_sine_is_no_train_of_pulses() {
         "{:?}",
         found.issues
     );
-    assert!(said(&found).contains("between -1.2"), "{}", said(&found));
+    assert!(said(&found).contains("between −1.2"), "{}", said(&found));
 }
 
 #[test]
@@ -486,7 +486,7 @@ fn a_voltage_that_follows_from_a_held_current_is_told_as_that_and_not_as_a_sweep
         assert_eq!(held.issues[0].code, NO_STEPS);
         let said = &held.issues[0].message;
         assert!(
-            said.starts_with("the current is held at 1.000e-3 A") && !said.contains("changes"),
+            said.starts_with("the current is held at 1.000·10⁻³ A") && !said.contains("changes"),
             "{said}"
         );
         let answering = told(current(&|k| 1e-3 * climb[k].1));

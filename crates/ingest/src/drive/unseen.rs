@@ -1,5 +1,6 @@
 //! What readings of a voltage do not tell of its edges: levels that one reading each saw, and pauses of the record.
 
+use ieap_domain::number::fixed;
 use ieap_domain::{Drive, Issue, range_of};
 
 use super::found::NO_STEPS;
@@ -26,10 +27,12 @@ pub(super) fn alternating(time_s: &[f64], volts: &[f64]) -> Option<Issue> {
     let first = *alone.first().filter(|_| 2 * alone.len() > changes + 1)?;
     let message = format!(
         "the voltage changes at nearly every reading: {} of {} levels were seen by one reading each, first at {} s, between \
-         {low:.3} and {high:.3} V. How long each was held, and what lay between the readings, cannot be told",
+         {} and {} V. How long each was held, and what lay between the readings, cannot be told",
         alone.len(),
         changes + 1,
-        time_s[first]
+        time_s[first],
+        fixed(low, 3),
+        fixed(high, 3)
     );
     Some(Issue::warning(NO_STEPS, message).at("column voltage_v").mend(
         "check that this column is the voltage; record it at least three times in every level; it is kept and not fitted",
@@ -68,14 +71,14 @@ pub(super) fn pauses(
     };
     let course = if changed(&longest) {
         format!(
-            "it went from {:.4} V to {:.4} V, at a time that is not known",
-            volts[longest],
-            volts[longest + 1]
+            "it went from {} V to {} V, at a time that is not known",
+            fixed(volts[longest], 4),
+            fixed(volts[longest + 1], 4)
         )
     } else {
         format!(
-            "it is {:.4} V on both sides, and a pulse there would not be seen",
-            volts[longest + 1]
+            "it is {} V on both sides, and a pulse there would not be seen",
+            fixed(volts[longest + 1], 4)
         )
     };
     let others = match hidden.len() - 1 {

@@ -10,6 +10,7 @@ use super::time_axis::{self, TimeAxis};
 use crate::RunTable;
 use crate::formats::policy::{BAD_SHARE, MOSTLY_CAPACITIVE};
 use crate::text::header::{Header, Meaning};
+use ieap_domain::number::exact;
 use ieap_domain::unit::Conversion;
 use ieap_domain::{Channel, FlaggedStretch, Issue, Quantity};
 
@@ -337,17 +338,18 @@ fn channels(
         let gaps = take_impossible(&mut numbers, quantity, conversion);
         if let Some((first, number)) = gaps.first() {
             let message = format!(
-                "{} of {} readings of {} are no measurements, first {number:e}; left out",
+                "{} of {} readings of {} are no measurements, first {}; left out",
                 gaps.len(),
                 column.filled,
-                quoted(&header.raw_name)
+                quoted(&header.raw_name),
+                exact(*number)
             );
             let line = raw.cells.line_of_row[*first as usize];
             issues.push(Issue::warning("impossible-reading", message).at(format!("line {line}")));
             let flag = |(row, number): &(u32, f64)| RowFlag {
                 row: *row,
                 column: header.raw_name.clone(),
-                flag: format!("{number:e}"),
+                flag: exact(*number),
                 excludes: false,
             };
             flags.extend(gaps.iter().map(flag));

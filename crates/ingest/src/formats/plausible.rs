@@ -6,6 +6,7 @@ use super::error::quoted;
 use super::time_axis::TimeAxis;
 use crate::formats::policy::OVERFLOW_FROM;
 use crate::text::header::Header;
+use ieap_domain::number::exact;
 use ieap_domain::{Issue, Quantity};
 
 /// Whether a number cannot be a reading of that quantity: instruments write 9.9E37 and the like where they could not measure,
@@ -67,7 +68,7 @@ fn number(value: f64) -> String {
     if value == 0.0 || (1e-6..1e12).contains(&value.abs()) {
         value.to_string()
     } else {
-        format!("{value:e}")
+        exact(value)
     }
 }
 

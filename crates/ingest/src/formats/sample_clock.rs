@@ -7,6 +7,7 @@ use super::cells::CellColumn;
 use super::error::quoted;
 use crate::formats::policy::SAME_TIME_SHARE;
 use crate::text::header::{Header, Meaning};
+use ieap_domain::number::fixed;
 use ieap_domain::{Issue, Quantity};
 
 /// What the file says of its sampling.
@@ -59,8 +60,10 @@ pub fn rebuild(raw: &mut Raw, index: usize, clock: SampleClock, issues: &mut Vec
         "time-rebuilt",
         format!(
             "column {name} has too few digits to time the rows; they are timed by row number times {} ({} s), up to \
-             {largest:.3} s beside the printed time, which is kept",
-            clock.name, clock.interval_s
+             {} s beside the printed time, which is kept",
+            clock.name,
+            clock.interval_s,
+            fixed(largest, 3)
         ),
     ));
     replace(raw, index, clock, first);

@@ -10,6 +10,7 @@ use crate::text::header::{Header, Meaning, leave_lone_phases};
 use crate::text::likely::headed_by_unit;
 use crate::text::{Decimal, Delimiter, decode};
 use ieap_domain::Quantity;
+use ieap_domain::words::in_a_row;
 
 /// A profile as it may be saved.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -237,7 +238,7 @@ fn time(text: &mut String, guess: &Guess, open: &mut Vec<String>) {
                         "[time] order: the dates can be read as {}",
                         several.join(" or ")
                     ));
-                    let _ = writeln!(text, "order = \"\"    # the dates fit {}", several.join(" and "));
+                    let _ = writeln!(text, "order = \"\"    # the dates fit {}", in_a_row(several));
                 }
             }
             let _ = writeln!(

@@ -16,6 +16,7 @@ use std::sync::Arc;
 use crate::scan::{SeenFile, parse_display_path};
 use crate::text::decode;
 use ieap_domain::tag::keys;
+use ieap_domain::words::counted;
 use ieap_domain::{Issue, Tag, TagSource};
 use ieap_system::fs;
 
@@ -227,10 +228,12 @@ fn starts_as_one(campaign: &Path, file: &SeenFile) -> bool {
 
 /// The note that a file is a sheet.
 pub fn note(rows: usize) -> Issue {
-    let runs = if rows == 1 { "run" } else { "runs" };
     Issue::note(
         IS_SHEET,
-        format!("a run sheet of {rows} planned {runs}: it tags files of these names and is no run itself"),
+        format!(
+            "a run sheet of {}: it tags files of these names and is no run itself",
+            counted(rows, "planned run")
+        ),
     )
 }
 

@@ -1,6 +1,7 @@
 //! How finely numbers are printed, and when two of them are the same as far as that goes.
 
 use crate::same_readings::policy::{MOST_DIGITS, NUMBERS_ASKED};
+use ieap_domain::number::scientific;
 
 pub(super) fn exponent(value: f64) -> i32 {
     value.abs().log10().floor() as i32
@@ -25,7 +26,7 @@ impl Digits {
             .step_by(every)
             .filter(|value| **value != 0.0 && value.is_finite())
         {
-            let printed = format!("{value:.*e}", MOST_DIGITS as usize - 1);
+            let printed = scientific(*value, MOST_DIGITS as usize - 1);
             let (mantissa, decade) = printed.split_once('e').unwrap_or((&printed, "0"));
             let shown = mantissa
                 .trim_start_matches('-')

@@ -18,6 +18,7 @@ use crate::table::policy::{CLOCK_RESOLUTIONS, CLOCKS_AGREE_SHARE};
 use crate::text::header::{Header, Meaning};
 use crate::{StartedAt, Timestamp};
 use ieap_domain::unit::{self, Conversion};
+use ieap_domain::words::in_a_row;
 use ieap_domain::{Issue, Quantity};
 
 /// An elapsed time: its column and its numbers, with the unit that the file states.
@@ -601,7 +602,7 @@ fn by_dates(
             None => {
                 let orders: Vec<&str> = orders.into_iter().map(DateOrder::words).collect();
                 return Err(refused(
-                    format!("{} fit all rows alike", orders.join(" and ")),
+                    format!("{} fit all rows alike", in_a_row(&orders)),
                     dates[0],
                 ));
             }

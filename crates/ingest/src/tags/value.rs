@@ -4,6 +4,7 @@ use jiff::civil::DateTime;
 use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
 
+use ieap_domain::number::exact;
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, Tag};
 
@@ -45,7 +46,7 @@ pub(crate) fn usable(key: &str, value: &str, timezone: Option<&str>) -> Result<S
 pub(super) fn shortest(number: f64) -> String {
     // Minus zero is zero to whoever reads it.
     let plain = format!("{}", number + 0.0);
-    let scientific = format!("{:e}", number + 0.0);
+    let scientific = exact(number + 0.0);
     // 101325 stays as people write it; only what would be a row of zeros is written with an exponent.
     if plain.len() > 12 && scientific.len() < plain.len() {
         scientific

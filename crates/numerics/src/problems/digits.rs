@@ -2,6 +2,7 @@
 
 use super::{Difficulty, Problem, problems};
 use crate::least_squares::{Bounds, Damping, Levenberg, Local, Minimum, Problem as LeastSquares, Settle};
+use ieap_domain::number::fixed;
 
 /// Digits to which NIST states its values.
 const STATED: f64 = 11.0;
@@ -91,10 +92,11 @@ fn certified_values_are_found_from_both_starts() {
             let found = searched.solve(start);
             let digits = digits(&found.at, problem.certified);
             let line = format!(
-                "{:22} {:?} start {}: {digits:4.1} digits, {} evaluations, {:?}",
+                "{:22} {:?} start {}: {:>4} digits, {} evaluations, {:?}",
                 problem.source,
                 problem.difficulty,
                 which + 1,
+                fixed(digits, 1),
                 found.evaluations,
                 found.stop
             );

@@ -11,6 +11,7 @@ use crate::figures::comparison::{self, marker};
 use crate::figures::group::series;
 use crate::figures::panel::{self, Margins, panel};
 use crate::figures::thin;
+use crate::prints::grid;
 use ieap_show as show;
 use ieap_show::{Chart, Form, Layer, Mark, Panel, Range, Scale};
 
@@ -36,6 +37,16 @@ const DOT: i32 = 22;
 const SMALL_DOT: i32 = 9;
 /// More readings than these are drawn as dots.
 const MOST_RINGS: usize = 150;
+/// The marks of [`marker`] as paths in a square of 100.
+const MARKS: [&str; 5] = [
+    "M50 14a36 36 0 1 0 .1 0z",
+    "M17 17h66v66h-66z",
+    "M50 6l42 76h-84z",
+    "M50 2l48 48l-48 48l-48-48z",
+    "M50 94l42-76h-84z",
+];
+/// Marks on a line.
+const MARKS_ALONG: usize = 9;
 /// Dashes of an upright line.
 const DASHES: u32 = 12;
 
@@ -46,7 +57,12 @@ pub struct Key {
     class: &'static str,
     /// Whether it is drawn as a line, not as dots.
     is_line: bool,
+    /// Path of its mark in a square of 100, where it has marks of its own.
+    mark: Option<&'static str>,
     name: String,
+    /// Which of the colours of a print it has.
+    #[serde(skip)]
+    style: usize,
 }
 
 /// The legend: each named layer once.
@@ -56,7 +72,9 @@ pub fn keys(chart: &Chart) -> Vec<Key> {
         if !layer.name.is_empty() && keys.iter().all(|key| key.name != layer.name) {
             keys.push(Key {
                 class: Ink::class_of(ink(layer.ink)),
-                is_line: matches!(layer.mark, Mark::Line | Mark::DottedLine),
+                style: style_of(layer.ink),
+                mark: (layer.mark == Mark::Marks).then(|| MARKS[style_of(layer.ink) % MARKS.len()]),
+                is_line: matches!(layer.mark, Mark::Line | Mark::DottedLine | Mark::MarkedLine),
                 name: layer.name.clone(),
             });
         }
@@ -78,6 +96,20 @@ pub fn width_on_page(chart: &Chart) -> u32 {
         Form::Wide => WIDE,
         Form::EqualScales => SQUARE.0,
     }
+}
+
+/// Draws a chart for print: that wide, with its legend above and its caption below.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn print(chart: &Chart, width: u32) -> Result<Drawing, String> {
+    let legend: Vec<(String, usize)> = keys(chart).into_iter().map(|key| (key.name, key.style)).collect();
+    let panel = grid::Panel {
+        title: chart.title.clone(),
+        draw: Box::new(|area| draw(area, chart)),
+    };
+    let notes = Vec::from_iter((!chart.caption.is_empty()).then(|| chart.caption.clone()));
+    grid::grid(width, 1, height(chart, width), &legend, &[panel], &notes)
 }
 
 /// Draws a chart that is `width` px wide.
@@ -195,7 +227,7 @@ fn draw_layer(chart: &mut panel::Chart, layer: &Layer, x: &Axis, y: &Axis) -> Re
         ),
         Mark::Readings => dots(chart, &layer.name, points, DOT, ink.stroke_width(RING)),
         Mark::Marks => marks(chart, layer, x, y),
-        Mark::Line | Mark::DottedLine => {
+        Mark::Line | Mark::DottedLine | Mark::MarkedLine => {
             let stretches = layer
                 .points
                 .split(|at| !is_shown(at))
@@ -204,13 +236,16 @@ fn draw_layer(chart: &mut panel::Chart, layer: &Layer, x: &Axis, y: &Axis) -> Re
             let thinned =
                 |some: &[(f64, f64)]| thin::line(&some.iter().map(place).collect::<Vec<_>>(), pixels);
             let stretches = stretches.map(thinned).collect();
-            let is_line = layer.mark == Mark::Line;
-            let name = if is_line { layer.name.as_str() } else { "" };
+            let name = match layer.mark {
+                Mark::DottedLine => "",
+                _ => layer.name.as_str(),
+            };
             lines(chart, name, stretches, ink.stroke_width(LINE))?;
-            if is_line {
-                return Ok(());
+            match layer.mark {
+                Mark::DottedLine => dots(chart, &layer.name, points, DOT / 2, ink.filled()),
+                Mark::MarkedLine => marks_along(chart, &points, style_of(layer.ink)),
+                _ => Ok(()),
             }
-            dots(chart, &layer.name, points, DOT / 2, ink.filled())
         }
         Mark::Upright => {
             let upright = positions.flat_map(|at| dashes(x.position(at.0), y));
@@ -246,6 +281,16 @@ fn marks(chart: &mut panel::Chart, layer: &Layer, x: &Axis, y: &Axis) -> Result<
         let shown = layer.points.iter().filter(|at| x.shows(at.0) && y.shows(at.1));
         let mut places = shown.map(|at| (x.position(at.0), y.position(at.1)));
         places.try_for_each(|at| marker(chart, at, style, true))
+    })
+}
+
+/// A few marks on a line, at other places on each so that they do not hide each other.
+fn marks_along(chart: &mut panel::Chart, points: &[(f64, f64)], style: usize) -> Result<(), String> {
+    let spacing = (points.len() / MARKS_ALONG).max(1);
+    let first = spacing * (style + 1) / (Ink::SERIES.len() + 1);
+    series(chart, "", |chart| {
+        let mut marked = points.iter().skip(first).step_by(spacing);
+        marked.try_for_each(|at| marker(chart, *at, style, true))
     })
 }
 
@@ -343,5 +388,12 @@ mod tests {
     fn a_line_far_beyond_the_readings_does_not_widen_the_axes() {
         let (_, y) = axes(&chart(), &chart().panels[0]);
         assert!(y.high < 12.0 && y.low == 0.0, "{y:?}");
+    }
+
+    #[test]
+    fn a_print_has_its_legend_in_it() {
+        let drawn = print(&chart(), 480).unwrap();
+        let svg = crate::figures::svg::inline(&drawn, "t", "d");
+        assert!(svg.contains("levels") && svg.contains("Readings"), "{svg}");
     }
 }

@@ -1,6 +1,6 @@
 //! Blocks on a page. The templates are `templates/page.html` and one a block in `templates/blocks`.
 
-mod chart;
+pub mod chart;
 mod table;
 
 pub use chart::drawing;
@@ -19,7 +19,7 @@ use crate::pages::wording::{IssueText, RunLink};
 use crate::site::Site;
 use crate::slug::slugs;
 use ieap_domain::words::counted;
-use ieap_show::{Block, Chart};
+use ieap_show::{Block, Chart, Form};
 
 /// Template of pages that are blocks.
 pub const PAGE: &str = include_str!("../../../../templates/page.html");
@@ -78,6 +78,7 @@ enum Item {
     Chart {
         figure: String,
         title: String,
+        is_wide: bool,
         keys: Vec<Key>,
         caption: String,
     },
@@ -188,6 +189,7 @@ impl Writer<'_> {
         Ok(Item::Chart {
             figure,
             title: chart.title.clone(),
+            is_wide: chart.form == Form::Wide,
             keys: chart::keys(chart),
             caption: chart.caption.clone(),
         })

@@ -15,7 +15,6 @@ pub mod gain_bars;
 pub mod group;
 mod ink;
 pub mod law;
-pub mod modulus;
 pub mod overlaid;
 pub mod panel;
 mod positions;

@@ -5,6 +5,7 @@
 //! by a class, so that the style sheet can show them in dark mode and in print. Dots are the corners of a path that is
 //! not stroked, with a marker at each: the page holds the markers and their classes (see [`dot_markers`]).
 
+use ieap_domain::number::{digits, to_digits};
 use std::fmt::Write as _;
 
 use plotters_backend::text_anchor::HPos;
@@ -455,11 +456,9 @@ fn span(span: &Span) -> String {
 /// As many digits as a position on a screen has, and for a moment those of its seconds.
 fn shortest(number: f64) -> String {
     if number.abs() >= 1e7 {
-        format!("{number:.0}")
+        digits(number, 0)
     } else {
-        format!("{number:.6e}")
-            .parse::<f64>()
-            .map_or_else(|_| number.to_string(), |rounded| rounded.to_string())
+        to_digits(number, 7).to_string()
     }
 }
 

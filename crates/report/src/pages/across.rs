@@ -4,7 +4,6 @@
 use ieap_domain::words::counted;
 use serde::Serialize;
 
-use super::finding_words::probability;
 use crate::pages::policy::INFLATION_SHADES;
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
@@ -13,6 +12,7 @@ use ieap_analysis::laws::matrix::{ConfoundingMap, Matrix, MatrixCell, matrices};
 use ieap_analysis::laws::words as law_words;
 use ieap_analysis::plan::{PlannedRun, words};
 use ieap_domain::number::fixed;
+use ieap_domain::number::probabilities::probability;
 
 /// Parameters against covariates, as a table.
 #[derive(Debug, Serialize)]
@@ -96,7 +96,7 @@ fn cell_text(cell: Option<&MatrixCell>, set: &[Covariate], parameter: &str) -> C
             spoken: "not asked".to_owned(),
         };
     };
-    let q = probability(Some(cell.q));
+    let q = probability(cell.q);
     let shown = cell.change.filter(|_| cell.is_claimed);
     let (change, interval) = match shown {
         Some(change) => {

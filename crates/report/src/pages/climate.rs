@@ -12,8 +12,8 @@ use crate::figures::Ink;
 use crate::figures::climate::{Drawn, overview};
 use crate::site::Site;
 use crate::zone::Zone;
+use ieap_domain::number::seconds::seconds;
 use ieap_domain::number::{fixed, significant};
-use ieap_domain::seconds::seconds;
 use ieap_domain::tag::keys;
 use ieap_domain::{ClimateQuantity, Exposure, RunRecord, SensorPair, SensorSummary};
 

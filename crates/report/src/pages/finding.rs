@@ -1,5 +1,6 @@
 //! The page of one group: what the simulation gets wrong there, the cause, the extended model and its gain.
 
+use ieap_domain::number::probabilities::equation_of;
 use ieap_domain::words::in_a_row;
 use std::collections::BTreeMap;
 
@@ -11,7 +12,7 @@ use super::finding_answer::{Answer, answer, size, symbol_and_unit};
 use super::finding_differs::{DiffersBlock, differs_blocks};
 use super::finding_gain::{GainSection, called, called_held_out, extension, gain_section};
 use super::finding_posterior::{HypothesisRow, hypothesis_rows};
-use super::finding_words::{counted_from_draws, equation_of, lead, shift_words, test_words, verdict_of};
+use super::finding_words::{counted_from_draws, lead, shift_words, test_words, verdict_of};
 use super::wording::{EstimateText, RunLink, group_title, readable, with_index};
 use crate::error::ReportError;
 use crate::figures::gain_bars::gain_bars;

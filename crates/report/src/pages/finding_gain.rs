@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::figures::residual::Called;
 use crate::pages::policy::ERROR_RISES_FACTOR;
-use ieap_domain::number::{measured, significant};
+use ieap_domain::number::{measured, percent, significant};
 use ieap_domain::{Gain, GroupDiagnosis, HeldOutGain, Verdict};
 
 /// Errors before and after, on readings that took no part in the fit.
@@ -193,8 +193,8 @@ fn error_rises(gain: &HeldOutGain) -> bool {
 }
 
 fn rows(gain: &HeldOutGain) -> Vec<(String, String, String)> {
-    let percent = |part: f64| format!("{} %", significant(100.0 * part, 2));
-    let share = |part: f64| format!("{:.0} %", 100.0 * part);
+    let error = |part: f64| format!("{} %", significant(100.0 * part, 2));
+    let share = |part: f64| percent(part, 0);
     let row = |name: &str, pair: (Option<f64>, Option<f64>), text: &dyn Fn(f64) -> String| {
         Some((name.to_owned(), text(pair.0?), text(pair.1?)))
     };
@@ -202,11 +202,11 @@ fn rows(gain: &HeldOutGain) -> Vec<(String, String, String)> {
     let curvature = (gain.nrmse_curvature_before, gain.nrmse_curvature_after);
     let coverage = (gain.coverage_before, gain.coverage_after);
     [
-        row("Error of predicted current, in % of its range", current, &percent),
+        row("Error of predicted current, in % of its range", current, &error),
         row(
             "Error of predicted curvature, in % of its range",
             curvature,
-            &percent,
+            &error,
         ),
         row("Held-out readings within their 95 % interval", coverage, &share),
     ]

@@ -4,6 +4,7 @@ use super::wording::readable;
 use crate::input::Findings;
 use crate::pages::policy::CLEAR_SHIFT_SIGMAS;
 use ieap_domain::diagnosis::follows_a_tag;
+use ieap_domain::number::probabilities::{equation_of, probability};
 use ieap_domain::number::{fixed, significant};
 use ieap_domain::words::{counted, in_a_row};
 use ieap_domain::{GroupDiagnosis, ParameterShift, Verdict};
@@ -124,19 +125,6 @@ pub fn chance(p: f64) -> String {
     }
 }
 
-/// A probability with two digits and no power of ten: `0.31`, `0.001`, `< 0.0001`; a dash where there is none.
-pub fn probability(p: Option<f64>) -> String {
-    match p.filter(|p| p.is_finite()) {
-        None => "–".to_owned(),
-        Some(p) if p < 1e-4 => "< 0.0001".to_owned(),
-        Some(p) => {
-            let decimals = (1.0 - p.log10().floor()).clamp(1.0, 5.0) as usize;
-            let text = fixed(p, decimals);
-            text.trim_end_matches('0').trim_end_matches('.').to_owned()
-        }
-    }
-}
-
 /// Whether `p` is the least that so many draws can tell, as 0.001 is of 999: the true one may be smaller by any amount.
 fn is_least(p: f64, draws: usize) -> bool {
     draws > 0 && p * (draws as f64 + 1.0) <= 1.0 + 1e-6
@@ -159,20 +147,6 @@ pub fn counted_from_draws(p: Option<f64>, q: Option<f64>, draws: usize) -> (Stri
     }
 }
 
-/// A probability with its symbol: `p = 0.31`, `p < 0.0001`.
-pub fn equation(symbol: &str, p: Option<f64>) -> String {
-    equation_of(symbol, &probability(p))
-}
-
-/// The same of a number as it is printed.
-pub fn equation_of(symbol: &str, text: &str) -> String {
-    if text.starts_with(['<', '≤']) {
-        format!("{symbol} {text}")
-    } else {
-        format!("{symbol} = {text}")
-    }
-}
-
 /// The tests of a group in words; nothing where the readings allow no finding.
 pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
     let Some(p) = found.p_misfit.filter(|_| found.verdict != Verdict::DataProblem) else {
@@ -190,7 +164,7 @@ pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
     let together = found.q_misfit.filter(|_| found.verdict != Verdict::Consistent).map(|q| {
         format!(
             "Of all findings of this campaign that are as clear as this one, a share of {} or less is expected to be chance (q).",
-            probability(Some(q)).trim_start_matches("< ")
+            probability(q).trim_start_matches("< ")
         )
     });
     [Some(misfit), together].into_iter().flatten().collect()
@@ -305,7 +279,7 @@ mod tests {
 
     #[test]
     fn probabilities_are_plain_numbers() {
-        let text = |p| probability(Some(p));
+        let text = |p: f64| probability(p);
         assert_eq!(
             [0.001, 0.31, 0.0448, 1.0, 0.00401, 1e-7].map(text),
             ["0.001", "0.31", "0.045", "1", "0.004", "< 0.0001"]
@@ -344,8 +318,6 @@ mod tests {
         assert_eq!(chance(0.31), "in 31 of 100 cases");
         assert_eq!(chance(0.001), "in 1 of 1000 cases");
         assert_eq!(chance(1e-6), "in fewer than 1 of 10000 cases");
-        assert_eq!(equation("p", Some(0.001)), "p = 0.001");
-        assert_eq!(equation("q", Some(1e-6)), "q < 0.0001");
     }
 
     /// Two ceramic capacitors: one clear cause by the words, on a fall of 23,197 +- 23,250.

@@ -7,11 +7,12 @@ use serde::Serialize;
 
 use super::Content;
 use super::across;
-use super::finding_words::{campaign_lead, counted_from_draws, probability, verdict_of};
+use super::finding_words::{campaign_lead, counted_from_draws, verdict_of};
 use super::wording::{RunLink, group_title, readable};
 use crate::error::ReportError;
 use crate::site::Site;
 use ieap_analysis::shared_effects::{SharedEffect, SharedParameter, left_out};
+use ieap_domain::number::probabilities::probability;
 use ieap_domain::number::{interval, measured, significant};
 use ieap_domain::{FromOthers, GroupDiagnosis, Verdict};
 

@@ -9,7 +9,6 @@ use serde::Serialize;
 use super::Content;
 use super::across::{self, MapTable, MatrixTable, NextRow};
 use super::contrasts::{ContrastTable, contrast_tables};
-use super::finding_words::probability;
 use super::law_cards::{LawCard, SampleKey, common_notes, law_cards, sample_keys};
 use crate::aside::{AsideRow, Shown};
 use crate::error::ReportError;
@@ -18,6 +17,7 @@ use crate::pages::policy::MOST_LAWS_DRAWN;
 use crate::site::Site;
 use ieap_analysis::false_discovery::CLAIMED_BELOW;
 use ieap_analysis::laws::{Covariate, Dependence, words};
+use ieap_domain::number::probabilities::probability;
 
 #[derive(Debug, Serialize)]
 struct HumidityPage {
@@ -181,8 +181,8 @@ fn asked(found: &Dependence) -> Asked {
         parameter: format!("{} of {}", words::symbol(&found.parameter), found.material),
         covariates: words::listed(&covariates),
         allowed: words::allowed(found),
-        p: probability(Some(found.p)),
-        q: probability(Some(found.q)),
+        p: probability(found.p),
+        q: probability(found.q),
     }
 }
 
@@ -191,8 +191,8 @@ fn claims(site: &Site) -> Vec<Claim> {
     let of_laws = laws.claimed().map(|found| Claim {
         effect: found.covariate.effect().unwrap_or(""),
         sentence: words::sentence(found),
-        p: probability(Some(found.p)),
-        q: probability(Some(found.q)),
+        p: probability(found.p),
+        q: probability(found.q),
     });
     let lengths = laws
         .lengths
@@ -201,15 +201,15 @@ fn claims(site: &Site) -> Vec<Claim> {
     let of_lengths = lengths.map(|found| Claim {
         effect: "geometry-error",
         sentence: words::length(found),
-        p: probability(Some(found.p)),
-        q: probability(Some(found.q)),
+        p: probability(found.p),
+        q: probability(found.q),
     });
     let selections = laws.selections.iter().filter(|found| found.q <= CLAIMED_BELOW);
     let of_failures = selections.map(|found| Claim {
         effect: "selection",
         sentence: words::selection(found),
-        p: probability(Some(found.p)),
-        q: probability(Some(found.q)),
+        p: probability(found.p),
+        q: probability(found.q),
     });
     of_laws.chain(of_lengths).chain(of_failures).collect()
 }

@@ -1,12 +1,12 @@
 //! Laws across runs as figures, each with its answer in a line.
 
+use ieap_domain::number::{fixed, percent};
 use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use ieap_domain::range_of;
 use serde::Serialize;
 
-use super::finding_words::equation;
 use crate::aside::{Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::Ink;
@@ -17,6 +17,7 @@ use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::false_discovery::CLAIMED_BELOW;
 use ieap_analysis::laws::{Covariate, Dependence, words};
+use ieap_domain::number::probabilities::equation;
 
 /// Places at which a law is drawn.
 const DRAWN: usize = 40;
@@ -154,8 +155,8 @@ fn described(found: &Dependence, (figure, beyond): (Option<String>, String)) -> 
     }
     if let Some(part) = found.reliability {
         notes.push(format!(
-            "{:.1} % of the covariate's variance is its own",
-            100.0 * part
+            "{} of the covariate's variance is its own",
+            percent(part, 1)
         ));
     }
     if figure.is_some() && shows_branches(found) {
@@ -184,7 +185,7 @@ fn described(found: &Dependence, (figure, beyond): (Option<String>, String)) -> 
         } else {
             String::new()
         },
-        q: equation("q", Some(found.q)),
+        q: equation("q", found.q),
         figure,
         beyond,
         laws: found
@@ -192,10 +193,10 @@ fn described(found: &Dependence, (figure, beyond): (Option<String>, String)) -> 
             .iter()
             .map(|law| LawRow {
                 law: law.law.key(),
-                bic: format!("{:.1}", law.bic - found.bic_of_none).replace('-', "−"),
+                bic: fixed(law.bic - found.bic_of_none, 1),
                 left_out: law
                     .left_out_rms
-                    .map_or_else(|| "–".to_owned(), |rms| format!("{:.2}", rms / found.rms_of_none)),
+                    .map_or_else(|| "–".to_owned(), |rms| fixed(rms / found.rms_of_none, 2)),
             })
             .collect(),
         notes,

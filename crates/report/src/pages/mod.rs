@@ -10,8 +10,6 @@ pub mod comparison;
 mod contrasts;
 mod control_chart;
 pub mod coverage;
-pub mod dma;
-mod dma_humidity;
 mod electrodes;
 pub mod finding;
 mod finding_alone;
@@ -53,7 +51,7 @@ pub mod wording;
 use super::blocks;
 use super::input::Input;
 use ieap_analysis::comparison::against::Against;
-use ieap_analysis::impedance;
+use ieap_analysis::{dma, impedance};
 use ieap_domain::fault::caught;
 
 pub use finding::content as finding_content;
@@ -168,9 +166,12 @@ pub const PAGES: [Page; 21] = [
         file: "dma.html",
         title: "Modulus (DMA)",
         under: None,
-        template: include_str!("../../../../templates/pages/dma.html"),
+        template: blocks::PAGE,
         is_shown: |input| !input.modulus_logs.is_empty(),
-        content: dma::content,
+        content: |site| {
+            let shown = dma::view::view(&site.input.modulus_logs, &site.input.campaign);
+            blocks::content(site, "dma.html", shown)
+        },
     },
     Page {
         file: "stiffness.html",

@@ -12,7 +12,7 @@ use crate::input::Input;
 use crate::prints::models::of_run;
 use crate::site::Site;
 use ieap_analysis::models_compared::{ComparedCondition, ComparedModel, models_compared, outdated};
-use ieap_domain::number::significant;
+use ieap_domain::number::{fixed, significant, with_sign};
 
 /// Width of a figure, px.
 const WIDTH: u32 = 560;
@@ -99,7 +99,7 @@ fn shown(
 
 fn row(model: &ComparedModel) -> Row {
     let rough = |number: Option<f64>| number.map_or("–".to_owned(), |number| significant(number, 2));
-    let whole = |number: Option<f64>| number.map_or("–".to_owned(), |number| format!("{number:.0}"));
+    let whole = |number: Option<f64>| number.map_or("–".to_owned(), |number| fixed(number, 0));
     Row {
         model: model.model.clone(),
         cells: vec![
@@ -111,7 +111,7 @@ fn row(model: &ComparedModel) -> Row {
             rough(model.other_voltages),
             match model.bic_beyond_best {
                 Some(0.0) => "best".to_owned(),
-                Some(bic) => format!("+{bic:.0}"),
+                Some(bic) => with_sign(bic, 0),
                 None => "–".to_owned(),
             },
         ],

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::wording::in_unit;
 use crate::pages::policy::MOST_FLAGS;
-use ieap_domain::number::{plain, significant};
+use ieap_domain::number::{fixed, measured, plain};
 use ieap_domain::{ClockOffset, RunClock, RunRecord, StartedAt, Timestamp};
 
 /// One offset.
@@ -112,8 +112,8 @@ pub fn offsets(record: &RunRecord) -> Vec<OffsetRow> {
         file: file(offset).unwrap_or_default(),
         source: offset.source.label().to_owned(),
         offset: match (offset.offset_s, offset.standard_error_s) {
-            (Some(value), Some(error)) => format!("{value:.3} ± {} s", significant(error, 2)),
-            (Some(value), None) => format!("{value:.3} s, uncertainty not known"),
+            (Some(value), Some(error)) => format!("{} s", measured(value, error)),
+            (Some(value), None) => format!("{} s, uncertainty not known", fixed(value, 3)),
             (None, _) => "not determined".to_owned(),
         },
         used: offset.applied,

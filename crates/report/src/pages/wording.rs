@@ -6,7 +6,8 @@ use serde::Serialize;
 use crate::site::Site;
 use ieap_analysis::{ParameterInfo, Surroundings};
 use ieap_domain::number::{
-    fixed, interval, lower_bound, measured, measured_stacked, plain, significant, upper_bound, with_unit,
+    fixed, interval, lower_bound, measured, measured_stacked, plain, rounded_bound, significant, upper_bound,
+    with_unit,
 };
 use ieap_domain::{Estimate, EstimateState, Issue, RunRecord, RunState, Severity};
 
@@ -169,8 +170,8 @@ impl EstimateText {
         };
         let interval = match (own.low_95, own.high_95) {
             (Some(low), Some(high)) => interval(low, high),
-            (None, Some(high)) => format!("below {}", significant(high, 3)),
-            (Some(low), None) => format!("above {}", significant(low, 3)),
+            (None, Some(high)) => format!("below {}", rounded_bound(high, true).value_text()),
+            (Some(low), None) => format!("above {}", rounded_bound(low, false).value_text()),
             (None, None) => String::new(),
         };
         let limit = (estimate.at_bound && estimate.reason.is_none())

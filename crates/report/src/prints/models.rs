@@ -5,6 +5,7 @@ use super::family::{Family, FamilyLine, FamilyPanel};
 use crate::figures::canvas::Drawing;
 use crate::site::Site;
 use ieap_analysis::models_compared::{ComparedCondition, models_compared};
+use ieap_domain::number::fixed;
 use ieap_domain::{ComparedCurve, RunComparison};
 
 /// Heights of panels, px: a response and its residuals are of one height, as the rows of a grid are.
@@ -142,7 +143,7 @@ fn residuals(one: &RunComparison, curve: &ComparedCurve, names: &[String]) -> Fa
     points.for_each(|point| point.1 = point.1.clamp(-half, half));
     FamilyPanel {
         title: if largest > half {
-            format!("what each leaves (edge: over {half:.0})")
+            format!("what each leaves (edge: over {})", fixed(half, 0))
         } else {
             "what each leaves".to_owned()
         },

@@ -1,5 +1,6 @@
 //! A print as an SVG file of its own: sizes in millimetres, colours in the file, text as outlines.
 
+use ieap_domain::number::digits;
 use std::fmt::Write as _;
 
 use super::Print;
@@ -14,9 +15,11 @@ pub fn write(print: &Print) -> Result<Vec<u8>, String> {
     let (width_mm, height_mm) = print.size_mm();
     let (width, height) = print.drawing.size;
     let mut out = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width_mm:.2}mm\" \
-         height=\"{height_mm:.2}mm\" viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\" \
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}mm\" \
+         height=\"{}mm\" viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\" \
          stroke-linecap=\"round\">\n<title>{}</title>\n<desc>{}</desc>\n",
+        digits(width_mm, 2),
+        digits(height_mm, 2),
         escaped(&print.title),
         escaped(&print.description())
     );

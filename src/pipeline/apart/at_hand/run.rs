@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::read::ReadTable;
 use crate::domain::data_hash::data_hash;
+use crate::domain::number::fixed;
 use crate::domain::tag::keys;
 use crate::domain::{
     AskedFit, Channel, Drive, FlaggedStretch, Issue, Quantity, RunKind, RunOrigin, Sample, Severity, Tag,
@@ -274,7 +275,8 @@ fn other_voltage(read: &ReadTable, tags: &BTreeMap<String, String>, drive: &Driv
     }
     let found_v = drive.nominal_step_v();
     let message = format!(
-        "voltage_v is {stated_v} V, and the voltage among the readings goes to {found_v:.4} V, which is used"
+        "voltage_v is {stated_v} V, and the voltage among the readings goes to {} V, which is used",
+        fixed(found_v, 4)
     );
     let issue = Issue::warning("tag-disagreement", message).at(keys::VOLTAGE_V);
     Some(issue.mend("leave voltage_v out, or the voltage among the readings where that is wrong"))

@@ -7,6 +7,7 @@ use super::asked::AskedStrip;
 use super::document::{DriveEntry, LeftOutEntry, Predicted, StripEntry, Told};
 use super::grounds::{Grounds, applied_until};
 use super::predict::{left_out, model_word, remarks};
+use crate::domain::number::fixed;
 use crate::domain::typed_value::Measured;
 use crate::domain::{Drive, Estimate, Level, Segment};
 use crate::model::course::{Course, VoltageLimits, WantedAt, course, response};
@@ -203,8 +204,8 @@ impl DriveCourse {
         remarks.retain(|remark| !remark.contains("locked moment"));
         if end_s > grounds.longest_s() {
             remarks.push(format!(
-                "The course is longer than the longest run ({:.0} s): nothing was seen after that.",
-                grounds.longest_s()
+                "The course is longer than the longest run ({} s): nothing was seen after that.",
+                fixed(grounds.longest_s(), 0)
             ));
         }
         let step = (samples / ROWS).max(1);
@@ -271,8 +272,8 @@ fn onset_found(onset: &Estimate) -> Option<(f64, String)> {
     Some((
         low,
         format!(
-            "the onset of electrolysis that the diagnosis found, {:.2} V, at the lower end of its interval (--onset sets another)",
-            onset.value?
+            "the onset of electrolysis that the diagnosis found, {} V, at the lower end of its interval (--onset sets another)",
+            fixed(onset.value?, 2)
         ),
     ))
 }
@@ -370,8 +371,8 @@ fn bent(wanted: &[f64], length_mm: f64) -> Result<Vec<f64>, PipelineError> {
     let at = |tip_mm: &f64| {
         curvature_from_tip(*tip_mm, length_mm).ok_or_else(|| {
             let needed = format!(
-                "at most {:.2} mm: farther no strip of {length_mm} mm bends its tip aside",
-                0.7246 * length_mm
+                "at most {} mm: farther no strip of {length_mm} mm bends its tip aside",
+                fixed(0.7246 * length_mm, 2)
             );
             PipelineError::bad_argument("the wanted displacement", format!("{farthest} mm"), &needed)
         })

@@ -4,7 +4,8 @@ use super::asked::AskedStrip;
 use super::document::{DriveEntry, LeftOutEntry, PredictionDocument, ShapeEntry, StripEntry, Told, rows};
 use super::grounds::{Forecasts, Grounds};
 use crate::domain::Drive;
-use crate::domain::seconds::seconds;
+use crate::domain::number::seconds::seconds;
+use crate::domain::number::{fixed, percent};
 use crate::model::distributed::criterion::LUMPED_TOLERANCE;
 use crate::model::scaling::CarriedBy;
 use crate::model::scaling::prediction::largest_electrode_resistance;
@@ -191,7 +192,11 @@ fn volts(volts: f64) -> f64 {
 fn modulus_in_words(grounds: &Grounds) -> String {
     let modulus = &grounds.modulus;
     match (&modulus.modulus_mpa.value, &grounds.to.thickness) {
-        (Some(value), Some(_)) => format!("Blocked moment: E = {value:.0} MPa, {}.", modulus.source),
+        (Some(value), Some(_)) => format!(
+            "Blocked moment: E = {} MPa, {}.",
+            fixed(*value, 0),
+            modulus.source
+        ),
         (Some(_), None) => "No blocked moment: the thickness is not known; give --thickness.".to_owned(),
         (None, _) => format!(
             "No blocked moment: {}.",
@@ -207,15 +212,14 @@ fn modulus_in_words(grounds: &Grounds) -> String {
 /// Which model carries over, by the criterion of the electrodes' resistance.
 fn model_in_words(grounds: &Grounds, forecasts: &Forecasts) -> String {
     let length_mm = grounds.to.length.value_mm;
-    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     match (forecasts.carried_by, forecasts.lumped_error) {
         (Some(CarriedBy::Distributed), Some(error)) => format!(
             "Distributed model: at {length_mm} mm the lumped one would be wrong by up to {} at the tip, for the electrodes resist along the strip.",
-            percent(error)
+            percent(error, 1)
         ),
         (_, Some(error)) => format!(
             "Lumped model: at {length_mm} mm it is wrong by at most {} at the tip.",
-            percent(error)
+            percent(error, 1)
         ),
         (_, None) if length_mm <= LONGER * grounds.from.length.value_mm => {
             "Lumped model: the strip is no longer than the one that was fitted.".to_owned()
@@ -226,8 +230,8 @@ fn model_in_words(grounds: &Grounds, forecasts: &Forecasts) -> String {
                 .iter()
                 .map(|source| largest_electrode_resistance(&source.model, &grounds.to, LUMPED_TOLERANCE));
             format!(
-                "Lumped model, and whether it carries over to {length_mm} mm is not known: it does where both electrodes together resist less than {:.2} Ohm per square along the strip. Measure that with a four-point probe and state it (electrode_resistance_ohm_per_sq of the sample, or --electrode-resistance): then the distributed model is taken where it is needed.",
-                most.fold(f64::INFINITY, f64::min)
+                "Lumped model, and whether it carries over to {length_mm} mm is not known: it does where both electrodes together resist less than {} Ohm per square along the strip. Measure that with a four-point probe and state it (electrode_resistance_ohm_per_sq of the sample, or --electrode-resistance): then the distributed model is taken where it is needed.",
+                fixed(most.fold(f64::INFINITY, f64::min), 2)
             )
         }
     }

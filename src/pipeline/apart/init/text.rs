@@ -88,10 +88,7 @@ pub fn campaign_text(id: &str, from: &str, timezone: Option<&str>, looked: &Look
             text,
             "\n[[environment]]    # {}\nid = {}\n\
              relative_humidity_percent = 0    # taken as dry, so that laws of the humidity have these runs too; correct it",
-            match runs {
-                1 => "1 run".to_owned(),
-                runs => format!("{runs} runs"),
-            },
+            counted(runs, "run"),
             quoted(id)
         );
     }

@@ -1,5 +1,6 @@
 //! One way to make the run: its drive, its sampling and its length.
 
+use crate::domain::number::digits;
 use crate::domain::{Drive, Edge, Level};
 use crate::pipeline::PipelineError;
 
@@ -57,7 +58,7 @@ impl Trial {
             let needed = format!("at most {MOST_READINGS} readings: a longer --every, or a shorter --for");
             return Err(PipelineError::bad_argument(
                 "--every",
-                format!("{:.0} readings", self.readings()),
+                format!("{} readings", digits(self.readings(), 0)),
                 &needed,
             ));
         }

@@ -3,8 +3,8 @@
 use super::asked::Preflight;
 use super::document::{ChangeEntry, PlanDocument, PlannedParameter, Verdict};
 use super::trial::Trial;
+use crate::domain::number::seconds::seconds;
 use crate::domain::number::significant;
-use crate::domain::seconds::seconds;
 use crate::domain::words::{capital, in_a_row};
 
 /// The answer: what is determined, what is not and why, what mends it.
@@ -92,7 +92,7 @@ pub(super) fn remarks(plan: &Preflight) -> Vec<String> {
     remarks.push(format!(
         "Parameters and noise are those of {}: {} A of current, {bending} in a reading, however fast it is read.",
         plan.subject.told_by,
-        significant(plan.subject.current_noise.standard_deviation, 2),
+        significant(plan.subject.current_noise.standard_deviation, 2)
     ));
     let remark = if plan.trial.start_is_known {
         "When the drive begins is stated."

@@ -1,5 +1,6 @@
 //! The table of a simulated modulus log: humidity program, modulus that follows it, noise, rows.
 
+use crate::domain::number::digits;
 use std::fmt::Write;
 
 use rand::SeedableRng;
@@ -45,10 +46,12 @@ pub fn dma_log(spec: &DmaSpec, log: &LogSpec, number: usize, seed: u64) -> Strin
         let percent = (state.relative_humidity_percent + humidity[k]).max(0.0);
         let _ = writeln!(
             text,
-            "{time_s},{:.2},{percent:.2},{},{storage_mpa:.3},{:.4}",
-            spec.temperature_c + temperature[k],
+            "{time_s},{},{},{},{},{}",
+            digits(spec.temperature_c + temperature[k], 2),
+            digits(percent, 2),
             spec.frequency_hz,
-            storage_mpa * tan
+            digits(storage_mpa, 3),
+            digits(storage_mpa * tan, 4)
         );
     }
     text

@@ -1,5 +1,6 @@
 //! What is to be simulated: SPEC.toml.
 
+use crate::domain::number::digits;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -174,7 +175,7 @@ impl Spec {
                 from_s = stretch.until_s;
             }
             if !(rows <= MOST_ROWS && from_s.is_finite()) {
-                let found = format!("{rows:.0} readings until {from_s} s");
+                let found = format!("{} readings until {from_s} s", digits(rows, 0));
                 let needed = format!("at most {MOST_ROWS} readings");
                 return Err(Wrong::new("sampling", found, &needed));
             }

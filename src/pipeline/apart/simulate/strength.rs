@@ -6,6 +6,7 @@ use super::spec::Spec;
 use super::table::{camera_times, current_times};
 use super::wrong::Wrong;
 use crate::diagnose::{DesignRun, KnownNoise, sigmas_after_refit};
+use crate::domain::number::{fixed, significant};
 use crate::model::extended::Responses;
 use crate::truth::{HiddenEffect, catalogue, simulate};
 
@@ -70,7 +71,9 @@ impl Spec {
             return Ok(strength);
         }
         let found = format!(
-            "{sigma}; at a strength of {strength:.3e} the effect leaves {reached:.2} sigmas in these runs"
+            "{sigma}; at a strength of {} the effect leaves {} sigmas in these runs",
+            significant(strength, 4),
+            fixed(reached, 2)
         );
         Err(Wrong::new(
             &place,

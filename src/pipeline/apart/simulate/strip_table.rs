@@ -6,6 +6,7 @@ use super::spec::Spec;
 use super::strip_spec::StripSpec;
 use super::table::{printed, times};
 use crate::domain::Level;
+use crate::domain::number::{digits, scientific};
 use crate::model::distributed::{Ladder, LadderResponse, StripField};
 use crate::truth::{ChannelNoise, noise};
 
@@ -78,8 +79,8 @@ pub fn strip_table(spec: &Spec, strip: &StripSpec, number: usize) -> Result<Stri
         let _ = write!(text, "{},{applied}", printed(*t));
         for ((name, _, _), values) in columns.iter().zip(&noisy) {
             let _ = match name.as_str() {
-                "current_a" => write!(text, ",{:.5e}", values[row]),
-                _ => write!(text, ",{:.5}", values[row]),
+                "current_a" => write!(text, ",{}", scientific(values[row], 5)),
+                _ => write!(text, ",{}", digits(values[row], 5)),
             };
         }
         text += "\n";

@@ -7,6 +7,7 @@ use super::run_spec::RunSpec;
 use super::sampling::Sampling;
 use super::spec::{Spec, hidden_effects};
 use super::wave::Wave;
+use crate::domain::number::{digits, scientific};
 use crate::domain::{Drive, Level};
 use crate::model::LumpedModel;
 use crate::model::ode::{Responses, integrate_under};
@@ -51,11 +52,11 @@ pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> Result<String, Tr
         };
         let current = row
             .current
-            .map(|i| format!("{:.5e}", current_a[i]))
+            .map(|i| scientific(current_a[i], 5))
             .unwrap_or_default();
         let curvature = row
             .curvature
-            .map(|i| format!("{:.5}", curvature_per_cm[i]))
+            .map(|i| digits(curvature_per_cm[i], 5))
             .unwrap_or_default();
         let open = if has_open_circuit {
             format!(",{}", u8::from(open))

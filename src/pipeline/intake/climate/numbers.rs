@@ -1,11 +1,12 @@
 //! Numbers of the climate as they are said.
 
 use crate::domain::ClimateQuantity;
+use crate::domain::number::fixed;
 
 /// A number of messages: hundredths of the air; pressures and traces, which span decades, to their digits.
 pub(super) fn shown(quantity: ClimateQuantity, value: f64) -> String {
     if quantity.is_of_air() {
-        format!("{value:.2}")
+        fixed(value, 2)
     } else {
         five_digits(value).to_string()
     }

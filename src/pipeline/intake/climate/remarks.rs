@@ -5,8 +5,9 @@ use super::covering::{Covering, Place};
 use super::gather::Around;
 use super::numbers::{five_digits, shown};
 use crate::analysis::climate::Window;
-use crate::analysis::climate::join::{duration, readings_in};
+use crate::analysis::climate::join::readings_in;
 use crate::domain::climate::sensor_words;
+use crate::domain::number::seconds::duration;
 use crate::domain::tag::keys;
 use crate::domain::{ClimateQuantity, ClimateRules, Issue, RunClimate};
 

@@ -7,6 +7,8 @@ use std::path::Path;
 
 use super::prepare::{Outcome, PreparedFile, not_read_now};
 use crate::domain::Issue;
+use crate::domain::number::fixed;
+use crate::domain::words::counted;
 use crate::ingest::Reading;
 use crate::ingest::archive;
 use crate::ingest::formats::plain_table::PlainTable;
@@ -84,8 +86,11 @@ fn traced(campaign: &Path, folder: &Path) -> Result<(Vec<u8>, Outcome), Outcome>
     reading.issues.push(Issue::note(
         "frames-traced",
         format!(
-            "curvatures are traced from {} frames: scale {:.3} px/mm ({}), counted from {}; the frames stay where they are, the table and their hashes are archived",
-            traced.rows, traced.view.px_per_mm, traced.view.scale_from, traced.view.initial
+            "curvatures are traced from {}: scale {} px/mm ({}), counted from {}; the frames stay where they are, the table and their hashes are archived",
+            counted(traced.rows, "frame"),
+            fixed(traced.view.px_per_mm, 3),
+            traced.view.scale_from,
+            traced.view.initial
         ),
     ));
     Ok((bytes, Outcome::Read(Box::new(reading))))

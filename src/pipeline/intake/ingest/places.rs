@@ -1,5 +1,6 @@
 //! Whether places along the strip fit the sample's free length.
 
+use crate::domain::number::fixed;
 use crate::domain::{Channel, Issue, Quantity};
 
 /// Part of the free length by which what frames show may differ from what a ruler does.
@@ -16,7 +17,8 @@ pub(super) fn misplaced(channels: &[Channel], length_mm: f64) -> Option<Issue> {
         && (traced_mm / length_mm - 1.0).abs() > ALIKE
     {
         let message = format!(
-            "the curvatures stand at the joints of a strip of {traced_mm:.2} mm, and the sample is {length_mm} mm long; nothing was changed"
+            "the curvatures stand at the joints of a strip of {} mm, and the sample is {length_mm} mm long; nothing was changed",
+            fixed(traced_mm, 2)
         );
         return Some(
             Issue::warning("length-differs", message)

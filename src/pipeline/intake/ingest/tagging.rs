@@ -9,6 +9,7 @@ use super::start;
 use super::unread::missing_responses;
 use super::window::window;
 use crate::analysis::climate::Window;
+use crate::domain::number::fixed;
 use crate::domain::tag::keys;
 use crate::domain::{
     Channel, InputHash, Issue, Quantity, RunKind, RunOrigin, RunState, Sample, Severity, Tag, TagSource,
@@ -536,7 +537,9 @@ fn improbable_density(channels: &[Channel], area_cm2: f64) -> Option<Issue> {
     let density = largest_a / area_cm2;
     (density > PROBABLE_DENSITY_A_PER_CM2).then(|| {
         let message = format!(
-            "the current reaches {largest_a:.3} A on {area_cm2} cm2, {density:.1} A/cm2: improbable for such a strip; nothing was changed"
+            "the current reaches {} A on {area_cm2} cm2, {} A/cm2: improbable for such a strip; nothing was changed",
+            fixed(largest_a, 3),
+            fixed(density, 1)
         );
         Issue::warning("suspicious-range", message)
             .at(format!("column {}", current.raw_name))

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::{RefusedFrame, ViewSummary};
+use crate::domain::number::digits;
 use crate::domain::safe_text::one_line;
 use crate::domain::words::counted;
 use crate::strip::{Bending, Initial};
@@ -37,7 +38,12 @@ impl Tables {
         let lines = [
             format!("traced from {} by ieap {}", counted(frames, "frame"), env!("CARGO_PKG_VERSION")),
             format!("{} strip, clamp at the {}", view.strip, view.clamp),
-            format!("scale {:.4} px/mm ({}), free length {:.3} mm", view.px_per_mm, view.scale_from, view.length_mm),
+            format!(
+                "scale {} px/mm ({}), free length {} mm",
+                digits(view.px_per_mm, 4),
+                view.scale_from,
+                digits(view.length_mm, 3)
+            ),
             format!("bending is counted from {}; positive is {} from the clamp to the tip", view.initial, view.positive),
             "curvature_per_cm is the mean over the length; curvature_per_cm@<mm> is at that distance from the clamp"
                 .to_owned(),
@@ -50,7 +56,7 @@ impl Tables {
             initial
                 .joints_mm
                 .iter()
-                .map(|mm| format!(",{name}@{mm:.3}"))
+                .map(|mm| format!(",{name}@{}", digits(*mm, 3)))
                 .collect()
         };
         Tables {
@@ -69,20 +75,26 @@ impl Tables {
     pub fn add(&mut self, row: &Row) {
         let bending = &row.bending;
         let (mean, tip) = (&bending.mean_per_cm, &bending.tip_displacement_mm);
-        let _ = write!(self.rows, "{},{:.6},{:.5}", row.time_s, mean.value, tip.value);
+        let _ = write!(
+            self.rows,
+            "{},{},{}",
+            row.time_s,
+            digits(mean.value, 6),
+            digits(tip.value, 5)
+        );
         let _ = write!(self.errors, "{}", row.time_s);
         for reading in &bending.curvature_per_cm {
-            let _ = write!(self.rows, ",{:.6}", reading.value);
-            let _ = write!(self.errors, ",{:.6}", reading.standard_error);
+            let _ = write!(self.rows, ",{}", digits(reading.value, 6));
+            let _ = write!(self.errors, ",{}", digits(reading.standard_error, 6));
         }
         let _ = writeln!(
             self.rows,
-            ",{:.6},{:.5},{:.5},{:.4},{:.3}",
-            mean.standard_error,
-            tip.standard_error,
-            bending.arc_deviation_mm,
-            row.edge_noise_px,
-            bending.bandwidth_mm
+            ",{},{},{},{},{}",
+            digits(mean.standard_error, 6),
+            digits(tip.standard_error, 5),
+            digits(bending.arc_deviation_mm, 5),
+            digits(row.edge_noise_px, 4),
+            digits(bending.bandwidth_mm, 3)
         );
         self.errors.push('\n');
         let _ = writeln!(

@@ -3,6 +3,7 @@
 use std::f64::consts::SQRT_2;
 
 use crate::domain::Drive;
+use crate::domain::number::fixed;
 use crate::model::bending::{ChargeCourse, bending_law, curvature_per_cm};
 use crate::model::coupling::CurvaturePerLineCharge;
 use crate::model::distributed::DistributedModel;
@@ -208,7 +209,12 @@ pub(super) fn lumped(branches: usize) -> Family {
             ..model.clone()
         };
         let bent = model.curvature_per_cm(&drive, AREA_CM2, &time_s);
-        line(&format!("λ = {:.1}·10⁻⁴ 1/s", 1e4 * rate), k, &time_s, &bent)
+        line(
+            &format!("λ = {}·10⁻⁴ 1/s", fixed(1e4 * rate, 1)),
+            k,
+            &time_s,
+            &bent,
+        )
     });
     family(
         vec![

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::{ImportSummary, Known, Row};
+use crate::domain::number::exact;
 use crate::domain::{Estimate, Fit, RunCurve};
 use crate::pipeline::fits::outcome::Outcome;
 use crate::pipeline::fits::result::FitResult;
@@ -192,7 +193,7 @@ fn differs(found: &Estimate, own: &Estimate) -> Option<(&'static str, String, St
         ("the lower end", found.low_95, own.low_95),
         ("the upper end", found.high_95, own.high_95),
     ];
-    let told = |number: Option<f64>| number.map_or("nothing".to_owned(), |number| format!("{number:e}"));
+    let told = |number: Option<f64>| number.map_or("nothing".to_owned(), exact);
     let mut other = numbers
         .into_iter()
         .filter(|(_, found, own)| !same(*found, *own, near));

@@ -4,8 +4,8 @@
 use rayon::prelude::*;
 
 use ieap_domain::ResidualCurve;
+use ieap_domain::number::seconds::span;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
-use ieap_domain::seconds::span;
 
 use crate::cause::policy::{EARLIER_PART, HELD_OUT_OF_LOG};
 use crate::cause::proof::predictive::Predictive;

@@ -11,7 +11,7 @@ use crate::cause::proof::held_out::{Part, REFIT, SETTLE, compare, later_rows};
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
-use ieap_domain::seconds::seconds;
+use ieap_domain::number::seconds::seconds;
 
 /// The later time of every run, predicted by the model refitted to the earlier time of all; none for a single run.
 ///

@@ -1,11 +1,14 @@
 //! The finding in one plain sentence.
 
-use super::{FindingBuilder, SPIKED_WORDS, short};
+use super::{FindingBuilder, SPIKED_WORDS};
 use crate::cause::evidence::{LARGEST_SET, SURE};
 use crate::cause::policy::NAMELESS_BEATS_BY;
 use crate::levels::{RIGHT_FROM, WRONG_BELOW};
 use crate::outcome::policy::{LARGER_THAN_NOISE, LEAST_EXPLANATION, MOST_EXPLANATIONS};
 use ieap_domain::diagnosis::follows_a_tag;
+use ieap_domain::number::probabilities::equation;
+use ieap_domain::number::{fixed, percent, significant};
+use ieap_domain::words::in_a_row;
 use ieap_domain::{GroupDiagnosis, Hypothesis, HypothesisKind, Verdict};
 use ieap_model::effects::effect;
 
@@ -46,7 +49,7 @@ fn likeliest(found: &GroupDiagnosis) -> String {
             HypothesisKind::Unnamed => "something without a name".to_owned(),
             HypothesisKind::Base => "nothing".to_owned(),
         };
-        format!("{what} ({:.0} %)", 100.0 * own.mass)
+        format!("{what} ({})", percent(own.mass, 0))
     };
     let told = found.posterior.iter().filter(|own| own.mass >= LEAST_EXPLANATION);
     let leading: Vec<String> = told.take(MOST_EXPLANATIONS).map(words).collect();
@@ -61,7 +64,10 @@ fn left_words(over_noise: f64) -> String {
     if over_noise < LARGER_THAN_NOISE {
         "What it leaves is no larger than the noise, but has a shape that noise has not.".to_owned()
     } else {
-        format!("What it leaves is {over_noise:.1} times as large as the noise.")
+        format!(
+            "What it leaves is {} times as large as the noise.",
+            fixed(over_noise, 1)
+        )
     }
 }
 
@@ -87,10 +93,7 @@ fn cause(found: &GroupDiagnosis, place: &str) -> String {
     let summaries: Vec<String> = found.set.iter().map(|id| with_summary(found, id)).collect();
     match (found.verdict, found.gains_clearly()) {
         (Verdict::Named, true) => {
-            format!(
-                "The simulation misses {}: {place}.{proof}",
-                summaries.join(" and ")
-            )
+            format!("The simulation misses {}: {place}.{proof}", in_a_row(&summaries))
         }
         (Verdict::Named, false) => format!(
             "The simulation is wrong ({place}); {} fits, and is not proved.{proof}",
@@ -168,7 +171,13 @@ fn proof(found: &GroupDiagnosis) -> String {
     ];
     let falls = errors.into_iter().filter_map(|(channel, before, after)| {
         let (before, after) = (100.0 * before?, 100.0 * after?);
-        (after < before).then(|| format!("{channel} {} -> {} %", short(before), short(after)))
+        (after < before).then(|| {
+            format!(
+                "{channel} {} -> {} %",
+                significant(before, 2),
+                significant(after, 2)
+            )
+        })
     });
     let falls: Vec<String> = falls.collect();
     let error = if falls.is_empty() {
@@ -189,7 +198,10 @@ fn proof(found: &GroupDiagnosis) -> String {
 fn doubt(found: &GroupDiagnosis) -> String {
     let open = found.p_leftover.filter(|p| (WRONG_BELOW..RIGHT_FROM).contains(p));
     open.map_or_else(String::new, |p| {
-        format!(" What it leaves may be more than chance does (p = {p:.3}).")
+        format!(
+            " What it leaves may be more than chance does ({}).",
+            equation("p", p)
+        )
     })
 }
 

@@ -18,6 +18,7 @@ use crate::table::{self, Question, Table, epoch, layout, start, time_names, time
 use crate::text::header::{Header, Meaning};
 use crate::text::{Line, Lines, number};
 use crate::{Reading, RunTable};
+use ieap_domain::number::{fixed, percent};
 use ieap_domain::unit::{self, Conversion};
 use ieap_domain::{Issue, Quantity, RunStatus};
 use ieap_numerics::robust::upper_median;
@@ -295,7 +296,7 @@ fn unit_of(
                     answers: vec![
                         (
                             "fraction".to_owned(),
-                            format!("it is {:.1} to {:.1} %", 100.0 * low, 100.0 * high),
+                            format!("it is {} to {}", fixed(100.0 * low, 1), percent(high, 1)),
                         ),
                         ("percent".to_owned(), format!("it is {low} to {high} %")),
                     ],
@@ -329,7 +330,10 @@ fn unit_of(
         answers: units
             .map(|word| {
                 let [low, high] = [low, high].map(|number| conversion(word).apply(number));
-                (word.to_owned(), format!("it is {low:.1} to {high:.1} °C"))
+                (
+                    word.to_owned(),
+                    format!("it is {} to {} °C", fixed(low, 1), fixed(high, 1)),
+                )
             })
             .to_vec(),
     }))

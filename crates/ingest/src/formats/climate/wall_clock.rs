@@ -8,6 +8,7 @@ use crate::formats::stamp::DateOrder;
 use crate::text::header::{Header, Meaning};
 use crate::text::{Cell, Decimal, Delimiter, Line, number};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
+use ieap_domain::words::in_a_row;
 use ieap_domain::{Issue, RunStatus};
 
 /// What a logger's file says, before its rows are read.
@@ -198,7 +199,7 @@ impl Log<'_> {
                     return Ok((moments, reason));
                 }
                 let orders: Vec<&str> = orders.into_iter().map(DateOrder::words).collect();
-                format!("{} fit all rows alike", orders.join(" and "))
+                format!("{} fit all rows alike", in_a_row(&orders))
             }
         };
         Err(ReadError::AmbiguousDates {

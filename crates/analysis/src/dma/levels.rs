@@ -1,15 +1,7 @@
-//! |E*| over the humidity, on the way up and on the way down.
-
-use std::collections::BTreeMap;
+//! The humidities that a modulus log held, with the modulus there.
 
 use ieap_domain::modulus::step_keys;
-use ieap_domain::quantiles::NORMAL_95_ROUNDED;
-use ieap_domain::{Estimate, ModulusAnalysis, ModulusStep, range_of};
-use serde::Serialize;
-
-use crate::error::ReportError;
-use crate::figures::axis::Axis;
-use crate::figures::law::{Beside, Mark, SMALL, sized_panel};
+use ieap_domain::{Estimate, ModulusAnalysis, ModulusStep};
 
 /// A humidity that was held, with the modulus there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,13 +25,6 @@ pub struct WholeSpan {
     pub change_percent: f64,
     /// Its standard error, percent.
     pub standard_error_percent: f64,
-}
-
-/// A log's figure.
-#[derive(Debug, Serialize)]
-pub struct HumidityPanel {
-    sample: String,
-    figure: String,
 }
 
 /// The levels that a log held, in the order of time; none where a step lacks its numbers.
@@ -96,64 +81,6 @@ pub fn whole_span(found: &ModulusAnalysis) -> Option<WholeSpan> {
     })
 }
 
-/// The figure of a log that held two humidities or more; it goes to `figures`.
-///
-/// # Errors
-/// [`ReportError::Figure`] where it cannot be drawn.
-pub fn humidity_panel(
-    sample: &str,
-    found: &ModulusAnalysis,
-    at: usize,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Option<HumidityPanel>, ReportError> {
-    let Some(levels) = levels(found).filter(|levels| levels.len() > 1) else {
-        return Ok(None);
-    };
-    let marks: Vec<Mark> = levels.iter().map(mark).collect();
-    let (low, high) = range_of(marks.iter().flat_map(|mark| [mark.bar.0, mark.bar.1, mark.y]));
-    let (dry, wet) = range_of(marks.iter().map(|mark| mark.x));
-    let margin = 0.05 * (wet - dry).max(1.0);
-    let x = Axis::linear(dry - margin, wet + margin, "Relative humidity (%)", "", 5);
-    let y = Axis::linear_rounded(low, high, "|E*|", "MPa", 4);
-    let beside = Beside {
-        names: ["At the start", "After a rise", "After a fall"]
-            .map(str::to_owned)
-            .to_vec(),
-        ..Beside::default()
-    };
-    let id = format!("over-humidity-{}", at + 1);
-    let title = format!("|E*| of {sample} over the humidity");
-    let desc = "|E*| at every humidity that was held, after a rise and after a fall of it.";
-    let svg = sized_panel(SMALL, (&x, &y), (&marks, &beside), (&title, desc));
-    let svg = svg.map_err(|reason| ReportError::Figure {
-        figure: id.clone(),
-        reason,
-    })?;
-    figures.insert(id.clone(), svg);
-    Ok(Some(HumidityPanel {
-        sample: sample.to_owned(),
-        figure: id,
-    }))
-}
-
-fn mark(level: &HeldLevel) -> Mark {
-    let reach = NORMAL_95_ROUNDED * level.standard_error_mpa;
-    Mark {
-        x: level.relative_humidity_percent,
-        x_error: 0.0,
-        y: level.modulus_mpa,
-        bar: (level.modulus_mpa - reach, level.modulus_mpa + reach),
-        style: match level.direction {
-            0 => 0,
-            1 => 1,
-            _ => 2,
-        },
-        run: None,
-        // Humidity that rose came from below.
-        came_from: -level.direction,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -202,16 +129,5 @@ mod tests {
             .map(|level| level.direction)
             .collect();
         assert_eq!(ways, [0, 1, 1, -1]);
-    }
-
-    #[test]
-    fn up_and_down_have_marks_of_their_own() {
-        let mut figures = BTreeMap::new();
-        let log = log(&[(0.0, 100.0), (40.0, 80.0), (0.0, 95.0)]);
-        let panel = humidity_panel("S", &log, 0, &mut figures).unwrap().unwrap();
-        let drawn = &figures[&panel.figure];
-        for name in ["At the start", "After a rise", "After a fall"] {
-            assert!(drawn.contains(name), "{drawn}");
-        }
     }
 }
