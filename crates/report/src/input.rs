@@ -10,6 +10,7 @@ use ieap_analysis::laws::CampaignLaws;
 use ieap_analysis::laws::contrast::Contrast;
 use ieap_analysis::laws::matrix::ConfoundingMap;
 use ieap_analysis::model_free::ModelFree;
+use ieap_analysis::models_compared::view::Compared;
 use ieap_analysis::monitoring::Monitoring;
 use ieap_analysis::online::Turn;
 use ieap_analysis::plan::{PlannedRun, Untying};
@@ -76,6 +77,11 @@ pub struct Input {
 }
 
 impl Input {
+    /// Comparisons of models.
+    pub fn compared(&self) -> Compared<'_> {
+        self.of_tables().compared()
+    }
+
     /// What tables are made from.
     pub fn of_tables(&self) -> TableInput<'_> {
         TableInput {

@@ -1,6 +1,7 @@
 //! Runs whose voltage is a sine or a chirp: current and bending per volt against frequency, measured and by the fitted model.
 
 mod response;
+pub mod view;
 
 use ieap_domain::{Channel, Drive, Level, Quantity, RunRecord};
 use ieap_numerics::complex::Complex;

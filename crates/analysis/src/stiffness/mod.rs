@@ -7,6 +7,7 @@ mod cause;
 mod estimates;
 mod modulus;
 mod rows;
+pub mod view;
 mod words;
 
 pub use both_ways::{Ratios, both_ways};

@@ -5,6 +5,7 @@ use crate::frequency::FrequencyRun;
 use crate::impedance::OneLikelihood;
 use crate::laws::doubt::Doubts;
 use crate::model_free::ModelFree;
+use crate::models_compared::view::Compared;
 use crate::probe::Course;
 use crate::reductions::RunReductions;
 use ieap_domain::{
@@ -50,4 +51,16 @@ pub struct TableInput<'a> {
     pub outdated_comparisons: usize,
     /// Program and state of the database, for the table's foot.
     pub origin: &'a str,
+}
+
+impl<'a> TableInput<'a> {
+    /// Comparisons of models.
+    pub fn compared(&self) -> Compared<'a> {
+        Compared {
+            comparisons: self.comparisons,
+            outdated: self.outdated_comparisons,
+            runs: self.runs,
+            campaign: self.campaign,
+        }
+    }
 }

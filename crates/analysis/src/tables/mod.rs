@@ -8,24 +8,24 @@ mod electrodes;
 mod extended;
 mod findings;
 mod fits;
-mod frequency;
 mod input;
 mod model_free;
-mod models;
 pub mod moved;
 mod reductions;
 mod refused;
 mod runs;
 mod spread;
 mod step_and_spectrum;
-mod stiffness;
+pub mod stiffness;
 mod table2;
 mod table3;
 mod table4;
 mod table5;
 mod table6;
 
+use crate::frequency;
 use crate::impedance::sheet;
+use crate::models_compared;
 
 pub(crate) use cells::{alpha_of, surroundings_text, volts};
 pub use chosen_columns::with_columns;
@@ -141,7 +141,7 @@ pub const TABLES: [NamedTable; 23] = [
         name: "models",
         about: "Which model describes which material in which environment, as `ieap compare` found it",
         compares_materials: true,
-        make: models::make,
+        make: |input| models_compared::view::table(input.compared()),
     },
     NamedTable {
         name: "findings",
@@ -189,7 +189,7 @@ pub const TABLES: [NamedTable; 23] = [
         name: "frequency",
         about: "Amplitude and phase of current and bending per volt against frequency, of runs under a sine or a chirp",
         compares_materials: false,
-        make: frequency::make,
+        make: |input| frequency::view::table(input.frequency, input.runs),
     },
     NamedTable {
         name: "refused",

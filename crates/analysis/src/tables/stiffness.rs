@@ -1,7 +1,7 @@
 //! Alpha split into stiffness and coupling: alpha = mu / (E I), one row a sample, surroundings and voltage.
 
 use super::TableInput;
-use super::cells::{ALPHA, condition_columns, condition_stub, estimate_cell, run_sources};
+use super::cells::{ALPHA, condition_columns, condition_stub, estimate_cell, run_sources, surroundings_text};
 use crate::stiffness::{SampleRow, sample_rows};
 use ieap_domain::Estimate;
 use ieap_show::{Cell, Column, Content, Notes, Row, Table};
@@ -13,6 +13,13 @@ const MICRO: f64 = 1e6;
 pub fn make(input: &TableInput) -> Table {
     let (conditions, rows) = sample_rows(input);
     let mut notes = Notes::default();
+    let place = |own: &SampleRow| {
+        let condition = &conditions.measured[own.condition];
+        let surroundings = surroundings_text(&conditions.surroundings[condition.surroundings]);
+        format!("{} in {surroundings}", own.sample)
+            .trim_start_matches(" in ")
+            .to_owned()
+    };
     let row = |own: &SampleRow| {
         let runs: Vec<usize> = own.free.iter().chain(&own.held).copied().collect();
         let of_runs = || run_sources(input, &runs);
@@ -43,10 +50,12 @@ pub fn make(input: &TableInput) -> Table {
                     word = word.noted(notes.at("modulus and blocking force contradict each other"));
                 }
                 cells.push(word);
+                cells.push(Cell::text(Some(place(&rows[change.reference])), of_runs()));
             }
             None => {
                 cells.extend([(); 3].map(|()| Cell::new(Content::Missing, of_runs())));
                 cells.push(Cell::text(Some("reference"), of_runs()));
+                cells.push(Cell::new(Content::Missing, of_runs()));
             }
         }
         let label = if own.sample.is_empty() {
@@ -108,6 +117,11 @@ fn columns(with_force: bool) -> Vec<Column> {
         ),
         Column::plain("mu_ratio", "μ / ref", "coupling over that of the reference"),
         Column::plain("cause", "Alpha follows", "what changes beyond its uncertainty"),
+        Column::plain(
+            "reference",
+            "Reference",
+            "sample and surroundings that ratios are over",
+        ),
     ]);
     columns
 }

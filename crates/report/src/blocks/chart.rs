@@ -1,5 +1,7 @@
 //! Draws a chart: on a page, and for print as wide as it is asked.
 
+use std::collections::BTreeSet;
+
 use plotters::element::{Circle, PathElement};
 use plotters::style::{Color, ShapeStyle};
 use serde::Serialize;
@@ -103,13 +105,33 @@ pub fn width_on_page(chart: &Chart) -> u32 {
 /// # Errors
 /// The message of the drawing library.
 pub fn print(chart: &Chart, width: u32) -> Result<Drawing, String> {
-    let legend: Vec<(String, usize)> = keys(chart).into_iter().map(|key| (key.name, key.style)).collect();
-    let panel = grid::Panel {
-        title: chart.title.clone(),
-        draw: Box::new(|area| draw(area, chart)),
-    };
-    let notes = Vec::from_iter((!chart.caption.is_empty()).then(|| chart.caption.clone()));
-    grid::grid(width, 1, height(chart, width), &legend, &[panel], &notes)
+    prints(std::slice::from_ref(chart), 1, width)
+}
+
+/// The same of several, in so many columns, with one legend.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn prints(charts: &[Chart], columns: usize, width: u32) -> Result<Drawing, String> {
+    let (mut legend, mut notes, mut tallest) = (Vec::new(), Vec::new(), 0);
+    let mut panels = Vec::new();
+    for chart in charts {
+        // Readings are told by their dots, of which a legend of lines has none.
+        let lines = keys(chart)
+            .into_iter()
+            .filter(|key| key.is_line || key.mark.is_some());
+        legend.extend(lines.map(|key| (key.name, key.style)));
+        notes.extend((!chart.caption.is_empty()).then(|| chart.caption.clone()));
+        tallest = tallest.max(height(chart, width));
+        panels.push(grid::Panel {
+            title: chart.title.clone(),
+            draw: Box::new(move |area| draw(area, chart)),
+        });
+    }
+    let (mut named, mut told) = (BTreeSet::new(), BTreeSet::new());
+    legend.retain(|(name, _): &(String, usize)| named.insert(name.clone()));
+    notes.retain(|note: &String| told.insert(note.clone()));
+    grid::grid(width, columns, tallest, &legend, &panels, &notes)
 }
 
 /// Draws a chart that is `width` px wide.
@@ -181,7 +203,7 @@ fn axes(chart: &Chart, own: &Panel) -> (Axis, Axis) {
         let axis = |range: &Range, low: f64| Axis::linear(low, low + span, range.quantity, range.unit, 5);
         return (axis(&own.x, x.0), axis(&own.y, y.0));
     }
-    (axis(&own.x, x, 6), axis(&own.y, y, 4))
+    (axis(&own.x, x, 6), axis(&own.y, y, 5))
 }
 
 /// The least and the greatest number that an axis must show: a line widens it only where nothing else is drawn.
@@ -394,6 +416,6 @@ mod tests {
     fn a_print_has_its_legend_in_it() {
         let drawn = print(&chart(), 480).unwrap();
         let svg = crate::figures::svg::inline(&drawn, "t", "d");
-        assert!(svg.contains("levels") && svg.contains("Readings"), "{svg}");
+        assert!(svg.contains("levels") && svg.contains("fit"), "{svg}");
     }
 }

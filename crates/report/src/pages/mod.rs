@@ -20,11 +20,9 @@ mod finding_posterior;
 pub mod finding_words;
 pub mod findings;
 mod forecasts;
-pub mod frequency;
 pub mod humidity;
 pub mod index;
 pub mod law_cards;
-pub mod models;
 pub mod monitoring;
 mod needs;
 mod page;
@@ -43,7 +41,6 @@ pub mod run_page;
 pub mod run_tables;
 mod run_tags;
 mod runs_table;
-pub mod stiffness;
 pub mod strip;
 pub mod table5;
 pub mod wording;
@@ -51,7 +48,7 @@ pub mod wording;
 use super::blocks;
 use super::input::Input;
 use ieap_analysis::comparison::against::Against;
-use ieap_analysis::{dma, impedance};
+use ieap_analysis::{dma, frequency, impedance, models_compared, stiffness, tables};
 use ieap_domain::fault::caught;
 
 pub use finding::content as finding_content;
@@ -177,25 +174,38 @@ pub const PAGES: [Page; 21] = [
         file: "stiffness.html",
         title: "Stiffness or coupling",
         under: None,
-        template: include_str!("../../../../templates/pages/stiffness.html"),
-        is_shown: stiffness::is_shown,
-        content: stiffness::content,
+        template: blocks::PAGE,
+        is_shown: |input| stiffness::view::is_told(&input.of_tables()),
+        content: |site| {
+            let input = site.input.of_tables();
+            let shown = stiffness::view::view(&input, tables::stiffness::make(&input));
+            blocks::content(site, "stiffness.html", shown)
+        },
     },
     Page {
         file: "frequency.html",
         title: "Frequency response",
         under: None,
-        template: include_str!("../../../../templates/pages/frequency.html"),
-        is_shown: frequency::is_shown,
-        content: frequency::content,
+        template: blocks::PAGE,
+        is_shown: |input| !input.frequency.is_empty(),
+        content: |site| {
+            let shown = frequency::view::view(&site.input.frequency, &site.input.runs);
+            blocks::content(site, "frequency.html", shown)
+        },
     },
     Page {
         file: "models.html",
         title: "Models compared",
         under: None,
-        template: include_str!("../../../../templates/pages/models.html"),
-        is_shown: models::is_shown,
-        content: models::content,
+        template: blocks::PAGE,
+        is_shown: |input| !input.comparisons.is_empty(),
+        content: |site| {
+            blocks::content(
+                site,
+                "models.html",
+                models_compared::view::view(site.input.compared()),
+            )
+        },
     },
     Page {
         file: "impedance.html",

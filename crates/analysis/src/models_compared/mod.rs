@@ -1,11 +1,13 @@
 //! Which model describes which material in which environment: comparisons of single runs, summed up.
 
+pub mod view;
+
 use ieap_domain::number::{fixed, significant};
 use ieap_domain::tag::keys;
 use ieap_domain::words::counted;
 use ieap_domain::{Campaign, ModelScore, Quantity, ResponseScore, RunComparison, RunRecord};
 
-use super::conditions::{Conditions, compared_material, conditions};
+use crate::conditions::{Conditions, compared_material, conditions};
 
 /// Models whose BIC differ by less are not told apart: the weight of one against the other is below e^5 = 150.
 const TOLD_APART: f64 = 10.0;
