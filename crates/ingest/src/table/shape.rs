@@ -98,26 +98,24 @@ fn named(
         kinds,
     };
     let mut best = 0;
-    let texts: Vec<(usize, &str)> = above[from..]
-        .iter()
-        .map(|row| (row.at, lines[row.at].text))
-        .collect();
+    let width = found.kinds.len();
+    let told = comments.iter().map(|(at, _)| *at);
+    let told: Vec<usize> = told.filter(|at| *at < found.data_at).collect();
+    // The mark of comments may be the name of a column of numbers of rows; before units it is none.
+    let is_row = |at: &usize| {
+        let own = names_in(lines[*at].text, delimiter);
+        let is_units = || unit_row(width, own[1..].iter().map(String::as_str)).is_some();
+        own.len() == width && own[0] == "#" && !is_units()
+    };
+    let rows_above = above[from..].iter().map(|row| row.at);
+    let mut names_at: Vec<usize> = rows_above.chain(told.iter().copied().filter(is_row)).collect();
+    names_at.sort_unstable();
+    let texts: Vec<(usize, &str)> = names_at.iter().map(|at| (*at, lines[*at].text)).collect();
     found.take_from(&mut best, &texts);
     if found.names_at.is_none() {
-        let told = comments.iter().map(|(at, _)| *at);
-        let told: Vec<usize> = told.filter(|at| *at < found.data_at).collect();
         let told = &told[told.len().saturating_sub(ROWS_ABOVE)..];
-        // The mark may be the name of a column of numbers of rows.
-        let width = found.kinds.len();
-        let whole = |at: usize| {
-            let own = names_in(lines[at].text, delimiter);
-            if own.len() == width && own[0] == "#" {
-                lines[at].text
-            } else {
-                bare_comment(lines[at].text)
-            }
-        };
-        let texts: Vec<(usize, &str)> = told.iter().map(|at| (*at, whole(*at))).collect();
+        let bare = |at: &usize| (*at, bare_comment(lines[*at].text));
+        let texts: Vec<(usize, &str)> = told.iter().map(bare).collect();
         found.take_from(&mut best, &texts);
         if found.names.len() != width {
             found.forget_names();

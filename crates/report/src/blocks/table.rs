@@ -30,10 +30,13 @@ struct HeadText {
 struct CellText {
     text: String,
     /// Letters of its footnotes.
+    #[serde(skip_serializing_if = "String::is_empty")]
     letters: String,
     /// The 95 % interval.
+    #[serde(skip_serializing_if = "String::is_empty")]
     interval: String,
     /// Where it leads to.
+    #[serde(skip_serializing_if = "Option::is_none")]
     href: Option<String>,
     is_number: bool,
     is_head: bool,
@@ -67,7 +70,8 @@ impl TableText {
                 interval: interval_of(cell),
                 href: href(site, cell, shown),
                 is_number: numbers[column],
-                is_head: column < table.stub,
+                // What stands above already heads nothing.
+                is_head: column < table.stub && !repeated[row][column],
             }
         };
         let row = |row: usize| (0..table.columns.len()).map(|column| cell(row, column)).collect();
