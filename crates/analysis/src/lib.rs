@@ -9,7 +9,6 @@ mod disk_file;
 pub mod dma;
 pub mod export;
 pub mod false_discovery;
-pub mod figure;
 pub mod findings;
 pub mod forecast;
 pub mod frequency;

@@ -25,6 +25,8 @@ pub enum Value {
     Cell(Cell),
     /// Nothing.
     Missing,
+    /// Nothing, and why.
+    Without(String),
 }
 
 /// A number that carries no uncertainty and is no setting: three digits.
@@ -179,6 +181,7 @@ fn cell(quantity: &Quantity, value: Value, sources: &[Source], notes: &mut Notes
         Value::Score(score) => of(Content::Score(score)),
         Value::Cell(cell) => cell,
         Value::Missing => of(Content::Missing),
+        Value::Without(why) => of(Content::Missing).noted(notes.at(&why)),
         Value::Estimate(estimate) => {
             let of_number = |source: &Source| Source {
                 key: Some(quantity.key.to_owned()),

@@ -7,7 +7,6 @@ use serde_json::Value;
 
 use crate::analysis::conditions::material;
 use crate::analysis::cycles::{CYCLE_FIGURES, Cycle, CycleRun};
-use crate::analysis::figure::Figure;
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::fitted::Interval;
 use crate::analysis::model_free::{ENERGIES, FIGURES, ModelFree};
@@ -64,8 +63,8 @@ impl<'t, T> Table<'t, T> {
     }
 
     /// Five columns a number: value, standard error, interval, and why there is no value.
-    fn figures(mut self, figures: &[Figure], of: impl Fn(&'t T) -> &'t [Estimate]) -> Self {
-        for (k, Figure { key, .. }) in figures.iter().enumerate() {
+    fn figures(mut self, figures: &[crate::show::Quantity], of: impl Fn(&'t T) -> &'t [Estimate]) -> Self {
+        for (k, crate::show::Quantity { key, .. }) in figures.iter().enumerate() {
             self = self
                 .number(key, |row| of(row)[k].value)
                 .number(&format!("{key}_standard_error"), |row| of(row)[k].standard_error)

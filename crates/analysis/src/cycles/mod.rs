@@ -15,7 +15,6 @@ use ieap_domain::number::fixed;
 use ieap_domain::{Channel, Drive, Estimate, Level as Source, Quantity, RunRecord};
 use ieap_numerics::robust::{median, sd_on_a_slope};
 
-use crate::figure::Figure;
 use crate::laws::words::{moves, short};
 use crate::levels::{Flow, Level, levels};
 use crate::monitoring::series::{Reaches, Series};
@@ -27,34 +26,34 @@ use policy::{END_OF_LIFE, MOST_POINTS};
 use train::{Train, train};
 
 /// Every number of a cycle.
-pub const CYCLE_FIGURES: [Figure; 7] = [
-    Figure::new(
+pub const CYCLE_FIGURES: [ieap_show::Quantity; 7] = [
+    ieap_show::Quantity::new(
         "amplitude_per_cm",
         "κ̂",
         "half of the swing of the curvature, from the ends of the levels or of the wave",
         "cm⁻¹",
     ),
-    Figure::new("charge_in_c", "Q_in", "charge that flowed in", "C"),
-    Figure::new("charge_out_c", "Q_out", "charge that flowed out", "C"),
-    Figure::new(
+    ieap_show::Quantity::new("charge_in_c", "Q_in", "charge that flowed in", "C"),
+    ieap_show::Quantity::new("charge_out_c", "Q_out", "charge that flowed out", "C"),
+    ieap_show::Quantity::new(
         "coulombic_efficiency_percent",
         "Q_out/Q_in",
         "coulombic efficiency",
         "%",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "energy_mj",
         "E",
         "electrical energy that stayed, heat and work together",
         "mJ",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "alpha_per_c_cm",
         "Δκ/ΔQ",
         "curvature per charge that flows",
         "C⁻¹ cm⁻¹",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "resistance_ohm",
         "R",
         "voltage over current at the edges, or of the wave",
@@ -194,7 +193,7 @@ fn sentences(cycles: &[Cycle]) -> Vec<String> {
         .collect()
 }
 
-fn sentence(cycles: &[Cycle], k: usize, figure: &Figure, limit: f64) -> Option<String> {
+fn sentence(cycles: &[Cycle], k: usize, figure: &ieap_show::Quantity, limit: f64) -> Option<String> {
     let series = series(cycles, k)?;
     let study = series.study(limit, 1);
     let law = study.trends.first().filter(|_| study.is_shown())?;

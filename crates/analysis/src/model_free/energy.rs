@@ -9,61 +9,60 @@ use ieap_domain::{Drive, Edge, Estimate, Sample};
 
 use super::no_bending;
 use super::policy::TOLD;
-use crate::figure::Figure;
 use crate::levels::{Flow, Level, Sum, levels, symmetric};
 use crate::stiffness::{product, second_moment_m4, size};
 
 /// Every energy of a run, in the order in which it has them.
-pub const ENERGIES: [Figure; 9] = [
-    Figure::new(
+pub const ENERGIES: [ieap_show::Quantity; 9] = [
+    ieap_show::Quantity::new(
         "energy_level_mj",
         "E_level",
         "electrical energy that went in until the end of the first level",
         "mJ",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "energy_in_mj",
         "E_in",
         "electrical energy that went in over the whole run, level by level",
         "mJ",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "energy_out_mj",
         "E_out",
         "electrical energy that came back over the whole run",
         "mJ",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "energy_net_mj",
         "E_net",
         "electrical energy that stayed over the whole run",
         "mJ",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "elastic_energy_uj",
         "U_peak",
         "elastic energy of the strip at the peak",
         "µJ",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "efficiency_percent",
         "efficiency",
         "elastic energy at the peak over the electrical energy until then",
         "%",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "energy_density_wh_per_dm3",
         "energy density",
         "electrical energy of the first level per volume of the strip",
         "Wh dm⁻³",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "mean_power_density_w_per_dm3",
         "mean power density",
         "electrical power per volume of the strip, mean over the first level",
         "W dm⁻³",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "peak_power_density_w_per_dm3",
         "peak power density",
         "largest electrical power per volume of the strip in the first level, from the first reading on",

@@ -15,7 +15,6 @@ use ieap_domain::{Channel, Drive, Estimate, Quantity, RunRecord, Sample};
 use ieap_numerics::local_parabola::{Course, Local, MOST_GOES_ON};
 use ieap_numerics::noise::scatter_between;
 
-use crate::figure::Figure;
 use crate::levels::{Flow, Level, UNKNOWN_BEGINNING, levels, symmetric};
 pub use energy::ENERGIES;
 use energy::{Strip, energies};
@@ -25,39 +24,39 @@ use policy::{RISEN, SETTLED, TOLD};
 const PLACES: usize = 160;
 
 /// Every number, in the order of [`ModelFree::values`].
-pub const FIGURES: [Figure; 7] = [
-    Figure::new(
+pub const FIGURES: [ieap_show::Quantity; 7] = [
+    ieap_show::Quantity::new(
         "peak_curvature_per_cm",
         "κ_peak",
         "largest curvature after the step",
         "cm⁻¹",
     ),
-    Figure::new("time_to_peak_s", "t_peak", "time from the step to the peak", "s"),
-    Figure::new(
+    ieap_show::Quantity::new("time_to_peak_s", "t_peak", "time from the step to the peak", "s"),
+    ieap_show::Quantity::new(
         "lost_after_10_min_percent",
         "lost (10 min)",
         "part of the peak that is lost 10 min after the step",
         "%",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "lost_after_60_min_percent",
         "lost (60 min)",
         "part of the peak that is lost 60 min after the step",
         "%",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "charge_c",
         "Q",
         "charge that flowed until the end of the level",
         "C",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "strain_rate_percent_per_s",
         "mean strain rate",
         "strain difference of the electrodes at 90 % of the peak over the time to it",
         "% s⁻¹",
     ),
-    Figure::new(
+    ieap_show::Quantity::new(
         "settling_time_s",
         "t_settle",
         "time after which the curvature stays within 5 % of the peak around where it ends",

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 
 use super::TableInput;
 use crate::conditions::{Condition, Conditions, Surroundings};
-use crate::figure::Figure;
 use crate::laws::doubt::Doubts;
 use crate::one_fit::SharedEstimate;
 use crate::parameters::ParameterInfo;
@@ -342,51 +341,6 @@ pub fn run_source(id: i64, path: &str) -> Source {
         key: None,
         estimate: None,
         left_out: None,
-    }
-}
-
-/// Columns of a list of numbers.
-pub fn figure_columns(figures: &[Figure]) -> impl Iterator<Item = Column> {
-    let of = |figure: &Figure| Column::of(figure.key, figure.symbol, figure.name, figure.unit);
-    figures.iter().map(of)
-}
-
-/// Cells of [`figure_columns`]: what a source says of each number.
-pub fn figure_cells(
-    figures: &[Figure],
-    values: &[Estimate],
-    source: &Source,
-    notes: &mut Notes,
-) -> Vec<Cell> {
-    let of = |(figure, estimate): (&Figure, &Estimate)| {
-        let source = Source {
-            key: Some(figure.key.to_owned()),
-            estimate: Some(estimate.clone()),
-            ..source.clone()
-        };
-        estimate_cell(estimate, 1.0, vec![source], notes)
-    };
-    figures.iter().zip(values).map(of).collect()
-}
-
-/// The cell of one estimate in a unit that is `factor` times its own, with a footnote where it has a reason.
-pub fn estimate_cell(estimate: &Estimate, factor: f64, sources: Vec<Source>, notes: &mut Notes) -> Cell {
-    let own = estimate.scaled(factor);
-    let content = match (own.value, own.low_95, own.high_95) {
-        (Some(value), low_95, high_95) => Content::Measured(Measured {
-            value,
-            standard_error: own.standard_error,
-            low_95,
-            high_95,
-            pooled: None,
-        }),
-        (None, None, None) => Content::NotDetermined,
-        (None, low, high) => Content::Bound { low, high },
-    };
-    let cell = Cell::new(content, sources);
-    match &own.reason {
-        Some(reason) => cell.noted(notes.at(reason)),
-        None => cell,
     }
 }
 

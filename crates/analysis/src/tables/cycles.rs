@@ -1,77 +1,47 @@
 //! Trains of cycles: one row a cycle.
 
-use ieap_domain::RunRecord;
 use ieap_domain::tag::keys;
 
 use super::TableInput;
-use super::cells::{figure_cells, figure_columns, run_source};
+use super::of_run::{OfRun, Own, of_runs};
 use crate::cycles::{CYCLE_FIGURES, Cycle, CycleRun};
-use ieap_show::{Cell, Column, Content, Notes, Row, Table};
+use ieap_show::quantities::{Quantity, SAMPLE};
+use ieap_show::{Table, Value};
+
+const CYCLE: Quantity = Quantity::plain("cycle", "Cycle", "number of the cycle");
+const START: Quantity = Quantity::new("start_s", "t", "when the cycle begins", "s");
+const LOWEST: Quantity = Quantity::new("lowest_v", "V_low", "lowest voltage", "V");
+const HIGHEST: Quantity = Quantity::new("highest_v", "V_high", "highest voltage", "V");
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {
-    let mut notes = Notes::default();
-    let mut rows = Vec::new();
-    for own in input.cycles {
-        let run = input.runs.iter().find(|run| run.id == own.run_id);
-        for cycle in &own.cycles {
-            rows.push(row(own, cycle, run, &mut notes));
-        }
+    type OfCycle<'a> = (&'a CycleRun, &'a Cycle);
+    let mut sheet = of_runs::<OfCycle>("cycles", "Trains, cycle by cycle", 2)
+        .remarks(
+            "Errors are those of the noise and of where the edges lie, or what neighbouring cycles differ by where that is more.",
+            "No run has a train of three cycles or more.",
+        )
+        .column(CYCLE, |(_, (_, cycle))| cycle.number)
+        .column(SAMPLE, |(run, _)| run.tag(keys::SAMPLE).map(Value::from))
+        .column(START, |(_, (_, cycle))| Value::Rough(cycle.start_s, 6))
+        .column(LOWEST, |(_, (own, _))| Value::Rough(own.voltage_v.0, 4))
+        .column(HIGHEST, |(_, (own, _))| Value::Rough(own.voltage_v.1, 4));
+    for (at, number) in CYCLE_FIGURES.iter().enumerate() {
+        sheet = sheet.column(*number, move |(_, (_, cycle)): &Own<OfCycle>| {
+            cycle.values.get(at).map(Value::from)
+        });
     }
-    let mut remarks: Vec<String> = input
-        .cycles
-        .iter()
-        .flat_map(|own| {
-            own.sentences
-                .iter()
-                .map(|sentence| format!("{}: {sentence}", own.path))
-        })
-        .collect();
-    remarks.push(if rows.is_empty() {
-        "No run has a train of three cycles or more.".to_owned()
-    } else {
-        "Errors are those of the noise and of where the edges lie, or what neighbouring cycles differ by where that is more."
-            .to_owned()
+    let cycles = input.cycles.iter().flat_map(|own| {
+        let run = OfRun::new(input, own.run_id, &own.path);
+        own.cycles.iter().map(move |cycle| (run, (own, cycle)))
+    });
+    let table = sheet.over(cycles);
+    let said = input.cycles.iter().flat_map(|own| {
+        let sentences = own.sentences.iter();
+        sentences.map(|sentence| format!("{}: {sentence}", own.path))
     });
     Table {
-        title: "Trains, cycle by cycle".to_owned(),
-        columns: columns(),
-        stub: 2,
-        rows,
-        notes: notes.into_texts(),
-        remarks,
-        ..Table::default()
-    }
-}
-
-fn columns() -> Vec<Column> {
-    let mut columns = vec![
-        Column::plain("run", "Run", "run"),
-        Column::plain("cycle", "Cycle", "number of the cycle"),
-        Column::plain("sample", "Sample", "sample"),
-        Column::of("start_s", "t", "when the cycle begins", "s"),
-        Column::of("lowest_v", "V_low", "lowest voltage", "V"),
-        Column::of("highest_v", "V_high", "highest voltage", "V"),
-    ];
-    columns.extend(figure_columns(&CYCLE_FIGURES));
-    columns
-}
-
-fn row(own: &CycleRun, cycle: &Cycle, run: Option<&RunRecord>, notes: &mut Notes) -> Row {
-    let source = run_source(own.run_id, &own.path);
-    let of_run = || vec![source.clone()];
-    let rough = |value: f64, digits| Cell::new(Content::Rough(value, digits), of_run());
-    let mut cells = vec![
-        Cell::text(Some(own.path.as_str()), of_run()),
-        Cell::exact(Some(cycle.number as f64), of_run()),
-        Cell::text(run.and_then(|run| run.tag(keys::SAMPLE)), of_run()),
-        rough(cycle.start_s, 6),
-        rough(own.voltage_v.0, 4),
-        rough(own.voltage_v.1, 4),
-    ];
-    cells.extend(figure_cells(&CYCLE_FIGURES, &cycle.values, &source, notes));
-    Row {
-        label: format!("{}, cycle {}", own.path, cycle.number),
-        cells,
+        remarks: said.chain(table.remarks).collect(),
+        ..table
     }
 }

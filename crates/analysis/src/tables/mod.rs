@@ -11,6 +11,7 @@ mod fits;
 mod input;
 mod model_free;
 pub mod moved;
+mod of_run;
 mod reductions;
 mod refused;
 mod runs;

@@ -4,9 +4,10 @@ use ieap_domain::tag::keys;
 use ieap_domain::{Estimate, RunRecord};
 
 use super::TableInput;
-use super::cells::{Shown, contribution, estimate_cell, run_source};
+use super::cells::{Shown, contribution, run_source};
 use crate::impedance::{Both, OneLikelihood};
 use crate::parameters::ParameterInfo;
+use ieap_show::sheet::of_estimate;
 use ieap_show::{Cell, Column, Content, Notes, Row, Table};
 
 /// What is shown of each.
@@ -88,7 +89,7 @@ fn rows(input: &TableInput, own: &OneLikelihood, run: Option<&RunRecord>, notes:
             ];
             for shown in shown() {
                 cells.push(match of(shown.key) {
-                    Some(estimate) => estimate_cell(&estimate, shown.factor, of_run(), notes),
+                    Some(estimate) => of_estimate(&estimate, shown.factor, of_run(), notes),
                     None => Cell::new(Content::Missing, of_run()),
                 });
             }

@@ -1,9 +1,10 @@
 //! Alpha split into stiffness and coupling: alpha = mu / (E I), one row a sample, surroundings and voltage.
 
 use super::TableInput;
-use super::cells::{ALPHA, condition_columns, condition_stub, estimate_cell, run_sources, surroundings_text};
+use super::cells::{ALPHA, condition_columns, condition_stub, run_sources, surroundings_text};
 use crate::stiffness::{SampleRow, sample_rows};
 use ieap_domain::Estimate;
+use ieap_show::sheet::of_estimate;
 use ieap_show::{Cell, Column, Content, Notes, Row, Table};
 
 const MILLI: f64 = 1e3;
@@ -26,7 +27,7 @@ pub fn make(input: &TableInput) -> Table {
         let (label, mut cells) = condition_stub(input, &conditions, &conditions.measured[own.condition]);
         cells.insert(1, Cell::text(Some(own.sample.clone()), of_runs()));
         let mut cell =
-            |estimate: &Estimate, factor: f64| estimate_cell(estimate, factor, of_runs(), &mut notes);
+            |estimate: &Estimate, factor: f64| of_estimate(estimate, factor, of_runs(), &mut notes);
         cells.extend([
             cell(&own.alpha, 1.0),
             cell(&own.modulus_mpa, 1.0),

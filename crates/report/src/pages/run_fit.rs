@@ -8,7 +8,6 @@ use super::wording::{EstimateText, in_unit, why_unfitted};
 use crate::pages::policy::{CORRELATED_FROM, SYSTEMATIC_FROM, WITHIN_NOISE};
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::cycles::CycleRun;
-use ieap_analysis::figure::Figure;
 use ieap_analysis::laws::doubt::Doubts;
 use ieap_analysis::model_free::{ENERGIES, FIGURES, ModelFree};
 use ieap_domain::number::{score, significant};
@@ -135,7 +134,7 @@ pub fn model_free(own: Option<&ModelFree>) -> Vec<ParameterRow> {
     let Some(own) = own else {
         return Vec::new();
     };
-    let row = |(figure, estimate): (&Figure, &Estimate)| ParameterRow {
+    let row = |(figure, estimate): (&ieap_show::Quantity, &Estimate)| ParameterRow {
         symbol: figure.symbol.to_owned(),
         name: figure.name.to_owned(),
         unit: figure.unit.to_owned(),

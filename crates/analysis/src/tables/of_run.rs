@@ -1,0 +1,65 @@
+//! Sheets whose rows are each of a run.
+
+use super::TableInput;
+use crate::conditions::material;
+use ieap_domain::RunRecord;
+use ieap_domain::tag::keys;
+use ieap_show::quantities::{ENVIRONMENT, MATERIAL, RUN, SAMPLE};
+use ieap_show::{Sheet, Source, SourceOrigin, Value};
+
+/// The run that a row is of.
+#[derive(Clone, Copy)]
+pub struct OfRun<'a> {
+    input: TableInput<'a>,
+    id: i64,
+    path: &'a str,
+    /// The run itself.
+    pub record: Option<&'a RunRecord>,
+}
+
+impl<'a> OfRun<'a> {
+    /// The run with that row id.
+    pub fn new(input: &TableInput<'a>, id: i64, path: &'a str) -> OfRun<'a> {
+        OfRun {
+            input: *input,
+            id,
+            path,
+            record: input.runs.iter().find(|run| run.id == id),
+        }
+    }
+
+    /// A tag as words.
+    pub fn tag(&self, key: &str) -> Option<&'a str> {
+        self.record.and_then(|run| run.tag(key))
+    }
+
+    /// A tag as a number.
+    pub fn number(&self, key: &str) -> Option<f64> {
+        self.record.and_then(|run| run.tag_number(key))
+    }
+}
+
+/// Of a run, and what else a row is made from.
+pub type Own<'a, X> = (OfRun<'a>, X);
+
+/// A sheet whose first column names the run.
+pub fn of_runs<'s, 'a: 's, X: 's>(
+    name: &'static str,
+    title: &'static str,
+    stub: usize,
+) -> Sheet<'s, Own<'a, X>> {
+    Sheet::new(name, title, stub)
+        .made_from(|(run, _): &Own<X>| vec![Source::of(SourceOrigin::Run(run.id), run.path)])
+        .column(RUN, |(run, _)| run.path)
+}
+
+/// The same with sample, material and environment.
+pub fn of_runs_and_what<'s, 'a: 's, X: 's>(name: &'static str, title: &'static str) -> Sheet<'s, Own<'a, X>> {
+    let material_of = |run: &OfRun<'a>| run.record.and_then(|own| material(own, run.input.campaign));
+    of_runs(name, title, 1)
+        .column(SAMPLE, |(run, _)| run.tag(keys::SAMPLE).map(Value::from))
+        .column(MATERIAL, move |(run, _)| material_of(run).map(Value::from))
+        .column(ENVIRONMENT, |(run, _)| {
+            run.tag(keys::ENVIRONMENT).map(Value::from)
+        })
+}
