@@ -28,6 +28,16 @@ impl<'a> OfRun<'a> {
         }
     }
 
+    /// A run that is at hand.
+    pub fn of(input: &TableInput<'a>, run: &'a RunRecord) -> OfRun<'a> {
+        OfRun {
+            input: *input,
+            id: run.id,
+            path: &run.path,
+            record: Some(run),
+        }
+    }
+
     /// A tag as words.
     pub fn tag(&self, key: &str) -> Option<&'a str> {
         self.record.and_then(|run| run.tag(key))

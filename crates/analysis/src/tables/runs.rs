@@ -1,98 +1,67 @@
 //! Every run: what was measured, when, and how well it is fitted.
 
 use super::TableInput;
-use super::cells::{run_sources, score_cell};
-use crate::conditions::{material, nominal_voltage_v};
-use ieap_domain::RunRecord;
+use super::of_run::{OfRun, Own, of_runs_and_what};
+use crate::conditions::nominal_voltage_v;
 use ieap_domain::tag::keys;
-use ieap_show::{Cell, Column, Row, Table};
+use ieap_domain::{Fit, RunRecord};
+use ieap_show::quantities::{HUMIDITY, Quantity, VOLTAGE};
+use ieap_show::{Table, Value};
+
+const TEMPERATURE: Quantity = Quantity::new("temperature_c", "T", "temperature", "°C");
+const STARTED: Quantity = Quantity::plain("started_at", "Started", "start, in the campaign's time zone");
+const STATE: Quantity = Quantity::plain("state", "State", "what became of it");
+const MODEL: Quantity = Quantity::plain("model", "Model", "model of its fit");
+const OF_CURRENT: Quantity = Quantity::plain(
+    "r_squared_current",
+    "R² (current)",
+    "coefficient of determination of the current",
+);
+const OF_CURVATURE: Quantity = Quantity::plain(
+    "r_squared_curvature",
+    "R² (curvature)",
+    "coefficient of determination of the curvature",
+);
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {
-    let columns = vec![
-        Column::plain("run", "Run", "run"),
-        Column::plain("sample", "Sample", "sample"),
-        Column::plain("material", "Material", "material"),
-        Column::plain("environment", "Environment", "environment"),
-        Column::of("relative_humidity_percent", "RH", "relative humidity", "%"),
-        Column::of("temperature_c", "T", "temperature", "°C"),
-        Column::of("voltage_v", "V₀", "step voltage", "V"),
-        Column::plain("started_at", "Started", "start, in the campaign's time zone"),
-        Column::plain("state", "State", "what became of it"),
-        Column::plain("model", "Model", "model of its fit"),
-        Column::plain(
-            "r_squared_current",
-            "R² (current)",
-            "coefficient of determination of the current",
-        ),
-        Column::plain(
-            "r_squared_curvature",
-            "R² (curvature)",
-            "coefficient of determination of the curvature",
-        ),
-    ];
-    Table {
-        title: "Runs".to_owned(),
-        columns,
-        stub: 1,
-        rows: (0..input.runs.len())
-            .map(|run| row(input, run))
-            .chain(input.set_aside.iter().map(|run| set_aside(input, run)))
-            .collect(),
-        ..Table::default()
-    }
-}
-
-fn row(input: &TableInput, index: usize) -> Row {
-    let run = &input.runs[index];
-    let sources = || run_sources(input, &[index]);
-    let text = |text: Option<&str>| Cell::text(text, sources());
+    let zone = input.campaign.timezone.as_deref();
     // Sensors are good to a few tenths at best: a mean over a run has more digits than that.
-    let tenths = |number: f64| (10.0 * number).round() / 10.0;
-    let number = |key: &str| Cell::exact(run.tag_number(key).map(tenths), sources());
-    let cells = vec![
-        text(Some(&run.path)),
-        text(run.tag(keys::SAMPLE)),
-        text(material(run, input.campaign)),
-        text(run.tag(keys::ENVIRONMENT)),
-        number(keys::RELATIVE_HUMIDITY_PERCENT),
-        number(keys::TEMPERATURE_C),
-        Cell::exact(nominal_voltage_v(run), sources()),
-        Cell::text(started(run, input.campaign.timezone.as_deref()), sources()),
-        text(Some(state(run))),
-        text(run.fit.as_ref().map(|fit| fit.model.as_str())),
-        score_cell(input, &[index], |fit| fit.r_squared_current),
-        score_cell(input, &[index], |fit| fit.r_squared_curvature),
-    ];
-    Row {
-        label: run.path.clone(),
-        cells,
+    let tenths = |run: &RunRecord, key| run.tag_number(key).map(|number| (10.0 * number).round() / 10.0);
+    // Nothing is said of the fit of a run that no result is made from.
+    fn fit(run: &RunRecord) -> Option<&Fit> {
+        run.fit.as_ref().filter(|_| run.standing.speaks())
     }
-}
-
-/// A run that no result is made from: what it is, and why; nothing of its fit.
-fn set_aside(input: &TableInput, run: &RunRecord) -> Row {
-    let text = |text: Option<&str>| Cell::text(text, Vec::new());
-    let number = |key: &str| Cell::exact(run.tag_number(key), Vec::new());
-    let state = format!("set aside: {}", run.standing.reason());
-    let cells = vec![
-        text(Some(&run.path)),
-        text(run.tag(keys::SAMPLE)),
-        text(material(run, input.campaign)),
-        text(run.tag(keys::ENVIRONMENT)),
-        number(keys::RELATIVE_HUMIDITY_PERCENT),
-        number(keys::TEMPERATURE_C),
-        Cell::exact(nominal_voltage_v(run), Vec::new()),
-        Cell::text(started(run, input.campaign.timezone.as_deref()), Vec::new()),
-        text(Some(&state)),
-        text(None),
-        text(None),
-        text(None),
-    ];
-    Row {
-        label: run.path.clone(),
-        cells,
-    }
+    let score = |run: &RunRecord, of: fn(&Fit) -> Option<f64>| {
+        fit(run)
+            .filter(|fit| fit.converged)
+            .and_then(of)
+            .map(Value::Score)
+    };
+    type Of<'a> = Own<'a, &'a RunRecord>;
+    let sheet = of_runs_and_what("runs", "Runs")
+        .column(HUMIDITY, move |(_, run): &Of| {
+            tenths(run, keys::RELATIVE_HUMIDITY_PERCENT)
+        })
+        .column(TEMPERATURE, move |(_, run)| tenths(run, keys::TEMPERATURE_C))
+        .column(VOLTAGE, |(_, run)| nominal_voltage_v(run))
+        .column(STARTED, |(_, run)| started(run, zone))
+        .column(STATE, |(_, run)| {
+            if run.standing.speaks() {
+                state(run).to_owned()
+            } else {
+                format!("set aside: {}", run.standing.reason())
+            }
+        })
+        .column(MODEL, |(_, run)| fit(run).map(|fit| fit.model.clone()))
+        .column(OF_CURRENT, move |(_, run)| {
+            score(run, |fit| fit.r_squared_current)
+        })
+        .column(OF_CURVATURE, move |(_, run)| {
+            score(run, |fit| fit.r_squared_curvature)
+        });
+    let runs = input.runs.iter().chain(input.set_aside);
+    sheet.over(runs.map(|run| (OfRun::of(input, run), run)))
 }
 
 fn state(run: &RunRecord) -> &'static str {

@@ -30,26 +30,51 @@ const BEFORE: &str = r"\expandafter\ifx\csname @twoclasseserror\endcsname\docume
 /// A table that is wider than the text is made smaller, never larger.
 const SHRINK: &str = "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{%\n";
 
+/// Rows of a table on one page; a longer one goes on in a table of its own, for what is shrunk to a width has no page breaks.
+const MOST_ROWS: usize = 30;
+
 /// Writes the table.
 pub fn write(table: &Table) -> String {
     let cells = grid(table);
-    let repeated = repeated(table);
-    let columns = 0..table.columns.len();
-    let layout: Vec<&str> = columns.map(|column| layout(&cells, column)).collect();
+    let layout: Vec<&str> = (0..table.columns.len())
+        .map(|column| layout(&cells, column))
+        .collect();
     let mut out = format!(
         "% {} of {}.\n% Alone it is a document; \\input it where booktabs, siunitx and graphicx are loaded.\n{BEFORE}",
         table.name,
         words(&table.origin)
     );
-    out += &format!(
-        "\\begin{{table}}[htbp]\n\\centering\n\\caption{{{}}}\n\\label{{tab:{}}}\n\\footnotesize\n\\setlength{{\\tabcolsep}}{{4pt}}\n",
-        words(&caption(table)),
-        table.name
-    );
-    out += SHRINK;
-    out += &format!("\\begin{{tabular}}{{{}}}\n\\toprule\n", layout.join(""));
+    let lines = lines(table, &cells);
+    let parts: Vec<&[String]> = lines.chunks(MOST_ROWS).collect();
+    let last = parts.len().saturating_sub(1);
+    for at in 0..parts.len().max(1) {
+        let (caption, label) = match at {
+            0 => (words(&caption(table)), format!("\\label{{tab:{}}}\n", table.name)),
+            _ => (format!("{} (continued)", words(&table.title)), String::new()),
+        };
+        out += &format!(
+            "\\begin{{table}}[htbp]\n\\centering\n\\caption{{{caption}}}\n{label}\\footnotesize\n\\setlength{{\\tabcolsep}}{{4pt}}\n"
+        );
+        out += SHRINK;
+        out += &format!(
+            "\\begin{{tabular}}{{{}}}\n\\toprule\n{}\\midrule\n",
+            layout.join(""),
+            heads(table)
+        );
+        out += &parts.get(at).map_or_else(String::new, |rows| rows.concat());
+        out += "\\bottomrule\n\\end{tabular}}\n";
+        if at == last {
+            out += &foot(table);
+        }
+        out += "\\end{table}\n";
+    }
+    out + "\\ieapend\n"
+}
+
+/// The names of the columns, and their units below them.
+fn heads(table: &Table) -> String {
     let heads = table.columns.iter().map(head).map(|(text, _)| symbol(&text));
-    out += &format!("{} \\\\\n", heads.collect::<Vec<_>>().join(" & "));
+    let mut out = format!("{} \\\\\n", heads.collect::<Vec<_>>().join(" & "));
     let second = table.columns.iter().map(|column| match column.unit.as_str() {
         "" => words(&head(column).1),
         text => unit(text),
@@ -58,13 +83,16 @@ pub fn write(table: &Table) -> String {
     if second.iter().any(|line| !line.is_empty()) {
         out += &format!("{} \\\\\n", second.join(" & "));
     }
-    out += "\\midrule\n";
-    for (row, starts) in group_starts(table).into_iter().enumerate() {
-        if starts {
-            out += "\\addlinespace\n";
-        }
+    out
+}
+
+/// Each row as it is set; on the first of a page stands what it shares with the one above.
+fn lines(table: &Table, cells: &[Vec<ShownCell>]) -> Vec<String> {
+    let repeated = repeated(table);
+    let line = |(row, starts): (usize, bool)| {
+        let is_first = row % MOST_ROWS == 0;
         let texts = cells[row].iter().enumerate().map(|(column, cell)| {
-            let text = if repeated[row][column] {
+            let text = if repeated[row][column] && !is_first {
                 String::new()
             } else {
                 cell_text(cell)
@@ -75,12 +103,14 @@ pub fn write(table: &Table) -> String {
                 letters => format!("{text}\\,\\textsuperscript{{{letters})}}"),
             }
         });
-        out += &format!("{} \\\\\n", texts.collect::<Vec<_>>().join(" & "));
-    }
-    out += "\\bottomrule\n\\end{tabular}}\n";
-    out += &foot(table);
-    out += "\\end{table}\n\\ieapend\n";
-    out
+        let space = if starts && !is_first {
+            "\\addlinespace\n"
+        } else {
+            ""
+        };
+        format!("{space}{} \\\\\n", texts.collect::<Vec<_>>().join(" & "))
+    };
+    group_starts(table).into_iter().enumerate().map(line).collect()
 }
 
 fn layout(cells: &[Vec<ShownCell>], column: usize) -> &'static str {
@@ -139,6 +169,25 @@ fn foot(table: &Table) -> String {
 mod tests {
     use super::*;
     use ieap_domain::number::rounded;
+
+    #[test]
+    fn a_long_table_goes_on_and_names_its_rows_anew() {
+        use ieap_show::{Quantity, Sheet};
+        let sheet = Sheet::<usize>::new("long", "Long", 1)
+            .column(Quantity::plain("run", "Run", "run"), |at| {
+                if *at < 40 { "a" } else { "b" }
+            })
+            .column(Quantity::plain("at", "At", "number"), |at| *at);
+        let text = write(&sheet.over(0..91));
+        assert_eq!(text.matches("\\end{tabular}").count(), 4, "{text}");
+        assert_eq!(text.matches("(continued)").count(), 3);
+        assert_eq!(text.matches("\\label").count(), 1);
+        assert!(text.contains("\\midrule\na & \\num{30}"), "{text}");
+        assert!(
+            (0..91).all(|at| text.contains(&format!("& \\num{{{at}}} "))),
+            "{text}"
+        );
+    }
 
     #[test]
     fn numbers_are_left_to_siunitx() {
