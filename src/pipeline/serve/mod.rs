@@ -10,7 +10,7 @@ mod deadline;
 pub mod request;
 
 use std::io::{self, Read};
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::net::{IpAddr, Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -132,12 +132,19 @@ impl Drop for Counted {
     }
 }
 
-/// Says that there are too many clients, without waiting for this one.
+/// How long a client that is turned away may take to ask.
+const HEARD_OUT: Duration = Duration::from_millis(100);
+
+/// Says that there are too many clients, and waits for what this one asks no longer than [`HEARD_OUT`].
 fn turn_away(stream: &TcpStream) {
-    if stream.set_nonblocking(true).is_ok() {
+    let is_timed = stream.set_nonblocking(false).is_ok()
+        && stream.set_read_timeout(Some(HEARD_OUT)).is_ok()
+        && stream.set_write_timeout(Some(HEARD_OUT)).is_ok();
+    if is_timed {
         // A request that stays unread would have the system take the answer back.
         let _ = (&mut &*stream).read(&mut [0; request::LONGEST_HEAD]);
         let _ = Answer::busy().write(&mut &*stream, false);
+        let _ = stream.shutdown(Shutdown::Write);
     }
 }
 
