@@ -1,6 +1,7 @@
 //! What a verb prints and a page shows.
 
-use ieap_domain::Issue;
+use ieap_domain::tag::keys;
+use ieap_domain::{Campaign, Issue, RunRecord};
 
 use crate::chart::Chart;
 use crate::table::Table;
@@ -33,6 +34,23 @@ impl Block {
     /// Blocks under a title.
     pub fn part(title: impl Into<String>, blocks: Vec<Block>) -> Block {
         Block::Part(title.into(), blocks)
+    }
+
+    /// What is known of a record: its material, what is its `own`, and where it comes from.
+    pub fn facts_of(
+        record: &RunRecord,
+        campaign: &Campaign,
+        own: impl IntoIterator<Item = (&'static str, String)>,
+    ) -> Block {
+        let sample = record.tag(keys::SAMPLE).and_then(|id| campaign.sample(id));
+        let of_tag = |name, key| record.tag(key).map(|text| (name, text.to_owned()));
+        let (path, format, revision) = (&record.path, &record.format, record.revision);
+        let mut facts = Vec::from_iter(sample.map(|sample| ("material", sample.material.clone())));
+        facts.extend(own);
+        facts.extend(of_tag("instrument", keys::INSTRUMENT));
+        facts.extend(of_tag("started", keys::STARTED_AT));
+        facts.push(("file", format!("{path} ({format}, revision {revision})")));
+        Block::Facts(facts)
     }
 
     /// Whether it is all pictures, of which a terminal shows nothing.

@@ -71,6 +71,8 @@ pub struct Layer {
     pub points: Vec<(f64, f64)>,
     /// Lower and upper end of the interval of each point; empty where there are none.
     pub bars: Vec<(f64, f64)>,
+    /// The same along the horizontal axis.
+    pub bars_across: Vec<(f64, f64)>,
 }
 
 /// What stands at the points of a layer.
@@ -130,6 +132,8 @@ impl Range {
 }
 
 impl Ink {
+    /// Series that have a colour of their own; further ones take them anew.
+    pub const COLOURS: usize = 6;
     /// The first series.
     pub const FIRST: Ink = Ink::Series(0);
     /// The second.
@@ -177,12 +181,18 @@ impl Layer {
             ink,
             points: points.into_iter().collect(),
             bars: Vec::new(),
+            bars_across: Vec::new(),
         }
     }
 
     /// The same with the ends of an interval at each point.
     pub fn with_bars(self, bars: Vec<(f64, f64)>) -> Layer {
         Layer { bars, ..self }
+    }
+
+    /// The same with the ends of an interval along the horizontal axis.
+    pub fn with_bars_across(self, bars_across: Vec<(f64, f64)>) -> Layer {
+        Layer { bars_across, ..self }
     }
 
     /// Guides, upright or level, at these numbers.

@@ -7,11 +7,11 @@ use ieap_domain::{ModulusAnalysis, ModulusLog, Quantity, RunCurve};
 use ieap_show::{Chart, Form, Ink, Layer, Mark, Panel, Range};
 
 use super::levels::{HeldLevel, levels};
+use super::sheet::PER_MINUTE;
 use super::view::{analysed, name};
 
-const PER_MINUTE: f64 = 1.0 / 60.0;
 /// Logs drawn in one figure: as many as there are colours.
-const MOST_DRAWN: usize = 7;
+const MOST_DRAWN: usize = Ink::COLOURS;
 
 fn curve(found: &ModulusAnalysis, quantity: Quantity) -> Option<&RunCurve> {
     found.curves.iter().find(|curve| curve.quantity == quantity)

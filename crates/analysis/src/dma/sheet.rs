@@ -6,7 +6,8 @@ use ieap_domain::{Estimate, ModulusAnalysis, ModulusStep};
 use ieap_show::quantities::{Quantity, SAMPLE};
 use ieap_show::{Sheet, Table, Value};
 
-const PER_MINUTE: f64 = 1.0 / 60.0;
+/// Minutes of seconds.
+pub const PER_MINUTE: f64 = 1.0 / 60.0;
 
 const HUMIDITY: Quantity = Quantity::plain("humidity", "Humidity", "relative humidity before and after");
 const WHEN: Quantity = Quantity::new("when", "When", "from the step to the next one", "min");

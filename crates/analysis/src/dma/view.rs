@@ -109,7 +109,11 @@ fn of_log(log: &ModulusLog, campaign: &Campaign) -> Block {
             .iter()
             .chain(found.iter().flat_map(|own| &own.issues)),
     ));
-    blocks.push(Block::Facts(facts(log, campaign)));
+    blocks.push(Block::facts_of(
+        &log.run,
+        campaign,
+        found.into_iter().flat_map(facts),
+    ));
     let title = match log.run.tag(keys::SAMPLE) {
         Some(sample) => format!("{sample}, {}", log.run.path),
         None => log.run.path.clone(),
@@ -117,29 +121,17 @@ fn of_log(log: &ModulusLog, campaign: &Campaign) -> Block {
     Block::part(title, blocks)
 }
 
-fn facts(log: &ModulusLog, campaign: &Campaign) -> Vec<(&'static str, String)> {
-    let run = &log.run;
-    let found = log.analysis.as_ref();
-    let sample = run.tag(keys::SAMPLE).and_then(|id| campaign.sample(id));
-    let of_tag = |name, key| run.tag(key).map(|text| (name, text.to_owned()));
-    let file = format!("{} ({}, revision {})", run.path, run.format, run.revision);
-    [
-        found.map(|own| ("modulus", own.modulus_source.clone())),
-        sample.map(|sample| ("material", sample.material.clone())),
-        found.and_then(|own| Some(("frequency", format!("{} Hz", plain(own.frequency_hz?))))),
-        found.and_then(|own| {
-            let (low, high) = own.temperature_c?;
-            Some((
-                "temperature",
-                format!("{} to {} °C", fixed(low, 1), fixed(high, 1)),
-            ))
-        }),
-        found.map(|own| ("readings", own.readings.to_string())),
-        of_tag("instrument", keys::INSTRUMENT),
-        of_tag("started", keys::STARTED_AT),
-        Some(("file", file)),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+fn facts(found: &ModulusAnalysis) -> Vec<(&'static str, String)> {
+    let mut facts = vec![("modulus", found.modulus_source.clone())];
+    facts.extend(
+        found
+            .frequency_hz
+            .map(|hz| ("frequency", format!("{} Hz", plain(hz)))),
+    );
+    facts.extend(found.temperature_c.map(|(low, high)| {
+        let text = format!("{} to {} °C", fixed(low, 1), fixed(high, 1));
+        ("temperature", text)
+    }));
+    facts.push(("readings", found.readings.to_string()));
+    facts
 }

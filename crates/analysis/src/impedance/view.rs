@@ -118,7 +118,7 @@ fn of_sweep(run: &SpectrumRun, at: usize, sweep: &Sweep, campaign: &Campaign) ->
         }
     };
     blocks.extend(Block::issues(run.run.issues.iter().chain(own)));
-    blocks.push(Block::Facts(facts(run, sweep, campaign)));
+    blocks.push(Block::facts_of(&run.run, campaign, facts(run, sweep)));
     Block::part(title(run, at), blocks)
 }
 
@@ -141,29 +141,13 @@ fn of_analysis(run: &SpectrumRun, at: usize, sweep: &Sweep, found: &SpectrumAnal
     blocks
 }
 
-fn facts(run: &SpectrumRun, sweep: &Sweep, campaign: &Campaign) -> Vec<(&'static str, String)> {
-    let record = &run.run;
-    let sample = record.tag(keys::SAMPLE).and_then(|id| campaign.sample(id));
+fn facts(run: &SpectrumRun, sweep: &Sweep) -> Vec<(&'static str, String)> {
+    let mut facts = vec![("frequencies", sweep.spectrum.len().to_string())];
     let range = sweep.spectrum.range_hz();
-    let of_tag = |name, key| record.tag(key).map(|text| (name, text.to_owned()));
-    let file = format!(
-        "{} ({}, revision {})",
-        record.path, record.format, record.revision
-    );
-    [
-        sample.map(|sample| ("material", sample.material.clone())),
-        Some(("frequencies", sweep.spectrum.len().to_string())),
-        range.map(|range| ("range", format!("{} Hz", from_to(range)))),
-        record
-            .area_cm2
-            .map(|area| ("area", format!("{} cm²", plain(area)))),
-        of_tag("instrument", keys::INSTRUMENT),
-        of_tag("started", keys::STARTED_AT),
-        Some(("file", file)),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    facts.extend(range.map(|range| ("range", format!("{} Hz", from_to(range)))));
+    let area_cm2 = run.run.area_cm2;
+    facts.extend(area_cm2.map(|area| ("area", format!("{} cm²", plain(area)))));
+    facts
 }
 
 fn from_to((low, high): (f64, f64)) -> String {

@@ -160,18 +160,17 @@ fn lines(one: &RunComparison, curve: &ComparedCurve, value: impl Fn(usize, f64) 
         .collect()
 }
 
-/// One run of every material and environment, that of the highest voltage, or the run that is asked for: one picture each.
-pub fn charts(found: Compared, run: Option<&str>) -> Vec<Chart> {
+/// One run of every material and environment, that of the highest voltage, or the run that is asked for: its picture, and
+/// its path.
+pub fn charts(found: Compared, run: Option<&str>) -> Vec<(Chart, String)> {
     let of = |of: &ComparedCondition| {
         let mut all = of.comparisons.iter().map(|&place| &found.comparisons[place]);
         let one = match run {
             Some(path) => all.find(|one| one.run == path),
             None => all.next_back(),
         }?;
-        chart(
-            &format!("{} in {}, {}", of.material, of.surroundings, one.run),
-            one,
-        )
+        let title = format!("{} in {}, {}", of.material, of.surroundings, one.run);
+        Some((chart(&title, one)?, one.run.clone()))
     };
     found.conditions().iter().filter_map(of).collect()
 }
@@ -180,12 +179,12 @@ pub fn charts(found: Compared, run: Option<&str>) -> Vec<Chart> {
 pub fn view(found: Compared) -> Vec<Block> {
     let sentences = found.conditions().len();
     let mut table = table(found).without(&["seconds"]);
-    let remarks = table.remarks.split_off(sentences.min(table.remarks.len()));
-    let mut blocks: Vec<Block> = std::mem::replace(&mut table.remarks, remarks)
-        .into_iter()
-        .map(Block::Say)
-        .collect();
+    let said: Vec<String> = table.remarks.drain(..sentences).collect();
+    let mut blocks: Vec<Block> = said.into_iter().map(Block::Say).collect();
     blocks.push(Block::Table(table));
-    blocks.extend(charts(found, None).into_iter().map(Block::Chart));
+    for (chart, run) in charts(found, None) {
+        blocks.push(Block::Chart(chart));
+        blocks.push(Block::Runs("The run at the highest voltage", vec![run]));
+    }
     blocks
 }

@@ -329,10 +329,11 @@ pub(super) fn charts_alarm(shown: &[&Watched], false_alarm: f64) -> String {
     };
     let parts: Vec<String> = shown.iter().map(of_parameter).collect();
     format!(
-        "{} of {} left control in the reference condition: {} (all charts of a sample together give a false alarm every {false_alarm:.0} reference runs on average).",
+        "{} of {} left control in the reference condition: {} (all charts of a sample together give a false alarm every {} reference runs on average).",
         in_a_row(&symbols),
         shown.first().map_or("", |watched| watched.sample.as_str()),
         parts.join("; "),
+        fixed(false_alarm, 0),
     )
 }
 

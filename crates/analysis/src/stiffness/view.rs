@@ -42,12 +42,16 @@ pub fn view(input: &TableInput, numbers: Table) -> Vec<Block> {
 
 /// Coupling against stiffness, both over the reference: a halved alpha lies to the right, or below.
 fn chart(rows: &[SampleRow]) -> Option<Chart> {
-    type At<'a> = (&'a str, (f64, f64), (f64, f64));
+    type At<'a> = (&'a str, (f64, f64), [(f64, f64); 2]);
     let told: Vec<At> = (rows.iter())
         .filter_map(|row| {
             let ratios = &row.change.as_ref()?.ratios;
             let (x, y) = (&ratios.stiffness, &ratios.coupling);
-            Some((row.sample.as_str(), (x.value?, y.value?), (y.low_95?, y.high_95?)))
+            Some((
+                row.sample.as_str(),
+                (x.value?, y.value?),
+                [(x.low_95?, x.high_95?), (y.low_95?, y.high_95?)],
+            ))
         })
         .collect();
     let mut samples: Vec<&str> = Vec::new();
@@ -65,7 +69,8 @@ fn chart(rows: &[SampleRow]) -> Option<Chart> {
     let of_sample = |(at, sample): (usize, &&str)| {
         let own = || told.iter().filter(|(of, ..)| of == sample);
         Layer::new(*sample, Mark::Marks, Ink::Series(at), own().map(|(_, at, _)| *at))
-            .with_bars(own().map(|(.., bar)| *bar).collect())
+            .with_bars(own().map(|(.., [_, bar])| *bar).collect())
+            .with_bars_across(own().map(|(.., [bar, _])| *bar).collect())
     };
     let marks = samples.iter().enumerate().map(of_sample);
     let panel = Panel {

@@ -9,6 +9,7 @@ use crate::laws::doubt::Doubts;
 use crate::one_fit::SharedEstimate;
 use crate::parameters::ParameterInfo;
 use crate::pooling::{Averaging, Repeat, pooled};
+use ieap_domain::number::fixed;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, RunRecord, RunState};
 use ieap_show::{Cell, Column, Content, Measured, Notes, Quantity, Source, SourceOrigin};
@@ -400,10 +401,7 @@ pub fn condition_stub(input: &TableInput, table: &Conditions, condition: &Condit
 /// `28–38`; none where no humidity is known.
 pub fn humidity_text(surroundings: &Surroundings) -> Option<String> {
     let level = surroundings.humidity?;
-    let (low, high) = (
-        format!("{:.0}", level.low_percent),
-        format!("{:.0}", level.high_percent),
-    );
+    let (low, high) = (fixed(level.low_percent, 0), fixed(level.high_percent, 0));
     Some(if low == high {
         low
     } else {

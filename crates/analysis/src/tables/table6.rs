@@ -8,6 +8,7 @@ use super::TableInput;
 use super::cells::{Shown, combined, contribution, humidity_text, run_sources, surroundings_text, volts};
 use crate::conditions::{Conditions, Surroundings, conditions};
 use crate::parameters::ParameterInfo;
+use ieap_domain::number::fixed;
 use ieap_show::{Cell, Column, Content, Notes, Row, Source, Table};
 
 /// Water is not split below this voltage, V.
@@ -46,9 +47,9 @@ pub fn rules() -> Vec<String> {
     let half_life_min = |rate: f64| std::f64::consts::LN_2 / rate / 60.0;
     vec![
         format!(
-            "Back-relaxation is minor for λ below {moderate} s⁻¹ (half of the bending is lost in more than {:.0} min), intense from {intense} s⁻¹ (less than {:.0} min), moderate between.",
-            half_life_min(moderate),
-            half_life_min(intense)
+            "Back-relaxation is minor for λ below {moderate} s⁻¹ (half of the bending is lost in more than {} min), intense from {intense} s⁻¹ (less than {} min), moderate between.",
+            fixed(half_life_min(moderate), 0),
+            fixed(half_life_min(intense), 0)
         ),
         format!(
             "Electrolysis of water is none up to {WATER_WINDOW_V} V (the window of water), without water (vacuum, inert gas, at most {DRY_UP_TO_PERCENT} % RH), and where Rₛₛ falls by less than a factor {} below that of the same material dry at the same voltage; it is intensive from a factor {}, present between.",
@@ -59,9 +60,9 @@ pub fn rules() -> Vec<String> {
             TIME_CONSTANT.limits[0], TIME_CONSTANT.limits[1]
         ),
         format!(
-            "The steady-state current V₀/Rₛₛ is low below {:.0} µA cm⁻², high from {:.0} µA cm⁻².",
-            1e6 * STEADY_CURRENT.limits[0],
-            1e6 * STEADY_CURRENT.limits[1]
+            "The steady-state current V₀/Rₛₛ is low below {} µA cm⁻², high from {} µA cm⁻².",
+            fixed(1e6 * STEADY_CURRENT.limits[0], 0),
+            fixed(1e6 * STEADY_CURRENT.limits[1], 0)
         ),
         "Two words mean that the 95 % interval reaches over the limit between them.".to_owned(),
     ]

@@ -293,10 +293,17 @@ fn marks(chart: &mut panel::Chart, layer: &Layer, x: &Axis, y: &Axis) -> Result<
         let x = x.position(at.0);
         vec![(x, end(bar.0, y.low)), (x, end(bar.1, y.high))]
     });
+    let side = |number: f64, edge: f64| if x.shows(number) { x.position(number) } else { edge };
+    let across = layer.points.iter().zip(&layer.bars_across);
+    let across = across.filter(|(at, _)| y.shows(at.1));
+    let across = across.map(|(at, bar)| {
+        let y = y.position(at.1);
+        vec![(side(bar.0, x.low), y), (side(bar.1, x.high), y)]
+    });
     lines(
         chart,
         "",
-        bars.collect(),
+        bars.chain(across).collect(),
         ink(layer.ink).color().stroke_width(GUIDE),
     )?;
     series(chart, &layer.name, |chart| {

@@ -40,7 +40,7 @@ pub enum Ink {
 
 impl Ink {
     /// Colours of series, in the order in which they are given out.
-    pub const SERIES: [Ink; 6] = [
+    pub const SERIES: [Ink; ieap_show::Ink::COLOURS] = [
         Ink::Blue,
         Ink::Vermillion,
         Ink::Green,

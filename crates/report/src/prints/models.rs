@@ -15,7 +15,8 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
         return Err("no models were compared yet: `ieap compare` does it".to_owned());
     }
     let asked = input.run.map(|run| site.input.record(run).path.as_str());
-    let charts = charts(site.input.compared(), asked);
+    let charts = charts(site.input.compared(), asked).into_iter();
+    let charts: Vec<_> = charts.map(|(chart, _)| chart).collect();
     if charts.is_empty() {
         return Err("models were not compared on that run: `ieap compare` does it".to_owned());
     }
