@@ -13,7 +13,7 @@ const BUILT_IN: [&str; 5] = [
 ];
 
 /// Circuits that are drawn: that of the step's fit, the best one, and those that were asked for.
-fn drawn(found: &SpectrumAnalysis) -> Vec<(&CircuitFit, Ink)> {
+pub fn drawn(found: &SpectrumAnalysis) -> Vec<(&CircuitFit, Ink)> {
     let is_asked = |fit: &CircuitFit| !BUILT_IN.contains(&fit.circuit.as_str());
     let ink = |fit: &CircuitFit| match fit.circuit.as_str() {
         "lumped-2" => Some(Ink::SECOND),

@@ -141,7 +141,8 @@ fn surrounded<'s, 'a: 's, R: 's>(
         })
 }
 
-type OfCircuit<'a> = (Analysed<'a>, &'a CircuitFit);
+/// A circuit of a sweep.
+pub type OfCircuit<'a> = (Analysed<'a>, &'a CircuitFit);
 
 /// One row a sweep and circuit: table `impedance`.
 pub fn impedance<'a>(spectra: &'a [SpectrumRun]) -> Table {
@@ -152,7 +153,7 @@ pub fn impedance<'a>(spectra: &'a [SpectrumRun]) -> Table {
             NO_SPECTRUM,
         )
         .column(CIRCUIT, |(_, fit)| fit.circuit.clone());
-    let rows = analysed(spectra).flat_map(|own| own.found.circuits.iter().map(move |fit| (own, fit)));
+    let rows = fits(spectra);
     surrounded(sheet, of)
         .column(KRAMERS_KRONIG, |(own, _)| {
             match own.found.kramers_kronig.verdict {
@@ -171,7 +172,7 @@ pub fn impedance<'a>(spectra: &'a [SpectrumRun]) -> Table {
 }
 
 /// One row a sweep, circuit and number: table `circuits`.
-pub fn circuits<'a>(sweeps: impl Iterator<Item = Analysed<'a>>) -> Table {
+pub fn circuits<'a>(fits: impl Iterator<Item = (Analysed<'a>, &'a CircuitFit)>) -> Table {
     type OfNumber<'a> = (Analysed<'a>, &'a CircuitFit, &'a Parameter);
     let of = |row: &OfNumber<'a>| row.0;
     let sheet = of_spectra("circuits", "Numbers of the circuits fitted to the impedance spectra", 3, of)
@@ -187,10 +188,12 @@ pub fn circuits<'a>(sweeps: impl Iterator<Item = Analysed<'a>>) -> Table {
         .column(DESCRIBES, |(own, fit, _)| own.verdict(fit))
         .column(RESIDUAL, |(_, fit, _)| rough(fit.residual_rms_percent))
         .column(DELTA_BIC, |(_, fit, _)| rough(fit.bic_above_best))
-        .over(sweeps.flat_map(|own| {
-            let circuits = own.found.circuits.iter();
-            circuits.flat_map(move |fit| fit.parameters.iter().map(move |number| (own, fit, number)))
-        }))
+        .over(fits.flat_map(|(own, fit)| fit.parameters.iter().map(move |number| (own, fit, number))))
+}
+
+/// Every circuit of every sweep that is analysed.
+pub fn fits(spectra: &[SpectrumRun]) -> impl Iterator<Item = OfCircuit<'_>> {
+    analysed(spectra).flat_map(|own| own.found.circuits.iter().map(move |fit| (own, fit)))
 }
 
 /// One row a sweep and peak of its relaxation times: table `relaxation-times`.

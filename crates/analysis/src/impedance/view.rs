@@ -137,7 +137,21 @@ fn of_analysis(run: &SpectrumRun, at: usize, sweep: &Sweep, found: &SpectrumAnal
         sweep: at,
         found,
     };
-    blocks.push(Block::Table(circuits([this].into_iter()).without(&SAID)));
+    let drawn = charts::drawn(found);
+    let shown = drawn.iter().map(|(fit, _)| (this, *fit));
+    blocks.push(Block::Table(circuits(shown).without(&SAID)));
+    let others = found
+        .circuits
+        .iter()
+        .filter(|fit| drawn.iter().all(|(own, _)| own.circuit != fit.circuit));
+    let others = others.map(|fit| format!("{} leaves {}", fit.circuit, percent(fit.residual_rms_percent)));
+    let others: Vec<String> = others.collect();
+    if !others.is_empty() {
+        blocks.push(Block::Say(format!(
+            "Of |Z| {}; `ieap table circuits` has their numbers.",
+            in_a_row(&others)
+        )));
+    }
     blocks
 }
 

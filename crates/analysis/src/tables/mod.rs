@@ -172,7 +172,7 @@ pub const TABLES: [NamedTable; 23] = [
         name: "circuits",
         about: "Every number of every circuit fitted to the impedance spectra, also of circuits that campaign.toml asks for",
         compares_materials: false,
-        make: |input| sheet::circuits(sheet::analysed(input.spectra)),
+        make: |input| sheet::circuits(sheet::fits(input.spectra)),
     },
     NamedTable {
         name: "step-and-spectrum",
