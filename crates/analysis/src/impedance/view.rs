@@ -112,7 +112,6 @@ fn of_sweep(run: &SpectrumRun, at: usize, sweep: &Sweep, campaign: &Campaign) ->
     let own = match &sweep.analysis {
         Err(issue) => vec![issue],
         Ok(found) => {
-            blocks.extend(charts::of_spectrum(sweep, found).map(Block::Chart));
             blocks.extend(of_analysis(run, at, sweep, found));
             found.issues.iter().collect()
         }
@@ -123,15 +122,13 @@ fn of_sweep(run: &SpectrumRun, at: usize, sweep: &Sweep, campaign: &Campaign) ->
 }
 
 fn of_analysis(run: &SpectrumRun, at: usize, sweep: &Sweep, found: &SpectrumAnalysis) -> Vec<Block> {
-    let mut blocks = vec![
-        Block::Say(kramers_kronig(&found.kramers_kronig)),
-        Block::Chart(charts::of_test(sweep, &found.kramers_kronig)),
-    ];
+    let mut blocks = vec![Block::Say(kramers_kronig(&found.kramers_kronig))];
     blocks.extend(found.z_hit.as_ref().map(|told| Block::Say(z_hit(told))));
-    if let Some(told) = &found.relaxation {
-        blocks.push(Block::Say(relaxation(told)));
-        blocks.push(Block::Chart(charts::of_relaxation(told)));
-    }
+    blocks.extend(found.relaxation.as_ref().map(|told| Block::Say(relaxation(told))));
+    let test = charts::of_test(sweep, &found.kramers_kronig);
+    let drawn = charts::of_spectrum(sweep, found).into_iter().chain([test]);
+    let drawn = drawn.chain(found.relaxation.as_ref().map(charts::of_relaxation));
+    blocks.extend(drawn.map(Block::Chart));
     let this = Analysed {
         run,
         sweep: at,

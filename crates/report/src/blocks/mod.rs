@@ -39,8 +39,8 @@ pub const TEMPLATES: [(&str, &str); 6] = [
         include_str!("../../../../templates/blocks/table.html"),
     ),
     (
-        "blocks/chart.html",
-        include_str!("../../../../templates/blocks/chart.html"),
+        "blocks/charts.html",
+        include_str!("../../../../templates/blocks/charts.html"),
     ),
     (
         "blocks/issues.html",
@@ -55,6 +55,15 @@ pub const TEMPLATES: [(&str, &str); 6] = [
 #[derive(Debug, Serialize)]
 struct BlocksPage {
     blocks: Vec<Item>,
+}
+
+#[derive(Debug, Serialize)]
+struct ChartText {
+    figure: String,
+    title: String,
+    is_wide: bool,
+    keys: Vec<Key>,
+    caption: String,
 }
 
 /// A block as the page's template goes through them, one after the other.
@@ -75,12 +84,9 @@ enum Item {
         facts: Vec<(&'static str, String)>,
     },
     Table(TableText),
-    Chart {
-        figure: String,
-        title: String,
-        is_wide: bool,
-        keys: Vec<Key>,
-        caption: String,
+    /// Charts that follow each other, beside each other where the page has room.
+    Charts {
+        charts: Vec<ChartText>,
     },
     Issues {
         issues: Vec<IssueText>,
@@ -158,7 +164,16 @@ impl Writer<'_> {
                 Block::Say(text) => Item::Say { text },
                 Block::Facts(facts) => Item::Facts { facts },
                 Block::Table(table) => Item::Table(TableText::of(self.site, &table)),
-                Block::Chart(chart) => self.chart(&chart)?,
+                Block::Chart(chart) => {
+                    let chart = self.chart(&chart)?;
+                    match self.items.last_mut() {
+                        Some(Item::Charts { charts }) => {
+                            charts.push(chart);
+                            continue;
+                        }
+                        _ => Item::Charts { charts: vec![chart] },
+                    }
+                }
                 Block::Issues(issues) => Item::Issues {
                     issues: issues.iter().map(IssueText::from).collect(),
                 },
@@ -178,7 +193,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    fn chart(&mut self, chart: &Chart) -> Result<Item, ReportError> {
+    fn chart(&mut self, chart: &Chart) -> Result<ChartText, ReportError> {
         let figure = format!("chart-{}", self.figures.len() + 1);
         let drawing = drawing(chart, chart::width_on_page(chart)).map_err(|reason| ReportError::Figure {
             figure: figure.clone(),
@@ -186,7 +201,7 @@ impl Writer<'_> {
         })?;
         let svg = svg::inline(&drawing, &chart.title, &chart::described(chart));
         self.figures.insert(figure.clone(), svg);
-        Ok(Item::Chart {
+        Ok(ChartText {
             figure,
             title: chart.title.clone(),
             is_wide: chart.form == Form::Wide,
