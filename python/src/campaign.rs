@@ -7,16 +7,16 @@ use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch,
 use ieap::analysis::plain_columns::{PlainCells, PlainColumn};
 use ieap::ingest::campaign_file;
 use ieap::model::impedance::circuit;
-use ieap::pipeline::apart::at_hand::{ReadTable, Stated};
 use ieap::pipeline::documents::comparison::comparison_document;
 use ieap::pipeline::documents::diagnosis::diagnosis_document;
 use ieap::pipeline::documents::fits::fits_document;
-use ieap::show::Document;
 use ieap::pipeline::findings::impedance::{SCHEMA, spectra};
 use ieap::pipeline::show::partitioned::run_rows_parquet;
 use ieap::pipeline::show::plain_tables::{plain_table, stored_readings};
 use ieap::pipeline::show::tables::{find_format, table};
+use ieap::pipeline::standalone::in_memory::{ReadTable, Stated};
 use ieap::pipeline::{CompareModels, Context, DiagnoseChoice, PipelineError, Silent};
+use ieap::show::Document;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 

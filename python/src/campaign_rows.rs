@@ -6,7 +6,7 @@ use std::sync::Arc;
 use arrow_array::RecordBatch;
 use ieap::analysis::run_rows::LISTED;
 use ieap::domain::{AskedFit, Channel, Drive, Edge, Issue, Level, Quantity, Segment};
-use ieap::pipeline::apart::at_hand::CampaignRow;
+use ieap::pipeline::standalone::in_memory::CampaignRow;
 
 use crate::columns::{list_at, numbers, text_at};
 use crate::rows::number;

@@ -8,8 +8,8 @@ use arrow_schema::{DataType, Field, Schema};
 use ieap::domain::known_parameter::NotKnown;
 use ieap::domain::{self, Issue, KnownParameter, Quantity};
 use ieap::fit::FitOptions;
-use ieap::pipeline::apart::at_hand::{self, FitAtHand, RunAtHand};
-use ieap::pipeline::apart::forward::fitted_covariance;
+use ieap::pipeline::standalone::forward::fitted_covariance;
+use ieap::pipeline::standalone::in_memory::{self, FitAtHand, RunAtHand};
 use ieap::pipeline::{DiagnoseChoice, FitChoice};
 use pyo3::prelude::*;
 
@@ -45,13 +45,13 @@ impl Fit {
     /// Keys of the parameters that simulating the fit needs.
     #[getter]
     fn needed_keys(&self) -> Vec<&str> {
-        at_hand::needed_keys(&self.fit)
+        in_memory::needed_keys(&self.fit)
     }
 
     /// Places whose curvatures were fitted, mm from the clamp; none but of the distributed model.
     #[getter]
     fn places_mm(&self) -> Vec<f64> {
-        at_hand::fitted_places_mm(&self.fit, &self.run)
+        in_memory::fitted_places_mm(&self.fit, &self.run)
     }
 
     /// Active area, cm2.
@@ -75,7 +75,7 @@ impl Fit {
 
     /// The same with the edges where the fit takes them to be, of those that only readings tell.
     fn drive_as_fitted(&self, py: Python<'_>) -> (f64, Vec<(f64, Option<f64>)>) {
-        let drive = py.detach(|| at_hand::drive_as_fitted(&self.run, &self.options));
+        let drive = py.detach(|| in_memory::drive_as_fitted(&self.run, &self.options));
         (drive.baseline_v, segments_of(Some(&drive)))
     }
 
@@ -177,12 +177,12 @@ pub fn fit(
         ..choice(model, method, simultaneous, seed)
     };
     let begun = Instant::now();
-    let mut options = at_hand::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
+    let mut options = in_memory::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
     // Who fits one run looks at its residuals, all of them.
     options.whole_curves = true;
     let run = run_of(py, name, table, stated)?;
     let (fit, stated) = py
-        .detach(|| at_hand::fit(&run, &options, &chosen.known))
+        .detach(|| in_memory::fit(&run, &options, &chosen.known))
         .map_err(|issue| refused(py, &issue))?;
     Ok(Fit {
         seconds: begun.elapsed().as_secs_f64(),
@@ -211,7 +211,7 @@ pub fn diagnose(
         .collect::<PyResult<Vec<RunAtHand>>>()?;
     let choice = DiagnoseChoice { model, draws, seed };
     let found = interruptible(py, threads, || {
-        at_hand::diagnose(group, &runs.iter().collect::<Vec<_>>(), &choice)
+        in_memory::diagnose(group, &runs.iter().collect::<Vec<_>>(), &choice)
     })?;
     let entry = found
         .map_err(|error| failed(py, &error))?

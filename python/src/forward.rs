@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use ieap::domain::Drive;
 use ieap::domain::typed_value::Measured;
-use ieap::pipeline::apart::convert::{MeasuredStrip, convert};
-use ieap::pipeline::apart::forward::{AskedStrip, DriveCourse, Predict, Wanted};
+use ieap::pipeline::standalone::convert::{MeasuredStrip, convert};
+use ieap::pipeline::standalone::forward::{AskedStrip, DriveCourse, Predict, Wanted};
 use pyo3::prelude::*;
 
 use crate::error::failed;

@@ -1,4 +1,4 @@
-//! The compiled half of the Python package `ieap`: it converts, and calls the doors of `ieap::pipeline::apart::at_hand`.
+//! The compiled half of the Python package `ieap`: it converts, and calls the doors of `ieap::pipeline::standalone::in_memory`.
 //!
 //! What a Python user sees (names, defaults, docstrings, types) stands in `ieap/*.py` beside this.
 

@@ -1,7 +1,7 @@
 //! Many runs at once, as tables with one run a row.
 
 use ieap::domain::Issue;
-use ieap::pipeline::apart::at_hand::{self, RunAtHand};
+use ieap::pipeline::standalone::in_memory::{self, RunAtHand};
 use ieap::pipeline::{DiagnoseChoice, FitChoice, PipelineError};
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -32,13 +32,13 @@ pub fn fit_many(
         known: crate::fit::known(py, &known)?,
         ..choice(model, method, simultaneous, seed)
     };
-    let options = at_hand::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
+    let options = in_memory::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
     let found = all_runs(table)?;
     let fitted: Vec<Fitted> = interruptible(py, threads, || {
         let fit = |(name, row): RowRun| {
             let (stated, result) = match row {
                 Ok(Found::AtHand(run)) => (
-                    at_hand::fit(&run, &options, &chosen.known).map(|(_, stated)| stated),
+                    in_memory::fit(&run, &options, &chosen.known).map(|(_, stated)| stated),
                     None,
                 ),
                 Ok(Found::OfCampaign(row)) => {
@@ -80,7 +80,7 @@ pub fn diagnose_rows(
     let entry = interruptible(py, threads, || -> Result<_, PipelineError> {
         match (runs.is_empty(), left_out.first()) {
             (true, Some(issue)) => Ok(Err(issue.clone())),
-            _ => at_hand::diagnose(group, &runs.iter().collect::<Vec<_>>(), &choice),
+            _ => in_memory::diagnose(group, &runs.iter().collect::<Vec<_>>(), &choice),
         }
     })?;
     let entry = entry.map_err(|error| crate::error::failed(py, &error))?;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use ieap::domain::{Channel, Drive, Quantity};
-use ieap::pipeline::apart::at_hand::{self, ReadTable};
+use ieap::pipeline::standalone::in_memory::{self, ReadTable};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::{Value, json};
@@ -42,7 +42,7 @@ pub fn of_table<'py>(py: Python<'py>, table: &Table) -> PyResult<(String, Vec<Bo
 }
 
 /// What is stated, as JSON.
-pub fn of_stated(stated: &at_hand::Stated) -> Value {
+pub fn of_stated(stated: &in_memory::Stated) -> Value {
     let strip = stated.strip;
     json!({
         "strip": [strip.area_cm2, strip.length_mm, strip.width_mm, strip.electrode_resistance_ohm_per_sq],
@@ -131,10 +131,10 @@ fn table(document: &str, numbers: &[Bound<'_, PyBytes>]) -> Option<Table> {
     Some(table)
 }
 
-fn stated(value: &Value) -> Option<at_hand::Stated> {
+fn stated(value: &Value) -> Option<in_memory::Stated> {
     let [area_cm2, length_mm, width_mm, electrode_resistance_ohm_per_sq] = part(&value["strip"])?;
-    Some(at_hand::Stated {
-        strip: at_hand::Strip {
+    Some(in_memory::Stated {
+        strip: in_memory::Strip {
             area_cm2,
             length_mm,
             width_mm,

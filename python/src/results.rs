@@ -9,9 +9,9 @@ use arrow_array::{
 use arrow_buffer::OffsetBuffer;
 use arrow_schema::{ArrowError, DataType, Field, Fields};
 use ieap::domain::{Estimate, Issue};
-use ieap::pipeline::apart::at_hand::FitAtHand;
 use ieap::pipeline::documents::diagnosis::GroupEntry;
 use ieap::pipeline::fits::result::FitResult;
+use ieap::pipeline::standalone::in_memory::FitAtHand;
 
 /// What the fit of a row came to.
 pub struct Fitted {

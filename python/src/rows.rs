@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use arrow_array::{Array, RecordBatch};
 use ieap::domain::{Issue, Severity};
-use ieap::pipeline::apart::at_hand::{self, CampaignRow, RunAtHand, Stated};
+use ieap::pipeline::standalone::in_memory::{self, CampaignRow, RunAtHand, Stated};
 
 use crate::campaign_rows;
 use crate::columns::{is_list, is_text, list_at, numbers, text_at};
@@ -63,7 +63,7 @@ fn run_at(batch: &RecordBatch, row: usize, name: &str) -> Result<RunAtHand, Issu
             false => tags.extend(cell(batch, key, row).map(|value| (key.clone(), value))),
         }
     }
-    let mut read = at_hand::arrays(columns)?;
+    let mut read = in_memory::arrays(columns)?;
     let (stated, slips) = stated(batch, row, tags)?;
     read.issues.extend(slips);
     RunAtHand::new(name, &read, &stated)
@@ -110,7 +110,7 @@ fn stated(
         )
         .collect();
     let stated = Stated {
-        strip: at_hand::Strip {
+        strip: in_memory::Strip {
             area_cm2,
             length_mm,
             width_mm,

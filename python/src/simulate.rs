@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use ieap::domain::Quantity;
-use ieap::pipeline::apart::at_hand::{self, CurvesAsked};
-use ieap::pipeline::apart::simulate::Noise;
+use ieap::pipeline::standalone::in_memory::{self, CurvesAsked};
+use ieap::pipeline::standalone::simulate::Noise;
 use ieap::truth::HiddenEffect;
 use pyo3::prelude::*;
 
@@ -53,7 +53,7 @@ pub fn simulate(
         places_mm,
     };
     let curves =
-        interruptible(py, Some(1), || at_hand::simulate(&asked))?.map_err(|issue| refused(py, &issue))?;
+        interruptible(py, Some(1), || in_memory::simulate(&asked))?.map_err(|issue| refused(py, &issue))?;
     let mut columns = vec![
         ("time_s".to_owned(), curves.time_s),
         ("voltage_v".to_owned(), curves.voltage_v),
@@ -67,7 +67,7 @@ pub fn simulate(
         let open = curves.is_open.iter().map(|&is_open| f64::from(u8::from(is_open)));
         columns.push(("open_circuit".to_owned(), open.collect()));
     }
-    let read = at_hand::arrays(columns).map_err(|issue| refused(py, &issue))?;
+    let read = in_memory::arrays(columns).map_err(|issue| refused(py, &issue))?;
     Ok(Table {
         // What was stated of the simulation is known of its readings: the strip, and when the voltage changed.
         stated: Some(Arc::new(stated.inner.clone())),

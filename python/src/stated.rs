@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ieap::domain::tag::keys;
 use ieap::domain::{Drive, Level, Segment};
-use ieap::pipeline::apart::at_hand;
+use ieap::pipeline::standalone::in_memory;
 use pyo3::prelude::*;
 
 use crate::error::refused;
@@ -13,7 +13,7 @@ use crate::pickled::of_stated;
 /// What a caller states of readings.
 #[pyclass(frozen, module = "ieap._native")]
 pub struct Stated {
-    pub inner: at_hand::Stated,
+    pub inner: in_memory::Stated,
 }
 
 #[pymethods]
@@ -32,13 +32,13 @@ impl Stated {
         tags: BTreeMap<String, String>,
         py: Python<'_>,
     ) -> PyResult<Stated> {
-        let strip = at_hand::Strip {
+        let strip = in_memory::Strip {
             area_cm2,
             length_mm,
             width_mm,
             electrode_resistance_ohm_per_sq,
         };
-        let inner = at_hand::Stated {
+        let inner = in_memory::Stated {
             strip,
             drive: drive_of(baseline_v, &drive),
             tags,
@@ -80,7 +80,7 @@ pub fn segments_of(drive: Option<&Drive>) -> Vec<(f64, Option<f64>)> {
 }
 
 /// What is stated now over what came with the readings.
-pub fn over(own: &at_hand::Stated, before: Option<&at_hand::Stated>) -> at_hand::Stated {
+pub fn over(own: &in_memory::Stated, before: Option<&in_memory::Stated>) -> in_memory::Stated {
     let Some(before) = before else {
         return own.clone();
     };
@@ -90,8 +90,8 @@ pub fn over(own: &at_hand::Stated, before: Option<&at_hand::Stated>) -> at_hand:
     let drive = if has_drive { own } else { before };
     let mut tags = before.tags.clone();
     tags.extend(own.tags.clone());
-    at_hand::Stated {
-        strip: at_hand::Strip {
+    in_memory::Stated {
+        strip: in_memory::Strip {
             // An area that came with the readings does not stand beside a length and width stated now.
             area_cm2: if has_size {
                 strip.area_cm2

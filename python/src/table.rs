@@ -9,7 +9,7 @@ use arrow_buffer::{Buffer, ScalarBuffer};
 use arrow_schema::{ArrowError, DataType, Field, Schema};
 use bytes::Bytes;
 use ieap::domain::{Channel, Issue, Quantity};
-use ieap::pipeline::apart::at_hand::{self, ReadTable};
+use ieap::pipeline::standalone::in_memory::{self, ReadTable};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule};
 
@@ -26,7 +26,7 @@ type Parts<'py> = (String, Vec<Bound<'py, PyBytes>>);
 pub struct Table {
     pub read: Arc<ReadTable>,
     /// What came with the readings: of a campaign its strip, drive and tags.
-    pub stated: Option<Arc<at_hand::Stated>>,
+    pub stated: Option<Arc<in_memory::Stated>>,
     /// The file, the run, or where else the readings are from.
     pub source: String,
 }
@@ -173,7 +173,7 @@ impl Table {
 #[pyfunction]
 pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Table>> {
     let found = py
-        .detach(|| at_hand::read(&path))
+        .detach(|| in_memory::read(&path))
         .map_err(|error| failed(py, &error))?;
     let shown = path.display().to_string();
     let at_file = |issue: Issue| {
@@ -207,7 +207,7 @@ pub fn arrays(py: Python<'_>, columns: Vec<(String, Bound<'_, PyBytes>, usize)>)
         .map(|(name, bytes, _)| (name.clone(), doubles(bytes)))
         .collect();
     let mut read = py
-        .detach(|| at_hand::arrays(columns))
+        .detach(|| in_memory::arrays(columns))
         .map_err(|issue| refused(py, &issue))?;
     read.issues.extend(told);
     Ok(Table::new(read, "arrays".to_owned()))
@@ -230,7 +230,7 @@ pub fn from_arrow(py: Python<'_>, table: &Bound<'_, PyAny>) -> PyResult<Table> {
         }
     }
     let mut read = py
-        .detach(|| at_hand::arrays(columns))
+        .detach(|| in_memory::arrays(columns))
         .map_err(|issue| refused(py, &issue))?;
     read.issues.extend(unread);
     Ok(Table::new(read, "arrow".to_owned()))

@@ -11,8 +11,8 @@ use crate::domain::number::estimates::{in_words, interval_in_words};
 use crate::domain::typed_value::Measured;
 use crate::domain::words::capital;
 use crate::pipeline::Context;
-use crate::pipeline::apart::convert::{MeasuredStrip, convert};
 use crate::pipeline::findings::strip_modulus::strip_modulus;
+use crate::pipeline::standalone::convert::{MeasuredStrip, convert};
 
 /// Convert a measure of bending into all others: displacement, curvature, angle, strains, moment, energy
 ///

@@ -4,19 +4,19 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
 
-use super::asked_strip::{OutputFile, StripArgs};
 use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::predict::words;
+use super::strip_args::{OutputFile, StripArgs};
 use super::table::write;
 use super::typed;
 use crate::domain::number::fixed;
 use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
 use crate::pipeline::Context;
-use crate::pipeline::apart::forward::drive_file::{read_course, write_drive};
-use crate::pipeline::apart::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
+use crate::pipeline::standalone::forward::drive_file::{read_course, write_drive};
+use crate::pipeline::standalone::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
 
 /// Find the voltage that brings the tip to a wanted course within limits, open loop, from the stored fits
 ///

@@ -12,7 +12,7 @@ use super::global::Global;
 use super::output::Output;
 use crate::domain::Issue;
 use crate::ingest::name_pattern::ProposedPattern;
-use crate::pipeline::ground::mends::{Together, together};
+use crate::pipeline::infra::mends::{Together, together};
 use crate::pipeline::{Ingest, IngestSummary};
 
 /// Take in new files: recognise, read, tag, archive and store them

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::Output;
-use crate::pipeline::apart::inspect::{Inspection, inspect};
+use crate::pipeline::standalone::inspect::{Inspection, inspect};
 
 /// Show what a reader makes of a file, without storing it
 #[derive(Debug, Args)]

@@ -1,6 +1,5 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
-mod asked_strip;
 mod backup;
 mod campaign;
 mod colour;
@@ -44,6 +43,7 @@ mod serve;
 mod signals;
 mod simulate;
 mod status;
+mod strip_args;
 mod table;
 mod tag;
 mod threads;

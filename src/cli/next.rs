@@ -19,7 +19,7 @@ use crate::pipeline::findings::next_runs::{
 pub struct NextArgs {
     #[command(flatten)]
     campaign: CampaignArg,
-    /// Write the list as a table to fill the bench's day with. Kept in the runs folder, it tags the files that are
+    /// Write the list as a table to fill the bench's day with. Cache in the runs folder, it tags the files that are
     /// saved under its names
     #[arg(long, value_name = "FILE.csv")]
     sheet: Option<PathBuf>,
@@ -28,8 +28,8 @@ pub struct NextArgs {
 pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
     let context = Context::open_read_only(&args.campaign.folder()?)?;
     let plan = plan(&context)?;
-    let (list, untying) = (entries(&plan), untying_entries(&plan));
-    untying
+    let (list, deconfounding) = (entries(&plan), untying_entries(&plan));
+    deconfounding
         .iter()
         .flat_map(|set| &set.sentences)
         .for_each(|sentence| output.result(sentence));
@@ -47,7 +47,7 @@ pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
     output.document(&json!({
         "schema": "ieap/next/1",
         "next_runs": list,
-        "untying": untying,
+        "untying": deconfounding,
         "sheet": written,
     }))?;
     Ok(DONE)

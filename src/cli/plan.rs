@@ -12,9 +12,9 @@ use super::typed;
 use crate::domain::Drive;
 use crate::domain::typed_value::Measured;
 use crate::pipeline::Context;
-use crate::pipeline::apart::forward::AskedStrip;
-use crate::pipeline::apart::forward::drive_file::read_drive;
-use crate::pipeline::apart::preflight::{DRAWS, Named, PlanDocument, Preflight, Subject, Trial, table};
+use crate::pipeline::standalone::forward::AskedStrip;
+use crate::pipeline::standalone::forward::drive_file::read_drive;
+use crate::pipeline::standalone::preflight::{DRAWS, Named, PlanDocument, Preflight, Subject, Trial, table};
 
 /// Say before a run is made which parameters it will determine and how well, and what to change
 ///

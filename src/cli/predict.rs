@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::asked_strip::{OutputFile, StripArgs};
 use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
+use super::strip_args::{OutputFile, StripArgs};
 use super::table::write;
 use super::typed;
 use crate::domain::Drive;
@@ -15,9 +15,9 @@ use crate::domain::number::estimates::in_words;
 use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
 use crate::pipeline::Context;
-use crate::pipeline::apart::forward::document::Predicted;
-use crate::pipeline::apart::forward::drive_file::read_drive;
-use crate::pipeline::apart::forward::{Predict, PredictedRow, PredictionDocument, prediction_figure};
+use crate::pipeline::standalone::forward::document::Predicted;
+use crate::pipeline::standalone::forward::drive_file::read_drive;
+use crate::pipeline::standalone::forward::{Predict, PredictedRow, PredictionDocument, prediction_figure};
 
 /// Predict from the stored fits what a strip will do: another size, voltage or drive, with intervals
 ///

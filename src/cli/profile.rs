@@ -12,7 +12,7 @@ use crate::domain::Quantity;
 use crate::ingest::campaign_file;
 use crate::ingest::profiles::StatedColumn;
 use crate::ingest::table::Answers;
-use crate::pipeline::apart::profile::{ProposedProfile, propose};
+use crate::pipeline::standalone::profile::{ProposedProfile, propose};
 
 /// Propose a profile for a file that no reader understands, and show what it would read
 ///

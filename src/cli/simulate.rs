@@ -9,7 +9,7 @@ use super::exit::{CliError, DONE};
 use super::global::Global;
 use super::output::Output;
 use crate::domain::words::counted;
-use crate::pipeline::apart::simulate::Simulate;
+use crate::pipeline::standalone::simulate::Simulate;
 
 /// Write run files of a model with noise and sampling, seeded: the same spec gives the same bytes
 #[derive(Debug, Args)]

@@ -12,8 +12,8 @@ use super::exit::{self, ALARM, CliError, DONE};
 use super::ingest;
 use super::output::Output;
 use crate::domain::{Alarm, Fault, Issue};
-use crate::pipeline::ground::mends::Reasoned;
-use crate::pipeline::ground::mends::together;
+use crate::pipeline::infra::mends::Reasoned;
+use crate::pipeline::infra::mends::together;
 use crate::pipeline::upkeep::status::{Status, WAITS, status};
 use crate::pipeline::{Context, TakenBack};
 

@@ -10,7 +10,7 @@ use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::printable::printable;
-use crate::pipeline::ground::whole_file::put_bytes;
+use crate::pipeline::infra::whole_file::put_bytes;
 use crate::pipeline::show::tables::{
     MovedDocument, chosen_columns, compared_by, find_format, find_table, listed, moment, moved_since, table,
     write_with_decimal_comma, write_within,

@@ -3,14 +3,14 @@
 //! Data go through its folders in this order, and each uses those before it: `ground`, `campaign`, `intake`, `fits`, `findings`,
 //! `documents`, `apart`, `show`, `upkeep`; then `run`, `watch` and `serve`.
 
-pub mod apart;
 pub mod campaign;
 pub mod documents;
 pub mod findings;
 pub mod fits;
-pub mod ground;
+pub mod infra;
 pub mod intake;
 pub mod show;
+pub mod standalone;
 pub mod upkeep;
 
 mod run;
@@ -20,7 +20,6 @@ mod watch;
 pub use crate::analysis::models_compared::{ComparedCondition, ComparedModel};
 pub use crate::numerics::global::methods;
 pub use crate::numerics::interrupt::Interrupt;
-pub use apart::init::{InitFrom, PlannedFile, Proposed, Seen, Taken, init};
 pub use campaign::context::{CODE_VERSION, Context};
 pub use campaign::places::REPORT_FOLDER;
 pub use findings::across_runs::campaign_laws;
@@ -33,13 +32,14 @@ pub use fits::choice::{ChosenBy, FitChoice, HeldChoice};
 pub use fits::groups::{FitGroups, FitTogether, Sharing};
 pub use fits::outcome::{FAULT, FitSummary};
 pub use fits::runs::FitRuns;
-pub use ground::error::{HoldingsError, PipelineError};
-pub use ground::observer::{Observer, Silent};
+pub use infra::error::{HoldingsError, PipelineError};
+pub use infra::observer::{Observer, Silent};
 pub use intake::climate::LogSummary;
 pub use intake::ingest::{Ingest, IngestSummary, UnreadableTags, files_due};
 pub use run::{Made, Run, RunSummary};
 pub use show::left::{Left, left};
 pub use show::report::{RenderReport, ReportSummary};
+pub use standalone::init::{InitFrom, PlannedFile, Proposed, Seen, Taken, init};
 pub use upkeep::answer::answer;
 pub use upkeep::drop::{SpeakOfRuns, SpokenOf};
 pub use upkeep::rebuild::{Rebuild, RebuildSummary};

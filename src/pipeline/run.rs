@@ -10,7 +10,7 @@ use super::{
 };
 use crate::domain::Fault;
 use crate::pipeline::campaign::standing::{self, SetAside};
-use crate::pipeline::ground::fault::{or_nothing, step};
+use crate::pipeline::infra::fault::{or_nothing, step};
 
 /// The verb `run`.
 #[derive(Debug, Clone, Default)]

@@ -9,7 +9,7 @@ use ieap::domain::{
 use ieap::report::figures::canvas::Shape;
 use ieap::report::kept::Earlier;
 use ieap::report::pages::{PAGES, strip_content};
-use ieap::report::prints::{FIGURES, FigureInput, POINTS_PER_PIXEL, figure_format_named};
+use ieap::report::print_figures::{FIGURES, FigureInput, POINTS_PER_PIXEL, figure_format_named};
 use ieap::report::{Input, Site, render};
 
 use crate::campaign::CampaignFolder;

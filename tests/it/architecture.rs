@@ -210,10 +210,10 @@ fn results_and_files_go_through_one_door_each() {
         (
             "fs::write(",
             &[
-                "src/pipeline/ground/own_folder.rs",
+                "src/pipeline/infra/own_folder.rs",
                 "src/pipeline/show/report.rs",
                 "src/pipeline/intake/trace",
-                "crates/report/src/press.rs",
+                "crates/report/src/page_writer.rs",
             ],
         ),
         (" File::create(", &["crates/analysis/src/disk_file.rs"]),

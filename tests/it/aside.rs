@@ -6,7 +6,7 @@ use ieap::domain::tag::keys;
 use ieap::domain::{CurveSource, RunCurve, RunRecord, Standing};
 use ieap::report::figures::canvas::Shape;
 use ieap::report::pages::{Content, DrawnRun, PAGES, run_page_content};
-use ieap::report::prints::{FigureInput, Print, figure_named};
+use ieap::report::print_figures::{FigureInput, Print, figure_named};
 use ieap::report::{Input, Site};
 
 use super::report_fixture::{MadeUpCurves, input, run, tag};

@@ -269,7 +269,7 @@ struct Failing {
     interrupted: std::sync::atomic::AtomicBool,
 }
 
-impl ieap::system::World for Failing {
+impl ieap::system::FaultInjector for Failing {
     fn before(&self, call: &ieap::system::Call<'_>) -> std::io::Result<()> {
         use ieap::system::Kind;
         let reads = matches!(call.kind, Kind::Open | Kind::Read);
@@ -315,7 +315,7 @@ fn a_file_that_cannot_be_read_leaves_the_earlier_copy_and_an_interruption_nothin
             name,
             interrupted: false.into(),
         });
-        let done = ieap::system::within(world, || verb.run(&context, &Silent)).unwrap();
+        let done = ieap::system::with_fs(world, || verb.run(&context, &Silent)).unwrap();
         let told: Vec<&str> = done.left_out.iter().map(|left| left.path.as_str()).collect();
         assert_eq!(told, if name == "nothing" { vec![] } else { vec![name] });
         for left in &done.left_out {
@@ -337,7 +337,7 @@ struct RefusesListing {
     asked: std::sync::atomic::AtomicUsize,
 }
 
-impl ieap::system::World for RefusesListing {
+impl ieap::system::FaultInjector for RefusesListing {
     fn before(&self, call: &ieap::system::Call<'_>) -> std::io::Result<()> {
         if call.kind != ieap::system::Kind::List {
             return Ok(());
@@ -377,7 +377,7 @@ fn a_folder_that_cannot_be_listed_is_told_and_its_tag_files_stay_in_the_backup()
             number,
             asked: 0.into(),
         });
-        let done = ieap::system::within(world.clone(), || verb.run(&context, &Silent));
+        let done = ieap::system::with_fs(world.clone(), || verb.run(&context, &Silent));
         if world.asked.load(std::sync::atomic::Ordering::Relaxed) <= number {
             break;
         }
@@ -401,7 +401,7 @@ struct RefusesFrom {
     asked: std::sync::atomic::AtomicUsize,
 }
 
-impl ieap::system::World for RefusesFrom {
+impl ieap::system::FaultInjector for RefusesFrom {
     fn before(&self, _call: &ieap::system::Call<'_>) -> std::io::Result<()> {
         let asked = self.asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let refuses = asked == self.call || self.for_good && asked > self.call;
@@ -444,7 +444,7 @@ fn whatever_call_the_system_refuses_a_backup_can_be_restored() {
                 deep: false,
                 keep: 1,
             };
-            let done = ieap::system::within(world.clone(), || verb.run(&context, &Silent));
+            let done = ieap::system::with_fs(world.clone(), || verb.run(&context, &Silent));
             refused += usize::from(done.is_err());
             is_through = world.asked.load(std::sync::atomic::Ordering::Relaxed) <= call;
             let new = elsewhere.path().join("new");

@@ -6,7 +6,7 @@ use ieap::domain::{ComparedCurve, Drive, ModelScore, Quantity, ResponseScore, Ru
 use ieap::model::bending::{ChargeCourse, curvature_per_cm};
 use ieap::model::{EquivalentCircuit, rival_law};
 use ieap::report::pages::PAGES;
-use ieap::report::prints::{FigureInput, figure_format_named, figure_named};
+use ieap::report::print_figures::{FigureInput, figure_format_named, figure_named};
 use ieap::report::tables::format_named;
 use ieap::report::{Input, Site};
 

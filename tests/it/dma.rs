@@ -4,7 +4,7 @@ use std::path::Path;
 
 use ieap::domain::Quantity;
 use ieap::ingest::formats::{ReadContext, read};
-use ieap::pipeline::apart::simulate::Simulate;
+use ieap::pipeline::standalone::simulate::Simulate;
 use ieap::pipeline::{AnalyseModulus, Context, Ingest, RenderReport, Silent};
 use ieap::report::pages::PAGES;
 use ieap::report::{Input, Site};

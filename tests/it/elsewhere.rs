@@ -1,8 +1,8 @@
 //! Fits made elsewhere, as data frames on a cluster make them, and brought back.
 
 use ieap::pipeline::FitChoice;
-use ieap::pipeline::apart::at_hand::CampaignRow;
 use ieap::pipeline::fits::result::FitResult;
+use ieap::pipeline::standalone::in_memory::CampaignRow;
 use ieap::store::Store;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};

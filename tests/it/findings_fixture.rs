@@ -259,7 +259,7 @@ pub fn input_with_findings() -> Input {
     let varies = varies(&[&a, &b]);
     let mut alone = consistent.clone();
     alone.group.clone_from(&c);
-    let turn = ieap::analysis::online::turns(&[0.31])[0];
+    let turn = ieap::analysis::online::online_decisions(&[0.31])[0];
     input.findings = Findings {
         groups: vec![named(&[&a]), set, consistent, apart, varies],
         runs: vec![alone],

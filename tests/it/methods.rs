@@ -6,7 +6,7 @@ use serde_json::json;
 
 use ieap::domain::{Channel, Fit, Quantity};
 use ieap::fit::{FitInput, FitOptions, fit_run};
-use ieap::pipeline::apart::simulate::{Spec, run_table};
+use ieap::pipeline::standalone::simulate::{Spec, run_table};
 
 use super::campaign::{CAMPAIGN_TOML, CampaignFolder, counted, ieap};
 

@@ -1,7 +1,9 @@
 //! Figures for print: what stands in the files, and that sizes are right for paper.
 
 use ieap::report::figures::canvas::Shape;
-use ieap::report::prints::{FIGURES, FigureInput, POINTS_PER_PIXEL, figure_format_named, figure_named};
+use ieap::report::print_figures::{
+    FIGURES, FigureInput, POINTS_PER_PIXEL, figure_format_named, figure_named,
+};
 use ieap::report::{Input, Site};
 
 use crate::report_fixture::{MadeUpCurves, current_only_input, frequency_runs, input};

@@ -210,7 +210,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         }
     }
     Input {
-        untying: Vec::new(),
+        deconfounding: Vec::new(),
         next_runs: Vec::new(),
         confounding: Vec::new(),
         campaign: campaign(materials),

@@ -1,5 +1,6 @@
 //! Comparison across conditions, and the climate of runs.
 
+pub mod cache;
 pub mod climate;
 pub mod comparison;
 pub mod conditions;
@@ -15,7 +16,6 @@ pub mod frequency;
 pub mod groups;
 pub mod impedance;
 pub mod json_rows;
-pub mod kept;
 pub mod laws;
 mod levels;
 pub mod misread;

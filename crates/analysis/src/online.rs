@@ -17,7 +17,7 @@ const AT_FIRST: f64 = 0.5;
 
 /// One run in its turn.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
-pub struct Turn {
+pub struct OnlineDecision {
     /// Place in the order of arrival, from 1.
     pub place: usize,
     /// Level at which it was tested.
@@ -27,7 +27,7 @@ pub struct Turn {
 }
 
 /// Tests p-values in their order of arrival.
-pub fn turns(p: &[f64]) -> Vec<Turn> {
+pub fn online_decisions(p: &[f64]) -> Vec<OnlineDecision> {
     let first = AT_FIRST * CLAIMED_BELOW;
     let mut claimed: Vec<usize> = Vec::new();
     let mut turns = Vec::with_capacity(p.len());
@@ -46,7 +46,7 @@ pub fn turns(p: &[f64]) -> Vec<Turn> {
         if is_claimed {
             claimed.push(place);
         }
-        turns.push(Turn {
+        turns.push(OnlineDecision {
             place,
             level,
             is_claimed,
@@ -73,7 +73,7 @@ mod tests {
         // What is left behind n terms is about (n - 1/2)^-0.6 / 0.6.
         let left = 199_999.5_f64.powf(-0.6) / 0.6 / SUM;
         assert!((sum + left - 1.0).abs() < 1e-6, "{}", sum + left);
-        let found = turns(&[0.001, 0.5, 0.001, 0.001]);
+        let found = online_decisions(&[0.001, 0.5, 0.001, 0.001]);
         assert!((found[0].level - 0.025 / SUM).abs() < 1e-9 && found[0].is_claimed);
         assert!((found[1].level - (0.025 * share(2) + 0.025 * share(1))).abs() < 1e-12);
         assert!(!found[1].is_claimed && found[2].is_claimed && found[3].is_claimed);
@@ -95,7 +95,7 @@ mod tests {
                     false => random.random_range(0.001..1.0),
                 })
                 .collect();
-            let claims = turns(&p);
+            let claims = online_decisions(&p);
             let claimed = claims.iter().filter(|turn| turn.is_claimed).count();
             let false_ones = claims
                 .iter()
@@ -119,7 +119,7 @@ mod tests {
         let mut wrong = 0;
         for _ in 0..2000 {
             let p: Vec<f64> = (0..100).map(|_| random.random_range(0.0..1.0)).collect();
-            wrong += usize::from(turns(&p).iter().any(|turn| turn.is_claimed));
+            wrong += usize::from(online_decisions(&p).iter().any(|turn| turn.is_claimed));
         }
         // 5 % of 2000, and what chance adds in 1 of 1000 tries.
         assert!(wrong < 130, "{wrong} of 2000");

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::closed_words;
+use crate::string_enum;
 
 use serde::{Deserialize, Serialize};
 
@@ -153,7 +153,7 @@ pub struct Campaign {
     pub extra_tags: Vec<String>,
 }
 
-closed_words! {
+string_enum! {
     /// What materials may be compared by, as their entries state it.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum MaterialClass {

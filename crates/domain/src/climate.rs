@@ -1,6 +1,6 @@
 //! The climate beside the samples: sensors, their series, what a run had of it, and what to know of the sensors.
 
-use crate::closed_words;
+use crate::string_enum;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ const HUMIDITY_AGREES_PERCENT: f64 = 3.0;
 /// The same of a temperature, °C: of thermistor loggers.
 const TEMPERATURE_AGREES_C: f64 = 1.0;
 
-closed_words! {
+string_enum! {
     /// What a log holds: the air, and what a four-point probe says of a sample's electrodes.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
     pub enum ClimateQuantity {

@@ -1,8 +1,8 @@
 //! The order of day, month and year in dates as files write them.
 
-use crate::closed_words;
+use crate::string_enum;
 
-closed_words! {
+string_enum! {
     /// Order of the parts of a date.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum DateOrder {

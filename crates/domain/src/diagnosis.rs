@@ -1,6 +1,6 @@
 //! What a diagnosis found: what the simulation gets wrong, the cause, and the gain of the extended model.
 
-use crate::closed_words;
+use crate::string_enum;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,7 @@ pub fn follows_a_tag(id: &str) -> bool {
     id.starts_with(FOLLOWS)
 }
 
-closed_words! {
+string_enum! {
     /// What is said of a run or a group of runs.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum Verdict {

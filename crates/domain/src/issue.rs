@@ -1,11 +1,11 @@
 //! Something a reader must know of a file, a run or a fit.
 
-use crate::closed_words;
+use crate::string_enum;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-closed_words! {
+string_enum! {
     /// How much an issue matters.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
     pub enum Severity {

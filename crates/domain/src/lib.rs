@@ -8,7 +8,6 @@ pub mod branch;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
-mod closed_words;
 pub mod data_hash;
 pub mod date_order;
 pub mod diagnosis;
@@ -36,6 +35,7 @@ pub mod run;
 pub mod safe_text;
 mod samples;
 pub mod standing;
+mod string_enum;
 pub mod tag;
 #[doc(hidden)]
 pub mod testing;

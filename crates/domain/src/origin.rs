@@ -1,11 +1,11 @@
 //! What the readings of a run rest on beside their files: profiles, clocks with their offsets, flags of instruments.
 
-use crate::closed_words;
+use crate::string_enum;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-closed_words! {
+string_enum! {
     /// Which moment a time stamp of a file means.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Timestamp {
@@ -54,7 +54,7 @@ pub struct RunClock {
     pub stamp: Option<StartedAt>,
 }
 
-closed_words! {
+string_enum! {
     /// Where the offset of a clock comes from.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum OffsetSource {

@@ -1,8 +1,8 @@
 //! Physical quantities a run table can hold, each with its one canonical unit.
 
-use crate::closed_words;
+use crate::string_enum;
 
-closed_words! {
+string_enum! {
     /// What a column of a run table measures.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
     pub enum Quantity {

@@ -1,6 +1,6 @@
 //! A run as it is stored: files, tags, channels, issues and its current fit.
 
-use crate::closed_words;
+use crate::string_enum;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use super::{
     ChannelSummary, ClimateQuantity, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Standing, Tag,
 };
 
-closed_words! {
+string_enum! {
     /// What is measured: a modulus log is told by the folder that the file lies in, the others by their columns.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum RunKind {
@@ -33,7 +33,7 @@ impl RunKind {
     }
 }
 
-closed_words! {
+string_enum! {
     /// Whether a run can be fitted.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum RunState {
@@ -48,7 +48,7 @@ closed_words! {
     }
 }
 
-closed_words! {
+string_enum! {
     /// How the measurement ended, as far as the file shows.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum RunStatus {
@@ -182,7 +182,7 @@ impl RunRecord {
     }
 }
 
-closed_words! {
+string_enum! {
     /// What became of a file in the campaign folder.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum FileState {

@@ -1,6 +1,6 @@
 //! Tags of a run and where each came from.
 
-use crate::closed_words;
+use crate::string_enum;
 
 use serde::{Deserialize, Serialize};
 
@@ -110,7 +110,7 @@ pub const UNREADABLE: [&str; 4] = [
     "run-sheet-damaged",
 ];
 
-closed_words! {
+string_enum! {
     /// Where a tag came from, strongest first.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
     pub enum TagSource {

@@ -10,8 +10,8 @@ use ieap_numerics::gram::CAPACITY;
 use ieap_numerics::least_squares::{Bounds, Local, Problem, Stop};
 use ieap_numerics::symmetric::Symmetric;
 
-use super::carried::moved_by_circuit;
 use super::electrical::Electrical;
+use super::propagated_error::moved_by_circuit;
 use super::sampled::Sampled;
 use super::search::Search;
 use super::shown::Shown;

@@ -6,7 +6,6 @@
 
 mod bending;
 mod bending_alone;
-mod carried;
 mod circuit;
 mod coupled;
 mod described;
@@ -33,6 +32,7 @@ mod own_clock;
 mod parabola;
 mod plain;
 mod policy;
+mod propagated_error;
 mod sampled;
 mod search;
 mod settled_edges;

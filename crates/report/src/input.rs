@@ -12,8 +12,8 @@ use ieap_analysis::laws::matrix::ConfoundingMap;
 use ieap_analysis::model_free::ModelFree;
 use ieap_analysis::models_compared::view::Compared;
 use ieap_analysis::monitoring::Monitoring;
-use ieap_analysis::online::Turn;
-use ieap_analysis::plan::{PlannedRun, Untying};
+use ieap_analysis::online::OnlineDecision;
+use ieap_analysis::plan::{Deconfounding, PlannedRun};
 use ieap_analysis::probe::Course;
 use ieap_analysis::shared_effects::SharedEffect;
 use ieap_domain::{
@@ -55,7 +55,7 @@ pub struct Input {
     /// What holds across runs.
     pub laws: CampaignLaws,
     /// What it takes to tell apart what the design ties together.
-    pub untying: Vec<Untying>,
+    pub deconfounding: Vec<Deconfounding>,
     /// Runs to make next, the first first.
     pub next_runs: Vec<PlannedRun>,
     /// How far covariates leave each other unclear, by material.
@@ -128,7 +128,7 @@ pub struct Findings {
     /// Of single runs, by name.
     pub runs: Vec<GroupDiagnosis>,
     /// What could be claimed of every single run when it came, by name.
-    pub turns: BTreeMap<String, Turn>,
+    pub turns: BTreeMap<String, OnlineDecision>,
     /// Causes that several samples of a material share, with the finding in words.
     pub shared: Vec<(SharedEffect, String)>,
     /// Every effect that was looked for.

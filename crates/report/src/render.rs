@@ -15,11 +15,11 @@ use super::error::ReportError;
 use super::fault::{guarded, reason_of};
 use super::input::Input;
 use super::kept::{self, Earlier};
+use super::page_writer::{INDEX, LAYOUT, PageWriter, template_error, write};
 use super::pages::{FINDING_TEMPLATE, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, shown};
-use super::press::{INDEX, LAYOUT, Press, template_error, write};
 use super::readings_file;
 use super::run_index::run_index;
-use super::run_press::make;
+use super::run_page_writer::make;
 use super::site::Site;
 use super::sparkline::Sparks;
 use super::visible::{indexed, write_escaped};
@@ -102,7 +102,7 @@ pub fn render_site(
     for (file, text) in run_index(&site) {
         bytes += write(&out_dir.join(file), &text)?;
     }
-    let press = Press {
+    let writer = PageWriter {
         templates: &templates,
         site: &site,
         pages,
@@ -114,12 +114,12 @@ pub fn render_site(
     let (index, others): (Vec<&Page>, Vec<&Page>) =
         pages.iter().copied().partition(|page| page.file == INDEX);
     for (done, page) in others.iter().enumerate() {
-        bytes += press.page(page)?;
+        bytes += writer.page(page)?;
         progress(done + 1, total);
     }
     let sizes: Result<Vec<u64>, ReportError> = (0..groups)
         .into_par_iter()
-        .map(|group| press.finding(group))
+        .map(|group| writer.finding(group))
         .collect();
     bytes += sizes?.iter().sum::<u64>();
     let mut done = others.len() + groups;
@@ -129,7 +129,7 @@ pub fn render_site(
         progress(done, total);
     }
     for batch in batches(&site.run_pages) {
-        let made = make(&press, batch.clone(), curves)?;
+        let made = make(&writer, batch.clone(), curves)?;
         bytes += made.bytes;
         kept += made.kept;
         sparks.extend(made.sparks);
@@ -138,11 +138,11 @@ pub fn render_site(
     done += site.run_pages.len();
     // One after the other: they are few, and their curves large.
     for (place, &run) in strips.iter().enumerate() {
-        bytes += press.strip(run, curves)?;
+        bytes += writer.strip(run, curves)?;
         progress(done + place + 1, total);
     }
-    bytes += write_tables(&press)?;
-    let made = press.made.into_inner().unwrap_or_default();
+    bytes += write_tables(&writer)?;
+    let made = writer.made.into_inner().unwrap_or_default();
     bytes += write(&out_dir.join(kept::FILE), &kept::text(&made))?;
     for run in listed(&site) {
         // Of a page that was taken over nothing was drawn.
@@ -150,12 +150,12 @@ pub fn render_site(
             .entry(run)
             .or_insert_with(|| Sparks::of(&to_draw(&site, run, curves).curves));
     }
-    let mut faults = press.faults.into_inner().unwrap_or_default();
+    let mut faults = writer.faults.into_inner().unwrap_or_default();
     // Pages are made side by side, in no order.
     faults.sort_by(|a, b| (&a.place, &a.runs).cmp(&(&b.place, &b.runs)));
     site.faults.clone_from(&faults);
     site.sparks = sparks;
-    let press = Press {
+    let writer = PageWriter {
         templates: &templates,
         site: &site,
         pages,
@@ -165,7 +165,7 @@ pub fn render_site(
         made: Mutex::default(),
     };
     for page in &index {
-        bytes += press.page(page)?;
+        bytes += writer.page(page)?;
     }
     progress(total, total);
     Ok(Rendered {
@@ -173,7 +173,7 @@ pub fn render_site(
         pages: total,
         kept,
         bytes,
-        faults: press.faults.into_inner().unwrap_or_default(),
+        faults: writer.faults.into_inner().unwrap_or_default(),
     })
 }
 
@@ -205,14 +205,14 @@ fn templates(pages: &[&Page]) -> Result<Tera, ReportError> {
 }
 
 /// Tables beside the pages; one that cannot be made is left out and noted.
-fn write_tables(press: &Press) -> Result<u64, ReportError> {
-    guarded(|| tables(press.site.input, press.out_dir)).or_else(|error| {
+fn write_tables(writer: &PageWriter) -> Result<u64, ReportError> {
+    guarded(|| tables(writer.site.input, writer.out_dir)).or_else(|error| {
         let fault = Fault {
             place: "table5.csv, conditions.csv, dma.csv".to_owned(),
             runs: Vec::new(),
             reason: reason_of(error)?,
         };
-        if let Ok(mut noted) = press.faults.lock() {
+        if let Ok(mut noted) = writer.faults.lock() {
             noted.push(fault);
         }
         Ok(0)

@@ -1,6 +1,6 @@
 //! Diagnoses: what is current, what is new. Old ones stay.
 
-use ieap_domain::closed_words;
+use ieap_domain::string_enum;
 
 use rusqlite::{OptionalExtension, params};
 
@@ -8,7 +8,7 @@ use super::columns::{count_in, json_in, key_in, to_json};
 use super::{StepError, Store, StoreError, Subject, Transaction};
 use ieap_domain::GroupDiagnosis;
 
-closed_words! {
+string_enum! {
     /// What a diagnosis is about.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
     pub enum DiagnosisKind {

@@ -156,7 +156,7 @@ mod tests {
     use std::sync::{Arc, Mutex};
     use std::time::SystemTime;
 
-    use ieap_system::{Call, Kind, World, within};
+    use ieap_system::{Call, FaultInjector, Kind, with_fs};
 
     use super::*;
 
@@ -235,7 +235,7 @@ mod tests {
     #[derive(Default)]
     struct Heard(Option<Kind>, Mutex<Vec<Kind>>);
 
-    impl World for Heard {
+    impl FaultInjector for Heard {
         fn before(&self, call: &Call<'_>) -> std::io::Result<()> {
             if self.0 == Some(call.kind) {
                 Err(std::io::Error::from_raw_os_error(5))
@@ -258,7 +258,7 @@ mod tests {
     fn who_holds_it_is_on_the_disk_when_it_is_taken() {
         let folder = tempfile::tempdir().unwrap();
         let heard = Arc::new(Heard::default());
-        let _lock = within(heard.clone(), || InstanceLock::take(folder.path())).unwrap();
+        let _lock = with_fs(heard.clone(), || InstanceLock::take(folder.path())).unwrap();
         let heard = heard.1.lock().unwrap();
         assert_eq!(heard[heard.len() - 2..], [Kind::Write, Kind::Sync]);
     }
@@ -268,7 +268,9 @@ mod tests {
     fn a_file_that_cannot_be_emptied_keeps_its_word() {
         let folder = tempfile::tempdir().unwrap();
         let lock = InstanceLock::take(folder.path()).unwrap();
-        within(Arc::new(Heard(Some(Kind::Cut), Mutex::default())), || drop(lock));
+        with_fs(Arc::new(Heard(Some(Kind::Truncate), Mutex::default())), || {
+            drop(lock)
+        });
         assert!(!InstanceLock::take(folder.path()).unwrap().last_ended_in_order());
     }
 }

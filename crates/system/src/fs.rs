@@ -62,7 +62,7 @@ impl File {
     /// # Errors
     /// What the system says.
     pub fn metadata(&self) -> io::Result<Metadata> {
-        call(Kind::Look, &self.path, || self.file.metadata())
+        call(Kind::Stat, &self.path, || self.file.metadata())
     }
 
     /// Cuts it off, or fills it up with zeros.
@@ -70,7 +70,7 @@ impl File {
     /// # Errors
     /// What the system says.
     pub fn set_len(&self, bytes: u64) -> io::Result<()> {
-        call(Kind::Cut, &self.path, || self.file.set_len(bytes))
+        call(Kind::Truncate, &self.path, || self.file.set_len(bytes))
     }
 
     /// Changes who may read and write.
@@ -246,7 +246,7 @@ impl OpenOptions {
     /// What the system says.
     pub fn open(&self, path: impl AsRef<Path>) -> io::Result<File> {
         let path = path.as_ref();
-        let kind = if self.makes { Kind::Make } else { Kind::Open };
+        let kind = if self.makes { Kind::Create } else { Kind::Open };
         let file = call(kind, path, || match self.regular {
             Some(links) => regular::open(&self.options, links, path),
             None => self.options.open(path),
@@ -498,7 +498,7 @@ impl Iterator for ReadDir {
 /// What the system says.
 pub fn metadata(path: impl AsRef<Path>) -> io::Result<Metadata> {
     let path = path.as_ref();
-    call(Kind::Look, path, || std::fs::metadata(path))
+    call(Kind::Stat, path, || std::fs::metadata(path))
 }
 
 /// Size, times and kind of what has that name; a link is not followed.
@@ -507,7 +507,7 @@ pub fn metadata(path: impl AsRef<Path>) -> io::Result<Metadata> {
 /// What the system says.
 pub fn symlink_metadata(path: impl AsRef<Path>) -> io::Result<Metadata> {
     let path = path.as_ref();
-    call(Kind::Look, path, || std::fs::symlink_metadata(path))
+    call(Kind::Stat, path, || std::fs::symlink_metadata(path))
 }
 
 /// The path without links.
@@ -516,7 +516,7 @@ pub fn symlink_metadata(path: impl AsRef<Path>) -> io::Result<Metadata> {
 /// What the system says.
 pub fn canonicalize(path: impl AsRef<Path>) -> io::Result<PathBuf> {
     let path = path.as_ref();
-    call(Kind::Look, path, || std::fs::canonicalize(path))
+    call(Kind::Stat, path, || std::fs::canonicalize(path))
 }
 
 /// Whether something has that name, a link that leads nowhere left out.
@@ -525,7 +525,7 @@ pub fn canonicalize(path: impl AsRef<Path>) -> io::Result<PathBuf> {
 /// What the system says, where it cannot tell.
 pub fn exists(path: impl AsRef<Path>) -> io::Result<bool> {
     let path = path.as_ref();
-    call(Kind::Look, path, || path.try_exists())
+    call(Kind::Stat, path, || path.try_exists())
 }
 
 /// Changes who may read and write.

@@ -1,6 +1,6 @@
 //! What the program asks of the operating system: files, folders and the time.
 //!
-//! [`fs`] has the names of `std::fs` and does what that does. A test puts a [`World`] behind it for the thread that works
+//! [`fs`] has the names of `std::fs` and does what that does. A test puts a [`FaultInjector`] behind it for the thread that works
 //! ([`within`]): the world is asked before each call and may refuse it, as a disk does, or end the program there, as a loss
 //! of power does. What SQLite does with its own files does not pass here.
 
@@ -30,7 +30,7 @@ pub fn program_mark() -> String {
 }
 
 /// Stands in for the computer that the program runs on.
-pub trait World: Send + Sync {
+pub trait FaultInjector: Send + Sync {
     /// Asked before a call; nothing is done where it refuses.
     ///
     /// # Errors
@@ -59,7 +59,7 @@ pub struct Call<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// Asking what is there: size, times, kind, real path.
-    Look,
+    Stat,
     /// Listing a folder.
     List,
     /// Opening a file or folder that is there.
@@ -67,11 +67,11 @@ pub enum Kind {
     /// Reading from an open file.
     Read,
     /// Opening a file that is made where it is not there, or emptied.
-    Make,
+    Create,
     /// Writing to an open file.
     Write,
     /// Changing the length of an open file.
-    Cut,
+    Truncate,
     /// Waiting until an open file, or the names in an open folder, are on the disk.
     Sync,
     /// Waiting until a whole file system is on the disk.
@@ -103,18 +103,18 @@ impl Kind {
     pub fn changes(self) -> bool {
         !matches!(
             self,
-            Kind::Look | Kind::List | Kind::Open | Kind::Read | Kind::Lock
+            Kind::Stat | Kind::List | Kind::Open | Kind::Read | Kind::Lock
         )
     }
 }
 
 thread_local! {
-    static WORLD: RefCell<Option<Arc<dyn World>>> = const { RefCell::new(None) };
+    static WORLD: RefCell<Option<Arc<dyn FaultInjector>>> = const { RefCell::new(None) };
 }
 
 /// Does `work` in that world, as far as this thread does it.
-pub fn within<T>(world: Arc<dyn World>, work: impl FnOnce() -> T) -> T {
-    struct Back(Option<Arc<dyn World>>);
+pub fn with_fs<T>(world: Arc<dyn FaultInjector>, work: impl FnOnce() -> T) -> T {
+    struct Back(Option<Arc<dyn FaultInjector>>);
     impl Drop for Back {
         fn drop(&mut self) {
             WORLD.set(self.0.take());
@@ -130,7 +130,7 @@ pub fn now() -> SystemTime {
 }
 
 /// The world of this thread; none where that is the real one.
-fn world() -> Option<Arc<dyn World>> {
+fn world() -> Option<Arc<dyn FaultInjector>> {
     WORLD.try_with(|world| world.borrow().clone()).ok().flatten()
 }
 
@@ -175,7 +175,7 @@ mod tests {
     /// Refuses one kind of call, and writes all down.
     struct Refuses(Kind, Mutex<Vec<Kind>>);
 
-    impl World for Refuses {
+    impl FaultInjector for Refuses {
         fn before(&self, call: &Call<'_>) -> io::Result<()> {
             if call.kind == self.0 {
                 Err(io::Error::from_raw_os_error(5))
@@ -198,7 +198,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (one, two) = (folder.path().join("one"), folder.path().join("two"));
         let world = Arc::new(Refuses(Kind::Rename, Mutex::default()));
-        within(world.clone(), || {
+        with_fs(world.clone(), || {
             fs::write(&one, "1").unwrap();
             assert_eq!(fs::rename(&one, &two).unwrap_err().raw_os_error(), Some(5));
             assert_eq!(now(), SystemTime::UNIX_EPOCH);
@@ -206,13 +206,13 @@ mod tests {
         assert!(one.exists() && !two.exists());
         fs::rename(&one, &two).unwrap();
         assert_ne!(now(), SystemTime::UNIX_EPOCH);
-        assert_eq!(*world.1.lock().unwrap(), [Kind::Make, Kind::Write]);
+        assert_eq!(*world.1.lock().unwrap(), [Kind::Create, Kind::Write]);
     }
 
     /// Interrupts every call of the system twice.
     struct Interrupts(Mutex<Vec<Kind>>);
 
-    impl World for Interrupts {
+    impl FaultInjector for Interrupts {
         fn before(&self, call: &Call<'_>) -> io::Result<()> {
             let mut asked = self.0.lock().unwrap();
             asked.push(call.kind);
@@ -235,7 +235,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (one, two) = (folder.path().join("one"), folder.path().join("two"));
         let world = Arc::new(Interrupts(Mutex::default()));
-        within(world.clone(), || {
+        with_fs(world.clone(), || {
             let mut made = Temporary::new_in(folder.path(), ".part-", "", 0o644).unwrap();
             std::io::Write::write_all(&mut made, b"kept").unwrap();
             made.sync_all().unwrap();

@@ -28,7 +28,7 @@ impl Temporary {
         let _ = rights;
         let file = builder.tempfile_in(folder)?;
         let file = Temporary { file: Some(file) };
-        call(Kind::Make, file.path(), || Ok(()))?;
+        call(Kind::Create, file.path(), || Ok(()))?;
         Ok(file)
     }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use super::places::{FAULTS, REPORT_FOLDER, STAMP};
 use crate::ingest::archive::{Archive, FOLDER};
 use crate::pipeline::PipelineError;
-use crate::pipeline::ground::error::HoldingsError;
+use crate::pipeline::infra::error::HoldingsError;
 use crate::store::{self, FILE_NAME, Found, Store, journal};
 
 /// Refuses a campaign whose database is gone or empty although something says that there was one.

@@ -6,5 +6,5 @@ pub const REPORT_FOLDER: &str = "report";
 pub(crate) const STAMP: &str = ".made-from";
 /// What a fault of the program left out of the report; there where something is.
 pub(crate) const FAULTS: &str = ".faults.json";
-/// Values that a report was made from, kept for the next one ([`crate::analysis::kept`]).
+/// Values that a report was made from, kept for the next one ([`crate::analysis::cache`]).
 pub(crate) const KEPT_VALUES: &str = ".values";

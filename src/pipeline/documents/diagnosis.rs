@@ -1,7 +1,7 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
+use crate::analysis::cache::Cache;
 pub use crate::analysis::groups::title as group_title;
-use crate::analysis::kept::Kept;
 pub use std::collections::BTreeMap;
 
 use crate::domain::Estimate;
@@ -14,7 +14,7 @@ use super::fits::{as_object, parameter_entries};
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::shared_effects::{SharedEffectEntry, shared_effect_entries};
 use crate::analysis::laws::{CampaignLaws, contrast};
-use crate::analysis::online::Turn;
+use crate::analysis::online::OnlineDecision;
 use crate::domain::{
     Candidate, CauseNode, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain,
     GroupDiagnosis, Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterScatter, ParameterShift,
@@ -25,7 +25,7 @@ use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::current::findings_among;
 use crate::pipeline::findings::next_runs::{self, NextRunEntry, Plan, PlannedIds, UntyingEntry};
 use crate::pipeline::fits::input_hash::library_hash;
-use crate::pipeline::ground::fault::{or_nothing, step};
+use crate::pipeline::infra::fault::{or_nothing, step};
 use crate::pipeline::{Context, DiagnoseChoice, PipelineError};
 
 /// Every current finding.
@@ -79,7 +79,7 @@ pub struct RunEntry {
     /// The same over all runs of the campaign.
     pub q_misfit: Option<f64>,
     /// What could be claimed of it when it came.
-    pub online: Option<Turn>,
+    pub online: Option<OnlineDecision>,
     /// Accepted effects.
     pub effects: Vec<EffectEntry>,
     /// Ids of the effects that may be the cause.
@@ -219,7 +219,7 @@ pub fn diagnosis_document(
     }
     let ids = PlannedIds::of(context, &all)?;
     let runs = Runs::of(all).speaking;
-    let (mut faults, kept) = (Vec::new(), Kept::default());
+    let (mut faults, kept) = (Vec::new(), Cache::default());
     let across = match group {
         Some(_) => CampaignLaws::default(),
         None => or_nothing(
@@ -280,7 +280,11 @@ pub fn diagnosis_document(
     })
 }
 
-fn run_entry(found: GroupDiagnosis, online: Option<Turn>, told: &[LumpedOrDistributedEntry]) -> RunEntry {
+fn run_entry(
+    found: GroupDiagnosis,
+    online: Option<OnlineDecision>,
+    told: &[LumpedOrDistributedEntry],
+) -> RunEntry {
     RunEntry {
         lumped_or_distributed: told.iter().find(|entry| entry.run == found.group).cloned(),
         run: found.group,

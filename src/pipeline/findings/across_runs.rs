@@ -1,6 +1,6 @@
 //! What holds across the runs of a campaign, found from the current fits whenever it is read.
 
-use crate::analysis::kept::{Hash, Kept};
+use crate::analysis::cache::{Cache, Hash};
 use crate::analysis::laws::doubt::Findings;
 use crate::analysis::laws::{Attempt, CampaignLaws, Evidence, find};
 use crate::domain::tag::keys;
@@ -10,7 +10,7 @@ use crate::pipeline::PipelineError;
 use crate::pipeline::campaign::context::Context;
 use crate::pipeline::campaign::planned::{PlannedRow, planned};
 use crate::pipeline::findings::current::CurrentFindings;
-use crate::pipeline::ground::fault::step;
+use crate::pipeline::infra::fault::step;
 
 /// Seed of the draws where none is asked for.
 const SEED: u64 = 1;
@@ -23,7 +23,7 @@ pub fn campaign_laws(
     context: &Context,
     (runs, findings): (&[RunRecord], &CurrentFindings),
     seed: Option<u64>,
-    kept: &Kept,
+    kept: &Cache,
 ) -> Result<CampaignLaws, PipelineError> {
     let charge_c = charges(context, runs, kept)?;
     let attempts = attempts(context, runs)?;
@@ -45,7 +45,7 @@ pub fn campaign_laws(
 
 /// Charge that passed in each run, C: the magnitude of the current integrated over its stored curve, which keeps the
 /// extremes of each stretch of time.
-fn charges(context: &Context, runs: &[RunRecord], kept: &Kept) -> Result<Vec<Option<f64>>, PipelineError> {
+fn charges(context: &Context, runs: &[RunRecord], kept: &Cache) -> Result<Vec<Option<f64>>, PipelineError> {
     let read = |run: &RunRecord| -> Result<Option<f64>, PipelineError> {
         let curves = context.store.fit_curves(run.id)?;
         let current = curves.iter().find(|curve| curve.quantity == Quantity::Current);

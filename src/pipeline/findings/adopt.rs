@@ -9,7 +9,7 @@ use crate::domain::GroupDiagnosis;
 use crate::domain::campaign::Adopted;
 use crate::ingest::campaign_file::FILE_NAME;
 use crate::pipeline::findings::current::current_findings;
-use crate::pipeline::ground::whole_file::put_stated;
+use crate::pipeline::infra::whole_file::put_stated;
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;
 

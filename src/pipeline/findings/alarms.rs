@@ -13,8 +13,8 @@ use crate::domain::{Alarm, AlarmSign, Campaign, RunRecord};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::standing::{self, SetAside};
-use crate::pipeline::ground::command::{self, Ended};
-use crate::pipeline::ground::fault::step;
+use crate::pipeline::infra::command::{self, Ended};
+use crate::pipeline::infra::fault::step;
 use crate::pipeline::{Context, DiagnoseChoice, Observer, PipelineError};
 
 /// The verb that `run` and `watch` end with.

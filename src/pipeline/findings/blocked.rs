@@ -10,7 +10,7 @@ use crate::domain::tag::keys;
 use crate::domain::{BlockedRun, Campaign, Channel, Estimate, Fit, Issue, Quantity, RunRecord};
 use crate::fit::{FitInput, FitOptions, fit_run};
 use crate::model::geometry::blocking::blocked_moment_mn_mm;
-use crate::pipeline::campaign::making::whenever_asked;
+use crate::pipeline::campaign::batch::compute;
 use crate::pipeline::{Context, PipelineError};
 
 /// Code of what is said of a run that gives no moment.
@@ -30,7 +30,7 @@ pub fn blocked_runs(context: &Context, runs: &[RunRecord]) -> Result<Vec<Blocked
     let blocked: Vec<&RunRecord> = runs.iter().filter(is_blocked).collect();
     let campaign = &context.campaign;
     let load = |context: &Context, run: &&RunRecord| Ok(context.store.channels(run.id)?);
-    whenever_asked(context, &blocked, load, |run, channels: Vec<Channel>| {
+    compute(context, &blocked, load, |run, channels: Vec<Channel>| {
         caught(|| of_run(run, &channels, campaign)).unwrap_or_else(|reason| {
             let issue = Issue::fault("analysis-fault", "the fit of the moment", &reason);
             BlockedRun::without_moment(run.id, &run.path, issue.mend("report it with this run"))

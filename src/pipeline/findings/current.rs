@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::false_discovery::judge_together;
-use crate::analysis::online::{Turn, turns};
+use crate::analysis::online::{OnlineDecision, online_decisions};
 use crate::domain::{GroupDiagnosis, RunRecord, Verdict};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, PipelineError};
@@ -17,7 +17,7 @@ pub struct CurrentFindings {
     /// Of single runs, by name.
     pub runs: Vec<GroupDiagnosis>,
     /// What could be claimed of every single run when it came, by name.
-    pub turns: BTreeMap<String, Turn>,
+    pub turns: BTreeMap<String, OnlineDecision>,
 }
 
 /// Reads the current findings and judges each kind together.
@@ -67,7 +67,7 @@ pub(crate) fn findings_among(
 }
 
 /// Tests the runs in the order in which they were stored. Runs that were stored again count as new.
-fn turns_of(mut runs: Vec<&RunRecord>, found: &[GroupDiagnosis]) -> BTreeMap<String, Turn> {
+fn turns_of(mut runs: Vec<&RunRecord>, found: &[GroupDiagnosis]) -> BTreeMap<String, OnlineDecision> {
     let p: BTreeMap<&str, f64> = found
         .iter()
         .filter_map(|found| Some((found.group.as_str(), found.p_misfit?)))
@@ -78,5 +78,5 @@ fn turns_of(mut runs: Vec<&RunRecord>, found: &[GroupDiagnosis]) -> BTreeMap<Str
         .filter_map(|run| Some((p.get(run.path.as_str()).copied()?, run.path.clone())))
         .map(|(p, path)| (path, p))
         .unzip();
-    paths.into_iter().zip(turns(&p)).collect()
+    paths.into_iter().zip(online_decisions(&p)).collect()
 }

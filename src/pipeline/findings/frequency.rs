@@ -5,7 +5,7 @@ use crate::analysis::frequency::{FrequencyPoint, FrequencyRun, PerVolt, frequenc
 use crate::domain::{Drive, Fit, RunRecord};
 use crate::model::{Branch, LumpedModel};
 use crate::numerics::complex::Complex;
-use crate::pipeline::campaign::making::whenever_asked;
+use crate::pipeline::campaign::batch::compute;
 use crate::pipeline::campaign::readings;
 use crate::pipeline::{Context, PipelineError};
 
@@ -17,7 +17,7 @@ pub fn frequency_runs(context: &Context, runs: &[RunRecord]) -> Result<Vec<Frequ
     let moves = |run: &&RunRecord| run.drive.as_ref().is_some_and(Drive::moves);
     let moving: Vec<&RunRecord> = runs.iter().filter(moves).collect();
     let load = |context: &Context, run: &&RunRecord| readings::of_run(context, run);
-    let found = whenever_asked(context, &moving, load, |run, channels| {
+    let found = compute(context, &moving, load, |run, channels| {
         let model = run
             .fit
             .as_ref()

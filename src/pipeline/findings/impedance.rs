@@ -9,7 +9,7 @@ use crate::domain::fault::caught;
 use crate::domain::{Campaign, Channel, Issue, RunRecord, Spectrum, SpectrumRun, Sweep};
 use crate::fit::impedance;
 use crate::model::impedance::{SpectrumCircuit, circuit};
-use crate::pipeline::campaign::making::whenever_asked;
+use crate::pipeline::campaign::batch::compute;
 use crate::pipeline::campaign::standing::{self, SetAside};
 use crate::pipeline::{Context, PipelineError};
 
@@ -45,7 +45,7 @@ pub fn spectra(context: &Context, more: &[SpectrumCircuit]) -> Result<Spectra, P
     }
     let (asked, refused) = asked(&context.campaign, more);
     let load = |context: &Context, run: &RunRecord| Ok(context.store.channels(run.id)?);
-    let runs = whenever_asked(context, &found.speaking, load, |run, channels: Vec<Channel>| {
+    let runs = compute(context, &found.speaking, load, |run, channels: Vec<Channel>| {
         let sweeps = Spectrum::of(&channels).into_iter();
         SpectrumRun {
             run: run.clone(),

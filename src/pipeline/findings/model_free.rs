@@ -1,13 +1,13 @@
 //! What runs say without a model, and trains cycle by cycle. No table holds it: it follows from the readings, and a report
-//! keeps it for the next one (`analysis::kept`).
+//! keeps it for the next one (`analysis::cache`).
 
+use crate::analysis::cache::{Cache, Hash};
 use crate::analysis::cycles::{CycleRun, cycle_run};
-use crate::analysis::kept::{Hash, Kept};
 use crate::analysis::model_free::{ModelFree, model_free};
 use crate::analysis::stiffness::sample_modulus;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, Estimate, ModulusLog, Quantity, RunRecord, Sample};
-use crate::pipeline::campaign::making::whenever_asked;
+use crate::pipeline::campaign::batch::compute;
 use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::{Context, PipelineError};
 
@@ -40,7 +40,7 @@ struct Asked<'a> {
 pub fn without_model(
     context: &Context,
     runs: &[RunRecord],
-    kept: &Kept,
+    kept: &Cache,
 ) -> Result<WithoutModel, PipelineError> {
     let (logs, _) = standing::modulus_logs(context)?;
     let driven = runs.iter().filter(|run| run.drive.is_some());
@@ -51,7 +51,7 @@ pub fn without_model(
         let known: Option<Said> = asked.hash.as_deref().and_then(|hash| kept.earlier(hash));
         known.map_or_else(|| channels(context, asked.run).map(Err), |said| Ok(Ok(said)))
     };
-    let said = whenever_asked(context, &asked, load, |asked, read| match read {
+    let said = compute(context, &asked, load, |asked, read| match read {
         Ok(said) => said,
         Err(channels) => asked.answer(&channels, kept),
     })?;
@@ -85,7 +85,7 @@ fn asked<'a>(
 }
 
 impl Asked<'_> {
-    fn answer(&self, channels: &[Channel], kept: &Kept) -> Said {
+    fn answer(&self, channels: &[Channel], kept: &Cache) -> Said {
         let step = model_free(self.run, channels, self.sample, &self.modulus_mpa);
         let said = (step, cycle_run(self.run, channels));
         if let Some(hash) = &self.hash {

@@ -5,8 +5,8 @@ use crate::domain::fault::caught;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, InputHash, Issue, ModulusAnalysis, RunRecord, RunState};
 use crate::ingest::named_columns::named_columns;
+use crate::pipeline::campaign::batch::{Making, TO_THE_END};
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
-use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::ModulusStamp;
 

@@ -7,12 +7,12 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::across_runs::campaign_laws;
-use crate::analysis::kept::Kept;
+use crate::analysis::cache::Cache;
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::design::Level;
 use crate::analysis::plan::list::{Grounds, RowOfSheet};
-use crate::analysis::plan::{PlannedRun, Untying, next_runs, untie, words};
+use crate::analysis::plan::{Deconfounding, PlannedRun, deconfound, next_runs, words};
 use crate::domain::safe_text::csv_text;
 use crate::domain::tag::keys;
 use crate::domain::{GroupDiagnosis, RunRecord};
@@ -21,7 +21,7 @@ use crate::ingest::run_sheet::{self, COLUMNS, SheetRow};
 use crate::pipeline::campaign::planned::planned;
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::current::findings_among;
-use crate::pipeline::ground::whole_file::put_bytes;
+use crate::pipeline::infra::whole_file::put_bytes;
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;
 
@@ -29,7 +29,7 @@ use crate::system::fs;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plan {
     /// A plan for every tied set.
-    pub untying: Vec<Untying>,
+    pub deconfounding: Vec<Deconfounding>,
     /// Runs to make, the first first.
     pub runs: Vec<PlannedRun>,
 }
@@ -117,7 +117,7 @@ pub fn plan(context: &Context) -> Result<Plan, PipelineError> {
     let findings = findings_among(context, &all)?;
     let ids = PlannedIds::of(context, &all)?;
     let runs = Runs::of(all).speaking;
-    let kept = Kept::default();
+    let kept = Cache::default();
     let laws = campaign_laws(context, (&runs, &findings), None, &kept)?;
     Ok(plan_from(context, (&runs, &ids), &laws, &findings.groups, &kept))
 }
@@ -155,21 +155,21 @@ pub(crate) fn plan_from(
     (runs, ids): (&[RunRecord], &PlannedIds),
     laws: &CampaignLaws,
     groups: &[GroupDiagnosis],
-    kept: &Kept,
+    kept: &Cache,
 ) -> Plan {
-    let untying = untie(laws, runs, &context.campaign, kept);
+    let deconfounding = deconfound(laws, runs, &context.campaign, kept);
     let mut planned_runs = next_runs(&Grounds {
         runs,
         campaign: &context.campaign,
         laws,
-        plans: &untying,
+        plans: &deconfounding,
         groups,
         open: &ids.open,
         last_number: ids.last_number,
     });
     shorten_misread(context, &mut planned_runs);
     Plan {
-        untying,
+        deconfounding,
         runs: planned_runs,
     }
 }
@@ -231,9 +231,9 @@ pub fn entries(plan: &Plan) -> Vec<NextRunEntry> {
 
 /// The plans of tied sets as documents state them.
 pub fn untying_entries(plan: &Plan) -> Vec<UntyingEntry> {
-    // A set of names of use alone has nothing that runs untie, and no inflation to state.
+    // A set of names of use alone has nothing that runs deconfound, and no inflation to state.
     let finite = |value: f64| (value.is_finite() && value > 1.0).then_some(value);
-    let entry = |plan: &Untying| UntyingEntry {
+    let entry = |plan: &Deconfounding| UntyingEntry {
         material: plan.material.clone(),
         compared: match plan.level {
             Level::Within => "runs",
@@ -251,7 +251,7 @@ pub fn untying_entries(plan: &Plan) -> Vec<UntyingEntry> {
             .collect(),
         sentences: words::reached(plan),
     };
-    plan.untying.iter().map(entry).collect()
+    plan.deconfounding.iter().map(entry).collect()
 }
 
 /// What writing a run sheet did.

@@ -4,7 +4,7 @@ use crate::analysis::impedance::{Both, Comparison, OneLikelihood, comparisons};
 use crate::domain::fault::caught;
 use crate::domain::{Channel, RunRecord, SpectrumRun};
 use crate::fit::{FitInput, step_and_spectrum};
-use crate::pipeline::campaign::making::whenever_asked;
+use crate::pipeline::campaign::batch::compute;
 use crate::pipeline::campaign::readings;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FitTask;
@@ -27,7 +27,7 @@ pub fn in_one_likelihood(
         }
     }
     let load = |context: &Context, (_, task): &(Comparison, &FitTask)| readings::of_task(context, task);
-    whenever_asked(context, &pairs, load, |(comparison, task), channels| {
+    compute(context, &pairs, load, |(comparison, task), channels| {
         of_pair(spectra, comparison, task, &channels)
     })
 }

@@ -7,7 +7,7 @@ use crate::domain::fault::caught;
 use crate::domain::number::fixed;
 use crate::domain::{Channel, RunRecord};
 use crate::fit::{Circuit, FitInput, Reduction, Reductions, reductions};
-use crate::pipeline::campaign::making::whenever_asked;
+use crate::pipeline::campaign::batch::compute;
 use crate::pipeline::campaign::readings;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FitTask;
@@ -25,7 +25,7 @@ pub fn reductions_of(context: &Context, runs: &[RunRecord]) -> Result<Vec<RunRed
         .filter(|task| !task.drive.moves())
         .collect();
     let load = |context: &Context, task: &&FitTask| readings::of_task(context, task);
-    whenever_asked(context, &ready, load, |task, channels| of_run(task, &channels))
+    compute(context, &ready, load, |task, channels| of_run(task, &channels))
 }
 
 fn of_run(task: &FitTask, channels: &[Channel]) -> RunReductions {

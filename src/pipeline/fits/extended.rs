@@ -9,8 +9,8 @@ use crate::domain::fault::caught;
 use crate::domain::{Channel, InputHash, Issue};
 use crate::fit::{FitInput, MOVING_VERSION};
 use crate::ingest::derived;
+use crate::pipeline::campaign::batch::{Making, TO_THE_END};
 use crate::pipeline::campaign::group_tags::take_tags;
-use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::{Context, Observer, PipelineError};
 
 /// Groups fitted between two commits.

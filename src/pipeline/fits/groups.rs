@@ -11,8 +11,8 @@ use crate::fit::{
     Bootstrap, FitError, FitInput, GroupFit, GroupOptions, Intervals, can_join_group, fit_group, shareable,
 };
 use crate::model::FitModel;
+use crate::pipeline::campaign::batch::{Making, TO_THE_END};
 use crate::pipeline::campaign::grouping::{Group, groups, singles};
-use crate::pipeline::campaign::making::{Making, TO_THE_END};
 use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::{Context, Observer, PipelineError};
 

@@ -11,7 +11,7 @@ use crate::domain::fault::caught;
 use crate::domain::{AskedFit, Channel, KnownParameter};
 use crate::fit::{FitInput, FitOptions, distributed, fit_knowing};
 use crate::ingest::derived;
-use crate::pipeline::campaign::making::{Making, TO_THE_END};
+use crate::pipeline::campaign::batch::{Making, TO_THE_END};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FitTask;
 

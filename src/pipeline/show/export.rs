@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::found_tables;
 pub use crate::analysis::TableFormat;
-use crate::analysis::kept::Kept;
+use crate::analysis::cache::Cache;
 pub use crate::analysis::monitoring::monitor;
 use crate::analysis::plain_columns::{PlainColumn, frame_of};
 use crate::analysis::{self, About, ExportError};
@@ -14,8 +14,8 @@ use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::model_free::without_model;
-use crate::pipeline::ground::fault::step;
-use crate::pipeline::ground::whole_file::put_file;
+use crate::pipeline::infra::fault::step;
+use crate::pipeline::infra::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError};
 
 /// What can be written.
@@ -199,7 +199,7 @@ pub(super) fn found_table(
             context,
             (runs, &current_findings(context)?),
             None,
-            &Kept::default(),
+            &Cache::default(),
         )
     };
     Ok(match table {
@@ -213,12 +213,12 @@ pub(super) fn found_table(
             found_tables::monitoring_table(&monitoring)
         }
         Table::ModelFree => found_tables::model_free_table(
-            &without_model(context, runs, &Kept::default())?.steps,
+            &without_model(context, runs, &Cache::default())?.steps,
             runs,
             campaign,
         ),
         Table::Cycles => {
-            found_tables::cycles_table(&without_model(context, runs, &Kept::default())?.trains, runs)
+            found_tables::cycles_table(&without_model(context, runs, &Cache::default())?.trains, runs)
         }
         _ => found_tables::laws_table(&laws()?),
     })

@@ -3,10 +3,10 @@
 use super::along::PageCurves;
 use super::report::input;
 use super::simulated_figures::{SIMULATED, simulated_named};
-use crate::analysis::kept::Kept;
+use crate::analysis::cache::Cache;
 use crate::pipeline::{Context, PipelineError};
 use crate::report::Site;
-use crate::report::prints::{
+use crate::report::print_figures::{
     FIGURE_FORMATS, FIGURES, FigureFormat, FigureInput, figure_format_named, figure_named,
 };
 
@@ -116,7 +116,7 @@ impl MakeFigure {
         let format = self.checked_format()?;
         let width_mm = self.width_mm.unwrap_or(figure.width_mm);
         let (changes, changed_at) = context.store.changes()?;
-        let input = input(context, changes, &changed_at, &Kept::default())?;
+        let input = input(context, changes, &changed_at, &Cache::default())?;
         let site = Site::new(&input);
         if self.run.is_some() && !figure.of_strips && figure.name != "models" {
             let needed = "no run: this figure shows them all".to_owned();

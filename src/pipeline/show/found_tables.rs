@@ -17,7 +17,7 @@ use crate::domain::tag::keys;
 use crate::domain::{Campaign, Estimate, GroupDiagnosis, RunRecord};
 use crate::pipeline::documents::campaign::{CampaignEntry, CampaignTest, entries, tests};
 use crate::report;
-use crate::store::ShownRows;
+use crate::store::PublishedRows;
 
 /// A table that is made column by column of the things that its rows are about.
 struct Table<'t, T> {
@@ -290,7 +290,7 @@ fn alarms(own: &Watched, monitoring: &Monitoring) -> Vec<String> {
 }
 
 /// What a report shows, as rows for whoever asks in SQL.
-pub fn shown(input: &report::Input) -> Result<Vec<ShownRows>, ExportError> {
+pub fn shown(input: &report::Input) -> Result<Vec<PublishedRows>, ExportError> {
     let every: Vec<RunRecord> = input.runs.iter().chain(&input.set_aside).cloned().collect();
     let runs = plain_columns(&runs_table(&every, &input.campaign)?);
     let kept = ["run", "material", "standing", "standing_reason"];

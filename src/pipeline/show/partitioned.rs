@@ -14,7 +14,7 @@ use crate::fit::Steps;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::fits::plan::fit_plan;
 use crate::pipeline::fits::runs::{Due, FitRuns};
-use crate::pipeline::ground::own_folder::{self, Fresh};
+use crate::pipeline::infra::own_folder::{self, Fresh};
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;
 

@@ -6,8 +6,8 @@ use super::export::{Table, found_table};
 use crate::analysis::{self, plain_columns::PlainColumn, plain_columns::plain_columns};
 use crate::domain::RunRecord;
 use crate::domain::tag::keys;
-use crate::pipeline::apart::at_hand::{ReadTable, Stated, Strip};
 use crate::pipeline::campaign::standing;
+use crate::pipeline::standalone::in_memory::{ReadTable, Stated, Strip};
 use crate::pipeline::{Context, PipelineError};
 
 /// The tables that are made of runs, by the names that `ieap export` knows.

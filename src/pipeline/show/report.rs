@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::along::PageCurves;
 use super::found_tables;
-use crate::analysis::kept::Kept;
+use crate::analysis::cache::Cache;
 use crate::analysis::laws::contrast;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::laws::matrix::confounding_maps;
@@ -27,8 +27,8 @@ use crate::pipeline::findings::frequency::frequency_runs;
 use crate::pipeline::findings::impedance;
 use crate::pipeline::findings::model_free::without_model;
 use crate::pipeline::findings::next_runs::{self, PlannedIds};
-use crate::pipeline::ground::fault::{or_nothing, step};
-use crate::pipeline::ground::own_folder::{self, Altered, Fresh};
+use crate::pipeline::infra::fault::{or_nothing, step};
+use crate::pipeline::infra::own_folder::{self, Altered, Fresh};
 use crate::pipeline::intake::climate::electrode_courses;
 use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -136,7 +136,7 @@ impl RenderReport {
         // What another build of the program made may differ though nothing else does.
         let kept = standing.values(&program);
         let made = kept.as_ref().map_or_else(Made::new, |_| standing.pages());
-        let values = kept.unwrap_or_else(|| Kept::by(&program));
+        let values = kept.unwrap_or_else(|| Cache::by(&program));
         let input = input(context, changes, &changed_at, &values)?;
         let take = |files: &[String]| {
             let known: Option<Vec<(&str, &str)>> = files
@@ -306,9 +306,9 @@ impl<'a> Standing<'a> {
     }
 
     /// Values that it was made from and that took long to make; none where another program made it.
-    fn values(&self, program: &str) -> Option<Kept> {
+    fn values(&self, program: &str) -> Option<Cache> {
         match fs::read_own(self.folder.join(KEPT_VALUES)) {
-            Ok(bytes) if self.is_whole(KEPT_VALUES) => Kept::read(&bytes, program),
+            Ok(bytes) if self.is_whole(KEPT_VALUES) => Cache::read(&bytes, program),
             _ => None,
         }
     }
@@ -316,7 +316,7 @@ impl<'a> Standing<'a> {
 
 fn write_fresh(
     context: &Context,
-    (input, values): (&report::Input, &Kept),
+    (input, values): (&report::Input, &Cache),
     (fresh, earlier): (&Fresh, &Earlier),
     stamp: &str,
     observer: &dyn Observer,
@@ -358,7 +358,7 @@ pub(crate) fn input(
     context: &Context,
     changes: u64,
     changed_at: &str,
-    kept: &Kept,
+    kept: &Cache,
 ) -> Result<report::Input, PipelineError> {
     // Each of these may fail by itself: the report then lacks it, and says so.
     let mut faults = Vec::new();
@@ -421,7 +421,7 @@ pub(crate) fn input(
     Ok(report::Input {
         confounding: or_nothing(confounding, &mut faults)?,
         faults,
-        untying: plan.untying,
+        deconfounding: plan.deconfounding,
         next_runs: plan.runs,
         laws,
         contrasts,

@@ -15,7 +15,7 @@ use crate::domain::FileState;
 use crate::ingest::archive::Archive;
 use crate::ingest::campaign_file::{self, Publication};
 use crate::pipeline::campaign::context::CODE_VERSION;
-use crate::pipeline::ground::whole_file::put_file;
+use crate::pipeline::infra::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;
 

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::analysis::cache::Cache;
 use crate::analysis::frequency::FrequencyRun;
 use crate::analysis::impedance::OneLikelihood;
-use crate::analysis::kept::Kept;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::probe::Course;
 use crate::analysis::reductions::RunReductions;
@@ -124,7 +124,7 @@ impl TableData {
         named: &NamedTable,
     ) -> Result<TableData, PipelineError> {
         if FROM_READINGS.contains(&named.name) {
-            self.without_model = without_model(context, &self.runs, &Kept::default())?;
+            self.without_model = without_model(context, &self.runs, &Cache::default())?;
         }
         if named.name == REDUCTIONS {
             self.reductions = reductions_of(context, &self.runs)?;

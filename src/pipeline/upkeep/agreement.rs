@@ -2,7 +2,7 @@
 //! is written into it, what the database lacks is said to it again.
 
 use super::rebuild::replay;
-use super::told::Told;
+use super::reported::Told;
 use crate::domain::Issue;
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::ingest::{IngestSummary, retag_runs};

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
-use ieap::system::{Call, Kind, World};
+use ieap::system::{Call, FaultInjector, Kind};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -138,7 +138,7 @@ impl Computer {
     }
 }
 
-impl World for Computer {
+impl FaultInjector for Computer {
     fn before(&self, call: &Call<'_>) -> io::Result<()> {
         let mut state = self.state();
         if state.left.is_none() && !std::thread::panicking() {
@@ -205,7 +205,7 @@ impl State {
     fn meddle(&mut self, call: &Call<'_>) {
         let is_measured = call.path.extension().is_some_and(|end| end == "csv")
             && call.path.components().any(|part| part.as_os_str() == "runs");
-        let reads = matches!(call.kind, Kind::Open | Kind::Read | Kind::Look);
+        let reads = matches!(call.kind, Kind::Open | Kind::Read | Kind::Stat);
         if !is_measured || !reads || self.weather.meddling == 0.0 {
             return;
         }
@@ -223,9 +223,9 @@ fn errors_of(kind: Kind) -> &'static [i32] {
     const EIO: i32 = 5;
     match kind {
         // EIO, ENOMEM, EACCES, ENFILE, EMFILE, ESTALE.
-        Kind::Look | Kind::List | Kind::Open | Kind::Read => &[EIO, 12, 13, 23, 24, 116],
+        Kind::Stat | Kind::List | Kind::Open | Kind::Read => &[EIO, 12, 13, 23, 24, 116],
         // EIO, ENOSPC, EROFS, EDQUOT.
-        Kind::Make | Kind::Write | Kind::Cut | Kind::MakeFolder => &[EIO, 28, 30, 122],
+        Kind::Create | Kind::Write | Kind::Truncate | Kind::MakeFolder => &[EIO, 28, 30, 122],
         Kind::Sync | Kind::SyncAll => &[EIO, 28],
         // ENOLCK.
         Kind::Lock => &[37],

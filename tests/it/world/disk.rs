@@ -127,8 +127,8 @@ impl Disk {
     /// After a call that was done.
     pub fn after(&mut self, call: &Call<'_>) {
         match (call.kind, call.to) {
-            (Kind::Make, _) => self.made(call.path),
-            (Kind::Write | Kind::Cut, _) => {
+            (Kind::Create, _) => self.made(call.path),
+            (Kind::Write | Kind::Truncate, _) => {
                 if let Some(id) = self.id(call.path) {
                     (self.nodes[id].is_dirty, self.nodes[id].is_lost) = (true, false);
                 }

@@ -10,7 +10,7 @@ use std::time::SystemTime;
 use ieap::domain::FileState;
 use ieap::pipeline::{Context, Ingest, IngestSummary, Rebuild, RenderReport, Silent};
 use ieap::store::Store;
-use ieap::system::{Call, Kind, World, within};
+use ieap::system::{Call, FaultInjector, Kind, with_fs};
 
 use super::computer::hash_of_report;
 use crate::campaign::{CampaignFolder, run_table};
@@ -18,7 +18,7 @@ use crate::campaign::{CampaignFolder, run_table};
 /// Refuses every call of one kind on files or folders of that name.
 struct Refuses(Kind, &'static str);
 
-impl World for Refuses {
+impl FaultInjector for Refuses {
     fn before(&self, call: &Call<'_>) -> io::Result<()> {
         if call.kind == self.0 && call.path.ends_with(self.1) {
             Err(io::Error::from_raw_os_error(5))
@@ -109,7 +109,7 @@ fn a_run_whose_file_became_unreadable_and_went_has_a_file_that_is_gone() {
 /// Writes into the tag file of that name once, right after it was read for the first time.
 struct WritesAfterReading(&'static str, &'static str, AtomicBool);
 
-impl World for WritesAfterReading {
+impl FaultInjector for WritesAfterReading {
     fn before(&self, _call: &Call<'_>) -> io::Result<()> {
         Ok(())
     }
@@ -134,7 +134,7 @@ fn a_sidecar_that_is_written_while_its_run_is_tagged_is_taken_up() {
     folder.write("runs/a.csv.toml", "cycle = 1\n");
     let mut context = open(folder.path());
     let world = WritesAfterReading("a.csv.toml", "cycle = 2\n", AtomicBool::new(false));
-    within(Arc::new(world), || ingest(&mut context));
+    with_fs(Arc::new(world), || ingest(&mut context));
     ingest(&mut context);
     let run = context.store.runs().unwrap().remove(0);
     assert_eq!(run.tag("cycle"), Some("2"), "{:?}", run.tags);
@@ -147,7 +147,7 @@ fn a_database_that_cannot_be_looked_at_now_is_not_taken_for_another_one() {
     let folder = CampaignFolder::new();
     let context = open(folder.path());
     for name in ["campaign.db", "campaign.db-wal"] {
-        let looked = within(Arc::new(Refuses(Kind::Look, name)), || context.check_in_place());
+        let looked = with_fs(Arc::new(Refuses(Kind::Stat, name)), || context.check_in_place());
         let error = looked.unwrap_err();
         assert!(error.to_string().contains("Input/output error"), "{error}");
         assert!(error.may_pass(), "{error}");
@@ -166,7 +166,7 @@ fn a_report_that_cannot_be_brought_to_the_disk_leaves_the_old_one() {
     render().unwrap();
     let old = hash_of_report(folder.path());
     struct NoSync;
-    impl World for NoSync {
+    impl FaultInjector for NoSync {
         fn before(&self, call: &Call<'_>) -> io::Result<()> {
             match call.kind {
                 Kind::SyncAll => Err(io::Error::from_raw_os_error(28)),
@@ -179,7 +179,7 @@ fn a_report_that_cannot_be_brought_to_the_disk_leaves_the_old_one() {
         }
     }
     if cfg!(target_os = "linux") {
-        within(Arc::new(NoSync), render).unwrap_err();
+        with_fs(Arc::new(NoSync), render).unwrap_err();
     }
     assert_eq!(hash_of_report(folder.path()), old);
     assert_eq!(left_beside(folder.path()), Vec::<PathBuf>::new());

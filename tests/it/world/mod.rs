@@ -21,7 +21,7 @@ use ieap::domain::FileState;
 use ieap::pipeline::upkeep::verify::Verify;
 use ieap::pipeline::{Context, Ingest, PipelineError, Rebuild, RenderReport, SetTags, Silent};
 use ieap::store::Store;
-use ieap::system::within;
+use ieap::system::with_fs;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tempfile::TempDir;
@@ -53,7 +53,7 @@ pub fn on<T: Send>(computer: &Arc<Computer>, work: impl FnOnce() -> T + Send) ->
         let build = rayon::ThreadPoolBuilder::new().num_threads(1);
         build
             .build_scoped(
-                |thread| within(Arc::clone(&world) as Arc<_>, || thread.run()),
+                |thread| with_fs(Arc::clone(&world) as Arc<_>, || thread.run()),
                 |pool| pool.install(work),
             )
             .unwrap()
@@ -92,7 +92,7 @@ struct World {
     computer: Arc<Computer>,
     people: People,
     rng: ChaCha8Rng,
-    /// Kept from step to step as `watch` keeps it.
+    /// Cache from step to step as `watch` keeps it.
     context: Option<Context>,
     /// Hashes of contents that the program said it has taken in.
     acknowledged: BTreeSet<String>,

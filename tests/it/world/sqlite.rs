@@ -121,7 +121,7 @@ unsafe extern "C" fn write(
 
 unsafe extern "C" fn cut(file: *mut ffi::sqlite3_file, size: ffi::sqlite3_int64) -> c_int {
     // SAFETY: as in `write`.
-    refused(file, Kind::Cut, ffi::SQLITE_IOERR_TRUNCATE)
+    refused(file, Kind::Truncate, ffi::SQLITE_IOERR_TRUNCATE)
         .unwrap_or_else(|| unsafe { own().xTruncate.unwrap()(file, size) })
 }
 

@@ -15,8 +15,8 @@ use super::parts::{Lacking, Part, parts};
 use super::selection::{Attempt, Selection, selections};
 use super::table::Table;
 use super::values::{Values, keys, values};
+use crate::cache::{Cache, Hash};
 use crate::false_discovery::{CLAIMED_BELOW, q_values, q_values_dependent};
-use crate::kept::{Hash, Kept};
 use ieap_domain::{Campaign, Quantity, RunRecord};
 
 /// What laws are sought in.
@@ -35,7 +35,7 @@ pub struct Evidence<'a> {
     /// Seed of the draws.
     pub seed: u64,
     /// What was found of materials before.
-    pub kept: &'a Kept,
+    pub kept: &'a Cache,
 }
 
 /// Covariates that the design of a material ties together.

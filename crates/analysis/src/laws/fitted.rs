@@ -1,8 +1,8 @@
 //! One law fitted to the values of one parameter, with its interval, and the laws compared.
 
 use super::policy::{AS_GOOD, FEWEST_SAMPLES, LARGEST, MOST_FOLDS};
+use super::resolution::{Over, Resolution};
 use super::shape::{self, Bend, Law, Span, at_progress, coefficient, is_of_amounts, progress};
-use super::sight::{Over, Sight};
 use ieap_numerics::grouped::{Grouped, dot};
 use ieap_numerics::student::quantile_95;
 
@@ -147,7 +147,7 @@ pub fn least(material: &Material, laws: &[Law]) -> Option<Least> {
 /// A law's best bend and size, with every bend that was tried.
 struct Search<'a> {
     freedom: usize,
-    sight: Sight<'a>,
+    resolution: Resolution<'a>,
     bends: Vec<Bend>,
     shapes: Vec<Shape>,
     best: usize,
@@ -162,10 +162,14 @@ fn search<'a>(material: &'a Material, law: Law) -> Option<Search<'a>> {
     if bends.is_empty() || freedom + 2 < 3 * law.parameters() {
         return None;
     }
-    let sight = Sight::new(material);
-    let all = sight.over((0..material.y.len()).collect());
-    let made =
-        |bends: &[Bend]| -> Vec<Shape> { bends.iter().map(|&bend| Shape::new(&sight, law, bend)).collect() };
+    let resolution = Resolution::new(material);
+    let all = resolution.over((0..material.y.len()).collect());
+    let made = |bends: &[Bend]| -> Vec<Shape> {
+        bends
+            .iter()
+            .map(|&bend| Shape::new(&resolution, law, bend))
+            .collect()
+    };
     let mut shapes = made(&bends);
     let best_of = |shapes: &[Shape]| -> Option<(f64, f64, usize)> {
         let each = shapes.iter().enumerate().map(|(k, shape)| {
@@ -183,7 +187,7 @@ fn search<'a>(material: &'a Material, law: Law) -> Option<Search<'a>> {
     }
     Some(Search {
         freedom,
-        sight,
+        resolution,
         bends,
         shapes,
         best,
@@ -196,14 +200,14 @@ fn search<'a>(material: &'a Material, law: Law) -> Option<Search<'a>> {
 pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
     let Search {
         freedom,
-        sight,
+        resolution,
         bends,
         shapes,
         best: k,
         size,
         square,
     } = search(material, law)?;
-    let all = sight.over((0..material.y.len()).collect());
+    let all = resolution.over((0..material.y.len()).collect());
     let spread = (square / freedom as f64).max(1.0);
     let allowed = square + quantile_95(freedom as f64).powi(2) * spread;
     let profile = |size: f64| -> f64 {
@@ -228,7 +232,7 @@ pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
         bend_at: has_bend.then(|| bend_interval(material, law, (&bends, &shapes), &all, k, allowed)),
         bend,
         bic: criterion(square, material.readings, law.paid_for()),
-        left_out_rms: left_out(&sight, &shapes),
+        left_out_rms: left_out(&resolution, &shapes),
     })
 }
 
@@ -239,11 +243,11 @@ struct Shape {
 }
 
 impl Shape {
-    fn new(sight: &Sight, law: Law, bend: Bend) -> Shape {
-        let material = sight.material;
+    fn new(resolution: &Resolution, law: Law, bend: Bend) -> Shape {
+        let material = resolution.material;
         let progress = |&x: &f64| progress(law, x, material.span, bend);
         Shape {
-            progress: sight.x.iter().map(progress).collect(),
+            progress: resolution.x.iter().map(progress).collect(),
             by_amount: material.is_log && is_of_amounts(law),
         }
     }
@@ -364,8 +368,8 @@ fn bend_interval(
 }
 
 /// Leaves samples out in turn and predicts them.
-fn left_out(sight: &Sight, shapes: &[Shape]) -> Option<f64> {
-    let sample = sight.material.sample;
+fn left_out(resolution: &Resolution, shapes: &[Shape]) -> Option<f64> {
+    let sample = resolution.material.sample;
     let samples = sample.iter().max().map_or(0, |last| last + 1);
     if samples < FEWEST_SAMPLES {
         return None;
@@ -375,7 +379,7 @@ fn left_out(sight: &Sight, shapes: &[Shape]) -> Option<f64> {
     for fold in 0..folds {
         let (out, kept): (Vec<usize>, Vec<usize>) =
             (0..sample.len()).partition(|&r| sample[r] % folds == fold);
-        let (out, kept) = (sight.over(out), sight.over(kept));
+        let (out, kept) = (resolution.over(out), resolution.over(kept));
         let best = shapes
             .iter()
             .map(|shape| (shape, shape.best(&kept)))

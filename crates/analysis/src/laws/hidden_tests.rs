@@ -10,7 +10,7 @@ use super::covariate::Covariate;
 use super::find::{CampaignLaws, Evidence, find};
 use super::shape::Law;
 use super::words;
-use crate::kept::Kept;
+use crate::cache::Cache;
 use ieap_domain::tag::keys;
 use ieap_domain::testing::{campaign, fit, run, tag};
 use ieap_domain::{Campaign, Estimate, RunRecord};
@@ -131,7 +131,7 @@ pub(super) fn found(plan: Plan, hidden: Hidden, seed: u64) -> CampaignLaws {
         charge_c: &vec![None; runs.len()],
         attempts: &[],
         seed,
-        kept: &Kept::default(),
+        kept: &Cache::default(),
     })
 }
 
@@ -327,7 +327,7 @@ fn declared_tags_are_asked_and_others_are_not() {
             charge_c: &vec![None; runs.len()],
             attempts: &[],
             seed: 1,
-            kept: &Kept::default(),
+            kept: &Cache::default(),
         });
         let of_tags = laws
             .claimed()

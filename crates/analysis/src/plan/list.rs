@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::deconfound::Deconfounding;
 use super::proposed::{Proposal, of_group, of_plan};
-use super::untie::Untying;
 use crate::laws::CampaignLaws;
 use crate::laws::covariate::Covariate;
 use ieap_domain::number::digits;
@@ -61,7 +61,7 @@ pub struct Grounds<'a> {
     /// What holds across runs.
     pub laws: &'a CampaignLaws,
     /// Plans of its tied sets.
-    pub plans: &'a [Untying],
+    pub plans: &'a [Deconfounding],
     /// Findings of groups.
     pub groups: &'a [GroupDiagnosis],
     /// Rows of run sheets that are not done yet.

@@ -5,16 +5,16 @@
 //! a further run would untie them. No value of a parameter is looked at.
 
 pub mod candidates;
+pub mod deconfound;
 pub mod future;
 pub mod list;
 pub mod policy;
 pub mod proposed;
 pub mod ties;
-pub mod untie;
 pub mod words;
 
 #[cfg(test)]
 mod thesis_tests;
 
+pub use deconfound::{Deconfounding, deconfound};
 pub use list::{Expected, PlannedRun, next_runs};
-pub use untie::{Untying, untie};

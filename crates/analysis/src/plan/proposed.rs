@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::deconfound::{Deconfounding, Step};
 use super::future::Setting;
 use super::policy::MOST_INFLATION;
-use super::untie::{Step, Untying};
 use super::words;
 use crate::conditions::{VOLTAGE_STEP_V, nominal_voltage_v};
 use crate::laws::covariate::Covariate;
@@ -57,7 +57,7 @@ pub struct Proposal {
 }
 
 /// The runs of a plan, none where they bring nothing. All close the same part: what the plan brings, shared among them.
-pub fn of_plan(plan: &Untying, runs: &[RunRecord], campaign: &Campaign) -> Vec<Proposal> {
+pub fn of_plan(plan: &Deconfounding, runs: &[RunRecord], campaign: &Campaign) -> Vec<Proposal> {
     if !plan.gains() {
         return Vec::new();
     }
@@ -69,7 +69,13 @@ pub fn of_plan(plan: &Untying, runs: &[RunRecord], campaign: &Campaign) -> Vec<P
     plan.steps.iter().map(of_step).collect()
 }
 
-fn of_step(plan: &Untying, step: &Step, runs: &[RunRecord], campaign: &Campaign, closes: f64) -> Proposal {
+fn of_step(
+    plan: &Deconfounding,
+    step: &Step,
+    runs: &[RunRecord],
+    campaign: &Campaign,
+    closes: f64,
+) -> Proposal {
     let setting = &step.setting;
     let number = |covariate| setting.numbers.get(&covariate).copied();
     let voltage_v = setting

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::deconfound::plan;
 use super::policy::MOST_RUNS;
-use super::untie::plan;
 use super::words;
 use crate::laws::covariate::Covariate;
 use crate::laws::design::{Level, rows};
@@ -68,14 +68,14 @@ fn tied_of(facts: &[RunFacts], level: Level) -> Vec<TiedSet> {
         .collect()
 }
 
-fn planned(facts: &[RunFacts], campaign: &Campaign, level: Level) -> super::Untying {
+fn planned(facts: &[RunFacts], campaign: &Campaign, level: Level) -> super::Deconfounding {
     let sets = tied_of(facts, level);
     assert_eq!(sets.len(), 1, "{sets:?}");
     plan(&sets[0], facts, &(0..facts.len()).collect::<Vec<_>>(), campaign)
 }
 
 /// Sets that are tied when the runs of a plan have been made, other than names of use.
-fn tied_after(facts: &[RunFacts], plan: &super::Untying, campaign: &Campaign) -> Vec<Vec<Covariate>> {
+fn tied_after(facts: &[RunFacts], plan: &super::Deconfounding, campaign: &Campaign) -> Vec<Vec<Covariate>> {
     let mut facts = facts.to_vec();
     let mut places: Vec<usize> = (0..facts.len()).collect();
     let material = super::future::Material::of("m", campaign, &facts, &places);

@@ -1,6 +1,6 @@
 //! Plans in words.
 
-use super::untie::Untying;
+use super::deconfound::Deconfounding;
 use crate::laws::covariate::Covariate;
 use crate::laws::facts::RunFacts;
 use crate::laws::find::TiedSet;
@@ -35,7 +35,7 @@ pub fn pair((one, other): (Covariate, Covariate)) -> String {
 }
 
 /// What a plan reaches, in a sentence; what it cannot, in others.
-pub fn reached(plan: &Untying) -> Vec<String> {
+pub fn reached(plan: &Deconfounding) -> Vec<String> {
     let mut sentences = Vec::new();
     let names = listed(&plan.covariates);
     let runs = counted(plan.steps.len(), "run");

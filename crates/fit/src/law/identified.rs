@@ -8,8 +8,8 @@ use ieap_numerics::least_squares::Stop;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::landscape::{Coordinates, Shapes, combined};
-use crate::carried::moved_by_circuit;
 use crate::electrical::Electrical;
+use crate::propagated_error::moved_by_circuit;
 use crate::sampled::Sampled;
 use crate::search::Search;
 use crate::shown::Shown;

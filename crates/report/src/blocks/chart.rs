@@ -13,7 +13,7 @@ use crate::figures::comparison::{self, marker};
 use crate::figures::group::series;
 use crate::figures::panel::{self, Margins, panel};
 use crate::figures::thin;
-use crate::prints::grid;
+use crate::print_figures::grid;
 use ieap_show as show;
 use ieap_show::{Chart, Form, Layer, Mark, Panel, Range, Scale};
 

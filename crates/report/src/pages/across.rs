@@ -299,5 +299,5 @@ pub fn next_words(site: &Site) -> String {
 
 /// What the plans reach, a sentence each.
 pub fn untying(site: &Site) -> Vec<String> {
-    site.input.untying.iter().flat_map(words::reached).collect()
+    site.input.deconfounding.iter().flat_map(words::reached).collect()
 }

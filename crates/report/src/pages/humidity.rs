@@ -35,7 +35,7 @@ struct HumidityPage {
     samples: Vec<Samples>,
     matrices: Vec<MatrixTable>,
     compared: Vec<ContrastTable>,
-    untying: Vec<String>,
+    deconfounding: Vec<String>,
     /// `3 runs to make next`; empty where there is none.
     next: String,
     next_runs: Vec<NextRow>,
@@ -112,7 +112,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         samples: samples(site),
         matrices: across::matrix_tables(site),
         compared: contrast_tables(&site.input.contrasts),
-        untying: across::untying(site),
+        deconfounding: across::untying(site),
         next: across::next_words(site),
         next_runs: across::next_rows(site),
         runs_folder: site.input.campaign.runs_folder.clone(),

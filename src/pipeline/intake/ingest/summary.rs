@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::domain::Issue;
 use crate::ingest::name_pattern::ProposedPattern;
-use crate::pipeline::ground::mends::Together;
+use crate::pipeline::infra::mends::Together;
 use crate::pipeline::intake::climate::LogSummary;
 
 /// What `ingest` did.

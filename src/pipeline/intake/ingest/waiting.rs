@@ -7,7 +7,7 @@ use super::unread::RESPONSE_MISSING;
 use crate::domain::{RunKind, Severity};
 use crate::ingest::name_pattern::{self, ProposedPattern};
 use crate::ingest::tags::{self, MISSING, MISSPELT, UNDECLARED, UNKNOWN_SAMPLE};
-use crate::pipeline::ground::mends::{Together, together};
+use crate::pipeline::infra::mends::{Together, together};
 use crate::pipeline::{Context, PipelineError};
 
 /// Tag keys that are neither known nor declared, each with the runs that have it.

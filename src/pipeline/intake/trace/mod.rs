@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::ingest::campaign_file;
 use crate::ingest::frames::{self, FrameFile, FrameSettings};
-use crate::pipeline::ground::own_folder::{self, Fresh};
+use crate::pipeline::infra::own_folder::{self, Fresh};
 use crate::pipeline::{Observer, PipelineError};
 use crate::system::fs;
 

@@ -8,7 +8,7 @@ use crate::model::bending::{ChargeCourse, bending_law, curvature_per_cm};
 use crate::model::coupling::CurvaturePerLineCharge;
 use crate::model::distributed::DistributedModel;
 use crate::model::{Branch, EquivalentCircuit, LumpedModel};
-use crate::report::prints::family::{Family, FamilyLine, FamilyPanel};
+use crate::report::print_figures::family::{Family, FamilyLine, FamilyPanel};
 
 /// Points of a line.
 const POINTS: usize = 400;

@@ -3,8 +3,8 @@
 mod families;
 
 use crate::pipeline::PipelineError;
-use crate::report::prints::family::Family;
-use crate::report::prints::{Print, family_print};
+use crate::report::print_figures::family::Family;
+use crate::report::print_figures::{Print, family_print};
 use families::{ALPHA, LAMBDA, distributed, figure13, figure16, figure18, lumped, rival};
 
 /// A figure that no campaign is needed for.

@@ -8,8 +8,8 @@ use super::contents::reason;
 use super::manifest::{ENDING, FILE_NAME, LeftOut, Manifest, PREFIX, StoredFile, number_in};
 use super::shelf::{Shelf, failed};
 use crate::pipeline::PipelineError;
-use crate::pipeline::ground::error::BackupError;
-use crate::pipeline::ground::whole_file::put_own;
+use crate::pipeline::infra::error::BackupError;
+use crate::pipeline::infra::whole_file::put_own;
 use crate::system::fs;
 
 /// The lists in the folder of a backup.

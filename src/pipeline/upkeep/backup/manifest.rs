@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::pipeline::PipelineError;
-use crate::pipeline::ground::error::BackupError;
+use crate::pipeline::infra::error::BackupError;
 use crate::system::fs;
 
 /// How the name of a list begins; its number follows.
@@ -21,7 +21,7 @@ pub const ENDING: &str = ".json";
 /// What no file holds, one JSON document a line, inside the archive: it is only ever appended to.
 pub const JOURNAL: &str = "archive/journal.jsonl";
 /// Name of the list that is a backup.
-pub use crate::pipeline::ground::error::BACKUP_LIST as FILE_NAME;
+pub use crate::pipeline::infra::error::BACKUP_LIST as FILE_NAME;
 /// Schema of the document.
 const SCHEMA: &str = "ieap/backup-contents/1";
 

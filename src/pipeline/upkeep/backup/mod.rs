@@ -32,7 +32,7 @@ use manifest::{Head, LeftOut, Manifest, StoredFile};
 use place::place;
 use shelf::{DATABASE, Shelf, UNFINISHED, failed};
 
-pub use crate::pipeline::ground::error::BackupError;
+pub use crate::pipeline::infra::error::BackupError;
 pub use restore::{Restore, Restored};
 
 /// Lists that stay unless the user says otherwise, the new one counted: a week of evenings. Each costs a copy of the database.

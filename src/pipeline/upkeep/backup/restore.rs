@@ -17,7 +17,7 @@ use super::manifest::{LeftOut, Manifest, StoredFile};
 use super::place::place;
 use super::shelf::{DATABASE, failed, is_database};
 use crate::ingest::archive::{Archive, hash_of_file};
-use crate::pipeline::ground::error::BackupError;
+use crate::pipeline::infra::error::BackupError;
 use crate::pipeline::upkeep::status::{self, Status};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FILE_NAME as DATABASE_NAME;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::manifest::{self, StoredFile};
 use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming, hash_of_file, is_hash};
 use crate::pipeline::PipelineError;
-use crate::pipeline::ground::error::BackupError;
+use crate::pipeline::infra::error::BackupError;
 use crate::store::InstanceLock;
 use crate::system::fs;
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::part::Part;
 use crate::domain::Issue;
 use crate::ingest::archive::{Archive, Archived, BlobFinding};
-use crate::pipeline::ground::mends::Reasoned;
+use crate::pipeline::infra::mends::Reasoned;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::RunContent;
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::part::Part;
 use crate::domain::Issue;
 use crate::pipeline::upkeep::rebuild::what_is_wrong;
-use crate::pipeline::upkeep::told::Told;
+use crate::pipeline::upkeep::reported::Told;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::journal::{self, Found};
 use crate::store::{Store, StoreError};

@@ -3,7 +3,7 @@
 use super::part::Part;
 use crate::domain::Issue;
 use crate::pipeline::campaign::places::REPORT_FOLDER;
-use crate::pipeline::ground::own_folder::{self, Altered};
+use crate::pipeline::infra::own_folder::{self, Altered};
 use crate::pipeline::show::report::{is_current, not_ours, report_faults};
 use crate::pipeline::{Context, PipelineError};
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::short::quick;
 use crate::domain::Issue;
-use crate::pipeline::ground::whole_file::put_own;
+use crate::pipeline::infra::whole_file::put_own;
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;
 
@@ -49,7 +49,7 @@ impl Weekly {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::ground::whole_file::put_bytes;
+    use crate::pipeline::infra::whole_file::put_bytes;
 
     #[test]
     fn a_week_passes_between_two_looks_and_what_is_lost_is_found() {

@@ -1,0 +1,76 @@
+//! Rows that follow from everything else, kept for whoever asks the database in SQL.
+//!
+//! They are no change of the campaign: nothing counts them, no result is made from them, and so no seal is on them.
+
+use rusqlite::TransactionBehavior;
+
+use super::{Store, StoreError};
+
+/// Rows of one kind, as JSON.
+pub type PublishedRows = (&'static str, Vec<String>);
+
+impl Store {
+    /// The change that the rows were made from; none where there are none yet.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn shown_of(&self) -> Result<Option<u64>, StoreError> {
+        let found = self
+            .connection
+            .query_row("SELECT changes FROM shown_of", [], |row| row.get::<_, i64>(0));
+        let changes = found.map_err(|e| self.failed("asking what is shown", e))?;
+        Ok(u64::try_from(changes).ok())
+    }
+
+    /// Puts rows in place of those that stand, made from that change at `now` (RFC 3339 UTC).
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn put_shown(&self, rows: &[PublishedRows], changes: u64, now: &str) -> Result<(), StoreError> {
+        self.check_in_place()?;
+        let put = || -> rusqlite::Result<()> {
+            let transaction =
+                rusqlite::Transaction::new_unchecked(&self.connection, TransactionBehavior::Immediate)?;
+            transaction.execute("DELETE FROM shown", [])?;
+            let mut insert = transaction.prepare_cached("INSERT INTO shown VALUES (?1, ?2, ?3)")?;
+            for (kind, documents) in rows {
+                for (ordinal, document) in documents.iter().enumerate() {
+                    insert.execute((kind, ordinal as i64, document))?;
+                }
+            }
+            drop(insert);
+            let sql = "UPDATE shown_of SET changes = ?1, made_at = ?2";
+            transaction.execute(sql, (changes as i64, now))?;
+            transaction.commit()
+        };
+        put().map_err(|e| self.failed("storing what is shown", e))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_put_in_place_of_others_and_are_no_change() {
+        let store = Store::in_memory().unwrap();
+        assert_eq!(store.shown_of().unwrap(), None);
+        let before = store.changes().unwrap();
+        let law = |sample: &str| format!("{{\"sample\":\"{sample}\",\"p\":0.01}}");
+        store
+            .put_shown(&[("law", vec![law("A"), law("B")])], 7, "2026-01-01T00:00:00Z")
+            .unwrap();
+        store
+            .put_shown(&[("law", vec![law("C")])], 8, "2026-01-02T00:00:00Z")
+            .unwrap();
+        assert_eq!(store.shown_of().unwrap(), Some(8));
+        assert_eq!(store.changes().unwrap(), before);
+        let seen: (String, f64, String) = store
+            .connection
+            .query_row("SELECT sample, p, made_at FROM laws_view", [], |row| {
+                Ok((row.get("sample")?, row.get("p")?, row.get("made_at")?))
+            })
+            .unwrap();
+        assert_eq!(seen, ("C".to_owned(), 0.01, "2026-01-02T00:00:00Z".to_owned()));
+    }
+}

@@ -1,0 +1,418 @@
+//! Runs in the surroundings asked for: those made there, else all of the environment, brought there by the laws that hold
+//! across the runs.
+//!
+//! A parameter that follows the humidity, the temperature or the age goes from a run's own to the one asked for as its law
+//! does. What the law leaves open goes into the prediction: its size by its interval, its form by the laws that describe
+//! the runs as well. That runs stray from the law is seen in how they then differ from each other.
+
+use crate::domain::words::in_a_row;
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::asked::{AskedStrip, Condition};
+use super::source::Source;
+use crate::analysis::cache::Cache;
+use crate::analysis::laws::design::Level;
+use crate::analysis::laws::facts::{RunFacts, facts};
+use crate::analysis::laws::fitted::{Fitted, value_at};
+use crate::analysis::laws::words::symbol;
+use crate::analysis::laws::{Covariate, Dependence};
+use crate::domain::quantiles::NORMAL_95;
+use crate::domain::tag::keys;
+use crate::domain::{RunRecord, range_of};
+use crate::model::scaling::propagation::{values, with_values};
+use crate::pipeline::findings::across_runs::campaign_laws;
+use crate::pipeline::findings::current::current_findings;
+use crate::pipeline::{Context, PipelineError};
+
+/// Runs that tell of the surroundings asked for.
+#[derive(Debug)]
+pub(super) struct Surroundings {
+    /// The runs.
+    pub runs: Vec<RunRecord>,
+    /// Runs that do not state what is asked for: path and reason.
+    pub left_out: Vec<(String, String)>,
+    /// What brings them there; empty where they were made there.
+    ways: Vec<Way>,
+}
+
+/// A condition to which runs are brought, with the laws that do it.
+#[derive(Debug)]
+struct Way {
+    condition: Condition,
+    /// The condition of each run, by its path.
+    own: BTreeMap<String, f64>,
+    /// One law a parameter.
+    laws: Vec<Dependence>,
+}
+
+/// A condition that no run has, to which runs were brought.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct BroughtEntry {
+    /// What it is of: `relative_humidity_percent`, `temperature_c` or `age_h`.
+    pub covariate: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What was asked for.
+    pub to: f64,
+    /// The smallest of the runs.
+    pub from_low: f64,
+    /// The largest of them.
+    pub from_high: f64,
+    /// Keys of the parameters that a law took there.
+    pub by_law: Vec<String>,
+}
+
+impl Surroundings {
+    /// Of `runs`, all of one environment and of the material of the sample asked for; `speaking` are all runs of the campaign.
+    ///
+    /// # Errors
+    /// Nothing was measured about the conditions asked for, no law tells of them, or the database cannot be read.
+    pub fn of(
+        context: &Context,
+        speaking: &[RunRecord],
+        runs: Vec<RunRecord>,
+        asked: &AskedStrip,
+        material: &str,
+    ) -> Result<Surroundings, PipelineError> {
+        let mut found = Surroundings {
+            runs,
+            left_out: Vec::new(),
+            ways: Vec::new(),
+        };
+        let conditions = asked.conditions();
+        if conditions.is_empty() {
+            return Ok(found);
+        }
+        for condition in conditions {
+            let own = numbers(context, speaking, condition.covariate);
+            found.leave_out_unstated(&condition, &own)?;
+            found.ways.push(Way {
+                condition,
+                own,
+                laws: Vec::new(),
+            });
+        }
+        let near = |run: &&RunRecord| found.ways.iter().all(|way| way.is_near(run));
+        let near: Vec<RunRecord> = found.runs.iter().filter(near).cloned().collect();
+        if near
+            .iter()
+            .any(|run| run.tag(keys::SAMPLE) == Some(&asked.sample))
+        {
+            found.runs = near;
+            found.ways.clear();
+            return Ok(found);
+        }
+        for way in &found.ways {
+            way.refuse_outside(&found.runs)?;
+        }
+        let laws = campaign_laws(
+            context,
+            (speaking, &current_findings(context)?),
+            None,
+            &Cache::default(),
+        )?
+        .dependences;
+        for way in &mut found.ways {
+            way.laws = of_covariate(&laws, material, way.condition.covariate);
+            way.refuse_without_laws(&found.runs, material)?;
+        }
+        Ok(found)
+    }
+
+    /// Runs that do not state the condition tell nothing.
+    fn leave_out_unstated(
+        &mut self,
+        condition: &Condition,
+        own: &BTreeMap<String, f64>,
+    ) -> Result<(), PipelineError> {
+        let environment = self.runs.first().and_then(|run| run.tag(keys::ENVIRONMENT));
+        let environment = environment.unwrap_or_default().to_owned();
+        let label = condition.covariate.label();
+        let (stated, unstated): (Vec<_>, Vec<_>) = std::mem::take(&mut self.runs)
+            .into_iter()
+            .partition(|run| own.contains_key(&run.path));
+        self.left_out.extend(
+            unstated
+                .into_iter()
+                .map(|run| (run.path, format!("it states no {label}"))),
+        );
+        self.runs = stated;
+        if self.runs.is_empty() {
+            Err(PipelineError::bad_argument(
+                condition.option,
+                condition.to.to_string(),
+                format!("no {}: runs in {environment} state no {label}", condition.option),
+            ))
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Takes the parameters of a run to the conditions, their errors in proportion.
+    pub fn bring(&self, source: &mut Source) {
+        if self.ways.is_empty() {
+            return;
+        }
+        let before = values(&source.model);
+        let after = self.taken(source, &before, None);
+        let variants = self.variants();
+        let models = variants
+            .iter()
+            .map(|variant| self.taken(source, &before, Some(variant)));
+        source.variants = models.map(|values| with_values(&values)).collect();
+        let n = before.len();
+        let ratio = |k: usize| {
+            if before[k] == 0.0 {
+                1.0
+            } else {
+                after[k] / before[k]
+            }
+        };
+        for (at, covariance) in source.covariance.iter_mut().enumerate() {
+            *covariance *= ratio(at / n) * ratio(at % n);
+        }
+        source.model = with_values(&after);
+    }
+
+    /// The parameters of a run at the conditions, one law in another variant where one is given.
+    fn taken(&self, source: &Source, before: &[f64], variant: Option<&Variant>) -> Vec<f64> {
+        let mut after = before.to_vec();
+        for (w, way) in self.ways.iter().enumerate() {
+            let own = way.own.get(&source.run).copied().unwrap_or(way.condition.to);
+            for (l, law) in way.laws.iter().enumerate() {
+                let (Some(at), Some(best)) = (
+                    source.keys.iter().position(|key| *key == law.parameter),
+                    law.laws.first(),
+                ) else {
+                    continue;
+                };
+                let (fitted, size) = match variant.filter(|variant| variant.of == (w, l)) {
+                    Some(variant) => (&variant.fitted, variant.size),
+                    None => (best, best.size.value),
+                };
+                after[at] = moved(law, fitted, size, (own, way.condition.to), after[at]);
+            }
+        }
+        after
+    }
+
+    /// What the laws allow as well, in the order of [`Source::variants`].
+    fn variants(&self) -> Vec<Variant> {
+        let ways = self.ways.iter().enumerate();
+        let laws = ways.flat_map(|(w, way)| way.laws.iter().enumerate().map(move |(l, law)| ((w, l), law)));
+        laws.flat_map(|(of, law)| variants_of(of, law)).collect()
+    }
+
+    /// Share with which each variant counts in the variance.
+    pub fn weights(&self) -> Vec<f64> {
+        self.variants().iter().map(|variant| variant.weight).collect()
+    }
+
+    /// What was brought where.
+    pub fn brought(&self) -> Vec<BroughtEntry> {
+        let entry = |way: &Way| {
+            let (from_low, from_high) = way.range(&self.runs);
+            BroughtEntry {
+                covariate: way.condition.covariate.key(),
+                unit: way.condition.covariate.unit(),
+                to: way.condition.to,
+                from_low,
+                from_high,
+                by_law: way.laws.iter().map(|law| law.parameter.clone()).collect(),
+            }
+        };
+        self.ways.iter().map(entry).collect()
+    }
+
+    /// The same as sentences; `keys` are the parameters that the runs' models have.
+    pub fn sentences(&self, keys: &[String]) -> Vec<String> {
+        self.ways
+            .iter()
+            .map(|way| way.sentence(&self.runs, keys))
+            .collect()
+    }
+}
+
+/// A law with another size or form, which counts with a weight.
+struct Variant {
+    /// Which way, and which of its laws.
+    of: (usize, usize),
+    fitted: Fitted,
+    size: f64,
+    weight: f64,
+}
+
+/// The law one standard error larger; and the other forms that describe the runs as well, of which each is as likely as the
+/// one that is used.
+fn variants_of(of: (usize, usize), law: &Dependence) -> Vec<Variant> {
+    let as_good = law.as_good();
+    let mut variants = Vec::new();
+    for (k, fitted) in law.laws.iter().enumerate() {
+        let variant = |size, weight| Variant {
+            of,
+            fitted: *fitted,
+            size,
+            weight,
+        };
+        match (k, error_of(fitted)) {
+            (0, error) => variants.push(variant(fitted.size.value + error.unwrap_or_default(), 1.0)),
+            _ if as_good.contains(&fitted.law) => {
+                variants.push(variant(fitted.size.value, 1.0 / as_good.len() as f64));
+            }
+            _ => {}
+        }
+    }
+    variants
+}
+
+/// Standard error of a law's size; none where its interval is open.
+fn error_of(fitted: &Fitted) -> Option<f64> {
+    let (low, high) = fitted.size.low_95.zip(fitted.size.high_95)?;
+    Some((high - low) / (2.0 * NORMAL_95))
+}
+
+/// A parameter's value, taken from one condition to another.
+fn moved(law: &Dependence, fitted: &Fitted, size: f64, (from, to): (f64, f64), value: f64) -> f64 {
+    let Some(span) = law.span else {
+        return value;
+    };
+    let at = |x: f64| value_at(fitted.law, size, x, span, fitted.bend, law.is_log);
+    let change = at(to) - at(from);
+    if law.is_log {
+        value * change.exp()
+    } else {
+        value + change
+    }
+}
+
+/// The laws of a material over a covariate whose size is known, one a parameter: of runs within samples before those of
+/// samples, for strips differ otherwise too.
+fn of_covariate(laws: &[Dependence], material: &str, covariate: Covariate) -> Vec<Dependence> {
+    let is_known = |law: &&Dependence| {
+        let best = law.laws.first();
+        law.material == material
+            && law.covariate == covariate
+            && best.is_some_and(|best| error_of(best).is_some())
+    };
+    let mut known: Vec<&Dependence> = laws.iter().filter(is_known).collect();
+    known.sort_by_key(|law| {
+        (
+            law.parameter.clone(),
+            law.level != Level::Within,
+            std::cmp::Reverse(law.runs),
+        )
+    });
+    known.dedup_by(|later, first| later.parameter == first.parameter);
+    known.into_iter().cloned().collect()
+}
+
+/// The covariate of every run that has it, by path.
+fn numbers(context: &Context, speaking: &[RunRecord], covariate: Covariate) -> BTreeMap<String, f64> {
+    // The charge of earlier runs is no condition that can be asked for.
+    let facts = facts(speaking, &context.campaign, &vec![None; speaking.len()]);
+    let number = |fact: &RunFacts| {
+        let known = fact.numbers.get(&covariate)?;
+        Some((speaking[fact.run].path.clone(), known.value))
+    };
+    facts.iter().filter_map(number).collect()
+}
+
+impl Way {
+    fn is_near(&self, run: &RunRecord) -> bool {
+        let own = self.own.get(&run.path);
+        own.is_some_and(|own| (own - self.condition.to).abs() <= self.condition.alike)
+    }
+
+    fn range(&self, runs: &[RunRecord]) -> (f64, f64) {
+        range_of(runs.iter().filter_map(|run| self.own.get(&run.path).copied()))
+    }
+
+    fn refuse_outside(&self, runs: &[RunRecord]) -> Result<(), PipelineError> {
+        let Condition {
+            covariate,
+            option,
+            to,
+            ..
+        } = self.condition;
+        let (low, high) = self.range(runs);
+        if (low..=high).contains(&to) {
+            return Ok(());
+        }
+        let environment = runs.first().and_then(|run| run.tag(keys::ENVIRONMENT));
+        let (environment, unit) = (environment.unwrap_or_default(), covariate.unit());
+        let needed = format!(
+            "{low} to {high} {unit}, as runs in {environment} have{}",
+            self.near()
+        );
+        Err(PipelineError::bad_argument(option, to.to_string(), needed))
+    }
+
+    /// `, or within 5 % RH of one`; nothing where runs have to have the very number.
+    fn near(&self) -> String {
+        let Condition { covariate, alike, .. } = self.condition;
+        if alike > 0.0 {
+            format!(", or within {alike} {} of one", covariate.unit())
+        } else {
+            String::new()
+        }
+    }
+
+    fn refuse_without_laws(&self, runs: &[RunRecord], material: &str) -> Result<(), PipelineError> {
+        if !self.laws.is_empty() {
+            return Ok(());
+        }
+        let Condition {
+            covariate,
+            option,
+            to,
+            ..
+        } = self.condition;
+        let mut own: Vec<String> = runs
+            .iter()
+            .filter_map(|run| self.own.get(&run.path))
+            .map(f64::to_string)
+            .collect();
+        own.dedup();
+        let needed = format!(
+            "what a run has ({}){}: no parameter of {material} has a law over the {} that takes runs elsewhere; the page \"Across runs\" of the report says what was asked",
+            own.join(", "),
+            self.near(),
+            covariate.label()
+        );
+        Err(PipelineError::bad_argument(option, to.to_string(), needed))
+    }
+
+    fn sentence(&self, runs: &[RunRecord], keys: &[String]) -> String {
+        let Condition { covariate, to, .. } = self.condition;
+        let (label, unit) = (covariate.label(), covariate.unit());
+        let (low, high) = self.range(runs);
+        let has_law = |key: &&String| self.laws.iter().any(|law| law.parameter == **key);
+        let (with, without): (Vec<&String>, Vec<&String>) = keys.iter().partition(has_law);
+        let names =
+            |keys: &[&String]| in_a_row(&keys.iter().map(|key| symbol(key).to_owned()).collect::<Vec<_>>());
+        let mut sentence = format!(
+            "No run of the sample was made at {to} {unit}: runs at {low} to {high} {unit} were taken there by the laws across runs, with what these leave open ({}).",
+            names(&with)
+        );
+        if !without.is_empty() {
+            sentence += &format!(
+                " {} without a law over the {label} stayed as they are.",
+                names(&without)
+            );
+        }
+        let tied: Vec<String> = self
+            .laws
+            .iter()
+            .flat_map(Dependence::tied_to)
+            .map(|of| of.label().to_owned())
+            .collect();
+        if let Some(first) = tied.first() {
+            sentence +=
+                &format!(" In these runs the {first} changed with the {label}: the laws may be of either.");
+        }
+        sentence
+    }
+}
