@@ -342,7 +342,7 @@ fn what_is_kept_of_a_campaign_goes_through_one_seam() {
 fn what_a_campaign_consists_of_is_opened_only_where_a_regular_file_is() {
     // They read what a user names, or write where a user says: there a pipe or a device may be meant.
     let named_by_a_user = [
-        "apart/at_hand/read.rs",
+        "standalone/in_memory/read.rs",
         "apart/forward/drive_file.rs",
         "upkeep/import_fits/rows.rs",
         "apart/inspect.rs",
