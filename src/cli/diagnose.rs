@@ -266,7 +266,7 @@ fn print_across(document: &DiagnosisDocument, output: &Output) {
         ));
     }
     if !document.campaign_contrasts.is_empty() {
-        output.result("    environments and voltages compared: report/humidity.html, or --json");
+        output.result("    what the study asked: `ieap study`");
     }
 }
 

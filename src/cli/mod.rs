@@ -44,6 +44,7 @@ mod signals;
 mod simulate;
 mod status;
 mod strip_args;
+mod study;
 mod table;
 mod tag;
 mod threads;
@@ -99,6 +100,7 @@ enum Verb {
     Dma(dma::DmaArgs),
     Impedance(impedance::ImpedanceArgs),
     Diagnose(diagnose::DiagnoseArgs),
+    Study(study::StudyArgs),
     Compare(compare::CompareArgs),
     Next(next::NextArgs),
     Report(report::ReportArgs),
@@ -204,6 +206,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Dma(args) => dma::run(args, global, output),
         Verb::Impedance(args) => impedance::run(args, global, output),
         Verb::Diagnose(args) => diagnose::run(args, global, output),
+        Verb::Study(args) => study::run(args, global, output),
         Verb::Compare(args) => compare::run(args, global, output),
         Verb::Next(args) => next::run(args, output),
         Verb::Report(args) => report::run(args, global, output),

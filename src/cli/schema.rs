@@ -31,7 +31,7 @@ macro_rules! schemas {
 }
 
 /// Every document that `--json` prints, by name. tests/it/schemas.rs holds what is printed against them.
-pub const SCHEMAS: [Schema; 40] = schemas![
+pub const SCHEMAS: [Schema; 41] = schemas![
     "alarms",
     "backup",
     "comparison",
@@ -67,6 +67,7 @@ pub const SCHEMAS: [Schema; 40] = schemas![
     "serve",
     "simulate",
     "status",
+    "study",
     "table",
     "tables",
     "tag",

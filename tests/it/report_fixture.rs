@@ -216,7 +216,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         campaign: campaign(materials),
         climate: Default::default(),
         laws: Default::default(),
-        contrasts: vec![],
+        study: Default::default(),
         monitoring: Default::default(),
         faults: vec![],
         run_spans_s: vec![],

@@ -14,6 +14,11 @@ pub const HUMIDITY_GAP_PERCENT: f64 = 5.0;
 /// Voltages that agree when rounded to this step (V) are one condition: a measured level is never quite 2.5 V.
 pub const VOLTAGE_STEP_V: f64 = 0.01;
 
+/// Surroundings up to this humidity, percent, are dry.
+const DRY_UP_TO_PERCENT: f64 = 5.0;
+/// Environments that hold no water, where nothing states their humidity.
+const WATERLESS: [&str; 2] = ["vacuum", "inert"];
+
 /// Readings of a response below which a run is none: it was aborted before anything was measured.
 const FEWEST_READINGS: usize = 10;
 
@@ -248,6 +253,14 @@ fn levels(places: &[Place], environment: String) -> Vec<Surroundings> {
 }
 
 impl Surroundings {
+    /// Whether they hold no water: by their humidity, else by their name.
+    pub fn is_dry(&self) -> bool {
+        match self.humidity {
+            Some(level) => level.high_percent <= DRY_UP_TO_PERCENT,
+            None => WATERLESS.contains(&self.environment.as_str()),
+        }
+    }
+
     /// How far a run's humidity lies outside the level, percentage points; none where it would be a level of its own.
     fn apart_percent(&self, place: &Place) -> Option<f64> {
         let apart = match (self.humidity, place.humidity_percent) {

@@ -148,6 +148,9 @@ pub struct Campaign {
     /// Rules for comparisons.
     #[serde(default)]
     pub compare: CompareRules,
+    /// What the study asks.
+    #[serde(default)]
+    pub study: StudyRules,
     /// Keys of free tags that campaign.toml declares; others are kept and nothing is asked of them.
     #[serde(default)]
     pub extra_tags: Vec<String>,
@@ -175,6 +178,36 @@ impl MaterialClass {
             MaterialClass::Electrolyte => material.electrolyte.as_deref(),
         }
     }
+}
+
+string_enum! {
+    /// What a study varies on purpose.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Factor {
+        /// What surrounds the strip.
+        Environment = "environment",
+        /// Relative humidity.
+        Humidity = "humidity",
+        /// Step voltage.
+        Voltage = "voltage",
+        /// Material.
+        Material = "material",
+    }
+}
+
+/// What the study asks, `[study]` of campaign.toml.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct StudyRules {
+    /// What is compared; empty: whatever the campaign varies.
+    pub compare: Vec<Factor>,
+    /// Whether materials are put together, as samples of one.
+    pub materials_together: bool,
+    /// Whether conditions are compared over all their voltages and not at equal ones.
+    pub voltages_together: bool,
+    /// Scatter from run to run, percent, where the campaign has one run a condition and so cannot tell it.
+    pub scatter_percent: Option<f64>,
+    /// An effect that is no larger than this is none, percent; none: the program's own.
+    pub alike_percent: Option<f64>,
 }
 
 /// Rules of campaign.toml, `[compare]`.

@@ -50,7 +50,9 @@ pub use along::{AlongCurve, AlongStrip, EndsRatio, PlaceSeries, StripShape};
 pub use asked_fit::AskedFit;
 pub use blocked::BlockedRun;
 pub use branch::Branch;
-pub use campaign::{Campaign, CompareRules, Environment, Material, MaterialClass, Sample};
+pub use campaign::{
+    Campaign, CompareRules, Environment, Factor, Material, MaterialClass, Sample, StudyRules,
+};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
 pub use climate::{
     ClimateAssessment, ClimateCurve, ClimateQuantity, ClimateRules, Exposure, LogReadings, LogSeries,

@@ -63,6 +63,7 @@ pub fn campaign() -> Campaign {
         climate: Default::default(),
         monitoring: Default::default(),
         compare: Default::default(),
+        study: Default::default(),
         extra_tags: Vec::new(),
         fit: Default::default(),
     }

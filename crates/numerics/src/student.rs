@@ -17,6 +17,13 @@ pub fn quantile_95(degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
+/// What Student's t stays below with chance `p`, for `degrees_of_freedom` (1 at least; infinite ones are the normal law).
+pub fn quantile(p: f64, degrees_of_freedom: f64) -> f64 {
+    // Beyond a million degrees of freedom the normal law is the same to seven digits.
+    let freedom = degrees_of_freedom.clamp(1.0, 1e6);
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(p))
+}
+
 /// Chance that Student's t lies as far from 0 as `t`, on either side.
 pub fn two_sided_chance(t: f64, degrees_of_freedom: f64) -> f64 {
     let freedom = degrees_of_freedom.max(1.0);

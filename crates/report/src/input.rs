@@ -1,5 +1,6 @@
 //! Everything a report is made of, except the curves.
 
+use ieap_analysis::study::Study;
 use ieap_analysis::tables::TableInput;
 use std::collections::BTreeMap;
 
@@ -7,7 +8,6 @@ use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::frequency::FrequencyRun;
 use ieap_analysis::impedance::Spectra;
 use ieap_analysis::laws::CampaignLaws;
-use ieap_analysis::laws::contrast::Contrast;
 use ieap_analysis::laws::matrix::ConfoundingMap;
 use ieap_analysis::model_free::ModelFree;
 use ieap_analysis::models_compared::view::Compared;
@@ -60,8 +60,8 @@ pub struct Input {
     pub next_runs: Vec<PlannedRun>,
     /// How far covariates leave each other unclear, by material.
     pub confounding: Vec<ConfoundingMap>,
-    /// Environments and voltages compared.
-    pub contrasts: Vec<Contrast>,
+    /// What the study asked, with its answers.
+    pub study: Study,
     /// Parameters over the life of the samples.
     pub monitoring: Monitoring,
     /// Climate logs: sensors, comparisons, exposure.

@@ -47,6 +47,8 @@ pub struct Range {
     pub scale: Scale,
     /// Numbers that are seen in any case.
     pub always: Vec<f64>,
+    /// Names at 0, 1 and so on, of an axis of names.
+    pub names: Vec<String>,
 }
 
 /// How numbers become positions.
@@ -56,6 +58,8 @@ pub enum Scale {
     Linear,
     /// Proportional to the logarithm; what is not positive is left out.
     Log,
+    /// Places of names.
+    Names,
 }
 
 /// One series of a panel.
@@ -113,6 +117,16 @@ impl Range {
             unit,
             scale: Scale::Linear,
             always: Vec::new(),
+            names: Vec::new(),
+        }
+    }
+
+    /// An axis of names, at 0, 1 and so on.
+    pub fn names(names: Vec<String>) -> Range {
+        Range {
+            scale: Scale::Names,
+            names,
+            ..Range::linear("", "")
         }
     }
 

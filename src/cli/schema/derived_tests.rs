@@ -11,6 +11,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
 
 use super::SCHEMAS;
+use crate::analysis::study::Study;
 use crate::cli::status::AlarmsDocument;
 use crate::pipeline::documents::comparison::ComparisonDocument;
 use crate::pipeline::documents::diagnosis::DiagnosisDocument;
@@ -109,6 +110,7 @@ fn derived() -> Vec<Derived> {
             keys([("restored", value::<Restored>(of))])
         }),
         document("run/1", "run", |of| keys([("run", value::<RunSummary>(of))])),
+        document("study/1", "study", whole::<Document<Study>>),
         document("status/2", "status", |of| keys([("status", value::<Status>(of))])),
         document("tag/1", "tag RUN KEY=VALUE", |of| {
             keys([

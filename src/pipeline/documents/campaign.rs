@@ -4,7 +4,6 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::analysis::false_discovery::CLAIMED_BELOW;
-use crate::analysis::laws::contrast;
 use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::design::Level;
 use crate::analysis::laws::doubt::{Doubted, Treatment};
@@ -239,11 +238,6 @@ pub fn confounded(laws: &CampaignLaws) -> Vec<ConfoundedEntry> {
         sentence: words::in_runs_of(&[&set.material], &words::tied(set, laws)),
     };
     laws.tied.iter().map(entry).collect()
-}
-
-/// Environments and voltages compared, in words.
-pub fn contrasts(laws: &[contrast::Contrast]) -> Vec<String> {
-    laws.iter().map(contrast::sentence).collect()
 }
 
 fn dependence(found: &Dependence) -> CampaignEntry {

@@ -13,8 +13,9 @@ use super::campaign::{self, CampaignEntry, CampaignTest, ConfoundedEntry, Doubte
 use super::fits::{as_object, parameter_entries};
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::shared_effects::{SharedEffectEntry, shared_effect_entries};
-use crate::analysis::laws::{CampaignLaws, contrast};
+use crate::analysis::laws::CampaignLaws;
 use crate::analysis::online::OnlineDecision;
+use crate::analysis::study::{Evidence, Study, sentence};
 use crate::domain::{
     Candidate, CauseNode, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain,
     GroupDiagnosis, Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterScatter, ParameterShift,
@@ -59,8 +60,10 @@ pub struct DiagnosisDocument {
     pub campaign_untying: Vec<UntyingEntry>,
     /// Runs to make next, the first first.
     pub campaign_next_runs: Vec<NextRunEntry>,
-    /// Environments and voltages compared, in words.
+    /// What the study asked, in words.
     pub campaign_contrasts: Vec<String>,
+    /// The same with its numbers, and the details.
+    pub study: Study,
     /// Steps that a fault of the program stopped: what they would have given is missing.
     pub faults: Vec<Fault>,
 }
@@ -238,15 +241,14 @@ pub fn diagnosis_document(
         )),
     };
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
-    let compared = || {
-        Ok(contrast::contrasts(
-            &runs,
-            &context.campaign,
-            &across.facts,
-            &across.doubts,
-        ))
+    let study = || {
+        Ok(Study::of(Evidence {
+            runs: &runs,
+            campaign: &context.campaign,
+            doubts: &across.doubts,
+        }))
     };
-    let compared = or_nothing(step("environments and voltages compared", compared), &mut faults)?;
+    let study = or_nothing(step("what the study asked", study), &mut faults)?;
     let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
     let told: Vec<_> = runs.iter().filter_map(LumpedOrDistributedEntry::of).collect();
     Ok(DiagnosisDocument {
@@ -276,7 +278,8 @@ pub fn diagnosis_document(
         campaign_tests: campaign::tests(&across),
         campaign_untying: next_runs::untying_entries(&plan),
         campaign_next_runs: next_runs::entries(&plan),
-        campaign_contrasts: campaign::contrasts(&compared),
+        campaign_contrasts: study.asked().map(sentence).collect(),
+        study,
     })
 }
 

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use super::along::PageCurves;
 use super::found_tables;
 use crate::analysis::cache::Cache;
-use crate::analysis::laws::contrast;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::laws::matrix::confounding_maps;
 use crate::analysis::shared_effects::{sentence, shared_effects};
+use crate::analysis::study::{Evidence, Study};
 use crate::analysis::{monitoring, same_tags, sequence};
 use crate::domain::diagnosis::follows_a_tag;
 use crate::domain::{Fault, GroupDiagnosis, RunRecord, SourceFile};
@@ -376,15 +376,14 @@ pub(crate) fn input(
     if laws.facts.len() != runs.len() {
         laws.facts = facts(&runs, &context.campaign, &vec![None; runs.len()]);
     }
-    let contrasts = || {
-        Ok(contrast::contrasts(
-            &runs,
-            &context.campaign,
-            &laws.facts,
-            &laws.doubts,
-        ))
+    let study = || {
+        Ok(Study::of(Evidence {
+            runs: &runs,
+            campaign: &context.campaign,
+            doubts: &laws.doubts,
+        }))
     };
-    let contrasts = or_nothing(step("environments and voltages compared", contrasts), &mut faults)?;
+    let study = or_nothing(step("what the study asked", study), &mut faults)?;
     let findings = or_nothing(
         step("findings", || Ok(findings(context, &runs, found))),
         &mut faults,
@@ -424,7 +423,7 @@ pub(crate) fn input(
         deconfounding: plan.deconfounding,
         next_runs: plan.runs,
         laws,
-        contrasts,
+        study,
         monitoring,
         campaign: context.campaign.clone(),
         modulus_logs: standing::modulus_logs(context)?.0,

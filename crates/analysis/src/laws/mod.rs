@@ -5,7 +5,6 @@
 //! and voltage are factors of the design and are taken out; samples have a level of their own.
 
 pub mod chance_of;
-pub mod contrast;
 pub mod covariate;
 pub mod dependence;
 pub mod design;

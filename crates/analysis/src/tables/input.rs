@@ -8,6 +8,7 @@ use crate::model_free::ModelFree;
 use crate::models_compared::view::Compared;
 use crate::probe::Course;
 use crate::reductions::RunReductions;
+use crate::study::{Evidence, Study};
 use ieap_domain::{
     BlockedRun, Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun,
 };
@@ -54,6 +55,15 @@ pub struct TableInput<'a> {
 }
 
 impl<'a> TableInput<'a> {
+    /// What the study asked, with its answers.
+    pub fn study(&self) -> Study {
+        Study::of(Evidence {
+            runs: self.runs,
+            campaign: self.campaign,
+            doubts: self.doubts,
+        })
+    }
+
     /// Comparisons of models.
     pub fn compared(&self) -> Compared<'a> {
         Compared {

@@ -27,6 +27,7 @@ mod table6;
 use crate::frequency;
 use crate::impedance::sheet;
 use crate::models_compared;
+use crate::study;
 
 pub(crate) use cells::{alpha_of, surroundings_text, volts};
 pub use chosen_columns::with_columns;
@@ -59,7 +60,7 @@ impl NamedTable {
 }
 
 /// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 23] = [
+pub const TABLES: [NamedTable; 24] = [
     NamedTable {
         name: "table2",
         about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
@@ -89,6 +90,12 @@ pub const TABLES: [NamedTable; 23] = [
         about: "What happens in which environment at which voltage, in words (the thesis's table 6)",
         compares_materials: true,
         make: table6::make,
+    },
+    NamedTable {
+        name: "contrasts",
+        about: "What environment, humidity, voltage and material do to each parameter: ratios with intervals, laws, what is alike",
+        compares_materials: false,
+        make: |input| study::view::table(&input.study().answers),
     },
     NamedTable {
         name: "spread",

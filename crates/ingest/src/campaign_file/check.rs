@@ -78,6 +78,7 @@ impl Checker<'_> {
             climate: self.climate(&file.climate)?,
             monitoring: self.monitoring(file.monitoring)?,
             compare: self.compare(file.compare)?,
+            study: self.study(file.study)?,
             extra_tags: self.extra_tags(file.tags.extra)?,
         };
         warnings.extend(tags::undeclared_keys(&campaign));
@@ -368,7 +369,12 @@ impl Checker<'_> {
         }
     }
 
-    fn above_zero(&self, value: Option<f64>, place: &str, key: &'static str) -> Result<Option<f64>, Error> {
+    pub(super) fn above_zero(
+        &self,
+        value: Option<f64>,
+        place: &str,
+        key: &'static str,
+    ) -> Result<Option<f64>, Error> {
         let is_length = |value: f64| value.is_finite() && value > 0.0;
         self.holds(value, place, key, "a number above 0", is_length)?;
         Ok(value)

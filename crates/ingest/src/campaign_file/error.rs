@@ -71,6 +71,18 @@ pub enum CampaignFileError {
         /// What stands there.
         found: String,
     },
+    /// The study asks for what is none of what it may ask for.
+    #[error("{}: [study] {key} = [\"{found}\"] is none of {needed}", path.display())]
+    BadFactor {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: &'static str,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        needed: String,
+    },
     /// The reference of comparisons states what no condition has.
     #[error("{}, [compare] reference: found {found}; needed are environment = \"...\", relative_humidity_percent = a number or voltage_v = a number", path.display())]
     BadReference {

@@ -11,7 +11,7 @@ use ieap_domain::Issue;
 pub const UNKNOWN_KEY: &str = "unknown-key";
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 17] = [
+const KNOWN: [(&str, &[&str]); 18] = [
     (
         "campaign",
         &[
@@ -104,6 +104,16 @@ const KNOWN: [(&str, &[&str]); 17] = [
         ],
     ),
     ("compare", &["reference", "by"]),
+    (
+        "study",
+        &[
+            "compare",
+            "within",
+            "at_equal",
+            "scatter_percent",
+            "alike_percent",
+        ],
+    ),
     (
         "answers",
         &[

@@ -11,6 +11,7 @@ mod monitoring;
 mod nearest;
 mod publication;
 mod raw;
+mod study;
 mod tags;
 mod template;
 

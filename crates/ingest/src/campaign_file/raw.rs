@@ -32,6 +32,8 @@ pub(super) struct File {
     #[serde(default)]
     pub compare: Compare,
     #[serde(default)]
+    pub study: Study,
+    #[serde(default)]
     pub tags: Tags,
     #[serde(default)]
     pub fit: Fit,
@@ -175,6 +177,17 @@ pub(super) struct Compare {
     #[serde(default)]
     pub reference: BTreeMap<String, Scalar>,
     pub by: Option<String>,
+}
+
+/// `[study]`.
+#[derive(Deserialize, Default)]
+pub(super) struct Study {
+    #[serde(default)]
+    pub compare: Vec<String>,
+    pub within: Option<Vec<String>>,
+    pub at_equal: Option<Vec<String>>,
+    pub scatter_percent: Option<f64>,
+    pub alike_percent: Option<f64>,
 }
 
 /// `[monitoring]`.

@@ -74,6 +74,14 @@ title = {id}                            # what stands above the report
 # longest_gap_s = 3600                   # between two readings that a run may contain
 # exposure_above_percent = 60            # hours above it accumulate per sample
 
+# What the study asks; its answers lead the report (docs/study.md).
+# [study]                                # without it: whatever the campaign varies
+# compare = ["environment", "humidity"]  # also "voltage", "material"
+# within = ["material"]                  # []: materials are put together, as samples of one
+# at_equal = ["voltage"]                 # []: over all voltages of a condition
+# scatter_percent = 10                   # from run to run, where every condition has one run
+# alike_percent = 25                     # an effect that is no larger is none
+
 # Ratios on the comparison pages are to this condition; what it leaves out is held equal (docs/comparison.md).
 # [compare]                              # without it: the condition with the most runs
 # reference = {{ environment = "air", relative_humidity_percent = 34 }}

@@ -217,12 +217,13 @@ fn shown(range: &Range, layers: &[&Layer], guide: Mark, of: fn(&Layer) -> Vec<f6
         .iter()
         .filter(|layer| is_counted(layer) || is_bare && is_line(layer));
     let numbers = counted.flat_map(|layer| of(layer));
-    let numbers = numbers.filter(|at| range.scale == Scale::Linear || *at > 0.0);
+    let numbers = numbers.filter(|at| range.scale != Scale::Log || *at > 0.0);
     finite_range(numbers.chain(range.always.iter().copied()))
 }
 
 fn axis(range: &Range, (low, high): (f64, f64), ticks: usize) -> Axis {
     match range.scale {
+        Scale::Names => Axis::names(&range.names),
         Scale::Log => Axis::log(low / LOG_ROOM, high * LOG_ROOM, range.quantity, range.unit),
         Scale::Linear => {
             let room = ROOM * (high - low);

@@ -25,7 +25,11 @@ use ieap_show::{Block, Chart, Form};
 pub const PAGE: &str = include_str!("../../../../templates/page.html");
 
 /// The templates of the blocks, by the names under which the page includes them.
-pub const TEMPLATES: [(&str, &str); 6] = [
+pub const TEMPLATES: [(&str, &str); 7] = [
+    (
+        "blocks/all.html",
+        include_str!("../../../../templates/blocks/all.html"),
+    ),
     (
         "blocks/say.html",
         include_str!("../../../../templates/blocks/say.html"),
@@ -54,8 +58,12 @@ pub const TEMPLATES: [(&str, &str); 6] = [
 
 #[derive(Debug, Serialize)]
 struct BlocksPage {
-    blocks: Vec<Item>,
+    blocks: Items,
 }
+
+/// Blocks as the templates go through them.
+#[derive(Debug, Serialize)]
+pub struct Items(Vec<Item>);
 
 #[derive(Debug, Serialize)]
 struct ChartText {
@@ -122,6 +130,15 @@ pub fn content(site: &Site, file: &str, mut blocks: Vec<Block>) -> Result<Conten
             "{more} more stand in the tables and documents of this kind."
         )));
     }
+    let (blocks, figures) = items(site, blocks)?;
+    Content::new(file, &BlocksPage { blocks }, figures)
+}
+
+/// Blocks as the templates go through them, with their figures.
+///
+/// # Errors
+/// A chart cannot be drawn: a fault of the program.
+pub fn items(site: &Site, blocks: Vec<Block>) -> Result<(Items, BTreeMap<String, String>), ReportError> {
     let mut writer = Writer {
         site,
         items: Vec::new(),
@@ -129,8 +146,7 @@ pub fn content(site: &Site, file: &str, mut blocks: Vec<Block>) -> Result<Conten
         anchors: anchors(&blocks),
     };
     writer.write(blocks, 2)?;
-    let page = BlocksPage { blocks: writer.items };
-    Content::new(file, &page, writer.figures)
+    Ok((Items(writer.items), writer.figures))
 }
 
 /// Anchors of all parts, the last one first.

@@ -126,6 +126,22 @@ impl Axis {
         }
     }
 
+    /// Names at 0, 1 and so on, the first one lowest or leftmost.
+    pub fn names(names: &[String]) -> Axis {
+        let tick = |(at, label): (usize, &String)| Tick {
+            at: at as f64,
+            label: label.clone(),
+        };
+        Axis {
+            scale: Scale::Names,
+            low: -0.5,
+            high: names.len() as f64 - 0.5,
+            ticks: names.iter().enumerate().map(tick).collect(),
+            title: String::new(),
+            shown_factor: 1.0,
+        }
+    }
+
     /// Linear time of a whole run, s, with a little room at its ends.
     pub fn whole(first_s: f64, last_s: f64) -> Axis {
         let margin = 0.015 * (last_s - first_s);

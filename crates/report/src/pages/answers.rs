@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::comparison::contrast_sentences;
 use super::finding_words::{Outcome, campaign_lead, outcome_of};
 use super::humidity::strongest_first;
 use super::law_cards::{LawCard, SampleKey, law_cards, one_of, sample_keys};
@@ -13,7 +12,7 @@ use super::wording::group_title;
 use super::{across, forecasts};
 use crate::aside::Shown;
 use crate::error::ReportError;
-use crate::pages::policy::{MOST_GROUPS_NAMED, NOTABLE_RATIO};
+use crate::pages::policy::MOST_GROUPS_NAMED;
 use crate::site::Site;
 use ieap_analysis::laws::Dependence;
 use ieap_analysis::laws::words;
@@ -68,15 +67,11 @@ pub fn answers(site: &Site, figures: &mut BTreeMap<String, String>) -> Result<An
     Ok(answers)
 }
 
-/// The strongest law of what surrounds or drives the strip; else the largest difference between conditions; else what
-/// follows use; else when a limit is reached.
+/// The strongest law of what surrounds or drives the strip; else what follows use; else when a limit is reached.
 fn shows(site: &Site, claimed: &[&Dependence]) -> Option<Said> {
     let first = claimed.first();
     if let Some(found) = first.filter(|found| found.covariate.remoteness() == 0) {
         return Some(Said::new(law_words(found), "humidity.html", "all laws"));
-    }
-    if let Some(text) = contrast_sentences(site, NOTABLE_RATIO).into_iter().next() {
-        return Some(Said::new(text, "comparison.html", "all parameters"));
     }
     if let Some(found) = first {
         return Some(Said::new(law_words(found), "humidity.html", "all laws"));

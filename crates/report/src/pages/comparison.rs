@@ -6,23 +6,18 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::wording::{
-    NOT_CONVERGED, estimate_of, humidity_label, surroundings_label, voltage_label, voltage_labels,
-    why_unfitted,
-};
+use super::wording::{NOT_CONVERGED, humidity_label, voltage_labels, why_unfitted};
 use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
 use crate::figures::comparison::{Group, Slot, comparison, small_comparison};
-use crate::pages::policy::TOLD_AS_FACTOR_FROM;
 use crate::site::Site;
-use ieap_analysis::conditions::{Conditions, nominal_voltage_v};
+use ieap_analysis::conditions::Conditions;
 use ieap_analysis::laws::words;
 use ieap_analysis::parameters::{COMPARED, usable};
-use ieap_analysis::{Contrast, ParameterInfo, confounding, contrasts};
+use ieap_analysis::{ParameterInfo, confounding, study};
 use ieap_domain::Estimate;
-use ieap_domain::number::significant;
 
 /// How far beyond the largest (or below the smallest positive) value an interval may stretch an axis.
 const STRETCH: f64 = 2.0;
@@ -100,91 +95,6 @@ pub fn doubts(site: &Site) -> Vec<String> {
     site.input.laws.doubted.iter().map(words::doubted).collect()
 }
 
-/// Differences beyond the 95 % intervals with at least `ratio`, the largest first.
-pub fn contrast_sentences(site: &Site, ratio: f64) -> Vec<String> {
-    let mut found: Vec<(f64, String)> = Vec::new();
-    for parameter in COMPARED.iter().filter_map(|key| ParameterInfo::of(key)) {
-        for (material, contrast) in contrasts_of(site, parameter).into_iter().enumerate() {
-            if let Contrast::Differs { ratio: Some(by), .. } = contrast
-                && by >= ratio
-            {
-                found.push((by, sentence(site, parameter, material, &contrast)));
-            }
-        }
-    }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().map(|(_, sentence)| sentence).collect()
-}
-
-fn contrasts_of(site: &Site, parameter: &ParameterInfo) -> Vec<Contrast> {
-    contrasts(
-        &site.input.runs,
-        &site.conditions,
-        parameter.key,
-        &site.input.laws.doubts,
-    )
-}
-
-fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &Contrast) -> String {
-    let material = &site.conditions.materials[material];
-    let (symbol, unit) = (parameter.symbol, parameter.shown_unit);
-    match contrast {
-        Contrast::Differs {
-            low_run,
-            high_run,
-            ratio,
-            at_least,
-            ..
-        } => format!(
-            "{material}: {} {symbol} differs{}{}: {} {unit} ({}) against {} {unit} ({}).",
-            parameter.name,
-            if *at_least && ratio.is_some() {
-                " at least"
-            } else {
-                ""
-            },
-            ratio.map_or_else(String::new, ratio_words),
-            estimate_of(site, &site.input.runs[*high_run], parameter).text,
-            condition_of(site, *high_run),
-            estimate_of(site, &site.input.runs[*low_run], parameter).text,
-            condition_of(site, *low_run),
-        ),
-        Contrast::Agrees { runs } => {
-            format!(
-                "{material}: the 95 % intervals of all {} overlap.",
-                counted(*runs, "run")
-            )
-        }
-        Contrast::Single => {
-            format!("{material}: one run says something of {symbol}; there is nothing to compare it with.")
-        }
-        Contrast::NotDetermined => format!("{material}: no run determines {symbol}."),
-    }
-}
-
-/// ` 4.3-fold`, or ` by 2.4 %`
-fn ratio_words(ratio: f64) -> String {
-    if ratio < TOLD_AS_FACTOR_FROM {
-        format!(" by {}\u{a0}%", significant(100.0 * (ratio - 1.0), 2))
-    } else {
-        format!(" {}-fold", significant(ratio, 2))
-    }
-}
-
-/// `air, 2.5 V`
-fn condition_of(site: &Site, run: usize) -> String {
-    let conditions = &site.conditions;
-    let place = conditions
-        .measured
-        .iter()
-        .find(|condition| condition.runs.contains(&run));
-    let surroundings = place.map_or_else(String::new, |c| {
-        surroundings_label(&conditions.surroundings[c.surroundings])
-    });
-    let voltage = nominal_voltage_v(&site.input.runs[run]).map_or_else(String::new, voltage_label);
-    format!("{surroundings}, {voltage}")
-}
-
 fn section(
     site: &Site,
     parameter: &'static ParameterInfo,
@@ -230,12 +140,12 @@ fn section(
         }
         panels.push(panel);
     }
-    let sentences = contrasts_of(site, parameter)
-        .iter()
-        .enumerate()
-        .filter(|(_, contrast)| !matches!(contrast, Contrast::NotDetermined))
-        .map(|(material, contrast)| sentence(site, parameter, material, contrast))
-        .collect();
+    let asked = site
+        .input
+        .study
+        .asked()
+        .filter(|own| own.parameter == parameter.key);
+    let sentences = asked.map(study::sentence).collect();
     Ok(ParameterSection {
         id: parameter.key,
         symbol: parameter.symbol,

@@ -8,7 +8,6 @@ use serde::Serialize;
 
 use super::Content;
 use super::across::{self, MapTable, MatrixTable, NextRow};
-use super::contrasts::{ContrastTable, contrast_tables};
 use super::law_cards::{LawCard, SampleKey, common_notes, law_cards, sample_keys};
 use crate::aside::{AsideRow, Shown};
 use crate::error::ReportError;
@@ -34,7 +33,6 @@ struct HumidityPage {
     /// Markers of the samples, by material.
     samples: Vec<Samples>,
     matrices: Vec<MatrixTable>,
-    compared: Vec<ContrastTable>,
     deconfounding: Vec<String>,
     /// `3 runs to make next`; empty where there is none.
     next: String,
@@ -82,10 +80,7 @@ struct Asked {
 
 /// Whether a report of that input has the page.
 pub fn is_shown(input: &Input) -> bool {
-    !input.laws.dependences.is_empty()
-        || !input.laws.doubted.is_empty()
-        || !input.contrasts.is_empty()
-        || !input.next_runs.is_empty()
+    !input.laws.dependences.is_empty() || !input.laws.doubted.is_empty() || !input.next_runs.is_empty()
 }
 
 /// Makes the page.
@@ -111,7 +106,6 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         others,
         samples: samples(site),
         matrices: across::matrix_tables(site),
-        compared: contrast_tables(&site.input.contrasts),
         deconfounding: across::untying(site),
         next: across::next_words(site),
         next_runs: across::next_rows(site),

@@ -7,13 +7,15 @@ use serde::Serialize;
 
 use super::Content;
 use super::answers::{Answers, answers};
-use super::comparison::{SmallPanel, caution, contrast_sentences, small_panels};
+use super::comparison::{SmallPanel, caution, small_panels};
 use super::needs::{Need, needs};
 use super::runs_table::{RunsTable, runs_table};
 use super::wording::{IssueText, RunLink, has_warnings, humidity_label, voltage_labels};
+use crate::blocks;
 use crate::error::ReportError;
-use crate::pages::policy::{MOST_CONTRASTS, MOST_FILES_OF_REASON, NOTABLE_RATIO};
+use crate::pages::policy::MOST_FILES_OF_REASON;
 use crate::site::Site;
+use ieap_analysis::study;
 use ieap_domain::{FileState, Issue, RunState, Severity};
 
 /// Voltages from which the matrix is set tighter.
@@ -23,12 +25,12 @@ const MANY: usize = 8;
 #[derive(Debug, Serialize)]
 struct Index {
     lead: String,
+    /// What the study asked, with its picture.
+    blocks: blocks::Items,
     answers: Answers,
     needs: Vec<Need>,
     caution: Vec<String>,
     counts: Vec<Count>,
-    /// The largest differences between conditions.
-    contrasts: Vec<String>,
     small: Vec<SmallPanel>,
     runs: RunsTable,
     voltages: Vec<String>,
@@ -101,18 +103,15 @@ struct Problem {
 
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
-    let mut figures = BTreeMap::new();
+    let (blocks, mut figures) = blocks::items(site, study::view::overview(&site.input.study))?;
     let answers = answers(site, &mut figures)?;
     let index = Index {
         lead: lead(site),
+        blocks,
         answers,
         needs: needs(site),
         caution: caution(site),
         counts: counts(site),
-        contrasts: contrast_sentences(site, NOTABLE_RATIO)
-            .into_iter()
-            .take(MOST_CONTRASTS)
-            .collect(),
         small: small_panels(site, &mut figures)?,
         runs: runs_table(site),
         voltages: voltage_labels(&site.conditions.voltages_v),

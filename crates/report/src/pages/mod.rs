@@ -7,7 +7,6 @@ mod along_words;
 mod answers;
 pub mod climate;
 pub mod comparison;
-mod contrasts;
 mod control_chart;
 pub mod coverage;
 mod electrodes;
@@ -48,7 +47,7 @@ pub mod wording;
 use super::blocks;
 use super::input::Input;
 use ieap_analysis::comparison::against::Against;
-use ieap_analysis::{dma, frequency, impedance, models_compared, stiffness, tables};
+use ieap_analysis::{dma, frequency, impedance, models_compared, stiffness, study, tables};
 use ieap_domain::fault::caught;
 
 pub use finding::content as finding_content;
@@ -62,7 +61,7 @@ const COMPARISON: Option<&str> = Some("comparison.html");
 const AGAINST: &str = include_str!("../../../../templates/pages/against.html");
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 21] = [
+pub const PAGES: [Page; 22] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -70,6 +69,14 @@ pub const PAGES: [Page; 21] = [
         template: include_str!("../../../../templates/pages/index.html"),
         is_shown: |_| true,
         content: index::content,
+    },
+    Page {
+        file: "study.html",
+        title: "Study",
+        under: None,
+        template: blocks::PAGE,
+        is_shown: |input| study::view::is_told(&input.study),
+        content: |site| blocks::content(site, "study.html", study::view::view(&site.input.study)),
     },
     Page {
         file: "comparison.html",

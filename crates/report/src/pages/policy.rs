@@ -10,16 +10,8 @@ pub(super) const SYSTEMATIC_FROM: f64 = 3.0;
 /// Lag-1 autocorrelation from which neighbouring residuals clearly go together. Chosen.
 pub(super) const CORRELATED_FROM: f64 = 0.5;
 
-/// Ratio between conditions from which a contrast is what a campaign shows, and worth a sentence. Chosen.
-pub(super) const NOTABLE_RATIO: f64 = 1.5;
-/// Contrasts that the overview names at most; the comparison has all. Chosen.
-pub(super) const MOST_CONTRASTS: usize = 3;
 /// Groups that a sentence names at most; more are counted. Chosen.
 pub(super) const MOST_GROUPS_NAMED: usize = 3;
-/// Factors from which on a contrast is shaded, one shade stronger at each. Chosen.
-pub(super) const CONTRAST_SHADES: [f64; 2] = [1.2, 2.5];
-/// Ratios below this are told in percent, others as factors. Chosen.
-pub(super) const TOLD_AS_FACTOR_FROM: f64 = 1.15;
 /// Inflations from which a pair of covariates is shaded, one shade darker at each; from the second on it is confounded. The others
 /// are chosen.
 pub(super) const INFLATION_SHADES: [f64; 4] = [2.0, INFLATION_LIMIT, 20.0, 100.0];

@@ -1,0 +1,145 @@
+//! An answer of a study: a number with its interval, and what it can be said to show.
+
+use ieap_domain::string_enum;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+string_enum! {
+    /// What is asked.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Kind {
+        /// One environment against another at equal voltage.
+        Environment = "environment" => "environments",
+        /// By which law a parameter follows the humidity.
+        HumidityLaw = "humidity-law" => "law of the humidity",
+        /// By which law it follows the voltage.
+        VoltageLaw = "voltage-law" => "law of the voltage",
+        /// The highest voltage against the lowest.
+        Voltage = "voltage" => "voltages",
+        /// One material against another in equal conditions.
+        Material = "material" => "materials",
+        /// Whether an environment acts otherwise on another material: a ratio of ratios.
+        ByMaterial = "environment-by-material" => "environments, one material against another",
+        /// Whether it acts otherwise at another voltage: a ratio of ratios.
+        ByVoltage = "environment-by-voltage" => "environments, one voltage against another",
+    }
+}
+
+string_enum! {
+    /// What the number is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Scale {
+        /// A ratio.
+        Ratio = "ratio",
+        /// A difference in points of bending lost in an hour.
+        Points = "points",
+        /// A relative change per unit of what varies, a logarithm.
+        PerUnit = "per-unit",
+    }
+}
+
+string_enum! {
+    /// Where the scatter from run to run is known from.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Basis {
+        /// Repeats, and samples where there are several.
+        Repeats = "repeats" => "repeats",
+        /// campaign.toml states it.
+        Stated = "stated" => "campaign.toml",
+        /// One run a condition: dry environments about their mean.
+        DryPair = "dry-environments" => "the dry environments about their mean",
+        /// One run a condition: what environment and voltage leave where both act alike. It holds what acts otherwise at
+        /// another voltage too, so that it is rather too large.
+        Additive = "environment-and-voltage" => "what environment and voltage leave",
+        /// Nothing tells it: intervals are those of the fits alone.
+        Unknown = "unknown" => "nothing",
+    }
+}
+
+string_enum! {
+    /// What is shown.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Verdict {
+        /// A difference.
+        Differs = "differs" => "differs",
+        /// None that would matter.
+        Alike = "alike" => "alike",
+        /// Neither.
+        Open = "open" => "open",
+        /// One side is a bound: the number is one too.
+        Bound = "bound" => "at least",
+        /// Nothing, for a side was not determined.
+        NotTold = "not-told" => "not told",
+    }
+}
+
+/// An answer.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Answer {
+    /// What is asked.
+    pub kind: Kind,
+    /// Whether the study asked it, or it is a detail of what it asked. Chances are judged together among each.
+    pub is_of_study: bool,
+    /// Key of the parameter.
+    pub parameter: &'static str,
+    /// Material, or the first of two.
+    pub material: String,
+    /// The second of two materials.
+    pub against_material: Option<String>,
+    /// What stands above: an environment, a voltage; or what a law follows.
+    pub upper: String,
+    /// What it is held against; empty for a law.
+    pub lower: String,
+    /// Voltages over which the answer is a mean, V.
+    pub voltages_v: Vec<f64>,
+    /// What the number is.
+    pub scale: Scale,
+    /// The number; none for a bound.
+    pub value: Option<f64>,
+    /// Its 95 % interval by the errors of the fits alone.
+    pub fits_low_95: Option<f64>,
+    /// Upper end.
+    pub fits_high_95: Option<f64>,
+    /// Its 95 % interval with the scatter from run to run and from sample to sample; none where nothing tells that.
+    pub low_95: Option<f64>,
+    /// Upper end.
+    pub high_95: Option<f64>,
+    /// The number is at least this, by the fits.
+    pub at_least: Option<f64>,
+    /// The number is at most this, by the fits.
+    pub at_most: Option<f64>,
+    /// Where the scatter is known from.
+    pub basis: Basis,
+    /// Standard deviation from run to run, percent of the parameter, or points.
+    pub scatter: Option<f64>,
+    /// Degrees of freedom of the interval.
+    pub degrees_of_freedom: Option<f64>,
+    /// Scatter from run to run, percent or points, that would undo the difference; of one run a condition.
+    pub undone_by_scatter: Option<f64>,
+    /// An effect is no larger than this, percent or points (95 %).
+    pub no_more_than: Option<f64>,
+    /// Chance of a number as far from none.
+    pub p: Option<f64>,
+    /// The same over all that was asked: at most this part of what is claimed is expected to be chance.
+    pub q: Option<f64>,
+    /// What is shown.
+    pub verdict: Verdict,
+    /// Samples behind it.
+    pub samples: usize,
+    /// Runs behind either side.
+    pub runs: (usize, usize),
+    /// What else changed with it, so that it may be the cause.
+    pub also_changed: Vec<String>,
+    /// Why there is no number.
+    pub reason: Option<String>,
+}
+
+impl Answer {
+    /// The number back from its logarithm, where it is one.
+    pub(super) fn shown(scale: Scale, number: f64) -> f64 {
+        match scale {
+            Scale::Ratio => number.exp(),
+            Scale::Points | Scale::PerUnit => number,
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! The values of one parameter over the conditions of a material, with the scatter that the design tells.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use ieap_numerics::linear::LeastSquares;
+use ieap_numerics::mixed::{Combined, Estimated, MixedModel, Reading, Unit};
+
+use super::answer::Basis;
+use super::policy::FEWEST_FREEDOM;
+
+/// A condition of a material: place of its surroundings and of its voltage among all of the campaign.
+pub type Cell = (usize, usize);
+
+/// A run's value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Value {
+    /// Place of the run among the facts.
+    pub place: usize,
+    /// Number of its sample.
+    pub sample: usize,
+    /// Its condition.
+    pub cell: Cell,
+    /// Relative humidity, percent, where it is known.
+    pub humidity_percent: Option<f64>,
+    /// The value on its scale.
+    pub y: f64,
+    /// Its variance by the fit.
+    pub variance: f64,
+}
+
+/// What is known of a condition in which no value is determined.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Bound {
+    /// It is below this.
+    pub below: Option<f64>,
+    /// It is above this.
+    pub above: Option<f64>,
+}
+
+/// Scatter from run to run where conditions have one run each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scatter {
+    /// Variance, the errors of the fits with it.
+    pub variance: f64,
+    /// Its degrees of freedom.
+    pub freedom: f64,
+    /// Where it is known from.
+    pub basis: Basis,
+}
+
+/// One parameter of one material.
+pub struct Measured {
+    /// Conditions with a value, in order.
+    pub cells: Vec<Cell>,
+    /// Values.
+    pub values: Vec<Value>,
+    /// Conditions with a bound and no value.
+    pub bounds: BTreeMap<Cell, Bound>,
+    model: MixedModel,
+    by_fits: Option<Estimated>,
+    with_scatter: Option<Estimated>,
+    single: Option<Scatter>,
+}
+
+impl Measured {
+    /// `dry`: places of surroundings that hold no water; `stated`: variance from run to run that campaign.toml states.
+    pub fn new(
+        values: Vec<Value>,
+        bounds: BTreeMap<Cell, Bound>,
+        dry: &[usize],
+        stated: Option<f64>,
+    ) -> Measured {
+        let mut cells: Vec<Cell> = values.iter().map(|value| value.cell).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        let at = |value: &Value| cells.binary_search(&value.cell).unwrap_or(0);
+        let model = model(
+            &values,
+            cells.len(),
+            |value, row| row[at(value)] = 1.0,
+            |value| value.cell.0,
+        );
+        let is_single = values.len() == cells.len();
+        let single = is_single
+            .then(|| stated.map(Scatter::stated).or_else(|| scatter(&values, dry)))
+            .flatten();
+        Measured {
+            by_fits: by_fits(&model),
+            with_scatter: if is_single { None } else { model.estimated() },
+            single,
+            model,
+            cells,
+            values,
+            bounds,
+        }
+    }
+
+    /// The values over the humidity, a straight line beside a level of its own for each of `levels`; none where nothing
+    /// tells a slope. The combination by [`Measured::slope`] is the slope.
+    pub fn over_humidity(values: Vec<Value>, level: impl Fn(&Value) -> usize) -> Option<Measured> {
+        let levels = values.iter().map(&level).max()? + 1;
+        let mean = values
+            .iter()
+            .filter_map(|value| value.humidity_percent)
+            .sum::<f64>()
+            / values.len() as f64;
+        let row = |value: &Value, row: &mut [f64]| {
+            row[level(value)] = 1.0;
+            row[levels] = value.humidity_percent.unwrap_or(mean) - mean;
+        };
+        let mut model = model(&values, levels + 1, row, |_| 0);
+        // Samples may follow the humidity by slopes of their own: the second component is that of the slope.
+        for unit in model.units.iter_mut().filter(|unit| unit.random.len() == 2) {
+            unit.random[1] = unit.fixed[levels];
+        }
+        Some(Measured {
+            by_fits: Some(by_fits(&model)?),
+            with_scatter: model.estimated(),
+            single: None,
+            model,
+            cells: Vec::new(),
+            values,
+            bounds: BTreeMap::new(),
+        })
+    }
+
+    /// Factors of the slope of [`Measured::over_humidity`].
+    pub fn slope(&self) -> Vec<f64> {
+        let columns = self.model.units.first().map_or(0, |unit| unit.fixed.len());
+        (0..columns)
+            .map(|k| f64::from(u8::from(k + 1 == columns)))
+            .collect()
+    }
+
+    /// Place of a condition among those with a value.
+    pub fn at(&self, cell: Cell) -> Option<usize> {
+        self.cells.binary_search(&cell).ok()
+    }
+
+    /// Whether no condition has a second run.
+    pub fn is_of_single_runs(&self) -> bool {
+        !self.cells.is_empty() && self.values.len() == self.cells.len()
+    }
+
+    /// A combination of conditions by the errors of the fits alone.
+    pub fn by_fits(&self, factors: &[f64]) -> Option<Combined> {
+        Some(self.by_fits.as_ref()?.combined(factors))
+    }
+
+    /// The same with scatter, and where that is known from.
+    pub fn with_scatter(&self, factors: &[f64]) -> Option<(Combined, Basis)> {
+        if let Some(single) = &self.single {
+            let square: f64 = factors.iter().map(|factor| factor * factor).sum();
+            let own = Combined {
+                variance: square * single.variance,
+                freedom: single.freedom,
+                ..self.by_fits(factors)?
+            };
+            return Some((own, single.basis));
+        }
+        Some((self.with_scatter.as_ref()?.combined(factors), Basis::Repeats))
+    }
+
+    /// Standard deviation from run to run.
+    pub fn scatter(&self) -> Option<f64> {
+        let of_repeats = self
+            .with_scatter
+            .as_ref()
+            .and_then(|own| own.variances.last().copied());
+        self.single.map(|own| own.variance).or(of_repeats).map(f64::sqrt)
+    }
+}
+
+impl Scatter {
+    fn stated(variance: f64) -> Scatter {
+        Scatter {
+            variance,
+            freedom: f64::INFINITY,
+            basis: Basis::Stated,
+        }
+    }
+}
+
+/// The mixed model: samples are blocks; where there are two or more they differ by chance, and by chance in each of `part`.
+fn model(
+    values: &[Value],
+    columns: usize,
+    row: impl Fn(&Value, &mut [f64]),
+    part: impl Fn(&Value) -> usize,
+) -> MixedModel {
+    let samples: BTreeSet<usize> = values.iter().map(|value| value.sample).collect();
+    let mut parts: Vec<usize> = values.iter().map(&part).collect();
+    parts.sort_unstable();
+    parts.dedup();
+    let random = if samples.len() > 1 { parts.len() + 1 } else { 0 };
+    let mut units: Vec<Unit> = Vec::new();
+    let mut places: BTreeMap<(usize, Vec<u64>), usize> = BTreeMap::new();
+    for value in values {
+        let mut fixed = vec![0.0; columns];
+        row(value, &mut fixed);
+        let mut of_sample = vec![0.0; random];
+        if random > 0 {
+            of_sample[0] = 1.0;
+            of_sample[1 + parts.binary_search(&part(value)).unwrap_or(0)] = 1.0;
+        }
+        let reading = Reading {
+            value: value.y,
+            variance: value.variance,
+        };
+        let bits = fixed.iter().map(|entry| entry.to_bits()).collect();
+        let at = *places.entry((value.sample, bits)).or_insert(units.len());
+        match units.get_mut(at) {
+            Some(unit) => unit.readings.push(reading),
+            None => units.push(Unit {
+                block: value.sample,
+                fixed,
+                random: of_sample,
+                readings: vec![reading],
+            }),
+        }
+    }
+    let component_of = (0..random).map(|k| usize::from(k > 0)).collect();
+    MixedModel { units, component_of }
+}
+
+fn by_fits(model: &MixedModel) -> Option<Estimated> {
+    let components = model.component_of.iter().map(|of| of + 1).max().unwrap_or(0);
+    model.at(&vec![0.0; components + 1])
+}
+
+/// The scatter that single runs tell: of dry environments about their mean at each voltage where two or more have two
+/// voltages in common, for they hold no water that could act otherwise at another voltage; else what environment and voltage
+/// leave. The rule was fixed before any data were looked at.
+fn scatter(values: &[Value], dry: &[usize]) -> Option<Scatter> {
+    let of_dry: Vec<&Value> = values
+        .iter()
+        .filter(|value| dry.contains(&value.cell.0))
+        .collect();
+    let at = |voltage: usize| of_dry.iter().filter(|value| value.cell.1 == voltage).count();
+    let shared: Vec<&Value> = of_dry
+        .iter()
+        .copied()
+        .filter(|value| at(value.cell.1) > 1)
+        .collect();
+    additive(&shared, Basis::DryPair)
+        .or_else(|| additive(&values.iter().collect::<Vec<_>>(), Basis::Additive))
+}
+
+/// What surroundings and voltage leave where both act alike; none where they leave nothing.
+fn additive(values: &[&Value], basis: Basis) -> Option<Scatter> {
+    let levels = |of: fn(&Value) -> usize| {
+        let mut levels: Vec<usize> = values.iter().map(|value| of(value)).collect();
+        levels.sort_unstable();
+        levels.dedup();
+        levels
+    };
+    let surroundings = levels(|value| value.cell.0);
+    let voltages = levels(|value| value.cell.1);
+    if surroundings.len() < 2 || voltages.len() < 2 {
+        return None;
+    }
+    let column = |holds: &dyn Fn(&Value) -> bool| -> Vec<f64> {
+        values
+            .iter()
+            .map(|value| f64::from(u8::from(holds(value))))
+            .collect()
+    };
+    let mut columns: Vec<Vec<f64>> = surroundings
+        .iter()
+        .map(|&own| column(&|value| value.cell.0 == own))
+        .collect();
+    columns.extend(
+        voltages[1..]
+            .iter()
+            .map(|&own| column(&|value| value.cell.1 == own)),
+    );
+    let freedom = (values.len().checked_sub(columns.len())).filter(|left| *left >= FEWEST_FREEDOM)?;
+    let y: Vec<f64> = values.iter().map(|value| value.y).collect();
+    let left = LeastSquares::of(columns, &y)?;
+    Some(Scatter {
+        variance: left.square() / freedom as f64,
+        freedom: freedom as f64,
+        basis,
+    })
+}

@@ -1,0 +1,18 @@
+//! What decides in the answers of a study: every number with its unit and where it comes from.
+
+/// An effect no larger than this, percent, is none, where campaign.toml states no other size. Chosen: the fits of the thesis
+/// repeat to 10 to 30 %.
+pub const ALIKE_PERCENT: f64 = 25.0;
+/// The same in points of bending lost in an hour. Chosen.
+pub const ALIKE_POINTS: f64 = 15.0;
+/// Levels that a law needs: through two goes any law.
+pub const FEWEST_LEVELS: usize = 3;
+/// Surroundings up to which every pair is compared; of more, each with the first. Chosen: ten pairs can be read.
+pub const MOST_FOR_ALL_PAIRS: usize = 5;
+/// Degrees of freedom from which what single runs leave is a scatter: of one the interval reaches 13 standard errors and says
+/// nothing. Chosen.
+pub const FEWEST_FREEDOM: usize = 2;
+/// A standard error below this, of a logarithm or in points, is rounding.
+pub const LEAST_ERROR: f64 = 1e-9;
+/// Time over which lost bending is counted, s: an hour.
+pub const LOSS_AFTER_S: f64 = 3600.0;

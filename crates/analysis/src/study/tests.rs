@@ -1,0 +1,397 @@
+//! Studies with a known truth: how often intervals hold, what is claimed where nothing is, what is found where something is.
+
+use ieap_domain::testing::{campaign, fit, known, run, tag};
+use ieap_domain::{Campaign, Estimate, Factor, RunRecord, Sample};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+use super::*;
+
+/// What a simulated study is like.
+#[derive(Debug, Clone, Copy)]
+struct Design {
+    samples: usize,
+    voltages: usize,
+    repeats: usize,
+    /// Part of the runs that are lost.
+    lost: f64,
+    /// Standard deviation between samples, of samples in environments, from run to run: logarithms.
+    scatter: [f64; 3],
+    /// Error of the fits.
+    error: f64,
+}
+
+const BALANCED: Design = Design {
+    samples: 3,
+    voltages: 2,
+    repeats: 2,
+    lost: 0.0,
+    scatter: [0.2, 0.05, 0.05],
+    error: 0.02,
+};
+const ENVIRONMENTS: [&str; 3] = ["vacuum", "inert", "air"];
+const MATERIALS: [&str; 2] = ["CNaf", "CPvf"];
+const KEYS: [&str; 2] = ["alpha_per_c_cm", "lambda_per_s"];
+
+/// Logarithms of the parameters in vacuum at the lowest voltage.
+const LEVELS: [f64; 2] = [3.0, -9.0];
+
+/// Logarithm of the true effect of an environment on a parameter of a material.
+type Truth = fn(material: &str, key: &str, environment: &str) -> f64;
+
+/// Alpha of one material halved in vacuum, lambda of the other five times larger in air.
+fn two_effects(material: &str, key: &str, environment: &str) -> f64 {
+    match (material, key, environment) {
+        ("CPvf", "alpha_per_c_cm", "vacuum") => -(2.0_f64.ln()),
+        ("CNaf", "lambda_per_s", "air") => 5.0_f64.ln(),
+        _ => 0.0,
+    }
+}
+
+fn nothing(_: &str, _: &str, _: &str) -> f64 {
+    0.0
+}
+
+fn simulated(design: Design, truth: Truth, seed: u64) -> (Vec<RunRecord>, Campaign) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = |size: f64| {
+        if size > 0.0 {
+            Normal::new(0.0, size).unwrap().sample(&mut random)
+        } else {
+            0.0
+        }
+    };
+    let mut campaign = campaign();
+    let mut runs = Vec::new();
+    for material in MATERIALS {
+        for sample in 0..design.samples {
+            let id = format!("{material}-{sample}");
+            campaign.samples.push(Sample {
+                id: id.clone(),
+                material: material.to_owned(),
+                ..campaign.samples[0].clone()
+            });
+            let own = KEYS.map(|_| draw(design.scatter[0]));
+            for environment in ENVIRONMENTS {
+                let both = KEYS.map(|_| draw(design.scatter[1]));
+                for voltage in 0..design.voltages {
+                    for repeat in 0..design.repeats {
+                        // Every tenth lost run in a hundred draws: by a number of its own.
+                        if draw(1.0).abs() < 0.126 * design.lost / 0.1 {
+                            continue;
+                        }
+                        let number = |k: usize, draw: &mut dyn FnMut(f64) -> f64| -> Estimate {
+                            let at = LEVELS[k] + truth(material, KEYS[k], environment) + 0.3 * voltage as f64;
+                            let y = at + own[k] + both[k] + draw(design.scatter[2]) + draw(design.error);
+                            known(y.exp(), design.error)
+                        };
+                        let found: Vec<(&str, Estimate)> =
+                            (0..2).map(|k| (KEYS[k], number(k, &mut draw))).collect();
+                        let mut one = run(
+                            &format!("{id}-{environment}-{voltage}-{repeat}"),
+                            &id,
+                            environment,
+                            None,
+                            1.0 + voltage as f64,
+                        );
+                        one.fit = Some(fit(&found));
+                        one.tags.push(tag("cycle", &(1 + repeat).to_string()));
+                        runs.push(one);
+                    }
+                }
+            }
+        }
+    }
+    (runs, campaign)
+}
+
+fn study(design: Design, truth: Truth, seed: u64) -> Study {
+    let (runs, mut campaign) = simulated(design, truth, seed);
+    campaign.study.compare = vec![Factor::Environment, Factor::Material];
+    Study::of(Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Doubts::default(),
+    })
+}
+
+/// The true logarithm of a pooled answer about environments.
+fn true_value(own: &Answer, truth: Truth) -> f64 {
+    let of = |material: &str| {
+        let side = |name: &str| match name.strip_prefix("dry (") {
+            Some(_) => {
+                0.5 * (truth(material, own.parameter, "vacuum") + truth(material, own.parameter, "inert"))
+            }
+            None => truth(material, own.parameter, name),
+        };
+        side(&own.upper) - side(&own.lower)
+    };
+    of(&own.material) - own.against_material.as_deref().map_or(0.0, of)
+}
+
+/// Counts over simulated studies.
+#[derive(Debug, Default)]
+struct Counts {
+    asked: usize,
+    held: usize,
+    alike_asked: usize,
+    alike_true: usize,
+    studies_with_false: usize,
+    claims: usize,
+    false_claims: usize,
+    true_found: usize,
+    true_there: usize,
+}
+
+fn counted(design: Design, truth: Truth, seeds: std::ops::Range<u64>) -> Counts {
+    let mut counts = Counts::default();
+    for seed in seeds {
+        let study = study(design, truth, seed);
+        let mut has_false = false;
+        let of_environments = |own: &&Answer| {
+            matches!(own.kind, Kind::Environment | Kind::ByMaterial) && own.scale == Scale::Ratio
+        };
+        for own in study
+            .asked()
+            .filter(of_environments)
+            .filter(|own| KEYS.contains(&own.parameter))
+        {
+            let truth = true_value(own, truth);
+            let (Some(low), Some(high)) = (own.low_95, own.high_95) else {
+                continue;
+            };
+            counts.asked += 1;
+            counts.held += usize::from((low.ln()..=high.ln()).contains(&truth));
+            let most = own.no_more_than.unwrap();
+            counts.alike_asked += 1;
+            counts.alike_true += usize::from(100.0 * truth.abs().exp_m1() <= most + 1e-9);
+            let claims = own.verdict == Verdict::Differs;
+            counts.claims += usize::from(claims);
+            counts.false_claims += usize::from(claims && truth == 0.0);
+            has_false |= claims && truth == 0.0;
+            counts.true_there += usize::from(truth != 0.0);
+            counts.true_found += usize::from(claims && truth != 0.0);
+        }
+        counts.studies_with_false += usize::from(has_false);
+    }
+    counts
+}
+
+#[test]
+fn two_effects_are_found_and_named_with_their_size() {
+    let study = study(BALANCED, two_effects, 1);
+    let of = |material: &str, key: &str, upper: &str| {
+        study
+            .asked()
+            .find(|own| {
+                own.kind == Kind::Environment
+                    && own.material == material
+                    && own.parameter == key
+                    && own.upper == upper
+            })
+            .unwrap()
+    };
+    let halved = of("CPvf", "alpha_per_c_cm", "inert");
+    assert_eq!(
+        (halved.verdict, halved.lower.as_str()),
+        (Verdict::Differs, "vacuum"),
+        "{halved:?}"
+    );
+    assert!(
+        halved.low_95.unwrap() < 2.0 && halved.high_95.unwrap() > 2.0,
+        "{halved:?}"
+    );
+    let faster = of("CNaf", "lambda_per_s", "air");
+    assert_eq!(
+        (faster.verdict, faster.lower.as_str()),
+        (Verdict::Differs, "dry (vacuum, inert)"),
+        "{faster:?}"
+    );
+    assert!(
+        faster.low_95.unwrap() < 5.0 && faster.high_95.unwrap() > 5.0,
+        "{faster:?}"
+    );
+    let lead = lead(&study, "CPvf");
+    assert!(
+        lead.iter()
+            .any(|line| line.starts_with("CPvf, inert against vacuum: α × ")),
+        "{lead:?}"
+    );
+}
+
+#[test]
+fn intervals_hold_and_nothing_is_claimed_where_nothing_is() {
+    let counts = counted(BALANCED, nothing, 0..12);
+    assert!(counts.held as f64 >= 0.9 * counts.asked as f64, "{counts:?}");
+    assert!(
+        counts.alike_true as f64 >= 0.9 * counts.alike_asked as f64,
+        "{counts:?}"
+    );
+    assert!(counts.studies_with_false <= 2, "{counts:?}");
+}
+
+/// `cargo test -p ieap-analysis --release --lib study::tests -- --include-ignored --nocapture`
+#[test]
+#[ignore = "minutes: counts for docs/validation/study.md"]
+fn counts_of_many_studies() {
+    let unlike = Design {
+        scatter: [0.2, 0.15, 0.05],
+        ..BALANCED
+    };
+    let alike = Design {
+        scatter: [0.2, 0.0, 0.05],
+        ..BALANCED
+    };
+    let two = Design { samples: 2, ..unlike };
+    let lost = Design {
+        samples: 5,
+        lost: 0.3,
+        ..unlike
+    };
+    for (name, design) in [
+        ("samples differ", unlike),
+        ("samples do not differ", alike),
+        ("two samples", two),
+        ("30 % lost", lost),
+    ] {
+        for (effects, truth) in [
+            ("nothing", nothing as Truth),
+            ("two effects", two_effects as Truth),
+        ] {
+            println!("{name}, {effects}: {:?}", counted(design, truth, 1000..1200));
+        }
+    }
+}
+
+#[test]
+fn one_run_a_condition_says_three_things() {
+    let design = Design {
+        samples: 1,
+        voltages: 3,
+        repeats: 1,
+        ..BALANCED
+    };
+    let study = study(design, two_effects, 3);
+    let own = study
+        .asked()
+        .find(|own| own.parameter == KEYS[0] && own.material == "CPvf" && own.upper == "inert")
+        .unwrap();
+    assert_eq!((own.basis, own.samples), (Basis::DryPair, 1));
+    assert_eq!(own.degrees_of_freedom, Some(2.0));
+    let (fits, all) = (
+        own.fits_high_95.unwrap() / own.fits_low_95.unwrap(),
+        own.high_95.unwrap() / own.low_95.unwrap(),
+    );
+    assert!(fits < all, "{own:?}");
+    // What would undo a factor of two of three pairs: 100 (exp(ln 2 / 1.96 / sqrt(2 / 3)) - 1), by the fits a little less.
+    let undone = own.undone_by_scatter.unwrap();
+    let expected = 100.0 * (own.value.unwrap().ln() / 1.96 / (2.0_f64 / 3.0).sqrt()).exp_m1();
+    assert!((undone / expected - 1.0).abs() < 0.05, "{undone} {expected}");
+}
+
+#[test]
+fn a_bound_gives_a_bound_and_enters_no_mean() {
+    let design = Design {
+        samples: 1,
+        voltages: 2,
+        repeats: 1,
+        ..BALANCED
+    };
+    let (mut runs, campaign) = simulated(design, two_effects, 4);
+    let bounded = runs
+        .iter_mut()
+        .find(|own| own.path.contains("CNaf-0-vacuum-1"))
+        .unwrap();
+    bounded.fit = Some(fit(&[
+        (KEYS[0], known(20.0, 0.1)),
+        (KEYS[1], Estimate::below(1e-7, "search limit")),
+    ]));
+    let study = Study::of(Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Doubts::default(),
+    });
+    let own: Vec<&Answer> = study
+        .answers
+        .iter()
+        .filter(|own| {
+            own.material == "CNaf"
+                && own.parameter == KEYS[1]
+                && own.kind == Kind::Environment
+                && own.upper == "air"
+                && own.lower == "vacuum"
+        })
+        .collect();
+    let bound = own.iter().find(|own| own.voltages_v == [2.0]).unwrap();
+    assert_eq!((bound.verdict, bound.value), (Verdict::Bound, None));
+    assert!(bound.at_least.unwrap() > 1e3, "{bound:?}");
+    let pooled = own.iter().find(|own| own.value.is_some()).unwrap();
+    assert_eq!(pooled.voltages_v, [1.0]);
+}
+
+#[test]
+fn what_changed_with_an_environment_is_said_beside_it() {
+    let (mut runs, campaign) = simulated(BALANCED, two_effects, 5);
+    for own in &mut runs {
+        let in_air = own.tag("environment") == Some("air");
+        own.tags.retain(|own| own.key != "cycle");
+        own.tags.push(tag("cycle", if in_air { "9" } else { "1" }));
+        own.tags
+            .push(tag("instrument", if in_air { "camera" } else { "laser" }));
+    }
+    let study = Study::of(Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Doubts::default(),
+    });
+    let own = study
+        .asked()
+        .find(|own| own.upper == "air" && own.parameter == KEYS[1])
+        .unwrap();
+    assert_eq!(
+        own.also_changed,
+        ["the cycle (9 against 1)", "the instrument (camera against laser)"]
+    );
+    let dry = study.asked().find(|own| own.upper == "inert").unwrap();
+    assert!(dry.also_changed.is_empty(), "{dry:?}");
+}
+
+#[test]
+fn a_law_of_the_humidity_is_found_within_an_environment() {
+    let mut campaign = campaign();
+    let mut runs = Vec::new();
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    let mut draw = |size: f64| Normal::new(0.0, size).unwrap().sample(&mut random);
+    for sample in 0..3 {
+        let id = format!("S-{sample}");
+        campaign.samples.push(Sample {
+            id: id.clone(),
+            material: "CNaf".to_owned(),
+            ..campaign.samples[0].clone()
+        });
+        let own = draw(0.2);
+        for humidity in [10.0, 30.0, 50.0, 70.0] {
+            let y: f64 = -8.0 + own + 0.03 * humidity + draw(0.03);
+            let mut one = run(&format!("{id}-{humidity}"), &id, "air", Some(humidity), 2.0);
+            one.fit = Some(fit(&[(KEYS[1], known(y.exp(), 0.02))]));
+            runs.push(one);
+        }
+    }
+    let study = Study::of(Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Doubts::default(),
+    });
+    assert_eq!(study.compared, [Factor::Humidity]);
+    let law = study
+        .asked()
+        .find(|own| own.kind == Kind::HumidityLaw && own.parameter == KEYS[1])
+        .unwrap();
+    assert_eq!(law.verdict, Verdict::Differs, "{law:?}");
+    assert!(
+        law.low_95.unwrap() < 0.03 && law.high_95.unwrap() > 0.03 && law.high_95.unwrap() < 0.035,
+        "{law:?}"
+    );
+    assert!(words::number(law).ends_with("per % RH"), "{}", words::number(law));
+}

@@ -1,0 +1,303 @@
+//! What the study asked, as a page and as table `contrasts`.
+
+use ieap_domain::Factor;
+use ieap_domain::number::interval;
+use ieap_domain::words::in_a_row;
+use ieap_show::quantities::{MATERIAL, Quantity};
+use ieap_show::{Block, Chart, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
+
+use super::Study;
+use super::answer::{Answer, Kind, Scale};
+use super::words::{about, basis, family, lead, shows, symbol, voltages};
+
+const KIND: Quantity = Quantity::plain("question", "Question", "what is compared");
+const PARAMETER: Quantity = Quantity::plain("parameter", "Parameter", "parameter");
+const UPPER: Quantity = Quantity::plain("over", "This", "what stands above");
+const LOWER: Quantity = Quantity::plain("under", "over", "what it is held against");
+const VOLTAGES: Quantity = Quantity::new("voltages_v", "at", "voltages over which it is a mean", "V");
+const SAMPLES: Quantity = Quantity::plain("samples", "Samples", "samples behind it");
+const RUNS: Quantity = Quantity::plain("runs", "Runs", "runs above and below");
+const ALSO: Quantity = Quantity::plain(
+    "also_changed",
+    "changed with it",
+    "what else changed with it, so that it may be the cause",
+);
+const NUMBER: Quantity = Quantity::plain(
+    "ratio",
+    "×",
+    "ratio with its 95 % interval; points of bending lost; relative change per unit",
+);
+const INTERVAL: Quantity = Quantity::plain(
+    "interval_95",
+    "95 %",
+    "its 95 % interval, with the scatter from run to run and between samples",
+);
+const FITS_INTERVAL: Quantity = Quantity::plain(
+    "interval_95_by_fits",
+    "by the fits",
+    "its 95 % interval by the errors of the fits alone",
+);
+const MOST: Quantity = Quantity::plain(
+    "no_more_than_percent",
+    "no more than",
+    "an effect is no larger than this, percent or points (95 %)",
+);
+const UNDONE: Quantity = Quantity::plain(
+    "undone_by_scatter_percent",
+    "undone by",
+    "scatter from run to run that would undo it, percent or points; of one run a condition",
+);
+const Q: Quantity = Quantity::plain("q", "q", "false-discovery rate at which it would be claimed");
+const VERDICT: Quantity = Quantity::plain("verdict", "shown", "what is shown");
+const BASIS: Quantity = Quantity::plain(
+    "scatter_from",
+    "scatter from",
+    "where the scatter from run to run is known from",
+);
+
+/// A bar is drawn as far as this factor from its mark; one that goes on ends at the edge.
+const WIDEST: f64 = 30.0;
+/// Pictures on the overview.
+const MOST_DRAWN: usize = 3;
+/// Digits of a chance, and of a percentage.
+const FEW: i32 = 2;
+
+/// Table `contrasts`: every answer, or those of the study alone.
+pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
+    let material = |own: &&Answer| match (&own.against_material, own.kind) {
+        (Some(other), Kind::ByMaterial) => format!("{} / {other}", own.material),
+        _ => own.material.clone(),
+    };
+    let pair = |value: Option<f64>, ends: (Option<f64>, Option<f64>)| match (value, ends) {
+        (Some(value), (low_95, high_95)) => Value::Cell(ieap_show::Cell::new(
+            ieap_show::Content::Measured(ieap_show::Measured {
+                value,
+                standard_error: None,
+                low_95,
+                high_95,
+                pooled: None,
+            }),
+            Vec::new(),
+        )),
+        _ => Value::Missing,
+    };
+    let ends = |ends: (Option<f64>, Option<f64>)| ends.0.zip(ends.1).map(|(low, high)| interval(low, high));
+    let rough = |number: Option<f64>| number.map(|number| Value::Rough(number, FEW));
+    Sheet::<&Answer>::new("contrasts", "What environment, humidity, voltage and material do to each parameter", 6)
+        .remarks(
+            "A ratio of conditions at equal voltage, its mean over the voltages that both have. Points are of bending lost in an hour. A law is the relative change per unit. Where one side is a bound the ratio is one too.",
+            "Nothing was varied that could be compared.",
+        )
+        .column(KIND, |own| own.kind.label())
+        .column(MATERIAL, material)
+        .column(PARAMETER, |own| symbol(own.parameter))
+        .column(UPPER, |own| own.upper.clone())
+        .column(LOWER, |own| own.lower.clone())
+        .column(VOLTAGES, |own| voltages(&own.voltages_v))
+        .column(NUMBER, move |own| match (own.value, own.at_least, own.at_most, &own.reason) {
+            (None, None, None, reason) => reason.clone().map_or(Value::Missing, Value::Without),
+            (None, low, high, _) => Value::Cell(ieap_show::Cell::new(ieap_show::Content::Bound { low, high }, Vec::new())),
+            (value, ..) => pair(value, (own.low_95, own.high_95)),
+        })
+        .column(INTERVAL, |own| ends((own.low_95, own.high_95)))
+        .column(FITS_INTERVAL, |own| ends((own.fits_low_95, own.fits_high_95)))
+        .column(MOST, move |own| rough(own.no_more_than))
+        .column(UNDONE, move |own| rough(own.undone_by_scatter))
+        .column(Q, move |own| rough(own.q))
+        .column(VERDICT, |own| own.verdict.label())
+        .column(BASIS, |own| own.basis.label())
+        .column(SAMPLES, |own| own.samples)
+        .column(RUNS, |own| format!("{} and {}", own.runs.0, own.runs.1))
+        .column(ALSO, |own| own.also_changed.join("; "))
+        .over(answers)
+}
+
+/// The same on the page, which says beside it what intervals rest on and what changed with what.
+fn on_page<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
+    table(answers).without(&[BASIS.key, SAMPLES.key, RUNS.key, ALSO.key])
+}
+
+/// The page: the answer of each material in a line, its pictures, then the tables.
+pub fn view(study: &Study) -> Vec<Block> {
+    let asked: Vec<&Answer> = study.asked().collect();
+    let mut blocks: Vec<Block> = study
+        .materials()
+        .iter()
+        .flat_map(|material| lead(study, material))
+        .map(Block::Say)
+        .collect();
+    blocks.push(Block::Say(design(study)));
+    blocks.extend(
+        study
+            .materials()
+            .iter()
+            .filter_map(|material| chart(study, material))
+            .map(Block::Chart),
+    );
+    blocks.extend(causes(&asked));
+    let table = |answers: Vec<&Answer>| Block::Table(on_page(answers));
+    blocks.push(Block::part("What the study asked", vec![table(asked.clone())]));
+    let (each, others): (Vec<&Answer>, Vec<&Answer>) = (study.answers.iter())
+        .filter(|own| !own.is_of_study)
+        .partition(|own| own.kind == Kind::Environment);
+    for (title, details) in [
+        ("Environments at each voltage", each),
+        ("Voltages, materials and ratios of ratios", others),
+    ] {
+        if !details.is_empty() {
+            blocks.push(Block::part(title, vec![table(details)]));
+        }
+    }
+    let mut how: Vec<Block> = basis(&asked).into_iter().map(Block::Say).collect();
+    how.push(Block::Say(family(study)));
+    blocks.push(Block::part("How sure this is", how));
+    blocks
+}
+
+/// What else changed with what was compared, once for all materials of which it holds.
+fn causes(asked: &[&Answer]) -> Option<Block> {
+    let mut causes: Vec<(String, Vec<&str>)> = Vec::new();
+    for own in asked
+        .iter()
+        .filter(|own| !own.also_changed.is_empty() && own.kind != Kind::ByMaterial)
+    {
+        let cause = format!(
+            "{} over {}: {}",
+            own.upper,
+            own.lower,
+            in_a_row(&own.also_changed)
+        );
+        match causes.iter_mut().find(|(known, _)| *known == cause) {
+            Some((_, of)) if of.contains(&own.material.as_str()) => {}
+            Some((_, of)) => of.push(&own.material),
+            None => causes.push((cause, vec![&own.material])),
+        }
+    }
+    let said = causes
+        .iter()
+        .map(|(cause, of)| Block::Say(format!("{}, {cause}.", in_a_row(of))));
+    let head = Block::say(
+        "What changed with it in this design may be the cause as well; only runs in another order tell which (`ieap next`).",
+    );
+    (!causes.is_empty())
+        .then(|| Block::part("What else changed", std::iter::once(head).chain(said).collect()))
+}
+
+/// What the overview says first: the answer of each material in a line, and the picture of its first question.
+pub fn overview(study: &Study) -> Vec<Block> {
+    if !is_told(study) {
+        return Vec::new();
+    }
+    let materials = study.materials();
+    let said = materials
+        .iter()
+        .flat_map(|material| lead(study, material))
+        .map(Block::Say);
+    let drawn = materials
+        .iter()
+        .filter_map(|material| chart(study, material))
+        .take(MOST_DRAWN);
+    said.chain(drawn.map(Block::Chart)).collect()
+}
+
+/// What was compared, and who said so.
+fn design(study: &Study) -> String {
+    let names: Vec<&str> = study.compared.iter().map(|factor| factor.key()).collect();
+    let all = in_a_row(&names);
+    match (study.is_declared, study.compared.is_empty()) {
+        (_, true) => "Nothing was varied that could be compared.".to_owned(),
+        (true, _) => format!("The study compares {all}, as `[study]` in campaign.toml says."),
+        (false, _) => format!("The campaign varies {all}; `[study]` in campaign.toml says what is asked."),
+    }
+}
+
+/// What surroundings do to each parameter of a material: a row a parameter, a mark a pair that the study asked.
+fn chart(study: &Study, material: &str) -> Option<Chart> {
+    let own: Vec<&Answer> = (study.asked())
+        .filter(|own| own.material == material && own.kind == Kind::Environment && own.scale == Scale::Ratio)
+        .collect();
+    let mut keys: Vec<&str> = own
+        .iter()
+        .filter(|own| own.value.is_some())
+        .map(|own| own.parameter)
+        .collect();
+    keys.dedup_by(|a, b| a == b);
+    let mut rows: Vec<&str> = Vec::new();
+    keys.into_iter().rev().for_each(|key| {
+        if !rows.contains(&key) {
+            rows.push(key)
+        }
+    });
+    let mut pairs: Vec<(&str, &str)> = Vec::new();
+    for own in &own {
+        let pair = (own.upper.as_str(), own.lower.as_str());
+        if !pairs.contains(&pair) && pairs.len() < Ink::COLOURS {
+            pairs.push(pair);
+        }
+    }
+    let mut seen = vec![0.5, 2.0];
+    let mut layers = vec![Layer::guides(Mark::Upright, [1.0])];
+    for (at, (upper, lower)) in pairs.iter().enumerate() {
+        // Pairs stand beside each other in the row of their parameter, the first one above.
+        let off = 0.5 * (0.5 - (at as f64 + 0.5) / pairs.len() as f64);
+        let (mut points, mut bars) = (Vec::new(), Vec::new());
+        for own in own
+            .iter()
+            .filter(|own| own.upper == *upper && own.lower == *lower)
+        {
+            let ends = own
+                .low_95
+                .zip(own.high_95)
+                .or(own.fits_low_95.zip(own.fits_high_95));
+            let row = rows.iter().position(|key| *key == own.parameter);
+            if let (Some(value), Some((low, high)), Some(row)) = (own.value, ends, row) {
+                seen.extend([low.max(value / WIDEST), high.min(value * WIDEST)]);
+                points.push((value, row as f64 + off));
+                bars.push((low, high));
+            }
+        }
+        layers.push(
+            Layer::new(
+                format!("{upper} over {lower}"),
+                Mark::Marks,
+                Ink::Series(at),
+                points,
+            )
+            .with_bars_across(bars),
+        );
+    }
+    let mut x = Range::log("Ratio", "");
+    x.always = seen;
+    let names = rows.iter().map(|key| symbol(key).to_owned()).collect();
+    let panel = Panel {
+        x,
+        y: Range::names(names),
+        layers,
+    };
+    (!rows.is_empty()).then(|| {
+        Chart::new(format!("{material}: what its surroundings do"), vec![panel])
+            .told("Ratios at equal voltage, bars 95 %, with the scatter from run to run where the design tells it; a bar that reaches the edge goes on.")
+    })
+}
+
+/// What a terminal shows: the answers, then each question of the study in a line.
+pub fn lines(study: &Study) -> Vec<Block> {
+    let mut blocks: Vec<Block> = study
+        .materials()
+        .iter()
+        .flat_map(|material| lead(study, material))
+        .map(Block::Say)
+        .collect();
+    blocks.push(Block::Say(design(study)));
+    blocks.extend(
+        study
+            .asked()
+            .map(|own| Block::Say(format!("{}: {}.", about(own), shows(own)))),
+    );
+    blocks
+}
+
+/// Whether anything is asked.
+pub fn is_told(study: &Study) -> bool {
+    !study.compared.iter().all(|factor| *factor == Factor::Material) && !study.answers.is_empty()
+}

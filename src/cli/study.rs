@@ -1,0 +1,23 @@
+//! `ieap study`.
+
+use clap::Args;
+
+use super::campaign::CampaignArg;
+use super::exit::{self, CliError};
+use super::global::Global;
+use super::output::Output;
+use crate::pipeline::findings::study::{SCHEMA, lines, study};
+
+/// Answer what the study asked: what environment, humidity, voltage and material do to each parameter, from the current fits
+#[derive(Debug, Args)]
+pub struct StudyArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+}
+
+pub fn run(args: &StudyArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let context = args.campaign.open(global, output)?;
+    let found = study(&context)?;
+    output.show(SCHEMA, &found, &lines(&found))?;
+    Ok(exit::DONE)
+}
