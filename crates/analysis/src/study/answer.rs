@@ -92,6 +92,8 @@ pub struct Answer {
     pub lower: String,
     /// Voltages over which the answer is a mean, V.
     pub voltages_v: Vec<f64>,
+    /// Range over which a law was measured, percent RH or V.
+    pub span: Option<f64>,
     /// What the number is.
     pub scale: Scale,
     /// The number; none for a bound.
@@ -116,7 +118,7 @@ pub struct Answer {
     pub degrees_of_freedom: Option<f64>,
     /// Scatter from run to run, percent or points, that would undo the difference; of one run a condition.
     pub undone_by_scatter: Option<f64>,
-    /// An effect is no larger than this, percent or points (95 %).
+    /// An effect is no larger than this, percent or points (95 %); of a law over all of its range.
     pub no_more_than: Option<f64>,
     /// Chance of a number as far from none.
     pub p: Option<f64>,

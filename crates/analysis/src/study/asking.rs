@@ -11,7 +11,7 @@ use super::answer::{Answer, Basis, Kind, Scale, Verdict};
 use super::measured::{Bound, Cell, Measured, Value};
 use super::policy::{FEWEST_LEVELS, LEAST_ERROR, MOST_FOR_ALL_PAIRS};
 use super::{BENDING_LOST, MEASURES};
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, HUMIDITY_GAP_PERCENT};
 use crate::laws::facts::RunFacts;
 use crate::tables::{surroundings_text, volts};
 
@@ -328,7 +328,10 @@ impl Asking<'_> {
                 .collect();
             used.sort_unstable();
             used.dedup();
-            let blank = self.blank(Kind::VoltageLaw, material, key, ("voltage", ""));
+            let blank = Answer {
+                span: span(used.iter().map(|&at| self.conditions.voltages_v[at])),
+                ..self.blank(Kind::VoltageLaw, material, key, ("voltage", ""))
+            };
             found.push(self.answer(&[Term { of, factors }], &used, self.asks(Factor::Voltage), blank));
         }
         found
@@ -344,12 +347,6 @@ impl Asking<'_> {
             .filter(|own| own.humidity_percent.is_some())
             .copied()
             .collect();
-        let levels = |values: &[&Value]| {
-            let mut found: Vec<usize> = values.iter().map(|own| own.cell.0).collect();
-            found.sort_unstable();
-            found.dedup();
-            found.len()
-        };
         let environment = |own: &Value| self.conditions.surroundings[own.cell.0].environment.as_str();
         let mut environments: Vec<&str> = known.iter().map(environment).collect();
         environments.sort_unstable();
@@ -363,7 +360,7 @@ impl Asking<'_> {
         let varied: Vec<&str> = environments
             .iter()
             .copied()
-            .filter(|name| levels(&of(name)) >= FEWEST_LEVELS)
+            .filter(|name| humidity_levels(&of(name)) >= FEWEST_LEVELS)
             .collect();
         let values: Vec<Value> = match varied.is_empty() {
             false => known
@@ -371,7 +368,7 @@ impl Asking<'_> {
                 .filter(|own| varied.contains(&environment(own)))
                 .copied()
                 .collect(),
-            true if levels(&known.iter().collect::<Vec<_>>()) >= FEWEST_LEVELS => known.clone(),
+            true if humidity_levels(&known.iter().collect::<Vec<_>>()) >= FEWEST_LEVELS => known.clone(),
             true => return None,
         };
         let level = |own: &Value| {
@@ -386,7 +383,10 @@ impl Asking<'_> {
         distinct.dedup();
         let of = Measured::over_humidity(values, |own| distinct.binary_search(&level(own)).unwrap_or(0))?;
         let factors = of.slope();
-        let blank = self.blank(Kind::HumidityLaw, material, key, ("relative humidity", ""));
+        let blank = Answer {
+            span: span(of.values.iter().filter_map(|own| own.humidity_percent)),
+            ..self.blank(Kind::HumidityLaw, material, key, ("relative humidity", ""))
+        };
         let mut voltages: Vec<usize> = of.values.iter().map(|own| own.cell.1).collect();
         voltages.sort_unstable();
         voltages.dedup();
@@ -459,6 +459,7 @@ impl Asking<'_> {
             upper: upper.to_owned(),
             lower: lower.to_owned(),
             voltages_v: Vec::new(),
+            span: None,
             scale: match parameter {
                 BENDING_LOST => Scale::Points,
                 _ if is_law => Scale::PerUnit,
@@ -555,7 +556,9 @@ impl Asking<'_> {
             let error = variance.sqrt();
             answer.low_95 = Some(shown(value - quantile_95(freedom) * error));
             answer.high_95 = Some(shown(value + quantile_95(freedom) * error));
-            answer.no_more_than = Some(size(value.abs() + quantile(0.95, freedom) * error));
+            // Of a law, over all that was measured.
+            let largest = value.abs() + quantile(0.95, freedom) * error;
+            answer.no_more_than = Some(size(answer.span.unwrap_or(1.0) * largest));
             answer.p = Some(two_sided_chance(value / error, freedom));
             answer.degrees_of_freedom = freedom.is_finite().then_some(freedom);
             answer.basis = all
@@ -599,4 +602,20 @@ impl Asking<'_> {
         }
         (upper, lower)
     }
+}
+
+/// Levels of humidity among some values.
+fn humidity_levels(values: &[&Value]) -> usize {
+    let mut all: Vec<f64> = values.iter().filter_map(|own| own.humidity_percent).collect();
+    all.sort_by(f64::total_cmp);
+    let gaps = all
+        .windows(2)
+        .filter(|pair| pair[1] - pair[0] > HUMIDITY_GAP_PERCENT);
+    gaps.count() + usize::from(!all.is_empty())
+}
+
+/// From the least to the largest of some numbers.
+fn span(of: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let (low, high) = (of.clone().reduce(f64::min)?, of.reduce(f64::max)?);
+    Some(high - low)
 }

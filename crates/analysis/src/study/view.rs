@@ -1,7 +1,7 @@
 //! What the study asked, as a page and as table `contrasts`.
 
 use ieap_domain::Factor;
-use ieap_domain::number::interval;
+use ieap_domain::number::significant;
 use ieap_domain::words::in_a_row;
 use ieap_show::quantities::{MATERIAL, Quantity};
 use ieap_show::{Block, Chart, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
@@ -81,7 +81,11 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         )),
         _ => Value::Missing,
     };
-    let ends = |ends: (Option<f64>, Option<f64>)| ends.0.zip(ends.1).map(|(low, high)| interval(low, high));
+    let ends = |ends: (Option<f64>, Option<f64>)| {
+        ends.0
+            .zip(ends.1)
+            .map(|(low, high)| format!("{} to {}", significant(low, 3), significant(high, 3)))
+    };
     let rough = |number: Option<f64>| number.map(|number| Value::Rough(number, FEW));
     Sheet::<&Answer>::new("contrasts", "What environment, humidity, voltage and material do to each parameter", 6)
         .remarks(
