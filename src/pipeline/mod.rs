@@ -46,5 +46,5 @@ pub use upkeep::rebuild::{Rebuild, RebuildSummary};
 pub use upkeep::tag::{SetTags, TagSummary};
 pub use watch::{Intake, Look, Watch, WatchSettings, Watched};
 
-pub use crate::report::zone::Zone;
+pub use crate::analysis::zone::Zone;
 pub use crate::store::Earlier;

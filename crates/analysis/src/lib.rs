@@ -3,6 +3,7 @@
 pub mod cache;
 pub mod climate;
 pub mod comparison;
+pub mod condemned;
 pub mod conditions;
 pub mod cycles;
 pub mod design;
@@ -41,6 +42,7 @@ pub mod standing;
 pub mod stiffness;
 pub mod tables;
 pub mod traces;
+pub mod zone;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};
 pub use design::confounding;

@@ -199,6 +199,12 @@ impl Campaign {
         self.samples.find(id)
     }
 
+    /// Name of a run as lists show it: its path without the folder that all runs share.
+    pub fn run_name<'p>(&self, path: &'p str) -> &'p str {
+        let below = path.strip_prefix(self.runs_folder.trim_end_matches('/'));
+        below.and_then(|rest| rest.strip_prefix('/')).unwrap_or(path)
+    }
+
     /// What the files of the folder of `path` (relative, with `/`) measure; a spectrum is told by its columns.
     pub fn kind_of(&self, path: &str) -> RunKind {
         let rest = path.strip_prefix(self.dma_folder.as_str());

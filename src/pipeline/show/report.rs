@@ -441,7 +441,7 @@ pub(crate) fn input(
             program: format!("ieap {CODE_VERSION}"),
             database: format!(
                 "change {changes} of {}",
-                report::zone::Zone::of(&context.campaign).moment(changed_at)
+                crate::pipeline::Zone::of(&context.campaign).moment(changed_at)
             ),
         },
         climate: context

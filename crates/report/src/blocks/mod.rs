@@ -14,10 +14,11 @@ use self::table::TableText;
 use crate::error::ReportError;
 use crate::figures::svg;
 use crate::pages::Content;
-use crate::pages::policy::MOST_SECTIONS;
-use crate::pages::wording::{IssueText, RunLink};
+use crate::pages::policy::{MOST_SECTIONS, OPEN_ISSUES};
+use crate::pages::wording::IssueText;
 use crate::site::Site;
 use crate::slug::slugs;
+use ieap_domain::Issue;
 use ieap_domain::words::counted;
 use ieap_show::{Block, Chart, Form};
 
@@ -64,6 +65,9 @@ struct ChartText {
     is_wide: bool,
     keys: Vec<Key>,
     caption: String,
+    /// Runs set aside that lie beyond the axes.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    beyond: String,
 }
 
 /// A block as the page's template goes through them, one after the other.
@@ -89,12 +93,22 @@ enum Item {
         charts: Vec<ChartText>,
     },
     Issues {
-        issues: Vec<IssueText>,
+        issues: Vec<IssueItem>,
+        /// So many are not folded.
+        open: usize,
     },
     Runs {
         word: &'static str,
         runs: Vec<RunText>,
     },
+}
+
+/// An issue; its place leads to the page of the run that it names.
+#[derive(Debug, Serialize)]
+struct IssueItem {
+    #[serde(flatten)]
+    text: IssueText,
+    href: Option<String>,
 }
 
 /// A run that is led to where it has a page.
@@ -174,11 +188,20 @@ impl Writer<'_> {
                         _ => Item::Charts { charts: vec![chart] },
                     }
                 }
-                Block::Issues(issues) => Item::Issues {
-                    issues: issues.iter().map(IssueText::from).collect(),
-                },
+                Block::Issues(issues) => {
+                    let item = |issue: &Issue| {
+                        let (RunText { name, href }, mut text) = (self.run(&issue.place), issue.into());
+                        if href.is_some() {
+                            text = IssueText { place: name, ..text };
+                        }
+                        IssueItem { text, href }
+                    };
+                    let issues = issues.iter().map(item).collect();
+                    let open = OPEN_ISSUES;
+                    Item::Issues { issues, open }
+                }
                 Block::Runs(word, paths) => {
-                    let runs = paths.into_iter().map(|path| self.run(path)).collect();
+                    let runs = paths.iter().map(|path| self.run(path)).collect();
                     Item::Runs { word, runs }
                 }
                 Block::Part(title, blocks) => {
@@ -195,7 +218,8 @@ impl Writer<'_> {
 
     fn chart(&mut self, chart: &Chart) -> Result<ChartText, ReportError> {
         let figure = format!("chart-{}", self.figures.len() + 1);
-        let drawing = drawing(chart, chart::width_on_page(chart)).map_err(|reason| ReportError::Figure {
+        let drawn = drawing(chart, chart::width_on_page(chart), Some(self.site));
+        let drawing = drawn.map_err(|reason| ReportError::Figure {
             figure: figure.clone(),
             reason,
         })?;
@@ -207,20 +231,15 @@ impl Writer<'_> {
             is_wide: chart.form == Form::Wide,
             keys: chart::keys(chart),
             caption: chart.caption.clone(),
+            beyond: chart::beyond(chart),
         })
     }
 
-    fn run(&self, path: String) -> RunText {
-        let link = self.site.run_of(&path).map(|run| RunLink::to(self.site, run));
-        match link {
-            Some(link) => RunText {
-                name: link.name,
-                href: Some(link.href),
-            },
-            None => RunText {
-                name: path,
-                href: None,
-            },
+    fn run(&self, path: &str) -> RunText {
+        let run = self.site.run_of(path);
+        RunText {
+            name: self.site.input.campaign.run_name(path).to_owned(),
+            href: run.map(|run| self.site.run_href(run)),
         }
     }
 }

@@ -10,7 +10,7 @@ use super::canvas::{Ink, TENTHS, svg};
 use super::group::series;
 use super::panel::{Chart, Margins, TICK_SIZE, label, panel, pixels, text_style};
 use super::thin;
-use crate::zone::Zone;
+use ieap_analysis::zone::Zone;
 use ieap_domain::climate::sensor_words;
 use ieap_domain::{ClimateCurve, ClimateQuantity};
 

@@ -9,7 +9,6 @@ pub mod cells;
 pub mod climate;
 pub mod colors;
 pub mod comparison;
-pub mod control;
 pub mod drive;
 pub mod gain_bars;
 pub mod group;

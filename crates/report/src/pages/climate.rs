@@ -11,7 +11,7 @@ use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::climate::{Drawn, overview};
 use crate::site::Site;
-use crate::zone::Zone;
+use ieap_analysis::zone::Zone;
 use ieap_domain::number::seconds::seconds;
 use ieap_domain::number::{fixed, significant};
 use ieap_domain::tag::keys;

@@ -8,9 +8,7 @@ mod answers;
 pub mod climate;
 pub mod comparison;
 mod contrasts;
-mod control_chart;
 pub mod coverage;
-mod electrodes;
 pub mod finding;
 mod finding_alone;
 mod finding_answer;
@@ -19,11 +17,9 @@ mod finding_gain;
 mod finding_posterior;
 pub mod finding_words;
 pub mod findings;
-mod forecasts;
 pub mod humidity;
 pub mod index;
 pub mod law_cards;
-pub mod monitoring;
 mod needs;
 mod page;
 mod parameter_section;
@@ -48,7 +44,7 @@ pub mod wording;
 use super::blocks;
 use super::input::Input;
 use ieap_analysis::comparison::against::Against;
-use ieap_analysis::{dma, frequency, impedance, models_compared, stiffness, tables};
+use ieap_analysis::{dma, frequency, impedance, models_compared, monitoring, stiffness, tables};
 use ieap_domain::fault::caught;
 
 pub use finding::content as finding_content;
@@ -238,9 +234,12 @@ pub const PAGES: [Page; 21] = [
         file: "monitoring.html",
         title: "Monitoring",
         under: None,
-        template: include_str!("../../../../templates/pages/monitoring.html"),
-        is_shown: monitoring::is_shown,
-        content: monitoring::content,
+        template: blocks::PAGE,
+        is_shown: |input| monitoring::view::is_told(&input.monitoring, &input.of_tables()),
+        content: |site| {
+            let shown = monitoring::view::view(&site.lives());
+            blocks::content(site, "monitoring.html", shown)
+        },
     },
     Page {
         file: "climate.html",

@@ -8,10 +8,10 @@ use super::wording::{EstimateText, RunLink, estimate_of, has_warnings, why_unfit
 use crate::pages::policy::MOST_RUNS_LISTED;
 use crate::site::Site;
 use crate::sparkline::Sparks;
-use crate::zone::seconds;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
 use ieap_analysis::parameters::COMPARED;
+use ieap_analysis::zone::seconds;
 use ieap_domain::RunRecord;
 use ieap_domain::number::significant;
 use ieap_domain::tag::keys;
