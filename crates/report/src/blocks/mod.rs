@@ -26,7 +26,11 @@ use ieap_show::{Block, Chart, Form};
 pub const PAGE: &str = include_str!("../../../../templates/page.html");
 
 /// The templates of the blocks, by the names under which the page includes them.
-pub const TEMPLATES: [(&str, &str); 6] = [
+pub const TEMPLATES: [(&str, &str); 7] = [
+    (
+        "blocks/all.html",
+        include_str!("../../../../templates/blocks/all.html"),
+    ),
     (
         "blocks/say.html",
         include_str!("../../../../templates/blocks/say.html"),
@@ -59,7 +63,7 @@ struct BlocksPage {
 }
 
 #[derive(Debug, Serialize)]
-struct ChartText {
+pub(crate) struct ChartText {
     figure: String,
     title: String,
     is_wide: bool,
@@ -70,10 +74,10 @@ struct ChartText {
     beyond: String,
 }
 
-/// A block as the page's template goes through them, one after the other.
+/// A block as templates go through them, one after the other.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "lowercase", tag = "kind")]
-enum Item {
+pub(crate) enum Item {
     Open {
         /// Of the heading.
         level: usize,
@@ -105,7 +109,7 @@ enum Item {
 
 /// An issue; its place leads to the page of the run that it names.
 #[derive(Debug, Serialize)]
-struct IssueItem {
+pub(crate) struct IssueItem {
     #[serde(flatten)]
     text: IssueText,
     href: Option<String>,
@@ -113,7 +117,7 @@ struct IssueItem {
 
 /// A run that is led to where it has a page.
 #[derive(Debug, Serialize)]
-struct RunText {
+pub(crate) struct RunText {
     name: String,
     href: Option<String>,
 }
@@ -136,15 +140,30 @@ pub fn content(site: &Site, file: &str, mut blocks: Vec<Block>) -> Result<Conten
             "{more} more stand in the tables and documents of this kind."
         )));
     }
+    let mut figures = BTreeMap::new();
+    let blocks = items(site, blocks, 2, &mut figures)?;
+    Content::new(file, &BlocksPage { blocks }, figures)
+}
+
+/// Blocks for `templates/blocks/all.html`, their headings from that level on; their pictures go to `figures`.
+///
+/// # Errors
+/// A chart cannot be drawn: a fault of the program.
+pub(crate) fn items(
+    site: &Site,
+    blocks: Vec<Block>,
+    level: usize,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<Item>, ReportError> {
+    let anchors = anchors(&blocks);
     let mut writer = Writer {
         site,
         items: Vec::new(),
-        figures: BTreeMap::new(),
-        anchors: anchors(&blocks),
+        figures,
+        anchors,
     };
-    writer.write(blocks, 2)?;
-    let page = BlocksPage { blocks: writer.items };
-    Content::new(file, &page, writer.figures)
+    writer.write(blocks, level)?;
+    Ok(writer.items)
 }
 
 /// Anchors of all parts, the last one first.
@@ -167,7 +186,7 @@ fn anchors(blocks: &[Block]) -> Vec<String> {
 struct Writer<'s> {
     site: &'s Site<'s>,
     items: Vec<Item>,
-    figures: BTreeMap<String, String>,
+    figures: &'s mut BTreeMap<String, String>,
     anchors: Vec<String>,
 }
 

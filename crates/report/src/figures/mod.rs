@@ -6,7 +6,6 @@ pub mod axis;
 pub mod calendar;
 pub mod canvas;
 pub mod cells;
-pub mod climate;
 pub mod colors;
 pub mod comparison;
 pub mod drive;

@@ -5,7 +5,6 @@ pub mod against;
 pub mod along;
 mod along_words;
 mod answers;
-pub mod climate;
 pub mod comparison;
 mod contrasts;
 pub mod coverage;
@@ -26,7 +25,6 @@ mod parameter_section;
 pub(crate) mod policy;
 pub mod ratios;
 pub mod run;
-pub mod run_climate;
 pub mod run_clocks;
 mod run_condition;
 mod run_evidence;
@@ -44,7 +42,7 @@ pub mod wording;
 use super::blocks;
 use super::input::Input;
 use ieap_analysis::comparison::against::Against;
-use ieap_analysis::{dma, frequency, impedance, models_compared, monitoring, stiffness, tables};
+use ieap_analysis::{climate, dma, frequency, impedance, models_compared, monitoring, stiffness, tables};
 use ieap_domain::fault::caught;
 
 pub use finding::content as finding_content;
@@ -245,9 +243,19 @@ pub const PAGES: [Page; 21] = [
         file: "climate.html",
         title: "Climate",
         under: None,
-        template: include_str!("../../../../templates/pages/climate.html"),
+        template: blocks::PAGE,
         is_shown: |_| true,
-        content: climate::content,
+        content: |site| {
+            let Input {
+                climate,
+                campaign,
+                runs,
+                run_spans_s,
+                ..
+            } = site.input;
+            let shown = climate::view::view(climate, campaign, runs, run_spans_s);
+            blocks::content(site, "climate.html", shown)
+        },
     },
 ];
 

@@ -5,16 +5,17 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::along_words;
-use super::run_climate::{ClimatePanel, climate_panel};
 use super::run_condition::condition;
 use super::run_evidence::{Evidence, Fact, evidence};
 use super::run_figures::{Response, Subject, responses};
 use super::run_fit::{self as fits, ParameterRow};
 use super::run_tags::TagGroup;
 use super::wording::{IssueText, RunLink, group_title, readable};
+use crate::blocks::{self, Item};
 use crate::error::ReportError;
 use crate::fault::REPORT_IT;
 use crate::site::Site;
+use ieap_analysis::climate;
 use ieap_domain::{ClimateCurve, Issue, RunCurve, RunRecord, Severity};
 
 /// A run with what is drawn of it.
@@ -61,7 +62,8 @@ pub struct RunSection {
     pub group: Option<RunLink>,
     /// What is to be known of it, errors first.
     pub issues: Vec<IssueText>,
-    climate: Option<ClimatePanel>,
+    /// The climate during it.
+    climate: Vec<Item>,
     /// What it rests on.
     pub evidence: Evidence,
     /// Channels with their readings.
@@ -100,7 +102,7 @@ impl RunSection {
             alone: String::new(),
             group: None,
             issues: Vec::new(),
-            climate: None,
+            climate: Vec::new(),
             evidence: Evidence::default(),
             readings: Vec::new(),
             tags: Vec::new(),
@@ -113,6 +115,7 @@ impl RunSection {
     /// [`ReportError`]: the curves could not be had, or a fault of the program.
     pub fn draw(
         &mut self,
+        site: &Site,
         place: usize,
         record: &RunRecord,
         drawn: &DrawnRun,
@@ -132,9 +135,9 @@ impl RunSection {
             curves: &drawn.curves,
             aside: !record.standing.speaks(),
         };
-        let climate_id = format!("{id}climate");
         (self.responses, self.drawn) = responses(&subject, figures)?;
-        self.climate = climate_panel(record, &drawn.climate, &self.name, climate_id, figures)?;
+        let climate = climate::view::of_run(record, &drawn.climate);
+        self.climate = blocks::items(site, climate, 3, figures)?;
         Ok(())
     }
 
