@@ -47,9 +47,10 @@ pub fn issues(
         .collect();
     let issue = |aside: &Aside| {
         let run = &set_aside[aside.run - runs.len()];
-        let not_drawn = match drawn.contains(&&run.path) {
-            true => "",
-            false => " (not drawn here: its fit gives no value, or nothing else stands where it would)",
+        let not_drawn = if drawn.contains(&&run.path) {
+            ""
+        } else {
+            " (not drawn here: its fit gives no value, or nothing else stands where it would)"
         };
         let reason = run.standing.reason();
         let message =

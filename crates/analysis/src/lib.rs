@@ -1,5 +1,6 @@
 //! Comparison across conditions, and the climate of runs.
 
+pub mod along;
 pub mod cache;
 pub mod climate;
 pub mod comparison;
@@ -32,6 +33,7 @@ pub mod plan;
 mod policy;
 pub mod pooling;
 pub mod probe;
+pub mod readable;
 pub mod reductions;
 pub mod run_rows;
 pub mod run_tables;

@@ -54,9 +54,12 @@ fn span(zone: &Zone, from: &str, to: &str) -> String {
 
 fn range(sensor: &SensorSummary) -> String {
     // Pressures and traces span decades.
-    let number = |value: f64| match sensor.quantity.is_of_air() {
-        true => fixed(value, 1),
-        false => significant(value, 3),
+    let number = |value: f64| {
+        if sensor.quantity.is_of_air() {
+            fixed(value, 1)
+        } else {
+            significant(value, 3)
+        }
     };
     let [least, mean, most] = [sensor.least, sensor.mean, sensor.most].map(number);
     format!("{least} … {mean} … {most} {}", sensor.quantity.unit())
@@ -157,9 +160,9 @@ pub fn of_run(climate: &[RunClimate]) -> Table {
             format!("{} s", fixed(found.largest_gap_s, 0))
         })
         .column(words("readings", "Readings"), |found| found.readings)
-        .column(SENSOR, |found| match found.chosen {
-            true => found.sensor.clone(),
-            false => format!("{} (not used)", found.sensor),
+        .column(SENSOR, |found| {
+            let not_used = if found.chosen { "" } else { " (not used)" };
+            format!("{}{not_used}", found.sensor)
         })
         .column(words("accuracy", "Accuracy"), |found| match found.accuracy {
             Some(accuracy) => format!("±{accuracy}"),

@@ -109,9 +109,10 @@ fn alarms(monitoring: &Monitoring) -> impl Iterator<Item = Issue> {
         alarms.filter(move |alarm| alarm.acknowledged == known)
     };
     let issue = |alarm: &Alarm| {
-        let issue = match alarm.acknowledged {
-            false => Issue::error("alarm", &alarm.message),
-            true => Issue::note("alarm", format!("{} Known: it is not counted.", alarm.message)),
+        let issue = if alarm.acknowledged {
+            Issue::note("alarm", format!("{} Known: it is not counted.", alarm.message))
+        } else {
+            Issue::error("alarm", &alarm.message)
         };
         issue.at(&alarm.run).mend(format!("id {}", alarm.id))
     };

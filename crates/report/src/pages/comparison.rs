@@ -8,7 +8,6 @@ use serde::Serialize;
 use super::Content;
 use super::wording::{
     NOT_CONVERGED, estimate_of, humidity_label, surroundings_label, voltage_label, voltage_labels,
-    why_unfitted,
 };
 use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
@@ -461,7 +460,7 @@ fn note(site: &Site, material: usize, parameter: &ParameterInfo) -> String {
                 },
                 estimate.reason.as_deref().unwrap_or("no reason is stored"),
             ),
-            None if record.fit.is_none() => (&mut missing, why_unfitted(record)),
+            None if record.fit.is_none() => (&mut missing, record.state.why_unfitted()),
             None if record.fit.as_ref().is_some_and(|fit| !fit.converged) => (&mut missing, NOT_CONVERGED),
             None => (&mut missing, "its model has no such parameter"),
         };

@@ -2,8 +2,6 @@
 
 pub mod across;
 pub mod against;
-pub mod along;
-mod along_words;
 mod answers;
 pub mod comparison;
 mod contrasts;
@@ -42,7 +40,10 @@ pub mod wording;
 use super::blocks;
 use super::input::Input;
 use ieap_analysis::comparison::against::Against;
-use ieap_analysis::{climate, dma, frequency, impedance, models_compared, monitoring, stiffness, tables};
+use ieap_analysis::{
+    along, climate, dma, frequency, impedance, models_compared, monitoring, stiffness, tables,
+};
+use ieap_domain::RunRecord;
 use ieap_domain::fault::caught;
 
 pub use finding::content as finding_content;
@@ -149,9 +150,13 @@ pub const PAGES: [Page; 21] = [
         file: "along.html",
         title: "Along the strip",
         under: None,
-        template: include_str!("../../../../templates/pages/along.html"),
-        is_shown: along::is_shown,
-        content: along::content,
+        template: blocks::PAGE,
+        is_shown: |input| input.runs.iter().any(RunRecord::is_along),
+        content: |site| {
+            let input = site.input.of_tables();
+            let table3 = tables::table3::make(&input);
+            blocks::content(site, "along.html", along::view::view(&input, table3))
+        },
     },
     Page {
         file: "dma.html",

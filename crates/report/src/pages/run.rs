@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::along_words;
 use super::run_condition::condition;
 use super::run_evidence::{Evidence, Fact, evidence};
 use super::run_figures::{Response, Subject, responses};
@@ -15,7 +14,7 @@ use crate::blocks::{self, Item};
 use crate::error::ReportError;
 use crate::fault::REPORT_IT;
 use crate::site::Site;
-use ieap_analysis::climate;
+use ieap_analysis::{along, climate};
 use ieap_domain::{ClimateCurve, Issue, RunCurve, RunRecord, Severity};
 
 /// A run with what is drawn of it.
@@ -183,9 +182,9 @@ pub fn section(site: &Site, run: usize) -> RunSection {
         condition: condition(site, run),
         summary: summary(record, site.input.laws.doubts.is_of(&record.path)),
         along: (record.is_along() && record.standing.speaks()).then(|| AlongLine {
-            places: along_words::places(record),
+            places: along::places(record),
             href: site.strip_href(run),
-            decision: along_words::decision(record),
+            decision: along::decision(record),
         }),
         parameters: record.fit.as_ref().map_or_else(Vec::new, |fit| {
             fits::parameters(&site.input.laws.doubts, &record.path, fit)
@@ -223,7 +222,7 @@ fn worst_first(record: &RunRecord) -> Vec<IssueText> {
     let of_fit = record.fit.iter().flat_map(|fit| &fit.issues);
     let mut issues: Vec<&Issue> = record.issues.iter().chain(of_fit).collect();
     issues.sort_by_key(|issue| std::cmp::Reverse(issue.severity));
-    let said = along_words::decision_issue(record).filter(|_| record.is_along() && record.standing.speaks());
+    let said = along::decision_issue(record).filter(|_| record.is_along() && record.standing.speaks());
     let is_new = |issue: &&Issue| said.is_none_or(|said| said.message != issue.message);
     let mut texts: Vec<IssueText> = issues.into_iter().filter(is_new).map(IssueText::from).collect();
     texts.dedup();

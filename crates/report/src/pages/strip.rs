@@ -6,7 +6,6 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::along_words::places;
 use super::run_condition::condition;
 use super::wording::RunLink;
 use crate::error::ReportError;
@@ -15,8 +14,9 @@ use crate::figures::along::shapes::{self, Layout};
 use crate::figures::along::{curves, frames, millimetres, seconds, voltages};
 use crate::figures::svg;
 use crate::site::Site;
+use ieap_analysis::along::{places, residual_ratio};
 use ieap_domain::number::{fixed, measured, rounded_bound, significant};
-use ieap_domain::{AlongCurve, AlongStrip, EndsRatio, Fit, Quantity};
+use ieap_domain::{AlongCurve, AlongStrip, EndsRatio, Fit};
 
 /// Width of a drawing, px.
 const WIDTH: u32 = crate::figures::canvas::PAGE_WIDTH;
@@ -103,7 +103,7 @@ fn summary(strip: &AlongStrip, fit: Option<&Fit>) -> Vec<String> {
         .iter()
         .flat_map(|fit| curves().map(move |curve| (fit, curve.quantity)))
         .filter_map(|(fit, quantity)| {
-            let ratio = residual_ratio(fit, quantity)?;
+            let ratio = significant(residual_ratio(fit, quantity)?, 3);
             Some(format!(
                 "{ratio} × the noise in the {}",
                 quantity.label().to_lowercase()
@@ -120,13 +120,6 @@ fn summary(strip: &AlongStrip, fit: Option<&Fit>) -> Vec<String> {
         sentences.push(format!("But {}.", super::wording::NOT_CONVERGED));
     }
     sentences
-}
-
-/// `1.02`: residual over noise of a quantity of a fit.
-pub(super) fn residual_ratio(fit: &Fit, quantity: Quantity) -> Option<String> {
-    let noise = fit.noise.iter().find(|noise| noise.quantity == quantity)?;
-    let ratio = noise.residual_rms / noise.standard_deviation;
-    ratio.is_finite().then(|| significant(ratio, 3))
 }
 
 fn unevenness(strip: &AlongStrip) -> String {

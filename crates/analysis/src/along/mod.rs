@@ -1,19 +1,21 @@
-//! What is said of a run that is read along the strip, on its page and on those of strips.
+//! What is said of runs that are read along the strip.
 
-use super::wording::readable;
-use ieap_domain::words::counted;
+pub mod view;
+
+use crate::readable::readable;
+use ieap_domain::words::{capital, counted};
 use ieap_domain::{Fit, Issue, Quantity, RunRecord};
 
 /// What the fit says of lumped and distributed, as a sentence; empty where it says nothing.
 pub fn decision(run: &RunRecord) -> String {
-    let Some(issue) = decision_issue(run) else {
-        return String::new();
-    };
-    let mut said = readable(&issue.message);
-    if let Some(first) = said.get_mut(..1) {
-        first.make_ascii_uppercase();
-    }
-    said + "."
+    decision_issue(run).map_or_else(String::new, |issue| capital(&readable(&issue.message)) + ".")
+}
+
+/// Residual over noise of a quantity of a fit.
+pub fn residual_ratio(fit: &Fit, quantity: Quantity) -> Option<f64> {
+    let noise = fit.noise.iter().find(|noise| noise.quantity == quantity)?;
+    let ratio = noise.residual_rms / noise.standard_deviation;
+    ratio.is_finite().then_some(ratio)
 }
 
 /// The issue of the fit that says it.
