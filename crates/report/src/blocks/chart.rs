@@ -19,6 +19,7 @@ use crate::figures::thin;
 use crate::print_figures::grid;
 use crate::site::Site;
 use ieap_analysis::zone::Zone;
+use ieap_domain::words::in_a_row;
 use ieap_show as show;
 use ieap_show::{Chart, Form, Layer, Mark, Panel, Range, Scale};
 
@@ -75,9 +76,9 @@ pub struct Key {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     is_aside: bool,
     name: String,
-    /// Which of the colours of a print it has.
+    /// Its colour in a print.
     #[serde(skip)]
-    style: usize,
+    ink: Ink,
 }
 
 /// The legend: each named layer once.
@@ -90,7 +91,7 @@ pub fn keys(chart: &Chart) -> Vec<Key> {
             keys.push(Key {
                 is_aside,
                 class: Ink::class_of(ink(layer.ink)),
-                style: style_of(layer.ink),
+                ink: ink(layer.ink),
                 mark: (layer.mark == Mark::Marks).then(|| MARKS[style_of(layer.ink) % MARKS.len()]),
                 is_line: matches!(
                     layer.mark,
@@ -124,6 +125,9 @@ pub fn beyond(chart: &Chart) -> String {
     let of_panel = |panel: &Panel| {
         let (x, y) = axes(chart, panel, None);
         let marks: Vec<AsideMark> = panel.layers.iter().flat_map(aside_marks).collect();
+        if marks.is_empty() {
+            return String::new();
+        }
         beyond_words(&marks, (Some(&x), &y), panel.y.unit)
     };
     chart.panels.iter().map(of_panel).collect()
@@ -143,15 +147,20 @@ pub fn print(chart: &Chart, width: u32) -> Result<Drawing, String> {
 /// The message of the drawing library.
 pub fn prints(charts: &[Chart], columns: usize, width: u32) -> Result<Drawing, String> {
     let (mut legend, mut notes, mut tallest) = (Vec::new(), Vec::new(), 0);
-    let mut panels = Vec::new();
+    let (mut panels, mut aside) = (Vec::new(), BTreeSet::new());
     for chart in charts {
         // Readings are told by their dots, of which a legend of lines has none.
         let lines = keys(chart)
             .into_iter()
             .filter(|key| key.is_line || key.mark.is_some());
-        legend.extend(lines.map(|key| (key.name, key.style)));
-        notes.extend([chart.caption.clone(), beyond(chart)]);
-        notes.retain(|note| !note.is_empty());
+        legend.extend(lines.map(|key| (key.name, key.ink)));
+        notes.extend((!chart.caption.is_empty()).then(|| chart.caption.clone()));
+        let layers = chart.panels.iter().flat_map(|panel| &panel.layers);
+        aside.extend(
+            layers
+                .filter(|layer| layer.mark == Mark::SetAside)
+                .map(|layer| layer.name.as_str()),
+        );
         tallest = tallest.max(height(chart, width));
         panels.push(grid::Panel {
             title: chart.title.clone(),
@@ -159,8 +168,15 @@ pub fn prints(charts: &[Chart], columns: usize, width: u32) -> Result<Drawing, S
         });
     }
     let (mut named, mut told) = (BTreeSet::new(), BTreeSet::new());
-    legend.retain(|(name, _): &(String, usize)| named.insert(name.clone()));
+    legend.retain(|(name, _): &(String, Ink)| named.insert(name.clone()));
     notes.retain(|note: &String| told.insert(note.clone()));
+    if !aside.is_empty() {
+        let names: Vec<&str> = aside.into_iter().collect();
+        notes.push(format!(
+            "Crossed, in no number, at an arrow where beyond the axes: {}.",
+            in_a_row(&names)
+        ));
+    }
     grid::grid(width, columns, tallest, &legend, &panels, &notes)
 }
 
