@@ -148,6 +148,9 @@ pub struct Campaign {
     /// Rules for comparisons.
     #[serde(default)]
     pub compare: CompareRules,
+    /// Folder with templates of the report that take the place of the program's own, relative to the campaign.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub templates_folder: Option<String>,
     /// Keys of free tags that campaign.toml declares; others are kept and nothing is asked of them.
     #[serde(default)]
     pub extra_tags: Vec<String>,

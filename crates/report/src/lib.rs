@@ -26,5 +26,5 @@ pub mod visible;
 
 pub use error::ReportError;
 pub use input::{EffectParameterText, EffectText, Findings, Input, Origin};
-pub use render::{Rendered, render, render_site};
+pub use render::{Rendered, refused_template, render, render_site};
 pub use site::Site;

@@ -107,7 +107,8 @@ impl<'a> PageWriter<'a> {
 
     /// A hash over everything that the files of a page follow from. The program is in the frame, with its version.
     fn hash_of(&self, place: &Place, outline: &Outline, from: &[String]) -> String {
-        let templates = ([LAYOUT, RUN_TEMPLATE], blocks::TEMPLATES);
+        let own = &self.site.input.templates;
+        let templates = ([LAYOUT, RUN_TEMPLATE], blocks::TEMPLATES, own);
         let frame = self.frame(place);
         let hash = Hash::default().with(&templates).with(&place.file).with(&frame);
         hash.with(outline).with(&from).text()
