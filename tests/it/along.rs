@@ -168,18 +168,18 @@ fn what_pages_along_the_strip_say() {
     assert_eq!(
         both[0].figures.keys().collect::<Vec<_>>(),
         [
-            "curves",
+            "chart-6",
+            "chart-7",
             "film",
             "map-difference",
             "map-measured",
             "map-simulated",
-            "shapes",
-            "voltages"
+            "shapes"
         ]
     );
     assert_eq!(
         both[1].figures.keys().collect::<Vec<_>>(),
-        ["curves", "film", "map-measured", "shapes"]
+        ["chart-4", "film", "map-measured", "shapes"]
     );
     // One frame of the moving picture: its time, a measured and a simulated line.
     let film = &both[0].figures["film"];

@@ -112,6 +112,8 @@ pub enum Ink {
     Readings,
     /// The first model or series, the second, and so on.
     Series(usize),
+    /// Which one of how many in an order, as times and places: all that is drawn of it shares a key.
+    Ordered(usize, usize),
     /// Guides, and what is beside the matter.
     Guide,
     /// Limits, and what lies beyond them.

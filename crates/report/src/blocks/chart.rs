@@ -25,6 +25,8 @@ use ieap_show::{Chart, Form, Layer, Mark, Panel, Range, Scale};
 
 /// Height of a panel, px.
 const PANEL_HEIGHT: u32 = 150;
+/// Height of one that stands alone, px.
+const HIGH: u32 = 210;
 /// Height of those after the first one of many, px.
 const LOW_HEIGHT: u32 = 100;
 /// Width of a wide picture on a page, px.
@@ -43,7 +45,11 @@ const RING: u32 = 9;
 /// Radius of readings, tenths of a px, and of those that are many.
 const DOT: i32 = 22;
 const SMALL_DOT: i32 = 9;
-/// More readings than these are drawn as dots.
+/// The same of series that have an order: rings of several would hide each other.
+const ORDERED_DOT: i32 = 14;
+/// Fewer readings than these hide nothing.
+const FEW: usize = 20;
+/// From so many readings on they are drawn as dots.
 const MOST_RINGS: usize = 150;
 /// The marks of [`marker`] as paths in a square of 100.
 const MARKS: [&str; 5] = [
@@ -87,16 +93,19 @@ pub fn keys(chart: &Chart) -> Vec<Key> {
     for layer in chart.panels.iter().flat_map(|panel| &panel.layers) {
         let is_aside = layer.mark == Mark::SetAside;
         let name = if is_aside { SET_ASIDE } else { layer.name.as_str() };
-        if !name.is_empty() && keys.iter().all(|key| key.name != name) {
+        let is_ordered = matches!(layer.ink, show::Ink::Ordered(..));
+        let is_known = |key: &Key| key.name == name || is_ordered && key.ink == ink(layer.ink);
+        if !name.is_empty() && !keys.iter().any(is_known) {
             keys.push(Key {
                 is_aside,
                 class: Ink::class_of(ink(layer.ink)),
                 ink: ink(layer.ink),
                 mark: (layer.mark == Mark::Marks).then(|| MARKS[style_of(layer.ink) % MARKS.len()]),
-                is_line: matches!(
-                    layer.mark,
-                    Mark::Line | Mark::DottedLine | Mark::MarkedLine | Mark::Level | Mark::Upright
-                ),
+                is_line: is_ordered
+                    || matches!(
+                        layer.mark,
+                        Mark::Line | Mark::DottedLine | Mark::MarkedLine | Mark::Level | Mark::Upright
+                    ),
                 name: name.to_owned(),
             });
         }
@@ -203,6 +212,7 @@ fn height(chart: &Chart, width: u32) -> u32 {
 /// Of many panels the first one, which all is about, is the highest.
 fn panel_height(chart: &Chart, at: usize) -> u32 {
     match (at, chart.panels.len()) {
+        (_, 1) => HIGH,
         (1.., 3..) => LOW_HEIGHT,
         _ => PANEL_HEIGHT,
     }
@@ -311,20 +321,16 @@ fn draw_layer(
         runs.collect::<Option<_>>().unwrap_or_default()
     };
     match layer.mark {
-        Mark::Readings if points.len() > MOST_RINGS => dots(
-            chart,
-            group(&layer.name, runs()),
-            thin::dots(&points),
-            SMALL_DOT,
-            ink.mix(0.6).filled(),
-        ),
-        Mark::Readings => dots(
-            chart,
-            group(&layer.name, runs()),
-            points,
-            DOT,
-            ink.stroke_width(RING),
-        ),
+        Mark::Readings => {
+            let is_ordered = matches!(layer.ink, show::Ink::Ordered(..));
+            let (points, radius, style) = match points.len() {
+                ..FEW if is_ordered => (points, DOT, ink.filled()),
+                MOST_RINGS.. => (thin::dots(&points), SMALL_DOT, ink.mix(0.6).filled()),
+                _ if is_ordered => (points, ORDERED_DOT, ink.filled()),
+                _ => (points, DOT, ink.stroke_width(RING)),
+            };
+            dots(chart, group(&layer.name, runs()), points, radius, style)
+        }
         Mark::Marks => marks(chart, layer, (x, y), runs()),
         Mark::SetAside => draw_aside(chart, (x, y), &aside_marks(layer)),
         Mark::Span => {
@@ -497,7 +503,7 @@ fn style_of(of: show::Ink) -> usize {
         show::Ink::Series(at) => at % Ink::SERIES.len(),
         // The colour of the second series is that of limits.
         show::Ink::Limit => 1,
-        show::Ink::Readings | show::Ink::Guide => 0,
+        show::Ink::Readings | show::Ink::Ordered(..) | show::Ink::Guide => 0,
     }
 }
 
@@ -505,6 +511,7 @@ fn ink(of: show::Ink) -> Ink {
     match of {
         show::Ink::Readings => Ink::Text,
         show::Ink::Series(_) | show::Ink::Limit => comparison::ink(style_of(of)),
+        show::Ink::Ordered(at, count) => Ink::ordered(at, count),
         show::Ink::Guide => Ink::Muted,
     }
 }

@@ -112,6 +112,7 @@ pub(crate) enum Item {
 pub(crate) struct IssueItem {
     #[serde(flatten)]
     text: IssueText,
+    #[serde(skip_serializing_if = "Option::is_none")]
     href: Option<String>,
 }
 
