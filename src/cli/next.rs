@@ -19,7 +19,7 @@ use crate::pipeline::findings::next_runs::{
 pub struct NextArgs {
     #[command(flatten)]
     campaign: CampaignArg,
-    /// Write the list as a table to fill the bench's day with. Cache in the runs folder, it tags the files that are
+    /// Write the list as a table to fill the bench's day with. Kept in the runs folder, it tags the files that are
     /// saved under its names
     #[arg(long, value_name = "FILE.csv")]
     sheet: Option<PathBuf>,

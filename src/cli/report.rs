@@ -27,7 +27,7 @@ pub fn run(args: &ReportArgs, global: &Global, output: &Output) -> Result<u8, Cl
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/report/1", "report": summary }))?;
     Ok(match summary.refused {
-        None => exit::after(!summary.faults.is_empty(), true),
+        None => exit::after(!summary.faults.is_empty(), summary.templates_left_out.is_empty()),
         Some(_) => STORAGE,
     })
 }
@@ -38,6 +38,9 @@ const NAMED: usize = 5;
 /// What went wrong with the report.
 pub fn say_refused(summary: &ReportSummary, output: &Output) {
     say_faults(&summary.faults, output);
+    for left_out in &summary.templates_left_out {
+        output.message(&format!("the program's template stands in place of {left_out}"));
+    }
     if let Some(refused) = &summary.refused {
         output.error(&format!("the report was not written. {refused}"));
     }

@@ -87,7 +87,10 @@ const CUT_OFF: &str = "Interrupted. What was made so far is kept; `ieap run` goe
 fn status(summary: &RunSummary, all_taken: bool) -> u8 {
     match summary.report.refused {
         Some(_) if !summary.has_fault() => STORAGE,
-        _ => exit::after(summary.has_fault(), all_taken),
+        _ => exit::after(
+            summary.has_fault(),
+            all_taken && summary.report.templates_left_out.is_empty(),
+        ),
     }
 }
 

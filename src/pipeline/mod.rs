@@ -1,7 +1,7 @@
 //! The verbs as values: the command line, the watcher and the tests call the same ones.
 //!
-//! Data go through its folders in this order, and each uses those before it: `ground`, `campaign`, `intake`, `fits`, `findings`,
-//! `documents`, `apart`, `show`, `upkeep`; then `run`, `watch` and `serve`.
+//! Data go through its folders in this order, and each uses those before it: `infra`, `campaign`, `intake`, `fits`, `findings`,
+//! `documents`, `standalone`, `show`, `upkeep`; then `run`, `watch` and `serve`.
 
 pub mod campaign;
 pub mod documents;
@@ -46,5 +46,5 @@ pub use upkeep::rebuild::{Rebuild, RebuildSummary};
 pub use upkeep::tag::{SetTags, TagSummary};
 pub use watch::{Intake, Look, Watch, WatchSettings, Watched};
 
-pub use crate::report::zone::Zone;
+pub use crate::analysis::zone::Zone;
 pub use crate::store::Earlier;

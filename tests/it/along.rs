@@ -168,18 +168,18 @@ fn what_pages_along_the_strip_say() {
     assert_eq!(
         both[0].figures.keys().collect::<Vec<_>>(),
         [
-            "curves",
+            "chart-6",
+            "chart-7",
             "film",
             "map-difference",
             "map-measured",
             "map-simulated",
-            "shapes",
-            "voltages"
+            "shapes"
         ]
     );
     assert_eq!(
         both[1].figures.keys().collect::<Vec<_>>(),
-        ["curves", "film", "map-measured", "shapes"]
+        ["chart-4", "film", "map-measured", "shapes"]
     );
     // One frame of the moving picture: its time, a measured and a simulated line.
     let film = &both[0].figures["film"];
@@ -347,7 +347,10 @@ fn a_campaign_of_strips_has_its_pages_and_figures() {
         index.contains("2 runs are read at several places along the strip; 2 are fitted"),
         "{index}"
     );
-    assert!(index.contains("curvature at 19 places, voltage at 4 places"));
+    assert!(
+        index.contains(">19</td>") && index.contains("distributed: 19 places"),
+        "{index}"
+    );
     assert!(page("index.html").contains("href=\"along.html\""));
     // Pages carry a hash of the run's path in their names.
     let named = |start: &str| {

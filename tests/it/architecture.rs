@@ -111,13 +111,13 @@ const STAGES: [(&str, &[&str], &[&str]); 2] = [
         "src",
         &["pipeline"],
         &[
-            "ground",
+            "infra",
             "campaign",
             "intake",
             "fits",
             "findings",
             "documents",
-            "apart",
+            "standalone",
             "show",
             "upkeep",
             "run",
@@ -303,7 +303,12 @@ fn numbers_are_written_by_one_module() {
 #[test]
 fn what_is_kept_of_a_campaign_goes_through_one_seam() {
     // They read what lies outside of campaigns, or write what no campaign is made of yet.
-    let beside = ["apart/init", "apart/simulate", "serve", "ground/command.rs"];
+    let beside = [
+        "standalone/init",
+        "standalone/simulate",
+        "serve",
+        "infra/command.rs",
+    ];
     let pipeline = house().join("src/pipeline");
     let folders = [
         house().join("crates/store/src"),
@@ -343,12 +348,12 @@ fn what_a_campaign_consists_of_is_opened_only_where_a_regular_file_is() {
     // They read what a user names, or write where a user says: there a pipe or a device may be meant.
     let named_by_a_user = [
         "standalone/in_memory/read.rs",
-        "apart/forward/drive_file.rs",
+        "standalone/forward/drive_file.rs",
         "upkeep/import_fits/rows.rs",
-        "apart/inspect.rs",
-        "apart/profile.rs",
+        "standalone/inspect.rs",
+        "standalone/profile.rs",
         "show/research_crate.rs",
-        "ground/whole_file.rs",
+        "infra/whole_file.rs",
         // Its own temporary file.
         "show/export.rs",
     ];
@@ -361,7 +366,12 @@ fn what_a_campaign_consists_of_is_opened_only_where_a_regular_file_is() {
         house().join("crates/report/src"),
         pipeline.clone(),
     ];
-    let beside = ["apart/init", "apart/simulate", "serve", "ground/command.rs"];
+    let beside = [
+        "standalone/init",
+        "standalone/simulate",
+        "serve",
+        "infra/command.rs",
+    ];
     for file in folders.iter().flat_map(|folder| rust_files(folder)) {
         let is_beside = beside.iter().any(|name| file.starts_with(pipeline.join(name)));
         if is_beside || file.ends_with("tests.rs") || file.to_string_lossy().contains("_tests") {

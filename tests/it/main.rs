@@ -59,6 +59,7 @@ mod not_read;
 mod output;
 mod own_climate;
 mod own_files;
+mod own_templates;
 mod plan;
 mod prints;
 mod probe;

@@ -222,6 +222,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         run_spans_s: vec![],
         comparisons: vec![],
         outdated_comparisons: 0,
+        templates: Default::default(),
         runs,
         set_aside: vec![],
         modulus_logs: vec![],

@@ -1,8 +1,10 @@
 //! Comparison across conditions, and the climate of runs.
 
+pub mod along;
 pub mod cache;
 pub mod climate;
 pub mod comparison;
+pub mod condemned;
 pub mod conditions;
 pub mod cycles;
 pub mod design;
@@ -30,6 +32,7 @@ pub mod plan;
 mod policy;
 pub mod pooling;
 pub mod probe;
+pub mod readable;
 pub mod reductions;
 pub mod run_rows;
 pub mod run_tables;
@@ -41,6 +44,7 @@ pub mod stiffness;
 pub mod study;
 pub mod tables;
 pub mod traces;
+pub mod zone;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};
 pub use design::confounding;

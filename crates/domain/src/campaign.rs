@@ -151,6 +151,9 @@ pub struct Campaign {
     /// What the study asks.
     #[serde(default)]
     pub study: StudyRules,
+    /// Folder with templates of the report that take the place of the program's own, relative to the campaign.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub templates_folder: Option<String>,
     /// Keys of free tags that campaign.toml declares; others are kept and nothing is asked of them.
     #[serde(default)]
     pub extra_tags: Vec<String>,
@@ -230,6 +233,12 @@ impl Campaign {
     /// The sample of that id.
     pub fn sample(&self, id: &str) -> Option<&Sample> {
         self.samples.find(id)
+    }
+
+    /// Name of a run as lists show it: its path without the folder that all runs share.
+    pub fn run_name<'p>(&self, path: &'p str) -> &'p str {
+        let below = path.strip_prefix(self.runs_folder.trim_end_matches('/'));
+        below.and_then(|rest| rest.strip_prefix('/')).unwrap_or(path)
     }
 
     /// What the files of the folder of `path` (relative, with `/`) measure; a spectrum is told by its columns.

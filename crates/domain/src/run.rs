@@ -48,6 +48,18 @@ string_enum! {
     }
 }
 
+impl RunState {
+    /// Why a run has no fit, in words.
+    pub fn why_unfitted(self) -> &'static str {
+        match self {
+            RunState::Ready => "the run is not fitted yet",
+            RunState::Untagged => "a needed tag is missing",
+            RunState::NotFitted => "the run is not a step response that the model describes",
+            RunState::NoSteps => "the voltage does not go in steps",
+        }
+    }
+}
+
 string_enum! {
     /// How the measurement ended, as far as the file shows.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

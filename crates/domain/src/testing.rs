@@ -56,6 +56,7 @@ pub fn campaign() -> Campaign {
         impedance_folder: "impedance".to_owned(),
         impedance_name_pattern: None,
         impedance_circuits: Vec::new(),
+        templates_folder: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
         adopted: Vec::new(),

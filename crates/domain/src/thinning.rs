@@ -16,7 +16,7 @@ pub fn drawn_indices(time_s: &[f64], series: &[&[f64]], origin_s: f64, buckets: 
     if n <= ALL_DRAWN.max(4 * buckets) {
         return (0..n).collect();
     }
-    let mut kept = Cache::new(n);
+    let mut kept = Kept::new(n);
     kept.mark(0);
     kept.mark(n - 1);
     let (first, last) = (time_s[0], time_s[n - 1]);
@@ -33,13 +33,13 @@ pub fn drawn_indices(time_s: &[f64], series: &[&[f64]], origin_s: f64, buckets: 
 }
 
 /// Indices to keep, one bit each.
-struct Cache {
+struct Kept {
     words: Vec<u64>,
 }
 
-impl Cache {
-    fn new(n: usize) -> Cache {
-        Cache {
+impl Kept {
+    fn new(n: usize) -> Kept {
+        Kept {
             words: vec![0; n.div_ceil(64)],
         }
     }
@@ -63,7 +63,7 @@ impl Cache {
 }
 
 /// Adds, for each stretch that ends at one of `ends`, the indices of the extremes of each series.
-fn keep_extremes(time_s: &[f64], series: &[&[f64]], ends: impl Iterator<Item = f64>, kept: &mut Cache) {
+fn keep_extremes(time_s: &[f64], series: &[&[f64]], ends: impl Iterator<Item = f64>, kept: &mut Kept) {
     let mut start = 0;
     for end in ends {
         let stop = time_s.partition_point(|&t| t <= end).max(start);

@@ -14,23 +14,21 @@ use ieap_analysis::ParameterInfo;
 use ieap_analysis::parameters::usable;
 use ieap_domain::number::significant;
 
-pub use super::condemned::{Aside, aside};
+pub use ieap_analysis::condemned::{Aside, aside};
 
-impl Aside {
-    /// Its mark in a figure of a parameter, at `x`; none where its fit does not give a value.
-    pub fn mark(&self, site: &Site, key: &str, x: f64) -> Option<AsideMark> {
-        let factor = ParameterInfo::of(key).map_or(1.0, |info| info.shown_factor);
-        let estimate = usable(site.input.record(self.run), key)?;
-        let value = estimate.value.filter(|value| value.is_finite())?;
-        let shown = |end: Option<f64>| end.filter(|end| end.is_finite()).unwrap_or(value) * factor;
-        Some(AsideMark {
-            run: self.run,
-            x,
-            y: value * factor,
-            bar: (shown(estimate.low_95), shown(estimate.high_95)),
-            name: format!("{}, set aside", site.run_name(self.run)),
-        })
-    }
+/// The mark of a condemned run in a figure of a parameter, at `x`; none where its fit does not give a value.
+fn mark(aside: &Aside, site: &Site, key: &str, x: f64) -> Option<AsideMark> {
+    let factor = ParameterInfo::of(key).map_or(1.0, |info| info.shown_factor);
+    let estimate = usable(site.input.record(aside.run), key)?;
+    let value = estimate.value.filter(|value| value.is_finite())?;
+    let shown = |end: Option<f64>| end.filter(|end| end.is_finite()).unwrap_or(value) * factor;
+    Some(AsideMark {
+        run: aside.run,
+        x,
+        y: value * factor,
+        bar: (shown(estimate.low_95), shown(estimate.high_95)),
+        name: format!("{}, set aside", site.run_name(aside.run)),
+    })
 }
 
 /// A condemned run in the list under what a page shows.
@@ -44,8 +42,8 @@ pub struct AsideRow {
 
 /// Marks for a panel of the parameter `key`, of the condemned runs that `place` puts on its horizontal axis.
 pub fn marks(site: &Site, key: &str, place: impl Fn(&Aside) -> Option<f64>) -> Vec<AsideMark> {
-    let mark = |aside: &Aside| aside.mark(site, key, place(aside)?);
-    site.aside.iter().filter_map(mark).collect()
+    let of_one = |aside: &Aside| mark(aside, site, key, place(aside)?);
+    site.aside.iter().filter_map(of_one).collect()
 }
 
 /// Which condemned runs the figures of a page show.

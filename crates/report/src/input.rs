@@ -74,6 +74,8 @@ pub struct Input {
     pub comparisons: Vec<RunComparison>,
     /// Comparisons that what they were made from does not bear out any more.
     pub outdated_comparisons: usize,
+    /// Templates of the campaign's own by their names, each in place of ours.
+    pub templates: BTreeMap<String, String>,
 }
 
 impl Input {

@@ -3,7 +3,6 @@
 
 pub mod aside;
 pub mod blocks;
-mod condemned;
 mod drawn_runs;
 pub mod error;
 mod fault;
@@ -24,9 +23,8 @@ pub mod slug;
 pub mod sparkline;
 pub mod tables;
 pub mod visible;
-pub mod zone;
 
 pub use error::ReportError;
 pub use input::{EffectParameterText, EffectText, Findings, Input, Origin};
-pub use render::{Rendered, render, render_site};
+pub use render::{Rendered, refused_template, render, render_site};
 pub use site::Site;

@@ -16,7 +16,7 @@ use super::fault::{guarded, reason_of};
 use super::input::Input;
 use super::kept::{self, Earlier};
 use super::page_writer::{INDEX, LAYOUT, PageWriter, template_error, write};
-use super::pages::{FINDING_TEMPLATE, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, shown};
+use super::pages::{FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, shown};
 use super::readings_file;
 use super::run_index::run_index;
 use super::run_page_writer::make;
@@ -25,6 +25,7 @@ use super::sparkline::Sparks;
 use super::visible::{indexed, write_escaped};
 use ieap_analysis::dma::table::modulus_table;
 use ieap_analysis::{About, TableFormat, conditions_table, fits_wide, rounded, write_table};
+use ieap_domain::words::in_a_row;
 use ieap_domain::{CurveSource, Fault};
 use ieap_system::fs;
 
@@ -81,7 +82,7 @@ pub fn render_site(
     out_dir: &Path,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Rendered, ReportError> {
-    let templates = templates(pages)?;
+    let templates = templates(pages, &site.input.templates)?;
     let groups = site.input.findings.groups.len();
     let strips: Vec<usize> = (0..site.input.runs.len())
         .filter(|&run| site.input.runs[run].is_along())
@@ -182,12 +183,39 @@ const SCRIPT: &str = include_str!("../../../templates/site.js");
 const ASIDE: &str = include_str!("../../../templates/aside.html");
 const FAULT: &str = include_str!("../../../templates/fault.html");
 
-/// All templates of the site's pages with the escaping of [`write_escaped`].
-fn templates(pages: &[&Page]) -> Result<Tera, ReportError> {
+/// Why a template of a campaign's own cannot take the place of ours; none where it can.
+pub fn refused_template(name: &str, text: &str) -> Option<String> {
+    let ours = || {
+        [PAGE_NAME]
+            .into_iter()
+            .chain(blocks::TEMPLATES.map(|(name, _)| name))
+    };
+    if !ours().any(|own| own == name) {
+        let names: Vec<&str> = ours().collect();
+        return Some(format!(
+            "no template has this name; those that may stand here are {}",
+            in_a_row(&names)
+        ));
+    }
+    let own = BTreeMap::from([(name.to_owned(), text.to_owned())]);
+    let pages: Vec<&Page> = PAGES.iter().collect();
+    let made = templates(&pages, &own).map(|_| ());
+    made.err().map(|error| error.to_string())
+}
+
+/// Under which name a campaign may have the template of pages of blocks.
+const PAGE_NAME: &str = "page.html";
+
+/// All templates of the site's pages with the escaping of [`write_escaped`]; what is a campaign's `own` goes before ours.
+fn templates(pages: &[&Page], own: &BTreeMap<String, String>) -> Result<Tera, ReportError> {
     let mut tera = Tera::new();
     tera.set_escape_fn(write_escaped);
     tera.register_filter("indexed", |text: &str, _: Kwargs, _: &State| indexed(text));
-    let pages = pages.iter().map(|page| (page.file, page.template));
+    let or_own = |name: &str, ours: &'static str| own.get(name).cloned().unwrap_or_else(|| ours.to_owned());
+    let pages = pages.iter().map(|page| match page.template {
+        blocks::PAGE => (page.file, or_own(PAGE_NAME, blocks::PAGE)),
+        ours => (page.file, ours.to_owned()),
+    });
     let all = [
         ("layout.html", LAYOUT),
         ("aside.html", ASIDE),
@@ -196,8 +224,9 @@ fn templates(pages: &[&Page]) -> Result<Tera, ReportError> {
         ("finding.html", FINDING_TEMPLATE),
         ("strip.html", STRIP_TEMPLATE),
     ]
+    .map(|(name, text)| (name, text.to_owned()))
     .into_iter()
-    .chain(blocks::TEMPLATES)
+    .chain(blocks::TEMPLATES.map(|(name, ours)| (name, or_own(name, ours))))
     .chain(pages);
     tera.add_raw_templates(all)
         .map_err(|source| template_error("templates", source))?;

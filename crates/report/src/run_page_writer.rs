@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use rayon::prelude::*;
 
+use super::blocks;
 use super::drawn_runs::{drawn_from, to_draw};
 use super::error::ReportError;
 use super::fault::guarded;
@@ -106,7 +107,8 @@ impl<'a> PageWriter<'a> {
 
     /// A hash over everything that the files of a page follow from. The program is in the frame, with its version.
     fn hash_of(&self, place: &Place, outline: &Outline, from: &[String]) -> String {
-        let templates = [LAYOUT, RUN_TEMPLATE];
+        let own = &self.site.input.templates;
+        let templates = ([LAYOUT, RUN_TEMPLATE], blocks::TEMPLATES, own);
         let frame = self.frame(place);
         let hash = Hash::default().with(&templates).with(&place.file).with(&frame);
         hash.with(outline).with(&from).text()
@@ -123,7 +125,7 @@ impl<'a> PageWriter<'a> {
     /// Writes a page of runs, with their readings beside it.
     fn runs(&self, to_make: ToMake, drawn: &[DrawnRun]) -> Result<u64, ReportError> {
         let (place, outline) = (to_make.place, to_make.outline);
-        let (mut bytes, is_whole) = self.put(&place, || drawn_content(outline?, drawn))?;
+        let (mut bytes, is_whole) = self.put(&place, || drawn_content(self.site, outline?, drawn))?;
         let mut files = vec![place.file];
         if drawn.iter().any(|run| !run.curves.is_empty()) {
             let runs = drawn

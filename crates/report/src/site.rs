@@ -2,17 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use super::condemned::{Aside, aside};
 use super::figures::residual::Clock;
 use super::input::Input;
 use super::lookup::Lookup;
 use super::run_pages::{RunPage, run_pages};
 use super::slug::slugs;
 use super::sparkline::Sparks;
-use super::zone::Zone;
+use ieap_analysis::condemned::{Aside, aside};
 use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::laws::facts::{RunFacts, facts};
 use ieap_analysis::model_free::ModelFree;
+use ieap_analysis::monitoring::Lives;
+use ieap_analysis::zone::Zone;
 use ieap_analysis::{Conditions, conditions};
 use ieap_domain::number::fixed;
 use ieap_domain::tag::keys;
@@ -47,6 +48,16 @@ impl<'a> Site<'a> {
         Zone::of(&self.input.campaign)
     }
 
+    /// What monitoring says.
+    pub fn lives(&self) -> Lives<'_> {
+        Lives {
+            monitoring: &self.input.monitoring,
+            laws: &self.input.laws,
+            aside: &self.aside,
+            of: self.input.of_tables(),
+        }
+    }
+
     /// Sorts the runs of `input` into conditions and names their pages.
     pub fn new(input: &'a Input) -> Site<'a> {
         let run_pages = run_pages(input);
@@ -63,7 +74,12 @@ impl<'a> Site<'a> {
             pages_of_runs,
             faults: input.faults.clone(),
             sparks: BTreeMap::new(),
-            aside: aside(input, &conditions, &facts),
+            aside: aside(
+                (&input.runs, &input.set_aside),
+                &input.campaign,
+                &conditions,
+                &facts,
+            ),
             conditions,
             facts,
             slugs: slugs(input.records().map(|run| run.path.as_str())),
@@ -165,11 +181,7 @@ impl<'a> Site<'a> {
 
     /// Name of a run as lists show it: its path without the folder that all runs share.
     pub fn run_name(&self, run: usize) -> &str {
-        let path = self.input.record(run).path.as_str();
-        let folder = self.input.campaign.runs_folder.trim_end_matches('/');
-        path.strip_prefix(folder)
-            .and_then(|rest| rest.strip_prefix('/'))
-            .unwrap_or(path)
+        self.input.campaign.run_name(&self.input.record(run).path)
     }
 
     /// What a page of runs shows: the name of its only run, or what all its runs share, `CNaf-01 in air at 34–36 % RH`.

@@ -53,6 +53,15 @@ impl Block {
         Block::Facts(facts)
     }
 
+    /// The pictures in it.
+    pub fn charts(&self) -> Vec<&Chart> {
+        match self {
+            Block::Chart(chart) => vec![chart],
+            Block::Part(_, blocks) => blocks.iter().flat_map(Block::charts).collect(),
+            _ => Vec::new(),
+        }
+    }
+
     /// Whether it is all pictures, of which a terminal shows nothing.
     pub fn is_drawn(&self) -> bool {
         match self {

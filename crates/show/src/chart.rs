@@ -1,5 +1,7 @@
 //! A picture as a value: panels below each other, each of layers over two axes. Page, print and terminal draw it alike.
 
+use std::borrow::Cow;
+
 /// A picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
@@ -40,7 +42,7 @@ pub struct Panel {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Range {
     /// Quantity.
-    pub quantity: &'static str,
+    pub quantity: Cow<'static, str>,
     /// Unit.
     pub unit: &'static str,
     /// How numbers become positions.
@@ -60,6 +62,8 @@ pub enum Scale {
     Log,
     /// Places of names.
     Names,
+    /// Dates by the clock of the campaign, of seconds since 1970 UTC.
+    Calendar,
 }
 
 /// One series of a panel.
@@ -77,6 +81,8 @@ pub struct Layer {
     pub bars: Vec<(f64, f64)>,
     /// The same along the horizontal axis.
     pub bars_across: Vec<(f64, f64)>,
+    /// Paths of the runs that its points stand for; empty where they stand for none.
+    pub runs: Vec<String>,
 }
 
 /// What stands at the points of a layer.
@@ -86,7 +92,7 @@ pub enum Mark {
     Readings,
     /// Marks that are told apart without colour, with their bars.
     Marks,
-    /// A line through them, as far as the axes show it: it does not widen them.
+    /// A line through them, as far as the axes show it: it does not widen them. Its bars are a band about it.
     Line,
     /// A line through them that the axes make room for, and a small dot at each.
     DottedLine,
@@ -96,6 +102,11 @@ pub enum Mark {
     Upright,
     /// A level line at each.
     Level,
+    /// What lies between its bars along the horizontal axis is shaded.
+    Span,
+    /// Of a run that no result is made from, and that its layer is named after. Axes take no notice of it: beyond them it stands
+    /// at their end, and it is said in words.
+    SetAside,
 }
 
 /// Colours by what they stand for; a writer has them such that the colour-blind tell them apart.
@@ -105,15 +116,19 @@ pub enum Ink {
     Readings,
     /// The first model or series, the second, and so on.
     Series(usize),
-    /// Limits and guides.
+    /// Which one of how many in an order, as times and places: all that is drawn of it shares a key.
+    Ordered(usize, usize),
+    /// Guides, and what is beside the matter.
     Guide,
+    /// Limits, and what lies beyond them.
+    Limit,
 }
 
 impl Range {
     /// A linear axis.
-    pub fn linear(quantity: &'static str, unit: &'static str) -> Range {
+    pub fn linear(quantity: impl Into<Cow<'static, str>>, unit: &'static str) -> Range {
         Range {
-            quantity,
+            quantity: quantity.into(),
             unit,
             scale: Scale::Linear,
             always: Vec::new(),
@@ -131,10 +146,18 @@ impl Range {
     }
 
     /// A logarithmic axis.
-    pub fn log(quantity: &'static str, unit: &'static str) -> Range {
+    pub fn log(quantity: impl Into<Cow<'static, str>>, unit: &'static str) -> Range {
         Range {
             scale: Scale::Log,
             ..Range::linear(quantity, unit)
+        }
+    }
+
+    /// Time, of seconds since 1970 UTC.
+    pub fn calendar() -> Range {
+        Range {
+            scale: Scale::Calendar,
+            ..Range::linear("Time", "")
         }
     }
 
@@ -196,6 +219,7 @@ impl Layer {
             points: points.into_iter().collect(),
             bars: Vec::new(),
             bars_across: Vec::new(),
+            runs: Vec::new(),
         }
     }
 
@@ -207,6 +231,11 @@ impl Layer {
     /// The same with the ends of an interval along the horizontal axis.
     pub fn with_bars_across(self, bars_across: Vec<(f64, f64)>) -> Layer {
         Layer { bars_across, ..self }
+    }
+
+    /// The same with the paths of the runs that its points stand for.
+    pub fn of_runs(self, runs: Vec<String>) -> Layer {
+        Layer { runs, ..self }
     }
 
     /// Guides, upright or level, at these numbers.

@@ -213,6 +213,8 @@ pub enum SourceOrigin {
     Comparison(i64),
     /// The current diagnosis of a group.
     Diagnosis,
+    /// A run that is read along its strip.
+    Strip,
     /// A file that is no run.
     File,
 }

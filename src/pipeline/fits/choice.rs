@@ -48,7 +48,7 @@ pub enum ChosenBy {
     /// The caller.
     Asked,
     /// An earlier caller, and nothing that was said since stands against it.
-    Cache,
+    Kept,
     /// campaign.toml.
     Campaign,
     /// Nobody.
@@ -86,7 +86,7 @@ pub(crate) fn choose(
     } else if adds(last_asked) {
         let said = stated.or(last_asked);
         let seed = asked.seed.or(said.seed);
-        (AskedFit { seed, ..said }, last_asked.clone(), ChosenBy::Cache)
+        (AskedFit { seed, ..said }, last_asked.clone(), ChosenBy::Kept)
     } else if stated.is_open() {
         (asked.clone(), AskedFit::default(), ChosenBy::Default)
     } else {
@@ -180,7 +180,7 @@ impl HeldChoice {
                     "{runs}: {said}, as asked; later calls of `ieap run` keep it for these runs; {lasting}"
                 )
             }
-            ChosenBy::Cache => format!(
+            ChosenBy::Kept => format!(
                 "{runs}: {said}, kept as it was asked for by hand where campaign.toml states nothing; `ieap fit` with other options changes it; {lasting}"
             ),
             ChosenBy::Campaign | ChosenBy::Default => format!("{runs}: {said}, as campaign.toml states"),
@@ -222,12 +222,7 @@ mod tests {
         let kept = found(&open, &campaign, &de);
         assert_eq!(
             kept,
-            (
-                de.method.as_deref().unwrap(),
-                plain.1,
-                ChosenBy::Cache,
-                de.clone()
-            )
+            (de.method.as_deref().unwrap(), plain.1, ChosenBy::Kept, de.clone())
         );
         let anew = found(&asked(None, Some(true)), &campaign, &de);
         assert_eq!(

@@ -204,7 +204,7 @@ fn evidence(context: &Context, data: &TableData, source: &Source) -> Result<Evid
         left_out: source.left_out.clone(),
     };
     Ok(match source.origin {
-        SourceOrigin::File => bare,
+        SourceOrigin::File | SourceOrigin::Strip => bare,
         SourceOrigin::Diagnosis => Evidence {
             kind: "diagnosis",
             result: diagnosis(context, &source.name)?,

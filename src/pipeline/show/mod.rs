@@ -6,6 +6,7 @@ pub mod export;
 pub mod figures;
 pub mod found_tables;
 pub(super) mod left;
+mod own_templates;
 pub mod partitioned;
 pub mod plain_tables;
 pub(super) mod report;

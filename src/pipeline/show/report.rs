@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::along::PageCurves;
 use super::found_tables;
+use super::own_templates::OwnTemplates;
 use crate::analysis::cache::Cache;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::laws::matrix::confounding_maps;
@@ -60,6 +61,8 @@ pub struct ReportSummary {
     pub faults: Vec<Fault>,
     /// Files that were not as they had been written, and were made anew with the others.
     pub altered: Vec<String>,
+    /// Templates of the campaign's own that do not take the place of the program's, each with the reason.
+    pub templates_left_out: Vec<String>,
 }
 
 /// What stands in [`FAULTS`].
@@ -94,7 +97,8 @@ impl RenderReport {
         // What others write meanwhile is shown the next time, whole.
         let snapshot = context.store.snapshot()?;
         let (changes, changed_at) = context.store.changes()?;
-        let stamp = stamp(context, changes, &changed_at);
+        let own = OwnTemplates::of(context);
+        let stamp = stamp(context, changes, &changed_at, &own);
         let altered = own_folder::altered(&target)
             .map_err(failed(&target, "looking whether it is as it was written"))?;
         let current = stands(context, &stamp) && altered.is_empty();
@@ -106,6 +110,7 @@ impl RenderReport {
             refused,
             faults: Vec::new(),
             altered: Vec::new(),
+            templates_left_out: own.left_out.clone(),
         };
         // A database of an earlier version has a report and no rows yet.
         let is_shown = context.store.shown_of()? == Some(changes);
@@ -137,7 +142,10 @@ impl RenderReport {
         let kept = standing.values(&program);
         let made = kept.as_ref().map_or_else(Made::new, |_| standing.pages());
         let values = kept.unwrap_or_else(|| Cache::by(&program));
-        let input = input(context, changes, &changed_at, &values)?;
+        let input = report::Input {
+            templates: own.texts.clone(),
+            ..input(context, changes, &changed_at, &values)?
+        };
         let take = |files: &[String]| {
             let known: Option<Vec<(&str, &str)>> = files
                 .iter()
@@ -164,16 +172,15 @@ impl RenderReport {
             refused: None,
             faults: rendered.faults,
             altered: altered.into_iter().map(|(name, _)| name).collect(),
+            templates_left_out: own.left_out,
         })
     }
 }
 
 /// What a report of the campaign as it is would say that it was made from.
-fn stamp(context: &Context, changes: u64, changed_at: &str) -> String {
-    format!(
-        "{CODE_VERSION} {changes} {changed_at} {}\n",
-        context.campaign_digest
-    )
+fn stamp(context: &Context, changes: u64, changed_at: &str, own: &OwnTemplates) -> String {
+    let (digest, own) = (&context.campaign_digest, own.mark());
+    format!("{CODE_VERSION} {changes} {changed_at} {digest}{own}\n")
 }
 
 /// Whether a report with that stamp is there.
@@ -191,7 +198,8 @@ fn stands(context: &Context, stamp: &str) -> bool {
 /// The database cannot be read.
 pub fn is_current(context: &Context) -> Result<bool, PipelineError> {
     let (changes, changed_at) = context.store.changes()?;
-    Ok(stands(context, &stamp(context, changes, &changed_at)))
+    let own = OwnTemplates::of(context);
+    Ok(stands(context, &stamp(context, changes, &changed_at, &own)))
 }
 
 /// How the name of a report in the making begins.
@@ -440,7 +448,7 @@ pub(crate) fn input(
             program: format!("ieap {CODE_VERSION}"),
             database: format!(
                 "change {changes} of {}",
-                report::zone::Zone::of(&context.campaign).moment(changed_at)
+                crate::pipeline::Zone::of(&context.campaign).moment(changed_at)
             ),
         },
         climate: context
@@ -457,6 +465,7 @@ pub(crate) fn input(
         runs,
         comparisons,
         outdated_comparisons,
+        templates: BTreeMap::new(),
     })
 }
 

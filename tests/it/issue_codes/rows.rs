@@ -25,6 +25,7 @@ pub const OPEN: usize = 20;
 #[rustfmt::skip]
 pub const ROWS: &[(&str, Shown)] = &[
     ("ambiguous-dates", Format("hobo/refused.two_orders.csv")),
+    ("alarm", By("crates/analysis/src/monitoring/view.rs", "an_alarm_leads_to_its_run_and_those_that_are_known_stand_last")),
     ("ambiguous-format", By("crates/ingest/src/profiles/tests.rs", "two_profiles_that_fit_are_named")),
     ("ambiguous-numbers", Format("plain-table/refused.two_readings.csv")),
     ("analysis-fault", Open("a fault of the program: none is known")),
@@ -217,6 +218,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("sensor-stuck", By("crates/analysis/src/climate/checks.rs", "each_fault_is_named_and_a_good_sensor_has_none")),
     ("sensors-disagree", By("crates/analysis/src/climate/compare.rs", "sensors_that_agree_have_no_issue_and_a_bias_is_named")),
     ("series-broken", By("crates/analysis/src/groups.rs", "runs_of_another_date_are_set_apart_with_the_reason")),
+    ("set-aside", By("tests/it/aside.rs", "a_chart_shows_the_newest_run_at_its_edge_where_it_is_condemned")),
     ("shared-parameters", By("tests/it/findings.rs", "an_adopted_model_is_fitted_to_its_group_and_says_how_wrong_the_base_was")),
     ("sidecar", Format("biologic-mpr/sidecar.wait.mpr")),
     ("start-state-assumed", By("crates/ingest/src/drive/tests.rs", "one_voltage_throughout_is_a_step_from_the_discharged_state")),

@@ -2,6 +2,7 @@
 //!
 //! Everything here is a function of readings and statements; nothing reads files or the database.
 
+pub mod charts;
 pub mod checks;
 pub mod clock;
 pub mod compare;
@@ -11,6 +12,8 @@ pub mod join;
 pub mod merge;
 pub mod policy;
 pub mod sensors;
+mod sheet;
+pub mod view;
 
 pub use clock::{Clock, on_utc};
 pub use join::{NoClimate, Window, statistics};

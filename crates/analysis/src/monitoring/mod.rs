@@ -1,18 +1,24 @@
 //! Long-term monitoring: parameters in the reference condition over the life of each sample, their trends, charts and
 //! alarms, and what of a change comes back with the air.
 
+pub mod charts;
 mod course;
 #[cfg(test)]
 mod course_tests;
 mod events;
+pub mod forecasts;
+mod lives;
 #[cfg(test)]
 mod memory_tests;
 pub mod policy;
 pub mod reference;
 pub mod series;
+mod sheet;
+pub mod view;
 mod watched;
 pub mod words;
 
+pub use lives::Lives;
 pub use watched::Watched;
 
 use std::collections::BTreeMap;

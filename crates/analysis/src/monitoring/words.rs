@@ -33,6 +33,19 @@ pub fn life(watched: &Watched) -> String {
     text
 }
 
+/// The same with the laws over the other axes that grow with use.
+pub fn life_and_others(watched: &Watched) -> String {
+    let others = watched.other_axes.iter().map(|(axis, law)| {
+        let unit = match axis.unit() {
+            "" => String::new(),
+            unit => format!(" ({unit})"),
+        };
+        let moves = moves(law.size, watched.series.is_log);
+        format!(" Over {}{unit}: {moves}, {}.", axis.label(), law.law.key())
+    });
+    life(watched) + &others.collect::<String>()
+}
+
 fn subject(watched: &Watched) -> String {
     format!("{} of {}", symbol(&watched.parameter), watched.sample)
 }

@@ -4,6 +4,7 @@ use ieap_domain::number::fixed;
 
 mod course;
 mod reading;
+pub mod view;
 mod words;
 
 pub use course::{Course, course};

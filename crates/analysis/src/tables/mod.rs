@@ -19,7 +19,7 @@ mod spread;
 mod step_and_spectrum;
 pub mod stiffness;
 mod table2;
-mod table3;
+pub mod table3;
 mod table4;
 mod table5;
 mod table6;

@@ -336,7 +336,7 @@ fn what_is_drawn_along_the_strip_is_what_was_read_and_fitted() {
         assert!(curve.time_s.len() <= ieap_domain::along::DRAWN_FRAMES + 2);
         let residuals: Vec<f64> = (0..3).flat_map(|place| curve.residual_sigma_at(place)).collect();
         let rms = (residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64).sqrt();
-        // Cache frames are those with the largest excursions, so that their scatter is a little more than the noise.
+        // Kept frames are those with the largest excursions, so that their scatter is a little more than the noise.
         assert!((0.8..1.6).contains(&rms), "{rms}");
     }
     // The simulated voltage begins with that of the clamp and passes the place half-way.

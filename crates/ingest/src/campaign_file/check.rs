@@ -70,6 +70,9 @@ impl Checker<'_> {
             impedance_folder: self.folder(file.impedance.folder, &impedance_folder())?,
             impedance_name_pattern,
             impedance_circuits: file.impedance.circuits,
+            templates_folder: (file.report.templates)
+                .map(|folder| self.folder(Some(folder), ""))
+                .transpose()?,
             fit,
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
             group_by: self.group_by(head.group_by)?,

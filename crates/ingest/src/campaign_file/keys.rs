@@ -11,7 +11,7 @@ use ieap_domain::Issue;
 pub const UNKNOWN_KEY: &str = "unknown-key";
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 18] = [
+const KNOWN: [(&str, &[&str]); 19] = [
     (
         "campaign",
         &[
@@ -59,6 +59,7 @@ const KNOWN: [(&str, &[&str]); 18] = [
     ("runs", &["folder", "name_pattern"]),
     ("dma", &["folder", "name_pattern"]),
     ("impedance", &["folder", "name_pattern", "circuits"]),
+    ("report", &["templates"]),
     (
         "frames",
         &[

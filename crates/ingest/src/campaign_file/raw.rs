@@ -22,6 +22,8 @@ pub(super) struct File {
     #[serde(default)]
     pub impedance: Spectra,
     #[serde(default)]
+    pub report: Report,
+    #[serde(default)]
     pub sensor: Vec<Spanned<Sensor>>,
     #[serde(default)]
     pub climate: Climate,
@@ -139,6 +141,12 @@ pub(super) struct Spectra {
     pub name_pattern: Option<String>,
     #[serde(default)]
     pub circuits: Vec<String>,
+}
+
+/// `[report]`.
+#[derive(Deserialize, Default)]
+pub(super) struct Report {
+    pub templates: Option<String>,
 }
 
 /// `[[sensor]]`.

@@ -114,6 +114,9 @@ folder = "runs"                          # every file in it and below it is look
 # folder = "impedance"                   # impedance spectra; they may lie among the runs as well
 # name_pattern = "{{sample}}_{{environment}}"  # reads tags from their file names; that of [runs] where there is none
 # circuits = ["R0-p(R1,CPE1)-W1"]        # fitted beside those that every spectrum is fitted with (docs/impedance.md)
+
+# [report]
+# templates = "templates"                # folder with templates of pages that take the place of the program's (docs/site.md)
 "#
     )
 }

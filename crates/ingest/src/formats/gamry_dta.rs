@@ -198,7 +198,7 @@ fn drop_missing_probe(raw: &mut Raw, issues: &mut Vec<Issue>) {
         return;
     }
     if missing == readings {
-        // Cache as an uninterpreted column without numbers, it becomes no channel.
+        // Kept as an uninterpreted column without numbers, it becomes no channel.
         raw.headers[index].meaning = Meaning::Other;
     }
     let message = format!(

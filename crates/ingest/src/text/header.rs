@@ -24,7 +24,7 @@ pub enum Meaning {
         /// What is wrong with the unit.
         error: UnitError,
     },
-    /// Cache under its own name.
+    /// Kept under its own name.
     Other,
 }
 

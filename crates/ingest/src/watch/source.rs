@@ -15,7 +15,7 @@ use super::{FALLBACK_POLL, WatchOptions};
 
 /// Where hints come from.
 pub(super) enum Source {
-    /// Cache for its thread, which hears the events.
+    /// Kept for its thread, which hears the events.
     Events {
         _hears: RecommendedWatcher,
     },

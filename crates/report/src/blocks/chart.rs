@@ -2,23 +2,31 @@
 
 use std::collections::BTreeSet;
 
-use plotters::element::{Circle, PathElement};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle};
 use plotters::style::{Color, ShapeStyle};
 use serde::Serialize;
 
+use crate::aside::beyond_words;
 use crate::figures::Ink;
+use crate::figures::aside::{AsideMark, draw_aside};
 use crate::figures::axis::{Axis, finite_range};
+use crate::figures::calendar::calendar_axis;
 use crate::figures::canvas::{Area, Drawing, PAGE_WIDTH, TENTHS, drawing as drawn};
 use crate::figures::comparison::{self, marker};
-use crate::figures::group::series;
+use crate::figures::group::{Group, grouped, series};
 use crate::figures::panel::{self, Margins, panel};
 use crate::figures::thin;
 use crate::print_figures::grid;
+use crate::site::Site;
+use ieap_analysis::zone::Zone;
+use ieap_domain::words::in_a_row;
 use ieap_show as show;
 use ieap_show::{Chart, Form, Layer, Mark, Panel, Range, Scale};
 
 /// Height of a panel, px.
 const PANEL_HEIGHT: u32 = 150;
+/// Height of one that stands alone, px.
+const HIGH: u32 = 210;
 /// Height of those after the first one of many, px.
 const LOW_HEIGHT: u32 = 100;
 /// Width of a wide picture on a page, px.
@@ -37,7 +45,11 @@ const RING: u32 = 9;
 /// Radius of readings, tenths of a px, and of those that are many.
 const DOT: i32 = 22;
 const SMALL_DOT: i32 = 9;
-/// More readings than these are drawn as dots.
+/// The same of series that have an order: rings of several would hide each other.
+const ORDERED_DOT: i32 = 14;
+/// Fewer readings than these hide nothing.
+const FEW: usize = 20;
+/// From so many readings on they are drawn as dots.
 const MOST_RINGS: usize = 150;
 /// The marks of [`marker`] as paths in a square of 100.
 const MARKS: [&str; 5] = [
@@ -51,6 +63,11 @@ const MARKS: [&str; 5] = [
 const MARKS_ALONG: usize = 9;
 /// Dashes of an upright line.
 const DASHES: u32 = 12;
+/// Opacity of bands and of what is shaded, and the least width of that as a part of the axis.
+const PALE: f64 = 0.18;
+const LEAST_SPAN: f64 = 0.0015;
+/// What a legend calls runs that no result is made from.
+const SET_ASIDE: &str = "Set aside";
 
 /// How a layer is told on a page.
 #[derive(Debug, Serialize)]
@@ -61,23 +78,35 @@ pub struct Key {
     is_line: bool,
     /// Path of its mark in a square of 100, where it has marks of its own.
     mark: Option<&'static str>,
+    /// Whether no result is made from it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    is_aside: bool,
     name: String,
-    /// Which of the colours of a print it has.
+    /// Its colour in a print.
     #[serde(skip)]
-    style: usize,
+    ink: Ink,
 }
 
 /// The legend: each named layer once.
 pub fn keys(chart: &Chart) -> Vec<Key> {
     let mut keys: Vec<Key> = Vec::new();
     for layer in chart.panels.iter().flat_map(|panel| &panel.layers) {
-        if !layer.name.is_empty() && keys.iter().all(|key| key.name != layer.name) {
+        let is_aside = layer.mark == Mark::SetAside;
+        let name = if is_aside { SET_ASIDE } else { layer.name.as_str() };
+        let is_ordered = matches!(layer.ink, show::Ink::Ordered(..));
+        let is_known = |key: &Key| key.name == name || is_ordered && key.ink == ink(layer.ink);
+        if !name.is_empty() && !keys.iter().any(is_known) {
             keys.push(Key {
+                is_aside,
                 class: Ink::class_of(ink(layer.ink)),
-                style: style_of(layer.ink),
+                ink: ink(layer.ink),
                 mark: (layer.mark == Mark::Marks).then(|| MARKS[style_of(layer.ink) % MARKS.len()]),
-                is_line: matches!(layer.mark, Mark::Line | Mark::DottedLine | Mark::MarkedLine),
-                name: layer.name.clone(),
+                is_line: is_ordered
+                    || matches!(
+                        layer.mark,
+                        Mark::Line | Mark::DottedLine | Mark::MarkedLine | Mark::Level | Mark::Upright
+                    ),
+                name: name.to_owned(),
             });
         }
     }
@@ -100,6 +129,19 @@ pub fn width_on_page(chart: &Chart) -> u32 {
     }
 }
 
+/// Runs that lie beyond the axes, in words; empty where none does.
+pub fn beyond(chart: &Chart) -> String {
+    let of_panel = |panel: &Panel| {
+        let (x, y) = axes(chart, panel, None);
+        let marks: Vec<AsideMark> = panel.layers.iter().flat_map(aside_marks).collect();
+        if marks.is_empty() {
+            return String::new();
+        }
+        beyond_words(&marks, (Some(&x), &y), panel.y.unit)
+    };
+    chart.panels.iter().map(of_panel).collect()
+}
+
 /// Draws a chart for print: that wide, with its legend above and its caption below.
 ///
 /// # Errors
@@ -114,32 +156,45 @@ pub fn print(chart: &Chart, width: u32) -> Result<Drawing, String> {
 /// The message of the drawing library.
 pub fn prints(charts: &[Chart], columns: usize, width: u32) -> Result<Drawing, String> {
     let (mut legend, mut notes, mut tallest) = (Vec::new(), Vec::new(), 0);
-    let mut panels = Vec::new();
+    let (mut panels, mut aside) = (Vec::new(), BTreeSet::new());
     for chart in charts {
         // Readings are told by their dots, of which a legend of lines has none.
         let lines = keys(chart)
             .into_iter()
             .filter(|key| key.is_line || key.mark.is_some());
-        legend.extend(lines.map(|key| (key.name, key.style)));
+        legend.extend(lines.map(|key| (key.name, key.ink)));
         notes.extend((!chart.caption.is_empty()).then(|| chart.caption.clone()));
+        let layers = chart.panels.iter().flat_map(|panel| &panel.layers);
+        aside.extend(
+            layers
+                .filter(|layer| layer.mark == Mark::SetAside)
+                .map(|layer| layer.name.as_str()),
+        );
         tallest = tallest.max(height(chart, width));
         panels.push(grid::Panel {
             title: chart.title.clone(),
-            draw: Box::new(move |area| draw(area, chart)),
+            draw: Box::new(move |area| draw(area, chart, None)),
         });
     }
     let (mut named, mut told) = (BTreeSet::new(), BTreeSet::new());
-    legend.retain(|(name, _): &(String, usize)| named.insert(name.clone()));
+    legend.retain(|(name, _): &(String, Ink)| named.insert(name.clone()));
     notes.retain(|note: &String| told.insert(note.clone()));
+    if !aside.is_empty() {
+        let names: Vec<&str> = aside.into_iter().collect();
+        notes.push(format!(
+            "Crossed, in no number, at an arrow where beyond the axes: {}.",
+            in_a_row(&names)
+        ));
+    }
     grid::grid(width, columns, tallest, &legend, &panels, &notes)
 }
 
-/// Draws a chart that is `width` px wide.
+/// Draws a chart that is `width` px wide; its points lead to the runs of `site`, whose clock it goes by.
 ///
 /// # Errors
 /// The message of the drawing library.
-pub fn drawing(chart: &Chart, width: u32) -> Result<Drawing, String> {
-    drawn((width, height(chart, width)), |area| draw(area, chart))
+pub fn drawing(chart: &Chart, width: u32, site: Option<&Site>) -> Result<Drawing, String> {
+    drawn((width, height(chart, width)), |area| draw(area, chart, site))
 }
 
 fn height(chart: &Chart, width: u32) -> u32 {
@@ -157,12 +212,13 @@ fn height(chart: &Chart, width: u32) -> u32 {
 /// Of many panels the first one, which all is about, is the highest.
 fn panel_height(chart: &Chart, at: usize) -> u32 {
     match (at, chart.panels.len()) {
+        (_, 1) => HIGH,
         (1.., 3..) => LOW_HEIGHT,
         _ => PANEL_HEIGHT,
     }
 }
 
-fn draw(area: &Area, chart: &Chart) -> Result<(), String> {
+fn draw(area: &Area, chart: &Chart, site: Option<&Site>) -> Result<(), String> {
     let mut rest = area.clone();
     for (at, own) in chart.panels.iter().enumerate() {
         let is_last = at + 1 == chart.panels.len();
@@ -177,18 +233,18 @@ fn draw(area: &Area, chart: &Chart) -> Result<(), String> {
             top: 8,
             bottom: if is_last { AXIS_HEIGHT } else { 6 },
         };
-        let (x, y) = axes(chart, own);
+        let (x, y) = axes(chart, own, site);
         let mut drawn = panel(&this, margins, &x, &y, is_last)?;
         own.layers
             .iter()
-            .try_for_each(|layer| draw_layer(&mut drawn, layer, &x, &y))?;
+            .try_for_each(|layer| draw_layer(&mut drawn, layer, (&x, &y), site))?;
         rest = below;
     }
     Ok(())
 }
 
 /// Axes that show what the panel holds; the horizontal one is that of all panels.
-fn axes(chart: &Chart, own: &Panel) -> (Axis, Axis) {
+fn axes(chart: &Chart, own: &Panel, site: Option<&Site>) -> (Axis, Axis) {
     let all: Vec<&Layer> = chart.panels.iter().flat_map(|panel| &panel.layers).collect();
     let own_layers: Vec<&Layer> = own.layers.iter().collect();
     let x = shown(&own.x, &all, Mark::Level, |layer| {
@@ -196,20 +252,26 @@ fn axes(chart: &Chart, own: &Panel) -> (Axis, Axis) {
     });
     let y = shown(&own.y, &own_layers, Mark::Upright, |layer| {
         let bars = layer.bars.iter().flat_map(|bar| [bar.0, bar.1]);
-        layer.points.iter().map(|at| at.1).chain(bars).collect()
+        layer
+            .points
+            .iter()
+            .map(|at| at.1)
+            .chain(bars.filter(|_| layer.mark != Mark::Line))
+            .collect()
     });
     if chart.form == Form::EqualScales {
         let span = (1.0 + ROOM) * (x.1 - x.0).max(y.1 - y.0);
-        let axis = |range: &Range, low: f64| Axis::linear(low, low + span, range.quantity, range.unit, 5);
+        let axis = |range: &Range, low: f64| Axis::linear(low, low + span, &range.quantity, range.unit, 5);
         return (axis(&own.x, x.0), axis(&own.y, y.0));
     }
-    (axis(&own.x, x, 6), axis(&own.y, y, 5))
+    (axis(&own.x, x, 6, site), axis(&own.y, y, 5, site))
 }
 
 /// The least and the greatest number that an axis must show: a line widens it only where nothing else is drawn.
 fn shown(range: &Range, layers: &[&Layer], guide: Mark, of: fn(&Layer) -> Vec<f64>) -> (f64, f64) {
+    let never = [guide, Mark::SetAside, Mark::Span];
     let is_line = |layer: &&&Layer| layer.mark == Mark::Line;
-    let is_counted = |layer: &&&Layer| layer.mark != guide && !is_line(layer);
+    let is_counted = |layer: &&&Layer| !never.contains(&layer.mark) && !is_line(layer);
     let is_bare = !layers
         .iter()
         .any(|layer| is_counted(&layer) && layer.mark != Mark::Upright);
@@ -221,35 +283,72 @@ fn shown(range: &Range, layers: &[&Layer], guide: Mark, of: fn(&Layer) -> Vec<f6
     finite_range(numbers.chain(range.always.iter().copied()))
 }
 
-fn axis(range: &Range, (low, high): (f64, f64), ticks: usize) -> Axis {
+fn axis(range: &Range, (low, high): (f64, f64), ticks: usize, site: Option<&Site>) -> Axis {
+    let room = ROOM * (high - low);
     match range.scale {
         Scale::Names => Axis::names(&range.names),
-        Scale::Log => Axis::log(low / LOG_ROOM, high * LOG_ROOM, range.quantity, range.unit),
+        Scale::Log => Axis::log(low / LOG_ROOM, high * LOG_ROOM, &range.quantity, range.unit),
+        Scale::Calendar => {
+            let zone = site.map_or_else(Zone::utc, Site::zone);
+            calendar_axis(low - room, high + room, ticks, &zone)
+        }
         Scale::Linear => {
-            let room = ROOM * (high - low);
             // What begins at zero stands on the axis.
             let below = if low == 0.0 { 0.0 } else { room };
-            Axis::linear(low - below, high + room, range.quantity, range.unit, ticks)
+            Axis::linear(low - below, high + room, &range.quantity, range.unit, ticks)
         }
     }
 }
 
-fn draw_layer(chart: &mut panel::Chart, layer: &Layer, x: &Axis, y: &Axis) -> Result<(), String> {
+fn draw_layer(
+    chart: &mut panel::Chart,
+    layer: &Layer,
+    (x, y): (&Axis, &Axis),
+    site: Option<&Site>,
+) -> Result<(), String> {
     let ink = ink(layer.ink).color();
     let place = |at: &(f64, f64)| (x.position(at.0), y.position(at.1));
     let is_shown = |at: &(f64, f64)| x.shows(at.0) && y.shows(at.1);
     let points: Vec<(f64, f64)> = layer.points.iter().filter(|at| is_shown(at)).map(place).collect();
     let positions = layer.points.iter();
+    // Those of the points that are shown; a point of a run that has no page leaves all without.
+    let runs = || -> Vec<usize> {
+        let shown = layer
+            .runs
+            .iter()
+            .zip(&layer.points)
+            .filter(|(_, at)| is_shown(at));
+        let runs = shown.map(|(path, _)| site.and_then(|site| site.run_of(path)));
+        runs.collect::<Option<_>>().unwrap_or_default()
+    };
     match layer.mark {
-        Mark::Readings if points.len() > MOST_RINGS => dots(
-            chart,
-            &layer.name,
-            thin::dots(&points),
-            SMALL_DOT,
-            ink.mix(0.6).filled(),
-        ),
-        Mark::Readings => dots(chart, &layer.name, points, DOT, ink.stroke_width(RING)),
-        Mark::Marks => marks(chart, layer, x, y),
+        Mark::Readings => {
+            let is_ordered = matches!(layer.ink, show::Ink::Ordered(..));
+            let (points, radius, style) = match points.len() {
+                ..FEW if is_ordered => (points, DOT, ink.filled()),
+                MOST_RINGS.. => (thin::dots(&points), SMALL_DOT, ink.mix(0.6).filled()),
+                _ if is_ordered => (points, ORDERED_DOT, ink.filled()),
+                _ => (points, DOT, ink.stroke_width(RING)),
+            };
+            dots(chart, group(&layer.name, runs()), points, radius, style)
+        }
+        Mark::Marks => marks(chart, layer, (x, y), runs()),
+        Mark::SetAside => draw_aside(chart, (x, y), &aside_marks(layer)),
+        Mark::Span => {
+            let least = LEAST_SPAN * (x.high - x.low);
+            let ends = layer
+                .bars_across
+                .iter()
+                .map(|bar| (x.inside(bar.0), x.inside(bar.1)));
+            let shades = ends.map(|(from, to)| {
+                let corners = [(from, y.low), (to.max(from + least).min(x.high), y.high)];
+                Rectangle::new(corners, ink.mix(PALE).filled())
+            });
+            series(chart, "", |chart| {
+                let drawn = chart.draw_series(shades).map(|_| ());
+                drawn.map_err(|error| error.to_string())
+            })
+        }
         Mark::Line | Mark::DottedLine | Mark::MarkedLine => {
             let stretches = layer
                 .points
@@ -263,9 +362,12 @@ fn draw_layer(chart: &mut panel::Chart, layer: &Layer, x: &Axis, y: &Axis) -> Re
                 Mark::DottedLine => "",
                 _ => layer.name.as_str(),
             };
+            if layer.mark == Mark::Line && !layer.bars.is_empty() {
+                band(chart, layer, (x, y))?;
+            }
             lines(chart, name, stretches, ink.stroke_width(LINE))?;
             match layer.mark {
-                Mark::DottedLine => dots(chart, &layer.name, points, DOT / 2, ink.filled()),
+                Mark::DottedLine => dots(chart, group(&layer.name, runs()), points, DOT / 2, ink.filled()),
                 Mark::MarkedLine => marks_along(chart, &points, style_of(layer.ink)),
                 _ => Ok(()),
             }
@@ -276,42 +378,80 @@ fn draw_layer(chart: &mut panel::Chart, layer: &Layer, x: &Axis, y: &Axis) -> Re
         }
         Mark::Level => {
             let level = positions.map(|at| vec![(x.low, y.position(at.1)), (x.high, y.position(at.1))]);
-            lines(chart, &layer.name, level.collect(), ink.stroke_width(GUIDE))
+            lines(chart, "", level.collect(), ink.stroke_width(GUIDE))
         }
     }
 }
 
-/// Marks with their bars; a bar that reaches beyond the axis ends at it.
-fn marks(chart: &mut panel::Chart, layer: &Layer, x: &Axis, y: &Axis) -> Result<(), String> {
+/// The band of a line, brought to the ends of the axis.
+fn band(chart: &mut panel::Chart, layer: &Layer, (x, y): (&Axis, &Axis)) -> Result<(), String> {
+    let pixels = panel::pixels(chart);
+    let edge = |of: fn(&(f64, f64)) -> f64| {
+        let places = layer.points.iter().zip(&layer.bars);
+        let places = places.map(|(at, bar)| (x.position(at.0), y.inside(of(bar))));
+        thin::line(&places.collect::<Vec<_>>(), pixels)
+    };
+    let (low, high) = (edge(|bar| bar.0), edge(|bar| bar.1));
+    let corners: Vec<(f64, f64)> = low.into_iter().chain(high.into_iter().rev()).collect();
+    let band = Polygon::new(corners, Ink::Muted.color().mix(PALE).filled());
+    series(chart, "", |chart| {
+        let drawn = chart.draw_series([band]).map(|_| ());
+        drawn.map_err(|error| error.to_string())
+    })
+}
+
+/// The runs of a layer that no result is made from.
+fn aside_marks(layer: &Layer) -> Vec<AsideMark> {
+    let points = layer.points.iter().zip(&layer.bars);
+    let points = points.filter(|_| layer.mark == Mark::SetAside);
+    let mark = |(&(x, y), &bar): (&(f64, f64), &(f64, f64))| AsideMark {
+        run: 0,
+        x,
+        y,
+        bar,
+        name: layer.name.clone(),
+    };
+    points.map(mark).collect()
+}
+
+/// Marks over their bars; a bar that reaches beyond the axis ends at it.
+fn marks(
+    chart: &mut panel::Chart,
+    layer: &Layer,
+    (x, y): (&Axis, &Axis),
+    runs: Vec<usize>,
+) -> Result<(), String> {
     let style = style_of(layer.ink);
-    let end = |number: f64, edge: f64| if y.shows(number) { y.position(number) } else { edge };
-    let bars = layer
-        .points
-        .iter()
-        .zip(&layer.bars)
-        .filter(|(at, _)| x.shows(at.0));
-    let bars = bars.map(|(at, bar)| {
+    let bars = layer.points.iter().zip(&layer.bars);
+    let bars = bars.filter(|(at, _)| x.shows(at.0)).map(|(at, bar)| {
         let x = x.position(at.0);
-        vec![(x, end(bar.0, y.low)), (x, end(bar.1, y.high))]
+        vec![(x, y.inside(bar.0)), (x, y.inside(bar.1))]
     });
-    let side = |number: f64, edge: f64| if x.shows(number) { x.position(number) } else { edge };
     let across = layer.points.iter().zip(&layer.bars_across);
-    let across = across.filter(|(at, _)| y.shows(at.1));
-    let across = across.map(|(at, bar)| {
+    let across = across.filter(|(at, _)| y.shows(at.1)).map(|(at, bar)| {
         let y = y.position(at.1);
-        vec![(side(bar.0, x.low), y), (side(bar.1, x.high), y)]
+        vec![(x.inside(bar.0), y), (x.inside(bar.1), y)]
     });
-    lines(
-        chart,
-        "",
-        bars.chain(across).collect(),
-        ink(layer.ink).color().stroke_width(GUIDE),
-    )?;
-    series(chart, &layer.name, |chart| {
+    let bars: Vec<Vec<(f64, f64)>> = bars.chain(across).collect();
+    let line = ink(layer.ink).color().stroke_width(GUIDE);
+    grouped(chart, group(&layer.name, runs), |chart| {
+        let paths = bars.into_iter().map(|bar| PathElement::new(bar, line));
+        chart.draw_series(paths).map_err(|error| error.to_string())?;
         let shown = layer.points.iter().filter(|at| x.shows(at.0) && y.shows(at.1));
         let mut places = shown.map(|at| (x.position(at.0), y.position(at.1)));
         places.try_for_each(|at| marker(chart, at, style, true))
     })
+}
+
+/// A series whose points stand for these runs.
+fn group(name: &str, runs: Vec<usize>) -> Group {
+    Group::Series {
+        name: name.to_owned(),
+        runs,
+        form: 0,
+        to_the_pixel: false,
+        aside: false,
+    }
 }
 
 /// A few marks on a line, at other places on each so that they do not hide each other.
@@ -326,12 +466,12 @@ fn marks_along(chart: &mut panel::Chart, points: &[(f64, f64)], style: usize) ->
 
 fn dots(
     chart: &mut panel::Chart,
-    name: &str,
+    group: Group,
     points: Vec<(f64, f64)>,
     radius: i32,
     style: ShapeStyle,
 ) -> Result<(), String> {
-    series(chart, name, |chart| {
+    grouped(chart, group, |chart| {
         let circles = points.into_iter().map(|at| Circle::new(at, radius, style));
         let drawn = chart.draw_series(circles).map(|_| ());
         drawn.map_err(|error| error.to_string())
@@ -362,14 +502,17 @@ fn dashes(at: f64, y: &Axis) -> Vec<Vec<(f64, f64)>> {
 fn style_of(of: show::Ink) -> usize {
     match of {
         show::Ink::Series(at) => at % Ink::SERIES.len(),
-        show::Ink::Readings | show::Ink::Guide => 0,
+        // The colour of the second series is that of limits.
+        show::Ink::Limit => 1,
+        show::Ink::Readings | show::Ink::Ordered(..) | show::Ink::Guide => 0,
     }
 }
 
 fn ink(of: show::Ink) -> Ink {
     match of {
         show::Ink::Readings => Ink::Text,
-        show::Ink::Series(_) => comparison::ink(style_of(of)),
+        show::Ink::Series(_) | show::Ink::Limit => comparison::ink(style_of(of)),
+        show::Ink::Ordered(at, count) => Ink::ordered(at, count),
         show::Ink::Guide => Ink::Muted,
     }
 }
@@ -401,7 +544,7 @@ mod tests {
 
     #[test]
     fn axes_have_units_and_what_cannot_be_shown_leaves_no_hole() {
-        let drawn = drawing(&chart(), PAGE_WIDTH).unwrap();
+        let drawn = drawing(&chart(), PAGE_WIDTH, None).unwrap();
         let svg = crate::figures::svg::inline(&drawn, "t", "d");
         assert!(!svg.contains("NaN"), "{svg}");
         assert!(svg.contains("Frequency (Hz)") && svg.contains("|Z| (Ω)"));
@@ -416,7 +559,7 @@ mod tests {
 
     #[test]
     fn a_line_far_beyond_the_readings_does_not_widen_the_axes() {
-        let (_, y) = axes(&chart(), &chart().panels[0]);
+        let (_, y) = axes(&chart(), &chart().panels[0], None);
         assert!(y.high < 12.0 && y.low == 0.0, "{y:?}");
     }
 

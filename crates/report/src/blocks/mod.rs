@@ -14,10 +14,11 @@ use self::table::TableText;
 use crate::error::ReportError;
 use crate::figures::svg;
 use crate::pages::Content;
-use crate::pages::policy::MOST_SECTIONS;
-use crate::pages::wording::{IssueText, RunLink};
+use crate::pages::policy::{MOST_SECTIONS, OPEN_ISSUES};
+use crate::pages::wording::IssueText;
 use crate::site::Site;
 use crate::slug::slugs;
+use ieap_domain::Issue;
 use ieap_domain::words::counted;
 use ieap_show::{Block, Chart, Form};
 
@@ -58,26 +59,25 @@ pub const TEMPLATES: [(&str, &str); 7] = [
 
 #[derive(Debug, Serialize)]
 struct BlocksPage {
-    blocks: Items,
+    blocks: Vec<Item>,
 }
 
-/// Blocks as the templates go through them.
 #[derive(Debug, Serialize)]
-pub struct Items(Vec<Item>);
-
-#[derive(Debug, Serialize)]
-struct ChartText {
+pub(crate) struct ChartText {
     figure: String,
     title: String,
     is_wide: bool,
     keys: Vec<Key>,
     caption: String,
+    /// Runs set aside that lie beyond the axes.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    beyond: String,
 }
 
-/// A block as the page's template goes through them, one after the other.
+/// A block as templates go through them, one after the other.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "lowercase", tag = "kind")]
-enum Item {
+pub(crate) enum Item {
     Open {
         /// Of the heading.
         level: usize,
@@ -97,7 +97,9 @@ enum Item {
         charts: Vec<ChartText>,
     },
     Issues {
-        issues: Vec<IssueText>,
+        issues: Vec<IssueItem>,
+        /// So many are not folded.
+        open: usize,
     },
     Runs {
         word: &'static str,
@@ -105,9 +107,18 @@ enum Item {
     },
 }
 
+/// An issue; its place leads to the page of the run that it names.
+#[derive(Debug, Serialize)]
+pub(crate) struct IssueItem {
+    #[serde(flatten)]
+    text: IssueText,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    href: Option<String>,
+}
+
 /// A run that is led to where it has a page.
 #[derive(Debug, Serialize)]
-struct RunText {
+pub(crate) struct RunText {
     name: String,
     href: Option<String>,
 }
@@ -130,23 +141,30 @@ pub fn content(site: &Site, file: &str, mut blocks: Vec<Block>) -> Result<Conten
             "{more} more stand in the tables and documents of this kind."
         )));
     }
-    let (blocks, figures) = items(site, blocks)?;
+    let mut figures = BTreeMap::new();
+    let blocks = items(site, blocks, 2, &mut figures)?;
     Content::new(file, &BlocksPage { blocks }, figures)
 }
 
-/// Blocks as the templates go through them, with their figures.
+/// Blocks for `templates/blocks/all.html`, their headings from that level on; their pictures go to `figures`.
 ///
 /// # Errors
 /// A chart cannot be drawn: a fault of the program.
-pub fn items(site: &Site, blocks: Vec<Block>) -> Result<(Items, BTreeMap<String, String>), ReportError> {
+pub(crate) fn items(
+    site: &Site,
+    blocks: Vec<Block>,
+    level: usize,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<Item>, ReportError> {
+    let anchors = anchors(&blocks);
     let mut writer = Writer {
         site,
         items: Vec::new(),
-        figures: BTreeMap::new(),
-        anchors: anchors(&blocks),
+        figures,
+        anchors,
     };
-    writer.write(blocks, 2)?;
-    Ok((Items(writer.items), writer.figures))
+    writer.write(blocks, level)?;
+    Ok(writer.items)
 }
 
 /// Anchors of all parts, the last one first.
@@ -169,7 +187,7 @@ fn anchors(blocks: &[Block]) -> Vec<String> {
 struct Writer<'s> {
     site: &'s Site<'s>,
     items: Vec<Item>,
-    figures: BTreeMap<String, String>,
+    figures: &'s mut BTreeMap<String, String>,
     anchors: Vec<String>,
 }
 
@@ -190,11 +208,20 @@ impl Writer<'_> {
                         _ => Item::Charts { charts: vec![chart] },
                     }
                 }
-                Block::Issues(issues) => Item::Issues {
-                    issues: issues.iter().map(IssueText::from).collect(),
-                },
+                Block::Issues(issues) => {
+                    let item = |issue: &Issue| {
+                        let (RunText { name, href }, mut text) = (self.run(&issue.place), issue.into());
+                        if href.is_some() {
+                            text = IssueText { place: name, ..text };
+                        }
+                        IssueItem { text, href }
+                    };
+                    let issues = issues.iter().map(item).collect();
+                    let open = OPEN_ISSUES;
+                    Item::Issues { issues, open }
+                }
                 Block::Runs(word, paths) => {
-                    let runs = paths.into_iter().map(|path| self.run(path)).collect();
+                    let runs = paths.iter().map(|path| self.run(path)).collect();
                     Item::Runs { word, runs }
                 }
                 Block::Part(title, blocks) => {
@@ -211,7 +238,8 @@ impl Writer<'_> {
 
     fn chart(&mut self, chart: &Chart) -> Result<ChartText, ReportError> {
         let figure = format!("chart-{}", self.figures.len() + 1);
-        let drawing = drawing(chart, chart::width_on_page(chart)).map_err(|reason| ReportError::Figure {
+        let drawn = drawing(chart, chart::width_on_page(chart), Some(self.site));
+        let drawing = drawn.map_err(|reason| ReportError::Figure {
             figure: figure.clone(),
             reason,
         })?;
@@ -223,20 +251,15 @@ impl Writer<'_> {
             is_wide: chart.form == Form::Wide,
             keys: chart::keys(chart),
             caption: chart.caption.clone(),
+            beyond: chart::beyond(chart),
         })
     }
 
-    fn run(&self, path: String) -> RunText {
-        let link = self.site.run_of(&path).map(|run| RunLink::to(self.site, run));
-        match link {
-            Some(link) => RunText {
-                name: link.name,
-                href: Some(link.href),
-            },
-            None => RunText {
-                name: path,
-                href: None,
-            },
+    fn run(&self, path: &str) -> RunText {
+        let run = self.site.run_of(path);
+        RunText {
+            name: self.site.input.campaign.run_name(path).to_owned(),
+            href: run.map(|run| self.site.run_href(run)),
         }
     }
 }

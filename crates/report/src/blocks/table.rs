@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::site::Site;
 use crate::tables::{ShownCell, grid, note_letter, note_letters, remarks, repeated};
 use ieap_domain::number::interval;
-use ieap_show::{Cell, Content, Table};
+use ieap_show::{Cell, Content, SourceOrigin, Table};
 
 /// A table as its template prints it.
 #[derive(Debug, Serialize)]
@@ -101,7 +101,10 @@ fn href(site: &Site, cell: &Cell, shown: &ShownCell) -> Option<String> {
     let ShownCell::Words(words) = shown else {
         return None;
     };
-    let named = cell.sources.iter().any(|source| source.name == *words);
-    let run = site.run_of(words).filter(|_| named)?;
-    Some(site.run_href(run))
+    let named = cell.sources.iter().find(|source| source.name == *words)?;
+    let run = site.run_of(words)?;
+    Some(match named.origin {
+        SourceOrigin::Strip => site.strip_href(run),
+        _ => site.run_href(run),
+    })
 }

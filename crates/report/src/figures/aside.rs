@@ -45,26 +45,7 @@ impl AsideMark {
 
     /// To which side it lies outside: right and up are 1.
     fn way(&self, (x, y): (&Axis, &Axis)) -> (i32, i32) {
-        (way(x, self.x), way(y, self.y))
-    }
-}
-
-/// On which side of the axis a number lies: -1 below, 1 above.
-fn way(axis: &Axis, number: f64) -> i32 {
-    match axis.shows(number) {
-        true => 0,
-        // What has no place on a logarithmic axis lies below.
-        false if axis.position(number) > axis.high => 1,
-        false => -1,
-    }
-}
-
-/// Position on the axis, brought to its ends.
-fn inside(axis: &Axis, number: f64) -> f64 {
-    match way(axis, number) {
-        0 => axis.position(number),
-        1 => axis.high,
-        _ => axis.low,
+        (x.way(self.x), y.way(self.y))
     }
 }
 
@@ -76,10 +57,10 @@ pub fn draw_aside(chart: &mut Chart, axes: (&Axis, &Axis), marks: &[AsideMark]) 
     for mark in marks {
         let way = mark.way(axes);
         let name = if way == (0, 0) { mark.name.as_str() } else { "" };
-        let at = (inside(axes.0, mark.x), inside(axes.1, mark.y));
+        let at = (axes.0.inside(mark.x), axes.1.inside(mark.y));
         aside_series(chart, name, |chart| match way {
             (0, 0) => {
-                let ends = [mark.bar.0, mark.bar.1].map(|end| (at.0, inside(axes.1, end)));
+                let ends = [mark.bar.0, mark.bar.1].map(|end| (at.0, axes.1.inside(end)));
                 let style = Ink::Muted.color().mix(PALE).stroke_width(LINE);
                 let bar = PathElement::new(ends, style);
                 chart.draw_series([bar]).map_err(|error| error.to_string())?;

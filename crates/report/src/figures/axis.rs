@@ -68,20 +68,24 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// A linear axis over `low..=high`, with an SI prefix before `unit` where there is a unit.
+    /// A linear axis over `low..=high`, with an SI prefix before `unit` where that takes one, else a power of ten where ticks
+    /// would be rows of zeros.
     pub fn linear(low: f64, high: f64, quantity: &str, unit: &str, wanted_ticks: usize) -> Axis {
         let (low, high) = widened(low, high);
         let (base, per_base) = unprefixed(unit);
-        let prefix = match base {
-            "s" if low.abs().max(high.abs()) < 10_000.0 => si_prefix(1.0),
+        let largest = low.abs().max(high.abs());
+        let (prefix, unit) = match base {
+            "" => (si_prefix(1.0), String::new()),
+            "s" if largest < 10_000.0 => (si_prefix(1.0), base.to_owned()),
             base if takes_prefix(base) => {
-                let prefix = si_prefix(low.abs().max(high.abs()) * per_base);
-                Prefix {
-                    factor: prefix.factor * per_base,
-                    ..prefix
-                }
+                let prefix = si_prefix(largest * per_base);
+                let factor = prefix.factor * per_base;
+                (Prefix { factor, ..prefix }, format!("{}{base}", prefix.symbol))
             }
-            _ => si_prefix(1.0),
+            base => {
+                let (factor, unit) = scaled_unit(largest, base);
+                (Prefix { factor, symbol: "" }, unit)
+            }
         };
         let step = tick_step((high - low) * prefix.factor, wanted_ticks);
         Axis {
@@ -89,7 +93,7 @@ impl Axis {
             low,
             high,
             ticks: linear_ticks(low, high, step, prefix),
-            title: titled(quantity, &format!("{}{}", prefix.symbol, shown_unit(base))),
+            title: titled(quantity, &unit),
             shown_factor: prefix.factor,
         }
     }
@@ -195,6 +199,24 @@ impl Axis {
     pub fn shows(&self, number: f64) -> bool {
         let margin = 1e-9 * (self.high - self.low);
         (self.low - margin..=self.high + margin).contains(&self.position(number))
+    }
+
+    /// On which side of it a number lies: -1 below, 1 above. What has no place on a logarithmic axis lies below.
+    pub fn way(&self, number: f64) -> i32 {
+        match self.shows(number) {
+            true => 0,
+            false if self.position(number) > self.high => 1,
+            false => -1,
+        }
+    }
+
+    /// Position of a number, brought to the ends of the axis.
+    pub fn inside(&self, number: f64) -> f64 {
+        match self.way(number) {
+            0 => self.position(number),
+            1 => self.high,
+            _ => self.low,
+        }
     }
 }
 

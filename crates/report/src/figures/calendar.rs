@@ -3,7 +3,7 @@
 use jiff::{Timestamp, ToSpan, Zoned};
 
 use super::axis::{Axis, Scale, Tick};
-use crate::zone::Zone;
+use ieap_analysis::zone::Zone;
 
 /// Steps between ticks, with the format of their labels: (hours, days, months).
 const STEPS: [((i64, i64, i64), &str); 12] = [

@@ -77,6 +77,12 @@ impl Ink {
         Ink::Sixth,
     ];
 
+    /// Ink of series number `at` of `count` that have an order.
+    pub fn ordered(at: usize, count: usize) -> Ink {
+        let last = Ink::ORDERED.len() - 1;
+        Ink::ORDERED[(at * last / count.saturating_sub(1).max(1)).min(last)]
+    }
+
     /// Colour for plotters; also what is seen where no style sheet is.
     pub fn color(self) -> RGBColor {
         let (red, green, blue) = self.rgb();

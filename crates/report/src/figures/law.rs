@@ -147,21 +147,12 @@ fn draw_on(area: &Area, (x, y): (&Axis, &Axis), (marks, beside): (&[Mark], &Besi
     draw_aside(&mut chart, (x, y), &beside.aside)
 }
 
-/// Position on the vertical axis, brought to its ends.
-fn inside(y: &Axis, value: f64) -> f64 {
-    match y.shows(value) {
-        true => y.position(value),
-        false if value > 0.0 && y.position(value) > y.high => y.high,
-        false => y.low,
-    }
-}
-
 /// The law with its band, limits and changes.
 fn draw_beside(chart: &mut Chart, x: &Axis, y: &Axis, beside: &Beside) -> Result<(), String> {
     if beside.law.x.len() > 1 {
         let seen = pixels(chart);
         let curve = |value: &dyn Fn(usize) -> f64| {
-            let points = (0..beside.law.x.len()).map(|k| (x.position(beside.law.x[k]), inside(y, value(k))));
+            let points = (0..beside.law.x.len()).map(|k| (x.position(beside.law.x[k]), y.inside(value(k))));
             thin::line(&points.collect::<Vec<_>>(), seen)
         };
         let low = curve(&|k| beside.law.band[k].0);
@@ -206,13 +197,13 @@ fn draw_marks(
     let seen = pixels(chart);
     grouped(chart, group, |chart| {
         for mark in marks.iter().filter(|mark| mark.came_from != 0) {
-            let (across, up) = (x.position(mark.x), inside(y, mark.y));
+            let (across, up) = (x.position(mark.x), y.inside(mark.y));
             let end = (across + f64::from(mark.came_from) * TAIL / seen.across).clamp(x.low, x.high);
             line(chart, vec![(across, up), (end, up)], color, 18)?;
         }
         for mark in marks {
-            let (across, up) = (x.position(mark.x), inside(y, mark.y));
-            let ends = [inside(y, mark.bar.0), inside(y, mark.bar.1)];
+            let (across, up) = (x.position(mark.x), y.inside(mark.y));
+            let ends = [y.inside(mark.bar.0), y.inside(mark.bar.1)];
             // What is shorter than a pixel lies within the mark.
             if (ends[1] - ends[0]).abs() * seen.up >= 1.0 {
                 line(chart, ends.map(|end| (across, end)).to_vec(), color, 10)?;
@@ -229,7 +220,7 @@ fn draw_marks(
         });
         chart.draw_series(dots).map_err(|error| error.to_string())?;
         let mut beyond = beyond.into_iter();
-        beyond.try_for_each(|mark| marker(chart, (x.position(mark.x), inside(y, mark.y)), style, false))
+        beyond.try_for_each(|mark| marker(chart, (x.position(mark.x), y.inside(mark.y)), style, false))
     })
 }
 

@@ -5,17 +5,18 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
+use super::across;
 use super::finding_words::{Outcome, campaign_lead, outcome_of};
 use super::humidity::strongest_first;
 use super::law_cards::{LawCard, SampleKey, law_cards, one_of, sample_keys};
 use super::wording::group_title;
-use super::{across, forecasts};
 use crate::aside::Shown;
 use crate::error::ReportError;
 use crate::pages::policy::MOST_GROUPS_NAMED;
 use crate::site::Site;
 use ieap_analysis::laws::Dependence;
 use ieap_analysis::laws::words;
+use ieap_analysis::monitoring::forecasts::{Dates, forecasts};
 use ieap_domain::GroupDiagnosis;
 use ieap_domain::number::significant;
 
@@ -76,7 +77,9 @@ fn shows(site: &Site, claimed: &[&Dependence]) -> Option<Said> {
     if let Some(found) = first {
         return Some(Said::new(law_words(found), "humidity.html", "all laws"));
     }
-    let told = forecasts::forecasts(site).into_iter().find(|one| one.is_told)?;
+    let dates = Dates::of(&site.input.campaign, &site.input.runs);
+    let told = forecasts(&site.input.monitoring, &dates);
+    let told = told.into_iter().find(|one| one.is_told)?;
     Some(Said::new(told.sentence(), "monitoring.html", "monitoring"))
 }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::wording::{NOT_CONVERGED, humidity_label, voltage_labels, why_unfitted};
+use super::wording::{NOT_CONVERGED, humidity_label, voltage_labels};
 use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;
@@ -371,7 +371,7 @@ fn note(site: &Site, material: usize, parameter: &ParameterInfo) -> String {
                 },
                 estimate.reason.as_deref().unwrap_or("no reason is stored"),
             ),
-            None if record.fit.is_none() => (&mut missing, why_unfitted(record)),
+            None if record.fit.is_none() => (&mut missing, record.state.why_unfitted()),
             None if record.fit.as_ref().is_some_and(|fit| !fit.converged) => (&mut missing, NOT_CONVERGED),
             None => (&mut missing, "its model has no such parameter"),
         };

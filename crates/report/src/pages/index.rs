@@ -26,7 +26,7 @@ const MANY: usize = 8;
 struct Index {
     lead: String,
     /// What the study asked, with its picture.
-    blocks: blocks::Items,
+    blocks: Vec<blocks::Item>,
     answers: Answers,
     needs: Vec<Need>,
     caution: Vec<String>,
@@ -103,7 +103,8 @@ struct Problem {
 
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
-    let (blocks, mut figures) = blocks::items(site, study::view::overview(&site.input.study))?;
+    let mut figures = BTreeMap::new();
+    let blocks = blocks::items(site, study::view::overview(&site.input.study), 2, &mut figures)?;
     let answers = answers(site, &mut figures)?;
     let index = Index {
         lead: lead(site),

@@ -2,14 +2,9 @@
 
 pub mod across;
 pub mod against;
-pub mod along;
-mod along_words;
 mod answers;
-pub mod climate;
 pub mod comparison;
-mod control_chart;
 pub mod coverage;
-mod electrodes;
 pub mod finding;
 mod finding_alone;
 mod finding_answer;
@@ -18,18 +13,15 @@ mod finding_gain;
 mod finding_posterior;
 pub mod finding_words;
 pub mod findings;
-mod forecasts;
 pub mod humidity;
 pub mod index;
 pub mod law_cards;
-pub mod monitoring;
 mod needs;
 mod page;
 mod parameter_section;
 pub(crate) mod policy;
 pub mod ratios;
 pub mod run;
-pub mod run_climate;
 pub mod run_clocks;
 mod run_condition;
 mod run_evidence;
@@ -47,7 +39,10 @@ pub mod wording;
 use super::blocks;
 use super::input::Input;
 use ieap_analysis::comparison::against::Against;
-use ieap_analysis::{dma, frequency, impedance, models_compared, stiffness, study, tables};
+use ieap_analysis::{
+    along, climate, dma, frequency, impedance, models_compared, monitoring, stiffness, study, tables,
+};
+use ieap_domain::RunRecord;
 use ieap_domain::fault::caught;
 
 pub use finding::content as finding_content;
@@ -162,9 +157,13 @@ pub const PAGES: [Page; 22] = [
         file: "along.html",
         title: "Along the strip",
         under: None,
-        template: include_str!("../../../../templates/pages/along.html"),
-        is_shown: along::is_shown,
-        content: along::content,
+        template: blocks::PAGE,
+        is_shown: |input| input.runs.iter().any(RunRecord::is_along),
+        content: |site| {
+            let input = site.input.of_tables();
+            let table3 = tables::table3::make(&input);
+            blocks::content(site, "along.html", along::view::view(&input, table3))
+        },
     },
     Page {
         file: "dma.html",
@@ -245,17 +244,30 @@ pub const PAGES: [Page; 22] = [
         file: "monitoring.html",
         title: "Monitoring",
         under: None,
-        template: include_str!("../../../../templates/pages/monitoring.html"),
-        is_shown: monitoring::is_shown,
-        content: monitoring::content,
+        template: blocks::PAGE,
+        is_shown: |input| monitoring::view::is_told(&input.monitoring, &input.of_tables()),
+        content: |site| {
+            let shown = monitoring::view::view(&site.lives());
+            blocks::content(site, "monitoring.html", shown)
+        },
     },
     Page {
         file: "climate.html",
         title: "Climate",
         under: None,
-        template: include_str!("../../../../templates/pages/climate.html"),
+        template: blocks::PAGE,
         is_shown: |_| true,
-        content: climate::content,
+        content: |site| {
+            let Input {
+                climate,
+                campaign,
+                runs,
+                run_spans_s,
+                ..
+            } = site.input;
+            let shown = climate::view::view(climate, campaign, runs, run_spans_s);
+            blocks::content(site, "climate.html", shown)
+        },
     },
 ];
 

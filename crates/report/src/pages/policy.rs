@@ -25,8 +25,8 @@ pub(super) const LEAST_PROBABILITY: f64 = 0.005;
 /// Rows of explanations at most. Chosen.
 pub(super) const MOST_EXPLANATIONS: usize = 8;
 
-/// Alarms that are not folded. Chosen.
-pub(super) const OPEN_ALARMS: usize = 5;
+/// Issues of one list that are not folded. Chosen.
+pub(crate) const OPEN_ISSUES: usize = 8;
 /// Files listed for one reason at most: a folder of thousands of foreign files must not bury the rest of the page. Chosen.
 pub(super) const MOST_FILES_OF_REASON: usize = 20;
 /// Conditions to fill that are shown at most; the rest is counted. Chosen.

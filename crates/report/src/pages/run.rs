@@ -4,17 +4,17 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::along_words;
-use super::run_climate::{ClimatePanel, climate_panel};
 use super::run_condition::condition;
 use super::run_evidence::{Evidence, Fact, evidence};
 use super::run_figures::{Response, Subject, responses};
 use super::run_fit::{self as fits, ParameterRow};
 use super::run_tags::TagGroup;
 use super::wording::{IssueText, RunLink, group_title, readable};
+use crate::blocks::{self, Item};
 use crate::error::ReportError;
 use crate::fault::REPORT_IT;
 use crate::site::Site;
+use ieap_analysis::{along, climate};
 use ieap_domain::{ClimateCurve, Issue, RunCurve, RunRecord, Severity};
 
 /// A run with what is drawn of it.
@@ -61,7 +61,8 @@ pub struct RunSection {
     pub group: Option<RunLink>,
     /// What is to be known of it, errors first.
     pub issues: Vec<IssueText>,
-    climate: Option<ClimatePanel>,
+    /// The climate during it.
+    climate: Vec<Item>,
     /// What it rests on.
     pub evidence: Evidence,
     /// Channels with their readings.
@@ -100,7 +101,7 @@ impl RunSection {
             alone: String::new(),
             group: None,
             issues: Vec::new(),
-            climate: None,
+            climate: Vec::new(),
             evidence: Evidence::default(),
             readings: Vec::new(),
             tags: Vec::new(),
@@ -113,6 +114,7 @@ impl RunSection {
     /// [`ReportError`]: the curves could not be had, or a fault of the program.
     pub fn draw(
         &mut self,
+        site: &Site,
         place: usize,
         record: &RunRecord,
         drawn: &DrawnRun,
@@ -132,9 +134,9 @@ impl RunSection {
             curves: &drawn.curves,
             aside: !record.standing.speaks(),
         };
-        let climate_id = format!("{id}climate");
         (self.responses, self.drawn) = responses(&subject, figures)?;
-        self.climate = climate_panel(record, &drawn.climate, &self.name, climate_id, figures)?;
+        let climate = climate::view::of_run(record, &drawn.climate);
+        self.climate = blocks::items(site, climate, 3, figures)?;
         Ok(())
     }
 
@@ -180,9 +182,9 @@ pub fn section(site: &Site, run: usize) -> RunSection {
         condition: condition(site, run),
         summary: summary(record, site.input.laws.doubts.is_of(&record.path)),
         along: (record.is_along() && record.standing.speaks()).then(|| AlongLine {
-            places: along_words::places(record),
+            places: along::places(record),
             href: site.strip_href(run),
-            decision: along_words::decision(record),
+            decision: along::decision(record),
         }),
         parameters: record.fit.as_ref().map_or_else(Vec::new, |fit| {
             fits::parameters(&site.input.laws.doubts, &record.path, fit)
@@ -220,7 +222,7 @@ fn worst_first(record: &RunRecord) -> Vec<IssueText> {
     let of_fit = record.fit.iter().flat_map(|fit| &fit.issues);
     let mut issues: Vec<&Issue> = record.issues.iter().chain(of_fit).collect();
     issues.sort_by_key(|issue| std::cmp::Reverse(issue.severity));
-    let said = along_words::decision_issue(record).filter(|_| record.is_along() && record.standing.speaks());
+    let said = along::decision_issue(record).filter(|_| record.is_along() && record.standing.speaks());
     let is_new = |issue: &&Issue| said.is_none_or(|said| said.message != issue.message);
     let mut texts: Vec<IssueText> = issues.into_iter().filter(is_new).map(IssueText::from).collect();
     texts.dedup();

@@ -4,7 +4,7 @@ use ieap_domain::words::{counted, in_a_row};
 use serde::Serialize;
 
 use super::run_evidence::Fact;
-use super::wording::{EstimateText, in_unit, why_unfitted};
+use super::wording::{EstimateText, in_unit};
 use crate::pages::policy::{CORRELATED_FROM, SYSTEMATIC_FROM, WITHIN_NOISE};
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::cycles::CycleRun;
@@ -30,7 +30,7 @@ pub struct ParameterRow {
 /// said in the same breath.
 pub fn summary(record: &RunRecord, doubted: bool) -> Vec<String> {
     let Some(fit) = &record.fit else {
-        return vec![format!("Not fitted: {}.", why_unfitted(record))];
+        return vec![format!("Not fitted: {}.", record.state.why_unfitted())];
     };
     let mut sentences = Vec::new();
     if !fit.converged {

@@ -120,14 +120,14 @@ fn run_outline<'a>(site: &'a Site, run: usize) -> Result<RunOutline<'a>, ReportE
 /// # Errors
 /// [`ReportError`]: a fault of the program.
 pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, ReportError> {
-    drawn_content(Outline::of(site, page)?, drawn)
+    drawn_content(site, Outline::of(site, page)?, drawn)
 }
 
 /// Makes the page of that outline; `drawn` are its runs in its order.
 ///
 /// # Errors
 /// [`ReportError`]: a fault of the program.
-pub fn drawn_content(outline: Outline, drawn: &[DrawnRun]) -> Result<Content, ReportError> {
+pub fn drawn_content(site: &Site, outline: Outline, drawn: &[DrawnRun]) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
     let mut faults = Vec::new();
     let several = outline.runs.len() > 1;
@@ -135,7 +135,7 @@ pub fn drawn_content(outline: Outline, drawn: &[DrawnRun]) -> Result<Content, Re
     let mut runs = Vec::new();
     for (place, (mut own, drawn)) in outline.runs.into_iter().zip(drawn).enumerate() {
         let section = std::mem::replace(&mut own.section, Err(String::new()));
-        let made = drawn_section((place, &own), section, drawn, &mut figures);
+        let made = drawn_section(site, (place, &own), section, drawn, &mut figures);
         sections.push(made.or_else(|error| {
             let reason = reason_of(error)?;
             let box_of_it = RunSection::failed(own.slug, own.name, &reason);
@@ -186,13 +186,14 @@ pub fn drawn_content(outline: Outline, drawn: &[DrawnRun]) -> Result<Content, Re
 
 /// What is known of a run with what is drawn of it.
 fn drawn_section(
+    site: &Site,
     (place, own): (usize, &RunOutline),
     section: Result<RunSection, String>,
     drawn: &DrawnRun,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<RunSection, ReportError> {
     let mut section = section.map_err(ReportError::Fault)?;
-    guarded(|| section.draw(place, own.record, drawn, figures))?;
+    guarded(|| section.draw(site, place, own.record, drawn, figures))?;
     Ok(section)
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::zone::Zone;
+use ieap_analysis::zone::Zone;
 use ieap_domain::tag::keys;
 use ieap_domain::{RunRecord, TagSource};
 

@@ -4,14 +4,14 @@ use std::cmp::Ordering;
 
 use serde::Serialize;
 
-use super::wording::{EstimateText, RunLink, estimate_of, has_warnings, why_unfitted};
+use super::wording::{EstimateText, RunLink, estimate_of, has_warnings};
 use crate::pages::policy::MOST_RUNS_LISTED;
 use crate::site::Site;
 use crate::sparkline::Sparks;
-use crate::zone::seconds;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
 use ieap_analysis::parameters::COMPARED;
+use ieap_analysis::zone::seconds;
 use ieap_domain::RunRecord;
 use ieap_domain::number::significant;
 use ieap_domain::tag::keys;
@@ -123,7 +123,7 @@ fn row(site: &Site, run: usize, parameters: &[&ParameterInfo], are_dated: bool) 
     let record = &site.input.runs[run];
     let tag = |key: &str| record.tag(key).unwrap_or_default().to_owned();
     let (state, flag) = match (&record.fit, has_warnings(record)) {
-        (None, _) => ("unfitted", why_unfitted(record).to_owned()),
+        (None, _) => ("unfitted", record.state.why_unfitted().to_owned()),
         (Some(fit), _) if !fit.converged => ("warned", "fit did not converge".to_owned()),
         (Some(_), true) => ("warned", "warnings".to_owned()),
         (Some(_), false) => ("fitted", String::new()),

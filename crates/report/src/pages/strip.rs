@@ -6,17 +6,19 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::along_words::places;
 use super::run_condition::condition;
 use super::wording::RunLink;
+use crate::blocks::{self, Item};
 use crate::error::ReportError;
+use crate::figures::along::frames;
 use crate::figures::along::map::{self, Shown, residual_end};
 use crate::figures::along::shapes::{self, Layout};
-use crate::figures::along::{curves, frames, millimetres, seconds, voltages};
 use crate::figures::svg;
 use crate::site::Site;
+use ieap_analysis::along::{charts, millimetres, places, residual_ratio, seconds};
 use ieap_domain::number::{fixed, measured, rounded_bound, significant};
-use ieap_domain::{AlongCurve, AlongStrip, EndsRatio, Fit, Quantity};
+use ieap_domain::{AlongCurve, AlongStrip, EndsRatio, Fit};
+use ieap_show::Block;
 
 /// Width of a drawing, px.
 const WIDTH: u32 = crate::figures::canvas::PAGE_WIDTH;
@@ -34,7 +36,7 @@ struct StripPage {
     map_note: String,
     shapes: Option<Panel>,
     shapes_note: String,
-    panels: Vec<Panel>,
+    panels: Vec<Item>,
 }
 
 #[derive(Debug, Serialize)]
@@ -56,9 +58,9 @@ pub fn content(site: &Site, run: usize, strip: Option<&AlongStrip>) -> Result<Co
     };
     let maps = drawn.maps(strip)?;
     let shapes = drawn.shapes(strip)?;
-    let mut panels = Vec::new();
-    panels.extend(drawn.curves(strip)?);
-    panels.extend(drawn.voltages(strip)?);
+    let charts = [charts::places(strip), charts::voltages(strip)];
+    let charts = charts.into_iter().flatten().map(Block::Chart).collect();
+    let panels = blocks::items(site, charts, 3, &mut drawn.figures)?;
     let page = StripPage {
         name: name.to_owned(),
         run: RunLink::to(site, run),
@@ -103,7 +105,7 @@ fn summary(strip: &AlongStrip, fit: Option<&Fit>) -> Vec<String> {
         .iter()
         .flat_map(|fit| curves().map(move |curve| (fit, curve.quantity)))
         .filter_map(|(fit, quantity)| {
-            let ratio = residual_ratio(fit, quantity)?;
+            let ratio = significant(residual_ratio(fit, quantity)?, 3);
             Some(format!(
                 "{ratio} × the noise in the {}",
                 quantity.label().to_lowercase()
@@ -120,13 +122,6 @@ fn summary(strip: &AlongStrip, fit: Option<&Fit>) -> Vec<String> {
         sentences.push(format!("But {}.", super::wording::NOT_CONVERGED));
     }
     sentences
-}
-
-/// `1.02`: residual over noise of a quantity of a fit.
-pub(super) fn residual_ratio(fit: &Fit, quantity: Quantity) -> Option<String> {
-    let noise = fit.noise.iter().find(|noise| noise.quantity == quantity)?;
-    let ratio = noise.residual_rms / noise.standard_deviation;
-    ratio.is_finite().then(|| significant(ratio, 3))
 }
 
 fn unevenness(strip: &AlongStrip) -> String {
@@ -293,61 +288,6 @@ impl Drawn<'_> {
             figure: "shapes",
             caption: "Shape of the strip".to_owned(),
             note: String::new(),
-        }))
-    }
-
-    fn curves(&mut self, strip: &AlongStrip) -> Result<Option<Panel>, ReportError> {
-        let Some(curve) = &strip.curvature else {
-            return Ok(None);
-        };
-        if frames::frames(strip, curve).is_none() {
-            return Ok(None);
-        }
-        let size = (WIDTH, curves::height(curve, WIDTH));
-        let desc = "Curvature over time at a few places: readings as dots, the fitted model as lines.";
-        self.add("curves", size, "Curvature at places", desc, |area| {
-            curves::draw(area, strip, curve)
-        })?;
-        let shown = curves::shown_places(curve).len();
-        Ok(Some(Panel {
-            figure: "curves",
-            caption: "Curvature at places".to_owned(),
-            note: format!(
-                "At {shown} of {}, by their distance from the clamp. Dots are readings{}.",
-                counted(curve.places(), "place"),
-                if curve.fitted.is_empty() {
-                    ""
-                } else {
-                    ", lines are simulated"
-                }
-            ),
-        }))
-    }
-
-    fn voltages(&mut self, strip: &AlongStrip) -> Result<Option<Panel>, ReportError> {
-        let Some(voltage) = strip
-            .voltage
-            .as_ref()
-            .filter(|_| !strip.voltage_frames.is_empty())
-        else {
-            return Ok(None);
-        };
-        let size = (WIDTH, voltages::height(strip, voltage, WIDTH));
-        let desc = "Voltage between the electrodes from the clamp to the tip at a few times: readings as dots, the fitted model as lines.";
-        self.add("voltages", size, "Voltage", desc, |area| {
-            voltages::draw(area, strip, voltage)
-        })?;
-        Ok(Some(Panel {
-            figure: "voltages",
-            caption: "Voltage along the strip".to_owned(),
-            note: format!(
-                "Between the electrodes at a few times; position counts from the clamp. Dots are readings{}.",
-                if voltage.fitted.is_empty() {
-                    ""
-                } else {
-                    ", lines are simulated"
-                }
-            ),
         }))
     }
 }

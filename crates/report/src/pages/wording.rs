@@ -1,6 +1,7 @@
 //! Wording that several pages share: counts, conditions, estimates, issues, links.
 
 pub use ieap_analysis::groups::title as group_title;
+pub use ieap_analysis::readable::readable;
 use serde::Serialize;
 
 use crate::site::Site;
@@ -9,7 +10,7 @@ use ieap_domain::number::{
     fixed, interval, lower_bound, measured, measured_stacked, plain, rounded_bound, significant, upper_bound,
     with_unit,
 };
-use ieap_domain::{Estimate, EstimateState, Issue, RunRecord, RunState, Severity};
+use ieap_domain::{Estimate, EstimateState, Issue, RunRecord, Severity};
 
 /// A link to a run's page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,12 +56,6 @@ impl From<&Issue> for IssueText {
     }
 }
 
-/// A message of another room as pages print it: symbols for stored keys, powers of ten for `1.5e4`, a word for `->`.
-pub fn readable(message: &str) -> String {
-    let words: Vec<String> = message.split(' ').map(readable_word).collect();
-    words.join(" ").replace("Ω cm2", "Ω cm²")
-}
-
 /// `i₀` of `i_0`, `Eₒₙ` of `E_on`; a symbol whose index has no such letters stays as it is.
 pub fn with_index(symbol: &str) -> String {
     const LOWERED: [(char, char); 27] = [
@@ -98,44 +93,6 @@ pub fn with_index(symbol: &str) -> String {
         Some(format!("{name}{}", index?))
     });
     shown.unwrap_or_else(|| symbol.to_owned())
-}
-
-/// How documents spell what pages have signs for.
-const SPELLED: [(&str, &str); 16] = [
-    ("->", "to"),
-    ("+-", "±"),
-    ("R1", "R₁"),
-    ("R2", "R₂"),
-    ("R_ss", "Rₛₛ"),
-    ("C1", "C₁"),
-    ("C2", "C₂"),
-    ("alpha", "α"),
-    ("lambda", "λ"),
-    ("uF/cm2", "µF cm⁻²"),
-    ("mF/cm2", "mF cm⁻²"),
-    ("F/cm2", "F cm⁻²"),
-    ("Ohm", "Ω"),
-    ("kOhm", "kΩ"),
-    ("1/s", "s⁻¹"),
-    ("1/cm", "cm⁻¹"),
-];
-
-fn readable_word(word: &str) -> String {
-    let is_edge = |c: char| matches!(c, '(' | ')' | ',' | ';' | ':' | '.' | '[' | ']');
-    let core = word.trim_matches(is_edge);
-    let shown = match core {
-        _ if let Some((_, sign)) = SPELLED.iter().find(|(spelled, _)| *spelled == core) => {
-            Some((*sign).to_owned())
-        }
-        _ if core.contains('_') => ParameterInfo::of(core).map(|info| info.symbol.to_owned()),
-        // More than three zeros are easier to count as a power of ten.
-        _ if core.contains(['e', 'E']) || core.starts_with("0.000") => {
-            let number = core.parse::<f64>().ok().filter(|number| number.is_finite());
-            number.map(|number| significant(number, 3))
-        }
-        _ => None,
-    };
-    shown.map_or_else(|| word.to_owned(), |shown| word.replacen(core, &shown, 1))
 }
 
 /// An estimate as a table cell.
@@ -218,22 +175,12 @@ pub fn estimate_of(site: &Site, run: &RunRecord, parameter: &ParameterInfo) -> E
             }
         }
         Some(None) => EstimateText::missing("the model of this run has no such parameter"),
-        None => EstimateText::missing(why_unfitted(run)),
+        None => EstimateText::missing(run.state.why_unfitted()),
     }
 }
 
 /// What is said of every number of a fit that did not converge.
 pub const NOT_CONVERGED: &str = "the fit did not converge, so that its numbers are not to be used";
-
-/// Why a run has no fit, in words.
-pub fn why_unfitted(run: &RunRecord) -> &'static str {
-    match run.state {
-        RunState::Ready => "the run is not fitted yet",
-        RunState::Untagged => "a needed tag is missing",
-        RunState::NotFitted => "the run is not a step response that the model describes",
-        RunState::NoSteps => "the voltage does not go in steps",
-    }
-}
 
 /// `28–38 % RH`; empty where no humidity is known.
 pub fn humidity_label(surroundings: &Surroundings) -> String {
@@ -306,22 +253,6 @@ mod tests {
             ["i_0", "E_on", "s", "R_c", "k_ab"].map(with_index),
             ["i₀", "Eₒₙ", "s", "R_c", "k_ab"]
         );
-    }
-
-    #[test]
-    fn messages_have_symbols_and_powers_of_ten() {
-        let said = "rss_ohm_cm2: only a lower bound is known, 1.5494e4; 3.22e6 -> 1584 (tau2_s), off by -1.3167e-5 A";
-        assert_eq!(
-            readable(said),
-            "Rₛₛ: only a lower bound is known, 15500; 3.22·10⁶ to 1584 (τ₂), off by −1.32·10⁻⁵ A"
-        );
-        let said = "together not: C1 rises from 10.2 to 145 mF/cm2, lambda from 0.000162 to 0 1/s, R_ss to 1.9 kOhm cm2; 5 +- 2";
-        assert_eq!(
-            readable(said),
-            "together not: C₁ rises from 10.2 to 145 mF cm⁻², λ from 1.62·10⁻⁴ to 0 s⁻¹, Rₛₛ to 1.9 kΩ cm²; 5 ± 2"
-        );
-        // Names of columns and of files stay as they are written.
-        assert_eq!(readable("column current_a of e.csv"), "column current_a of e.csv");
     }
 
     #[test]

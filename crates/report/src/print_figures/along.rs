@@ -5,12 +5,15 @@ use plotters::element::Text;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::FigureInput;
+use crate::blocks::chart;
+use crate::figures::along::frames;
 use crate::figures::along::map::{self, Shown};
 use crate::figures::along::shapes::{self, Layout};
-use crate::figures::along::{curves, frames, voltages};
 use crate::figures::canvas::{Area, Drawing, Ink, TENTHS, drawing};
 use crate::figures::panel::{TITLE_SIZE, text_style};
+use ieap_analysis::along::charts;
 use ieap_domain::{AlongCurve, AlongStrip};
+use ieap_show::Chart;
 
 /// Room above a panel for its title, px.
 const TITLE_ROOM: u32 = 18;
@@ -18,6 +21,8 @@ const TITLE_ROOM: u32 = 18;
 const MAP_HEIGHT: u32 = 176;
 /// Narrowest map that can be read with two beside it, px.
 const NARROWEST_MAP: u32 = 205;
+/// What is said where there is nothing to draw.
+const NOTHING: &str = "no run has what this figure shows: readings at several places along a strip, in columns like curvature_per_cm@5.0";
 /// Runs of one figure at most: more would not fit a page.
 const MOST_RUNS: usize = 6;
 
@@ -82,39 +87,30 @@ pub fn shapes(input: &FigureInput, width: u32) -> Result<Drawing, String> {
 
 /// Curvature over time at a few places.
 pub fn places(input: &FigureInput, width: u32) -> Result<Drawing, String> {
-    let strips = strips(input)?;
-    let rows: Vec<Vec<Panel>> = strips
-        .iter()
-        .filter_map(|(name, strip)| {
-            let curve = drawable(strip)?;
-            Some(vec![Panel {
-                title: titled(&strips, name, ""),
-                height: curves::height(curve, width),
-                draw: Box::new(move |area| curves::draw(area, strip, curve)),
-            }])
-        })
-        .collect();
-    laid_out(width, &rows)
+    charted(input, width, charts::places)
 }
 
 /// Voltage along the strip at a few times.
 pub fn voltage(input: &FigureInput, width: u32) -> Result<Drawing, String> {
+    charted(input, width, charts::voltages)
+}
+
+/// The chart of every strip, under each other.
+fn charted(input: &FigureInput, width: u32, of: fn(&AlongStrip) -> Option<Chart>) -> Result<Drawing, String> {
     let strips = strips(input)?;
-    let rows: Vec<Vec<Panel>> = strips
-        .iter()
-        .filter_map(|(name, strip)| {
-            let voltage = strip
-                .voltage
-                .as_ref()
-                .filter(|_| !strip.voltage_frames.is_empty())?;
-            Some(vec![Panel {
-                title: titled(&strips, name, ""),
-                height: voltages::height(strip, voltage, width),
-                draw: Box::new(move |area| voltages::draw(area, strip, voltage)),
-            }])
-        })
-        .collect();
-    laid_out(width, &rows)
+    let chart = |(name, strip): &(String, AlongStrip)| {
+        let chart = of(strip)?;
+        let title = match strips.len() {
+            1 => chart.title,
+            _ => name.clone(),
+        };
+        Some(Chart { title, ..chart })
+    };
+    let charts: Vec<Chart> = strips.iter().filter_map(chart).collect();
+    if charts.is_empty() {
+        return Err(NOTHING.to_owned());
+    }
+    chart::prints(&charts, 1, width)
 }
 
 /// Strips that are asked for, with the names of their runs.
@@ -155,7 +151,7 @@ fn titled(strips: &[(String, AlongStrip)], name: &str, words: &str) -> String {
 /// Rows of panels under each other, each with a letter where there are several.
 fn laid_out(width: u32, rows: &[Vec<Panel>]) -> Result<Drawing, String> {
     if rows.is_empty() {
-        return Err("no run has what this figure shows: readings at several places along a strip, in columns like curvature_per_cm@5.0".to_owned());
+        return Err(NOTHING.to_owned());
     }
     let panels: usize = rows.iter().map(Vec::len).sum();
     let room = if rows.iter().flatten().all(|panel| panel.title.is_empty()) {

@@ -9,7 +9,7 @@ use super::FigureInput;
 use super::grid::{Panel, grid};
 use super::responses::{Line, aside_lines, aside_words, draw_lines, lines, note_aside, speaking};
 use crate::figures::axis::Axis;
-use crate::figures::canvas::Drawing;
+use crate::figures::canvas::{Drawing, Ink};
 use crate::pages::wording::{surroundings_label, voltage_label};
 use ieap_domain::Quantity;
 
@@ -67,11 +67,11 @@ fn draw(input: &FigureInput, width: u32, quantity: Quantity) -> Result<Drawing, 
     if panels.is_empty() && quantity == Quantity::TipDisplacement {
         return Err("no run with a curvature is of a sample whose length is known: give samples length_mm in campaign.toml".to_owned());
     }
-    let legend: Vec<(String, usize)> = conditions
+    let legend: Vec<(String, Ink)> = conditions
         .voltages_v
         .iter()
         .map(|&v| voltage_label(v))
-        .zip(0..)
+        .zip(Ink::SERIES.into_iter().cycle())
         .collect();
     let columns = conditions.surroundings.len().clamp(1, MOST_COLUMNS);
     grid(

@@ -7,7 +7,7 @@ use super::FigureInput;
 use super::grid::{Panel, grid};
 use super::responses::{Line, aside_lines, aside_words, draw_lines, lines, note_aside, speaking};
 use crate::figures::axis::Axis;
-use crate::figures::canvas::Drawing;
+use crate::figures::canvas::{Drawing, Ink};
 use crate::pages::wording::surroundings_label;
 use ieap_domain::Quantity;
 
@@ -46,11 +46,11 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
             });
         }
     }
-    let legend: Vec<(String, usize)> = conditions
+    let legend: Vec<(String, Ink)> = conditions
         .surroundings
         .iter()
         .map(surroundings_label)
-        .zip(0..)
+        .zip(Ink::SERIES.into_iter().cycle())
         .collect();
     let columns = lowest_and_highest.len().max(1);
     grid(

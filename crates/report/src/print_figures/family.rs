@@ -79,11 +79,16 @@ impl Family {
                 draw: Box::new(move |area| own.draw(area)),
             })
             .collect();
+        let legend = self
+            .legend
+            .iter()
+            .map(|(name, style)| (name.clone(), ink(*style)));
+        let legend: Vec<(String, Ink)> = legend.collect();
         grid(
             width,
             self.columns,
             self.panel_height,
-            &self.legend,
+            &legend,
             &panels,
             &self.notes,
         )
@@ -93,11 +98,11 @@ impl Family {
 impl FamilyPanel {
     fn draw(&self, area: &Area) -> Result<(), String> {
         let (width, _) = area.dim_in_pixel();
-        let legend: Vec<(String, usize)> = self
+        let legend: Vec<(String, Ink)> = self
             .lines
             .iter()
             .filter(|line| !line.name.is_empty())
-            .map(|line| (line.name.clone(), line.style))
+            .map(|line| (line.name.clone(), ink(line.style)))
             .collect();
         let below = draw_entries(area, width as i32 / TENTHS, &legend)?;
         let (x, y) = self.axes();

@@ -5,7 +5,6 @@ use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::figures::canvas::{Area, Drawing, Ink, TENTHS, drawing};
-use crate::figures::comparison::ink;
 use crate::figures::panel::{TICK_SIZE, TITLE_SIZE, text_style};
 
 /// Height of a row of the legend, px.
@@ -38,7 +37,7 @@ pub fn grid(
     width: u32,
     columns: usize,
     panel_height: u32,
-    legend: &[(String, usize)],
+    legend: &[(String, Ink)],
     panels: &[Panel],
     notes: &[String],
 ) -> Result<Drawing, String> {
@@ -60,8 +59,8 @@ pub fn grid(
         let (plots, foot) = area.split_vertically(plots_height * TENTHS);
         draw_notes(&foot, &lines)?;
         let (top, below) = plots.split_vertically(legend_height * TENTHS);
-        for ((name, style), place) in legend.iter().zip(&places) {
-            draw_entry(&top, name, *style, *place)?;
+        for ((name, ink), place) in legend.iter().zip(&places) {
+            draw_entry(&top, name, *ink, *place)?;
         }
         let cells = below.split_evenly((rows, columns));
         for (at, (panel, cell)) in panels.iter().zip(&cells).enumerate() {
@@ -103,13 +102,13 @@ fn wrapped(note: &str, width: u32) -> Vec<String> {
 pub(super) fn draw_entries<'a>(
     area: &Area<'a>,
     width: i32,
-    legend: &[(String, usize)],
+    legend: &[(String, Ink)],
 ) -> Result<Area<'a>, String> {
     let places = legend_places(width, legend);
     let height = places.last().map_or(0, |&(_, y)| y + LEGEND_ROW);
     let (top, below) = area.split_vertically(height * TENTHS);
-    for ((name, style), place) in legend.iter().zip(&places) {
-        draw_entry(&top, name, *style, *place)?;
+    for ((name, ink), place) in legend.iter().zip(&places) {
+        draw_entry(&top, name, *ink, *place)?;
     }
     Ok(below)
 }
@@ -125,7 +124,7 @@ fn draw_notes(area: &Area, lines: &[String]) -> Result<(), String> {
 }
 
 /// Left end and top of every entry of the legend, px.
-fn legend_places(width: i32, legend: &[(String, usize)]) -> Vec<(i32, i32)> {
+fn legend_places(width: i32, legend: &[(String, Ink)]) -> Vec<(i32, i32)> {
     let mut at = (4, 0);
     let mut places = Vec::new();
     for (name, _) in legend {
@@ -139,10 +138,10 @@ fn legend_places(width: i32, legend: &[(String, usize)]) -> Vec<(i32, i32)> {
     places
 }
 
-fn draw_entry(area: &Area, name: &str, style: usize, (x, y): (i32, i32)) -> Result<(), String> {
+fn draw_entry(area: &Area, name: &str, ink: Ink, (x, y): (i32, i32)) -> Result<(), String> {
     let middle = (y + LEGEND_ROW / 2) * TENTHS;
     let line = [(x * TENTHS, middle), ((x + SAMPLE_LINE) * TENTHS, middle)];
-    let line = PathElement::new(line, ink(style).color().stroke_width(20));
+    let line = PathElement::new(line, ink.color().stroke_width(20));
     area.draw(&line).map_err(|error| error.to_string())?;
     let text = text_style(Ink::Text, TICK_SIZE, HPos::Left, VPos::Center);
     let text = Text::new(name.to_owned(), ((x + SAMPLE_LINE + 6) * TENTHS, middle), text);

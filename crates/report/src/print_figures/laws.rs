@@ -2,11 +2,14 @@
 
 use super::FigureInput;
 use super::grid::{Panel, grid};
+use crate::blocks::chart;
 use crate::figures::canvas::Drawing;
 use crate::figures::law::LawFigure;
-use crate::pages::{humidity, law_cards, monitoring};
+use crate::pages::{humidity, law_cards};
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::laws::words;
+use ieap_analysis::monitoring::view::printed;
+use ieap_show::Chart;
 
 /// Height of a panel, px.
 const HEIGHT: u32 = 190;
@@ -49,46 +52,31 @@ pub fn laws(input: &FigureInput, width: u32) -> Result<Drawing, String> {
         notes.push(samples);
         drawn.push((what, figure));
     }
-    panels(width, drawn, &notes, "no law is claimed")
-}
-
-/// Every watched parameter over the life of its sample.
-pub fn lives(input: &FigureInput, width: u32) -> Result<Drawing, String> {
-    let watched = input.site.input.monitoring.watched.iter();
-    let asked = watched.filter(|own| is_asked(input, &own.parameter));
-    let drawn = asked.filter_map(|own| {
-        let figure = monitoring::figure_of(own, &monitoring::aside(input.site, own))?;
-        let what = format!("{} of {}", words::symbol(&own.parameter), own.sample);
-        Some((what, figure))
-    });
-    let notes = ["Points: runs with their 95 % intervals. Line and band: the trend with its 95 % interval. Horizontal: a limit; vertical: a change.".to_owned()];
-    panels(
-        width,
-        drawn.take(MOST).collect(),
-        &notes,
-        "no parameter is watched over the life of a sample",
-    )
-}
-
-/// Forms of the markers in the order of the samples, as words would name them.
-const MARKERS: [&str; 5] = ["●", "■", "▲", "◆", "▼"];
-
-fn panels(
-    width: u32,
-    figures: Vec<(String, LawFigure)>,
-    notes: &[String],
-    none: &str,
-) -> Result<Drawing, String> {
-    if figures.is_empty() {
-        return Err(none.to_owned());
+    if drawn.is_empty() {
+        return Err("no law is claimed".to_owned());
     }
     let panel = |(title, figure): (String, LawFigure)| Panel {
         title,
         draw: Box::new(move |area| figure.on(area)),
     };
-    let panels: Vec<Panel> = figures.into_iter().map(panel).collect();
-    grid(width, COLUMNS, HEIGHT, &[], &panels, notes)
+    let panels: Vec<Panel> = drawn.into_iter().map(panel).collect();
+    grid(width, COLUMNS, HEIGHT, &[], &panels, &notes)
 }
+
+/// Every watched parameter over the life of its sample.
+pub fn lives(input: &FigureInput, width: u32) -> Result<Drawing, String> {
+    let lives = input.site.lives();
+    let mut charts: Vec<Chart> = printed(&lives, |key| is_asked(input, key)).take(MOST).collect();
+    let Some(first) = charts.first_mut() else {
+        return Err("no parameter is watched over the life of a sample".to_owned());
+    };
+    first.caption =
+        "Bars: 95 % intervals. Band: the 95 % interval of the trend. Dashed: a change.".to_owned();
+    chart::prints(&charts, COLUMNS, width)
+}
+
+/// Forms of the markers in the order of the samples, as words would name them.
+const MARKERS: [&str; 5] = ["●", "■", "▲", "◆", "▼"];
 
 /// Whether the parameter is the one that is asked for, by its key, the beginning of its key, or its symbol.
 fn is_asked(input: &FigureInput, key: &str) -> bool {

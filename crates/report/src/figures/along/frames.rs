@@ -4,7 +4,7 @@
 //! Where the drive changes again time is linear, since the logarithm counts from one change only.
 
 use crate::figures::axis::Axis;
-use ieap_domain::number::plain;
+use ieap_analysis::along::charts;
 use ieap_domain::{AlongCurve, AlongStrip};
 
 /// Frames as they lie on the axis.
@@ -21,30 +21,23 @@ pub struct Frames {
 
 /// Frames of `curve` on the axis of its strip; none where fewer than two can be shown.
 pub fn frames(strip: &AlongStrip, curve: &AlongCurve) -> Option<Frames> {
-    let since = |frame: usize| curve.time_s[frame] - strip.step_s;
     let linear = strip.changes_again;
-    let all = 0..curve.time_s.len();
-    let shown: Vec<usize> = all.filter(|&frame| linear || since(frame) > 0.0).collect();
-    let at: Vec<f64> = shown
-        .iter()
-        .map(|&frame| {
-            if linear {
-                curve.time_s[frame]
-            } else {
-                since(frame).log10()
-            }
-        })
-        .collect();
+    let on_axis = |at: f64| if linear { at } else { at.log10() };
+    let (shown, at): (Vec<usize>, Vec<f64>) = charts::frames(strip, curve)
+        .into_iter()
+        .map(|(frame, at)| (frame, on_axis(at)))
+        .unzip();
     let last = at.len().checked_sub(1).filter(|last| *last > 0)?;
     let half = |k: usize| 0.5 * (at[k + 1] - at[k]);
     let mut edges = vec![at[0] - half(0)];
     edges.extend((0..last).map(|k| at[k] + half(k)));
     edges.push(at[last] + half(last - 1));
     let (low, high) = (edges[0], edges[at.len()]);
+    let title = charts::time(strip).quantity;
     let axis = if linear {
-        Axis::linear(low, high, "Time", "s", 5)
+        Axis::linear(low, high, &title, "s", 5)
     } else {
-        Axis::log(10f64.powf(low), 10f64.powf(high), &title(strip.step_s), "s")
+        Axis::log(10f64.powf(low), 10f64.powf(high), &title, "s")
     };
     Some(Frames {
         axis,
@@ -52,12 +45,4 @@ pub fn frames(strip: &AlongStrip, curve: &AlongCurve) -> Option<Frames> {
         at,
         edges,
     })
-}
-
-fn title(step_s: f64) -> String {
-    if step_s == 0.0 {
-        "Time since the step".to_owned()
-    } else {
-        format!("Time since the step at {} s", plain(step_s))
-    }
 }

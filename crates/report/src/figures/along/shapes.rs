@@ -4,12 +4,13 @@ use plotters::element::PathElement;
 use plotters::style::Color;
 use plotters_backend::BackendCoord;
 
-use super::{key, seconds};
+use super::key;
 use crate::figures::axis::Axis;
 use crate::figures::canvas::{Area, Ink, TENTHS};
 use crate::figures::group::series;
 use crate::figures::panel::{Margins, panel};
 use crate::figures::svg::path_data;
+use ieap_analysis::along::seconds;
 use ieap_domain::AlongStrip;
 
 /// Lowest and highest plotting area, px.
@@ -155,9 +156,7 @@ pub fn draw(area: &Area, strip: &AlongStrip, layout: &Layout) -> Result<(), Stri
 
 /// Inks for `count` series in order: the first and the last of few are as far apart as those of many.
 pub fn inks(count: usize) -> Vec<Ink> {
-    let last = Ink::ORDERED.len() - 1;
-    let pick = |k: usize| k * last / count.saturating_sub(1).max(1);
-    (0..count).map(|k| Ink::ORDERED[pick(k).min(last)]).collect()
+    (0..count).map(|at| Ink::ordered(at, count)).collect()
 }
 
 /// The frames of a moving picture in the drawing: `time|measured|simulated` of each, joined by semicolons; the last two
