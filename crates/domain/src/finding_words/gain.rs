@@ -65,15 +65,16 @@ pub fn gain_words(with: &str, what: &str, gain: &HeldOutGain, predictions: &[Pre
         (_, 0) => what.to_owned(),
         (true, 1) => format!("the {what}"),
         (true, _) => format!("all {all} {what}"),
+        (false, _) if better == 0 => format!("none of the {what}"),
         (false, _) => format!("{better} of {all} {what}"),
     };
     // A prediction that claims to know less can be likelier and farther off.
     let so = if grows { "likelier" } else { "predicted better" };
-    let are = if better == 1 && all > 1 { "is" } else { "are" };
+    let are = if better < all && better < 2 { "is" } else { "are" };
     let sum = match gain.deviance > 0.0 {
         _ if gain.is_clear() => "",
-        true => ", not clearly in the sum",
-        false => ", worse in the sum",
+        true => ", and the sum is not clear",
+        false => ", and the sum is worse",
     };
     let told = stated.iter().filter(|error| error.is_of_range || error.grows);
     let told: Vec<String> = told
@@ -141,7 +142,7 @@ mod tests {
         );
         let unclear = said(8.0, &[9.0, 1.0, -2.0], [0.2, 0.1]);
         assert!(
-            unclear.contains("2 of 3 held-out runs") && unclear.contains("not clearly"),
+            unclear.contains("2 of 3 held-out runs") && unclear.contains("not clear"),
             "{unclear}"
         );
     }
