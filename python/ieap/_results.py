@@ -336,8 +336,8 @@ class Finding:
 
     @property
     def verdict(self) -> str:
-        """``consistent``, ``undecided``, ``named``, ``set``, ``partial``, ``varies``, ``unknown`` or
-        ``data-problem``."""
+        """``consistent``, ``undecided``, ``named``, ``set``, ``partial``, ``unproved``, ``varies``,
+        ``unknown`` or ``data-problem``."""
         return self._document["verdict"]
 
     @property

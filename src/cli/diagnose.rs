@@ -1,7 +1,7 @@
 //! `ieap diagnose`.
 
 use crate::domain::number::probabilities::equation;
-use crate::domain::number::{fixed, significant};
+use crate::domain::number::significant;
 use crate::domain::words::counted;
 use clap::Args;
 
@@ -12,13 +12,8 @@ use super::ingest;
 use super::interrupted::{GoesOn, interrupted};
 use super::output::Output;
 use super::signals;
-use crate::domain::number::estimates::{in_words, interval_in_words};
-use crate::domain::{Gain, Verdict};
-use crate::model::effects;
-use crate::pipeline::documents::diagnosis::{
-    DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document, group_title,
-};
-use crate::pipeline::documents::gain_words::gained;
+use crate::pipeline::documents::diagnosis::{DiagnosisDocument, GroupEntry, diagnosis_document};
+use crate::pipeline::documents::group_lines::lines;
 use crate::pipeline::{
     Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest, stands_in,
 };
@@ -93,7 +88,10 @@ fn diagnosed(
         summary.diagnosed, summary.up_to_date
     ));
     let document = diagnosis_document(context, &choice, args.group.as_deref())?;
-    document.groups.iter().for_each(|group| print(group, output));
+    document
+        .groups
+        .iter()
+        .for_each(|group| print(group, document.draws, output));
     print_across(&document, output);
     if args.adopt {
         adopt(args, global, context, output)?;
@@ -159,76 +157,11 @@ pub fn say(summary: &DiagnoseSummary, output: &Output) {
     }
 }
 
-/// The gain on later times, where whole runs were held out.
-fn later_words(gain: &Gain) -> String {
-    gain.later
-        .as_ref()
-        .map_or_else(String::new, |later| format!("; on later times {}", gained(later)))
-}
-
-fn print(group: &GroupEntry, output: &Output) {
-    let count = counted(group.runs.len(), "run");
-    let doubt = if group.verdict.names_a_cause() && group.gain_is_clear == Some(false) {
-        ", not proved"
-    } else {
-        ""
-    };
-    let verdict = group.verdict.key();
-    let title = group_title(&group.group);
-    output.heading(&format!("{title} ({count}): {verdict}{doubt}"));
-    output.result(&format!("    {}", group.sentence));
-    for condemned in &group.condemned {
-        output.result(&format!(
-            "    {} is set aside: {}",
-            condemned.run, condemned.reason
-        ));
-    }
-    group
-        .effects
-        .iter()
-        .for_each(|effect| print_effect(effect, output));
-    if let Some(node) = &group.node {
-        let percent = (100.0 * node.probability).min(99.9);
-        output.result(&format!(
-            "    tells: {} ({} %)",
-            node.path.join(" > "),
-            fixed(percent, 1)
-        ));
-    }
-    if group.set.len() > 1 && group.verdict == Verdict::Set {
-        output.result(&format!("    may be: {}", group.set.join(", ")));
-    }
-    if let Some(gain) = &group.gain {
-        output.result(&format!(
-            "    {}on held-out {} {}{}; what is left falls from {} to {} times the noise",
-            match group.verdict {
-                Verdict::Unknown => "what was tried and not accepted: ",
-                _ => "",
-            },
-            gain.parts_word(group.runs.len()),
-            gained(&gain.proof),
-            later_words(gain),
-            fixed(gain.residual_rms_sigma_before, 1),
-            fixed(gain.residual_rms_sigma_after, 1)
-        ));
-    }
-    if let Some(next) = &group.next_run {
-        output.result(&format!(
-            "    measure next: {}; tells apart {}",
-            next.drive,
-            next.splits.join(", ")
-        ));
-    }
-    // The clearest run is among the remarks already.
-    for told in &group.lumped_or_distributed {
-        let line = format!("{}: {}", told.run, told.sentence);
-        if !group.remarks.contains(&line) {
-            output.result(&format!("    lumped or distributed: {line}"));
-        }
-    }
-    for remark in &group.remarks {
-        output.result(&format!("    note: {remark}"));
-    }
+fn print(group: &GroupEntry, draws: usize, output: &Output) {
+    let lines = lines(group, draws);
+    let mut lines = lines.iter();
+    lines.next().into_iter().for_each(|line| output.heading(line));
+    lines.for_each(|line| output.result(line));
 }
 
 /// What holds across runs: what the design leaves open first, then what may be claimed.
@@ -267,32 +200,5 @@ fn print_across(document: &DiagnosisDocument, output: &Output) {
     }
     if !document.campaign_contrasts.is_empty() {
         output.result("    what the study asked: `ieap study`");
-    }
-}
-
-fn print_effect(effect: &EffectEntry, output: &Output) {
-    let variant = effect
-        .variant
-        .as_ref()
-        .map_or_else(String::new, |variant| format!(" ({variant})"));
-    let q = effect
-        .q
-        .map_or_else(String::new, |q| format!(", {}", equation("q", q)));
-    output.result(&format!(
-        "    {}{variant}  {}{q}",
-        effect.effect,
-        equation("p", effect.p)
-    ));
-    let about = effects::effect(&effect.effect).map(|effect| effect.about());
-    for (key, parameter) in &effect.parameters {
-        let unit = about
-            .and_then(|about| about.parameters.iter().find(|known| known.key == key))
-            .map_or("", |known| known.unit);
-        let line = format!(
-            "{key:<26} {}{}",
-            in_words(parameter),
-            interval_in_words(parameter)
-        );
-        output.result(&format!("        {line}  [{unit}]"));
     }
 }

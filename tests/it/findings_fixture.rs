@@ -1,5 +1,6 @@
 //! Made-up findings for the tests of the report: every verdict that a page words differently.
 
+use ieap::domain::finding_words::say;
 use ieap::domain::testing::{self, held_out, parameter, shift};
 use ieap::domain::{
     Candidate, CauseNode, Confusable, EffectFinding, Estimate, Gain, GroupDiagnosis, HeldOutGain, Hypothesis,
@@ -164,7 +165,6 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
         residuals: runs.iter().map(|run| residual(run)).collect(),
         group: "sample=CNaf-01,environment=air".to_owned(),
         runs: runs.iter().map(|run| (*run).to_owned()).collect(),
-        sentence: "The simulation misses faradaic-leak: current too small after 200 s.".to_owned(),
         ..testing::finding()
     }
 }
@@ -214,7 +214,6 @@ fn varies(runs: &[&str]) -> GroupDiagnosis {
         }],
         group: "sample=CNaf-02,environment=air".to_owned(),
         runs: runs.iter().map(|run| (*run).to_owned()).collect(),
-        sentence: "Each of the 2 runs is described to within the noise by its own parameters. Together they are not: R_ss falls from 17.9 to 1.90 kOhm cm2 (9.42-fold) from 1.2 to 2.5 V.".to_owned(),
         ..testing::finding()
     }
 }
@@ -247,7 +246,6 @@ pub fn input_with_findings() -> Input {
         candidates: vec![candidate("faradaic-leak", 3.0, None)],
         group: "sample=CPvf-01,environment=air".to_owned(),
         runs: vec![c.clone()],
-        sentence: "The simulation is right to within the noise (p = 0.31).".to_owned(),
         ..testing::finding()
     };
     let apart = GroupDiagnosis::data_problem(
@@ -267,5 +265,9 @@ pub fn input_with_findings() -> Input {
         shared: Vec::new(),
         effects: effects(),
     };
+    let (known, findings) = (effects(), &mut input.findings);
+    let about = |id: &str| Some(known.iter().find(|own| own.id == id)?.summary.as_str());
+    let found = findings.groups.iter_mut().chain(&mut findings.runs);
+    found.for_each(|found| say(found, &about));
     input
 }

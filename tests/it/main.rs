@@ -75,6 +75,7 @@ mod report_fixture;
 mod report_goldens;
 mod report_site;
 mod run_names;
+mod said_once;
 mod samples;
 mod schemas;
 mod sentences;

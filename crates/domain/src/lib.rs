@@ -15,6 +15,7 @@ pub mod drive;
 pub mod edge;
 pub mod estimate;
 pub mod fault;
+pub mod finding_words;
 pub mod fit;
 pub mod gain;
 pub mod impedance;

@@ -302,7 +302,7 @@ fn run_entry(
 }
 
 /// A finding as the document states it.
-pub(crate) fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> GroupEntry {
+pub fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> GroupEntry {
     let of_group = |entry: &&LumpedOrDistributedEntry| found.runs.contains(&entry.run);
     GroupEntry {
         lumped_or_distributed: told.iter().filter(of_group).cloned().collect(),

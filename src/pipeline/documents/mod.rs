@@ -5,7 +5,7 @@ pub mod comparison;
 pub mod diagnosis;
 pub mod dma;
 pub mod fits;
-pub mod gain_words;
+pub mod group_lines;
 pub mod groups;
 pub mod lengthwise;
 pub(super) mod shared_effects;

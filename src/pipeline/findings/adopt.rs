@@ -56,8 +56,9 @@ impl Adopt {
             return Err(PipelineError::BadArgument {
                 what: "--adopt with --group",
                 found: name.clone(),
-                needed: "a group whose finding names a cause (verdict named, set, partial or resembles)"
-                    .to_owned(),
+                needed:
+                    "a group whose finding names a cause or fits (verdict named, set, partial or unproved)"
+                        .to_owned(),
             });
         }
         if !summary.adopted.is_empty() {

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::analysis::false_discovery::judge_together;
 use crate::analysis::online::{OnlineDecision, online_decisions};
 use crate::domain::{GroupDiagnosis, RunRecord, Verdict};
+use crate::model::effects::summary;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{DiagnosisKind, StoredDiagnosis};
@@ -61,8 +62,8 @@ pub(crate) fn findings_among(
         turns: BTreeMap::new(),
     };
     findings.turns = turns_of(known.iter().collect(), &findings.runs);
-    judge_together(&mut findings.groups);
-    judge_together(&mut findings.runs);
+    judge_together(&mut findings.groups, &summary);
+    judge_together(&mut findings.runs, &summary);
     Ok(findings)
 }
 

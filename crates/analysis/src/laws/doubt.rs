@@ -79,7 +79,8 @@ impl Doubts {
         let mut of_runs = BTreeMap::new();
         for group in findings.groups.iter().filter(|group| is_claimed(group)) {
             let is_between_runs = group.effects.iter().any(|own| follows_a_tag(&own.effect));
-            let names_cause = group.verdict.names_a_cause() && !group.shifts.is_empty() && !is_between_runs;
+            let names_cause =
+                group.verdict.extends_the_model() && !group.shifts.is_empty() && !is_between_runs;
             for name in group.runs.iter().filter(|name| fits_base(name)) {
                 if names_cause {
                     let doubt = Doubt::Widened {

@@ -47,16 +47,6 @@ pub fn make(input: &TableInput) -> Table {
     }
 }
 
-/// The verdict, no stronger than its proof.
-fn verdict(found: &GroupDiagnosis) -> String {
-    let doubt = if found.verdict.names_a_cause() && !found.gains_clearly() {
-        ", not proved"
-    } else {
-        ""
-    };
-    format!("{}{doubt}", found.verdict.key())
-}
-
 fn row(found: &GroupDiagnosis) -> Row {
     let sources = || {
         vec![Source {
@@ -84,7 +74,7 @@ fn row(found: &GroupDiagnosis) -> Row {
     let cells = vec![
         text(crate::groups::title(&found.group)),
         Cell::exact(Some(found.runs.len() as f64), sources()),
-        text(verdict(found)),
+        text(found.verdict.key().to_owned()),
         text(effects.join(", ")),
         text(found.set.join(", ")),
         rough(found.p_misfit),

@@ -2,10 +2,11 @@
 //!
 //! | adequate | probability | predicts | said |
 //! |---|---|---|---|
-//! | yes | one cause (or each of several) is sure | yes | `named` |
-//! | yes | spread | yes | `set`: the fewest that are sure together, under the deepest sure node of the tree of causes |
+//! | yes | one cause (or each of several) is sure | clearly | `named` |
+//! | yes | spread | clearly | `set`: the fewest that are sure together, under the deepest sure node of the tree of causes |
 //! | each run by itself | parameters differ | - | `varies` |
-//! | no | one cause is sure, and explains most | yes | `partial` |
+//! | no | one cause is sure, and explains most | clearly | `partial` |
+//! | as of one of these three | | not clearly | `unproved` |
 //! | otherwise | | | `unknown` |
 //!
 //! Sure is [`SURE`]. The probabilities hold already what is adequate: what leaves a misfit stands there only with something
@@ -39,6 +40,8 @@ pub(crate) struct Facts<'a> {
     pub(crate) explains_most: bool,
     /// Whether they predict readings that took no part in their fit.
     pub(crate) predicts: bool,
+    /// Whether they clearly do.
+    pub(crate) is_clear: bool,
 }
 
 /// What is said.
@@ -71,12 +74,19 @@ pub(crate) fn decide(facts: &Facts) -> Decision {
     if !facts.predicts {
         return unknown;
     }
+    let proved = |verdict| {
+        if facts.is_clear {
+            verdict
+        } else {
+            Verdict::Unproved
+        }
+    };
     let sure: Vec<String> = names.sure().map(str::to_owned).collect();
     let is_sure = |id: &&str| sure.iter().any(|own| own == id);
     if !facts.is_adequate {
         return if facts.explains_most && facts.lead.iter().any(is_sure) {
             Decision {
-                verdict: Verdict::Partial,
+                verdict: proved(Verdict::Partial),
                 node: names.node(&sure, MECHANISM.min(shared_depth(&sure))),
                 set: sure,
             }
@@ -87,12 +97,12 @@ pub(crate) fn decide(facts: &Facts) -> Decision {
     if facts.lead.iter().all(is_sure) {
         let set: Vec<String> = facts.lead.iter().map(|id| (*id).to_owned()).collect();
         return Decision {
-            verdict: Verdict::Named,
+            verdict: proved(Verdict::Named),
             node: names.node(&set, shared_depth(&set)),
             set,
         };
     }
-    let set = said(Verdict::Set, names.smallest_set(Names::held_whole));
+    let set = said(proved(Verdict::Set), names.smallest_set(Names::held_whole));
     if set.node.is_some() || (1..=LARGEST_SET).contains(&set.set.len()) {
         set
     } else {
@@ -279,6 +289,15 @@ mod tests {
     }
 
     fn decided(posterior: &[Hypothesis], is_adequate: bool, predicts: bool) -> Decision {
+        decided_where(posterior, is_adequate, predicts, true)
+    }
+
+    fn decided_where(
+        posterior: &[Hypothesis],
+        is_adequate: bool,
+        predicts: bool,
+        is_clear: bool,
+    ) -> Decision {
         let lead = posterior.iter().find(|own| own.kind == Effect);
         let ids = lead.map_or(&[][..], |own| &own.effects);
         let lead: Vec<&'static str> = ids.iter().filter_map(|id| Some(effect(id)?.about().id)).collect();
@@ -288,6 +307,7 @@ mod tests {
             is_adequate,
             explains_most: true,
             predicts,
+            is_clear,
         })
     }
 
@@ -312,6 +332,8 @@ mod tests {
         for is_adequate in [true, false] {
             let unknown = decided(&sure, is_adequate, false);
             assert_eq!((unknown.verdict, unknown.set.len()), (Verdict::Unknown, 0));
+            let unproved = decided_where(&sure, is_adequate, true, false);
+            assert_eq!((unproved.verdict, unproved.set.len()), (Verdict::Unproved, 1));
         }
     }
 

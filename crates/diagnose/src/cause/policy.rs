@@ -50,8 +50,7 @@ pub(super) const PLACE_ROUNDS: usize = 2;
 
 /// Explanations whose rest is asked about at most: what it takes is a null distribution each. Chosen.
 pub(super) const MOST_ASKED: usize = 4;
-/// A name is withheld where a discrepancy without one lowers the deviance of held-out readings by so much more. Chosen.
-pub(crate) const NAMELESS_BEATS_BY: f64 = 10.0;
+pub(crate) use ieap_domain::diagnosis::NAMELESS_BEATS_BY;
 /// Part of the gain that must be found on held-out readings ... Chosen.
 pub(super) const FOUND_AGAIN_PART: f64 = 0.25;
 /// ... or part of the held-out parts that must come out better. Chosen.

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use ieap_domain::RunAlone;
+use ieap_domain::number::probabilities::equation;
 
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::scale::scale;
@@ -59,6 +60,18 @@ pub(crate) fn are_described(alone: &[RunAlone]) -> bool {
     of_smallest.min(of_product) >= 0.5 * WRONG_BELOW
 }
 
+/// Every run that by itself leaves more than a single one is called right by, with its p.
+pub(crate) fn doubts(alone: &[RunAlone]) -> impl Iterator<Item = String> {
+    let low = |run: &RunAlone| run.p_misfit.filter(|p| *p < WRONG_BELOW);
+    alone.iter().filter_map(move |run| {
+        Some(format!(
+            "{} leaves more than noise by itself, or chance did ({})",
+            run.run,
+            equation("p", low(run)?)
+        ))
+    })
+}
+
 /// What is said where no cause is found and nearly all runs by themselves are described.
 pub(crate) fn in_words(alone: &[RunAlone]) -> Option<String> {
     let count = alone.len();
@@ -100,6 +113,11 @@ mod tests {
         let mut unknown = runs(&[0.5, 0.5]);
         unknown[0].p_misfit = None;
         assert!(!are_described(&unknown) && !are_described(&[]));
+    }
+
+    #[test]
+    fn a_run_that_leaves_more_than_noise_by_itself_is_worth_a_remark() {
+        assert_eq!(doubts(&runs(&[0.003, 0.6])).count(), 1);
     }
 
     #[test]

@@ -3,10 +3,7 @@
 mod causes;
 mod effects;
 mod forms;
-mod sentence;
 
-use ieap_domain::number::probabilities::equation;
-use ieap_domain::number::significant;
 use ieap_domain::{
     DiagnosisNoise, EffectFinding, GroupDiagnosis, MisfitPercent, Parameter, ParameterScatter,
     ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict,
@@ -29,12 +26,11 @@ use crate::misfit::signature::{Direction, Signature};
 use crate::misfit::visible::visible_percent;
 use crate::misfit::whereabouts::whereabouts;
 use crate::options::DiagnoseOptions;
-use crate::outcome::alone::{alone, are_described, in_words as alone_in_words};
-use crate::outcome::gain::gain;
+use crate::outcome::alone::{alone, are_described, doubts, in_words as alone_in_words};
+use crate::outcome::gain::{gain, proof};
 use crate::outcome::next_run::next_run;
-use crate::outcome::noise_words::{beside_scatter, of_scatter, of_slow_noise};
+use crate::outcome::noise_words::{of_scatter, of_slow_noise};
 use crate::outcome::policy::{MOST_OF_MISFIT, SPIKED_PART};
-use crate::outcome::varying;
 use crate::readings::drawn::{drawn, paired};
 use crate::readings::group::{RunGroup, RunInput, channel_name};
 use crate::readings::tags::not_asked;
@@ -86,25 +82,9 @@ impl<'g> FindingBuilder<'_, 'g> {
         let places = self.by_forecast();
         found.confusable = self.confusable(places.iter().map(|(place, _)| *place));
         found.candidates = self.forecasts();
-        found.sentence = match found.verdict {
-            Verdict::Consistent => format!(
-                "The simulation is right to within the noise{} ({}): {} would have been seen.",
-                beside_scatter(&found.scatter, found.scatter_is_noise),
-                equation("p", self.p_misfit),
-                error_words(found.visible_percent)
-            ),
-            Verdict::DataProblem => SPIKED_WORDS.into(),
-            _ if self.p_misfit >= RIGHT_FROM => format!(
-                "Nothing speaks against the simulation ({}), and little could: only {} would have been seen.",
-                equation("p", self.p_misfit),
-                error_words(found.visible_percent)
-            ),
-            _ => format!(
-                "The simulation may be wrong ({}): too much for chance to be sure, too little to name a cause; {}.",
-                equation("p", self.p_misfit),
-                found.whereabouts.as_ref().map_or("", |w| &w.text)
-            ),
-        };
+        if found.verdict == Verdict::DataProblem {
+            found.sentence = SPIKED_WORDS.into();
+        }
         found
     }
 
@@ -142,6 +122,9 @@ impl<'g> FindingBuilder<'_, 'g> {
             is_adequate: lead.as_ref().is_some_and(Lead::is_adequate),
             explains_most: lead.as_ref().is_some_and(|lead| self.explains_most(lead)),
             predicts,
+            is_clear: lead
+                .as_ref()
+                .is_some_and(|lead| proof(self.group, &lead.held_out).is_clear()),
         });
         found.posterior = posterior;
         found.verdict = decision.verdict;
@@ -149,6 +132,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         found.node = decision.node;
         if self.is_spiked() {
             (found.verdict, found.node) = (Verdict::DataProblem, None);
+            found.sentence = SPIKED_WORDS.into();
             found.set.clear();
         }
         found.remarks.extend(refused_in_words(&selection.dealt));
@@ -158,9 +142,10 @@ impl<'g> FindingBuilder<'_, 'g> {
         if let Some(lead) = lead.as_ref().filter(|_| found.verdict != Verdict::Varies) {
             self.add_lead(&mut found, selection, lead);
         }
-        match found.verdict {
-            Verdict::Varies => varying::say(&mut found, runs_alone.as_deref().unwrap_or_default()),
-            _ => found.sentence = self.sentence(&found, &ids, predicts),
+        if found.verdict == Verdict::Varies {
+            found
+                .remarks
+                .extend(doubts(runs_alone.as_deref().unwrap_or_default()));
         }
         if found.verdict == Verdict::Unknown && self.group.runs.len() > 1 {
             let alone = runs_alone.get_or_insert_with(|| self.alone());
@@ -347,19 +332,6 @@ impl<'g> FindingBuilder<'_, 'g> {
 fn is_visible(visible: MisfitPercent) -> bool {
     let each = [visible.current, visible.curvature].into_iter().flatten();
     each.fold(0.0, f64::max) <= VISIBLE_PERCENT
-}
-
-/// An error of that size, in words.
-fn error_words(visible: MisfitPercent) -> String {
-    let of = |percent: Option<f64>, what: &str| {
-        Some(format!(
-            "{} % of the range of the {what}",
-            significant(percent?, 2)
-        ))
-    };
-    let each = [of(visible.current, "current"), of(visible.curvature, "curvature")];
-    let sizes: Vec<String> = each.into_iter().flatten().collect();
-    format!("an error of {}", sizes.join(" or "))
 }
 
 /// What is said of forms of the first effect that explain the readings as well.

@@ -16,13 +16,18 @@ pub(crate) fn gain(group: &RunGroup, base: &Fitted, extended: &Fitted, held_out:
     let [later_before, later_after] = &later;
     Gain {
         held_out: held_out::kind(group).to_owned(),
-        proof: of_parts(group, &held_out.before, &held_out.after),
+        proof: proof(group, held_out),
         nameless_deviance: held_out.nameless.iter().sum(),
         predictions: predictions(&predicted(&held_out.before), &predicted(&held_out.after)),
         residual_rms_sigma_before: rms(base.square),
         residual_rms_sigma_after: rms(extended.square),
         later: (!later_after.is_empty()).then(|| of_parts(group, later_before, later_after)),
     }
+}
+
+/// The gain on what was held out.
+pub(crate) fn proof(group: &RunGroup, held_out: &HeldOut) -> HeldOutGain {
+    of_parts(group, &held_out.before, &held_out.after)
 }
 
 /// The gain on parts that were held out of both models.

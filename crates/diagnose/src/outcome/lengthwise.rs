@@ -10,10 +10,11 @@ use crate::levels::{RIGHT_FROM, TAKEN};
 use crate::options::DiagnoseOptions;
 use crate::outcome::policy::LEAST_CHANCE;
 use crate::readings::group::RunInput;
+use ieap_domain::finding_words::say;
 use ieap_domain::number::{significant, upper_bound};
 use ieap_domain::{EffectFinding, GroupDiagnosis, Hypothesis, Parameter, Verdict};
 use ieap_fit::distributed::{Decision, LumpedOrDistributed};
-use ieap_model::effects::effect;
+use ieap_model::effects::{effect, summary};
 
 /// Id of the effect in the library.
 const ID: &str = "lengthwise-resistance";
@@ -29,9 +30,11 @@ pub fn with_places(
     inputs: &[RunInput],
     options: &DiagnoseOptions,
 ) -> GroupDiagnosis {
-    joined(found, runs, |resistance_ohm_per_sq| {
+    let mut found = joined(found, runs, |resistance_ohm_per_sq| {
         p_leftover(inputs, options, ID, &[resistance_ohm_per_sq])
-    })
+    });
+    say(&mut found, &summary);
+    found
 }
 
 /// `leftover` gives the chance of what is left beside electrodes of that resistance, Ohm per square.
@@ -62,6 +65,9 @@ fn joined(
     if p < TAKEN {
         proved(found, clearest, p, leftover)
     } else {
+        if found.verdict == Verdict::Consistent && found.p_misfit.is_some_and(|p| p < RIGHT_FROM) {
+            found.verdict = Verdict::Undecided;
+        }
         unseen(found, &asked)
     }
 }
@@ -109,7 +115,10 @@ fn proved(
     found.set = vec![ID.to_owned()];
     found.node = Some(leaf(ID, 1.0 - p));
     // A misfit in time that no cause of the library was named for may be that of the resistance.
-    let was_left = matches!(found.verdict, Verdict::Unknown | Verdict::Partial);
+    let was_left = matches!(
+        found.verdict,
+        Verdict::Unknown | Verdict::Partial | Verdict::Unproved
+    );
     if was_left && !fitted {
         found.p_leftover = resistance.value.and_then(leftover);
     }
@@ -117,17 +126,11 @@ fn proved(
         None if was_left => Verdict::Partial,
         left => of_one(left),
     };
-    let summary = effect(ID).map_or("", |effect| effect.about().summary);
-    found.sentence = format!(
-        "The simulation misses {ID} ({summary}): places along the strip tell it from every cause of the strip as a whole, {}.",
+    let text = format!(
+        "places along the strip tell it from every cause of the strip as a whole, {}",
         chance(p)
     );
-    found.sentence += match (found.verdict, found.p_leftover) {
-        (Verdict::Partial, Some(_)) => " A misfit of another kind is left.",
-        (Verdict::Partial, None) => " Whether a misfit of another kind is left could not be asked.",
-        (_, Some(p)) if p < RIGHT_FROM => " A misfit of another kind may be left.",
-        _ => "",
-    };
+    found.whereabouts.get_or_insert_default().text = text;
     found
 }
 
@@ -158,10 +161,9 @@ fn unseen(mut found: GroupDiagnosis, asked: &[(&PlacesOfRun, f64)]) -> GroupDiag
     for finding in &mut found.effects {
         finding.twins.retain(|id| id != ID);
     }
-    found.sentence += &match found.set.as_slice() {
-        [only] => format!(" Places along the strip do not differ: it is {only}, not {ID}."),
-        _ => format!(" Places along the strip do not differ: it is not {ID}."),
-    };
+    found
+        .remarks
+        .push(format!("places along the strip do not differ: it is not {ID}"));
     if let (Verdict::Set, [only]) = (found.verdict, found.set.as_slice()) {
         let probability = without(&found, only);
         if probability >= SURE {
@@ -218,28 +220,18 @@ mod tests {
 
     #[test]
     fn a_misfit_without_a_name_is_asked_whether_the_resistance_leaves_it() {
-        for (verdict, left, expected, said) in [
-            (Verdict::Unknown, Some(0.4), Verdict::Named, "tell it"),
-            (
-                Verdict::Partial,
-                Some(1e-4),
-                Verdict::Partial,
-                "of another kind is left.",
-            ),
-            (
-                Verdict::Partial,
-                Some(0.03),
-                Verdict::Named,
-                "of another kind may be left.",
-            ),
-            (Verdict::Unknown, None, Verdict::Partial, "could not be asked"),
+        for (verdict, left, expected) in [
+            (Verdict::Unknown, Some(0.4), Verdict::Named),
+            (Verdict::Partial, Some(1e-4), Verdict::Partial),
+            (Verdict::Partial, Some(0.03), Verdict::Named),
+            (Verdict::Unknown, None, Verdict::Partial),
         ] {
             let found = joined(group(verdict, &[]), &[("a", places(1e-9, 1e-8))], |resistance| {
                 assert_eq!(resistance, 2.5);
                 left
             });
             assert_eq!((found.verdict, found.p_leftover), (expected, left));
-            assert!(found.sentence.contains(said), "{}", found.sentence);
+            assert!(found.whereabouts.unwrap().text.contains("tell it"));
         }
     }
 
@@ -252,20 +244,26 @@ mod tests {
             (Verdict::Named, &[ID.to_owned()][..])
         );
         assert_eq!(found.effects[0].parameters[0].estimate.value, Some(2.5));
-        assert!(found.sentence.contains(ID), "{}", found.sentence);
     }
 
     #[test]
     fn even_places_and_a_fixed_pattern_name_nothing() {
         for (p, p_later) in [(0.4, 0.5), (1e-9, 0.3)] {
-            let found = joined(
-                group(Verdict::Consistent, &[]),
-                &[("a", places(p, p_later))],
-                unasked,
-            );
+            let mut described = group(Verdict::Consistent, &[]);
+            described.p_misfit = Some(0.6);
+            let found = joined(described, &[("a", places(p, p_later))], unasked);
             assert_eq!((found.verdict, found.set.len()), (Verdict::Consistent, 0));
             assert_eq!(found.remarks.len(), 1);
         }
+    }
+
+    /// Of two questions the chance of the clearer counts twice: a group is right only where that is no less than 0.05.
+    #[test]
+    fn a_group_that_its_places_make_doubtful_is_not_called_right() {
+        let mut described = group(Verdict::Consistent, &[]);
+        described.p_misfit = Some(0.6);
+        let found = joined(described, &[("a", places(0.015, 0.015))], unasked);
+        assert_eq!((found.verdict, found.p_misfit), (Verdict::Undecided, Some(0.03)));
     }
 
     #[test]
@@ -279,13 +277,7 @@ mod tests {
             (found.verdict, &found.set[..]),
             (Verdict::Named, &["dispersion".to_owned()][..])
         );
-        assert!(
-            found
-                .sentence
-                .ends_with("it is dispersion, not lengthwise-resistance."),
-            "{}",
-            found.sentence
-        );
+        assert!(found.remarks[1].ends_with("it is not lengthwise-resistance"));
         let other = joined(
             group(Verdict::Named, &["faradaic-leak"]),
             &[("a", places(1e-9, 1e-9))],

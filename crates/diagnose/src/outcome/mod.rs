@@ -2,7 +2,7 @@
 //!
 //! In: misfit, selection and evidence of a group.
 //! Out: an [`ieap_domain::GroupDiagnosis`]: verdict, sentence, effects with intervals, set, gain, next run; and what the
-//! runs say each by itself ([`alone`]), or where they differ ([`varying`]), or along the strip ([`lengthwise`]).
+//! runs say each by itself ([`alone`]), or along the strip ([`lengthwise`]).
 
 pub(crate) mod alone;
 pub(crate) mod finding;
@@ -11,4 +11,3 @@ pub(crate) mod lengthwise;
 pub(crate) mod next_run;
 pub(crate) mod noise_words;
 mod policy;
-pub(crate) mod varying;

@@ -1,19 +1,10 @@
 //! What is taken as noise beside that of single readings, in words: scatter from run to run, and what is slow.
 
+use ieap_domain::finding_words::{listed, most_scattered, printed, short, short_percent};
+use ieap_domain::number::significant;
 use ieap_domain::{DiagnosisNoise, MisfitPercent, ParameterScatter};
 
-use crate::outcome::policy::{MOST_SCATTERED, SLOW_BELOW_PART};
-use crate::outcome::varying::{listed, printed, short};
-
-/// What stands beside "to within the noise" where scatter is taken as noise.
-pub(crate) fn beside_scatter(scatter: &[ParameterScatter], is_noise: bool) -> String {
-    if !is_noise {
-        return String::new();
-    }
-    let of = |own: &&ParameterScatter| format!("{} {} %", printed(&own.key).0, short_percent(own.percent));
-    let parts: Vec<String> = leading(scatter).iter().map(of).collect();
-    format!(" and to the scatter from run to run ({})", parts.join(", "))
-}
+use crate::outcome::policy::SLOW_BELOW_PART;
 
 /// The scatter that is taken as noise, with its intervals.
 pub(crate) fn of_scatter(scatter: &[ParameterScatter], is_noise: bool) -> Option<String> {
@@ -26,7 +17,7 @@ pub(crate) fn of_scatter(scatter: &[ParameterScatter], is_noise: bool) -> Option
             short_percent(own.high_95_percent)
         )
     };
-    let parts: Vec<String> = leading(scatter).iter().map(of).collect();
+    let parts: Vec<String> = most_scattered(scatter).iter().map(of).collect();
     is_noise.then(|| format!("from run to run {}: taken as noise", listed(&parts)))
 }
 
@@ -39,32 +30,13 @@ pub(crate) fn of_slow_noise(noise: &[DiagnosisNoise], visible: MisfitPercent) ->
         Some(format!(
             "noise of the {channel} that lasts up to {} s is taken as noise: it hides errors below {} % of its range",
             short(longest_s),
-            short_percent(percent?)
+            significant(percent?, 2)
         ))
     };
     [("current", visible.current), ("curvature", visible.curvature)]
         .into_iter()
         .filter_map(|(channel, percent)| of(channel, percent))
         .collect()
-}
-
-/// The parameters that scatter, the most certain first.
-fn leading(scatter: &[ParameterScatter]) -> Vec<&ParameterScatter> {
-    let mut found: Vec<&ParameterScatter> = scatter.iter().filter(|own| own.percent > 0.0).collect();
-    found.sort_by(|a, b| {
-        let by_low = b.low_95_percent.total_cmp(&a.low_95_percent);
-        by_low.then(b.percent.total_cmp(&a.percent))
-    });
-    found.truncate(MOST_SCATTERED);
-    found
-}
-
-/// Two digits that count, below a hundredth of a percent none.
-fn short_percent(percent: f64) -> String {
-    match percent {
-        0.01.. => short((percent * 100.0).round() / 100.0),
-        _ => "0".to_owned(),
-    }
 }
 
 #[cfg(test)]
@@ -88,14 +60,7 @@ mod tests {
             of_scatter(&scatter, true).unwrap(),
             "from run to run alpha scatters by 1.23 % (0.600 to 3.52) and R1 scatters by 2.00 % (0 to 9.00): taken as noise"
         );
-        assert_eq!(
-            beside_scatter(&scatter, true),
-            " and to the scatter from run to run (alpha 1.23 %, R1 2.00 %)"
-        );
-        assert_eq!(
-            (of_scatter(&scatter, false), beside_scatter(&scatter, false)),
-            (None, String::new())
-        );
+        assert_eq!(of_scatter(&scatter, false), None);
     }
 
     #[test]
@@ -120,7 +85,7 @@ mod tests {
         assert_eq!(
             of_slow_noise(&noise, visible),
             [
-                "noise of the current that lasts up to 30.0 s is taken as noise: it hides errors below 2.04 % of its range"
+                "noise of the current that lasts up to 30.0 s is taken as noise: it hides errors below 2.0 % of its range"
             ]
         );
     }

@@ -13,16 +13,6 @@ pub(super) const NEARLY_ALL_RUNS: f64 = 0.75;
 pub(super) const MOST_REPORTED: usize = 20;
 /// Candidates at most whose traces are compared with each other. Chosen.
 pub(super) const MOST_COMPARED: usize = 10;
-/// Explanations at most that are told where none is sure. Chosen.
-pub(super) const MOST_EXPLANATIONS: usize = 4;
-/// Least probability of an explanation that is told where none is sure. Chosen.
-pub(super) const LEAST_EXPLANATION: f64 = 0.01;
-/// Size of what is left, over that of the noise, from which it is told as a number. Chosen.
-pub(super) const LARGER_THAN_NOISE: f64 = 1.05;
-/// Parameters whose scatter from run to run is told at most. Chosen.
-pub(super) const MOST_SCATTERED: usize = 3;
-/// Parameters whose courses are told at most; the others are named. Chosen.
-pub(super) const MOST_COURSES: usize = 2;
 /// Independent readings, in parts of a record's, below which noise is told to be slow: noise that dies away from one reading to
 /// the next is not worth a sentence. Chosen.
 pub(super) const SLOW_BELOW_PART: f64 = 0.25;

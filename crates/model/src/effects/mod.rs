@@ -145,3 +145,8 @@ pub fn effect(id: &str) -> Option<&'static dyn Effect> {
     let listed = ALL.iter().copied().find(|effect| effect.about().id == id);
     listed.or_else(|| followed_tag::of_id(id))
 }
+
+/// What the effect of that id is, in a line.
+pub fn summary(id: &str) -> Option<&'static str> {
+    effect(id).map(|known| known.about().summary)
+}

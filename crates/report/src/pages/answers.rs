@@ -1,7 +1,7 @@
 //! What the overview says first, in at most three sentences: what the campaign shows, what the model lacks, what to do next.
 
 use ieap_domain::words::{counted, in_a_row};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ use ieap_analysis::laws::Dependence;
 use ieap_analysis::laws::words;
 use ieap_analysis::monitoring::forecasts::{Dates, forecasts};
 use ieap_domain::GroupDiagnosis;
-use ieap_domain::number::significant;
+use ieap_domain::finding_words::{causes, proof};
 
 /// The first sentences with the figure of the first.
 #[derive(Debug, Default, Serialize)]
@@ -102,39 +102,30 @@ fn law_words(found: &Dependence) -> String {
     )
 }
 
-/// What the model lacks: the counts, the causes with their groups, and what the best of them gains.
+/// What the model lacks: the counts, the causes with their groups, and what one of a single group gains.
 fn lacks(site: &Site) -> Option<Said> {
-    let groups = &site.input.findings.groups;
+    let findings = &site.input.findings;
+    let groups = &findings.groups;
     if groups.is_empty() {
         return None;
     }
     let mut text = campaign_lead(groups);
-    let mut causes: BTreeMap<String, Vec<&GroupDiagnosis>> = BTreeMap::new();
+    let mut by_cause: BTreeMap<String, Vec<&GroupDiagnosis>> = BTreeMap::new();
     for found in groups
         .iter()
         .filter(|found| outcome_of(found) == Outcome::WrongWithCause)
     {
-        causes.entry(cause_words(found)).or_default().push(found);
+        let about = |id: &str| findings.effect(id).map(|effect| effect.summary.as_str());
+        by_cause.entry(causes(found, &about)).or_default().push(found);
     }
-    for (cause, of) in causes {
-        let gain = of.iter().find_map(|found| gain_words(found)).unwrap_or_default();
-        text += &format!(" {}: {cause}{gain}.", groups_words(&of));
+    for (cause, of) in by_cause {
+        let gain = match of.as_slice() {
+            [only] => proof(only, "it"),
+            _ => String::new(),
+        };
+        text += &format!(" {}: {cause}.{gain}", groups_words(&of));
     }
     Some(Said::new(text, "findings.html", "all findings"))
-}
-
-/// The cause at the depth that the readings tell, with the effect's name where they tell it.
-fn cause_words(found: &GroupDiagnosis) -> String {
-    let names: BTreeSet<&str> = found.effects.iter().map(|own| own.effect.as_str()).collect();
-    let names = in_a_row(&names.into_iter().map(str::to_owned).collect::<Vec<_>>());
-    let first_clause = |words: &str| words.split(';').next().unwrap_or(words).trim().to_owned();
-    match &found.node {
-        Some(node) if node.depth >= 3 && !names.is_empty() => {
-            format!("{} ({names})", first_clause(&node.words))
-        }
-        Some(node) => first_clause(&node.words),
-        None => names,
-    }
 }
 
 /// Which groups, at the head of a sentence.
@@ -145,18 +136,6 @@ fn groups_words(groups: &[&GroupDiagnosis]) -> String {
     } else {
         in_a_row(&names)
     }
-}
-
-/// What the extended model gains on what was left out of the fit; none where no gain is proved.
-fn gain_words(found: &GroupDiagnosis) -> Option<String> {
-    let gain = found.gain.as_ref().filter(|_| found.gains_clearly())?;
-    let (channel, before, after) = gain.proof.best_channel()?;
-    let percent = |part: f64| significant(100.0 * part, 2);
-    Some(format!(
-        "; with it the error of a {channel} that was left out falls from {} to {} % of its range",
-        percent(before),
-        percent(after)
-    ))
 }
 
 /// The first run to make, and how much of the conditions is measured.

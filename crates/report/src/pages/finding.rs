@@ -1,6 +1,7 @@
 //! The page of one group: what the simulation gets wrong there, the cause, the extended model and its gain.
 
-use ieap_domain::number::probabilities::equation_of;
+use ieap_domain::finding_words::verdict_word;
+use ieap_domain::number::probabilities::{counted_with_q, equation_of};
 use ieap_domain::words::in_a_row;
 use std::collections::BTreeMap;
 
@@ -12,7 +13,7 @@ use super::finding_answer::{Answer, answer, size, symbol_and_unit};
 use super::finding_differs::{DiffersBlock, differs_blocks};
 use super::finding_gain::{GainSection, called, called_held_out, extension, gain_section};
 use super::finding_posterior::{HypothesisRow, hypothesis_rows};
-use super::finding_words::{counted_from_draws, lead, shift_words, test_words, verdict_of};
+use super::finding_words::{shift_words, test_words};
 use super::wording::{EstimateText, RunLink, group_title, readable, with_index};
 use crate::error::ReportError;
 use crate::figures::gain_bars::gain_bars;
@@ -37,7 +38,7 @@ struct FindingPage {
     /// The answer in a sentence.
     lead: String,
     answer: Answer,
-    /// The same at length, and what stands behind it.
+    /// How often chance gives as much.
     summary: Vec<String>,
     runs: Vec<NamedRun>,
     /// Parameters that differ, where that is the finding.
@@ -177,11 +178,11 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     let drawn_of = found.residuals.len();
     let page = FindingPage {
         name: group_title(&found.group),
-        verdict: verdict_of(found),
+        verdict: verdict_word(found.verdict),
         key: found.verdict.key(),
-        lead: lead(found, findings),
+        lead: readable(&found.sentence),
         answer,
-        summary: summary(found, findings),
+        summary: test_words(found),
         runs: found.runs.iter().map(|path| named_run(site, path)).collect(),
         differs,
         hypotheses: hypothesis_rows(found, findings),
@@ -232,14 +233,6 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     Content::new("finding.html", &page, figures)
 }
 
-fn summary(found: &GroupDiagnosis, findings: &Findings) -> Vec<String> {
-    let said = lead(found, findings);
-    let mut sentences = vec![readable(&found.sentence)];
-    sentences.retain(|sentence| *sentence != said);
-    sentences.extend(test_words(found));
-    sentences
-}
-
 fn named_run(site: &Site, path: &str) -> NamedRun {
     NamedRun {
         link: site.run_of(path).map(|run| RunLink::to(site, run)),
@@ -259,7 +252,7 @@ fn effect_block(finding: &EffectFinding, draws: usize, findings: &Findings) -> E
             estimate: EstimateText::of(&parameter.estimate, 1.0),
         }
     };
-    let (p, q) = counted_from_draws(Some(finding.p), finding.q, draws);
+    let (p, q) = counted_with_q(Some(finding.p), finding.q, draws);
     EffectBlock {
         id: finding.effect.clone(),
         variant: finding.variant.clone().unwrap_or_default(),

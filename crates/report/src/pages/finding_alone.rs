@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::finding_words::{counted_from_draws, verdict_word};
 use ieap_domain::diagnosis::{RIGHT_FROM, WRONG_BELOW};
+use ieap_domain::finding_words::verdict_word;
+use ieap_domain::number::probabilities::counted;
 use ieap_domain::{RunAlone, Verdict};
 
 /// What a run leaves by itself.
@@ -24,7 +25,7 @@ pub fn alone_rows(alone: &[RunAlone], draws: usize) -> Vec<AloneRow> {
             Some(p) if p >= WRONG_BELOW => verdict_word(Verdict::Undecided),
             Some(_) => "wrong",
         },
-        p: counted_from_draws(run.p_misfit, None, draws).0,
+        p: counted(run.p_misfit, draws),
     };
     alone.iter().map(row).collect()
 }

@@ -3,14 +3,13 @@
 use serde::Serialize;
 
 use crate::figures::residual::Called;
-use crate::pages::policy::ERROR_RISES_FACTOR;
+use ieap_domain::finding_words::{StatedError, errors, gain_words};
 use ieap_domain::number::{measured, percent, significant};
-use ieap_domain::{Gain, GroupDiagnosis, HeldOutGain, Verdict};
+use ieap_domain::{Gain, GroupDiagnosis, HeldOutGain, Prediction, Verdict};
 
 /// Errors before and after, on readings that took no part in the fit.
 #[derive(Debug, Serialize)]
 pub struct ErrorTable {
-    sentence: String,
     /// What a reader must know first; empty where the extension stands.
     caution: &'static str,
     /// Head of the extension's column.
@@ -23,7 +22,6 @@ pub fn error_table(found: &GroupDiagnosis) -> Option<ErrorTable> {
     let section = gain_section(found)?;
     let first = section.blocks.into_iter().next()?;
     Some(ErrorTable {
-        sentence: first.sentence,
         caution: section.caution,
         column: section.column,
         rows: first.rows,
@@ -99,9 +97,9 @@ pub fn gain_section(found: &GroupDiagnosis) -> Option<GainSection> {
             format!("What the {subject} would gain"),
             "It fits best of all that is known here and was not accepted: it is no cause, and no fit or table uses it.",
         ),
-        _ if !gain.proof.is_clear() => (
+        Verdict::Unproved => (
             format!("Whether the {subject} gains"),
-            "That it predicts better what was left out is not clear: not every part comes out better, and the 95 % interval of the fall of the deviance reaches zero.",
+            "Not every part gains, and the 95 % interval of the fall of the deviance reaches zero.",
         ),
         _ => (format!("What the {subject} gains"), ""),
     };
@@ -127,15 +125,7 @@ fn proof(gain: &Gain, runs: usize, subject: &str) -> GainBlock {
         ),
         _ => ("Runs left out", "runs that took no part in the fit"),
     };
-    let mut block = block(heading, what, &gain.proof, subject);
-    block.rows.extend(gain.predictions.iter().map(|of| {
-        let percent = |value: f64| format!("{} %", significant(value, 2));
-        (
-            format!("Error of predicted {}", in_words(&of.quantity)),
-            percent(of.before_percent),
-            percent(of.after_percent),
-        )
-    }));
+    let mut block = block(heading, what, (&gain.proof, &gain.predictions), subject);
     block.rows.push((
         "Residuals of the fit to all readings, in σ of the noise".to_owned(),
         significant(gain.residual_rms_sigma_before, 3),
@@ -145,15 +135,20 @@ fn proof(gain: &Gain, runs: usize, subject: &str) -> GainBlock {
 }
 
 fn later_block(later: &HeldOutGain, subject: &str) -> GainBlock {
-    let what = "the last 40 % of every run from the first 60 % of all";
-    block("Later times from earlier ones", what, later, subject)
+    let what = "ends of runs (the last 40 %, from the first 60 % of all)";
+    block("Later times from earlier ones", what, (later, &[]), subject)
 }
 
-fn block(heading: &str, what: &str, gain: &HeldOutGain, subject: &str) -> GainBlock {
+fn block(
+    heading: &str,
+    what: &str,
+    (gain, predictions): (&HeldOutGain, &[Prediction]),
+    subject: &str,
+) -> GainBlock {
     GainBlock {
         heading: heading.to_owned(),
-        sentence: sentence(what, gain, subject),
-        rows: rows(gain),
+        sentence: gain_words(&format!("the {subject}"), what, gain, predictions),
+        rows: rows(gain, predictions),
         parts: gain
             .parts
             .iter()
@@ -163,68 +158,31 @@ fn block(heading: &str, what: &str, gain: &HeldOutGain, subject: &str) -> GainBl
     }
 }
 
-fn sentence(what: &str, gain: &HeldOutGain, subject: &str) -> String {
-    let (better, all) = gain.better_parts();
-    let which = match (better == all, gain.deviance > 0.0) {
-        (true, _) if gain.is_clear() => "all better than the base model does".to_owned(),
-        (_, true) if !gain.is_clear() => format!(
-            "{better} of {all} better than the base model does, and in the sum not clearly so (its 95 % interval reaches zero)"
-        ),
-        (_, true) => format!("{better} of {all} better than the base model does, and better in the sum"),
-        (_, false) => format!("{better} of {all} better than the base model does, and worse in the sum"),
+fn rows(gain: &HeldOutGain, predictions: &[Prediction]) -> Vec<(String, String, String)> {
+    let error = |error: StatedError| {
+        let of_range = if error.is_of_range {
+            ", in % of its range"
+        } else {
+            ""
+        };
+        (
+            format!("Error of predicted {}{of_range}", error.of),
+            error.before,
+            error.after,
+        )
     };
-    let doubt = if gain.deviance > 0.0 && error_rises(gain) {
-        " Its best guess lies farther off than that of the base model, but it claims to know less: the deviance \
-         counts both."
-    } else {
-        ""
-    };
-    format!("Asked to predict {what}, the {subject} predicts {which}.{doubt}")
-}
-
-/// Whether the error of a channel in percent rises.
-fn error_rises(gain: &HeldOutGain) -> bool {
-    let pairs = [
-        (gain.nrmse_current_before, gain.nrmse_current_after),
-        (gain.nrmse_curvature_before, gain.nrmse_curvature_after),
-    ];
-    let rises = |(before, after): (Option<f64>, Option<f64>)| Some(after? > ERROR_RISES_FACTOR * before?);
-    pairs.into_iter().any(|pair| rises(pair) == Some(true))
-}
-
-fn rows(gain: &HeldOutGain) -> Vec<(String, String, String)> {
-    let error = |part: f64| format!("{} %", significant(100.0 * part, 2));
-    let share = |part: f64| percent(part, 0);
-    let row = |name: &str, pair: (Option<f64>, Option<f64>), text: &dyn Fn(f64) -> String| {
-        Some((name.to_owned(), text(pair.0?), text(pair.1?)))
-    };
-    let current = (gain.nrmse_current_before, gain.nrmse_current_after);
-    let curvature = (gain.nrmse_curvature_before, gain.nrmse_curvature_after);
-    let coverage = (gain.coverage_before, gain.coverage_after);
-    [
-        row("Error of predicted current, in % of its range", current, &error),
-        row(
-            "Error of predicted curvature, in % of its range",
-            curvature,
-            &error,
-        ),
-        row("Held-out readings within their 95 % interval", coverage, &share),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
-}
-
-/// A predicted quantity in words.
-fn in_words(quantity: &str) -> &str {
-    match quantity {
-        "peak_curvature" => "largest curvature",
-        "time_of_peak_curvature" => "time of the largest curvature",
-        "end_curvature" => "curvature at the end",
-        "charge" => "charge passed",
-        "end_current" => "current at the end",
-        other => other,
-    }
+    let coverage = gain
+        .coverage_before
+        .zip(gain.coverage_after)
+        .map(|(before, after)| {
+            (
+                "Held-out readings within their 95 % interval".to_owned(),
+                percent(before, 0),
+                percent(after, 0),
+            )
+        });
+    let errors = errors(gain, predictions).into_iter().map(error);
+    errors.chain(coverage).collect()
 }
 
 #[cfg(test)]
@@ -242,33 +200,12 @@ mod tests {
     }
 
     #[test]
-    fn a_wider_claim_that_is_farther_off_is_said_to_be_one() {
-        let said = |gain| sentence("it", &gain, "extended model");
-        assert_eq!(
-            said(gain(8.0, &[5.0, 3.0], [0.2, 0.1])),
-            "Asked to predict it, the extended model predicts all better than the base model does."
-        );
-        assert!(said(gain(8.0, &[5.0, 3.0], [0.1, 0.2])).contains("farther off"));
-        assert!(!said(gain(-8.0, &[-5.0, -3.0], [0.1, 0.2])).contains("farther off"));
-    }
-
-    #[test]
     fn a_gain_that_may_be_none_is_not_told_as_one() {
-        let unclear = HeldOutGain {
-            standard_error: 6.0,
-            ..gain(8.0, &[9.0, 1.0, -2.0], [0.2, 0.1])
-        };
-        let text = sentence("it", &unclear, "extended model");
-        assert!(
-            text.contains("not clearly so") && !text.contains("all better"),
-            "{text}"
-        );
         let mut found = testing::finding();
-        found.verdict = Verdict::Partial;
-        found.gain = Some(testing::gain(unclear));
+        found.verdict = Verdict::Unproved;
+        found.gain = Some(testing::gain(gain(8.0, &[9.0, 1.0, -2.0], [0.2, 0.1])));
         let section = gain_section(&found).unwrap();
-        assert!(section.heading.starts_with("Whether") && section.caution.contains("not clear"));
-        assert!(!super::super::finding_words::verdict_of(&found).contains("found"));
+        assert!(section.heading.starts_with("Whether") && section.caution.contains("reaches zero"));
     }
 
     #[test]

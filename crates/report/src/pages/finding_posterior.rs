@@ -6,7 +6,8 @@ use serde::Serialize;
 use crate::input::Findings;
 use crate::pages::policy::{LEAST_PROBABILITY, MOST_EXPLANATIONS};
 use ieap_analysis::ParameterInfo;
-use ieap_domain::number::fixed;
+use ieap_domain::finding_words::explanation;
+use ieap_domain::number::probabilities::share;
 use ieap_domain::{CauseNode, GroupDiagnosis, Hypothesis, HypothesisKind};
 
 /// A hypothesis in words.
@@ -44,20 +45,20 @@ fn of_node(node: &CauseNode) -> HypothesisRow {
     HypothesisRow {
         what: node.path.join(" › "),
         detail: format!("{}: all causes of this kind together", node.words),
-        percent: percent(node.probability),
+        percent: share(node.probability),
         bar: bar(node.probability),
     }
 }
 
 fn row(own: &Hypothesis, findings: &Findings) -> HypothesisRow {
     let (what, detail) = match own.kind {
-        HypothesisKind::Base => ("nothing: chance".to_owned(), String::new()),
+        HypothesisKind::Base => (explanation(own), "nothing is missing".to_owned()),
         HypothesisKind::SlowNoise => (
-            "slow noise".to_owned(),
+            explanation(own),
             "readings wander over the length of a record, at rest as under voltage".to_owned(),
         ),
         HypothesisKind::Unnamed => (
-            "something without a name".to_owned(),
+            explanation(own),
             "a smooth answer to the voltage, or a course over the clock, that no effect of the library has"
                 .to_owned(),
         ),
@@ -68,21 +69,13 @@ fn row(own: &Hypothesis, findings: &Findings) -> HypothesisRow {
         what,
         detail,
         bar: bar(own.mass),
-        percent: percent(own.mass),
+        percent: share(own.mass),
     }
 }
 
 /// Length of the bar of a probability, percent.
 fn bar(probability: f64) -> f64 {
     (1e3 * probability).round() / 10.0
-}
-
-fn percent(probability: f64) -> String {
-    match probability {
-        most if most > 0.995 => "> 99".to_owned(),
-        least if least < 0.001 => "< 0.1".to_owned(),
-        mass => fixed(100.0 * mass, if mass < 0.095 { 1 } else { 0 }),
-    }
 }
 
 fn parameters(own: &Hypothesis) -> String {
@@ -106,13 +99,9 @@ fn follows(own: &Hypothesis) -> String {
 fn effect(own: &Hypothesis, findings: &Findings) -> (String, String) {
     let summary = |id: &String| findings.effect(id).map(|known| known.summary.clone());
     let summaries: Vec<String> = own.effects.iter().filter_map(summary).collect();
-    let mut what = own.effects.join(" + ");
-    if own.with_unnamed {
-        what += " + something without a name";
-    }
     let mut detail = summaries.join("; ");
     if let Some(form) = &own.form {
         detail += &format!(" ({form})");
     }
-    (what, detail)
+    (explanation(own), detail)
 }

@@ -1,119 +1,14 @@
 //! What a finding says, in words for people who do not work with probabilities.
 
-use super::wording::readable;
-use crate::input::Findings;
 use crate::pages::policy::CLEAR_SHIFT_SIGMAS;
 use ieap_domain::diagnosis::follows_a_tag;
-use ieap_domain::number::probabilities::{equation_of, probability};
+use ieap_domain::number::probabilities::{counted, equation_of, is_least, probability};
 use ieap_domain::number::{fixed, significant};
-use ieap_domain::words::{counted, in_a_row};
+use ieap_domain::words::counted as count_of;
 use ieap_domain::{GroupDiagnosis, ParameterShift, Verdict};
 
 /// Parameters that follow from others: a shift of theirs says nothing of its own.
 const DERIVED: [&str; 4] = ["c_total_f_per_cm2", "r_parallel_ohm_cm2", "tau1_s", "tau2_s"];
-
-/// The verdict as a word of plain language.
-pub fn verdict_word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Consistent => "right to within the noise",
-        Verdict::Undecided => "undecided",
-        Verdict::Named => "wrong, cause found",
-        Verdict::Set => "wrong, several possible causes",
-        Verdict::Partial => "wrong, cause found in part",
-        Verdict::Unknown => "wrong, cause unknown",
-        Verdict::Varies => "the runs differ in their parameters",
-        Verdict::Resembles => "wrong, like a known cause and not it",
-        Verdict::DataProblem => "readings not usable",
-    }
-}
-
-/// The verdict about a group, no stronger than its proof.
-pub fn verdict_of(found: &GroupDiagnosis) -> &'static str {
-    proved_or_not(found.verdict, found.gains_clearly())
-}
-
-/// The verdict where the gain on what was left out is clear, or is not.
-pub fn proved_or_not(verdict: Verdict, is_proved: bool) -> &'static str {
-    match verdict {
-        Verdict::Named | Verdict::Partial if !is_proved => "wrong, a cause fits, not proved",
-        Verdict::Set if !is_proved => "wrong, several causes fit, none proved",
-        verdict => verdict_word(verdict),
-    }
-}
-
-/// The first line of a group's page.
-pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
-    let runs = match found.runs.len() {
-        1 => "this run".to_owned(),
-        n => format!("these {n} runs"),
-    };
-    let summary = |id: &String| {
-        findings
-            .effect(id)
-            .map_or_else(|| id.clone(), |effect| first_clause(&effect.summary))
-    };
-    let causes = |ids: &[String]| in_a_row(&ids.iter().map(summary).collect::<Vec<_>>());
-    let taken: Vec<String> = found.effects.iter().map(|effect| effect.effect.clone()).collect();
-    match found.verdict {
-        Verdict::Consistent => {
-            let scatter = if found.scatter_is_noise {
-                " and what they scatter by"
-            } else {
-                ""
-            };
-            format!(
-                "The simulation describes {runs} to within the noise{scatter}; nothing is seen to be missing."
-            )
-        }
-        Verdict::Undecided => format!(
-            "The simulation may be wrong for {runs}, but chance can look like this: nothing is claimed."
-        ),
-        Verdict::Named | Verdict::Partial if !found.gains_clearly() => format!(
-            "The simulation is wrong for {runs}; {} fits, but is not proved to predict better what was left out.",
-            causes(&taken)
-        ),
-        Verdict::Set if !found.gains_clearly() => format!(
-            "The simulation is wrong for {runs}; {} causes fit, none of them proved to predict better what was left out: {}.",
-            found.set.len(),
-            causes(&found.set)
-        ),
-        Verdict::Named => format!("The simulation of {runs} lacks {}.", causes(&taken)),
-        Verdict::Set => format!(
-            "The simulation of {runs} lacks something{}; {} causes fit, and these runs do not tell which: {}.",
-            kind(found),
-            found.set.len(),
-            causes(&found.set)
-        ),
-        Verdict::Partial => format!(
-            "The simulation of {runs} lacks something{}: {} explains most of it, and not all.",
-            kind(found),
-            causes(&taken)
-        ),
-        Verdict::Unknown => {
-            format!("The simulation is wrong for {runs}, and no cause that is known here is proved.")
-        }
-        // What differs, and how much, is the finding.
-        Verdict::Varies => readable(&found.sentence),
-        Verdict::Resembles => format!(
-            "The simulation of {runs} lacks something that looks like {} and is not it.",
-            causes(&found.set)
-        ),
-        Verdict::DataProblem => {
-            format!("Nothing is said of the simulation of {runs}, because of the readings themselves.")
-        }
-    }
-}
-
-/// What the causes of a set have in common.
-fn kind(found: &GroupDiagnosis) -> String {
-    let node = found.node.as_ref().filter(|node| node.depth < 3);
-    node.map_or_else(String::new, |node| format!(": {}", node.words))
-}
-
-/// What a cause is, without what else is to be said of it.
-fn first_clause(summary: &str) -> String {
-    summary.split(';').next().unwrap_or(summary).trim().to_owned()
-}
 
 /// How often chance alone gives as much, in words.
 pub fn chance(p: f64) -> String {
@@ -122,28 +17,6 @@ pub fn chance(p: f64) -> String {
         p if p >= 0.1 => format!("in {} of 100 cases", fixed(100.0 * p, 0)),
         p if p >= 1e-4 => format!("in 1 of {} cases", significant(1.0 / p, 2)),
         _ => "in fewer than 1 of 10000 cases".to_owned(),
-    }
-}
-
-/// Whether `p` is the least that so many draws can tell, as 0.001 is of 999: the true one may be smaller by any amount.
-fn is_least(p: f64, draws: usize) -> bool {
-    draws > 0 && p * (draws as f64 + 1.0) <= 1.0 + 1e-6
-}
-
-/// A probability that was counted from draws of what chance does, and its q: `≤ 0.001` where no draw reached what was
-/// found. A q that rests on such a p is known no better.
-pub fn counted_from_draws(p: Option<f64>, q: Option<f64>, draws: usize) -> (String, String) {
-    let at_most = |text: String| {
-        if text.starts_with(['<', '–']) {
-            text
-        } else {
-            format!("≤ {text}")
-        }
-    };
-    if p.is_some_and(|p| is_least(p, draws)) {
-        (at_most(probability(p)), at_most(probability(q)))
-    } else {
-        (probability(p), probability(q))
     }
 }
 
@@ -159,7 +32,7 @@ pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
         } else {
             chance(p)
         },
-        equation_of("p", &counted_from_draws(Some(p), None, found.draws).0)
+        equation_of("p", &counted(Some(p), found.draws))
     );
     let together = found.q_misfit.filter(|_| found.verdict != Verdict::Consistent).map(|q| {
         format!(
@@ -216,7 +89,7 @@ pub fn outcome_of(found: &GroupDiagnosis) -> Outcome {
         Verdict::Consistent | Verdict::Undecided => Outcome::Described,
         Verdict::Varies => Outcome::Differs,
         _ if between_alone => Outcome::Differs,
-        verdict if verdict.names_a_cause() && found.gains_clearly() => Outcome::WrongWithCause,
+        verdict if verdict.names_a_cause() => Outcome::WrongWithCause,
         _ => Outcome::Wrong,
     }
 }
@@ -241,7 +114,7 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
         (_, 0) => "The readings of no group allow a finding".to_owned(),
         (0, _) => format!(
             "In none of {} is the model shown to be wrong",
-            counted(asked, "group")
+            count_of(asked, "group")
         ),
         (1, 1) => format!("The model is wrong in the one group: {causes}"),
         (n, _) if n == asked => format!("The model is wrong in all {n} groups: {causes}"),
@@ -259,7 +132,7 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ieap_domain::testing::{finding, gain, held_out, shift};
+    use ieap_domain::testing::{finding, shift};
 
     #[test]
     fn shifts_say_how_wrong_the_base_was() {
@@ -288,14 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chance_that_no_draw_reached_is_a_bound_and_so_is_its_q() {
-        let printed = |p, q| counted_from_draws(Some(p), Some(q), 999);
-        let texts = |p: &str, q: &str| (p.to_owned(), q.to_owned());
-        // One of 1000 is the least that 999 draws can tell, 3 of 1000 are counted.
-        assert_eq!(printed(0.001, 0.004), texts("≤ 0.001", "≤ 0.004"));
-        assert_eq!(printed(0.003, 0.012), texts("0.003", "0.012"));
-        assert_eq!(printed(0.01, 0.02), texts("0.01", "0.02"));
-        assert_eq!(counted_from_draws(Some(1e-5), None, 999), texts("< 0.0001", "–"));
+    fn a_chance_that_no_draw_reached_is_told_as_a_bound() {
         let said = |p| {
             test_words(&GroupDiagnosis {
                 verdict: Verdict::Unknown,
@@ -318,42 +184,6 @@ mod tests {
         assert_eq!(chance(0.31), "in 31 of 100 cases");
         assert_eq!(chance(0.001), "in 1 of 1000 cases");
         assert_eq!(chance(1e-6), "in fewer than 1 of 10000 cases");
-    }
-
-    /// Two ceramic capacitors: one clear cause by the words, on a fall of 23,197 +- 23,250.
-    #[test]
-    fn a_fall_that_may_be_none_finds_no_cause_in_any_words() {
-        let found = |verdict, standard_error| GroupDiagnosis {
-            verdict,
-            set: vec!["pseudo-capacitance".into()],
-            gain: Some(gain(held_out(23_197.0, standard_error))),
-            ..finding()
-        };
-        let said = |found: GroupDiagnosis| {
-            [
-                verdict_of(&found).to_owned(),
-                lead(&found, &Findings::default()),
-                campaign_lead(&[found]),
-            ]
-        };
-        for verdict in [Verdict::Named, Verdict::Set, Verdict::Partial] {
-            for text in said(found(verdict, 23_250.0)) {
-                let claims = [
-                    "in part",
-                    "a part of it",
-                    "found",
-                    "lacks",
-                    "remain possible",
-                    "explain",
-                ];
-                assert!(claims.iter().all(|claim| !text.contains(claim)), "{text}");
-                assert!(text.contains("proved"), "{text}");
-            }
-            for text in said(found(verdict, 2_325.0)) {
-                assert!(!text.contains("proved"), "{text}");
-            }
-        }
-        assert!(said(found(Verdict::Partial, 2_325.0))[0].contains("in part"));
     }
 
     #[test]

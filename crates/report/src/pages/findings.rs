@@ -7,12 +7,13 @@ use serde::Serialize;
 
 use super::Content;
 use super::across;
-use super::finding_words::{campaign_lead, counted_from_draws, verdict_of};
+use super::finding_words::campaign_lead;
 use super::wording::{RunLink, group_title, readable};
 use crate::error::ReportError;
 use crate::site::Site;
 use ieap_analysis::shared_effects::{SharedEffect, SharedParameter, left_out};
-use ieap_domain::number::probabilities::probability;
+use ieap_domain::finding_words::verdict_word;
+use ieap_domain::number::probabilities::{counted_with_q, probability};
 use ieap_domain::number::{interval, measured, significant};
 use ieap_domain::{FromOthers, GroupDiagnosis, Verdict};
 
@@ -124,14 +125,14 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
 
 fn group_row(site: &Site, place: usize) -> GroupRow {
     let found = &site.input.findings.groups[place];
-    let (p, q) = counted_from_draws(found.p_misfit, found.q_misfit, found.draws);
+    let (p, q) = counted_with_q(found.p_misfit, found.q_misfit, found.draws);
     GroupRow {
         link: RunLink {
             href: site.finding_href(place),
             name: group_title(&found.group),
         },
         runs: counted(found.runs.len(), "run"),
-        verdict: verdict_of(found),
+        verdict: verdict_word(found.verdict),
         key: found.verdict.key(),
         sentence: readable(&found.sentence),
         // Parameters that differ are in the sentence.
@@ -188,7 +189,7 @@ fn shared_section(effect: &SharedEffect, said: &str, groups: &[GroupDiagnosis]) 
 
 fn ledger(found: &GroupDiagnosis) -> Vec<LedgerRow> {
     let row = |question: String, p: Option<f64>, q: Option<f64>| {
-        let (p, q) = counted_from_draws(p, q, found.draws);
+        let (p, q) = counted_with_q(p, q, found.draws);
         LedgerRow {
             group: group_title(&found.group),
             question,
@@ -220,7 +221,7 @@ fn ledger(found: &GroupDiagnosis) -> Vec<LedgerRow> {
 
 fn run_row(site: &Site, found: &GroupDiagnosis) -> RunRow {
     let turn = site.input.findings.turns.get(&found.group);
-    let (p, q) = counted_from_draws(found.p_misfit, found.q_misfit, found.draws);
+    let (p, q) = counted_with_q(found.p_misfit, found.q_misfit, found.draws);
     RunRow {
         place: turn.map_or_else(String::new, |turn| turn.place.to_string()),
         level: probability(turn.map(|turn| turn.level)),
@@ -231,7 +232,7 @@ fn run_row(site: &Site, found: &GroupDiagnosis) -> RunRow {
         },
         link: site.run_of(&found.group).map(|run| RunLink::to(site, run)),
         path: found.group.clone(),
-        verdict: verdict_of(found),
+        verdict: verdict_word(found.verdict),
         set: found.set.clone(),
         p,
         q,

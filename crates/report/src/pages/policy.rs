@@ -18,8 +18,6 @@ pub(super) const INFLATION_SHADES: [f64; 4] = [2.0, INFLATION_LIMIT, 20.0, 100.0
 
 /// Shifts of a parameter below this many standard errors are not put into words. Chosen.
 pub(super) const CLEAR_SHIFT_SIGMAS: f64 = 2.0;
-/// An error that rises by more than this factor is pointed out beside a deviance that falls. Chosen.
-pub(super) const ERROR_RISES_FACTOR: f64 = 1.02;
 /// Probability below which an explanation has no row; the leading effect has one all the same, for a cause that is not it. Chosen.
 pub(super) const LEAST_PROBABILITY: f64 = 0.005;
 /// Rows of explanations at most. Chosen.

@@ -117,10 +117,7 @@ impl EstimateText {
         let error = own.standard_error.unwrap_or(0.0);
         let (text, kind) = match own.state() {
             EstimateState::Determined(value) => (measured(value, error), "value"),
-            EstimateState::Between(low, high) => (
-                format!("{} to {}", significant(low, 2), significant(high, 2)),
-                "bound",
-            ),
+            EstimateState::Between(low, high) => (interval(low, high), "bound"),
             EstimateState::Below(high) => (upper_bound(high), "bound"),
             EstimateState::Above(low) => (lower_bound(low), "bound"),
             EstimateState::Open => ("–".to_owned(), "missing"),

@@ -7,7 +7,7 @@ use crate::analysis::false_discovery::judge_together;
 use crate::diagnose::DiagnoseOptions;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, Issue};
-use crate::model::effects::{TagAt, tag_places};
+use crate::model::effects::{TagAt, summary, tag_places};
 use crate::pipeline::PipelineError;
 use crate::pipeline::documents::diagnosis::{GroupEntry, group_entry};
 use crate::pipeline::findings::diagnose::{DiagnoseChoice, Subject, diagnose_one};
@@ -45,7 +45,7 @@ pub fn diagnose(
         &channels,
         &options,
     )];
-    judge_together(&mut found);
+    judge_together(&mut found, &summary);
     let [found] = found;
     Ok(Ok(group_entry(found, &[])))
 }

@@ -56,10 +56,7 @@ pub(super) const MOST_FOR_ALL_SUBSETS: usize = 11;
 /// Points of the grids over sizes and spreads.
 pub(super) const GRID: usize = 9;
 
-/// Probability from which on a cause is named, and which a set and a node of the tree of causes hold.
-pub(crate) const SURE: f64 = 0.95;
-/// Members that are told one by one at most; of more the node that they lie under is told, and nothing where that is the root.
-pub(crate) const LARGEST_SET: usize = 5;
+pub(crate) use ieap_domain::diagnosis::{LARGEST_SET, SURE};
 
 /// Hypotheses below this probability are not told, but for the leading one of each kind. Chosen.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;

@@ -1,39 +1,17 @@
 //! What is said where the parameters of a group differ between its runs, and nothing else is wrong.
 
-use ieap_domain::number::probabilities::equation;
-use ieap_domain::number::significant;
-use ieap_domain::words::in_a_row;
-use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue};
+use crate::diagnosis::WRONG_BELOW;
+use crate::number::{rounded, significant};
+use crate::words::in_a_row;
+use crate::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue};
 
-use crate::levels::WRONG_BELOW;
-use crate::outcome::policy::MOST_COURSES;
+/// Parameters whose courses are told at most; the others are named. Chosen.
+const MOST_COURSES: usize = 2;
 
-/// Runs that by themselves leave more than a single one is called right by, with their p.
-fn doubted(alone: &[RunAlone]) -> impl Iterator<Item = (&str, f64)> {
-    let low = |run: &RunAlone| run.p_misfit.filter(|p| *p < WRONG_BELOW);
-    alone
-        .iter()
-        .filter_map(move |run| Some((run.run.as_str(), low(run)?)))
-}
-
-fn doubts(alone: &[RunAlone]) -> Vec<String> {
-    doubted(alone)
-        .map(|(run, p)| {
-            format!(
-                "{run} leaves more than noise by itself, or chance did ({})",
-                equation("p", p)
-            )
-        })
-        .collect()
-}
-
-/// Says it of a group whose runs by themselves leave what `alone` says.
-pub(crate) fn say(found: &mut GroupDiagnosis, alone: &[RunAlone]) {
-    found.sentence = sentence(found, doubted(alone).count());
-    found.remarks.extend(doubts(alone));
-}
-
-fn sentence(found: &GroupDiagnosis, doubted: usize) -> String {
+/// The sentence of runs whose parameters differ.
+pub(super) fn sentence(found: &GroupDiagnosis) -> String {
+    let is_doubted = |run: &&RunAlone| run.p_misfit.is_some_and(|p| p < WRONG_BELOW);
+    let doubted = found.alone.iter().filter(is_doubted).count();
     let mut differing: Vec<&VaryingParameter> = found.differs.iter().collect();
     differing.sort_by(|a, b| fold(b).total_cmp(&fold(a)));
     let told: Vec<String> = differing
@@ -92,15 +70,16 @@ fn course(parameter: &VaryingParameter) -> Option<String> {
         fold if (1.5..1e3).contains(&fold) => format!(" ({}-fold)", short(fold)),
         _ => String::new(),
     };
-    let shown = |own: &VaryingValue| short(factor * own.value);
+    // To the digits of the table beside it.
+    let shown = |own: &VaryingValue| rounded(factor * own.value, factor * own.standard_error).value_text();
     Some(if apart && (rises || falls) {
         format!(
             "{name} {} from {} to {} {unit}{times} from {} to {} V",
             if rises { "rises" } else { "falls" },
             shown(first),
             shown(last),
-            volts(first),
-            volts(last),
+            short(volts(first)),
+            short(volts(last)),
         )
     } else {
         format!(
@@ -112,12 +91,12 @@ fn course(parameter: &VaryingParameter) -> Option<String> {
 }
 
 /// Three digits that count.
-pub(crate) fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     significant(value, 3)
 }
 
 /// Symbol, factor to the printed unit, and that unit.
-pub(crate) fn printed(key: &str) -> (String, f64, &'static str) {
+pub fn printed(key: &str) -> (String, f64, &'static str) {
     match key {
         "rss_ohm_cm2" => ("R_ss".into(), 1e-3, "kOhm cm2"),
         "alpha_per_c_cm" => ("alpha".into(), 1.0, "1/(C cm)"),
@@ -133,7 +112,8 @@ pub(crate) fn printed(key: &str) -> (String, f64, &'static str) {
     }
 }
 
-pub(crate) fn listed(parts: &[String]) -> String {
+/// Things in a row.
+pub fn listed(parts: &[String]) -> String {
     if parts.is_empty() {
         "their parameters differ".to_owned()
     } else {
@@ -154,7 +134,7 @@ mod tests {
                     run: (*run).to_owned(),
                     step_v: run.parse().unwrap(),
                     value: *value,
-                    standard_error: 1.0,
+                    standard_error: 0.02 * value,
                 })
                 .collect(),
         }
@@ -168,42 +148,14 @@ mod tests {
         );
         assert_eq!(
             course(&falling).unwrap(),
-            "R_ss falls from 17.9 to 1.90 kOhm cm2 (9.42-fold) from 1.2 to 2.5 V"
+            "R_ss falls from 17.9 to 1.90 kOhm cm2 (9.42-fold) from 1.20 to 2.50 V"
         );
         let between = parameter("c1_f_per_cm2", &[("2", 0.004), ("2.5", 0.001), ("1.2", 0.002)]);
         assert_eq!(
             course(&between).unwrap(),
-            "C1 lies between 1.00 and 4.00 mF/cm2 (4.00-fold)"
+            "C1 lies between 1.000 and 4.00 mF/cm2 (4.00-fold)"
         );
         let repeats = parameter("lambda_per_s", &[("2", 0.02), ("2.0", 0.01)]);
         assert!(course(&repeats).unwrap().starts_with("lambda lies between"));
-    }
-
-    #[test]
-    fn a_run_that_leaves_more_than_noise_by_itself_is_said() {
-        let run = |p: f64| RunAlone {
-            run: "a".into(),
-            p_misfit: Some(p),
-        };
-        let said = |alone: &[RunAlone]| {
-            let mut found =
-                GroupDiagnosis::data_problem("g", vec!["a".into(), "b".into()], "lumped-2", String::new());
-            say(&mut found, alone);
-            found
-        };
-        let doubted = said(&[run(0.003), run(0.6)]);
-        assert!(
-            doubted.sentence.starts_with("1 of 2 runs are described"),
-            "{}",
-            doubted.sentence
-        );
-        assert_eq!(doubted.remarks.len(), 1);
-        let right = said(&[run(0.3), run(0.6)]);
-        assert!(
-            right.sentence.starts_with("Each of the 2 runs is described"),
-            "{}",
-            right.sentence
-        );
-        assert!(right.remarks.is_empty());
     }
 }

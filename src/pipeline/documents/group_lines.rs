@@ -1,0 +1,85 @@
+//! A finding as the terminal prints it: the sentence, and the numbers behind it.
+
+use super::diagnosis::{EffectEntry, GroupEntry, group_title};
+use crate::domain::finding_words::gain_words;
+use crate::domain::number::estimates::{in_words, interval_in_words};
+use crate::domain::number::probabilities::{counted_with_q, equation_of, share};
+use crate::domain::number::significant;
+use crate::domain::words::counted;
+use crate::domain::{Gain, Verdict};
+use crate::model::effects;
+
+/// Lines about a group whose chances are counted from so many draws, its heading first.
+pub fn lines(group: &GroupEntry, draws: usize) -> Vec<String> {
+    let mut lines = vec![format!("    {}", group.sentence)];
+    let condemned = group.condemned.iter();
+    lines.extend(condemned.map(|own| format!("    {} is set aside: {}", own.run, own.reason)));
+    lines.extend(group.effects.iter().flat_map(|effect| of_effect(effect, draws)));
+    lines.extend(group.node.iter().map(|node| {
+        format!(
+            "    tells: {} ({} %)",
+            node.path.join(" > "),
+            share(node.probability)
+        )
+    }));
+    if group.set.len() > 1 && matches!(group.verdict, Verdict::Set | Verdict::Unproved) {
+        lines.push(format!("    may be: {}", group.set.join(", ")));
+    }
+    lines.extend(group.gain.iter().map(|gain| of_gain(gain, group.verdict)));
+    lines.extend(group.next_run.iter().map(|next| {
+        format!(
+            "    measure next: {}; tells apart {}",
+            next.drive,
+            next.splits.join(", ")
+        )
+    }));
+    // The clearest run is among the remarks already.
+    let told = group.lumped_or_distributed.iter();
+    let told = told.map(|told| format!("{}: {}", told.run, told.sentence));
+    let told = told.filter(|line| !group.remarks.contains(line));
+    lines.extend(told.map(|line| format!("    lumped or distributed: {line}")));
+    lines.extend(group.remarks.iter().map(|remark| format!("    note: {remark}")));
+    let runs = counted(group.runs.len(), "run");
+    let heading = format!("{} ({runs}): {}", group_title(&group.group), group.verdict.key());
+    lines.insert(0, heading);
+    lines
+}
+
+/// What the sentence does not say of a gain: what is left, and later times.
+fn of_gain(gain: &Gain, verdict: Verdict) -> String {
+    let with = match verdict {
+        Verdict::Unknown => "what was tried",
+        _ => "it",
+    };
+    let later = gain.later.as_ref().map_or_else(String::new, |later| {
+        let what = "ends of runs (the last 40 %, from the first 60 % of all)";
+        format!(" {}", gain_words(with, what, later, &[]))
+    });
+    format!(
+        "    residuals of the fit with {with}: from {} to {} times the noise.{later}",
+        significant(gain.residual_rms_sigma_before, 3),
+        significant(gain.residual_rms_sigma_after, 3)
+    )
+}
+
+fn of_effect(effect: &EffectEntry, draws: usize) -> Vec<String> {
+    let variant = effect
+        .variant
+        .as_ref()
+        .map_or_else(String::new, |variant| format!(" ({variant})"));
+    let (p, q) = counted_with_q(Some(effect.p), effect.q, draws);
+    let q = match effect.q {
+        Some(_) => format!(", {}", equation_of("q", &q)),
+        None => String::new(),
+    };
+    let about = effects::effect(&effect.effect).map(|effect| effect.about());
+    let parameters = effect.parameters.iter().map(|(key, parameter)| {
+        let unit = about
+            .and_then(|about| about.parameters.iter().find(|known| known.key == key))
+            .map_or("", |known| known.unit);
+        let value = format!("{}{}", in_words(parameter), interval_in_words(parameter));
+        format!("        {key:<26} {value}  [{unit}]")
+    });
+    let head = format!("    {}{variant}  {}{q}", effect.effect, equation_of("p", &p));
+    std::iter::once(head).chain(parameters).collect()
+}

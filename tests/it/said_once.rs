@@ -1,0 +1,481 @@
+//! What is said of a finding does not depend on where it is read: findings drawn at random, held beside every medium.
+
+use ieap::analysis::tables::named;
+use ieap::domain::diagnosis::LARGEST_SET;
+use ieap::domain::finding_words::say;
+use ieap::domain::testing::{self, held_out, parameter};
+use ieap::domain::{
+    CauseNode, EffectFinding, Estimate, Gain, GroupDiagnosis, HeldOutGain, Hypothesis, HypothesisKind,
+    MisfitPercent, Prediction, VaryingParameter, VaryingValue, Verdict, Whereabouts,
+};
+use ieap::pipeline::documents::diagnosis::group_entry;
+use ieap::pipeline::documents::group_lines::lines;
+use ieap::report::pages::{PAGES, finding_content};
+use ieap::report::{Input, Site};
+use proptest::option::of;
+use proptest::prelude::*;
+use serde_json::Value;
+
+use super::report_fixture::current_only_input;
+
+/// Causes whose names are no words of a sentence.
+const CAUSES: [&str; 7] = [
+    "warburg",
+    "slow-branch",
+    "faradaic-leak",
+    "constant-phase",
+    "mechanical-lag",
+    "camera-delay",
+    "current-offset",
+];
+
+fn estimates() -> impl Strategy<Value = Estimate> {
+    (of(1e-3..2e4_f64), of(1e-3..2e4_f64), 0.01..0.3_f64).prop_map(|(a, b, relative)| match (a, b) {
+        (Some(a), Some(b)) if a < b => Estimate {
+            low_95: Some(a),
+            ..Estimate::below(b, "flat")
+        },
+        (Some(value), Some(_)) => testing::known(value, relative),
+        (Some(low), None) => Estimate::above(low, "flat"),
+        (None, Some(high)) => Estimate::below(high, "flat"),
+        (None, None) => Estimate::not_determined("flat"),
+    })
+}
+
+fn gains() -> impl Strategy<Value = Gain> {
+    let parts = prop::collection::vec(-20.0..40.0_f64, 1..5);
+    let error = || of(1e-4..0.5_f64);
+    let predicted = of((0.1..9.0_f64, 0.1..9.0_f64));
+    let numbers = (0.1..60.0_f64, -60.0..90.0_f64, 1.0..40.0_f64, 0.9..5.0_f64);
+    (parts, [error(), error(), error(), error()], predicted, numbers).prop_map(
+        |(parts, errors, predicted, numbers)| {
+            let (standard_error, nameless_deviance, before, after) = numbers;
+            let proof = HeldOutGain {
+                parts: parts.iter().map(|fall| ("run".to_owned(), *fall)).collect(),
+                nrmse_current_before: errors[0],
+                nrmse_current_after: errors[1],
+                nrmse_curvature_before: errors[2],
+                nrmse_curvature_after: errors[3],
+                ..held_out(parts.iter().sum(), standard_error)
+            };
+            let prediction = |(before_percent, after_percent)| Prediction {
+                quantity: "end_current".to_owned(),
+                before_percent,
+                after_percent,
+            };
+            Gain {
+                nameless_deviance,
+                predictions: predicted.map(prediction).into_iter().collect(),
+                residual_rms_sigma_before: before,
+                residual_rms_sigma_after: after,
+                ..testing::gain(proof)
+            }
+        },
+    )
+}
+
+fn posteriors() -> impl Strategy<Value = Vec<Hypothesis>> {
+    let one = (
+        0..8_usize,
+        prop::sample::subsequence(CAUSES.to_vec(), 1..3),
+        1e-2..1.0_f64,
+    );
+    prop::collection::vec(one, 1..6).prop_map(|drawn| {
+        let all: f64 = drawn.iter().map(|(_, _, weight)| weight.powi(3)).sum();
+        let mut posterior: Vec<Hypothesis> = drawn
+            .into_iter()
+            .map(|(kind, effects, weight)| Hypothesis {
+                kind: match kind {
+                    0 => HypothesisKind::SlowNoise,
+                    1 => HypothesisKind::Unnamed,
+                    _ => HypothesisKind::Effect,
+                },
+                effects: match kind {
+                    0 | 1 => Vec::new(),
+                    _ => effects.iter().map(|id| (*id).to_owned()).collect(),
+                },
+                form: None,
+                parameters_that_differ: Vec::new(),
+                with: None,
+                with_unnamed: kind == 7,
+                mass: weight.powi(3) / all,
+            })
+            .collect();
+        posterior.sort_by(|a, b| b.mass.total_cmp(&a.mass));
+        posterior
+    })
+}
+
+/// What differs between two runs.
+fn differing() -> impl Strategy<Value = VaryingParameter> {
+    (200.0..9e4_f64, 200.0..9e4_f64, 0.01..0.2_f64).prop_map(|(first, second, relative)| VaryingParameter {
+        key: "rss_ohm_cm2".to_owned(),
+        values: [(1.2, first), (2.5, second)]
+            .map(|(step_v, value)| VaryingValue {
+                run: "r".to_owned(),
+                step_v,
+                value,
+                standard_error: relative * value,
+            })
+            .to_vec(),
+    })
+}
+
+/// A finding of any verdict with what that verdict may hold, said.
+fn findings() -> impl Strategy<Value = GroupDiagnosis> {
+    let causes = prop::sample::subsequence(CAUSES.to_vec(), 1..=CAUSES.len());
+    let chances = (-6.0..0.0_f64, -6.0..0.0_f64, -4.0..0.0_f64, 0.95..1.0_f64);
+    let seen = (of(0.01..30.0_f64), of(0.01..30.0_f64), 1..4_usize);
+    let known = (estimates(), differing(), of(gains()), posteriors());
+    let verdict = prop::sample::select(Verdict::ALL.to_vec());
+    (verdict, causes, chances, seen, known).prop_map(|(verdict, causes, chances, seen, known)| {
+        let (estimate, differing, gain, posterior) = known;
+        let (p, q, p_leftover, probability) = chances;
+        let set: Vec<String> = match verdict {
+            Verdict::Named => causes.iter().take(2).map(|id| (*id).to_owned()).collect(),
+            _ if verdict.extends_the_model() => causes.iter().map(|id| (*id).to_owned()).collect(),
+            Verdict::Varies => vec!["varies:rss_ohm_cm2".to_owned()],
+            _ => Vec::new(),
+        };
+        let fitted = match verdict {
+            _ if !verdict.extends_the_model() => 0,
+            Verdict::Named => set.len(),
+            _ => 1,
+        };
+        let effect = |id: &String| EffectFinding {
+            p: 10_f64.powf(p),
+            ..testing::effect(id, vec![parameter("scale", estimate.clone())])
+        };
+        let is_told = verdict.extends_the_model();
+        let mut found = GroupDiagnosis {
+            verdict,
+            p_misfit: Some(10_f64.powf(if verdict == Verdict::Consistent {
+                p / 5.0
+            } else {
+                p
+            })),
+            q_misfit: Some(10_f64.powf(q)),
+            draws: 999,
+            p_leftover: is_told.then(|| 10_f64.powf(p_leftover)),
+            effects: set.iter().take(fitted).map(effect).collect(),
+            node: is_told.then(|| CauseNode {
+                path: vec!["current".to_owned()],
+                words: "the current is another than simulated".to_owned(),
+                depth: 1,
+                probability,
+            }),
+            set,
+            gain: gain.filter(|_| is_told || verdict == Verdict::Unknown),
+            whereabouts: Some(Whereabouts {
+                text: "current too small".to_owned(),
+                segments: Vec::new(),
+            }),
+            posterior: if verdict.is_misfit() {
+                posterior
+            } else {
+                Vec::new()
+            },
+            differs: if verdict == Verdict::Varies {
+                vec![differing]
+            } else {
+                Vec::new()
+            },
+            visible_percent: MisfitPercent {
+                current: seen.0,
+                curvature: seen.1,
+                charge: None,
+            },
+            runs: (0..seen.2).map(|run| format!("runs/{run}.csv")).collect(),
+            ..testing::finding()
+        };
+        say(&mut found, &|_| None);
+        found
+    })
+}
+
+/// Everything that is read of a finding.
+struct Media {
+    /// The sentence as each medium has it.
+    sentences: Vec<String>,
+    overview: String,
+    page: Value,
+    row: Value,
+    lines: Vec<String>,
+    /// The verdict as each medium has it.
+    verdicts: Vec<String>,
+}
+
+fn media(found: &GroupDiagnosis) -> Media {
+    let mut input: Input = current_only_input();
+    input.findings.groups = vec![found.clone()];
+    input.findings.effects.clear();
+    let site = Site::new(&input);
+    let context = |file: &str| {
+        let page = PAGES.iter().find(|page| page.file == file).expect("a page");
+        (page.content)(&site).expect("its content").context
+    };
+    let overview = context("index.html");
+    let said = overview["answers"]["said"].as_array().expect("sentences").iter();
+    let of_findings = said.filter(|said| said["href"] == "findings.html");
+    let page = finding_content(&site, 0).expect("its content").context;
+    let row = context("findings.html")["groups"][0].clone();
+    let entry = group_entry(found.clone(), &[]);
+    let json = serde_json::to_value(&entry).expect("JSON");
+    let lines = lines(&entry, found.draws);
+    let table = named("findings").expect("a table").table(&input.of_tables());
+    let text = |value: &Value| value.as_str().expect("a text").to_owned();
+    Media {
+        sentences: vec![
+            text(&page["lead"]),
+            text(&row["sentence"]),
+            lines[1].clone(),
+            text(&json["sentence"]),
+        ],
+        overview: of_findings.map(|said| text(&said["text"])).collect(),
+        verdicts: vec![
+            text(&page["verdict"]),
+            text(&row["verdict"]),
+            lines[0].clone(),
+            text(&json["verdict"]),
+            ieap::report::tables::text_of(&table.rows[0].cells[2].content),
+        ],
+        page,
+        row,
+        lines,
+    }
+}
+
+impl Media {
+    /// Every text of every medium.
+    fn texts(&self) -> Vec<String> {
+        fn of(value: &Value, texts: &mut Vec<String>) {
+            match value {
+                Value::String(text) => texts.push(text.clone()),
+                Value::Array(values) => values.iter().for_each(|value| of(value, texts)),
+                Value::Object(values) => values.values().for_each(|value| of(value, texts)),
+                _ => {}
+            }
+        }
+        let mut texts = self.lines.clone();
+        texts.push(self.overview.clone());
+        texts.extend(self.sentences.iter().chain(&self.verdicts).cloned());
+        of(&self.page, &mut texts);
+        texts
+    }
+
+    /// Rows of the table of errors: what, before, after.
+    fn errors(&self) -> Vec<[String; 3]> {
+        let rows = self.page["answer"]["errors"]["rows"].as_array();
+        let cell = |row: &Value, k: usize| row[k].as_str().expect("a text").to_owned();
+        let rows = rows.into_iter().flatten();
+        rows.map(|row| [0, 1, 2].map(|k| cell(row, k))).collect()
+    }
+}
+
+/// The causes that a text names.
+fn named_in(text: &str) -> Vec<&'static str> {
+    CAUSES.into_iter().filter(|id| text.contains(id)).collect()
+}
+
+fn number(text: &str) -> f64 {
+    text.trim_end_matches(" %").parse().expect("a number")
+}
+
+/// No medium names a cause that the verdict does not give, and none leaves one out that it gives.
+fn causes_are_those_of_the_verdict(found: &GroupDiagnosis, media: &Media) {
+    let gives = |id: &str| found.set.iter().any(|own| own == id);
+    let mut told = media.sentences.clone();
+    if found.verdict.names_a_cause() {
+        told.push(media.overview.clone());
+    } else {
+        assert_eq!(named_in(&media.overview), [""; 0], "{}", media.overview);
+    }
+    if found.verdict == Verdict::Unknown {
+        let probable = |id: &str| {
+            found
+                .posterior
+                .iter()
+                .any(|own| own.effects.iter().any(|own| own == id))
+        };
+        assert!(
+            told.iter().flat_map(|text| named_in(text)).all(probable),
+            "{told:?}"
+        );
+        let first = &media.page["hypotheses"][0];
+        let first = format!(
+            "{} ({} %)",
+            first["what"].as_str().unwrap(),
+            first["percent"].as_str().unwrap()
+        );
+        assert!(
+            told.iter()
+                .all(|text| text.contains(&format!("It may be {first}"))),
+            "{first}: {told:?}"
+        );
+        return;
+    }
+    for text in &told {
+        let named = named_in(text);
+        assert!(
+            named.iter().all(|id| gives(id)),
+            "{named:?} of {:?}: {text}",
+            found.set
+        );
+        let are_few = found.verdict != Verdict::Set && found.verdict != Verdict::Unproved
+            || found.set.len() <= LARGEST_SET;
+        let is_missing = found
+            .set
+            .iter()
+            .any(|id| !id.contains(':') && !named.contains(&id.as_str()));
+        assert!(!(are_few && is_missing), "{:?}: {text}", found.set);
+    }
+    for line in &media.lines {
+        assert!(named_in(line).iter().all(|id| gives(id)), "{line}");
+    }
+}
+
+/// What is named is nowhere called unproved, and what is not proved is nowhere claimed.
+fn proof_is_that_of_the_verdict(found: &GroupDiagnosis, media: &Media) {
+    let doubts = [
+        "not proved",
+        "no cause is proved",
+        "no known cause",
+        "Whether the",
+    ];
+    let claims = [
+        "The simulation misses",
+        "explains most",
+        "cause found",
+        "a cause is found",
+    ];
+    let wrong: &[&str] = match found.verdict {
+        verdict if verdict.names_a_cause() => &doubts,
+        _ => &claims,
+    };
+    for text in media.texts() {
+        assert!(
+            wrong.iter().all(|words| !text.contains(words)),
+            "{:?}: {text}",
+            found.verdict
+        );
+    }
+    let is_doubted = |text: &String| doubts.iter().any(|words| text.contains(words));
+    if found.verdict == Verdict::Unproved {
+        assert!(media.sentences.iter().chain(&media.verdicts[..2]).all(is_doubted));
+        assert!(
+            media.verdicts[2..].iter().all(|text| text.ends_with("unproved")),
+            "{:?}",
+            media.verdicts
+        );
+    }
+}
+
+/// Where an error of the table grows, nothing is predicted better.
+fn better_is_said_of_smaller_errors(media: &Media) {
+    let errors = media.errors();
+    let errors = errors.iter().filter(|row| row[0].starts_with("Error of"));
+    let grows = errors.map(|[what, before, after]| (what, number(after) > number(before)));
+    if let Some((what, _)) = grows.into_iter().find(|(_, grows)| *grows) {
+        for text in media.texts() {
+            assert!(
+                !text.contains("predicted better") && !text.contains("predicts better"),
+                "{what}: {text}"
+            );
+        }
+    }
+}
+
+/// Numbers of sentences are those of the tables beside them, digit by digit.
+fn numbers_are_those_of_the_tables(found: &GroupDiagnosis, media: &Media) {
+    let errors = media.errors();
+    for sentence in media.sentences.iter().chain([&media.overview]) {
+        for told in sentence.split("the error of the ").skip(1) {
+            let (what, numbers) = told.split_once(" goes from ").expect("an error");
+            let (before, rest) = numbers.split_once(" to ").expect("two numbers");
+            let is_it = |row: &&[String; 3]| {
+                row[0].starts_with(&format!("Error of predicted {what}")) && row[1] == before
+            };
+            let row = errors
+                .iter()
+                .find(is_it)
+                .unwrap_or_else(|| panic!("{told}: {errors:?}"));
+            assert!(rest.starts_with(&row[2]), "{told}: {row:?}");
+        }
+    }
+    if matches!(found.verdict, Verdict::Consistent | Verdict::Undecided) {
+        let p = media.row["p"].as_str().expect("a text");
+        let sign = if p.starts_with(['<', '≤']) { "" } else { "= " };
+        let told = format!("(p {sign}{p})");
+        assert!(
+            media.sentences.iter().all(|text| text.contains(&told)),
+            "{told}: {:?}",
+            media.sentences
+        );
+    }
+    for value in media.page["differs"].as_array().into_iter().flatten() {
+        for row in value["rows"].as_array().expect("rows") {
+            let value = row["value"]
+                .as_str()
+                .expect("a text")
+                .split(" ±")
+                .next()
+                .expect("a number");
+            assert!(
+                media
+                    .sentences
+                    .iter()
+                    .all(|text| text.contains(&format!(" {value} "))),
+                "{value}: {:?}",
+                media.sentences
+            );
+        }
+    }
+    if let Some([_, before, after]) = errors.iter().find(|row| row[0].starts_with("Residuals")) {
+        let told = format!("from {before} to {after} times");
+        assert!(
+            media.lines.iter().any(|line| line.contains(&told)),
+            "{told}: {:?}",
+            media.lines
+        );
+    }
+    if found.node.is_some() {
+        let told = format!(
+            "({} %)",
+            media.page["hypotheses"][0]["percent"].as_str().expect("a text")
+        );
+        let line = media
+            .lines
+            .iter()
+            .find(|line| line.contains("tells: "))
+            .expect("a line");
+        assert!(line.ends_with(&told), "{told}: {line}");
+    }
+    for effect in media.page["effects"].as_array().expect("effects") {
+        let estimate = &effect["parameters"][0]["estimate"];
+        let [text, interval] = ["text", "interval"].map(|key| estimate[key].as_str().expect("a text"));
+        if estimate["kind"] == "bound" {
+            let bound = text.trim_start_matches(['<', '>', ' ']);
+            let end = interval.trim_start_matches("below ").trim_start_matches("above ");
+            assert_eq!(bound, end);
+        }
+        let is_told = |line: &String| line.contains("scale ") && line.contains(text);
+        assert!(
+            text == "–" || media.lines.iter().any(is_told),
+            "{text}: {:?}",
+            media.lines
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_medium_says_the_same_of_a_finding(found in findings()) {
+        let media = media(&found);
+        causes_are_those_of_the_verdict(&found, &media);
+        proof_is_that_of_the_verdict(&found, &media);
+        better_is_said_of_smaller_errors(&media);
+        numbers_are_those_of_the_tables(&found, &media);
+    }
+}
