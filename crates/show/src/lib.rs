@@ -13,5 +13,5 @@ pub use block::Block;
 pub use chart::{Chart, Form, Ink, Layer, Mark, Panel, Range, Scale};
 pub use document::Document;
 pub use quantities::Quantity;
-pub use sheet::{Sheet, Value, rough};
+pub use sheet::{Combined, Sheet, Value, rough, shown};
 pub use table::{Cell, Column, Content, Measured, Notes, Pooled, Row, Source, SourceOrigin, Table};

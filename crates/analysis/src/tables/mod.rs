@@ -1,6 +1,5 @@
 //! The named tables. A table is one file here and one row in [`TABLES`]: a pure function from what the database holds.
 
-mod cells;
 mod chosen_columns;
 mod conditions_table;
 mod cycles;
@@ -11,7 +10,9 @@ mod fits;
 mod input;
 mod model_free;
 pub mod moved;
+mod of_condition;
 mod of_run;
+mod of_several;
 mod reductions;
 mod refused;
 mod runs;
@@ -28,10 +29,11 @@ use crate::frequency;
 use crate::impedance::sheet;
 use crate::models_compared;
 
-pub(crate) use cells::{alpha_of, surroundings_text, volts};
 pub use chosen_columns::with_columns;
 pub use ieap_show::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use input::TableInput;
+pub(crate) use of_condition::{surroundings_text, volts};
+pub(crate) use of_several::Runs;
 pub use table6::rules;
 
 /// A table that can be asked for.

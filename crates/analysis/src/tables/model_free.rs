@@ -4,7 +4,7 @@ use ieap_domain::Estimate;
 use ieap_domain::tag::keys;
 
 use super::TableInput;
-use super::of_run::{OfRun, Own, of_runs_and_what};
+use super::of_run::{OfRun, of_runs_and_what};
 use crate::model_free::{ENERGIES, FIGURES, ModelFree};
 use ieap_show::quantities::{HUMIDITY, Quantity, VOLTAGE};
 use ieap_show::{Table, Value};
@@ -41,7 +41,7 @@ fn table(
     remark: &'static str,
 ) -> Table {
     let tenths = |number: f64| (10.0 * number).round() / 10.0;
-    let mut sheet = of_runs_and_what::<&ModelFree>(name, title)
+    let sheet = of_runs_and_what::<&ModelFree>(name, title)
         .remarks(remark, "No run steps its voltage and holds it.")
         .column(HUMIDITY, move |(run, _)| {
             run.number(keys::RELATIVE_HUMIDITY_PERCENT).map(tenths)
@@ -49,12 +49,8 @@ fn table(
         .column(VOLTAGE.called("V₀", "voltage of the level"), |(_, own)| {
             own.voltage_v
         })
-        .column(HELD, |(_, own)| Value::Rough(own.held_s, 4));
-    for (at, number) in numbers.iter().enumerate() {
-        sheet = sheet.column(*number, move |(_, own): &Own<&ModelFree>| {
-            of(own).get(at).map(Value::from)
-        });
-    }
+        .column(HELD, |(_, own)| Value::Rough(own.held_s, 4))
+        .columns_by_place(numbers, move |(_, own), at| of(own).get(at).map(Value::from));
     let rows = input.model_free.iter();
     sheet.over(rows.map(|own| (OfRun::new(input, own.run_id, &own.path), own)))
 }
