@@ -306,22 +306,6 @@ pub fn shown(estimate: &Estimate, factor: f64) -> Content {
     }
 }
 
-impl Table {
-    /// The same without these columns: where what is around it says them already.
-    pub fn without(mut self, keys: &[&str]) -> Table {
-        let is_kept = |column: &Column| !keys.contains(&column.key.as_str());
-        let kept: Vec<bool> = self.columns.iter().map(is_kept).collect();
-        self.stub = kept.iter().take(self.stub).filter(|kept| **kept).count();
-        let mut at = kept.iter();
-        self.columns.retain(|_| at.next() == Some(&true));
-        for row in &mut self.rows {
-            let mut at = kept.iter();
-            row.cells.retain(|_| at.next() == Some(&true));
-        }
-        self
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,7 +10,7 @@ use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::probe::Course;
 use crate::analysis::reductions::RunReductions;
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
-use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named, with_columns};
+use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named};
 use crate::domain::{
     BlockedRun, GroupDiagnosis, MaterialClass, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun,
 };
@@ -255,7 +255,7 @@ pub fn chosen_columns(table: &Table, asked: &[String]) -> Result<Table, Pipeline
             })
     };
     let columns: Vec<usize> = asked.iter().map(one).collect::<Result<_, _>>()?;
-    Ok(with_columns(table, &columns))
+    Ok(table.with_columns(&columns))
 }
 
 /// The document that `ieap table NAME --moved --json` prints.

@@ -1,6 +1,5 @@
 //! The named tables. A table is one file here and one row in [`TABLES`]: a pure function from what the database holds.
 
-mod chosen_columns;
 mod conditions_table;
 mod cycles;
 mod electrodes;
@@ -29,7 +28,6 @@ use crate::frequency;
 use crate::impedance::sheet;
 use crate::models_compared;
 
-pub use chosen_columns::with_columns;
 pub use ieap_show::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use input::TableInput;
 pub(crate) use of_condition::{surroundings_text, volts};

@@ -38,6 +38,11 @@ impl<'a> OfRun<'a> {
         }
     }
 
+    /// It as the source of a row.
+    pub fn sources(&self) -> Vec<Source> {
+        vec![Source::of(SourceOrigin::Run(self.id), self.path)]
+    }
+
     /// A tag as words.
     pub fn tag(&self, key: &str) -> Option<&'a str> {
         self.record.and_then(|run| run.tag(key))
@@ -59,7 +64,7 @@ pub fn of_runs<'s, 'a: 's, X: 's>(
     stub: usize,
 ) -> Sheet<'s, Own<'a, X>> {
     Sheet::new(name, title, stub)
-        .made_from(|(run, _): &Own<X>| vec![Source::of(SourceOrigin::Run(run.id), run.path)])
+        .made_from(|(run, _): &Own<X>| run.sources())
         .column(RUN, |(run, _)| run.path)
 }
 

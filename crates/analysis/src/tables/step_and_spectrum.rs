@@ -4,13 +4,13 @@ use ieap_domain::tag::keys;
 use ieap_domain::{Estimate, RunRecord};
 
 use super::TableInput;
-use super::of_run::{OfRun, Own, of_runs};
+use super::of_run::{OfRun, Own};
 use super::of_several::contribution;
 use crate::impedance::{Both, OneLikelihood};
 use crate::laws::doubt::Doubts;
 use crate::parameters::ParameterInfo;
-use ieap_show::quantities::{Quantity, SAMPLE, VOLTAGE};
-use ieap_show::{Table, Value};
+use ieap_show::quantities::{Quantity, RUN, SAMPLE, VOLTAGE};
+use ieap_show::{Sheet, Table, Value};
 
 /// What is shown of each.
 const SHOWN: [&str; 9] = [
@@ -44,12 +44,16 @@ pub fn make(input: &TableInput) -> Table {
     type Of<'a> = Own<'a, Told<'a>>;
     let known = SHOWN.into_iter().filter_map(ParameterInfo::of);
     let shown: Vec<Quantity> = known.map(ParameterInfo::quantity).collect();
-    of_runs("step-and-spectrum", "Steps and spectra in one likelihood", 2)
+    Sheet::<Of>::new("step-and-spectrum", "Steps and spectra in one likelihood", 2)
         .remarks(
             REMARK,
             "No spectrum has a step of the same sample and condition beside it.",
         )
-        .called(|(_, told): &Of| format!("{}, {}, {}", told.own.path, told.own.spectrum, told.from))
+        .called(|(_, told)| format!("{}, {}, {}", told.own.path, told.own.spectrum, told.from))
+        .made_from(|(run, _)| run.sources())
+        .column(RUN.called("Step", "run of the step"), |(_, told)| {
+            told.own.path.as_str()
+        })
         .column(SPECTRUM, |(_, told)| told.own.spectrum.as_str())
         .column(SAMPLE, |(run, _)| run.tag(keys::SAMPLE))
         .column(VOLTAGE, |(run, _)| run.number(keys::VOLTAGE_V))
