@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray};
-use ieap::analysis::plain_columns::{PlainCells, PlainColumn};
+use ieap::show::{Frame, FrameCells};
 use ieap::ingest::campaign_file;
 use ieap::model::impedance::circuit;
 use ieap::pipeline::documents::comparison::comparison_document;
@@ -210,13 +210,13 @@ impl Campaign {
     }
 }
 
-fn batch(columns: Vec<PlainColumn>) -> Result<RecordBatch, arrow_schema::ArrowError> {
-    let array = |cells: PlainCells| -> ArrayRef {
+fn batch(columns: Frame) -> Result<RecordBatch, arrow_schema::ArrowError> {
+    let array = |cells: FrameCells| -> ArrayRef {
         match cells {
-            PlainCells::Numbers(cells) => Arc::new(Float64Array::from(cells)),
-            PlainCells::Counts(cells) => Arc::new(Int64Array::from(cells)),
-            PlainCells::Flags(cells) => Arc::new(BooleanArray::from(cells)),
-            PlainCells::Texts(cells) => Arc::new(StringArray::from(cells)),
+            FrameCells::Numbers(cells) => Arc::new(Float64Array::from(cells)),
+            FrameCells::Counts(cells) => Arc::new(Int64Array::from(cells)),
+            FrameCells::Flags(cells) => Arc::new(BooleanArray::from(cells)),
+            FrameCells::Texts(cells) => Arc::new(StringArray::from(cells)),
         }
     };
     let columns = columns

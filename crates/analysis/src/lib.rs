@@ -26,7 +26,6 @@ pub mod one_fit;
 pub mod online;
 pub mod parameters;
 mod parquet_file;
-pub mod plain_columns;
 pub mod plan;
 mod policy;
 pub mod pooling;
@@ -44,7 +43,7 @@ pub mod traces;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};
 pub use design::confounding;
-pub use export::{ExportError, TableFormat, conditions_table, fits_long, fits_wide, rounded, write_table};
+pub use export::{ExportError, TableFormat, rounded, write_table};
 pub use findings::{Contrast, contrasts};
 pub use parameters::{PARAMETERS, ParameterInfo};
 pub use parquet_file::About;

@@ -2,6 +2,7 @@
 
 use ieap_domain::Estimate;
 
+use crate::frame::{Kind, OfKind};
 use crate::quantities::Quantity;
 use crate::table::{Cell, Column, Content, Measured, Notes, Row, Source, Table};
 
@@ -13,8 +14,12 @@ const ROUGH_DIGITS: i32 = 3;
 pub enum Value {
     /// Words.
     Text(String),
-    /// A setting or a count.
+    /// A setting.
     Exact(f64),
+    /// A whole number.
+    Count(i64),
+    /// Yes or no.
+    Flag(bool),
     /// A number without uncertainty, with its digits.
     Rough(f64, i32),
     /// A coefficient of determination.
@@ -53,6 +58,10 @@ impl From<Combined> for Value {
     }
 }
 
+/// A number without uncertainty, with its digits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rough(pub f64, pub i32);
+
 /// A number that carries no uncertainty and is no setting: three digits.
 pub fn rough(number: impl Into<Option<f64>>) -> Value {
     let number = number.into();
@@ -79,7 +88,37 @@ impl From<f64> for Value {
 
 impl From<usize> for Value {
     fn from(count: usize) -> Value {
-        Value::Exact(count as f64)
+        Value::Count(count as i64)
+    }
+}
+
+impl From<u32> for Value {
+    fn from(count: u32) -> Value {
+        Value::Count(count.into())
+    }
+}
+
+impl From<i64> for Value {
+    fn from(count: i64) -> Value {
+        Value::Count(count)
+    }
+}
+
+impl From<bool> for Value {
+    fn from(flag: bool) -> Value {
+        Value::Flag(flag)
+    }
+}
+
+impl From<Rough> for Value {
+    fn from(Rough(number, digits): Rough) -> Value {
+        Value::Rough(number, digits)
+    }
+}
+
+impl From<Estimate> for Value {
+    fn from(estimate: Estimate) -> Value {
+        Value::Estimate(estimate)
     }
 }
 
@@ -100,11 +139,12 @@ type Of<'s, R, T> = Box<dyn Fn(&R) -> T + 's>;
 
 /// A column: its head, the key of its numbers as they are stored, the shown number per stored number, and what is read off a
 /// row.
-struct SheetColumn<'s, R> {
-    head: Column,
-    key: String,
+pub(crate) struct SheetColumn<'s, R> {
+    pub(crate) head: Column,
+    pub(crate) key: String,
     factor: f64,
-    of: Of<'s, R, Value>,
+    pub(crate) kind: Kind,
+    pub(crate) of: Of<'s, R, Value>,
 }
 
 /// Columns over rows of a kind.
@@ -115,7 +155,7 @@ pub struct Sheet<'s, R> {
     remark: String,
     empty: String,
     stub: usize,
-    columns: Vec<SheetColumn<'s, R>>,
+    pub(crate) columns: Vec<SheetColumn<'s, R>>,
     source: Of<'s, R, Vec<Source>>,
     label: Option<Of<'s, R, String>>,
 }
@@ -168,29 +208,36 @@ impl<'s, R> Sheet<'s, R> {
     }
 
     /// A column.
-    pub fn column<V: Into<Value>>(mut self, quantity: Quantity, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
+    pub fn column<V: OfKind>(mut self, quantity: Quantity, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
         self.columns.push(SheetColumn {
             head: quantity.of_column(),
             key: quantity.key.to_owned(),
             factor: quantity.factor,
+            kind: V::KIND,
             of: Box::new(move |row| of(row).into()),
         });
         self
     }
 
     /// A column whose head is known only when the table is made; its numbers are shown as they are stored.
-    pub fn column_under<V: Into<Value>>(mut self, head: Column, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
+    pub fn column_under<V: OfKind>(mut self, head: Column, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
         self.columns.push(SheetColumn {
             key: head.key.clone(),
             head,
             factor: 1.0,
+            kind: V::KIND,
             of: Box::new(move |row| of(row).into()),
         });
         self
     }
 
+    /// A column for programs, headed by its key.
+    pub fn plain<V: OfKind>(self, key: &str, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
+        self.column_under(Column::plain(key, key, ""), of)
+    }
+
     /// A column for each of these.
-    pub fn columns<V: Into<Value>>(
+    pub fn columns<V: OfKind>(
         self,
         quantities: &[Quantity],
         of: impl Fn(&R, &Quantity) -> V + Copy + 's,
@@ -201,7 +248,7 @@ impl<'s, R> Sheet<'s, R> {
     }
 
     /// A column for each of these, of which a row knows the numbers by their place.
-    pub fn columns_by_place<V: Into<Value>>(
+    pub fn columns_by_place<V: OfKind>(
         self,
         quantities: &[Quantity],
         of: impl Fn(&R, usize) -> V + Copy + 's,
@@ -263,6 +310,8 @@ impl<R> SheetColumn<'_, R> {
         match value {
             Value::Text(words) => of(Content::Text(words)),
             Value::Exact(number) => of(Content::Exact(number)),
+            Value::Count(count) => of(Content::Exact(count as f64)),
+            Value::Flag(flag) => of(Content::Text(if flag { "yes" } else { "no" }.to_owned())),
             Value::Rough(number, digits) => of(Content::Rough(number, digits)),
             Value::Score(score) => of(Content::Score(score)),
             Value::Missing => of(Content::Missing),

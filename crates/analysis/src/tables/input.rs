@@ -54,6 +54,11 @@ pub struct TableInput<'a> {
 }
 
 impl<'a> TableInput<'a> {
+    /// The runs that speak, and the campaign.
+    pub fn of_runs(&self) -> (&'a [RunRecord], &'a Campaign) {
+        (self.runs, self.campaign)
+    }
+
     /// Comparisons of models.
     pub fn compared(&self) -> Compared<'a> {
         Compared {

@@ -1,13 +1,13 @@
 //! The named tables. A table is one file here and one row in [`TABLES`]: a pure function from what the database holds.
 
 mod conditions_table;
-mod cycles;
+pub mod cycles;
 mod electrodes;
 mod extended;
 mod findings;
 mod fits;
 mod input;
-mod model_free;
+pub mod model_free;
 pub mod moved;
 mod of_condition;
 mod of_run;

@@ -73,7 +73,7 @@ pub fn make(input: &TableInput) -> Table {
             })
         });
     sheet.over(input.reductions.iter().flat_map(|own| {
-        let run = OfRun::new(input, own.run_id, &own.path);
+        let run = OfRun::new(input.of_runs(), own.run_id, &own.path);
         let circuits: Vec<Reduced> = match &own.found {
             Ok(found) => found.iter().map(Ok).collect(),
             Err(why) => vec![Err(why)],

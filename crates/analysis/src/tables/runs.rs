@@ -51,7 +51,7 @@ pub fn make(input: &TableInput) -> Table {
             score(run, |fit| fit.r_squared_curvature)
         });
     let runs = input.runs.iter().chain(input.set_aside);
-    sheet.over(runs.map(|run| (OfRun::of(input, run), run)))
+    sheet.over(runs.map(|run| (OfRun::of(input.campaign, run), run)))
 }
 
 fn state(run: &RunRecord) -> &'static str {

@@ -69,7 +69,7 @@ pub fn make(input: &TableInput) -> Table {
         })
         .columns_by_place(&shown, |(_, told), at| told.numbers[at].as_ref().map(Value::from))
         .over(input.one_likelihood.iter().flat_map(|own| {
-            let run = OfRun::new(input, own.run_id, &own.path);
+            let run = OfRun::new(input.of_runs(), own.run_id, &own.path);
             told(input.doubts, own, run.record).map(|told| (run, told))
         }))
 }
