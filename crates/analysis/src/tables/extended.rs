@@ -91,26 +91,8 @@ mod tests {
             run.fit = Some(extended);
         }
         runs[2].fit = Some(fit(&parameters[..2]));
-        let input = TableInput {
-            campaign: &campaign,
-            runs: &runs,
-            set_aside: &[],
-            modulus_logs: &[],
-            spectra: &[],
-            blocked: &[],
-            frequency: &[],
-            model_free: &[],
-            cycles: &[],
-            reductions: &[],
-            one_likelihood: &[],
-            electrodes: &[],
-            files: &[],
-            comparisons: &[],
-            outdated_comparisons: 0,
-            groups: &[],
-            doubts: &Doubts::default(),
-            origin: "",
-        };
+        let doubts = Doubts::default();
+        let input = TableInput::new(&campaign, &runs, &doubts);
         for name in ["table5", "fits"] {
             let table = named(name).unwrap().table(&input);
             let column = table.column_named("faradaic-leak.onset_v").unwrap();
