@@ -99,6 +99,29 @@ impl Dependence {
         of_law.or(self.jump.as_ref().map(|jump| jump.size))
     }
 
+    /// Whether it may be claimed: chance makes it seldom, and what was measured of the covariate is not mostly error.
+    pub fn is_claimed(&self) -> bool {
+        self.q <= CLAIMED_BELOW && !self.is_blurred()
+    }
+
+    /// Whether most of what was measured of the covariate is the error of its sensor.
+    pub fn is_blurred(&self) -> bool {
+        self.reliability.is_some_and(|part| part < LEAST_RELIABILITY)
+    }
+
+    /// The law that is claimed with its coefficient; none where nothing is claimed, or where it changes by no law that is
+    /// known here.
+    pub fn stated(&self) -> Option<(Law, Interval)> {
+        let names = match self.covariate {
+            Covariate::Sample => Law::Offset,
+            _ => Law::Jump,
+        };
+        let of_law = self.laws.first().map(|own| (own.law, own.coefficient));
+        let of_names = self.jump.as_ref().map(|jump| (names, jump.size));
+        let known = self.covariate == Covariate::Sample || self.change().is_some_and(Interval::is_directed);
+        of_law.or(of_names).filter(|_| known && self.is_claimed())
+    }
+
     /// Laws that describe it as well as the chosen one.
     pub fn as_good(&self) -> Vec<Law> {
         let Some(best) = self.laws.iter().map(|law| law.bic).min_by(f64::total_cmp) else {

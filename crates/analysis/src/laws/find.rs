@@ -77,7 +77,7 @@ pub struct CampaignLaws {
 impl CampaignLaws {
     /// What may be claimed.
     pub fn claimed(&self) -> impl Iterator<Item = &Dependence> {
-        self.dependences.iter().filter(|found| found.q <= CLAIMED_BELOW)
+        self.dependences.iter().filter(|found| found.is_claimed())
     }
 }
 
@@ -142,7 +142,10 @@ fn hash_of(
     (facts, places): (&[RunFacts], &[usize]),
     material: &str,
 ) -> String {
-    let hash = Hash::default().with(&"laws").with(&material).with(&evidence.seed);
+    let hash = Hash::default()
+        .with(&"laws/2")
+        .with(&material)
+        .with(&evidence.seed);
     let runs = places.iter().map(|&place| &evidence.runs[facts[place].run]);
     let is_length = from_displacement(&runs.collect::<Vec<_>>());
     let of_run = |hash: Hash, &place: &usize| {
