@@ -28,6 +28,8 @@ pub struct Ratio {
     pub at_least: Option<f64>,
     /// Samples measured in both.
     pub samples: usize,
+    /// Indices of the runs that it is made from.
+    pub runs: Vec<usize>,
 }
 
 /// What a contrast goes over.
@@ -73,6 +75,8 @@ struct Level {
     above: Option<f64>,
     /// Identity of a value that it may share with other conditions.
     shared: Option<SharedEstimate>,
+    /// Indices of its runs.
+    runs: Vec<usize>,
 }
 
 type Levels = BTreeMap<(String, String, String), Level>;
@@ -130,7 +134,9 @@ fn levels(runs: &[RunRecord], facts: &[RunFacts], doubts: &Doubts, (material, ke
             below: None,
             above: None,
             shared: own,
+            runs: Vec::new(),
         });
+        level.runs.push(fact.run);
         level.add(&widened);
     }
     levels
@@ -223,25 +229,32 @@ fn ratio(levels: &Levels, upper: (&str, &str), lower: (&str, &str), place: &str)
         .iter()
         .filter_map(|sample| Some((level(upper, sample)?, level(lower, sample)?)))
         .collect();
-    let known: Vec<(f64, f64)> = pairs
-        .iter()
-        .filter_map(|(upper, lower)| {
-            let ((a, va), (b, vb)) = (upper.mean()?, lower.mean()?);
-            // One parameter set fitted to both says nothing of their difference.
-            let is_one = upper.shared.is_some() && upper.shared == lower.shared;
-            (!is_one).then_some((a - b, va + vb))
-        })
-        .collect();
+    let mut used = Vec::new();
+    let mut known: Vec<(f64, f64)> = Vec::new();
+    for (upper, lower) in &pairs {
+        // One parameter set fitted to both says nothing of their difference.
+        let is_one = upper.shared.is_some() && upper.shared == lower.shared;
+        if let (Some((a, va)), Some((b, vb)), false) = (upper.mean(), lower.mean(), is_one) {
+            known.push((a - b, va + vb));
+            used.extend(upper.runs.iter().chain(&lower.runs));
+        }
+    }
     let blank = Ratio {
         place: place.to_owned(),
         log: None,
         at_least: None,
         samples: pairs.len(),
+        runs: used,
     };
     if known.is_empty() {
-        let at_least = pairs.iter().find_map(|(upper, lower)| bound(upper, lower))?;
+        let of_pair = |(upper, lower): &(&Level, &Level)| {
+            let runs = upper.runs.iter().chain(&lower.runs).copied();
+            Some((bound(upper, lower)?, runs.collect()))
+        };
+        let (at_least, runs) = pairs.iter().find_map(of_pair)?;
         return Some(Ratio {
             at_least: Some(at_least),
+            runs,
             ..blank
         });
     }
@@ -460,6 +473,7 @@ mod tests {
             }),
             at_least,
             samples: 1,
+            runs: Vec::new(),
         };
         let shown = in_short(&ratio(4.2, 3.9, 4.5, None));
         assert_eq!(

@@ -61,6 +61,8 @@ pub struct Dependence {
     pub basis: Basis,
     /// Number of runs.
     pub runs: usize,
+    /// Indices of the runs whose values it is told from.
+    pub used: Vec<usize>,
     /// Ids of the samples.
     pub samples: Vec<String>,
     /// Fitted runs that give a bound or nothing.
@@ -381,6 +383,8 @@ impl Asking<'_> {
             .collect();
         samples.sort();
         samples.dedup();
+        let places = self.values.values.iter().map(|value| value.place);
+        let used = places.filter(|place| table.members.iter().any(|row| row.contains(place)));
         Dependence {
             material: self.material.to_owned(),
             parameter: self.values.key.clone(),
@@ -395,6 +399,7 @@ impl Asking<'_> {
             q: 1.0,
             basis: answer.basis,
             runs: self.values.values.len(),
+            used: used.collect(),
             samples,
             left_out: self.values.left_out.len(),
             is_log: self.values.is_log,

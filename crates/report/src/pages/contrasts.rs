@@ -190,6 +190,7 @@ mod tests {
                 }),
                 at_least: None,
                 samples: 1,
+                runs: Vec::new(),
             }],
         }
     }
