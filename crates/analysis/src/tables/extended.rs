@@ -57,7 +57,7 @@ pub fn shared_notes(runs: &Runs) -> Vec<String> {
 }
 
 /// What tells one shared fit from another: the first of its estimates that has a value.
-fn identity(run: &RunRecord) -> Option<SharedEstimate> {
+pub fn identity(run: &RunRecord) -> Option<SharedEstimate> {
     let fit = run.fit.as_ref()?;
     let known = fit
         .parameters

@@ -16,6 +16,7 @@ mod of_several;
 mod reductions;
 mod refused;
 mod runs;
+mod runs_used;
 mod spread;
 mod step_and_spectrum;
 pub mod stiffness;
@@ -116,6 +117,7 @@ pub const TABLES: &[NamedTable] = &[
     NamedTable::new("models", "Which model describes which material in which environment, as `ieap compare` found it", |input| models_compared::view::table(input.compared())).comparing_materials(),
     NamedTable::new("findings", "What the model gets wrong in each group of runs, and why", findings::make),
     NamedTable::new("laws", "Which parameter follows what from run to run, by which law, with its coefficient where it is claimed", laws::make).needing(Need::Laws),
+    NamedTable::new("runs-used", "Every law, contrast, fit of a group and diagnosis with the runs that it is made from, and why others were left out", runs_used::make).needing(Need::Laws),
     NamedTable::new("electrodes", "Resistance of the electrodes over time, by the four-point probe, with cracks", electrodes::make),
     NamedTable::new("stiffness", "Alpha split into stiffness and coupling, by modulus logs and blocking forces: which of them a change follows", stiffness::make),
     NamedTable::new("impedance", "Circuits fitted to the impedance spectra, one row a spectrum and circuit", |input| sheet::impedance(input.spectra)),
