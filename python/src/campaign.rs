@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray};
-use ieap::analysis::plain_columns::{PlainCells, PlainColumn};
 use ieap::ingest::campaign_file;
 use ieap::model::impedance::circuit;
 use ieap::pipeline::documents::comparison::comparison_document;
@@ -16,7 +15,7 @@ use ieap::pipeline::show::plain_tables::{plain_table, stored_readings};
 use ieap::pipeline::show::tables::{find_format, table};
 use ieap::pipeline::standalone::in_memory::{ReadTable, Stated};
 use ieap::pipeline::{CompareModels, Context, DiagnoseChoice, PipelineError, Silent};
-use ieap::show::Document;
+use ieap::show::{Document, Frame, FrameCells};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -141,7 +140,7 @@ impl Campaign {
             let remedy = "write it as impedance.py does: R0-p(R1,CPE1)-W1";
             bad_argument(py, "circuits", &error.to_string(), remedy)
         })?;
-        let value = self.ask(py, |context| Ok(spectra(context, &asked)?))?;
+        let value = self.ask(py, |context| spectra(context, &asked))?;
         let document = Document {
             schema: SCHEMA,
             value,
@@ -210,13 +209,13 @@ impl Campaign {
     }
 }
 
-fn batch(columns: Vec<PlainColumn>) -> Result<RecordBatch, arrow_schema::ArrowError> {
-    let array = |cells: PlainCells| -> ArrayRef {
+fn batch(columns: Frame) -> Result<RecordBatch, arrow_schema::ArrowError> {
+    let array = |cells: FrameCells| -> ArrayRef {
         match cells {
-            PlainCells::Numbers(cells) => Arc::new(Float64Array::from(cells)),
-            PlainCells::Counts(cells) => Arc::new(Int64Array::from(cells)),
-            PlainCells::Flags(cells) => Arc::new(BooleanArray::from(cells)),
-            PlainCells::Texts(cells) => Arc::new(StringArray::from(cells)),
+            FrameCells::Numbers(cells) => Arc::new(Float64Array::from(cells)),
+            FrameCells::Counts(cells) => Arc::new(Int64Array::from(cells)),
+            FrameCells::Flags(cells) => Arc::new(BooleanArray::from(cells)),
+            FrameCells::Texts(cells) => Arc::new(StringArray::from(cells)),
         }
     };
     let columns = columns

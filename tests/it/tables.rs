@@ -1,6 +1,6 @@
 //! Tables as their reader sees them, and the verbs `table` and `explain`.
 
-use ieap::analysis::tables::{TABLES, Table, TableInput, named};
+use ieap::analysis::tables::{NamedTable, TABLES, Table, TableInput, named};
 use ieap::domain::{Estimate, Parameter};
 use ieap::report::Input;
 use ieap::report::tables::{FORMATS, format_named};
@@ -14,23 +14,8 @@ fn table(input: &Input, name: &str) -> Table {
     let doubts = Default::default();
     let input = TableInput {
         doubts: &doubts,
-        campaign: &input.campaign,
-        runs: &input.runs,
-        set_aside: &input.set_aside,
-        modulus_logs: &input.modulus_logs,
-        spectra: &input.spectra.runs,
-        blocked: &input.blocked,
-        frequency: &input.frequency,
-        model_free: &input.model_free,
-        cycles: &input.cycles,
-        reductions: &[],
-        one_likelihood: &[],
-        electrodes: &input.electrodes,
-        files: &input.files,
-        groups: &input.findings.groups,
-        comparisons: &input.comparisons,
-        outdated_comparisons: input.outdated_comparisons,
         origin: "ieap 0.1.0, change 412",
+        ..input.of_tables()
     };
     named(name).expect("a known table").table(&input)
 }
@@ -192,11 +177,30 @@ struct NameAndTable {
 }
 
 fn all(input: &Input) -> Vec<NameAndTable> {
-    let make = |named: &ieap::analysis::tables::NamedTable| NameAndTable {
+    let make = |named: &NamedTable| NameAndTable {
         name: named.name,
         table: table(input, named.name),
     };
     TABLES.iter().map(make).collect()
+}
+
+#[test]
+fn the_page_of_tables_lists_all() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/tables.md");
+    let page = std::fs::read_to_string(path).unwrap();
+    let (before, rest) = page.split_once("the_page_of_tables -->\n").unwrap();
+    let after = &rest[rest.find("<!-- End").unwrap()..];
+    let row = |named: &NamedTable| format!("| `{}` | {} |\n", named.name, named.about.replace('|', "\\|"));
+    let rows: String = TABLES.iter().map(row).collect();
+    let whole = format!("{before}the_page_of_tables -->\n| name | what it shows |\n|---|---|\n{rows}{after}");
+    if std::env::var_os("IEAP_UPDATE_EXPECTED").is_some() {
+        std::fs::write(path, whole).unwrap();
+    } else {
+        assert!(
+            page == whole,
+            "docs/tables.md lists other tables: IEAP_UPDATE_EXPECTED=1 cargo it the_page_of_tables"
+        );
+    }
 }
 
 #[test]

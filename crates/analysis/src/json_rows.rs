@@ -1,45 +1,36 @@
-//! A data frame as JSON: an array with an object a row, as pandas and DuckDB read it.
+//! A frame as JSON: an object a row.
 
-use std::io::Write;
+use std::io::{self, Write};
 
-use polars::prelude::{AnyValue, DataFrame, PolarsError, PolarsResult};
+use ieap_show::{FrameCells, FrameColumn};
 use serde_json::{Map, Value};
 
-/// Writes `table` to `out`, one row a line. A missing number is null.
-///
-/// # Errors
-/// Those of the writer, or a column of a kind that no exported table has.
-pub fn write(table: &DataFrame, out: &mut dyn Write) -> PolarsResult<()> {
-    let failed = |error: std::io::Error| PolarsError::from(error);
-    out.write_all(b"[").map_err(failed)?;
-    for row in 0..table.height() {
-        let mut object = Map::new();
-        for column in table.columns() {
-            object.insert(column.name().to_string(), value(column.get(row)?)?);
-        }
-        let start = if row == 0 { "\n" } else { ",\n" };
-        write!(out, "{start}{}", Value::Object(object)).map_err(failed)?;
-    }
-    out.write_all(b"\n]\n").map_err(failed)
+/// Its rows. A missing number is null; yes and no are `flag` of them, for a database has 1 and 0.
+pub fn rows(table: &[FrameColumn], flag: fn(bool) -> Value) -> impl Iterator<Item = Value> {
+    let cell = move |cells: &FrameCells, row: usize| match cells {
+        FrameCells::Texts(cells) => cells[row].as_deref().into(),
+        FrameCells::Numbers(cells) => cells[row].into(),
+        FrameCells::Counts(cells) => cells[row].into(),
+        FrameCells::Flags(cells) => cells[row].map_or(Value::Null, flag),
+    };
+    let height = table.first().map_or(0, |column| column.cells.len());
+    (0..height).map(move |row| {
+        let pairs = table
+            .iter()
+            .map(|column| (column.name.clone(), cell(&column.cells, row)));
+        Value::Object(pairs.collect::<Map<_, _>>())
+    })
 }
 
-fn value(cell: AnyValue) -> PolarsResult<Value> {
-    Ok(match cell {
-        AnyValue::Null => Value::Null,
-        AnyValue::Boolean(flag) => flag.into(),
-        AnyValue::String(text) => text.into(),
-        // A column of one text in every row comes so.
-        AnyValue::StringOwned(text) => text.as_str().into(),
-        AnyValue::UInt32(count) => count.into(),
-        AnyValue::UInt64(count) => count.into(),
-        AnyValue::Int64(count) => count.into(),
-        // JSON has no infinities: such a number is null.
-        AnyValue::Float64(number) => number.into(),
-        other => {
-            let kind = other.dtype().to_string();
-            return Err(PolarsError::ComputeError(
-                format!("no JSON for a column of {kind}").into(),
-            ));
-        }
-    })
+/// Writes `table` to `out` as an array, one row a line, as pandas and DuckDB read it.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write(table: &[FrameColumn], out: &mut dyn Write) -> io::Result<()> {
+    out.write_all(b"[")?;
+    for (at, row) in rows(table, Value::Bool).enumerate() {
+        let start = if at == 0 { "\n" } else { ",\n" };
+        write!(out, "{start}{row}")?;
+    }
+    out.write_all(b"\n]\n")
 }

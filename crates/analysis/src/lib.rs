@@ -27,7 +27,6 @@ pub mod one_fit;
 pub mod online;
 pub mod parameters;
 mod parquet_file;
-pub mod plain_columns;
 pub mod plan;
 mod policy;
 pub mod pooling;
@@ -48,7 +47,7 @@ pub mod zone;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};
 pub use design::confounding;
-pub use export::{ExportError, TableFormat, conditions_table, fits_long, fits_wide, rounded, write_table};
+pub use export::{ExportError, TableFormat, rounded, write_table};
 pub use parameters::{PARAMETERS, ParameterInfo};
 pub use parquet_file::About;
 pub use traces::TraceWriter;

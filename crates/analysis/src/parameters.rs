@@ -1,6 +1,7 @@
 //! The identified parameters of the lumped model as tables and figures name them.
 
 use ieap_domain::{Estimate, Fit, RunRecord};
+use ieap_show::Quantity;
 
 /// How one parameter is named and shown. The stored key carries the unit in which values are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,6 +127,16 @@ impl ParameterInfo {
     pub fn of(key: &str) -> Option<&'static ParameterInfo> {
         let mut known = PARAMETERS.iter().chain(&FURTHER);
         known.find(|parameter| parameter.key == key)
+    }
+
+    /// As tables show it.
+    pub fn quantity(&self) -> Quantity {
+        let stored = Quantity::new(self.key, self.symbol, self.name, self.unit);
+        let column = match self.key {
+            "rss_ohm_cm2" => "rss_kohm_cm2",
+            _ => self.key,
+        };
+        stored.shown_in(column, self.shown_unit, self.shown_factor)
     }
 
     /// Unit and shown number per stored number in a list of the parameters of a fit. The distributed model's resistances

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::sync::Arc;
 
-use polars::prelude::{Column, DataFrame, DataType, PlSmallStr, PolarsError};
+use polars::prelude::{PlSmallStr, PolarsError};
 use polars_arrow::array::{Array, BooleanArray, ListArray, PrimitiveArray, Utf8Array};
 use polars_arrow::bitmap::Bitmap;
 use polars_arrow::datatypes::{ArrowDataType, ArrowSchema, ArrowSchemaRef, Field, Metadata, TimeUnit};
@@ -17,6 +17,7 @@ use polars_parquet::write::{
 };
 
 use ieap_domain::unit_of_key;
+use ieap_show::{FrameCells, FrameColumn};
 
 /// Columns of texts that are moments.
 const MOMENTS: [&str; 2] = ["started_at", "ingested_at"];
@@ -160,8 +161,8 @@ impl<W: Write> ParquetFile<W> {
 ///
 /// # Errors
 /// The disk refuses.
-pub fn write<W: Write>(out: W, table: &DataFrame, about: &About) -> Result<W, PolarsError> {
-    let columns: Vec<(String, Cells)> = table.columns().iter().map(cells).collect::<Result<_, _>>()?;
+pub fn write<W: Write>(out: W, table: &[FrameColumn], about: &About) -> Result<W, PolarsError> {
+    let columns: Vec<(String, Cells)> = table.iter().map(cells).collect();
     let mut file = ParquetFile::begin(out, &columns, about)?;
     file.write(columns)?;
     file.finish()
@@ -203,23 +204,18 @@ fn with_units<'a>(about: &About, columns: impl Iterator<Item = &'a str>) -> Abou
     about
 }
 
-/// A column of a data frame with its cells.
-fn cells(column: &Column) -> Result<(String, Cells), PolarsError> {
-    let name = column.name().to_string();
-    let cells = match column.dtype() {
-        DataType::String => {
-            let texts = column.str()?.iter();
-            if MOMENTS.contains(&name.as_str()) {
-                Cells::Moments(texts.map(|text| moment_us(text?)).collect())
-            } else {
-                Cells::Texts(texts.map(|text| text.map(str::to_owned)).collect())
-            }
+/// A column of a frame with its cells.
+fn cells(column: &FrameColumn) -> (String, Cells) {
+    let cells = match column.cells.clone() {
+        FrameCells::Texts(texts) if MOMENTS.contains(&column.name.as_str()) => {
+            Cells::Moments(texts.iter().map(|text| moment_us(text.as_ref()?)).collect())
         }
-        DataType::Boolean => Cells::Flags(column.bool()?.iter().collect()),
-        DataType::UInt32 => Cells::Counts(column.u32()?.iter().map(|count| count.map(i64::from)).collect()),
-        _ => Cells::Numbers(column.f64()?.iter().collect()),
+        FrameCells::Texts(cells) => Cells::Texts(cells),
+        FrameCells::Flags(cells) => Cells::Flags(cells),
+        FrameCells::Counts(cells) => Cells::Counts(cells),
+        FrameCells::Numbers(cells) => Cells::Numbers(cells),
     };
-    Ok((name, cells))
+    (column.name.clone(), cells)
 }
 
 #[cfg(test)]

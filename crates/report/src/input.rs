@@ -87,8 +87,6 @@ impl Input {
     /// What tables are made from.
     pub fn of_tables(&self) -> TableInput<'_> {
         TableInput {
-            campaign: &self.campaign,
-            runs: &self.runs,
             set_aside: &self.set_aside,
             modulus_logs: &self.modulus_logs,
             spectra: &self.spectra.runs,
@@ -96,15 +94,14 @@ impl Input {
             frequency: &self.frequency,
             model_free: &self.model_free,
             cycles: &self.cycles,
-            reductions: &[],
-            one_likelihood: &[],
             electrodes: &self.electrodes,
             files: &self.files,
+            laws: Some(&self.laws),
             groups: &self.findings.groups,
-            doubts: &self.laws.doubts,
             comparisons: &self.comparisons,
             outdated_comparisons: self.outdated_comparisons,
             origin: &self.origin.database,
+            ..TableInput::new(&self.campaign, &self.runs, &self.laws.doubts)
         }
     }
 

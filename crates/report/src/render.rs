@@ -24,7 +24,8 @@ use super::site::Site;
 use super::sparkline::Sparks;
 use super::visible::{indexed, write_escaped};
 use ieap_analysis::dma::table::modulus_table;
-use ieap_analysis::{About, TableFormat, conditions_table, fits_wide, rounded, write_table};
+use ieap_analysis::run_tables::{conditions_table, fits_wide};
+use ieap_analysis::{About, TableFormat, rounded, write_table};
 use ieap_domain::words::in_a_row;
 use ieap_domain::{CurveSource, Fault};
 use ieap_system::fs;
@@ -250,16 +251,16 @@ fn write_tables(writer: &PageWriter) -> Result<u64, ReportError> {
 
 fn tables(input: &Input, out_dir: &Path) -> Result<u64, ReportError> {
     let mut tables = vec![
-        ("table5.csv", fits_wide(&input.runs, &input.campaign)?),
-        ("conditions.csv", conditions_table(&input.runs, &input.campaign)?),
+        ("table5.csv", fits_wide(&input.runs, &input.campaign)),
+        ("conditions.csv", conditions_table(&input.runs, &input.campaign)),
     ];
     if !input.modulus_logs.is_empty() {
-        tables.push(("dma.csv", modulus_table(&input.modulus_logs, &input.campaign)?));
+        tables.push(("dma.csv", modulus_table(&input.modulus_logs, &input.campaign)));
     }
     let mut bytes = 0;
     for (name, table) in tables {
         let path = out_dir.join(name);
-        write_table(&rounded(&table)?, TableFormat::Csv, &About::default(), &path)?;
+        write_table(&rounded(table), TableFormat::Csv, &About::default(), &path)?;
         bytes += fs::metadata(&path)
             .map_err(|source| ReportError::Write { path, source })?
             .len();

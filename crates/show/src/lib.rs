@@ -5,6 +5,7 @@
 pub mod block;
 pub mod chart;
 mod document;
+pub mod frame;
 pub mod quantities;
 pub mod sheet;
 pub mod table;
@@ -12,6 +13,7 @@ pub mod table;
 pub use block::Block;
 pub use chart::{Chart, Form, Ink, Layer, Mark, Panel, Range, Scale};
 pub use document::Document;
+pub use frame::{Frame, FrameCells, FrameColumn};
 pub use quantities::Quantity;
-pub use sheet::{Sheet, Value, rough};
+pub use sheet::{Combined, Rough, Sheet, Value, rough, shown};
 pub use table::{Cell, Column, Content, Measured, Notes, Pooled, Row, Source, SourceOrigin, Table};

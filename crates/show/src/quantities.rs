@@ -75,3 +75,19 @@ pub const ENVIRONMENT: Quantity = Quantity::plain("environment", "Environment", 
 pub const HUMIDITY: Quantity = Quantity::new("relative_humidity_percent", "RH", "relative humidity", "%");
 /// Step voltage.
 pub const VOLTAGE: Quantity = Quantity::new("voltage_v", "V₀", "step voltage", "V");
+/// Coefficient of determination of the current.
+pub const R_SQUARED_CURRENT: Quantity = Quantity::plain(
+    "r_squared_current",
+    "R² (current)",
+    "coefficient of determination of the current",
+);
+/// Coefficient of determination of the curvature.
+pub const R_SQUARED_CURVATURE: Quantity = Quantity::plain(
+    "r_squared_curvature",
+    "R² (curvature)",
+    "coefficient of determination of the curvature",
+);
+/// Number of samples.
+pub const SAMPLES: Quantity = Quantity::plain("samples", "Samples", "number of samples");
+/// Number of runs.
+pub const RUNS: Quantity = Quantity::plain("runs", "Runs", "number of runs");

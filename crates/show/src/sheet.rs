@@ -2,6 +2,7 @@
 
 use ieap_domain::Estimate;
 
+use crate::frame::{Kind, OfKind};
 use crate::quantities::Quantity;
 use crate::table::{Cell, Column, Content, Measured, Notes, Row, Source, Table};
 
@@ -13,21 +14,53 @@ const ROUGH_DIGITS: i32 = 3;
 pub enum Value {
     /// Words.
     Text(String),
-    /// A setting or a count.
+    /// A setting.
     Exact(f64),
+    /// A whole number.
+    Count(i64),
+    /// Yes or no.
+    Flag(bool),
     /// A number without uncertainty, with its digits.
     Rough(f64, i32),
     /// A coefficient of determination.
     Score(f64),
     /// A number with its uncertainty, a bound, or why there is neither; in its stored unit.
     Estimate(Estimate),
-    /// A finished cell, in the column's unit: for means over several sources.
-    Cell(Cell),
+    /// What several sources say together.
+    Combined(Combined),
     /// Nothing.
     Missing,
-    /// Nothing, and why.
-    Without(String),
+    /// The same with footnotes.
+    Noted(Box<Value>, Vec<String>),
 }
+
+/// What several sources say together, such as a mean over repeats: in the column's unit, with sources of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Combined {
+    /// What stands in the cell.
+    pub content: Content,
+    /// Its footnotes.
+    pub notes: Vec<String>,
+    /// What it is made from.
+    pub sources: Vec<Source>,
+}
+
+impl Value {
+    /// The same with footnotes.
+    pub fn noted(self, notes: impl IntoIterator<Item = String>) -> Value {
+        Value::Noted(Box::new(self), notes.into_iter().collect())
+    }
+}
+
+impl From<Combined> for Value {
+    fn from(combined: Combined) -> Value {
+        Value::Combined(combined)
+    }
+}
+
+/// A number without uncertainty, with its digits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rough(pub f64, pub i32);
 
 /// A number that carries no uncertainty and is no setting: three digits.
 pub fn rough(number: impl Into<Option<f64>>) -> Value {
@@ -55,7 +88,37 @@ impl From<f64> for Value {
 
 impl From<usize> for Value {
     fn from(count: usize) -> Value {
-        Value::Exact(count as f64)
+        Value::Count(count as i64)
+    }
+}
+
+impl From<u32> for Value {
+    fn from(count: u32) -> Value {
+        Value::Count(count.into())
+    }
+}
+
+impl From<i64> for Value {
+    fn from(count: i64) -> Value {
+        Value::Count(count)
+    }
+}
+
+impl From<bool> for Value {
+    fn from(flag: bool) -> Value {
+        Value::Flag(flag)
+    }
+}
+
+impl From<Rough> for Value {
+    fn from(Rough(number, digits): Rough) -> Value {
+        Value::Rough(number, digits)
+    }
+}
+
+impl From<Estimate> for Value {
+    fn from(estimate: Estimate) -> Value {
+        Value::Estimate(estimate)
     }
 }
 
@@ -74,15 +137,27 @@ impl<T: Into<Value>> From<Option<T>> for Value {
 /// What is read off a row.
 type Of<'s, R, T> = Box<dyn Fn(&R) -> T + 's>;
 
+/// A column: its head, the key of its numbers as they are stored, the shown number per stored number, and what is read off a
+/// row.
+pub(crate) struct SheetColumn<'s, R> {
+    pub(crate) head: Column,
+    pub(crate) key: String,
+    factor: f64,
+    pub(crate) kind: Kind,
+    pub(crate) of: Of<'s, R, Value>,
+}
+
 /// Columns over rows of a kind.
 pub struct Sheet<'s, R> {
     name: &'static str,
     title: &'static str,
-    remark: &'static str,
-    empty: &'static str,
+    said: Vec<String>,
+    remark: String,
+    empty: String,
     stub: usize,
-    columns: Vec<(Quantity, Of<'s, R, Value>)>,
+    pub(crate) columns: Vec<SheetColumn<'s, R>>,
     source: Of<'s, R, Vec<Source>>,
+    label: Option<Of<'s, R, String>>,
 }
 
 impl<'s, R> Sheet<'s, R> {
@@ -91,19 +166,35 @@ impl<'s, R> Sheet<'s, R> {
         Sheet {
             name,
             title,
-            remark: "",
-            empty: "",
+            said: Vec::new(),
+            remark: String::new(),
+            empty: String::new(),
             stub,
             columns: Vec::new(),
             source: Box::new(|_| Vec::new()),
+            label: None,
         }
     }
 
     /// What holds for all of it, and what is said in its place where there is no row.
-    pub fn remarks(self, remark: &'static str, empty: &'static str) -> Sheet<'s, R> {
+    pub fn remarks(self, remark: impl Into<String>, empty: impl Into<String>) -> Sheet<'s, R> {
         Sheet {
-            remark,
-            empty,
+            remark: remark.into(),
+            empty: empty.into(),
+            ..self
+        }
+    }
+
+    /// What is said of it before that, whether there are rows or not.
+    pub fn said(mut self, sentences: impl IntoIterator<Item = String>) -> Sheet<'s, R> {
+        self.said.extend(sentences);
+        self
+    }
+
+    /// What a row is called, where that is not the words of its first cells.
+    pub fn called(self, label: impl Fn(&R) -> String + 's) -> Sheet<'s, R> {
+        Sheet {
+            label: Some(Box::new(label)),
             ..self
         }
     }
@@ -117,13 +208,36 @@ impl<'s, R> Sheet<'s, R> {
     }
 
     /// A column.
-    pub fn column<V: Into<Value>>(mut self, quantity: Quantity, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
-        self.columns.push((quantity, Box::new(move |row| of(row).into())));
+    pub fn column<V: OfKind>(mut self, quantity: Quantity, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
+        self.columns.push(SheetColumn {
+            head: quantity.of_column(),
+            key: quantity.key.to_owned(),
+            factor: quantity.factor,
+            kind: V::KIND,
+            of: Box::new(move |row| of(row).into()),
+        });
         self
     }
 
+    /// A column whose head is known only when the table is made; its numbers are shown as they are stored.
+    pub fn column_under<V: OfKind>(mut self, head: Column, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
+        self.columns.push(SheetColumn {
+            key: head.key.clone(),
+            head,
+            factor: 1.0,
+            kind: V::KIND,
+            of: Box::new(move |row| of(row).into()),
+        });
+        self
+    }
+
+    /// A column for programs, headed by its key.
+    pub fn plain<V: OfKind>(self, key: &str, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
+        self.column_under(Column::plain(key, key, ""), of)
+    }
+
     /// A column for each of these.
-    pub fn columns<V: Into<Value>>(
+    pub fn columns<V: OfKind>(
         self,
         quantities: &[Quantity],
         of: impl Fn(&R, &Quantity) -> V + Copy + 's,
@@ -133,19 +247,36 @@ impl<'s, R> Sheet<'s, R> {
         })
     }
 
+    /// A column for each of these, of which a row knows the numbers by their place.
+    pub fn columns_by_place<V: OfKind>(
+        self,
+        quantities: &[Quantity],
+        of: impl Fn(&R, usize) -> V + Copy + 's,
+    ) -> Sheet<'s, R> {
+        let places = quantities.iter().enumerate();
+        places.fold(self, |sheet, (at, &quantity)| {
+            sheet.column(quantity, move |row| of(row, at))
+        })
+    }
+
     /// The table of these rows.
     pub fn over(&self, rows: impl IntoIterator<Item = R>) -> Table {
         let mut notes = Notes::default();
         let rows: Vec<Row> = rows.into_iter().map(|row| self.row(&row, &mut notes)).collect();
-        let remark = if rows.is_empty() { self.empty } else { self.remark };
+        let remark = if rows.is_empty() {
+            &self.empty
+        } else {
+            &self.remark
+        };
+        let remark = (!remark.is_empty()).then_some(remark);
         Table {
             name: self.name.to_owned(),
             title: self.title.to_owned(),
-            columns: self.columns.iter().map(|(of, _)| of.of_column()).collect(),
+            columns: self.columns.iter().map(|column| column.head.clone()).collect(),
             stub: self.stub,
             rows,
             notes: notes.into_texts(),
-            remarks: Vec::from_iter((!remark.is_empty()).then(|| remark.to_owned())),
+            remarks: self.said.iter().chain(remark).cloned().collect(),
             ..Table::default()
         }
     }
@@ -153,10 +284,11 @@ impl<'s, R> Sheet<'s, R> {
     fn row(&self, row: &R, notes: &mut Notes) -> Row {
         let sources = (self.source)(row);
         let cells: Vec<Cell> = (self.columns.iter())
-            .map(|(quantity, of)| cell(quantity, of(row), &sources, notes))
+            .map(|column| column.cell((column.of)(row), &sources, notes))
             .collect();
+        let called = self.label.as_ref().map(|label| label(row));
         Row {
-            label: label(&cells[..self.stub]),
+            label: called.unwrap_or_else(|| label(&cells[..self.stub])),
             cells,
         }
     }
@@ -172,32 +304,45 @@ fn label(stub: &[Cell]) -> String {
     words.collect::<Vec<_>>().join(", ")
 }
 
-fn cell(quantity: &Quantity, value: Value, sources: &[Source], notes: &mut Notes) -> Cell {
-    let of = |content| Cell::new(content, sources.to_vec());
-    match value {
-        Value::Text(words) => of(Content::Text(words)),
-        Value::Exact(number) => of(Content::Exact(number)),
-        Value::Rough(number, digits) => of(Content::Rough(number, digits)),
-        Value::Score(score) => of(Content::Score(score)),
-        Value::Cell(cell) => cell,
-        Value::Missing => of(Content::Missing),
-        Value::Without(why) => of(Content::Missing).noted(notes.at(&why)),
-        Value::Estimate(estimate) => {
-            let of_number = |source: &Source| Source {
-                key: Some(quantity.key.to_owned()),
-                estimate: Some(estimate.clone()),
-                ..source.clone()
-            };
-            let sources = sources.iter().map(of_number).collect();
-            of_estimate(&estimate, quantity.factor, sources, notes)
+impl<R> SheetColumn<'_, R> {
+    fn cell(&self, value: Value, sources: &[Source], notes: &mut Notes) -> Cell {
+        let of = |content| Cell::new(content, sources.to_vec());
+        match value {
+            Value::Text(words) => of(Content::Text(words)),
+            Value::Exact(number) => of(Content::Exact(number)),
+            Value::Count(count) => of(Content::Exact(count as f64)),
+            Value::Flag(flag) => of(Content::Text(if flag { "yes" } else { "no" }.to_owned())),
+            Value::Rough(number, digits) => of(Content::Rough(number, digits)),
+            Value::Score(score) => of(Content::Score(score)),
+            Value::Missing => of(Content::Missing),
+            Value::Combined(own) => noted(Cell::new(own.content, own.sources), own.notes, notes),
+            Value::Noted(value, of_it) => noted(self.cell(*value, sources, notes), of_it, notes),
+            Value::Estimate(estimate) => {
+                let of_number = |source: &Source| Source {
+                    key: Some(self.key.clone()),
+                    estimate: Some(estimate.clone()),
+                    ..source.clone()
+                };
+                let cell = Cell::new(
+                    shown(&estimate, self.factor),
+                    sources.iter().map(of_number).collect(),
+                );
+                noted(cell, estimate.reason.clone(), notes)
+            }
         }
     }
 }
 
-/// The cell of an estimate in a unit that is `factor` times its own, with a footnote where it has a reason.
-pub fn of_estimate(estimate: &Estimate, factor: f64, sources: Vec<Source>, notes: &mut Notes) -> Cell {
+fn noted(cell: Cell, texts: impl IntoIterator<Item = String>, notes: &mut Notes) -> Cell {
+    texts
+        .into_iter()
+        .fold(cell, |cell, text| cell.noted(notes.at(&text)))
+}
+
+/// What a cell shows of an estimate, in a unit that is `factor` times its own.
+pub fn shown(estimate: &Estimate, factor: f64) -> Content {
     let own = estimate.scaled(factor);
-    let content = match (own.value, own.low_95, own.high_95) {
+    match (own.value, own.low_95, own.high_95) {
         (Some(value), low_95, high_95) => Content::Measured(Measured {
             value,
             standard_error: own.standard_error,
@@ -207,27 +352,6 @@ pub fn of_estimate(estimate: &Estimate, factor: f64, sources: Vec<Source>, notes
         }),
         (None, None, None) => Content::NotDetermined,
         (None, low, high) => Content::Bound { low, high },
-    };
-    let cell = Cell::new(content, sources);
-    match &own.reason {
-        Some(reason) => cell.noted(notes.at(reason)),
-        None => cell,
-    }
-}
-
-impl Table {
-    /// The same without these columns: where what is around it says them already.
-    pub fn without(mut self, keys: &[&str]) -> Table {
-        let is_kept = |column: &Column| !keys.contains(&column.key.as_str());
-        let kept: Vec<bool> = self.columns.iter().map(is_kept).collect();
-        self.stub = kept.iter().take(self.stub).filter(|kept| **kept).count();
-        let mut at = kept.iter();
-        self.columns.retain(|_| at.next() == Some(&true));
-        for row in &mut self.rows {
-            let mut at = kept.iter();
-            row.cells.retain(|_| at.next() == Some(&true));
-        }
-        self
     }
 }
 

@@ -262,6 +262,43 @@ impl Table {
     }
 }
 
+impl Table {
+    /// The same without these columns: where what is around it says them already.
+    pub fn without(&self, keys: &[&str]) -> Table {
+        let is_kept = |&at: &usize| !keys.contains(&self.columns[at].key.as_str());
+        let kept: Vec<usize> = (0..self.columns.len()).filter(is_kept).collect();
+        self.with_columns(&kept)
+    }
+
+    /// The same with these columns, by position, in this order. Footnotes that no cell has any more go with their columns.
+    pub fn with_columns(&self, columns: &[usize]) -> Table {
+        let mut notes = Notes::default();
+        let mut cell = |cell: &Cell| Cell {
+            notes: cell
+                .notes
+                .iter()
+                .map(|&note| notes.at(&self.notes[note]))
+                .collect(),
+            ..cell.clone()
+        };
+        let rows = self.rows.iter().map(|row| Row {
+            label: row.label.clone(),
+            cells: columns.iter().map(|&column| cell(&row.cells[column])).collect(),
+        });
+        Table {
+            rows: rows.collect(),
+            columns: columns
+                .iter()
+                .map(|&column| self.columns[column].clone())
+                .collect(),
+            // What says which row it is has to lead, or says so no more.
+            stub: columns.iter().take_while(|&&column| column < self.stub).count(),
+            notes: notes.into_texts(),
+            ..self.clone()
+        }
+    }
+}
+
 /// Picks one of `listed` by number, by one of its names, or by a part of a name that fits one only.
 fn chosen(
     what: &str,
@@ -350,5 +387,31 @@ mod tests {
         let refused = table().row_named("V").unwrap_err();
         assert!(refused.contains("several"), "{refused}");
         assert!(table().column_named("9").unwrap_err().contains("2 rss_kohm_cm2"));
+    }
+
+    #[test]
+    fn columns_come_in_the_order_asked_for_and_footnotes_follow_their_cells() {
+        let cell = |text: &str, note: Option<usize>| {
+            let cell = Cell::new(Content::Text(text.to_owned()), Vec::new());
+            note.map_or(cell.clone(), |note| cell.noted(note))
+        };
+        let table = Table {
+            columns: ["sample", "c", "lambda"]
+                .map(|key| Column::plain(key, key, key))
+                .to_vec(),
+            stub: 1,
+            rows: vec![Row {
+                label: "S1".to_owned(),
+                cells: vec![cell("S1", None), cell("1.0", Some(0)), cell("2.0", Some(1))],
+            }],
+            notes: vec!["of c".to_owned(), "of lambda".to_owned()],
+            ..Table::default()
+        };
+        let chosen = table.with_columns(&[2, 0]);
+        let keys: Vec<&str> = chosen.columns.iter().map(|column| column.key.as_str()).collect();
+        assert_eq!((keys, chosen.stub), (vec!["lambda", "sample"], 0));
+        assert_eq!(chosen.notes, ["of lambda"]);
+        assert_eq!(chosen.rows[0].cells[0].notes, [0]);
+        assert_eq!(table.with_columns(&[0, 1]).stub, 1);
     }
 }

@@ -13,7 +13,6 @@ use crate::analysis::laws::rivals::RuledOut;
 use crate::analysis::laws::selection::Selection;
 use crate::analysis::laws::{CampaignLaws, Dependence, words};
 use crate::domain::Estimate;
-use crate::domain::quantiles::NORMAL_95_ROUNDED;
 
 /// An effect that only a comparison of runs shows: one that may be claimed.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -243,9 +242,9 @@ pub fn confounded(laws: &CampaignLaws) -> Vec<ConfoundedEntry> {
 fn dependence(found: &Dependence) -> CampaignEntry {
     let law = found.laws.first();
     let change = found.change();
-    let coefficient = law.map(|law| law.coefficient).or(change);
+    let stated = found.stated();
     let ratio = change
-        .filter(|_| found.covariate != Covariate::Sample)
+        .filter(|_| stated.is_some() && found.covariate != Covariate::Sample)
         .map(|change| RatioEntry {
             from: end(found, |span| span.low, |jump| &jump.from),
             to: end(found, |span| span.high, |jump| &jump.to),
@@ -269,18 +268,13 @@ fn dependence(found: &Dependence) -> CampaignEntry {
         sample: None,
         parameter: found.parameter.clone(),
         covariate: found.covariate.key(),
-        law: match law {
-            Some(law) => law.law.key(),
-            None if found.covariate == Covariate::Sample => "offset",
-            None => "jump",
-        },
-        coefficient: coefficient.map_or_else(|| Estimate::not_determined("too few runs for a law"), estimate),
-        coefficient_unit: match law {
-            Some(law) => law.law.coefficient_unit(),
-            None if found.covariate == Covariate::Sample => "standard deviation of ln between samples",
-            None => "ln ratio",
-        },
-        bend_at: law.and_then(|law| law.bend_at),
+        law: stated.map_or("unknown", |(law, _)| law.key()),
+        coefficient: stated.map_or_else(
+            || Estimate::not_determined("it changes by no law that is known here"),
+            |(_, coefficient)| coefficient.estimate(),
+        ),
+        coefficient_unit: stated.map_or("", |(law, _)| law.coefficient_unit()),
+        bend_at: law.filter(|_| stated.is_some()).and_then(|law| law.bend_at),
         ratio,
         p: found.p,
         q: found.q,
@@ -331,19 +325,6 @@ fn law_entry(found: &Dependence, law: &Fitted) -> LawEntry {
     }
 }
 
-/// An interval as an estimate; the standard error is a quarter of what lies between the ends, near enough.
-fn estimate(interval: Interval) -> Estimate {
-    let ends = interval.low_95.zip(interval.high_95);
-    Estimate {
-        value: Some(interval.value),
-        standard_error: ends.map(|(low, high)| (high - low) / (2.0 * NORMAL_95_ROUNDED)),
-        low_95: interval.low_95,
-        high_95: interval.high_95,
-        at_bound: false,
-        reason: None,
-    }
-}
-
 fn length(found: &LengthDoubt) -> CampaignEntry {
     CampaignEntry {
         effect: "geometry-error",
@@ -351,7 +332,7 @@ fn length(found: &LengthDoubt) -> CampaignEntry {
         parameter: "length_mm".to_owned(),
         covariate: Covariate::Sample.key(),
         law: "factor",
-        coefficient: estimate(found.factor),
+        coefficient: found.factor.estimate(),
         coefficient_unit: "true over stated length",
         p: found.p,
         q: found.q,

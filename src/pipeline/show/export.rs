@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use super::found_tables;
 pub use crate::analysis::TableFormat;
 use crate::analysis::cache::Cache;
+use crate::analysis::dma::table::modulus_table;
 pub use crate::analysis::monitoring::monitor;
-use crate::analysis::plain_columns::{PlainColumn, frame_of};
-use crate::analysis::{self, About, ExportError};
+use crate::analysis::{self, About, ExportError, TraceWriter, run_tables, tables};
 use crate::domain::RunRecord;
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing;
@@ -17,6 +17,7 @@ use crate::pipeline::findings::model_free::without_model;
 use crate::pipeline::infra::fault::step;
 use crate::pipeline::infra::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError};
+use crate::show::Frame;
 
 /// What can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -159,69 +160,57 @@ impl Export {
     }
 
     fn write(&self, context: &Context, format: TableFormat, path: &Path) -> Result<usize, PipelineError> {
-        // The list of runs and their tags hold every run, results only those that speak.
-        let all = standing::all(context)?;
-        let runs: Vec<RunRecord> = (all.iter().filter(|run| run.standing.speaks()).cloned()).collect();
-        let campaign = &context.campaign;
         let about = about(context, self.table.name());
-        let table = match self.table {
-            Table::Runs => analysis::run_tables::runs_table(&all, campaign)?,
-            Table::Tags => analysis::run_tables::tags_table(&all)?,
-            Table::Fits => analysis::fits_long(&runs, campaign)?,
-            Table::FitsWide => analysis::fits_wide(&runs, campaign)?,
-            Table::Conditions => analysis::conditions_table(&runs, campaign)?,
-            Table::Dma => analysis::dma::table::modulus_table(&standing::modulus_logs(context)?.0, campaign)?,
-            Table::Traces => {
-                let mut writer = analysis::TraceWriter::create(path, format, &about)?;
-                for run in &runs {
-                    writer.write(&run.path, &context.store.channels(run.id)?)?;
-                }
-                return Ok(writer.finish()?);
+        if self.table == Table::Traces {
+            let mut writer = TraceWriter::create(path, format, &about)?;
+            for run in &standing::runs(context)?.speaking {
+                writer.write(&run.path, &context.store.channels(run.id)?)?;
             }
-            Table::Findings | Table::Laws | Table::Monitoring | Table::ModelFree | Table::Cycles => {
-                frame_of(found_table(context, &runs, self.table)?)?
-            }
-        };
-        analysis::write_table(&table, format, &about, path)?;
-        Ok(table.height())
+            return Ok(writer.finish()?);
+        }
+        let frame = self.table.frame(context)?;
+        analysis::write_table(&frame, format, &about, path)?;
+        Ok(frame.first().map_or(0, |column| column.cells.len()))
     }
 }
 
-/// What was found, what holds across runs, what is watched, or what readings say by themselves, as it is now.
-pub(super) fn found_table(
-    context: &Context,
-    runs: &[RunRecord],
-    table: Table,
-) -> Result<Vec<PlainColumn>, PipelineError> {
-    let campaign = &context.campaign;
-    let laws = || {
-        campaign_laws(
-            context,
-            (runs, &current_findings(context)?),
-            None,
-            &Cache::default(),
-        )
-    };
-    Ok(match table {
-        Table::Findings => {
+impl Table {
+    /// The table as it is now; none of readings, which are too many for memory.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub fn frame(self, context: &Context) -> Result<Frame, PipelineError> {
+        // The list of runs and their tags hold every run, results only those that speak.
+        let all = standing::all(context)?;
+        let runs: Vec<RunRecord> = (all.iter().filter(|run| run.standing.speaks()).cloned()).collect();
+        let (runs, campaign) = (runs.as_slice(), &context.campaign);
+        let laws = || {
             let found = current_findings(context)?;
-            found_tables::findings_table((&found.groups, &found.runs), runs, campaign)
-        }
-        Table::Monitoring => {
-            let laws = laws()?;
-            let monitoring = step("monitoring", || Ok(monitor(runs, campaign, &laws)))?;
-            found_tables::monitoring_table(&monitoring)
-        }
-        Table::ModelFree => found_tables::model_free_table(
-            &without_model(context, runs, &Cache::default())?.steps,
-            runs,
-            campaign,
-        ),
-        Table::Cycles => {
-            found_tables::cycles_table(&without_model(context, runs, &Cache::default())?.trains, runs)
-        }
-        _ => found_tables::laws_table(&laws()?),
-    })
+            campaign_laws(context, (runs, &found), None, &Cache::default())
+        };
+        let by_readings = || without_model(context, runs, &Cache::default());
+        Ok(match self {
+            Table::Runs => run_tables::runs_table(&all, campaign),
+            Table::Tags => run_tables::tags_table(&all),
+            Table::Fits => run_tables::fits_long(runs, campaign),
+            Table::FitsWide => run_tables::fits_wide(runs, campaign),
+            Table::Conditions => run_tables::conditions_table(runs, campaign),
+            Table::Traces => Frame::new(),
+            Table::Dma => modulus_table(&standing::modulus_logs(context)?.0, campaign),
+            Table::Findings => {
+                let found = current_findings(context)?;
+                found_tables::findings_table((&found.groups, &found.runs), runs, campaign)
+            }
+            Table::Laws => found_tables::laws_table(&laws()?),
+            Table::Monitoring => {
+                let laws = laws()?;
+                let monitoring = step("monitoring", || Ok(monitor(runs, campaign, &laws)))?;
+                found_tables::monitoring_table(&monitoring)
+            }
+            Table::ModelFree => tables::model_free::frame(&by_readings()?.steps, runs, campaign),
+            Table::Cycles => tables::cycles::frame(&by_readings()?.trains, runs, campaign),
+        })
+    }
 }
 
 /// What a Parquet file says of itself.

@@ -2,57 +2,28 @@
 
 use std::collections::BTreeMap;
 
-use super::export::{Table, found_table};
-use crate::analysis::{self, plain_columns::PlainColumn, plain_columns::plain_columns};
+use super::export::Table;
 use crate::domain::RunRecord;
 use crate::domain::tag::keys;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::standalone::in_memory::{ReadTable, Stated, Strip};
 use crate::pipeline::{Context, PipelineError};
+use crate::show::Frame;
 
-/// The tables that are made of runs, by the names that `ieap export` knows.
-pub const PLAIN_TABLES: [&str; 10] = [
-    "runs",
-    "tags",
-    "fits",
-    "fits-wide",
-    "conditions",
-    "findings",
-    "laws",
-    "monitoring",
-    "model-free",
-    "cycles",
-];
-
-/// One of [`PLAIN_TABLES`], as `ieap export` writes it.
+/// One of the tables that `ieap export` writes; readings have [`stored_readings`].
 ///
 /// # Errors
 /// There is none of that name, or the database cannot be read.
-pub fn plain_table(context: &Context, name: &str) -> Result<Vec<PlainColumn>, PipelineError> {
-    // The list of runs and their tags hold every run, results only those that speak.
-    let all = standing::all(context)?;
-    let speaking: Vec<RunRecord> = (all.iter().filter(|run| run.standing.speaks()).cloned()).collect();
-    let campaign = &context.campaign;
-    let table = match name {
-        "runs" => analysis::run_tables::runs_table(&all, campaign)?,
-        "tags" => analysis::run_tables::tags_table(&all)?,
-        "fits" => analysis::fits_long(&speaking, campaign)?,
-        "fits-wide" => analysis::fits_wide(&speaking, campaign)?,
-        "conditions" => analysis::conditions_table(&speaking, campaign)?,
-        "findings" => return found_table(context, &speaking, Table::Findings),
-        "laws" => return found_table(context, &speaking, Table::Laws),
-        "monitoring" => return found_table(context, &speaking, Table::Monitoring),
-        "model-free" => return found_table(context, &speaking, Table::ModelFree),
-        "cycles" => return found_table(context, &speaking, Table::Cycles),
-        _ => {
-            return Err(PipelineError::BadArgument {
-                what: "table",
-                found: format!("{name:?}"),
-                needed: format!("one of {}", PLAIN_TABLES.join(", ")),
-            });
-        }
-    };
-    Ok(plain_columns(&table))
+pub fn plain_table(context: &Context, name: &str) -> Result<Frame, PipelineError> {
+    let known = Table::ALL.into_iter().filter(|table| *table != Table::Traces);
+    match known.clone().find(|table| table.name() == name) {
+        Some(table) => table.frame(context),
+        None => Err(PipelineError::BadArgument {
+            what: "table",
+            found: format!("{name:?}"),
+            needed: format!("one of {}", known.map(Table::name).collect::<Vec<_>>().join(", ")),
+        }),
+    }
 }
 
 /// The readings of a stored run as a fit takes them, with what the campaign states of it.

@@ -155,7 +155,7 @@ impl RenderReport {
         };
         let earlier = Earlier { made, take: &take };
         let rendered = write_fresh(context, (&input, &values), (&fresh, &earlier), &stamp, observer)?;
-        let shown = found_tables::shown(&input)?;
+        let shown = found_tables::shown(&input);
         drop(snapshot);
         context.store.put_shown(&shown, changes, &now())?;
         match fresh.put(&target, &is_of_earlier_version) {

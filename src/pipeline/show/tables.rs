@@ -6,16 +6,18 @@ use serde::Serialize;
 use crate::analysis::cache::Cache;
 use crate::analysis::frequency::FrequencyRun;
 use crate::analysis::impedance::OneLikelihood;
+use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::probe::Course;
 use crate::analysis::reductions::RunReductions;
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
-use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named, with_columns};
+use crate::analysis::tables::{NamedTable, Need, TABLES, Table, TableInput, named};
 use crate::domain::{
     BlockedRun, GroupDiagnosis, MaterialClass, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun,
 };
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing::{self, Runs};
+use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::current_findings;
@@ -28,13 +30,6 @@ use crate::pipeline::{Context, PipelineError};
 use crate::report::tables::{FORMATS, Format, format_named, text_of};
 pub use crate::report::tables::{write_with_decimal_comma, write_within};
 use crate::store::Earlier;
-
-/// Tables that are made from the readings of all runs.
-const FROM_READINGS: [&str; 3] = ["model-free", "energy", "cycles"];
-/// The table for which every run is fitted with other circuits.
-const REDUCTIONS: &str = "reductions";
-/// The table for which steps are fitted together with spectra.
-const STEP_AND_SPECTRUM: &str = "step-and-spectrum";
 
 /// What tables are made from, read from the database.
 pub(crate) struct TableData {
@@ -49,6 +44,7 @@ pub(crate) struct TableData {
     one_likelihood: Vec<OneLikelihood>,
     electrodes: Vec<Course>,
     files: Vec<SourceFile>,
+    laws: Option<CampaignLaws>,
     groups: Vec<GroupDiagnosis>,
     doubts: Doubts,
     comparisons: Vec<RunComparison>,
@@ -97,6 +93,7 @@ impl TableData {
             without_model: WithoutModel::default(),
             reductions: Vec::new(),
             one_likelihood: Vec::new(),
+            laws: None,
             electrodes: electrode_courses(context)?,
             runs,
             set_aside,
@@ -123,14 +120,18 @@ impl TableData {
         context: &Context,
         named: &NamedTable,
     ) -> Result<TableData, PipelineError> {
-        if FROM_READINGS.contains(&named.name) {
-            self.without_model = without_model(context, &self.runs, &Cache::default())?;
-        }
-        if named.name == REDUCTIONS {
-            self.reductions = reductions_of(context, &self.runs)?;
-        }
-        if named.name == STEP_AND_SPECTRUM {
-            self.one_likelihood = in_one_likelihood(context, &self.runs, &self.spectra)?;
+        match named.needs {
+            Need::None => {}
+            Need::Readings => self.without_model = without_model(context, &self.runs, &Cache::default())?,
+            Need::Reductions => self.reductions = reductions_of(context, &self.runs)?,
+            Need::OneLikelihood => {
+                self.one_likelihood = in_one_likelihood(context, &self.runs, &self.spectra)?;
+            }
+            Need::Laws => {
+                let found = current_findings(context)?;
+                let laws = campaign_laws(context, (&self.runs, &found), None, &Cache::default())?;
+                self.laws = Some(laws);
+            }
         }
         Ok(self)
     }
@@ -150,6 +151,7 @@ impl TableData {
             one_likelihood: &self.one_likelihood,
             electrodes: &self.electrodes,
             files: &self.files,
+            laws: self.laws.as_ref(),
             groups: &self.groups,
             doubts: &self.doubts,
             comparisons: &self.comparisons,
@@ -255,7 +257,7 @@ pub fn chosen_columns(table: &Table, asked: &[String]) -> Result<Table, Pipeline
             })
     };
     let columns: Vec<usize> = asked.iter().map(one).collect::<Result<_, _>>()?;
-    Ok(with_columns(table, &columns))
+    Ok(table.with_columns(&columns))
 }
 
 /// The document that `ieap table NAME --moved --json` prints.

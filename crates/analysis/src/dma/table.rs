@@ -1,10 +1,8 @@
 //! Modulus logs as a table for other programs: one row a number.
 
-use polars::prelude::DataFrame;
-
-use crate::export::{ExportError, flags, frame, numbers, texts};
 use ieap_domain::tag::keys;
-use ieap_domain::{Campaign, ModulusLog, Parameter};
+use ieap_domain::{Campaign, ModulusLog, ModulusStep, Parameter};
+use ieap_show::{Frame, Sheet};
 
 /// One number of a log.
 struct Row<'a> {
@@ -15,55 +13,31 @@ struct Row<'a> {
 
 /// One row per log, step and number; numbers of the log as a whole have no step. An empty cell is a number that is
 /// not determined, with its reason beside it.
-///
-/// # Errors
-/// [`ExportError::Table`]: a fault of the program.
-pub fn modulus_table(logs: &[ModulusLog], campaign: &Campaign) -> Result<DataFrame, ExportError> {
-    let rows: Vec<Row<'_>> = logs.iter().flat_map(rows).collect();
-    let material = |row: &Row| {
-        let sample = campaign.sample(row.log.run.tag(keys::SAMPLE)?)?;
-        Some(sample.material.clone())
+pub fn modulus_table(logs: &[ModulusLog], campaign: &Campaign) -> Frame {
+    let of_step = |row: &Row, pick: fn(&ModulusStep) -> f64| {
+        let steps = &row.log.analysis.as_ref()?.steps;
+        Some(pick(&steps[row.step?]))
     };
-    let of_step = |pick: fn(&ieap_domain::ModulusStep) -> f64| {
-        rows.iter().map(move |row| {
-            let steps = &row.log.analysis.as_ref()?.steps;
-            Some(pick(&steps[row.step?]))
+    Sheet::<Row>::new("dma", "", 1)
+        .plain("log", |row| row.log.run.path.as_str())
+        .plain("sample", |row| row.log.run.tag(keys::SAMPLE))
+        .plain("material", |row| {
+            let sample = campaign.sample(row.log.run.tag(keys::SAMPLE)?)?;
+            Some(sample.material.as_str())
         })
-    };
-    let columns = vec![
-        texts("log", rows.iter().map(|row| Some(row.log.run.path.clone()))),
-        texts(
-            "sample",
-            rows.iter()
-                .map(|row| row.log.run.tag(keys::SAMPLE).map(str::to_owned)),
-        ),
-        texts("material", rows.iter().map(material)),
-        numbers(
-            "frequency_hz",
-            rows.iter().map(|row| row.log.analysis.as_ref()?.frequency_hz),
-        ),
-        numbers("step", rows.iter().map(|row| Some(row.step? as f64 + 1.0))),
-        numbers("step_start_s", of_step(|step| step.start_s)),
-        numbers("step_settled_s", of_step(|step| step.settled_s)),
-        numbers("step_end_s", of_step(|step| step.end_s)),
-        texts(
-            "parameter",
-            rows.iter().map(|row| Some(row.parameter.key.clone())),
-        ),
-        numbers("value", rows.iter().map(|row| row.parameter.estimate.value)),
-        numbers(
-            "standard_error",
-            rows.iter().map(|row| row.parameter.estimate.standard_error),
-        ),
-        numbers("low_95", rows.iter().map(|row| row.parameter.estimate.low_95)),
-        numbers("high_95", rows.iter().map(|row| row.parameter.estimate.high_95)),
-        flags("at_bound", rows.iter().map(|row| row.parameter.estimate.at_bound)),
-        texts(
-            "reason",
-            rows.iter().map(|row| row.parameter.estimate.reason.clone()),
-        ),
-    ];
-    frame("dma", columns)
+        .plain("frequency_hz", |row| row.log.analysis.as_ref()?.frequency_hz)
+        .plain("step", |row| Some(row.step? as f64 + 1.0))
+        .plain("step_start_s", move |row| of_step(row, |step| step.start_s))
+        .plain("step_settled_s", move |row| of_step(row, |step| step.settled_s))
+        .plain("step_end_s", move |row| of_step(row, |step| step.end_s))
+        .plain("parameter", |row| row.parameter.key.as_str())
+        .plain("value", |row| row.parameter.estimate.value)
+        .plain("standard_error", |row| row.parameter.estimate.standard_error)
+        .plain("low_95", |row| row.parameter.estimate.low_95)
+        .plain("high_95", |row| row.parameter.estimate.high_95)
+        .plain("at_bound", |row| row.parameter.estimate.at_bound)
+        .plain("reason", |row| row.parameter.estimate.reason.clone())
+        .frame(logs.iter().flat_map(rows))
 }
 
 fn rows(log: &ModulusLog) -> Vec<Row<'_>> {

@@ -61,6 +61,8 @@ pub struct Dependence {
     pub basis: Basis,
     /// Number of runs.
     pub runs: usize,
+    /// Indices of the runs whose values it is told from.
+    pub used: Vec<usize>,
     /// Ids of the samples.
     pub samples: Vec<String>,
     /// Fitted runs that give a bound or nothing.
@@ -97,6 +99,29 @@ impl Dependence {
     pub fn change(&self) -> Option<Interval> {
         let of_law = self.laws.first().map(|law| law.size);
         of_law.or(self.jump.as_ref().map(|jump| jump.size))
+    }
+
+    /// Whether it may be claimed: chance makes it seldom, and what was measured of the covariate is not mostly error.
+    pub fn is_claimed(&self) -> bool {
+        self.q <= CLAIMED_BELOW && !self.is_blurred()
+    }
+
+    /// Whether most of what was measured of the covariate is the error of its sensor.
+    pub fn is_blurred(&self) -> bool {
+        self.reliability.is_some_and(|part| part < LEAST_RELIABILITY)
+    }
+
+    /// The law that is claimed with its coefficient; none where nothing is claimed, or where it changes by no law that is
+    /// known here.
+    pub fn stated(&self) -> Option<(Law, Interval)> {
+        let names = match self.covariate {
+            Covariate::Sample => Law::Offset,
+            _ => Law::Jump,
+        };
+        let of_law = self.laws.first().map(|own| (own.law, own.coefficient));
+        let of_names = self.jump.as_ref().map(|jump| (names, jump.size));
+        let known = self.covariate == Covariate::Sample || self.change().is_some_and(Interval::is_directed);
+        of_law.or(of_names).filter(|_| known && self.is_claimed())
     }
 
     /// Laws that describe it as well as the chosen one.
@@ -358,6 +383,8 @@ impl Asking<'_> {
             .collect();
         samples.sort();
         samples.dedup();
+        let places = self.values.values.iter().map(|value| value.place);
+        let used = places.filter(|place| table.members.iter().any(|row| row.contains(place)));
         Dependence {
             material: self.material.to_owned(),
             parameter: self.values.key.clone(),
@@ -372,6 +399,7 @@ impl Asking<'_> {
             q: 1.0,
             basis: answer.basis,
             runs: self.values.values.len(),
+            used: used.collect(),
             samples,
             left_out: self.values.left_out.len(),
             is_log: self.values.is_log,

@@ -77,7 +77,7 @@ pub struct CampaignLaws {
 impl CampaignLaws {
     /// What may be claimed.
     pub fn claimed(&self) -> impl Iterator<Item = &Dependence> {
-        self.dependences.iter().filter(|found| found.q <= CLAIMED_BELOW)
+        self.dependences.iter().filter(|found| found.is_claimed())
     }
 }
 
@@ -114,7 +114,8 @@ pub fn find(evidence: &Evidence) -> CampaignLaws {
 #[derive(Default, Serialize, Deserialize)]
 struct OfMaterial {
     tied: Vec<TiedSet>,
-    /// Runs are counted among those of the material: which number they have among all is nothing that this is made from.
+    /// Runs are counted among those of the material, here and in answers: which number they have among all is nothing that
+    /// this is made from.
     lacking: Vec<Lacking>,
     asked: Vec<Covariate>,
     dependences: Vec<Dependence>,
@@ -130,7 +131,11 @@ impl CampaignLaws {
                 ..lacking
             }));
         self.asked.insert(material.to_owned(), found.asked);
-        self.dependences.extend(found.dependences);
+        self.dependences
+            .extend(found.dependences.into_iter().map(|answer| Dependence {
+                used: answer.used.iter().map(|&place| run_at(place)).collect(),
+                ..answer
+            }));
         self.lengths.extend(found.lengths);
     }
 }
@@ -142,7 +147,10 @@ fn hash_of(
     (facts, places): (&[RunFacts], &[usize]),
     material: &str,
 ) -> String {
-    let hash = Hash::default().with(&"laws").with(&material).with(&evidence.seed);
+    let hash = Hash::default()
+        .with(&"laws/2")
+        .with(&material)
+        .with(&evidence.seed);
     let runs = places.iter().map(|&place| &evidence.runs[facts[place].run]);
     let is_length = from_displacement(&runs.collect::<Vec<_>>());
     let of_run = |hash: Hash, &place: &usize| {
@@ -175,6 +183,10 @@ fn of_material(
         found
             .dependences
             .extend(answers(evidence, doubts, facts, part, material));
+    }
+    for answer in &mut found.dependences {
+        let among = |place: &usize| places.iter().position(|own| own == place);
+        answer.used = answer.used.iter().filter_map(among).collect();
     }
     let whole = &parts[0];
     let all = values_of(evidence, doubts, facts, whole);

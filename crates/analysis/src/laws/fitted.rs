@@ -3,6 +3,8 @@
 use super::policy::{AS_GOOD, FEWEST_SAMPLES, LARGEST, MOST_FOLDS};
 use super::resolution::{Over, Resolution};
 use super::shape::{self, Bend, Law, Span, at_progress, coefficient, is_of_amounts, progress};
+use ieap_domain::Estimate;
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_numerics::grouped::{Grouped, dot};
 use ieap_numerics::student::quantile_95;
 
@@ -44,6 +46,24 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// Whether it says which way a change goes.
+    pub fn is_directed(self) -> bool {
+        self.low_95.is_some_and(|low| low > 0.0) || self.high_95.is_some_and(|high| high < 0.0)
+    }
+
+    /// As an estimate; the standard error is a quarter of what lies between the ends, near enough.
+    pub fn estimate(self) -> Estimate {
+        let ends = self.low_95.zip(self.high_95);
+        Estimate {
+            value: Some(self.value),
+            standard_error: ends.map(|(low, high)| (high - low) / (2.0 * NORMAL_95_ROUNDED)),
+            low_95: self.low_95,
+            high_95: self.high_95,
+            at_bound: false,
+            reason: None,
+        }
+    }
+
     /// The same through a rising or falling function.
     pub fn map(self, of: impl Fn(f64) -> f64) -> Interval {
         let (low, high) = (self.low_95.map(&of), self.high_95.map(&of));
@@ -228,7 +248,7 @@ pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
     Some(Fitted {
         law,
         size,
-        coefficient: size.map(|size| coefficient(law, size, material.span, bend)),
+        coefficient: size.map(|size| coefficient(law, size, material.span, bend, material.is_log)),
         bend_at: has_bend.then(|| bend_interval(material, law, (&bends, &shapes), &all, k, allowed)),
         bend,
         bic: criterion(square, material.readings, law.paid_for()),

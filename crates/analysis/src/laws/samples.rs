@@ -68,7 +68,8 @@ pub fn widen(material: &Material, law: &mut Fitted) -> bool {
         low_95: wider(law.size.low_95, value - reach, f64::min),
         high_95: wider(law.size.high_95, value + reach, f64::max),
     };
-    law.coefficient = size.map(|size| super::shape::coefficient(law.law, size, material.span, law.bend));
+    law.coefficient =
+        size.map(|size| super::shape::coefficient(law.law, size, material.span, law.bend, material.is_log));
     law.size = size;
     true
 }

@@ -234,18 +234,51 @@ pub fn at_progress(size: f64, g: f64, by_amount: bool) -> f64 {
     }
 }
 
-/// The law's coefficient in [`Law::coefficient_unit`] for a size.
-pub fn coefficient(law: Law, size: f64, span: Span, bend: Bend) -> f64 {
+/// The law's coefficient in [`Law::coefficient_unit`] for a size: `b` of [`form`].
+pub fn coefficient(law: Law, size: f64, span: Span, bend: Bend, is_log: bool) -> f64 {
     let length = span.length();
+    let amount = if is_log { size.exp_m1() } else { size };
     match law {
         Law::Exponential => size / length,
-        Law::Linear => size.exp_m1() / length,
+        Law::Linear => amount / length,
         Law::Power => size / (span.high / span.low).ln(),
         Law::Threshold => size / (length * (1.0 - bend.at)),
-        Law::SquareRoot => size.exp_m1() / length.sqrt(),
-        Law::Approach => size.exp_m1() / (1.0 - (-1.0 / bend.at).exp()),
+        Law::SquareRoot => amount / length.sqrt(),
+        Law::Approach => amount / (1.0 - (-1.0 / bend.at).exp()),
         Law::Knee => size * (bend.part + (1.0 - bend.part) / (1.0 - bend.at)) / length,
         Law::Decay | Law::Jump | Law::Step | Law::Offset => size,
+    }
+}
+
+/// How `y` follows `x` by a law: `λ = a exp(b (RH − RH₀))`, with `a` at the low end of the span, the coefficient `b`, and the
+/// threshold, knee, step or time constant `c`.
+pub fn form(law: Law, y: &str, x: &str, is_log: bool) -> String {
+    let from_start = format!("({x} − {x}₀)");
+    let along = match law {
+        Law::Exponential | Law::Linear => from_start,
+        Law::SquareRoot => format!("√{from_start}"),
+        Law::Threshold => format!("max(0, {x} − c)"),
+        Law::Approach => format!("(1 − exp(−{from_start}/c))"),
+        Law::Decay => format!("exp(−{from_start}/c)"),
+        Law::Power if is_log => return format!("{y} = a ({x}/{x}₀)^b"),
+        Law::Power => format!("ln({x}/{x}₀)"),
+        Law::Step => format!("from {x} = c on"),
+        Law::Jump => String::new(),
+        Law::Knee if is_log => {
+            return format!("ln {y} rises by b per unit of {x} from c on, otherwise before");
+        }
+        Law::Knee => return format!("{y} rises by b per unit of {x} from c on, otherwise before"),
+        Law::Offset if is_log => return format!("ln {y} differs between samples, standard deviation b"),
+        Law::Offset => return format!("{y} differs between samples, standard deviation b"),
+    };
+    let change = format!("b {along}");
+    let change = change.trim_end();
+    match (law, is_log) {
+        (Law::Step, true) => format!("{y} = a, a exp(b) {along}"),
+        (Law::Step, false) => format!("{y} = a, a + b {along}"),
+        (_, false) => format!("{y} = a + {change}"),
+        (law, true) if is_of_amounts(law) => format!("{y} = a (1 + {change})"),
+        (_, true) => format!("{y} = a exp({change})"),
     }
 }
 
@@ -276,7 +309,7 @@ mod tests {
                     at(10.0).abs() < 1e-12 && (at(90.0) - 0.7).abs() < 1e-9,
                     "{law:?} {bend:?}"
                 );
-                assert!(coefficient(law, 0.7, span, bend).is_finite());
+                assert!(coefficient(law, 0.7, span, bend, true).is_finite());
             }
         }
         let bend = bends(Law::Decay, &levels, span)[3];
@@ -299,5 +332,42 @@ mod tests {
             .is_empty()
         );
         assert!(bends(Law::Power, &[0.0, 50.0], Span { low: 0.0, high: 50.0 }).is_empty());
+    }
+
+    #[test]
+    fn the_form_and_its_coefficient_give_the_law() {
+        let (span, size) = (
+            Span {
+                low: 10.0,
+                high: 60.0,
+            },
+            0.7,
+        );
+        let bend = Bend { at: 0.3, part: 0.0 };
+        let (x, u) = (45.0, 45.0 - span.low);
+        let c = 0.3 * span.length();
+        let b = |law, is_log| coefficient(law, size, span, bend, is_log);
+        // As `form` says it, with a = 1 on a logarithmic scale, else a = 0.
+        let factors = [
+            (Law::Exponential, (b(Law::Exponential, true) * u).exp()),
+            (Law::Linear, 1.0 + b(Law::Linear, true) * u),
+            (Law::Power, (x / span.low).powf(b(Law::Power, true))),
+            (Law::Threshold, (b(Law::Threshold, true) * (u - c)).exp()),
+            (Law::SquareRoot, 1.0 + b(Law::SquareRoot, true) * u.sqrt()),
+            (
+                Law::Approach,
+                1.0 + b(Law::Approach, true) * (1.0 - (-u / c).exp()),
+            ),
+            (Law::Decay, (b(Law::Decay, true) * (-u / c).exp()).exp()),
+        ];
+        for (law, factor) in factors {
+            let is = at_progress(size, progress(law, x, span, bend), is_of_amounts(law));
+            assert!((is - factor.ln()).abs() < 1e-12, "{law:?}");
+        }
+        let plain = at_progress(size, progress(Law::Linear, x, span, bend), false);
+        assert!((plain - b(Law::Linear, false) * u).abs() < 1e-12);
+        assert_eq!(form(Law::Exponential, "λ", "RH", true), "λ = a exp(b (RH − RH₀))");
+        assert_eq!(form(Law::Linear, "α", "T", false), "α = a + b (T − T₀)");
+        assert_eq!(form(Law::Jump, "α", "x", true), "α = a exp(b)");
     }
 }

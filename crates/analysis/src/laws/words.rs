@@ -8,7 +8,6 @@ use super::find::{CampaignLaws, TiedSet};
 use super::fitted::{Fitted, Interval};
 use super::offset::LengthDoubt;
 use super::parts::Lacking;
-use super::policy::LEAST_RELIABILITY;
 use super::selection::Selection;
 use super::shape::Law;
 use crate::false_discovery::CLAIMED_BELOW;
@@ -25,7 +24,7 @@ pub fn symbol(key: &str) -> &str {
 pub fn sentence(found: &Dependence) -> String {
     let lead = match () {
         () if found.covariate == Covariate::Sample => sample_sentence(found),
-        () if found.reliability.is_some_and(|part| part < LEAST_RELIABILITY) => return blurred(found),
+        () if found.is_blurred() => return blurred(found),
         () if found.q <= CLAIMED_BELOW => claim(found),
         () => return open(found),
     };
@@ -58,7 +57,7 @@ pub fn brief(found: &Dependence) -> String {
         (None, None) => String::new(),
     };
     match found.change() {
-        Some(change) if is_directed(change) => format!("{} {between}", moves(change, found.is_log)),
+        Some(change) if change.is_directed() => format!("{} {between}", moves(change, found.is_log)),
         Some(_) => format!(
             "changes with {}, by no law that is known here",
             found.covariate.label()
@@ -81,11 +80,6 @@ pub fn allowed(found: &Dependence) -> String {
     }
 }
 
-/// Whether the interval of a change says which way it goes.
-fn is_directed(change: Interval) -> bool {
-    change.low_95.is_some_and(|low| low > 0.0) || change.high_95.is_some_and(|high| high < 0.0)
-}
-
 fn claim(found: &Dependence) -> String {
     let what = format!("{} of {}", symbol(&found.parameter), found.material);
     let n = counted(found.samples.len(), "sample");
@@ -98,7 +92,7 @@ fn claim(found: &Dependence) -> String {
         (None, None) => String::new(),
     };
     // The forms that are asked about are more than the laws that are stated.
-    if !is_directed(change) {
+    if !change.is_directed() {
         let ends = if found.is_log {
             ends(change.low_95, change.high_95, f64::exp)
         } else {

@@ -2,13 +2,13 @@
 
 use ieap_domain::tag::keys;
 use ieap_domain::{BlockedRun, Estimate, Quantity, RunRecord};
-use ieap_show::{Content, Measured, Notes};
+use ieap_show::{Content, Measured};
 
 use super::both_ways::{Ratios, both_ways};
 use super::estimates::{of_logarithm, product, size};
 use super::{Cause, cause, sample_modulus, second_moment_m4};
 use crate::conditions::{Condition, Conditions, conditions_of_materials};
-use crate::tables::{TableInput, alpha_of};
+use crate::tables::{Runs, TableInput};
 
 /// Per centimetre to per metre.
 const PER_METRE: f64 = 100.0;
@@ -136,7 +136,7 @@ fn is_held(run: &RunRecord) -> bool {
 }
 
 fn alpha(input: &TableInput, free: &[usize]) -> Estimate {
-    match alpha_of(input, free, &mut Notes::default()).content {
+    match Runs::new(input, free).parameter("alpha_per_c_cm", 1.0).content {
         Content::Measured(Measured {
             value,
             standard_error,

@@ -1,6 +1,6 @@
 //! An answer of a study: a number with its interval, and what it can be said to show.
 
-use ieap_domain::string_enum;
+use ieap_domain::{Estimate, string_enum};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -130,6 +130,10 @@ pub struct Answer {
     pub samples: usize,
     /// Runs behind either side.
     pub runs: (usize, usize),
+    /// Places of the same among the runs that the study was made from.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub of_runs: Vec<usize>,
     /// What else changed with it, so that it may be the cause.
     pub also_changed: Vec<String>,
     /// Why there is no number.
@@ -137,6 +141,17 @@ pub struct Answer {
 }
 
 impl Answer {
+    /// The number with its interval, a bound, or why there is neither.
+    pub fn estimate(&self) -> Estimate {
+        Estimate {
+            value: self.value,
+            low_95: self.low_95.or(self.at_least),
+            high_95: self.high_95.or(self.at_most),
+            reason: self.reason.clone(),
+            ..Estimate::not_determined("")
+        }
+    }
+
     /// The number back from its logarithm, where it is one.
     pub(super) fn shown(scale: Scale, number: f64) -> f64 {
         match scale {

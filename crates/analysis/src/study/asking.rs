@@ -482,6 +482,7 @@ impl Asking<'_> {
             verdict: Verdict::NotTold,
             samples: 0,
             runs: (0, 0),
+            of_runs: Vec::new(),
             also_changed: Vec::new(),
             reason: None,
         }
@@ -534,6 +535,7 @@ impl Asking<'_> {
             fits_high_95: Some(shown(value + reach)),
             samples: samples.len(),
             runs: (upper.len(), lower.len()),
+            of_runs: upper.iter().chain(&lower).map(|&at| self.facts[at].run).collect(),
             also_changed: if is_law {
                 Vec::new()
             } else {

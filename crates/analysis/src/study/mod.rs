@@ -17,7 +17,7 @@ mod words;
 mod tests;
 
 pub use answer::{Answer, Basis, Kind, Scale, Verdict};
-pub use words::{lead, sentence};
+pub use words::{about, lead, sentence};
 
 use std::collections::BTreeMap;
 

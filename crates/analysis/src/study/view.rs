@@ -68,19 +68,6 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         (Some(other), Kind::ByMaterial) => format!("{} / {other}", own.material),
         _ => own.material.clone(),
     };
-    let pair = |value: Option<f64>, ends: (Option<f64>, Option<f64>)| match (value, ends) {
-        (Some(value), (low_95, high_95)) => Value::Cell(ieap_show::Cell::new(
-            ieap_show::Content::Measured(ieap_show::Measured {
-                value,
-                standard_error: None,
-                low_95,
-                high_95,
-                pooled: None,
-            }),
-            Vec::new(),
-        )),
-        _ => Value::Missing,
-    };
     let ends = |ends: (Option<f64>, Option<f64>)| {
         ends.0
             .zip(ends.1)
@@ -98,11 +85,7 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         .column(UPPER, |own| own.upper.clone())
         .column(LOWER, |own| own.lower.clone())
         .column(VOLTAGES, |own| voltages(&own.voltages_v))
-        .column(NUMBER, move |own| match (own.value, own.at_least, own.at_most, &own.reason) {
-            (None, None, None, reason) => reason.clone().map_or(Value::Missing, Value::Without),
-            (None, low, high, _) => Value::Cell(ieap_show::Cell::new(ieap_show::Content::Bound { low, high }, Vec::new())),
-            (value, ..) => pair(value, (own.low_95, own.high_95)),
-        })
+        .column(NUMBER, |own| own.estimate())
         .column(INTERVAL, |own| ends((own.low_95, own.high_95)))
         .column(FITS_INTERVAL, |own| ends((own.fits_low_95, own.fits_high_95)))
         .column(MOST, move |own| rough(own.no_more_than))

@@ -3,63 +3,53 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::TableInput;
-use super::cells::{Shown, parameter_cell, run_sources};
+use super::of_several::Runs;
 use crate::one_fit::SharedEstimate;
 use ieap_domain::RunRecord;
 use ieap_domain::tag::keys;
-use ieap_show::{Cell, Column, Content, Notes};
+use ieap_domain::words::counted;
+use ieap_show::{Column, Sheet};
 
-/// Parameters of the effects of all current fits, `faradaic-leak.onset_v`, each once.
-pub fn effect_keys(input: &TableInput) -> Vec<String> {
+/// Adds a column for each parameter of the effects of all current fits, `faradaic-leak.onset_v`, with a gap where no fit of a
+/// row has the effect.
+pub fn with_effects<'s, 'a: 's, R: 's>(
+    sheet: Sheet<'s, R>,
+    input: &TableInput,
+    runs_of: fn(&R) -> &Runs<'a>,
+) -> Sheet<'s, R> {
     let fits = input.runs.iter().filter_map(|run| run.fit.as_ref());
     let keys: BTreeSet<&str> = fits
         .flat_map(|fit| &fit.parameters)
         .map(|parameter| parameter.key.as_str())
         .filter(|key| key.contains('.'))
         .collect();
-    keys.into_iter().map(str::to_owned).collect()
-}
-
-/// The column of an effect's parameter. Its unit stands in its key.
-pub fn effect_column(key: &str) -> Column {
-    let (effect, name) = key.split_once('.').unwrap_or(("", key));
-    Column::plain(key, key, &format!("{name} of the effect {effect}"))
-}
-
-/// What runs say of an effect's parameter; a gap where no fit has the effect.
-pub fn effect_cell(input: &TableInput, runs: &[usize], key: &str, notes: &mut Notes) -> Cell {
-    let with: Vec<usize> = runs
-        .iter()
-        .copied()
-        .filter(|&run| {
-            let fit = input.runs[run].fit.as_ref();
-            fit.is_some_and(|fit| fit.parameter(key).is_some())
+    keys.into_iter().fold(sheet, |sheet, key| {
+        let (effect, name) = key.split_once('.').unwrap_or(("", key));
+        // Its unit stands in its key.
+        let head = Column::plain(key, key, &format!("{name} of the effect {effect}"));
+        let key = key.to_owned();
+        sheet.column_under(head, move |row| {
+            let runs = runs_of(row);
+            let has = |run: &RunRecord| run.fit.as_ref().is_some_and(|fit| fit.parameter(&key).is_some());
+            let with = runs.only(has);
+            (!with.at.is_empty()).then(|| with.parameter(&key, 1.0))
         })
-        .collect();
-    if with.is_empty() {
-        return Cell::new(Content::Missing, run_sources(input, runs));
-    }
-    parameter_cell(input, &with, &Shown::new(key, key, key, key, "", 1.0), notes)
+    })
 }
 
 /// Footnotes of a row: which of its fits are extended, and by how many runs each is shared.
-pub fn shared_notes(input: &TableInput, runs: &[usize]) -> Vec<String> {
+pub fn shared_notes(runs: &Runs) -> Vec<String> {
     let mut told: BTreeMap<SharedEstimate, String> = BTreeMap::new();
-    for run in runs.iter().map(|&run| &input.runs[run]) {
+    for run in runs.records() {
         let Some(own) = identity(run) else { continue };
-        let sharing = input
-            .runs
-            .iter()
-            .filter(|other| identity(other).as_ref() == Some(&own));
+        let all = runs.input().runs.iter();
+        let sharing = all.filter(|other| identity(other).as_ref() == Some(&own));
         let (model, sample) = (run.fit.as_ref().map(|fit| &fit.model), run.tag(keys::SAMPLE));
         let text = format!(
             "{} of {}, one fit shared by {}: its rows repeat one parameter set",
             model.map_or("", String::as_str),
             sample.unwrap_or("one sample"),
-            match sharing.count() {
-                1 => "1 run".to_owned(),
-                n => format!("{n} runs"),
-            }
+            counted(sharing.count(), "run")
         );
         told.insert(own, text);
     }
@@ -67,7 +57,7 @@ pub fn shared_notes(input: &TableInput, runs: &[usize]) -> Vec<String> {
 }
 
 /// What tells one shared fit from another: the first of its estimates that has a value.
-fn identity(run: &RunRecord) -> Option<SharedEstimate> {
+pub fn identity(run: &RunRecord) -> Option<SharedEstimate> {
     let fit = run.fit.as_ref()?;
     let known = fit
         .parameters
@@ -80,7 +70,7 @@ fn identity(run: &RunRecord) -> Option<SharedEstimate> {
 mod tests {
     use super::*;
     use crate::laws::doubt::Doubts;
-    use crate::tables::named;
+    use crate::tables::{Content, named};
     use ieap_domain::testing::{campaign, fit, known, run};
 
     #[test]
@@ -101,26 +91,8 @@ mod tests {
             run.fit = Some(extended);
         }
         runs[2].fit = Some(fit(&parameters[..2]));
-        let input = TableInput {
-            campaign: &campaign,
-            runs: &runs,
-            set_aside: &[],
-            modulus_logs: &[],
-            spectra: &[],
-            blocked: &[],
-            frequency: &[],
-            model_free: &[],
-            cycles: &[],
-            reductions: &[],
-            one_likelihood: &[],
-            electrodes: &[],
-            files: &[],
-            comparisons: &[],
-            outdated_comparisons: 0,
-            groups: &[],
-            doubts: &Doubts::default(),
-            origin: "",
-        };
+        let doubts = Doubts::default();
+        let input = TableInput::new(&campaign, &runs, &doubts);
         for name in ["table5", "fits"] {
             let table = named(name).unwrap().table(&input);
             let column = table.column_named("faradaic-leak.onset_v").unwrap();

@@ -3,6 +3,7 @@
 use crate::cycles::CycleRun;
 use crate::frequency::FrequencyRun;
 use crate::impedance::OneLikelihood;
+use crate::laws::CampaignLaws;
 use crate::laws::doubt::Doubts;
 use crate::model_free::ModelFree;
 use crate::models_compared::view::Compared;
@@ -42,6 +43,8 @@ pub struct TableInput<'a> {
     pub electrodes: &'a [Course],
     /// Every file that the last scan saw.
     pub files: &'a [SourceFile],
+    /// What holds across runs, for tables that ask for it.
+    pub laws: Option<&'a CampaignLaws>,
     /// Diagnoses of groups.
     pub groups: &'a [GroupDiagnosis],
     /// What they say against the fits of the runs.
@@ -62,6 +65,36 @@ impl<'a> TableInput<'a> {
             campaign: self.campaign,
             doubts: self.doubts,
         })
+    }
+
+    /// Of these runs alone.
+    pub fn new(campaign: &'a Campaign, runs: &'a [RunRecord], doubts: &'a Doubts) -> TableInput<'a> {
+        TableInput {
+            campaign,
+            runs,
+            set_aside: &[],
+            modulus_logs: &[],
+            spectra: &[],
+            blocked: &[],
+            frequency: &[],
+            model_free: &[],
+            cycles: &[],
+            one_likelihood: &[],
+            reductions: &[],
+            electrodes: &[],
+            files: &[],
+            laws: None,
+            groups: &[],
+            doubts,
+            comparisons: &[],
+            outdated_comparisons: 0,
+            origin: "",
+        }
+    }
+
+    /// The runs that speak, and the campaign.
+    pub fn of_runs(&self) -> (&'a [RunRecord], &'a Campaign) {
+        (self.runs, self.campaign)
     }
 
     /// Comparisons of models.

@@ -1,20 +1,22 @@
 //! The named tables. A table is one file here and one row in [`TABLES`]: a pure function from what the database holds.
 
-mod cells;
-mod chosen_columns;
 mod conditions_table;
-mod cycles;
+pub mod cycles;
 mod electrodes;
 mod extended;
 mod findings;
 mod fits;
 mod input;
-mod model_free;
+mod laws;
+pub mod model_free;
 pub mod moved;
+mod of_condition;
 mod of_run;
+mod of_several;
 mod reductions;
 mod refused;
 mod runs;
+mod runs_used;
 mod spread;
 mod step_and_spectrum;
 pub mod stiffness;
@@ -29,11 +31,26 @@ use crate::impedance::sheet;
 use crate::models_compared;
 use crate::study;
 
-pub(crate) use cells::{alpha_of, surroundings_text, volts};
-pub use chosen_columns::with_columns;
 pub use ieap_show::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use input::TableInput;
+pub(crate) use of_condition::{surroundings_text, volts};
+pub(crate) use of_several::Runs;
 pub use table6::rules;
+
+/// What a table is made from beside what is read of the database for every one: it takes long, and is made for those that ask.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    /// Nothing.
+    None,
+    /// The readings of all runs.
+    Readings,
+    /// Every run fitted with other circuits.
+    Reductions,
+    /// Steps fitted together with spectra.
+    OneLikelihood,
+    /// What holds across runs.
+    Laws,
+}
 
 /// A table that can be asked for.
 pub struct NamedTable {
@@ -43,11 +60,34 @@ pub struct NamedTable {
     pub about: &'static str,
     /// Whether its rows are conditions, whose materials may be put together by class.
     pub compares_materials: bool,
+    /// What must be made for it.
+    pub needs: Need,
     /// Makes it; name, notice and origin are filled in by [`NamedTable::table`].
     make: fn(&TableInput) -> Table,
 }
 
 impl NamedTable {
+    const fn new(name: &'static str, about: &'static str, make: fn(&TableInput) -> Table) -> NamedTable {
+        NamedTable {
+            name,
+            about,
+            compares_materials: false,
+            needs: Need::None,
+            make,
+        }
+    }
+
+    const fn comparing_materials(self) -> NamedTable {
+        NamedTable {
+            compares_materials: true,
+            ..self
+        }
+    }
+
+    const fn needing(self, needs: Need) -> NamedTable {
+        NamedTable { needs, ..self }
+    }
+
     /// The table of that campaign.
     pub fn table(&self, input: &TableInput) -> Table {
         Table {
@@ -59,152 +99,35 @@ impl NamedTable {
     }
 }
 
-/// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 24] = [
-    NamedTable {
-        name: "table2",
-        about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
-        compares_materials: false,
-        make: table2::make,
-    },
-    NamedTable {
-        name: "table3",
-        about: "Parameters of the distributed model, one row a sample (the thesis's table 3)",
-        compares_materials: false,
-        make: table3::make,
-    },
-    NamedTable {
-        name: "table4",
-        about: "Complex modulus before and after each humidity step (the thesis's table 4)",
-        compares_materials: false,
-        make: table4::make,
-    },
-    NamedTable {
-        name: "table5",
-        about: "Parameters of the lumped model by material, environment and voltage (the thesis's table 5)",
-        compares_materials: true,
-        make: table5::make,
-    },
-    NamedTable {
-        name: "table6",
-        about: "What happens in which environment at which voltage, in words (the thesis's table 6)",
-        compares_materials: true,
-        make: table6::make,
-    },
-    NamedTable {
-        name: "contrasts",
-        about: "What environment, humidity, voltage and material do to each parameter: ratios with intervals, laws, what is alike",
-        compares_materials: false,
-        make: |input| study::view::table(&input.study().answers),
-    },
-    NamedTable {
-        name: "spread",
-        about: "Means over repeats with the spread between samples, between runs and the fits' own uncertainty",
-        compares_materials: true,
-        make: spread::make,
-    },
-    NamedTable {
-        name: "conditions",
-        about: "Conditions that were measured, with their runs, samples and total capacitance",
-        compares_materials: true,
-        make: conditions_table::make,
-    },
-    NamedTable {
-        name: "runs",
-        about: "Every run with its tags, state and goodness of fit",
-        compares_materials: false,
-        make: runs::make,
-    },
-    NamedTable {
-        name: "fits",
-        about: "Every run's current fit, all parameters",
-        compares_materials: false,
-        make: fits::make,
-    },
-    NamedTable {
-        name: "model-free",
-        about: "What every step says without a model: peak, time to it, what is lost, charge, strain rate, settling time",
-        compares_materials: false,
-        make: model_free::make,
-    },
-    NamedTable {
-        name: "energy",
-        about: "Electrical energy that went in and came back, elastic energy, efficiency, energy and power density of every step",
-        compares_materials: false,
-        make: model_free::energy,
-    },
-    NamedTable {
-        name: "cycles",
-        about: "Trains cycle by cycle: amplitude, charge in and out, coulombic efficiency, energy, alpha, resistance, with their trends",
-        compares_materials: false,
-        make: cycles::make,
-    },
-    NamedTable {
-        name: "reductions",
-        about: "Where a simpler circuit would do in each run, one branch or none to leak, and what it costs",
-        compares_materials: false,
-        make: reductions::make,
-    },
-    NamedTable {
-        name: "models",
-        about: "Which model describes which material in which environment, as `ieap compare` found it",
-        compares_materials: true,
-        make: |input| models_compared::view::table(input.compared()),
-    },
-    NamedTable {
-        name: "findings",
-        about: "What the model gets wrong in each group of runs, and why",
-        compares_materials: false,
-        make: findings::make,
-    },
-    NamedTable {
-        name: "electrodes",
-        about: "Resistance of the electrodes over time, by the four-point probe, with cracks",
-        compares_materials: false,
-        make: electrodes::make,
-    },
-    NamedTable {
-        name: "stiffness",
-        about: "Alpha split into stiffness and coupling, by modulus logs and blocking forces: which of them a change follows",
-        compares_materials: false,
-        make: stiffness::make,
-    },
-    NamedTable {
-        name: "impedance",
-        about: "Circuits fitted to the impedance spectra, one row a spectrum and circuit",
-        compares_materials: false,
-        make: |input| sheet::impedance(input.spectra),
-    },
-    NamedTable {
-        name: "circuits",
-        about: "Every number of every circuit fitted to the impedance spectra, also of circuits that campaign.toml asks for",
-        compares_materials: false,
-        make: |input| sheet::circuits(sheet::fits(input.spectra)),
-    },
-    NamedTable {
-        name: "step-and-spectrum",
-        about: "A step and a spectrum of the same strip in one likelihood: one set of parameters, and whether both can have it",
-        compares_materials: false,
-        make: step_and_spectrum::make,
-    },
-    NamedTable {
-        name: "relaxation-times",
-        about: "Peaks of the distribution of relaxation times of the impedance spectra, one row a peak",
-        compares_materials: false,
-        make: |input| sheet::relaxation_times(input.spectra),
-    },
-    NamedTable {
-        name: "frequency",
-        about: "Amplitude and phase of current and bending per volt against frequency, of runs under a sine or a chirp",
-        compares_materials: false,
-        make: |input| frequency::view::table(input.frequency, input.runs),
-    },
-    NamedTable {
-        name: "refused",
-        about: "Files and runs that are not in the other tables, with reason and mend",
-        compares_materials: false,
-        make: refused::make,
-    },
+/// Every table, in the order in which they are listed: a row here is all that one needs beside its file.
+#[rustfmt::skip]
+pub const TABLES: &[NamedTable] = &[
+    NamedTable::new("table2", "What the materials are made of, as campaign.toml states it (the thesis's table 2)", table2::make),
+    NamedTable::new("table3", "Parameters of the distributed model, one row a sample (the thesis's table 3)", table3::make),
+    NamedTable::new("table4", "Complex modulus before and after each humidity step (the thesis's table 4)", table4::make),
+    NamedTable::new("table5", "Parameters of the lumped model by material, environment and voltage (the thesis's table 5)", table5::make).comparing_materials(),
+    NamedTable::new("table6", "What happens in which environment at which voltage, in words (the thesis's table 6)", table6::make).comparing_materials(),
+    NamedTable::new("contrasts", "What environment, humidity, voltage and material do to each parameter: ratios with intervals, laws, what is alike", |input| study::view::table(&input.study().answers)),
+    NamedTable::new("spread", "Means over repeats with the spread between samples, between runs and the fits' own uncertainty", spread::make).comparing_materials(),
+    NamedTable::new("conditions", "Conditions that were measured, with their runs, samples and total capacitance", conditions_table::make).comparing_materials(),
+    NamedTable::new("runs", "Every run with its tags, state and goodness of fit", runs::make),
+    NamedTable::new("fits", "Every run's current fit, all parameters", fits::make),
+    NamedTable::new("model-free", "What every step says without a model: peak, time to it, what is lost, charge, strain rate, settling time", model_free::make).needing(Need::Readings),
+    NamedTable::new("energy", "Electrical energy that went in and came back, elastic energy, efficiency, energy and power density of every step", model_free::energy).needing(Need::Readings),
+    NamedTable::new("cycles", "Trains cycle by cycle: amplitude, charge in and out, coulombic efficiency, energy, alpha, resistance, with their trends", cycles::make).needing(Need::Readings),
+    NamedTable::new("reductions", "Where a simpler circuit would do in each run, one branch or none to leak, and what it costs", reductions::make).needing(Need::Reductions),
+    NamedTable::new("models", "Which model describes which material in which environment, as `ieap compare` found it", |input| models_compared::view::table(input.compared())).comparing_materials(),
+    NamedTable::new("findings", "What the model gets wrong in each group of runs, and why", findings::make),
+    NamedTable::new("laws", "Which parameter follows what from run to run, by which law, with its coefficient where it is claimed", laws::make).needing(Need::Laws),
+    NamedTable::new("runs-used", "Every law, contrast, fit of a group and diagnosis with the runs that it is made from, and why others were left out", runs_used::make).needing(Need::Laws),
+    NamedTable::new("electrodes", "Resistance of the electrodes over time, by the four-point probe, with cracks", electrodes::make),
+    NamedTable::new("stiffness", "Alpha split into stiffness and coupling, by modulus logs and blocking forces: which of them a change follows", stiffness::make),
+    NamedTable::new("impedance", "Circuits fitted to the impedance spectra, one row a spectrum and circuit", |input| sheet::impedance(input.spectra)),
+    NamedTable::new("circuits", "Every number of every circuit fitted to the impedance spectra, also of circuits that campaign.toml asks for", |input| sheet::circuits(sheet::fits(input.spectra))),
+    NamedTable::new("step-and-spectrum", "A step and a spectrum of the same strip in one likelihood: one set of parameters, and whether both can have it", step_and_spectrum::make).needing(Need::OneLikelihood),
+    NamedTable::new("relaxation-times", "Peaks of the distribution of relaxation times of the impedance spectra, one row a peak", |input| sheet::relaxation_times(input.spectra)),
+    NamedTable::new("frequency", "Amplitude and phase of current and bending per volt against frequency, of runs under a sine or a chirp", |input| frequency::view::table(input.frequency, input.runs)),
+    NamedTable::new("refused", "Files and runs that are not in the other tables, with reason and mend", refused::make),
 ];
 
 /// The table of that name.

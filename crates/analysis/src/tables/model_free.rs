@@ -1,13 +1,13 @@
 //! What every run says without a model, and its energies: one row a run whose voltage is stepped and held.
 
-use ieap_domain::Estimate;
 use ieap_domain::tag::keys;
+use ieap_domain::{Campaign, Estimate, RunRecord};
 
 use super::TableInput;
 use super::of_run::{OfRun, Own, of_runs_and_what};
 use crate::model_free::{ENERGIES, FIGURES, ModelFree};
 use ieap_show::quantities::{HUMIDITY, Quantity, VOLTAGE};
-use ieap_show::{Table, Value};
+use ieap_show::{Frame, Rough, Sheet, Table};
 
 const HELD: Quantity = Quantity::new("held_s", "held", "how long the level is seen", "s");
 
@@ -34,27 +34,42 @@ pub fn energy(input: &TableInput) -> Table {
     )
 }
 
-fn table(
-    input: &TableInput,
-    (name, title): (&'static str, &'static str),
-    (numbers, of): Told,
-    remark: &'static str,
-) -> Table {
+/// The same of both for programs.
+pub fn frame(steps: &[ModelFree], runs: &[RunRecord], campaign: &Campaign) -> Frame {
+    with_numbers(
+        sheet("model-free", "", |humidity| humidity),
+        (&FIGURES, |own| &own.values),
+    )
+    .columns_by_place(&ENERGIES, |(_, own), at| own.energies.get(at).cloned())
+    .frame(rows(steps, (runs, campaign)))
+}
+
+fn table(input: &TableInput, (name, title): (&'static str, &'static str), told: Told, remark: &str) -> Table {
     let tenths = |number: f64| (10.0 * number).round() / 10.0;
-    let mut sheet = of_runs_and_what::<&ModelFree>(name, title)
+    with_numbers(sheet(name, title, tenths), told)
         .remarks(remark, "No run steps its voltage and holds it.")
-        .column(HUMIDITY, move |(run, _)| {
-            run.number(keys::RELATIVE_HUMIDITY_PERCENT).map(tenths)
+        .over(rows(input.model_free, input.of_runs()))
+}
+
+type OfStep<'a> = Own<'a, &'a ModelFree>;
+
+fn sheet<'a>(name: &'static str, title: &'static str, humidity: fn(f64) -> f64) -> Sheet<'a, OfStep<'a>> {
+    of_runs_and_what(name, title)
+        .column(HUMIDITY, move |(run, _): &OfStep| {
+            run.number(keys::RELATIVE_HUMIDITY_PERCENT).map(humidity)
         })
         .column(VOLTAGE.called("V₀", "voltage of the level"), |(_, own)| {
             own.voltage_v
         })
-        .column(HELD, |(_, own)| Value::Rough(own.held_s, 4));
-    for (at, number) in numbers.iter().enumerate() {
-        sheet = sheet.column(*number, move |(_, own): &Own<&ModelFree>| {
-            of(own).get(at).map(Value::from)
-        });
-    }
-    let rows = input.model_free.iter();
-    sheet.over(rows.map(|own| (OfRun::new(input, own.run_id, &own.path), own)))
+        .column(HELD, |(_, own)| Rough(own.held_s, 4))
+}
+
+fn with_numbers<'a>(sheet: Sheet<'a, OfStep<'a>>, (numbers, of): Told) -> Sheet<'a, OfStep<'a>> {
+    sheet.columns_by_place(numbers, move |(_, own), at| of(own).get(at).cloned())
+}
+
+fn rows<'a>(steps: &'a [ModelFree], of: (&'a [RunRecord], &'a Campaign)) -> impl Iterator<Item = OfStep<'a>> {
+    steps
+        .iter()
+        .map(move |own| (OfRun::new(of, own.run_id, &own.path), own))
 }

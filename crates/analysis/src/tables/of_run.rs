@@ -1,16 +1,15 @@
 //! Sheets whose rows are each of a run.
 
-use super::TableInput;
 use crate::conditions::material;
-use ieap_domain::RunRecord;
 use ieap_domain::tag::keys;
+use ieap_domain::{Campaign, RunRecord};
 use ieap_show::quantities::{ENVIRONMENT, MATERIAL, RUN, SAMPLE};
-use ieap_show::{Sheet, Source, SourceOrigin, Value};
+use ieap_show::{Sheet, Source, SourceOrigin};
 
 /// The run that a row is of.
 #[derive(Clone, Copy)]
 pub struct OfRun<'a> {
-    input: TableInput<'a>,
+    campaign: &'a Campaign,
     id: i64,
     path: &'a str,
     /// The run itself.
@@ -18,24 +17,29 @@ pub struct OfRun<'a> {
 }
 
 impl<'a> OfRun<'a> {
-    /// The run with that row id.
-    pub fn new(input: &TableInput<'a>, id: i64, path: &'a str) -> OfRun<'a> {
+    /// That of these runs which has that row id.
+    pub fn new((runs, campaign): (&'a [RunRecord], &'a Campaign), id: i64, path: &'a str) -> OfRun<'a> {
         OfRun {
-            input: *input,
+            campaign,
             id,
             path,
-            record: input.runs.iter().find(|run| run.id == id),
+            record: runs.iter().find(|run| run.id == id),
         }
     }
 
     /// A run that is at hand.
-    pub fn of(input: &TableInput<'a>, run: &'a RunRecord) -> OfRun<'a> {
+    pub fn of(campaign: &'a Campaign, run: &'a RunRecord) -> OfRun<'a> {
         OfRun {
-            input: *input,
+            campaign,
             id: run.id,
             path: &run.path,
             record: Some(run),
         }
+    }
+
+    /// It as the source of a row.
+    pub fn sources(&self) -> Vec<Source> {
+        vec![Source::of(SourceOrigin::Run(self.id), self.path)]
     }
 
     /// A tag as words.
@@ -59,17 +63,15 @@ pub fn of_runs<'s, 'a: 's, X: 's>(
     stub: usize,
 ) -> Sheet<'s, Own<'a, X>> {
     Sheet::new(name, title, stub)
-        .made_from(|(run, _): &Own<X>| vec![Source::of(SourceOrigin::Run(run.id), run.path)])
+        .made_from(|(run, _): &Own<X>| run.sources())
         .column(RUN, |(run, _)| run.path)
 }
 
 /// The same with sample, material and environment.
 pub fn of_runs_and_what<'s, 'a: 's, X: 's>(name: &'static str, title: &'static str) -> Sheet<'s, Own<'a, X>> {
-    let material_of = |run: &OfRun<'a>| run.record.and_then(|own| material(own, run.input.campaign));
+    let material_of = |run: &OfRun<'a>| run.record.and_then(|own| material(own, run.campaign));
     of_runs(name, title, 1)
-        .column(SAMPLE, |(run, _)| run.tag(keys::SAMPLE).map(Value::from))
-        .column(MATERIAL, move |(run, _)| material_of(run).map(Value::from))
-        .column(ENVIRONMENT, |(run, _)| {
-            run.tag(keys::ENVIRONMENT).map(Value::from)
-        })
+        .column(SAMPLE, |(run, _)| run.tag(keys::SAMPLE))
+        .column(MATERIAL, move |(run, _)| material_of(run))
+        .column(ENVIRONMENT, |(run, _)| run.tag(keys::ENVIRONMENT))
 }

@@ -3,7 +3,7 @@
 use ieap_domain::tag::keys;
 
 use super::TableInput;
-use super::of_run::{OfRun, Own, of_runs_and_what};
+use super::of_run::{OfRun, of_runs_and_what};
 use crate::reductions::ReducedCircuit;
 use ieap_show::quantities::{Quantity, VOLTAGE};
 use ieap_show::{Table, Value};
@@ -44,12 +44,12 @@ pub fn make(input: &TableInput) -> Table {
         own.map_or(Value::Missing, |circuit| of(circuit).into())
     }
     let rough = |number: Option<f64>, digits| number.map(|number| Value::Rough(number, digits));
-    let mut sheet = of_runs_and_what::<Reduced>("reductions", "Where a simpler circuit would do")
+    let sheet = of_runs_and_what::<Reduced>("reductions", "Where a simpler circuit would do")
         .remarks(REMARK, "No run steps its voltage and has a current.")
         .column(VOLTAGE, |(run, _)| run.number(keys::VOLTAGE_V))
         .column(CIRCUIT, |(_, own)| match own {
             Ok(circuit) => Value::from(circuit.circuit),
-            Err(why) => Value::Without(why.to_string()),
+            Err(why) => Value::Missing.noted([why.to_string()]),
         })
         .column(ENOUGH, |(_, own)| {
             told(own, |circuit| if circuit.is_enough() { "yes" } else { "no" })
@@ -66,16 +66,14 @@ pub fn make(input: &TableInput) -> Table {
         })
         .column(CHANCE, move |(_, own)| {
             told(own, |circuit| rough(Some(circuit.p.max(LEAST_CHANCE)), 2))
-        });
-    for (at, element) in ELEMENTS.into_iter().enumerate() {
-        sheet = sheet.column(element, move |(_, own): &Own<Reduced>| {
+        })
+        .columns_by_place(&ELEMENTS, move |(_, own), at| {
             told(own, |circuit| {
                 rough(circuit.series_elements().map(|all| all[at]), 4)
             })
         });
-    }
     sheet.over(input.reductions.iter().flat_map(|own| {
-        let run = OfRun::new(input, own.run_id, &own.path);
+        let run = OfRun::new(input.of_runs(), own.run_id, &own.path);
         let circuits: Vec<Reduced> = match &own.found {
             Ok(found) => found.iter().map(Ok).collect(),
             Err(why) => vec![Err(why)],

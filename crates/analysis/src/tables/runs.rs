@@ -5,23 +5,13 @@ use super::of_run::{OfRun, Own, of_runs_and_what};
 use crate::conditions::nominal_voltage_v;
 use ieap_domain::tag::keys;
 use ieap_domain::{Fit, RunRecord};
-use ieap_show::quantities::{HUMIDITY, Quantity, VOLTAGE};
+use ieap_show::quantities::{HUMIDITY, Quantity, R_SQUARED_CURRENT, R_SQUARED_CURVATURE, VOLTAGE};
 use ieap_show::{Table, Value};
 
 const TEMPERATURE: Quantity = Quantity::new("temperature_c", "T", "temperature", "°C");
 const STARTED: Quantity = Quantity::plain("started_at", "Started", "start, in the campaign's time zone");
 const STATE: Quantity = Quantity::plain("state", "State", "what became of it");
 const MODEL: Quantity = Quantity::plain("model", "Model", "model of its fit");
-const OF_CURRENT: Quantity = Quantity::plain(
-    "r_squared_current",
-    "R² (current)",
-    "coefficient of determination of the current",
-);
-const OF_CURVATURE: Quantity = Quantity::plain(
-    "r_squared_curvature",
-    "R² (curvature)",
-    "coefficient of determination of the curvature",
-);
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {
@@ -54,14 +44,14 @@ pub fn make(input: &TableInput) -> Table {
             }
         })
         .column(MODEL, |(_, run)| fit(run).map(|fit| fit.model.clone()))
-        .column(OF_CURRENT, move |(_, run)| {
+        .column(R_SQUARED_CURRENT, move |(_, run)| {
             score(run, |fit| fit.r_squared_current)
         })
-        .column(OF_CURVATURE, move |(_, run)| {
+        .column(R_SQUARED_CURVATURE, move |(_, run)| {
             score(run, |fit| fit.r_squared_curvature)
         });
     let runs = input.runs.iter().chain(input.set_aside);
-    sheet.over(runs.map(|run| (OfRun::of(input, run), run)))
+    sheet.over(runs.map(|run| (OfRun::of(input.campaign, run), run)))
 }
 
 fn state(run: &RunRecord) -> &'static str {

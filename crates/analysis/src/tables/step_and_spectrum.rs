@@ -4,11 +4,13 @@ use ieap_domain::tag::keys;
 use ieap_domain::{Estimate, RunRecord};
 
 use super::TableInput;
-use super::cells::{Shown, contribution, run_source};
+use super::of_run::{OfRun, Own};
+use super::of_several::contribution;
 use crate::impedance::{Both, OneLikelihood};
+use crate::laws::doubt::Doubts;
 use crate::parameters::ParameterInfo;
-use ieap_show::sheet::of_estimate;
-use ieap_show::{Cell, Column, Content, Notes, Row, Table};
+use ieap_show::quantities::{Quantity, RUN, SAMPLE, VOLTAGE};
+use ieap_show::{Sheet, Table, Value};
 
 /// What is shown of each.
 const SHOWN: [&str; 9] = [
@@ -24,96 +26,77 @@ const SHOWN: [&str; 9] = [
 ];
 
 const REMARK: &str = "Both: one circuit for the readings of the step and of the spectrum, each weighted by its noise; that of the spectrum is what the same circuit leaves of it alone. p: chance of a difference as large where both have one circuit; below 0.05 the numbers of both are those of no strip. Steps at the lowest voltage, at which they are nearest to a spectrum.";
+const SPECTRUM: Quantity = Quantity::plain("spectrum", "Spectrum", "run of the spectrum");
+const FROM: Quantity = Quantity::plain("from", "From", "what tells");
+const AGREES: Quantity = Quantity::plain("agrees", "One circuit", "whether both can have one circuit");
+const P: Quantity = Quantity::plain("p", "p", "chance of a difference as large");
+
+/// What tells, the verdict where it is both, and its numbers.
+struct Told<'a> {
+    own: &'a OneLikelihood,
+    from: &'static str,
+    both: Option<&'a Result<Both, String>>,
+    numbers: [Option<Estimate>; SHOWN.len()],
+}
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {
-    let mut notes = Notes::default();
-    let of_pair = |own: &OneLikelihood| {
-        let run = input.runs.iter().find(|run| run.id == own.run_id);
-        rows(input, own, run, &mut notes)
-    };
-    let rows: Vec<Row> = input.one_likelihood.iter().flat_map(of_pair).collect();
-    let remark = if rows.is_empty() {
-        "No spectrum has a step of the same sample and condition beside it."
-    } else {
-        REMARK
-    };
-    let mut columns = vec![
-        Column::plain("run", "Step", "run of the step"),
-        Column::plain("spectrum", "Spectrum", "run of the spectrum"),
-        Column::plain("sample", "Sample", "sample"),
-        Column::of("voltage_v", "V₀", "step voltage", "V"),
-        Column::plain("from", "From", "what tells"),
-        Column::plain("agrees", "One circuit", "whether both can have one circuit"),
-        Column::plain("p", "p", "chance of a difference as large"),
-    ];
-    columns.extend(shown().map(|shown| shown.column()));
-    Table {
-        title: "Steps and spectra in one likelihood".to_owned(),
-        columns,
-        stub: 2,
-        rows,
-        notes: notes.into_texts(),
-        remarks: vec![remark.to_owned()],
-        ..Table::default()
-    }
+    type Of<'a> = Own<'a, Told<'a>>;
+    let known = SHOWN.into_iter().filter_map(ParameterInfo::of);
+    let shown: Vec<Quantity> = known.map(ParameterInfo::quantity).collect();
+    Sheet::<Of>::new("step-and-spectrum", "Steps and spectra in one likelihood", 2)
+        .remarks(
+            REMARK,
+            "No spectrum has a step of the same sample and condition beside it.",
+        )
+        .called(|(_, told)| format!("{}, {}, {}", told.own.path, told.own.spectrum, told.from))
+        .made_from(|(run, _)| run.sources())
+        .column(RUN.called("Step", "run of the step"), |(_, told)| {
+            told.own.path.as_str()
+        })
+        .column(SPECTRUM, |(_, told)| told.own.spectrum.as_str())
+        .column(SAMPLE, |(run, _)| run.tag(keys::SAMPLE))
+        .column(VOLTAGE, |(run, _)| run.number(keys::VOLTAGE_V))
+        .column(FROM, |(_, told)| told.from)
+        .column(AGREES, |(_, told)| match told.both {
+            Some(Ok(both)) => Value::from(if both.agrees() { "yes" } else { "no" }),
+            Some(Err(why)) => Value::Missing.noted([why.clone()]),
+            None => Value::Missing,
+        })
+        .column(P, |(_, told)| match told.both {
+            Some(Ok(both)) => Value::Rough(both.p, 2),
+            _ => Value::Missing,
+        })
+        .columns_by_place(&shown, |(_, told), at| told.numbers[at].as_ref().map(Value::from))
+        .over(input.one_likelihood.iter().flat_map(|own| {
+            let run = OfRun::new(input.of_runs(), own.run_id, &own.path);
+            told(input.doubts, own, run.record).map(|told| (run, told))
+        }))
 }
 
-fn shown() -> impl Iterator<Item = Shown<'static>> {
-    SHOWN
-        .iter()
-        .filter_map(|key| ParameterInfo::of(key).map(Shown::parameter))
-}
-
-fn rows(input: &TableInput, own: &OneLikelihood, run: Option<&RunRecord>, notes: &mut Notes) -> Vec<Row> {
-    let source = run_source(own.run_id, &own.path);
-    let mut row =
-        |from: &str, verdict: Option<&Both>, of: &dyn Fn(&str) -> Option<Estimate>, why: Option<&str>| {
-            let of_run = || vec![source.clone()];
-            let text = |text: Option<&str>| Cell::text(text, of_run());
-            let volts = run.and_then(|run| run.tag_number(keys::VOLTAGE_V));
-            let agrees = verdict.map(|both| if both.agrees() { "yes" } else { "no" });
-            let mut agrees = text(agrees);
-            if let Some(why) = why {
-                agrees = agrees.noted(notes.at(why));
-            }
-            let p = verdict.map_or(Content::Missing, |both| Content::Rough(both.p, 2));
-            let mut cells = vec![
-                text(Some(&own.path)),
-                text(Some(&own.spectrum)),
-                text(run.and_then(|run| run.tag(keys::SAMPLE))),
-                Cell::exact(volts, of_run()),
-                text(Some(from)),
-                agrees,
-                Cell::new(p, of_run()),
-            ];
-            for shown in shown() {
-                cells.push(match of(shown.key) {
-                    Some(estimate) => of_estimate(&estimate, shown.factor, of_run(), notes),
-                    None => Cell::new(Content::Missing, of_run()),
-                });
-            }
-            Row {
-                label: format!("{}, {}, {from}", own.path, own.spectrum),
-                cells,
-            }
-        };
-    let of_step = |key: &str| {
-        let own = contribution(input.doubts, run?, key).estimate.ok()?;
-        Some(own.into_owned())
+fn told<'a>(doubts: &'a Doubts, own: &'a OneLikelihood, run: Option<&'a RunRecord>) -> [Told<'a>; 3] {
+    let of_step = move |key: &str| {
+        let estimate = contribution(doubts, run?, key).estimate.ok()?;
+        Some(estimate.into_owned())
     };
     let of_spectrum = |key: &str| {
-        let found = own.of_spectrum.iter().find(|(own, _)| *own == key);
+        let found = own.of_spectrum.iter().find(|(known, _)| *known == key);
         found.map(|(_, estimate)| estimate.clone())
     };
-    let both = own.both.as_ref();
     let of_both = |key: &str| {
-        let found = both.ok()?.parameters.iter().find(|own| own.key == key);
+        let mut found = own.both.as_ref().ok()?.parameters.iter();
+        let found = found.find(|own| own.key == key);
         found.map(|own| own.estimate.clone())
     };
-    vec![
-        row("step", None, &of_step, None),
-        row("spectrum", None, &of_spectrum, None),
-        row("both", both.ok(), &of_both, both.err().map(String::as_str)),
+    let told = |from, both, numbers| Told {
+        own,
+        from,
+        both,
+        numbers,
+    };
+    [
+        told("step", None, SHOWN.map(of_step)),
+        told("spectrum", None, SHOWN.map(of_spectrum)),
+        told("both", Some(&own.both), SHOWN.map(of_both)),
     ]
 }

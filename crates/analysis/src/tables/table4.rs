@@ -1,16 +1,20 @@
 //! The thesis's table 4: complex modulus before and after a humidity step, one row a material and step.
 
 use super::TableInput;
-use super::cells::{Contribution, Shown, combined, pooled_where};
+use super::of_several::{Contribution, combined, pooled_where};
 use crate::dma::sheet::STEP;
 use ieap_domain::modulus::step_keys;
 use ieap_domain::tag::keys;
-use ieap_domain::{Estimate, ModulusLog, ModulusStep};
-use ieap_show::{Cell, Column, Content, Notes, Quantity, Row, Source, SourceOrigin, Table};
+use ieap_domain::{ModulusLog, ModulusStep};
+use ieap_show::quantities::{MATERIAL, Quantity, SAMPLES};
+use ieap_show::{Combined, Content, Sheet, Source, SourceOrigin, Table};
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 /// The first numbers of a step.
 const SHOWN: &[Quantity] = STEP.split_at(6).0;
+const NUMBER: Quantity = Quantity::plain("step", "Step", "number of the humidity step in the log");
+const LOGS: Quantity = Quantity::plain("logs", "Logs", "number of modulus logs");
 /// Humidities that agree when rounded to this step (percentage points) are one step of the programme.
 const HUMIDITY_STEP_PERCENT: f64 = 5.0;
 
@@ -24,27 +28,23 @@ struct Alike<'a> {
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {
-    let mut notes = Notes::default();
-    let rows = alike(input)
-        .into_iter()
-        .map(|group| row(&group, &mut notes))
-        .collect();
-    let mut columns = vec![
-        Column::plain("material", "Material", "material"),
-        Column::plain("step", "Step", "number of the humidity step in the log"),
-    ];
-    columns.extend(SHOWN.iter().map(Quantity::of_column));
-    columns.push(Column::plain("samples", "Samples", "number of samples"));
-    columns.push(Column::plain("logs", "Logs", "number of modulus logs"));
-    Table {
-        title: "Complex modulus of elasticity before and after changes of the humidity".to_owned(),
-        columns,
-        stub: 2,
-        rows,
-        notes: notes.into_texts(),
-        remarks: vec![pooled_where("a step was logged several times")],
-        ..Table::default()
-    }
+    Sheet::<Alike>::new(
+        "table4",
+        "Complex modulus of elasticity before and after changes of the humidity",
+        2,
+    )
+    .said([pooled_where("a step was logged several times")])
+    .called(Alike::label)
+    .made_from(|of| of.logs().map(source).collect())
+    .column(MATERIAL, |of| of.material.clone())
+    .column(NUMBER, |of| of.ordinal + 1)
+    .columns(SHOWN, Alike::number)
+    .column(SAMPLES, |of| {
+        let samples: BTreeSet<_> = of.logs().map(|log| log.run.tag(keys::SAMPLE)).collect();
+        samples.len()
+    })
+    .column(LOGS, |of| of.steps.len())
+    .over(alike(input))
 }
 
 /// Steps by material, place in the log and humidities, in the order of the logs.
@@ -93,83 +93,49 @@ fn alike<'a>(input: &TableInput<'a>) -> Vec<Alike<'a>> {
     groups
 }
 
-fn row(group: &Alike, notes: &mut Notes) -> Row {
-    let sources: Vec<Source> = group
-        .steps
-        .iter()
-        .map(|(log, _)| Source {
-            origin: SourceOrigin::ModulusLog(log.run.id),
-            name: log.run.path.clone(),
-            key: None,
-            estimate: None,
-            left_out: None,
-        })
-        .collect();
-    let mut cells = vec![
-        Cell::text(Some(group.material.clone()), sources.clone()),
-        Cell::exact(Some(group.ordinal as f64 + 1.0), sources.clone()),
-    ];
-    for shown in SHOWN {
-        let parts: Vec<Contribution> = group
-            .steps
-            .iter()
-            .map(|(log, step)| part(log, step, shown.key))
-            .collect();
-        let cell = combined(&parts, &Shown::of(shown), notes);
-        cells.push(match shown.unit {
-            // A humidity between steps is a mean over many readings, whose last digits nobody wants.
-            "%" if shown.key != step_keys::RELATIVE_CHANGE => rounded_to_percent(cell),
-            _ => cell,
-        });
-    }
-    let mut samples: Vec<Option<&str>> = group
-        .steps
-        .iter()
-        .map(|(log, _)| log.run.tag(keys::SAMPLE))
-        .collect();
-    samples.sort_unstable();
-    samples.dedup();
-    cells.push(Cell::exact(Some(samples.len() as f64), sources.clone()));
-    cells.push(Cell::exact(Some(group.steps.len() as f64), sources));
-    Row {
-        label: format!(
-            "{}, step {}{}",
-            group.material,
-            group.ordinal + 1,
-            humidities(group)
-        ),
-        cells,
-    }
+fn source(log: &ModulusLog) -> Source {
+    Source::of(SourceOrigin::ModulusLog(log.run.id), &log.run.path)
 }
 
-fn humidities(group: &Alike) -> String {
-    match group.humidity {
-        (-1, _) | (_, -1) => String::new(),
-        (before, after) => {
-            let percent = |level: i64| level as f64 * HUMIDITY_STEP_PERCENT;
-            format!(", {} to {} % RH", percent(before), percent(after))
+impl<'a> Alike<'a> {
+    fn logs(&self) -> impl Iterator<Item = &'a ModulusLog> {
+        self.steps.iter().map(|(log, _)| *log)
+    }
+
+    fn label(&self) -> String {
+        let (material, number) = (&self.material, self.ordinal + 1);
+        match self.humidity {
+            (-1, _) | (_, -1) => format!("{material}, step {number}"),
+            (before, after) => {
+                let percent = |level: i64| level as f64 * HUMIDITY_STEP_PERCENT;
+                format!(
+                    "{material}, step {number}, {} to {} % RH",
+                    percent(before),
+                    percent(after)
+                )
+            }
         }
     }
-}
 
-fn part<'a>(log: &'a ModulusLog, step: &'a ModulusStep, key: &str) -> Contribution<'a> {
-    let estimate: Option<&Estimate> = step.estimate(key);
-    Contribution {
-        origin: SourceOrigin::ModulusLog(log.run.id),
-        name: &log.run.path,
-        sample: log.run.tag(keys::SAMPLE),
-        shared: None,
-        estimate: estimate
-            .map(Cow::Borrowed)
-            .ok_or_else(|| "the log has no such number".to_owned()),
+    fn number(&self, of: &Quantity) -> Combined {
+        let part = |(log, step): &(&'a ModulusLog, &'a ModulusStep)| Contribution {
+            origin: SourceOrigin::ModulusLog(log.run.id),
+            name: &log.run.path,
+            sample: log.run.tag(keys::SAMPLE),
+            shared: None,
+            estimate: (step.estimate(of.key).map(Cow::Borrowed))
+                .ok_or_else(|| "the log has no such number".to_owned()),
+        };
+        let parts: Vec<Contribution> = self.steps.iter().map(part).collect();
+        let all = combined(&parts, of.key, of.factor);
+        match all.content {
+            // A humidity between steps is a mean over many readings, whose last digits nobody wants: sensors are good to a
+            // percent or two.
+            Content::Measured(mean) if of.unit == "%" && of.key != step_keys::RELATIVE_CHANGE => Combined {
+                content: Content::Exact(mean.value.round() + 0.0),
+                ..all
+            },
+            _ => all,
+        }
     }
-}
-
-/// Sensors are good to a percent or two: a humidity is shown as a whole number.
-fn rounded_to_percent(cell: Cell) -> Cell {
-    let content = match cell.content {
-        Content::Measured(measured) => Content::Exact(measured.value.round() + 0.0),
-        other => other,
-    };
-    Cell { content, ..cell }
 }

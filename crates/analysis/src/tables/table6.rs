@@ -5,16 +5,19 @@
 //! rule can: docs/tables.md says where it cannot.
 
 use super::TableInput;
-use super::cells::{Shown, combined, contribution, humidity_text, run_sources, surroundings_text, volts};
+use super::of_condition::{humidity_text, surroundings_text, volts};
+use super::of_several::Runs;
 use crate::conditions::{Conditions, Surroundings, conditions};
 use crate::parameters::ParameterInfo;
 use ieap_domain::number::fixed;
-use ieap_show::{Cell, Column, Content, Notes, Row, Source, Table};
+use ieap_show::quantities::{ENVIRONMENT, HUMIDITY, MATERIAL, Quantity};
+use ieap_show::{Column, Combined, Content, Sheet, Source, Table, Value};
 
 /// Water is not split below this voltage, V.
 pub const WATER_WINDOW_V: f64 = 1.23;
 /// Surroundings up to this humidity (percent) are dry.
 pub const DRY_UP_TO_PERCENT: f64 = 5.0;
+const ASPECT: Quantity = Quantity::plain("aspect", "Aspect", "what is judged");
 /// Environments that hold no water.
 const WATERLESS: [&str; 2] = ["vacuum", "inert"];
 
@@ -131,77 +134,66 @@ const ASPECTS: [Aspect; 4] = [
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {
-    let table = conditions(input.runs, input.campaign);
-    let mut notes = Notes::default();
+    type Judging<'a> = (Place<'a>, &'static Aspect);
+    let found = conditions(input.runs, input.campaign);
+    let is_measured =
+        |own: &Place| (0..found.voltages_v.len()).any(|voltage| !own.at(voltage).runs().is_empty());
     let mut rows = Vec::new();
-    for surroundings in 0..table.surroundings.len() {
+    for surroundings in 0..found.surroundings.len() {
         for aspect in &ASPECTS {
-            for material in 0..table.materials.len() {
-                let place = |voltage| Place {
-                    input,
-                    table: &table,
-                    material,
-                    surroundings,
-                    voltage,
-                };
-                let is_measured = |voltage| !place(voltage).runs().is_empty();
-                if !(0..table.voltages_v.len()).any(is_measured) {
-                    continue;
-                }
-                let cells =
-                    (0..table.voltages_v.len()).map(|voltage| cell(&place(voltage), aspect, &mut notes));
-                rows.push(row(&table, surroundings, material, aspect, cells.collect()));
-            }
+            let places = (0..found.materials.len()).map(|material| Place {
+                input,
+                table: &found,
+                material,
+                surroundings,
+                voltage: 0,
+            });
+            rows.extend(places.filter(is_measured).map(|place| (place, aspect)));
         }
     }
-    let mut columns = vec![
-        Column::plain("environment", "Environment", "environment"),
-        Column::of("relative_humidity_percent", "RH", "relative humidity", "%"),
-        Column::plain("aspect", "Aspect", "what is judged"),
-        Column::plain("material", "Material", "material"),
-    ];
-    columns.extend(table.voltages_v.iter().map(|&voltage_v| {
-        Column::plain(
+    let sheet = Sheet::<Judging>::new("table6", "Summary of the results in words", 4)
+        .said(rules())
+        .called(|(place, aspect)| {
+            format!(
+                "{}, {}, {}",
+                surroundings_text(place.surroundings()),
+                aspect.key,
+                place.material()
+            )
+        })
+        .column(ENVIRONMENT, |(place, _)| {
+            place.surroundings().environment.as_str()
+        })
+        .column(HUMIDITY, |(place, _)| humidity_text(place.surroundings()))
+        .column(ASPECT, |(_, aspect)| aspect.name)
+        .column(MATERIAL, |(place, _)| place.material());
+    let at_voltages = found.voltages_v.iter().enumerate();
+    let sheet = at_voltages.fold(sheet, |sheet, (voltage, &voltage_v)| {
+        let head = Column::plain(
             &format!("at_{voltage_v}_v"),
             &volts(voltage_v),
             "at this step voltage",
-        )
-    }));
-    Table {
-        title: "Summary of the results in words".to_owned(),
-        columns,
-        stub: 4,
-        rows,
-        notes: notes.into_texts(),
-        remarks: rules(),
-        ..Table::default()
-    }
+        );
+        sheet.column_under(head, move |(place, aspect)| aspect.word(&place.at(voltage)))
+    });
+    sheet.over(rows)
 }
 
-fn row(table: &Conditions, surroundings: usize, material: usize, aspect: &Aspect, words: Vec<Cell>) -> Row {
-    let surroundings = &table.surroundings[surroundings];
-    let material = &table.materials[material];
-    let mut cells = vec![
-        Cell::text(Some(surroundings.environment.clone()), vec![]),
-        Cell::text(humidity_text(surroundings), vec![]),
-        Cell::text(Some(aspect.name), vec![]),
-        Cell::text(Some(material.clone()), vec![]),
-    ];
-    cells.extend(words);
-    Row {
-        label: format!("{}, {}, {material}", surroundings_text(surroundings), aspect.key),
-        cells,
-    }
-}
-
-fn cell(place: &Place, aspect: &Aspect, notes: &mut Notes) -> Cell {
-    if place.runs().is_empty() {
-        return Cell::new(Content::Missing, vec![]);
-    }
-    let (judged, sources) = (aspect.judged)(place);
-    match judged {
-        Ok(interval) => Cell::new(Content::Text(aspect.classes.word(interval)), sources),
-        Err(reason) => Cell::new(Content::NotDetermined, sources).noted(notes.at(&reason)),
+impl Aspect {
+    fn word(&self, place: &Place) -> Value {
+        if place.runs().is_empty() {
+            return Value::Missing;
+        }
+        let (judged, sources) = (self.judged)(place);
+        let (content, notes) = match judged {
+            Ok(interval) => (Content::Text(self.classes.word(interval)), vec![]),
+            Err(reason) => (Content::NotDetermined, vec![reason]),
+        };
+        Value::Combined(Combined {
+            content,
+            notes,
+            sources,
+        })
     }
 }
 
@@ -230,7 +222,19 @@ struct Place<'a> {
     voltage: usize,
 }
 
-impl Place<'_> {
+impl<'a> Place<'a> {
+    fn at(self, voltage: usize) -> Place<'a> {
+        Place { voltage, ..self }
+    }
+
+    fn surroundings(&self) -> &'a Surroundings {
+        &self.table.surroundings[self.surroundings]
+    }
+
+    fn material(&self) -> &'a str {
+        &self.table.materials[self.material]
+    }
+
     fn runs(&self) -> &[usize] {
         let condition = self.table.at(self.material, self.surroundings, self.voltage);
         condition.map_or(&[], |condition| &condition.runs)
@@ -242,20 +246,9 @@ impl Place<'_> {
 
     /// The 95 % interval of a parameter over the runs of this place.
     fn interval(&self, key: &str) -> Judged {
-        let Some(info) = ParameterInfo::of(key) else {
-            return (Err(format!("there is no parameter {key}")), vec![]);
-        };
-        let stored_unit = Shown {
-            factor: 1.0,
-            ..Shown::parameter(info)
-        };
-        let runs = self
-            .runs()
-            .iter()
-            .map(|&run| contribution(self.input.doubts, &self.input.runs[run], info.key));
-        let mut reasons = Notes::default();
-        let cell = combined(&runs.collect::<Vec<_>>(), &stored_unit, &mut reasons);
-        let interval = match cell.content {
+        let runs = Runs::new(self.input, self.runs());
+        let own = runs.parameter(key, 1.0);
+        let interval = match own.content {
             Content::Measured(measured) => Some(Interval {
                 low: measured.low_95.unwrap_or(measured.value).max(0.0),
                 high: measured.high_95.unwrap_or(measured.value),
@@ -266,17 +259,17 @@ impl Place<'_> {
             }),
             _ => None,
         };
-        let reason = || format!("{}: {}", info.symbol, reasons.into_texts().join("; "));
-        (interval.ok_or_else(reason), cell.sources)
+        let symbol = ParameterInfo::of(key).map_or(key, |info| info.symbol);
+        let reason = || format!("{symbol}: {}", own.notes.join("; "));
+        (interval.ok_or_else(reason), own.sources)
     }
 }
 
 /// By how much more the laminate conducts in the long run than the same material dry at the same voltage.
 fn excess_conductance(place: &Place) -> Judged {
     const NONE: Interval = Interval { low: 1.0, high: 1.0 };
-    let sources = || run_sources(place.input, place.runs());
-    if place.voltage_v().abs() <= WATER_WINDOW_V || is_dry(&place.table.surroundings[place.surroundings]) {
-        return (Ok(NONE), sources());
+    if place.voltage_v().abs() <= WATER_WINDOW_V || is_dry(place.surroundings()) {
+        return (Ok(NONE), Runs::new(place.input, place.runs()).sources());
     }
     let (here, mut sources) = place.interval("rss_ohm_cm2");
     let dry_places = (0..place.table.surroundings.len())

@@ -15,7 +15,6 @@ use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Curve, LawFigure, Mark};
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
-use ieap_analysis::false_discovery::CLAIMED_BELOW;
 use ieap_analysis::laws::{Covariate, Dependence, words};
 use ieap_domain::number::probabilities::equation;
 
@@ -142,7 +141,7 @@ pub fn aside(site: &Site, found: &Dependence) -> Vec<AsideMark> {
 }
 
 fn described(found: &Dependence, (figure, beyond): (Option<String>, String)) -> LawCard {
-    let is_claimed = found.q <= CLAIMED_BELOW;
+    let is_claimed = found.is_claimed();
     let mut notes = Vec::new();
     if found.left_out > 0 {
         notes.push(format!(
