@@ -1,6 +1,8 @@
 //! A made-up campaign for the tests and the benchmark of the report: runs, fits and curves from formulas.
 
 use ieap::analysis::frequency::{FrequencyPoint, FrequencyRun, PerVolt};
+use ieap::analysis::laws::doubt::Doubts;
+use ieap::analysis::study::{Evidence, Study};
 use ieap::domain::tag::keys;
 use ieap::domain::{
     Campaign, ChannelNoise, ChannelSummary, CurveSource, Estimate, FileState, Fit, Issue, Quantity, RunCurve,
@@ -209,14 +211,20 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
             }
         }
     }
+    let campaign = campaign(materials);
+    let study = Study::of(Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Doubts::default(),
+    });
     Input {
         deconfounding: Vec::new(),
         next_runs: Vec::new(),
         confounding: Vec::new(),
-        campaign: campaign(materials),
+        campaign,
         climate: Default::default(),
         laws: Default::default(),
-        study: Default::default(),
+        study,
         monitoring: Default::default(),
         faults: vec![],
         run_spans_s: vec![],

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use ieap_domain::number::fixed;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Drive, RunRecord};
 
@@ -15,7 +16,7 @@ pub const HUMIDITY_GAP_PERCENT: f64 = 5.0;
 pub const VOLTAGE_STEP_V: f64 = 0.01;
 
 /// Surroundings up to this humidity, percent, are dry.
-const DRY_UP_TO_PERCENT: f64 = 5.0;
+pub const DRY_UP_TO_PERCENT: f64 = 5.0;
 /// Environments that hold no water, where nothing states their humidity.
 const WATERLESS: [&str; 2] = ["vacuum", "inert"];
 
@@ -118,6 +119,16 @@ pub fn nominal_voltage_v(run: &RunRecord) -> Option<f64> {
     }
     run.tag_number(keys::VOLTAGE_V)
         .or_else(|| run.drive.as_ref().map(|drive| drive.nominal_step_v()))
+}
+
+/// `2.0 V`
+pub fn volts(voltage_v: f64) -> String {
+    let shortest = format!("{voltage_v}");
+    if shortest.contains('.') {
+        format!("{shortest} V")
+    } else {
+        format!("{shortest}.0 V")
+    }
 }
 
 /// What places one run in the table.
@@ -253,6 +264,25 @@ fn levels(places: &[Place], environment: String) -> Vec<Surroundings> {
 }
 
 impl Surroundings {
+    /// `28–38`; none where no humidity is known.
+    pub fn humidity_text(&self) -> Option<String> {
+        let level = self.humidity?;
+        let (low, high) = (fixed(level.low_percent, 0), fixed(level.high_percent, 0));
+        Some(if low == high {
+            low
+        } else {
+            format!("{low}–{high}")
+        })
+    }
+
+    /// `air`, or `air at 28–38 % RH` where the environment was measured at more than one humidity.
+    pub fn text(&self) -> String {
+        match (self.humidity_varies, self.humidity_text()) {
+            (true, Some(humidity)) => format!("{} at {humidity} % RH", self.environment),
+            _ => self.environment.clone(),
+        }
+    }
+
     /// Whether they hold no water: by their humidity, else by their name.
     pub fn is_dry(&self) -> bool {
         match self.humidity {

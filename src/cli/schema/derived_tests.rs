@@ -11,7 +11,6 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
 
 use super::SCHEMAS;
-use crate::analysis::study::Study;
 use crate::cli::status::AlarmsDocument;
 use crate::pipeline::documents::comparison::ComparisonDocument;
 use crate::pipeline::documents::diagnosis::DiagnosisDocument;
@@ -19,6 +18,7 @@ use crate::pipeline::documents::dma::Dma;
 use crate::pipeline::documents::fits::FitsDocument;
 use crate::pipeline::findings::impedance::Spectra;
 use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary, UntyingEntry};
+use crate::pipeline::findings::study::Study;
 use crate::pipeline::intake::trace::TraceSummary;
 use crate::pipeline::show::tables::MovedDocument;
 use crate::pipeline::standalone::convert::ConversionDocument;

@@ -1,8 +1,9 @@
 //! What the study asked, from the current fits.
 
 use crate::analysis::laws::doubt::{Doubts, Findings};
+use crate::analysis::study::Evidence;
+pub use crate::analysis::study::Study;
 pub use crate::analysis::study::view::lines;
-use crate::analysis::study::{Evidence, Study};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::{Context, PipelineError};

@@ -8,7 +8,7 @@ use ieap_domain::words::counted;
 
 use super::{Cause, Change, SampleRow};
 use crate::conditions::Conditions;
-use crate::tables::{surroundings_text, volts};
+use crate::conditions::volts;
 
 /// The answer for all changes in one sentence.
 pub fn answer(rows: &[SampleRow]) -> String {
@@ -70,7 +70,7 @@ fn sentence(table: &Conditions, rows: &[SampleRow], row: &SampleRow, change: &Ch
     let place = |row: &SampleRow| &table.measured[row.condition];
     let surroundings = |row: &SampleRow| {
         let own = &table.surroundings[place(row).surroundings];
-        surroundings_text(own)
+        own.text()
     };
     let name = if row.sample.is_empty() {
         &table.materials[place(row).material]

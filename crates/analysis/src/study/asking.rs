@@ -9,11 +9,10 @@ use ieap_numerics::student::{quantile, quantile_95, two_sided_chance};
 use super::also::also_changed;
 use super::answer::{Answer, Basis, Kind, Scale, Verdict};
 use super::measured::{Bound, Cell, Measured, Value};
+use super::measures::{BENDING_LOST, MEASURES};
 use super::policy::{FEWEST_LEVELS, LEAST_ERROR, MOST_FOR_ALL_PAIRS};
-use super::{BENDING_LOST, MEASURES};
-use crate::conditions::{Conditions, HUMIDITY_GAP_PERCENT};
+use crate::conditions::{Conditions, HUMIDITY_GAP_PERCENT, volts};
 use crate::laws::facts::RunFacts;
-use crate::tables::{surroundings_text, volts};
 
 /// All that questions are asked of.
 pub struct Asking<'a> {
@@ -89,7 +88,7 @@ impl Asking<'_> {
         let all = self.surroundings(material);
         let known = &self.conditions.surroundings;
         let side = |&at: &usize| Side {
-            name: surroundings_text(&known[at]),
+            name: known[at].text(),
             surroundings: vec![at],
         };
         let (dry, wet): (Vec<usize>, Vec<usize>) = all.iter().partition(|&&at| known[at].is_dry());
@@ -302,7 +301,7 @@ impl Asking<'_> {
             let volt = |k: usize| self.conditions.voltages_v[of.cells[k].1];
             let mut factors = vec![0.0; of.cells.len()];
             (factors[high], factors[low]) = (1.0, -1.0);
-            let name = surroundings_text(&self.conditions.surroundings[at]);
+            let name = self.conditions.surroundings[at].text();
             let names = (format!("{} in {name}", volts(volt(high))), volts(volt(low)));
             let blank = self.blank(Kind::Voltage, material, key, (&names.0, &names.1));
             let is_asked = self.asks(Factor::Voltage) && self.conditions.voltages_v.len() < FEWEST_LEVELS;

@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::*;
+use crate::laws::doubt::Doubts;
 
 /// What a simulated study is like.
 #[derive(Debug, Clone, Copy)]

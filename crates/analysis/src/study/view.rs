@@ -6,8 +6,8 @@ use ieap_domain::words::in_a_row;
 use ieap_show::quantities::{MATERIAL, Quantity};
 use ieap_show::{Block, Chart, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
 
-use super::Study;
 use super::answer::{Answer, Kind, Scale};
+use super::made::Study;
 use super::words::{about, basis, family, lead, shows, symbol, voltages};
 
 const KIND: Quantity = Quantity::plain("question", "Question", "what is compared");

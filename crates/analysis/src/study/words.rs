@@ -6,7 +6,8 @@ use ieap_domain::number::{fixed, rounded_bound, significant, with_sign};
 use ieap_domain::words::{counted, in_a_row};
 
 use super::answer::{Answer, Basis, Kind, Scale, Verdict};
-use super::{BENDING_LOST, BENDING_PER_VOLT, Study};
+use super::made::Study;
+use super::measures::{BENDING_LOST, BENDING_PER_VOLT};
 use crate::false_discovery::CLAIMED_BELOW;
 use crate::laws::words::symbol as of_parameter;
 

@@ -33,7 +33,6 @@ use crate::study;
 
 pub use ieap_show::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use input::TableInput;
-pub(crate) use of_condition::{surroundings_text, volts};
 pub(crate) use of_several::Runs;
 pub use table6::rules;
 

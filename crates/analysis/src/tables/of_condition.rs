@@ -3,8 +3,7 @@
 use super::TableInput;
 use super::extended::shared_notes;
 use super::of_several::Runs;
-use crate::conditions::{Condition, Conditions, Surroundings};
-use ieap_domain::number::fixed;
+use crate::conditions::{Condition, Conditions, Surroundings, volts};
 use ieap_show::quantities::{ENVIRONMENT, HUMIDITY, MATERIAL, VOLTAGE};
 use ieap_show::{Sheet, Value};
 
@@ -50,7 +49,7 @@ impl<'a> OfCondition<'a> {
 
     /// `CNaf, air, 2.0 V`
     pub fn label(&self) -> String {
-        let surroundings = surroundings_text(self.surroundings());
+        let surroundings = self.surroundings().text();
         format!("{}, {surroundings}, {}", self.material(), volts(self.voltage_v()))
     }
 }
@@ -70,37 +69,8 @@ pub fn of_surroundings<'s, 'a: 's, X: 's>(sheet: Sheet<'s, Own<'a, X>>) -> Sheet
         .called(|(of, _)| of.label())
         .made_from(|(of, _)| of.runs.sources())
         .column(ENVIRONMENT, |(of, _)| of.surroundings().environment.clone())
-        .column(HUMIDITY, |(of, _)| humidity_text(of.surroundings()))
+        .column(HUMIDITY, |(of, _)| of.surroundings().humidity_text())
         .column(VOLTAGE, |(of, _)| {
             Value::from(of.voltage_v()).noted(shared_notes(&of.runs))
         })
-}
-
-/// `28–38`; none where no humidity is known.
-pub fn humidity_text(surroundings: &Surroundings) -> Option<String> {
-    let level = surroundings.humidity?;
-    let (low, high) = (fixed(level.low_percent, 0), fixed(level.high_percent, 0));
-    Some(if low == high {
-        low
-    } else {
-        format!("{low}–{high}")
-    })
-}
-
-/// `air`, or `air at 28–38 % RH` where the environment was measured at more than one humidity.
-pub fn surroundings_text(surroundings: &Surroundings) -> String {
-    match (surroundings.humidity_varies, humidity_text(surroundings)) {
-        (true, Some(humidity)) => format!("{} at {humidity} % RH", surroundings.environment),
-        _ => surroundings.environment.clone(),
-    }
-}
-
-/// `2.0 V`
-pub fn volts(voltage_v: f64) -> String {
-    let shortest = format!("{voltage_v}");
-    if shortest.contains('.') {
-        format!("{shortest} V")
-    } else {
-        format!("{shortest}.0 V")
-    }
 }

@@ -1,7 +1,7 @@
 //! Alpha split into stiffness and coupling: alpha = mu / (E I), one row a sample, surroundings and voltage.
 
 use super::TableInput;
-use super::of_condition::{OfCondition, Own, of_surroundings, surroundings_text};
+use super::of_condition::{OfCondition, Own, of_surroundings};
 use super::of_several::Runs;
 use crate::parameters::ParameterInfo;
 use crate::stiffness::{Change, SampleRow, sample_rows};
@@ -66,7 +66,7 @@ pub fn make(input: &TableInput) -> Table {
     };
     let place = |at: usize| {
         let (of, own) = of_row(&rows[at]);
-        let surroundings = surroundings_text(of.surroundings());
+        let surroundings = of.surroundings().text();
         format!("{} in {surroundings}", own.sample)
             .trim_start_matches(" in ")
             .to_owned()

@@ -5,9 +5,8 @@
 //! rule can: docs/tables.md says where it cannot.
 
 use super::TableInput;
-use super::of_condition::{humidity_text, surroundings_text, volts};
 use super::of_several::Runs;
-use crate::conditions::{Conditions, Surroundings, conditions};
+use crate::conditions::{Conditions, DRY_UP_TO_PERCENT, Surroundings, conditions, volts};
 use crate::parameters::ParameterInfo;
 use ieap_domain::number::fixed;
 use ieap_show::quantities::{ENVIRONMENT, HUMIDITY, MATERIAL, Quantity};
@@ -15,11 +14,7 @@ use ieap_show::{Column, Combined, Content, Sheet, Source, Table, Value};
 
 /// Water is not split below this voltage, V.
 pub const WATER_WINDOW_V: f64 = 1.23;
-/// Surroundings up to this humidity (percent) are dry.
-pub const DRY_UP_TO_PERCENT: f64 = 5.0;
 const ASPECT: Quantity = Quantity::plain("aspect", "Aspect", "what is judged");
-/// Environments that hold no water.
-const WATERLESS: [&str; 2] = ["vacuum", "inert"];
 
 /// Classes of a number: words, and the limits between them.
 struct Classes {
@@ -156,7 +151,7 @@ pub fn make(input: &TableInput) -> Table {
         .called(|(place, aspect)| {
             format!(
                 "{}, {}, {}",
-                surroundings_text(place.surroundings()),
+                place.surroundings().text(),
                 aspect.key,
                 place.material()
             )
@@ -164,7 +159,7 @@ pub fn make(input: &TableInput) -> Table {
         .column(ENVIRONMENT, |(place, _)| {
             place.surroundings().environment.as_str()
         })
-        .column(HUMIDITY, |(place, _)| humidity_text(place.surroundings()))
+        .column(HUMIDITY, |(place, _)| place.surroundings().humidity_text())
         .column(ASPECT, |(_, aspect)| aspect.name)
         .column(MATERIAL, |(place, _)| place.material());
     let at_voltages = found.voltages_v.iter().enumerate();
@@ -268,12 +263,12 @@ impl<'a> Place<'a> {
 /// By how much more the laminate conducts in the long run than the same material dry at the same voltage.
 fn excess_conductance(place: &Place) -> Judged {
     const NONE: Interval = Interval { low: 1.0, high: 1.0 };
-    if place.voltage_v().abs() <= WATER_WINDOW_V || is_dry(place.surroundings()) {
+    if place.voltage_v().abs() <= WATER_WINDOW_V || place.surroundings().is_dry() {
         return (Ok(NONE), Runs::new(place.input, place.runs()).sources());
     }
     let (here, mut sources) = place.interval("rss_ohm_cm2");
     let dry_places = (0..place.table.surroundings.len())
-        .filter(|&surroundings| is_dry(&place.table.surroundings[surroundings]))
+        .filter(|&surroundings| place.table.surroundings[surroundings].is_dry())
         .map(|surroundings| Place {
             surroundings,
             ..*place
@@ -295,13 +290,6 @@ fn excess_conductance(place: &Place) -> Judged {
     });
     let excess = here.and_then(|here| Ok(reference?.over(here)));
     (excess, sources)
-}
-
-fn is_dry(surroundings: &Surroundings) -> bool {
-    match surroundings.humidity {
-        Some(level) => level.high_percent <= DRY_UP_TO_PERCENT,
-        None => WATERLESS.contains(&surroundings.environment.as_str()),
-    }
 }
 
 /// (R1 || R2)(C1 + C2), s; the two errors are taken to add up, which they do at worst.

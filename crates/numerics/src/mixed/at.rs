@@ -1,6 +1,6 @@
 //! A mixed model at given variances: its likelihood, what that says of the variances, and what the errors need.
 
-use super::{MixedModel, Unit};
+use super::model::{MixedModel, Unit};
 use crate::dense::Matrix;
 use crate::symmetric::Symmetric;
 
@@ -186,8 +186,8 @@ impl At {
                 block.units.iter().map(both).sum()
             });
             let taken = crossed.times_vector(&random);
-            for k in 0..fixed {
-                right[k] += block.values[k] - taken.get(k).copied().unwrap_or(0.0);
+            for (k, sum) in right.iter_mut().enumerate() {
+                *sum += block.values[k] - taken.get(k).copied().unwrap_or(0.0);
             }
         }
         let normal = normal.symmetric();

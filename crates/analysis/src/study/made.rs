@@ -1,0 +1,269 @@
+//! Asks every question of a study, and judges the answers together.
+
+use std::collections::BTreeMap;
+
+use ieap_domain::{Campaign, Factor, RunRecord, Sample};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::answer::{Answer, Scale, Verdict};
+use super::asking::Asking;
+use super::measured::{Bound, Cell, Measured, Value};
+use super::measures::{BENDING_LOST, BENDING_PER_VOLT, MEASURES};
+use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LOSS_AFTER_S};
+use crate::conditions::{Conditions, conditions_of_materials};
+use crate::false_discovery::{CLAIMED_BELOW, q_values};
+use crate::laws::doubt::Doubts;
+use crate::laws::facts::{RunFacts, facts};
+use crate::laws::values::values;
+use crate::parameters::{COMPARED, usable};
+
+/// What the study asked, with its answers.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Study {
+    /// What is compared.
+    pub compared: Vec<Factor>,
+    /// Whether campaign.toml says so; else it is what the campaign varies.
+    pub is_declared: bool,
+    /// Answers, by material, what the study asked before its details.
+    pub answers: Vec<Answer>,
+}
+
+/// What a study is made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Evidence<'a> {
+    /// Runs that speak, with their fits.
+    pub runs: &'a [RunRecord],
+    /// The campaign.
+    pub campaign: &'a Campaign,
+    /// What findings say against fits.
+    pub doubts: &'a Doubts,
+}
+
+impl Study {
+    /// Asks every question.
+    pub fn of(evidence: Evidence) -> Study {
+        let mut own = evidence.campaign.clone();
+        if own.study.materials_together {
+            let together = |sample: &Sample| Sample {
+                material: ALL_MATERIALS.to_owned(),
+                ..sample.clone()
+            };
+            own.samples = own.samples.iter().map(together).collect();
+            own.materials.clear();
+        }
+        let evidence = Evidence {
+            campaign: &own,
+            ..evidence
+        };
+        let conditions = conditions_of_materials(evidence.runs, evidence.campaign);
+        let facts = facts(evidence.runs, evidence.campaign, &vec![None; evidence.runs.len()]);
+        let declared = &evidence.campaign.study.compare;
+        let compared = if declared.is_empty() {
+            varied(&conditions)
+        } else {
+            declared.clone()
+        };
+        let measured = (0..conditions.materials.len())
+            .flat_map(|material| MEASURES.map(|key| (material, key)))
+            .map(|(material, key)| {
+                (
+                    (material, key),
+                    measure(&evidence, &conditions, &facts, material, key),
+                )
+            })
+            .collect();
+        let asking = Asking {
+            rules: &evidence.campaign.study,
+            compared: &compared,
+            conditions: &conditions,
+            facts: &facts,
+            measured,
+        };
+        let mut answers = asking.answers();
+        judge(&mut answers, evidence.campaign.study.alike_percent);
+        Study {
+            is_declared: !declared.is_empty(),
+            compared,
+            answers,
+        }
+    }
+
+    /// Answers to what the study asked.
+    pub fn asked(&self) -> impl Iterator<Item = &Answer> {
+        self.answers.iter().filter(|answer| answer.is_of_study)
+    }
+
+    /// Materials, in the order of the campaign.
+    pub fn materials(&self) -> Vec<&str> {
+        let mut found: Vec<&str> = Vec::new();
+        for answer in &self.answers {
+            if !found.contains(&answer.material.as_str()) {
+                found.push(&answer.material);
+            }
+        }
+        found
+    }
+}
+
+/// What materials are called where campaign.toml puts them together.
+const ALL_MATERIALS: &str = "all materials";
+
+/// What a campaign varies.
+fn varied(conditions: &Conditions) -> Vec<Factor> {
+    let environments = || conditions.surroundings.iter().map(|own| own.environment.as_str());
+    let levels = conditions
+        .surroundings
+        .iter()
+        .filter(|own| own.humidity_varies)
+        .count();
+    let first = environments().next();
+    [
+        (Factor::Environment, environments().any(|own| Some(own) != first)),
+        (Factor::Humidity, levels > 1),
+        (Factor::Voltage, conditions.voltages_v.len() > 1),
+        (Factor::Material, conditions.materials.len() > 1),
+    ]
+    .into_iter()
+    .filter_map(|(factor, differs)| differs.then_some(factor))
+    .collect()
+}
+
+/// The values of a parameter of a material; none where no run has one, or where values have no logarithm.
+fn measure(
+    evidence: &Evidence,
+    conditions: &Conditions,
+    facts: &[RunFacts],
+    material: usize,
+    key: &'static str,
+) -> Option<Measured> {
+    let mut cell_of: BTreeMap<usize, Cell> = BTreeMap::new();
+    for condition in conditions.measured.iter().filter(|own| own.material == material) {
+        let cell = (condition.surroundings, condition.voltage);
+        cell_of.extend(condition.runs.iter().map(|&run| (run, cell)));
+    }
+    let places: Vec<usize> = (0..facts.len())
+        .filter(|&place| cell_of.contains_key(&facts[place].run))
+        .collect();
+    let cell = |place: usize| cell_of[&facts[place].run];
+    let of = |key: &str| {
+        values(evidence.runs, facts, &places, key).in_doubt(evidence.doubts, evidence.runs, facts)
+    };
+    let mut found = BTreeMap::new();
+    let mut bounds: BTreeMap<Cell, Bound> = BTreeMap::new();
+    match key {
+        BENDING_PER_VOLT => {
+            let (alpha, capacitance) = (of(COMPARED[0]), of(COMPARED[2]));
+            if !alpha.is_log || !capacitance.is_log {
+                return None;
+            }
+            let capacitances: BTreeMap<usize, (f64, f64)> = (capacitance.values.iter())
+                .map(|own| (own.place, (own.y, own.variance)))
+                .collect();
+            for own in &alpha.values {
+                if let Some((y, variance)) = capacitances.get(&own.place) {
+                    found.insert(own.place, (own.y + y, own.variance + variance));
+                }
+            }
+        }
+        BENDING_LOST => {
+            let lambda = of(COMPARED[1]);
+            for own in lambda.values.iter().filter(|_| lambda.is_log) {
+                let kept = (-LOSS_AFTER_S * own.y.exp()).exp();
+                let slope = 100.0 * LOSS_AFTER_S * own.y.exp() * kept;
+                found.insert(own.place, (100.0 * (1.0 - kept), slope * slope * own.variance));
+            }
+            // A bound on lambda is a range of what is lost, evenly likely.
+            for place in lambda.left_out {
+                if let Some(below) = bound(evidence, facts, place, COMPARED[1]).below {
+                    let most = 100.0 * (1.0 - (-LOSS_AFTER_S * below.exp()).exp());
+                    found.insert(place, (0.5 * most, most * most / 12.0));
+                }
+            }
+        }
+        _ => {
+            let own = of(key);
+            if !own.is_log {
+                return None;
+            }
+            found.extend(own.values.iter().map(|own| (own.place, (own.y, own.variance))));
+            for place in own.left_out {
+                let own = bound(evidence, facts, place, key);
+                let entry = bounds.entry(cell(place)).or_default();
+                entry.below = own.below.or(entry.below);
+                entry.above = own.above.or(entry.above);
+            }
+        }
+    }
+    let mut samples: Vec<&str> = found.keys().map(|&place| facts[place].sample.as_str()).collect();
+    samples.sort_unstable();
+    samples.dedup();
+    let value = |(&place, &(y, variance)): (&usize, &(f64, f64))| Value {
+        place,
+        sample: samples.binary_search(&facts[place].sample.as_str()).unwrap_or(0),
+        cell: cell(place),
+        humidity_percent: humidity_percent(&facts[place]),
+        y,
+        variance,
+    };
+    let known: Vec<Value> = found.iter().map(value).collect();
+    bounds.retain(|cell, _| known.iter().all(|value| value.cell != *cell));
+    let surroundings = conditions.surroundings.iter().enumerate();
+    let dry: Vec<usize> = surroundings
+        .filter(|(_, own)| own.is_dry())
+        .map(|(at, _)| at)
+        .collect();
+    let stated = evidence
+        .campaign
+        .study
+        .scatter_percent
+        .map(|percent| (percent / 100.0).powi(2));
+    let has_any = !known.is_empty() || !bounds.is_empty();
+    has_any.then(|| Measured::new(known, bounds, &dry, stated.filter(|_| key != BENDING_LOST)))
+}
+
+fn humidity_percent(fact: &RunFacts) -> Option<f64> {
+    let known = fact.numbers.get(&crate::laws::Covariate::RelativeHumidity)?;
+    Some(known.value)
+}
+
+/// What a fit that gives no value leaves: logarithms.
+fn bound(evidence: &Evidence, facts: &[RunFacts], place: usize, key: &str) -> Bound {
+    let run = &evidence.runs[facts[place].run];
+    let end = |of: Option<f64>| of.filter(|end| *end > 0.0).map(f64::ln);
+    // Of a value whose error is not known the ends say nothing.
+    let estimate = usable(run, key).filter(|own| own.value.is_none() || own.at_bound);
+    let estimate = estimate.and_then(|own| evidence.doubts.widened(&run.path, key, own));
+    Bound {
+        below: estimate.as_ref().and_then(|own| end(own.high_95)),
+        above: estimate.as_ref().and_then(|own| end(own.low_95)),
+    }
+}
+
+/// Fills in the q of every answer, by families, and what it shows.
+fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
+    for is_of_study in [true, false] {
+        let mut family: Vec<&mut Answer> = answers
+            .iter_mut()
+            .filter(|own| own.is_of_study == is_of_study && own.p.is_some())
+            .collect();
+        let p: Vec<f64> = family.iter().filter_map(|own| own.p).collect();
+        for (own, q) in family.iter_mut().zip(q_values(&p)) {
+            own.q = Some(q);
+        }
+    }
+    for own in answers.iter_mut() {
+        let least = match own.scale {
+            Scale::Points => ALIKE_POINTS,
+            Scale::Ratio | Scale::PerUnit => alike_percent.unwrap_or(ALIKE_PERCENT),
+        };
+        own.verdict = match own.q {
+            Some(q) if q <= CLAIMED_BELOW => Verdict::Differs,
+            _ if own.no_more_than.is_some_and(|most| most <= least) => Verdict::Alike,
+            Some(_) => Verdict::Open,
+            None if own.at_least.is_some() || own.at_most.is_some() => Verdict::Bound,
+            None if own.value.is_some() => Verdict::Open,
+            None => Verdict::NotTold,
+        };
+    }
+}

@@ -1,0 +1,44 @@
+//! What a mixed model is made of.
+
+/// A reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Its value.
+    pub value: f64,
+    /// What is known of its variance; 0 where nothing is.
+    pub variance: f64,
+}
+
+/// Readings of one block that have the same row in `X` and in `Z`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unit {
+    /// Which block: readings of different blocks share nothing that is left to chance.
+    pub block: usize,
+    /// Row of `X`.
+    pub fixed: Vec<f64>,
+    /// Row of `Z`: the columns of all components, those of a block only.
+    pub random: Vec<f64>,
+    /// Its readings, one at least.
+    pub readings: Vec<Reading>,
+}
+
+/// The model.
+#[derive(Debug, Clone)]
+pub struct MixedModel {
+    /// Readings.
+    pub units: Vec<Unit>,
+    /// To which component each column of `Z` belongs, from 0.
+    pub component_of: Vec<usize>,
+}
+
+impl MixedModel {
+    /// Number of readings.
+    pub fn readings(&self) -> usize {
+        self.units.iter().map(|unit| unit.readings.len()).sum()
+    }
+
+    /// Number of components.
+    pub fn components(&self) -> usize {
+        self.component_of.iter().map(|of| of + 1).max().unwrap_or(0)
+    }
+}
