@@ -4,11 +4,13 @@ use ieap_domain::Factor;
 use ieap_domain::number::significant;
 use ieap_domain::words::in_a_row;
 use ieap_show::quantities::{MATERIAL, Quantity};
-use ieap_show::{Block, Chart, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
+use ieap_show::{Block, Chart, Column, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
 
 use super::answer::{Answer, Kind, Scale};
 use super::made::Study;
-use super::words::{about, basis, family, lead, shows, symbol, voltages};
+use super::measures::BENDING_PER_VOLT;
+use super::words::{about, basis, by_fits, family, lead, shows, symbol, voltages};
+use crate::conditions::volts;
 
 const KIND: Quantity = Quantity::plain("question", "Question", "what is compared");
 const PARAMETER: Quantity = Quantity::plain("parameter", "Parameter", "parameter");
@@ -83,7 +85,7 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         .column(MATERIAL, material)
         .column(PARAMETER, |own| symbol(own.parameter))
         .column(UPPER, |own| own.upper.clone())
-        .column(LOWER, |own| own.lower.clone())
+        .column(LOWER, |own| (!own.lower.is_empty()).then(|| own.lower.clone()))
         .column(VOLTAGES, |own| voltages(&own.voltages_v))
         .column(NUMBER, |own| own.estimate())
         .column(INTERVAL, |own| ends((own.low_95, own.high_95)))
@@ -99,44 +101,73 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         .over(answers)
 }
 
-/// The same on the page, which says beside it what intervals rest on and what changed with what.
+/// The same on the page, which says beside it what is compared, what intervals rest on and what changed with what.
 fn on_page<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
-    table(answers).without(&[BASIS.key, SAMPLES.key, RUNS.key, ALSO.key])
+    let beside = [KIND, VOLTAGES, MOST, BASIS, SAMPLES, RUNS, ALSO];
+    table(answers).without(&beside.map(|own| own.key))
 }
 
-/// The page: the answer of each material in a line, its pictures, then the tables.
+/// Environments at each voltage, by the fits alone: a row a parameter and pair, a column a voltage.
+fn at_each_voltage(study: &Study) -> Option<Table> {
+    let single = |own: &&Answer| {
+        own.kind == Kind::Environment && own.voltages_v.len() == 1 && own.scale == Scale::Ratio
+    };
+    let same = |a: &Answer, b: &Answer| {
+        (&a.material, a.parameter, &a.upper, &a.lower) == (&b.material, b.parameter, &b.upper, &b.lower)
+    };
+    let all: Vec<&Answer> = study
+        .answers
+        .iter()
+        .filter(single)
+        .filter(|own| own.parameter != BENDING_PER_VOLT)
+        .collect();
+    let mut rows: Vec<Vec<&Answer>> = Vec::new();
+    for own in &all {
+        match rows.iter_mut().find(|row| same(row[0], own)) {
+            Some(row) => row.push(own),
+            None => rows.push(vec![own]),
+        }
+    }
+    let mut voltages_v: Vec<f64> = all.iter().map(|own| own.voltages_v[0]).collect();
+    voltages_v.sort_by(f64::total_cmp);
+    voltages_v.dedup();
+    let sheet = Sheet::<Vec<&Answer>>::new("at-each-voltage", "Environments at each voltage, by the errors of the fits alone", 4)
+        .remarks("What would undo a difference, and the interval with the scatter from run to run, `ieap table contrasts` has.", "")
+        .column(MATERIAL, |row| row[0].material.clone())
+        .column(PARAMETER, |row| symbol(row[0].parameter))
+        .column(UPPER, |row| row[0].upper.clone())
+        .column(LOWER, |row| row[0].lower.clone());
+    let sheet = voltages_v.iter().fold(sheet, |sheet, &voltage_v| {
+        let head = Column::plain(
+            &format!("at_{voltage_v}_v"),
+            &volts(voltage_v),
+            "at this step voltage",
+        );
+        sheet.column_under(head, move |row| {
+            row.iter()
+                .find(|own| own.voltages_v[0] == voltage_v)
+                .map(|own| by_fits(own))
+        })
+    });
+    (!rows.is_empty()).then(|| sheet.over(rows))
+}
+
+/// The page: the first answer of each material, their pictures, the other answers, then the tables.
 pub fn view(study: &Study) -> Vec<Block> {
     let asked: Vec<&Answer> = study.asked().collect();
-    let mut blocks: Vec<Block> = study
-        .materials()
-        .iter()
-        .flat_map(|material| lead(study, material))
-        .map(Block::Say)
-        .collect();
+    let mut blocks = answers(study, usize::MAX);
     blocks.push(Block::Say(design(study)));
-    blocks.extend(
-        study
-            .materials()
-            .iter()
-            .filter_map(|material| chart(study, material))
-            .map(Block::Chart),
-    );
     blocks.extend(causes(&asked));
-    let table = |answers: Vec<&Answer>| Block::Table(on_page(answers));
-    blocks.push(Block::part("What the study asked", vec![table(asked.clone())]));
-    let (each, others): (Vec<&Answer>, Vec<&Answer>) = (study.answers.iter())
-        .filter(|own| !own.is_of_study)
-        .partition(|own| own.kind == Kind::Environment);
-    for (title, details) in [
-        ("Environments at each voltage", each),
-        ("Voltages, materials and ratios of ratios", others),
-    ] {
-        if !details.is_empty() {
-            blocks.push(Block::part(title, vec![table(details)]));
-        }
+    let table = Block::Table(on_page(asked.iter().copied()));
+    blocks.push(Block::part("What the study asked", vec![table]));
+    if let Some(each) = at_each_voltage(study) {
+        blocks.push(Block::part("At each voltage", vec![Block::Table(each)]));
     }
     let mut how: Vec<Block> = basis(&asked).into_iter().map(Block::Say).collect();
     how.push(Block::Say(family(study)));
+    how.push(Block::say(
+        "Every answer, with voltages, materials and ratios of ratios, is in `ieap table contrasts`.",
+    ));
     blocks.push(Block::part("How sure this is", how));
     blocks
 }
@@ -170,21 +201,33 @@ fn causes(asked: &[&Answer]) -> Option<Block> {
         .then(|| Block::part("What else changed", std::iter::once(head).chain(said).collect()))
 }
 
-/// What the overview says first: the answer of each material in a line, and the picture of its first question.
+/// What the overview says first: the answers of each material in a line each, with pictures.
 pub fn overview(study: &Study) -> Vec<Block> {
-    if !is_told(study) {
-        return Vec::new();
+    if is_told(study) {
+        answers(study, MOST_DRAWN)
+    } else {
+        Vec::new()
     }
+}
+
+/// The first answer of each material, so many pictures, the other answers.
+fn answers(study: &Study, drawn: usize) -> Vec<Block> {
     let materials = study.materials();
-    let said = materials
+    let lines: Vec<Vec<String>> = materials.iter().map(|material| lead(study, material)).collect();
+    let first = lines
         .iter()
-        .flat_map(|material| lead(study, material))
+        .filter_map(|own| own.first().cloned())
         .map(Block::Say);
-    let drawn = materials
+    let charts = materials
         .iter()
         .filter_map(|material| chart(study, material))
-        .take(MOST_DRAWN);
-    said.chain(drawn.map(Block::Chart)).collect()
+        .take(drawn)
+        .map(Block::Chart);
+    let others = lines
+        .iter()
+        .flat_map(|own| own.iter().skip(1).cloned())
+        .map(Block::Say);
+    first.chain(charts).chain(others).collect()
 }
 
 /// What was compared, and who said so.

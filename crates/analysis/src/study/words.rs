@@ -68,6 +68,14 @@ fn brackets(low: f64, high: f64) -> String {
     format!("{}, {}", significant(low, 3), significant(high, 3))
 }
 
+/// A ratio with its interval by the errors of the fits alone: `3.48 [3.43, 3.53]`.
+pub fn by_fits(answer: &Answer) -> String {
+    match (answer.value, answer.fits_low_95.zip(answer.fits_high_95)) {
+        (Some(value), Some((low, high))) => format!("{} [{}]", significant(value, 3), brackets(low, high)),
+        _ => number(answer).replace("× ", ""),
+    }
+}
+
 /// Unit of what a law follows.
 pub fn unit(answer: &Answer) -> &'static str {
     match answer.kind {

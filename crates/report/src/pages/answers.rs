@@ -17,6 +17,7 @@ use crate::site::Site;
 use ieap_analysis::laws::Dependence;
 use ieap_analysis::laws::words;
 use ieap_analysis::monitoring::forecasts::{Dates, forecasts};
+use ieap_analysis::study;
 use ieap_domain::GroupDiagnosis;
 use ieap_domain::finding_words::{causes, proof};
 
@@ -68,13 +69,13 @@ pub fn answers(site: &Site, figures: &mut BTreeMap<String, String>) -> Result<An
     Ok(answers)
 }
 
-/// The strongest law of what surrounds or drives the strip; else what follows use; else when a limit is reached.
+/// The strongest law of what surrounds or drives the strip; else, without a study, what follows use; else when a limit is
+/// reached.
 fn shows(site: &Site, claimed: &[&Dependence]) -> Option<Said> {
+    // Where the study has answers, what follows cycle or order heads no page: it may be the same difference.
+    let has_study = study::view::is_told(&site.input.study);
     let first = claimed.first();
-    if let Some(found) = first.filter(|found| found.covariate.remoteness() == 0) {
-        return Some(Said::new(law_words(found), "humidity.html", "all laws"));
-    }
-    if let Some(found) = first {
+    if let Some(found) = first.filter(|found| found.covariate.remoteness() == 0 || !has_study) {
         return Some(Said::new(law_words(found), "humidity.html", "all laws"));
     }
     let dates = Dates::of(&site.input.campaign, &site.input.runs);
