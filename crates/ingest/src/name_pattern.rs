@@ -1,4 +1,4 @@
-//! Tags from file names: `{sample}_{environment}_rh{relative_humidity_percent}_{voltage_v}V_{cycle}`.
+//! Tags from file names: `{sample}_{environment}_rh{relative_humidity_percent}_{voltage_v}V_{cycle}`; `{_}` ignores a word.
 
 mod propose;
 mod words;
@@ -48,6 +48,9 @@ pub enum PatternError {
     #[error("it holds no placeholder; write at least one tag key in braces, such as `{{sample}}`")]
     NoPlaceholder,
 }
+
+/// The placeholder of a word that is ignored.
+const IGNORED: &str = "_";
 
 /// One piece of a pattern.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -115,17 +118,16 @@ impl NamePattern {
         if !literal.is_empty() {
             parts.push(Part::Literal(literal));
         }
-        if !parts.iter().any(|part| matches!(part, Part::Tag(_))) {
-            return Err(PatternError::NoPlaceholder);
-        }
-        Ok(NamePattern { parts })
+        let pattern = NamePattern { parts };
+        let has_key = pattern.keys().next().is_some();
+        has_key.then_some(pattern).ok_or(PatternError::NoPlaceholder)
     }
 
-    /// The placeholders' keys in the pattern's order.
+    /// The placeholders' keys in the pattern's order, without ignored words.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         self.parts.iter().filter_map(|part| match part {
-            Part::Tag(key) => Some(key.as_str()),
-            Part::Literal(_) => None,
+            Part::Tag(key) if key != IGNORED => Some(key.as_str()),
+            _ => None,
         })
     }
 
@@ -190,7 +192,7 @@ fn check_key(key: &str, before: &[Part]) -> Result<(), PatternError> {
             found: key.to_owned(),
         });
     }
-    if before.contains(&Part::Tag(key.to_owned())) {
+    if key != IGNORED && before.contains(&Part::Tag(key.to_owned())) {
         return Err(PatternError::Twice { key: key.to_owned() });
     }
     match before.last() {
@@ -255,6 +257,8 @@ impl<'a> Search<'a> {
         let ids = match key {
             keys::SAMPLE => self.known.samples,
             keys::ENVIRONMENT => self.known.environments,
+            // A word ends at the next sign that separates words, so that several of them are read in one way.
+            IGNORED => return !text.is_empty() && !text.contains(['_', '-', ' ']),
             keys::CYCLE => return !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit()),
             key if keys::NUMERIC.contains(&key) => return is_plain_number(text),
             _ => &[],
@@ -282,7 +286,9 @@ impl<'a> Search<'a> {
             if found.len() == MOST_READINGS {
                 return;
             }
-            if let Part::Tag(key) = &self.parts[part] {
+            if let Part::Tag(key) = &self.parts[part]
+                && key != IGNORED
+            {
                 so_far.push((key.clone(), self.stem[start..end].to_owned()));
                 self.walk(part + 1, end, so_far, found);
                 so_far.pop();

@@ -103,7 +103,7 @@ title = {id}                            # what stands above the report
 
 [runs]
 folder = "runs"                          # every file in it and below it is looked at
-# Reads tags from file names, here CNaf-01_air_rh34_2.5V_1.csv:
+# Reads tags from file names, here CNaf-01_air_rh34_2.5V_1.csv; {{_}} ignores a word:
 # name_pattern = "{{sample}}_{{environment}}_rh{{relative_humidity_percent}}_{{voltage_v}}V_{{cycle}}"
 
 # [dma]

@@ -25,6 +25,23 @@ fn one(values: &[(&str, &str)]) -> NameMatch {
 }
 
 #[test]
+fn an_ignored_word_is_no_tag_and_may_stand_often() {
+    let pattern = "{_}_{sample}_{_}_{voltage_v}V";
+    assert_eq!(
+        read(pattern, "20261126_CNaf-01_operator3_2.5V"),
+        one(&[("sample", "CNaf-01"), ("voltage_v", "2.5")])
+    );
+    assert_eq!(read("{_}_{sample}", "two words_CNaf-01"), NameMatch::None);
+    let keys: Vec<String> = NamePattern::compile(pattern)
+        .unwrap()
+        .keys()
+        .map(str::to_owned)
+        .collect();
+    assert_eq!(keys, ["sample", "voltage_v"]);
+    assert_eq!(NamePattern::compile("{_}_x"), Err(PatternError::NoPlaceholder));
+}
+
+#[test]
 fn the_contract_pattern_reads_its_names() {
     let expected = |sample, environment, humidity, voltage, cycle| {
         one(&[
