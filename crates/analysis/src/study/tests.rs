@@ -396,3 +396,23 @@ fn a_law_of_the_humidity_is_found_within_an_environment() {
     );
     assert!(words::number(law).ends_with("per % RH"), "{}", words::number(law));
 }
+
+/// `cargo test -p ieap-analysis --release --lib study::tests::ten -- --include-ignored --nocapture`
+#[test]
+#[ignore = "a measurement: says how long the answers of a large campaign take"]
+fn ten_thousand_runs() {
+    let design = Design {
+        samples: 20,
+        voltages: 4,
+        repeats: 21,
+        ..BALANCED
+    };
+    let (runs, campaign) = simulated(design, two_effects, 7);
+    let started = std::time::Instant::now();
+    let study = Study::of(Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Doubts::default(),
+    });
+    println!("{} runs, {} answers: {:?}", runs.len(), study.answers.len(), started.elapsed());
+}
