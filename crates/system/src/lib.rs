@@ -1,7 +1,7 @@
 //! What the program asks of the operating system: files, folders and the time.
 //!
 //! [`fs`] has the names of `std::fs` and does what that does. A test puts a [`FaultInjector`] behind it for the thread that works
-//! ([`within`]): the world is asked before each call and may refuse it, as a disk does, or end the program there, as a loss
+//! ([`with_fs`]): the world is asked before each call and may refuse it, as a disk does, or end the program there, as a loss
 //! of power does. What SQLite does with its own files does not pass here.
 
 pub mod fs;

@@ -206,6 +206,7 @@ mod tests {
             series,
             study,
             other_axes: Vec::new(),
+            brought: Vec::new(),
             limit: None,
             left_out: 0,
         }

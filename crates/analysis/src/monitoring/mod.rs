@@ -1,6 +1,7 @@
 //! Long-term monitoring: parameters in the reference condition over the life of each sample, their trends, charts and
 //! alarms, and what of a change comes back with the air.
 
+mod at_reference;
 pub mod charts;
 mod course;
 #[cfg(test)]
@@ -108,6 +109,7 @@ pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> 
         monitoring.why_not = why_not;
         return monitoring;
     }
+    monitoring.split.extend(words::brought(&monitoring.watched));
     monitoring.alarms = events::alarms(runs, campaign, &monitoring.watched);
     monitoring.reference = Some(reference);
     monitoring
@@ -141,10 +143,11 @@ fn watch(
     (key, chart_limit): (&str, f64),
 ) -> Option<Watched> {
     let facts = &laws.facts;
-    let found = values(runs, facts, places, key).in_doubt_of_one_series(&laws.doubts, runs, facts);
+    let mut found = values(runs, facts, places, key).in_doubt_of_one_series(&laws.doubts, runs, facts);
     if found.values.len() < policy::FEWEST_RUNS {
         return None;
     }
+    let brought = at_reference::bring(&mut found, facts, laws, &facts[places[0]].material);
     let axes: Vec<Covariate> = Covariate::OF_AGE
         .into_iter()
         .filter(|axis| {
@@ -223,6 +226,7 @@ fn watch(
         series,
         study,
         other_axes,
+        brought,
         limit,
         left_out: found.left_out.len(),
     })

@@ -26,6 +26,8 @@ pub struct Watched {
     pub study: Study,
     /// The best law over every other axis that is known and over which one is shown.
     pub other_axes: Vec<(Covariate, Fitted)>,
+    /// The humidity and the temperature to which its values were brought by a law.
+    pub brought: Vec<(Covariate, f64)>,
     /// The limit that holds for it, with when it is reached.
     pub limit: Option<(Limit, Reaches)>,
     /// Runs that give a bound or nothing.

@@ -393,6 +393,27 @@ pub(super) fn limit_alarm(watched: &Watched, limit: &Limit) -> String {
     )
 }
 
+/// Which values are shown at one humidity and one temperature, by the laws that say how.
+pub fn brought(watched: &[Watched]) -> Vec<String> {
+    let mut said: Vec<String> = Vec::new();
+    for own in watched.iter().filter(|own| !own.brought.is_empty()) {
+        let to = own
+            .brought
+            .iter()
+            .map(|(covariate, at)| format!("{}\u{a0}{}", fixed(*at, 0), covariate.unit()));
+        let text = format!(
+            "{} of {}: values are brought to {} by their law, so that seasons raise no alarm.",
+            symbol(&own.parameter),
+            own.sample,
+            in_a_row(&to.collect::<Vec<_>>())
+        );
+        if !said.contains(&text) {
+            said.push(text);
+        }
+    }
+    said
+}
+
 /// What of the changes over the campaign comes back with the humidity, and what is age, where a design allows to say:
 /// of every parameter that follows either.
 pub fn split(laws: &CampaignLaws) -> Vec<String> {

@@ -414,5 +414,10 @@ fn ten_thousand_runs() {
         campaign: &campaign,
         doubts: &Doubts::default(),
     });
-    println!("{} runs, {} answers: {:?}", runs.len(), study.answers.len(), started.elapsed());
+    println!(
+        "{} runs, {} answers: {:?}",
+        runs.len(),
+        study.answers.len(),
+        started.elapsed()
+    );
 }
