@@ -82,58 +82,95 @@ impl Asking<'_> {
         found
     }
 
-    /// Pairs of surroundings. Where some are dry and some are not, the study asks whether the dry ones are alike, and what
-    /// the others do against them; else each is held against the first.
-    fn pairs(&self, material: usize) -> Vec<Pair> {
+    /// Sides that the study compares: surroundings, or an environment as a whole where a law answers what its humidity does.
+    fn sides(&self, material: usize) -> Vec<Side> {
         let all = self.surroundings(material);
         let known = &self.conditions.surroundings;
-        let side = |&at: &usize| Side {
-            name: known[at].text(),
-            surroundings: vec![at],
+        let middle = |at: usize| {
+            known[at]
+                .humidity
+                .map(|level| 0.5 * (level.low_percent + level.high_percent))
         };
-        let (dry, wet): (Vec<usize>, Vec<usize>) = all.iter().partition(|&&at| known[at].is_dry());
+        let levels: Vec<f64> = all.iter().filter_map(|&at| middle(at)).collect();
+        let has_law = self.asks(Factor::Humidity) && count_levels(levels) >= FEWEST_LEVELS;
+        let mut sides: Vec<Side> = Vec::new();
+        for at in all {
+            let name = if has_law {
+                known[at].environment.clone()
+            } else {
+                known[at].text()
+            };
+            match sides.iter_mut().find(|side| side.name == name) {
+                Some(side) => side.surroundings.push(at),
+                None => sides.push(Side {
+                    name,
+                    surroundings: vec![at],
+                }),
+            }
+        }
+        sides
+    }
+
+    /// Pairs of sides. Where some are dry and some are not, the study asks whether the dry ones are alike, and what the others
+    /// do against them; else each is held against the first. Surroundings are held against each other as details.
+    fn pairs(&self, material: usize) -> Vec<Pair> {
+        let known = &self.conditions.surroundings;
         let asks = self.asks(Factor::Environment) || self.asks(Factor::Humidity);
         let mut pairs: Vec<Pair> = Vec::new();
-        let mut add = |upper: Side, lower: Side, is_of_study| {
-            let is_new = pairs.iter().all(|own| own.upper != upper || own.lower != lower);
+        let mut add = |upper: &Side, lower: &Side, is_of_study| {
+            let is_new = pairs.iter().all(|own| own.upper != *upper || own.lower != *lower);
             if is_new {
                 pairs.push(Pair {
-                    upper,
-                    lower,
+                    upper: upper.clone(),
+                    lower: lower.clone(),
                     is_of_study,
                 });
             }
         };
-        if dry.len() > 1 && !wet.is_empty() {
-            let names: Vec<String> = dry.iter().map(|at| side(at).name).collect();
-            let together = Side {
-                name: format!("dry ({})", names.join(", ")),
-                surroundings: dry.clone(),
-            };
-            wet.iter().for_each(|at| add(side(at), together.clone(), asks));
-            dry[1..].iter().for_each(|at| add(side(at), side(&dry[0]), asks));
-        } else {
-            all.iter()
-                .skip(1)
-                .for_each(|at| add(side(at), side(&all[0]), asks));
+        let is_dry = |side: &Side| side.surroundings.iter().all(|&at| known[at].is_dry());
+        let (dry, wet): (Vec<Side>, Vec<Side>) = self.sides(material).into_iter().partition(is_dry);
+        match &dry[..] {
+            [first, others @ ..] if !others.is_empty() && !wet.is_empty() => {
+                let names: Vec<&str> = dry.iter().map(|side| side.name.as_str()).collect();
+                let together = Side {
+                    name: format!("dry ({})", names.join(", ")),
+                    surroundings: dry.iter().flat_map(|side| side.surroundings.clone()).collect(),
+                };
+                wet.iter().for_each(|side| add(side, &together, asks));
+                others.iter().for_each(|side| add(side, first, asks));
+            }
+            _ => {
+                let all = self.sides(material);
+                all.iter().skip(1).for_each(|side| add(side, &all[0], asks));
+            }
         }
+        let all = self.surroundings(material);
+        let side = |&at: &usize| Side {
+            name: known[at].text(),
+            surroundings: vec![at],
+        };
         for (k, lower) in all.iter().enumerate() {
             let is_shown = k == 0 || all.len() <= MOST_FOR_ALL_PAIRS;
-            all[k + 1..]
-                .iter()
-                .filter(|_| is_shown)
-                .for_each(|at| add(side(at), side(lower), false));
+            let others = all[k + 1..].iter().filter(|_| is_shown);
+            others.for_each(|at| add(&side(at), &side(lower), false));
         }
         pairs
     }
 
     /// Voltages at which both sides have a value in all of their surroundings.
     fn shared(&self, of: &Measured, upper: &Side, lower: &Side) -> Vec<usize> {
-        let has =
-            |side: &Side, voltage: usize| side.surroundings.iter().all(|&at| of.at((at, voltage)).is_some());
-        (0..self.conditions.voltages_v.len())
-            .filter(|&voltage| has(upper, voltage) && has(lower, voltage))
-            .collect()
+        let is_known = |at: usize, voltage: usize| of.at((at, voltage)).is_some();
+        let has = |side: &Side, voltage| side.surroundings.iter().all(|&at| is_known(at, voltage));
+        let some = |side: &Side, voltage| side.surroundings.iter().any(|&at| is_known(at, voltage));
+        let at = |is_in: &dyn Fn(&Side, usize) -> bool| -> Vec<usize> {
+            let all = 0..self.conditions.voltages_v.len();
+            all.filter(|&voltage| is_in(upper, voltage) && is_in(lower, voltage))
+                .collect()
+        };
+        // An environment that has none at which all of its humidities were measured is compared by those that were.
+        Some(at(&has))
+            .filter(|found| !found.is_empty())
+            .unwrap_or_else(|| at(&some))
     }
 
     /// Factors of the mean of one side less that of the other at these voltages; each over its own voltages where the study
@@ -282,35 +319,28 @@ impl Asking<'_> {
         Some(self.answer(&terms, &shared, is_asked, blank))
     }
 
-    /// Highest against lowest voltage in each surroundings, and the law over all voltages.
+    /// Highest against lowest voltage in each surroundings; over all of them the law of three voltages and more, else the ratio.
     fn voltages(&self, material: usize, key: &'static str) -> Vec<Answer> {
         let Some(of) = self.measured(material, key) else {
             return Vec::new();
         };
-        let mut found = Vec::new();
-        let mut slopes: Vec<Vec<f64>> = Vec::new();
+        let asks = self.asks(Factor::Voltage);
+        let volt = |k: usize| self.conditions.voltages_v[of.cells[k].1];
+        let (mut found, mut slopes, mut steps) = (Vec::new(), Vec::new(), Vec::new());
         let mut used: Vec<usize> = Vec::new();
         for at in self.surroundings(material) {
             let cells: Vec<usize> = (0..of.cells.len()).filter(|&k| of.cells[k].0 == at).collect();
-            let (Some(&low), Some(&high)) = (cells.first(), cells.last()) else {
+            let [low, .., high] = cells[..] else {
                 continue;
             };
-            if low == high {
-                continue;
-            }
-            let volt = |k: usize| self.conditions.voltages_v[of.cells[k].1];
             let mut factors = vec![0.0; of.cells.len()];
             (factors[high], factors[low]) = (1.0, -1.0);
             let name = self.conditions.surroundings[at].text();
             let names = (format!("{} in {name}", volts(volt(high))), volts(volt(low)));
             let blank = self.blank(Kind::Voltage, material, key, (&names.0, &names.1));
-            let is_asked = self.asks(Factor::Voltage) && self.conditions.voltages_v.len() < FEWEST_LEVELS;
-            found.push(self.answer(
-                &[Term { of, factors }],
-                &[of.cells[low].1, of.cells[high].1],
-                is_asked,
-                blank,
-            ));
+            let ends = [of.cells[low].1, of.cells[high].1];
+            steps.push(factors.clone());
+            found.push(self.answer(&[Term { of, factors }], &ends, false, blank));
             if cells.len() >= FEWEST_LEVELS {
                 let mean = cells.iter().map(|&k| volt(k)).sum::<f64>() / cells.len() as f64;
                 let square: f64 = cells.iter().map(|&k| (volt(k) - mean).powi(2)).sum();
@@ -320,18 +350,17 @@ impl Asking<'_> {
                 used.extend(cells.iter().map(|&k| of.cells[k].1));
             }
         }
-        if let Some(first) = slopes.first() {
-            let count = slopes.len() as f64;
-            let factors = (0..first.len())
-                .map(|k| slopes.iter().map(|slope| slope[k]).sum::<f64>() / count)
-                .collect();
+        if let Some(factors) = mean_of(&slopes) {
             used.sort_unstable();
             used.dedup();
             let blank = Answer {
                 span: span(used.iter().map(|&at| self.conditions.voltages_v[at])),
                 ..self.blank(Kind::VoltageLaw, material, key, ("voltage", ""))
             };
-            found.push(self.answer(&[Term { of, factors }], &used, self.asks(Factor::Voltage), blank));
+            found.push(self.answer(&[Term { of, factors }], &used, asks, blank));
+        } else if let ([low, high], Some(factors)) = (&self.conditions.voltages_v[..], mean_of(&steps)) {
+            let blank = self.blank(Kind::Voltage, material, key, (&volts(*high), &volts(*low)));
+            found.push(self.answer(&[Term { of, factors }], &[0, 1], asks, blank));
         }
         found
     }
@@ -607,7 +636,11 @@ impl Asking<'_> {
 
 /// Levels of humidity among some values.
 fn humidity_levels(values: &[&Value]) -> usize {
-    let mut all: Vec<f64> = values.iter().filter_map(|own| own.humidity_percent).collect();
+    count_levels(values.iter().filter_map(|own| own.humidity_percent).collect())
+}
+
+/// Levels among some humidities, percent.
+fn count_levels(mut all: Vec<f64>) -> usize {
     all.sort_by(f64::total_cmp);
     let gaps = all
         .windows(2)
@@ -619,4 +652,15 @@ fn humidity_levels(values: &[&Value]) -> usize {
 fn span(of: impl Iterator<Item = f64> + Clone) -> Option<f64> {
     let (low, high) = (of.clone().reduce(f64::min)?, of.reduce(f64::max)?);
     Some(high - low)
+}
+
+/// The mean of some combinations; none of none.
+fn mean_of(all: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let count = all.len() as f64;
+    let first = all.first()?;
+    Some(
+        (0..first.len())
+            .map(|k| all.iter().map(|own| own[k]).sum::<f64>() / count)
+            .collect(),
+    )
 }

@@ -385,6 +385,13 @@ fn a_law_of_the_humidity_is_found_within_an_environment() {
         doubts: &Doubts::default(),
     });
     assert_eq!(study.compared, [Factor::Humidity]);
+    // What the law answers is not asked pair by pair as well.
+    assert!(
+        study.asked().all(|own| own.kind == Kind::HumidityLaw),
+        "{:?}",
+        lead(&study, "CNaf")
+    );
+    assert!(study.answers.iter().any(|own| own.kind == Kind::Environment));
     let law = study
         .asked()
         .find(|own| own.kind == Kind::HumidityLaw && own.parameter == KEYS[1])
