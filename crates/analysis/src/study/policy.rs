@@ -7,8 +7,8 @@ pub const ALIKE_PERCENT: f64 = 25.0;
 pub const ALIKE_POINTS: f64 = 15.0;
 /// Levels that a law needs: through two goes any law.
 pub const FEWEST_LEVELS: usize = 3;
-/// Surroundings up to which every pair is compared; of more, each with the first. Chosen: ten pairs can be read.
-pub const MOST_FOR_ALL_PAIRS: usize = 5;
+/// Surroundings up to which every pair is compared; of more, each with the first. Chosen: six pairs can be read.
+pub const MOST_FOR_ALL_PAIRS: usize = 4;
 /// Degrees of freedom from which what single runs leave is a scatter: of one the interval reaches 13 standard errors and says
 /// nothing. Chosen.
 pub const FEWEST_FREEDOM: usize = 2;

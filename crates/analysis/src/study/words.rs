@@ -2,7 +2,7 @@
 
 use ieap_domain::number::estimates::ends;
 use ieap_domain::number::probabilities::equation;
-use ieap_domain::number::{fixed, rounded_bound, significant, with_sign};
+use ieap_domain::number::{fixed, rounded_bound, significant};
 use ieap_domain::words::{counted, in_a_row};
 
 use super::answer::{Answer, Basis, Kind, Scale, Verdict};
@@ -47,7 +47,8 @@ pub fn number(answer: &Answer) -> String {
             } else {
                 String::new()
             };
-            format!("{} points{per}{bracket}", with_sign(value, 0))
+            let sign = if value > 0.0 { "+" } else { "" };
+            format!("{sign}{} points{per}{bracket}", significant(value, 2))
         }
         (Some(value), _, _, Scale::PerUnit) => {
             let per = |number: f64| significant(number, 2);
