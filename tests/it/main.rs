@@ -87,6 +87,7 @@ mod standing;
 mod stiffness;
 #[cfg(unix)]
 mod stops;
+mod study;
 mod tables;
 mod terminal;
 mod two_stores;
