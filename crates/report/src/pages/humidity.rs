@@ -80,7 +80,10 @@ struct Asked {
 
 /// Whether a report of that input has the page.
 pub fn is_shown(input: &Input) -> bool {
-    !input.laws.dependences.is_empty() || !input.laws.doubted.is_empty() || !input.next_runs.is_empty()
+    !input.laws.dependences.is_empty()
+        || !input.laws.doubted.is_empty()
+        || !input.next_runs.is_empty()
+        || input.laws.selections.iter().any(|found| found.q <= CLAIMED_BELOW)
 }
 
 /// Makes the page.
