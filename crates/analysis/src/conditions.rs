@@ -121,14 +121,15 @@ pub fn nominal_voltage_v(run: &RunRecord) -> Option<f64> {
         .or_else(|| run.drive.as_ref().map(|drive| drive.nominal_step_v()))
 }
 
+/// `2.0`, and `1.25` where one decimal does not tell it.
+pub fn volts_number(voltage_v: f64) -> String {
+    let is_told = (10.0 * voltage_v - (10.0 * voltage_v).round()).abs() < VOLTAGE_STEP_V;
+    fixed(voltage_v, if is_told { 1 } else { 2 })
+}
+
 /// `2.0 V`
 pub fn volts(voltage_v: f64) -> String {
-    let shortest = format!("{voltage_v}");
-    if shortest.contains('.') {
-        format!("{shortest} V")
-    } else {
-        format!("{shortest}.0 V")
-    }
+    format!("{} V", volts_number(voltage_v))
 }
 
 /// What places one run in the table.

@@ -20,7 +20,8 @@ pub struct Asking<'a> {
     pub compared: &'a [Factor],
     pub conditions: &'a Conditions,
     pub facts: &'a [RunFacts],
-    pub measured: BTreeMap<(usize, &'static str), Option<Measured>>,
+    /// Of each material and parameter; why its values cannot be compared, where they cannot.
+    pub measured: BTreeMap<(usize, &'static str), Result<Measured, &'static str>>,
 }
 
 /// Surroundings as one side of a comparison.
@@ -63,7 +64,7 @@ impl Asking<'_> {
     }
 
     fn measured(&self, material: usize, key: &'static str) -> Option<&Measured> {
-        self.measured.get(&(material, key))?.as_ref()
+        self.measured.get(&(material, key))?.as_ref().ok()
     }
 
     fn asks(&self, factor: Factor) -> bool {
@@ -193,9 +194,27 @@ impl Asking<'_> {
         Some(factors)
     }
 
+    /// What the study asked of a parameter whose values cannot be compared.
+    fn refused(&self, material: usize, key: &'static str, why: &str) -> Vec<Answer> {
+        let pairs = self.pairs(material).into_iter().filter(|pair| pair.is_of_study);
+        let answer = |pair: Pair| Answer {
+            is_of_study: true,
+            reason: Some(why.to_owned()),
+            ..self.blank(
+                Kind::Environment,
+                material,
+                key,
+                (&pair.upper.name, &pair.lower.name),
+            )
+        };
+        pairs.map(answer).collect()
+    }
+
     fn environments(&self, material: usize, key: &'static str) -> Vec<Answer> {
-        let Some(of) = self.measured(material, key) else {
-            return Vec::new();
+        let of = match self.measured.get(&(material, key)) {
+            None => return Vec::new(),
+            Some(Err(why)) => return self.refused(material, key, why),
+            Some(Ok(of)) => of,
         };
         let mut found = Vec::new();
         for pair in self.pairs(material) {
@@ -341,11 +360,16 @@ impl Asking<'_> {
             let ends = [of.cells[low].1, of.cells[high].1];
             steps.push(factors.clone());
             found.push(self.answer(&[Term { of, factors }], &ends, false, blank));
-            if cells.len() >= FEWEST_LEVELS {
-                let mean = cells.iter().map(|&k| volt(k)).sum::<f64>() / cells.len() as f64;
-                let square: f64 = cells.iter().map(|&k| (volt(k) - mean).powi(2)).sum();
+            // A law goes over the size of the voltage: its sign is the side to which the strip bends.
+            let size = |k: usize| volt(k).abs();
+            let mut sizes: Vec<f64> = cells.iter().map(|&k| size(k)).collect();
+            sizes.sort_by(f64::total_cmp);
+            sizes.dedup();
+            if sizes.len() >= FEWEST_LEVELS {
+                let mean = cells.iter().map(|&k| size(k)).sum::<f64>() / cells.len() as f64;
+                let square: f64 = cells.iter().map(|&k| (size(k) - mean).powi(2)).sum();
                 let mut slope = vec![0.0; of.cells.len()];
-                cells.iter().for_each(|&k| slope[k] = (volt(k) - mean) / square);
+                cells.iter().for_each(|&k| slope[k] = (size(k) - mean) / square);
                 slopes.push(slope);
                 used.extend(cells.iter().map(|&k| of.cells[k].1));
             }
@@ -354,7 +378,7 @@ impl Asking<'_> {
             used.sort_unstable();
             used.dedup();
             let blank = Answer {
-                span: span(used.iter().map(|&at| self.conditions.voltages_v[at])),
+                span: span(used.iter().map(|&at| self.conditions.voltages_v[at].abs())),
                 ..self.blank(Kind::VoltageLaw, material, key, ("voltage", ""))
             };
             found.push(self.answer(&[Term { of, factors }], &used, asks, blank));

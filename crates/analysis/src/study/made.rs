@@ -1,6 +1,6 @@
 //! Asks every question of a study, and judges the answers together.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ieap_domain::{Campaign, Factor, RunRecord, Sample};
 use schemars::JsonSchema;
@@ -13,9 +13,10 @@ use super::measures::{BENDING_LOST, BENDING_PER_VOLT, MEASURES};
 use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LOSS_AFTER_S};
 use crate::conditions::{Conditions, conditions_of_materials};
 use crate::false_discovery::{CLAIMED_BELOW, q_values};
+use crate::laws;
 use crate::laws::doubt::Doubts;
 use crate::laws::facts::{RunFacts, facts};
-use crate::laws::values::values;
+use crate::laws::values::{Values, values};
 use crate::parameters::{COMPARED, usable};
 
 /// What the study asked, with its answers.
@@ -27,6 +28,8 @@ pub struct Study {
     pub is_declared: bool,
     /// Answers, by material, what the study asked before its details.
     pub answers: Vec<Answer>,
+    /// Fitted runs that take part in no answer.
+    pub left_out: Vec<String>,
 }
 
 /// What a study is made from.
@@ -66,11 +69,9 @@ impl Study {
         };
         let measured = (0..conditions.materials.len())
             .flat_map(|material| MEASURES.map(|key| (material, key)))
-            .map(|(material, key)| {
-                (
-                    (material, key),
-                    measure(&evidence, &conditions, &facts, material, key),
-                )
+            .filter_map(|(material, key)| {
+                let found = measure(&evidence, &conditions, &facts, material, key)?;
+                Some(((material, key), found))
             })
             .collect();
         let asking = Asking {
@@ -82,7 +83,14 @@ impl Study {
         };
         let mut answers = asking.answers();
         judge(&mut answers, evidence.campaign.study.alike_percent);
+        let used: BTreeSet<usize> = answers
+            .iter()
+            .flat_map(|own| own.of_runs.iter().copied())
+            .collect();
+        let is_left = |(at, run): &(usize, &RunRecord)| !used.contains(at) && run.fit.is_some();
+        let left = evidence.runs.iter().enumerate().filter(is_left);
         Study {
+            left_out: left.map(|(_, run)| run.path.clone()).collect(),
             is_declared: !declared.is_empty(),
             compared,
             answers,
@@ -129,14 +137,31 @@ fn varied(conditions: &Conditions) -> Vec<Factor> {
     .collect()
 }
 
-/// The values of a parameter of a material; none where no run has one, or where values have no logarithm.
+/// Logarithms of values by place, with their variances. Where a laboratory counts bending the other way round all of them are
+/// negative, and their sizes are compared.
+///
+/// # Errors
+/// Some are positive and some are not.
+fn logarithms(own: &Values) -> Result<Vec<(usize, (f64, f64))>, &'static str> {
+    let of = own.values.iter();
+    if own.is_log {
+        Ok(of.map(|own| (own.place, (own.y, own.variance))).collect())
+    } else if own.values.iter().all(|own| own.y < 0.0) {
+        let size = |own: &laws::values::Value| (own.place, ((-own.y).ln(), own.variance / (own.y * own.y)));
+        Ok(of.map(size).collect())
+    } else {
+        Err("its values are positive in some runs and not in others, so that they have no ratio")
+    }
+}
+
+/// The values of a parameter of a material, or why they cannot be compared; none where no run has one.
 fn measure(
     evidence: &Evidence,
     conditions: &Conditions,
     facts: &[RunFacts],
     material: usize,
     key: &'static str,
-) -> Option<Measured> {
+) -> Option<Result<Measured, &'static str>> {
     let mut cell_of: BTreeMap<usize, Cell> = BTreeMap::new();
     for condition in conditions.measured.iter().filter(|own| own.material == material) {
         let cell = (condition.surroundings, condition.voltage);
@@ -153,25 +178,28 @@ fn measure(
     let mut bounds: BTreeMap<Cell, Bound> = BTreeMap::new();
     match key {
         BENDING_PER_VOLT => {
-            let (alpha, capacitance) = (of(COMPARED[0]), of(COMPARED[2]));
-            if !alpha.is_log || !capacitance.is_log {
-                return None;
-            }
-            let capacitances: BTreeMap<usize, (f64, f64)> = (capacitance.values.iter())
-                .map(|own| (own.place, (own.y, own.variance)))
-                .collect();
-            for own in &alpha.values {
-                if let Some((y, variance)) = capacitances.get(&own.place) {
-                    found.insert(own.place, (own.y + y, own.variance + variance));
+            let (alpha, capacitance) = match (logarithms(&of(COMPARED[0])), logarithms(&of(COMPARED[2]))) {
+                (Ok(alpha), Ok(capacitance)) => (alpha, capacitance),
+                (Err(why), _) | (_, Err(why)) => return Some(Err(why)),
+            };
+            let capacitances: BTreeMap<usize, (f64, f64)> = capacitance.into_iter().collect();
+            for (place, own) in alpha {
+                if let Some((y, variance)) = capacitances.get(&place) {
+                    found.insert(place, (own.0 + y, own.1 + variance));
                 }
             }
         }
         BENDING_LOST => {
             let lambda = of(COMPARED[1]);
-            for own in lambda.values.iter().filter(|_| lambda.is_log) {
-                let kept = (-LOSS_AFTER_S * own.y.exp()).exp();
-                let slope = 100.0 * LOSS_AFTER_S * own.y.exp() * kept;
-                found.insert(own.place, (100.0 * (1.0 - kept), slope * slope * own.variance));
+            for own in &lambda.values {
+                let (rate, variance) = if lambda.is_log {
+                    (own.y.exp(), own.variance * (2.0 * own.y).exp())
+                } else {
+                    (own.y, own.variance)
+                };
+                let kept = (-LOSS_AFTER_S * rate).exp();
+                let slope = 100.0 * LOSS_AFTER_S * kept;
+                found.insert(own.place, (100.0 * (1.0 - kept), slope * slope * variance));
             }
             // A bound on lambda is a range of what is lost, evenly likely.
             for place in lambda.left_out {
@@ -183,10 +211,10 @@ fn measure(
         }
         _ => {
             let own = of(key);
-            if !own.is_log {
-                return None;
+            match logarithms(&own) {
+                Ok(values) => found.extend(values),
+                Err(why) => return Some(Err(why)),
             }
-            found.extend(own.values.iter().map(|own| (own.place, (own.y, own.variance))));
             for place in own.left_out {
                 let own = bound(evidence, facts, place, key);
                 let entry = bounds.entry(cell(place)).or_default();
@@ -219,7 +247,14 @@ fn measure(
         .scatter_percent
         .map(|percent| (percent / 100.0).powi(2));
     let has_any = !known.is_empty() || !bounds.is_empty();
-    has_any.then(|| Measured::new(known, bounds, &dry, stated.filter(|_| key != BENDING_LOST)))
+    has_any.then(|| {
+        Ok(Measured::new(
+            known,
+            bounds,
+            &dry,
+            stated.filter(|_| key != BENDING_LOST),
+        ))
+    })
 }
 
 fn humidity_percent(fact: &RunFacts) -> Option<f64> {

@@ -12,6 +12,8 @@ pub const MOST_FOR_ALL_PAIRS: usize = 4;
 /// Degrees of freedom from which what single runs leave is a scatter: of one the interval reaches 13 standard errors and says
 /// nothing. Chosen.
 pub const FEWEST_FREEDOM: usize = 2;
+/// Runs that are named where they take part in no answer; the others are counted. Chosen.
+pub const MOST_NAMED: usize = 5;
 /// A standard error below this, of a logarithm or in points, is rounding.
 pub const LEAST_ERROR: f64 = 1e-9;
 /// Time over which lost bending is counted, s: an hour.

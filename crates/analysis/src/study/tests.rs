@@ -21,6 +21,8 @@ struct Design {
     scatter: [f64; 3],
     /// Error of the fits.
     error: f64,
+    /// Whether one run in ten strays by three times as much.
+    strays: bool,
 }
 
 const BALANCED: Design = Design {
@@ -30,6 +32,7 @@ const BALANCED: Design = Design {
     lost: 0.0,
     scatter: [0.2, 0.05, 0.05],
     error: 0.02,
+    strays: false,
 };
 const ENVIRONMENTS: [&str; 3] = ["vacuum", "inert", "air"];
 const MATERIALS: [&str; 2] = ["CNaf", "CPvf"];
@@ -84,7 +87,9 @@ fn simulated(design: Design, truth: Truth, seed: u64) -> (Vec<RunRecord>, Campai
                         }
                         let number = |k: usize, draw: &mut dyn FnMut(f64) -> f64| -> Estimate {
                             let at = LEVELS[k] + truth(material, KEYS[k], environment) + 0.3 * voltage as f64;
-                            let y = at + own[k] + both[k] + draw(design.scatter[2]) + draw(design.error);
+                            let far = design.strays && draw(1.0).abs() > 1.645;
+                            let scatter = if far { 3.0 } else { 1.0 } * design.scatter[2];
+                            let y = at + own[k] + both[k] + draw(scatter) + draw(design.error);
                             known(y.exp(), design.error)
                         };
                         let found: Vec<(&str, Estimate)> =
@@ -250,11 +255,16 @@ fn counts_of_many_studies() {
         lost: 0.3,
         ..unlike
     };
+    let strays = Design {
+        strays: true,
+        ..unlike
+    };
     for (name, design) in [
         ("samples differ", unlike),
         ("samples do not differ", alike),
         ("two samples", two),
         ("30 % lost", lost),
+        ("one run in ten strays", strays),
     ] {
         for (effects, truth) in [
             ("nothing", nothing as Truth),
@@ -329,6 +339,87 @@ fn a_bound_gives_a_bound_and_enters_no_mean() {
     assert!(bound.at_least.unwrap() > 1e3, "{bound:?}");
     let pooled = own.iter().find(|own| own.value.is_some()).unwrap();
     assert_eq!(pooled.voltages_v, [1.0]);
+}
+
+/// The studies of the same runs with alpha as it is and with each value taken through `of`.
+fn with_alpha(of: impl Fn(usize, f64) -> f64) -> Study {
+    let (mut runs, campaign) = simulated(BALANCED, two_effects, 6);
+    for (at, run) in runs.iter_mut().enumerate() {
+        let alpha = &mut run.fit.as_mut().unwrap().parameters[0].estimate;
+        let value = of(at, alpha.value.unwrap());
+        let error = 0.02 * value.abs();
+        *alpha = Estimate::determined(value, error, value - 1.96 * error, value + 1.96 * error);
+    }
+    Study::of(Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Doubts::default(),
+    })
+}
+
+#[test]
+fn bending_that_is_counted_the_other_way_round_is_compared_by_its_size() {
+    let alpha = |study: &Study| -> Vec<Answer> {
+        let of = |own: &&Answer| own.parameter == KEYS[0] && own.kind == Kind::Environment;
+        study.answers.iter().filter(of).cloned().collect()
+    };
+    let (usual, other) = (
+        alpha(&with_alpha(|_, value| value)),
+        alpha(&with_alpha(|_, value| -value)),
+    );
+    assert_eq!(usual.len(), other.len());
+    for (usual, other) in usual.iter().zip(&other) {
+        assert!(
+            (usual.value.unwrap() / other.value.unwrap() - 1.0).abs() < 1e-3,
+            "{usual:?} {other:?}"
+        );
+        assert_eq!(usual.verdict, other.verdict);
+    }
+    // Of both signs there is no ratio: every question says so.
+    let mixed = alpha(&with_alpha(|at, value| if at % 2 == 0 { value } else { -value }));
+    assert!(!mixed.is_empty() && mixed.iter().all(|own| own.verdict == Verdict::NotTold));
+    assert!(
+        mixed[0].reason.as_ref().unwrap().contains("no ratio"),
+        "{mixed:?}"
+    );
+}
+
+#[test]
+fn a_law_of_the_voltage_goes_over_its_size_and_runs_of_no_answer_are_named() {
+    let (mut runs, campaign) = simulated(
+        Design {
+            voltages: 3,
+            ..BALANCED
+        },
+        nothing,
+        8,
+    );
+    // Lambda grows by 30 % a step of the voltage; half of the repeats bend to the other side.
+    for run in runs.iter_mut().filter(|run| run.path.ends_with("-1.csv")) {
+        let volts = run.tag_number("voltage_v").unwrap();
+        run.tags.retain(|own| own.key != "voltage_v");
+        run.tags.push(tag("voltage_v", &(-volts).to_string()));
+    }
+    runs[0].tags.retain(|own| own.key != "environment");
+    let study = Study::of(Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Doubts::default(),
+    });
+    let law = study
+        .asked()
+        .find(|own| own.kind == Kind::VoltageLaw && own.parameter == KEYS[1])
+        .unwrap();
+    assert!(
+        law.low_95.unwrap() < 0.3 && law.high_95.unwrap() > 0.3 && law.span == Some(2.0),
+        "{law:?}"
+    );
+    assert_eq!(study.left_out, [runs[0].path.clone()]);
+    assert!(
+        words::left_out(&study)
+            .unwrap()
+            .starts_with("1 fitted run takes part in no answer (runs/")
+    );
 }
 
 #[test]

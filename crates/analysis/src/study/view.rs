@@ -9,7 +9,7 @@ use ieap_show::{Block, Chart, Column, Ink, Layer, Mark, Panel, Range, Sheet, Tab
 use super::answer::{Answer, Kind, Scale};
 use super::made::Study;
 use super::measures::BENDING_PER_VOLT;
-use super::words::{about, basis, by_fits, family, lead, shows, symbol, voltages};
+use super::words::{about, basis, by_fits, family, lead, left_out, shows, symbol, voltages};
 use crate::conditions::volts;
 
 const KIND: Quantity = Quantity::plain("question", "Question", "what is compared");
@@ -164,6 +164,7 @@ pub fn view(study: &Study) -> Vec<Block> {
         blocks.push(Block::part("At each voltage", vec![Block::Table(each)]));
     }
     let mut how: Vec<Block> = basis(&asked).into_iter().map(Block::Say).collect();
+    how.extend(left_out(study).map(Block::Say));
     how.push(Block::Say(family(study)));
     how.push(Block::say(
         "Every answer, with voltages, materials and ratios of ratios, is in `ieap table contrasts`.",
@@ -319,6 +320,7 @@ pub fn lines(study: &Study) -> Vec<Block> {
         .map(Block::Say)
         .collect();
     blocks.push(Block::Say(design(study)));
+    blocks.extend(left_out(study).map(Block::Say));
     blocks.extend(
         study
             .asked()

@@ -2,12 +2,14 @@
 
 use ieap_domain::number::estimates::ends;
 use ieap_domain::number::probabilities::equation;
-use ieap_domain::number::{fixed, rounded_bound, significant};
+use ieap_domain::number::{rounded_bound, significant};
 use ieap_domain::words::{counted, in_a_row};
 
 use super::answer::{Answer, Basis, Kind, Scale, Verdict};
 use super::made::Study;
 use super::measures::{BENDING_LOST, BENDING_PER_VOLT};
+use super::policy::MOST_NAMED;
+use crate::conditions::volts_number;
 use crate::false_discovery::CLAIMED_BELOW;
 use crate::laws::words::symbol as of_parameter;
 
@@ -22,14 +24,8 @@ pub fn symbol(key: &str) -> &str {
 
 /// `1.2, 2.0, 2.5`.
 pub fn voltages(of: &[f64]) -> String {
-    let each: Vec<String> = of.iter().map(|volts| fixed(*volts, decimals(of))).collect();
+    let each: Vec<String> = of.iter().map(|&volts| volts_number(volts)).collect();
     each.join(", ")
-}
-
-/// Decimals by which voltages are told apart.
-fn decimals(of: &[f64]) -> usize {
-    let is_told = |digits: i32| of.iter().all(|v| (v * 10f64.powi(digits)).fract().abs() < 1e-6);
-    if is_told(1) { 1 } else { 2 }
 }
 
 /// A number of an answer in words: `× 2.21 [2.01, 2.44]`, `+43 points [19, 67]`, `> 81`.
@@ -51,11 +47,13 @@ pub fn number(answer: &Answer) -> String {
             format!("{sign}{} points{per}{bracket}", significant(value, 2))
         }
         (Some(value), _, _, Scale::PerUnit) => {
-            let per = |number: f64| significant(number, 2);
+            // A relative change per unit, in percent.
+            let percent = |number: f64| significant(100.0 * number.exp_m1(), 2);
             let ends = interval.map_or(String::new(), |(low, high)| {
-                format!(" [{}, {}]", per(low), per(high))
+                format!(" [{}, {}]", percent(low), percent(high))
             });
-            format!("{}{ends} per {}", per(value), unit(answer))
+            let sign = if value > 0.0 { "+" } else { "" };
+            format!("{sign}{} %{ends} per {}", percent(value), unit(answer))
         }
         (Some(value), ..) => format!("× {}{bracket}", significant(value, 3)),
         (None, Some(least), None, _) => format!("× > {}", rounded_bound(least, false).value_text()),
@@ -265,6 +263,27 @@ pub fn basis(answers: &[&Answer]) -> Vec<String> {
     }
     };
     found.iter().map(of).collect()
+}
+
+/// Which fitted runs take part in no answer; none where all do.
+pub fn left_out(study: &Study) -> Option<String> {
+    let some = &study.left_out[..study.left_out.len().min(MOST_NAMED)];
+    let more = study.left_out.len() - some.len();
+    let more = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
+    (!some.is_empty()).then(|| {
+        format!(
+            "{} part in no answer ({}{more}): nothing stands against them in another condition, a tag is missing, their voltage moves, or what their model gets wrong has no known cause.",
+            match study.left_out.len() {
+                1 => "1 fitted run takes".to_owned(),
+                several => format!("{several} fitted runs take"),
+            },
+            some.join(", ")
+        )
+    })
 }
 
 /// How many questions were asked, and how their chances were judged.
