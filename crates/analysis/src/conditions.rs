@@ -121,6 +121,15 @@ pub fn nominal_voltage_v(run: &RunRecord) -> Option<f64> {
         .or_else(|| run.drive.as_ref().map(|drive| drive.nominal_step_v()))
 }
 
+/// Levels among some humidities, percent.
+pub fn count_levels(mut all: Vec<f64>) -> usize {
+    all.sort_by(f64::total_cmp);
+    let gaps = all
+        .windows(2)
+        .filter(|pair| pair[1] - pair[0] > HUMIDITY_GAP_PERCENT);
+    gaps.count() + usize::from(!all.is_empty())
+}
+
 /// `2.0`, and `1.25` where one decimal does not tell it.
 pub fn volts_number(voltage_v: f64) -> String {
     let is_told = (10.0 * voltage_v - (10.0 * voltage_v).round()).abs() < VOLTAGE_STEP_V;

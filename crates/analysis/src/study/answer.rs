@@ -25,6 +25,13 @@ string_enum! {
     }
 }
 
+impl Kind {
+    /// Whether the answer is a law.
+    pub fn is_law(self) -> bool {
+        matches!(self, Kind::HumidityLaw | Kind::VoltageLaw)
+    }
+}
+
 string_enum! {
     /// What the number is.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -137,12 +137,15 @@ fn varied(conditions: &Conditions) -> Vec<Factor> {
     .collect()
 }
 
+/// A value and its variance, by the place of its run.
+type ByPlace = Vec<(usize, (f64, f64))>;
+
 /// Logarithms of values by place, with their variances. Where a laboratory counts bending the other way round all of them are
 /// negative, and their sizes are compared.
 ///
 /// # Errors
 /// Some are positive and some are not.
-fn logarithms(own: &Values) -> Result<Vec<(usize, (f64, f64))>, &'static str> {
+fn logarithms(own: &Values) -> Result<ByPlace, &'static str> {
     let of = own.values.iter();
     if own.is_log {
         Ok(of.map(|own| (own.place, (own.y, own.variance))).collect())

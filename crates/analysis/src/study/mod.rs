@@ -8,9 +8,13 @@
 mod also;
 mod answer;
 mod asking;
+mod combined;
+mod environments;
+mod laws;
 mod made;
 mod measured;
 mod measures;
+mod pairs;
 mod policy;
 pub mod view;
 mod words;

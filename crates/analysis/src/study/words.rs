@@ -34,7 +34,7 @@ pub fn number(answer: &Answer) -> String {
         .low_95
         .zip(answer.high_95)
         .or(answer.fits_low_95.zip(answer.fits_high_95));
-    let is_law = matches!(answer.kind, Kind::HumidityLaw | Kind::VoltageLaw);
+    let is_law = answer.kind.is_law();
     let bracket = interval.map_or(String::new(), |(low, high)| format!(" [{}]", brackets(low, high)));
     match (answer.value, answer.at_least, answer.at_most, answer.scale) {
         (Some(value), _, _, Scale::Points) => {

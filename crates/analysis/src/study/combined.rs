@@ -1,0 +1,188 @@
+//! A combination of conditions as an answer.
+
+use ieap_domain::quantiles::NORMAL_95;
+use ieap_numerics::student::{quantile, quantile_95, two_sided_chance};
+
+use super::also::also_changed;
+use super::answer::{Answer, Basis, Kind, Scale, Verdict};
+use super::asking::Asking;
+use super::measured::Measured;
+use super::measures::BENDING_LOST;
+use super::policy::LEAST_ERROR;
+
+/// A combination of the conditions of one parameter of one material.
+pub(super) struct Term<'a> {
+    pub of: &'a Measured,
+    pub factors: Vec<f64>,
+}
+
+impl Asking<'_> {
+    pub(super) fn blank(
+        &self,
+        kind: Kind,
+        material: usize,
+        parameter: &'static str,
+        (upper, lower): (&str, &str),
+    ) -> Answer {
+        let is_law = kind.is_law();
+        Answer {
+            kind,
+            is_of_study: false,
+            parameter,
+            material: self.conditions.materials[material].clone(),
+            against_material: None,
+            upper: upper.to_owned(),
+            lower: lower.to_owned(),
+            voltages_v: Vec::new(),
+            span: None,
+            scale: match parameter {
+                BENDING_LOST => Scale::Points,
+                _ if is_law => Scale::PerUnit,
+                _ => Scale::Ratio,
+            },
+            value: None,
+            fits_low_95: None,
+            fits_high_95: None,
+            low_95: None,
+            high_95: None,
+            at_least: None,
+            at_most: None,
+            basis: Basis::Unknown,
+            scatter: None,
+            degrees_of_freedom: None,
+            undone_by_scatter: None,
+            no_more_than: None,
+            p: None,
+            q: None,
+            verdict: Verdict::NotTold,
+            samples: 0,
+            runs: (0, 0),
+            of_runs: Vec::new(),
+            also_changed: Vec::new(),
+            reason: None,
+        }
+    }
+
+    /// The sum of some combinations as an answer.
+    pub(super) fn answer(
+        &self,
+        terms: &[Term],
+        voltages: &[usize],
+        is_of_study: bool,
+        blank: Answer,
+    ) -> Answer {
+        let scale = blank.scale;
+        let shown = |number: f64| Answer::shown(scale, number);
+        // What an error of this size is called: percent of the parameter, or points.
+        let size = |number: f64| match scale {
+            Scale::Points => number,
+            Scale::Ratio | Scale::PerUnit => 100.0 * number.exp_m1(),
+        };
+        let by_fits: Option<Vec<_>> = terms.iter().map(|term| term.of.by_fits(&term.factors)).collect();
+        let Some(by_fits) = by_fits else {
+            return blank;
+        };
+        let with_scatter: Option<Vec<_>> = terms
+            .iter()
+            .map(|term| term.of.with_scatter(&term.factors))
+            .collect();
+        // Values that are alike to the last digit tell no scatter.
+        let with_scatter = with_scatter
+            .filter(|all| all.iter().map(|(own, _)| own.variance).sum::<f64>().sqrt() > LEAST_ERROR);
+        // Where the scatter is known, runs and samples are weighed by it.
+        let value: f64 = match &with_scatter {
+            Some(all) => all.iter().map(|(own, _)| own.value).sum(),
+            None => by_fits.iter().map(|own| own.value).sum(),
+        };
+        let of_fits: f64 = by_fits.iter().map(|own| own.variance).sum();
+        let reach = NORMAL_95 * of_fits.sqrt();
+        let (upper, lower) = self.places(terms);
+        let mut samples: Vec<&str> = upper
+            .iter()
+            .chain(&lower)
+            .map(|&at| self.facts[at].sample.as_str())
+            .collect();
+        samples.sort_unstable();
+        samples.dedup();
+        let is_law = blank.kind.is_law();
+        let mut answer = Answer {
+            is_of_study,
+            voltages_v: voltages
+                .iter()
+                .map(|&at| self.conditions.voltages_v[at])
+                .collect(),
+            value: Some(shown(value)),
+            fits_low_95: Some(shown(value - reach)),
+            fits_high_95: Some(shown(value + reach)),
+            samples: samples.len(),
+            runs: (upper.len(), lower.len()),
+            of_runs: upper.iter().chain(&lower).map(|&at| self.facts[at].run).collect(),
+            also_changed: if is_law {
+                Vec::new()
+            } else {
+                also_changed(self.facts, &upper, &lower)
+            },
+            ..blank
+        };
+        if let Some(all) = with_scatter {
+            let variance: f64 = all.iter().map(|(own, _)| own.variance).sum();
+            // Satterthwaite's rule for a sum of variances.
+            let parts: f64 = all
+                .iter()
+                .map(|(own, _)| own.variance.powi(2) / own.freedom)
+                .sum();
+            let freedom = if parts > 0.0 {
+                variance * variance / parts
+            } else {
+                f64::INFINITY
+            };
+            let error = variance.sqrt();
+            answer.low_95 = Some(shown(value - quantile_95(freedom) * error));
+            answer.high_95 = Some(shown(value + quantile_95(freedom) * error));
+            // Of a law, over all that was measured.
+            let largest = value.abs() + quantile(0.95, freedom) * error;
+            answer.no_more_than = Some(size(answer.span.unwrap_or(1.0) * largest));
+            answer.p = Some(two_sided_chance(value / error, freedom));
+            answer.degrees_of_freedom = freedom.is_finite().then_some(freedom);
+            answer.basis = all
+                .iter()
+                .map(|(_, basis)| *basis)
+                .max()
+                .unwrap_or(Basis::Unknown);
+            let scatter: f64 = terms
+                .iter()
+                .filter_map(|term| term.of.scatter())
+                .fold(0.0, f64::max);
+            answer.scatter = Some(if scale == Scale::Points {
+                scatter
+            } else {
+                100.0 * scatter
+            });
+        }
+        if terms.iter().all(|term| term.of.is_of_single_runs()) {
+            let square: f64 = terms
+                .iter()
+                .flat_map(|term| &term.factors)
+                .map(|factor| factor * factor)
+                .sum();
+            let left = (value / NORMAL_95).powi(2) - of_fits;
+            answer.undone_by_scatter = (left > 0.0 && square > 0.0).then(|| size((left / square).sqrt()));
+        }
+        answer
+    }
+
+    /// Places of the runs above and below: those whose factor is positive, and negative.
+    pub(super) fn places(&self, terms: &[Term]) -> (Vec<usize>, Vec<usize>) {
+        let (mut upper, mut lower) = (Vec::new(), Vec::new());
+        for term in terms {
+            for value in &term.of.values {
+                match term.of.at(value.cell).map_or(1.0, |at| term.factors[at]) {
+                    factor if factor > 0.0 => upper.push(value.place),
+                    factor if factor < 0.0 => lower.push(value.place),
+                    _ => {}
+                }
+            }
+        }
+        (upper, lower)
+    }
+}
