@@ -216,6 +216,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         runs: &runs,
         campaign: &campaign,
         doubts: &Doubts::default(),
+        curves: &[],
     });
     Input {
         deconfounding: Vec::new(),

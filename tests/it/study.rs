@@ -88,15 +88,16 @@ fn the_question_of_the_study_leads_in_every_medium() {
     let document: Value = folder.ieap(&["study", "--json"]).expect(0).json();
     assert_eq!(document["schema"], "ieap/study/1");
     let answers = document["answers"].as_array().unwrap();
-    let alpha = |material: &str| {
+    let asked = |material: &str, parameter: &str| {
         let is_asked = |own: &&Value| {
             own["is_of_study"] == true
                 && own["kind"] == "environment"
                 && own["material"] == material
-                && own["parameter"] == "alpha_per_c_cm"
+                && own["parameter"] == parameter
         };
         answers.iter().find(is_asked).unwrap()
     };
+    let alpha = |material| asked(material, "alpha_per_c_cm");
     let (halved, alike) = (alpha("PVdF"), alpha("Nafion"));
     assert_eq!(
         (&halved["verdict"], &halved["upper"], &halved["lower"]),
@@ -106,6 +107,19 @@ fn the_question_of_the_study_leads_in_every_medium() {
     assert!(ends[0] < 2.0 && 2.0 < ends[1] && ends[1] < 2.5, "{halved}");
     assert_eq!(alike["verdict"], "alike", "{alike}");
     assert!(alike["no_more_than"].as_f64().unwrap() < 20.0, "{alike}");
+    // The whole curve of bending is 1 against 0.5: two thirds of the 0.75 in the middle.
+    let bent = asked("PVdF", "bending_curve");
+    let largest = bent["value"].as_f64().unwrap();
+    assert!(
+        bent["verdict"] == "differs" && (largest - 66.7).abs() < 4.0,
+        "{bent}"
+    );
+    for own in [asked("Nafion", "bending_curve"), asked("PVdF", "current_curve")] {
+        assert!(
+            own["verdict"] == "alike" && own["no_more_than"].as_f64().unwrap() < 20.0,
+            "{own}"
+        );
+    }
     let line = "PVdF, air against vacuum: α";
     let said = folder.ieap(&["study"]).expect(0).stdout;
     assert!(said.contains(line), "{said}");

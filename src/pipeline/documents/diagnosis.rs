@@ -24,6 +24,7 @@ use crate::domain::{
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::current::findings_among;
+use crate::pipeline::findings::model_free::curves_after_steps;
 use crate::pipeline::findings::next_runs::{self, NextRunEntry, Plan, PlannedIds, UntyingEntry};
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::infra::fault::{or_nothing, step};
@@ -241,11 +242,16 @@ pub fn diagnosis_document(
         )),
     };
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
+    let curves = step("curves after the steps", || {
+        curves_after_steps(context, &runs, &kept)
+    });
+    let curves = or_nothing(curves, &mut faults)?;
     let study = || {
         Ok(Study::of(Evidence {
             runs: &runs,
             campaign: &context.campaign,
             doubts: &across.doubts,
+            curves: &curves,
         }))
     };
     let study = or_nothing(step("what the study asked", study), &mut faults)?;

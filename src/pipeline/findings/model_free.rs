@@ -3,6 +3,7 @@
 
 use crate::analysis::cache::{Cache, Hash};
 use crate::analysis::cycles::{CycleRun, cycle_run};
+use crate::analysis::model_free::curves::{StepCurves, step_curves};
 use crate::analysis::model_free::{ModelFree, model_free};
 use crate::analysis::stiffness::sample_modulus;
 use crate::domain::tag::keys;
@@ -59,6 +60,40 @@ pub fn without_model(
     Ok(WithoutModel {
         steps: steps.into_iter().flatten().collect(),
         trains: trains.into_iter().flatten().collect(),
+    })
+}
+
+/// Current and bending of the runs after their steps, in their order, at times that all have in common; what was read before
+/// is taken from `kept`.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn curves_after_steps(
+    context: &Context,
+    runs: &[RunRecord],
+    kept: &Cache,
+) -> Result<Vec<StepCurves>, PipelineError> {
+    let load = |context: &Context, run: &RunRecord| {
+        if run.drive.is_none() {
+            return Ok((None, Ok(StepCurves::default())));
+        }
+        let sample = run.tag(keys::SAMPLE).and_then(|id| context.campaign.sample(id));
+        let seals = context.store.seals_of_readings(run.id)?;
+        let of = |seals| Hash::default().with(&"curves").with(&seals).with(&sample).text();
+        let hash: Option<String> = seals.map(of);
+        match hash.as_deref().and_then(|hash| kept.earlier(hash)) {
+            Some(known) => Ok((hash, Ok(known))),
+            None => Ok((hash, Err(channels(context, run)?))),
+        }
+    };
+    compute(context, runs, load, |run, (hash, read)| {
+        read.unwrap_or_else(|channels| {
+            let curves = step_curves(run, &channels);
+            if let Some(hash) = hash {
+                kept.put(&hash, &curves);
+            }
+            curves
+        })
     })
 }
 

@@ -1,11 +1,13 @@
-//! What the study asked, from the current fits.
+//! What the study asked, from the current fits and from the curves themselves.
 
+use crate::analysis::cache::Cache;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::study::Evidence;
 pub use crate::analysis::study::Study;
 pub use crate::analysis::study::view::lines;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::current::current_findings;
+use crate::pipeline::findings::model_free::curves_after_steps;
 use crate::pipeline::{Context, PipelineError};
 
 /// Schema of what is printed of it.
@@ -26,5 +28,6 @@ pub fn study(context: &Context) -> Result<Study, PipelineError> {
         runs: &runs,
         campaign: &context.campaign,
         doubts: &Doubts::new(findings, &runs),
+        curves: &curves_after_steps(context, &runs, &Cache::default())?,
     }))
 }

@@ -26,7 +26,7 @@ use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::{CurrentFindings, findings_among};
 use crate::pipeline::findings::frequency::frequency_runs;
 use crate::pipeline::findings::impedance;
-use crate::pipeline::findings::model_free::without_model;
+use crate::pipeline::findings::model_free::{curves_after_steps, without_model};
 use crate::pipeline::findings::next_runs::{self, PlannedIds};
 use crate::pipeline::infra::fault::{or_nothing, step};
 use crate::pipeline::infra::own_folder::{self, Altered, Fresh};
@@ -384,11 +384,16 @@ pub(crate) fn input(
     if laws.facts.len() != runs.len() {
         laws.facts = facts(&runs, &context.campaign, &vec![None; runs.len()]);
     }
+    let curves = step("curves after the steps", || {
+        curves_after_steps(context, &runs, kept)
+    });
+    let curves = or_nothing(curves, &mut faults)?;
     let study = || {
         Ok(Study::of(Evidence {
             runs: &runs,
             campaign: &context.campaign,
             doubts: &laws.doubts,
+            curves: &curves,
         }))
     };
     let study = or_nothing(step("what the study asked", study), &mut faults)?;

@@ -8,6 +8,7 @@ use crate::analysis::frequency::FrequencyRun;
 use crate::analysis::impedance::OneLikelihood;
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::doubt::{Doubts, Findings};
+use crate::analysis::model_free::curves::StepCurves;
 use crate::analysis::probe::Course;
 use crate::analysis::reductions::RunReductions;
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
@@ -22,7 +23,7 @@ use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::frequency::frequency_runs;
-use crate::pipeline::findings::model_free::{WithoutModel, without_model};
+use crate::pipeline::findings::model_free::{WithoutModel, curves_after_steps, without_model};
 use crate::pipeline::findings::one_likelihood::in_one_likelihood;
 use crate::pipeline::findings::reductions::reductions_of;
 use crate::pipeline::intake::climate::electrode_courses;
@@ -40,6 +41,7 @@ pub(crate) struct TableData {
     blocked: Vec<BlockedRun>,
     frequency: Vec<FrequencyRun>,
     without_model: WithoutModel,
+    curves: Vec<StepCurves>,
     reductions: Vec<RunReductions>,
     one_likelihood: Vec<OneLikelihood>,
     electrodes: Vec<Course>,
@@ -91,6 +93,7 @@ impl TableData {
             blocked: blocked_runs(context, &runs)?,
             frequency: frequency_runs(context, &runs)?,
             without_model: WithoutModel::default(),
+            curves: Vec::new(),
             reductions: Vec::new(),
             one_likelihood: Vec::new(),
             laws: None,
@@ -123,6 +126,7 @@ impl TableData {
         match named.needs {
             Need::None => {}
             Need::Readings => self.without_model = without_model(context, &self.runs, &Cache::default())?,
+            Need::Curves => self.curves = curves_after_steps(context, &self.runs, &Cache::default())?,
             Need::Reductions => self.reductions = reductions_of(context, &self.runs)?,
             Need::OneLikelihood => {
                 self.one_likelihood = in_one_likelihood(context, &self.runs, &self.spectra)?;
@@ -146,6 +150,7 @@ impl TableData {
             blocked: &self.blocked,
             frequency: &self.frequency,
             model_free: &self.without_model.steps,
+            curves: &self.curves,
             cycles: &self.without_model.trains,
             reductions: &self.reductions,
             one_likelihood: &self.one_likelihood,

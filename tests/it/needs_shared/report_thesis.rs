@@ -68,6 +68,7 @@ fn ratios_and_intervals_are_those_of_the_reference() {
         runs: &thesis_runs(&table),
         campaign: &campaign(&["CNaf", "CPvf"]),
         doubts: &Doubts::default(),
+        curves: &[],
     });
     let mut reader = csv::Reader::from_path(reference).expect("the reference");
     let columns = reader.headers().expect("a header").clone();

@@ -3,6 +3,7 @@
 //!
 //! They hold for the first level of a drive: from its step until the voltage changes again, or the readings end.
 
+pub mod curves;
 mod energy;
 pub mod policy;
 #[cfg(test)]
@@ -144,29 +145,32 @@ fn no_bending() -> Estimate {
     Estimate::not_determined("the bending cannot be told from noise")
 }
 
-/// Peak, time to it, lost after 10 and 60 min, strain rate, settling time; and when the peak is first reached within its
-/// error, s after the step.
-fn bending(channel: &Channel, held: &Level, sample: Option<&Sample>) -> ([Estimate; 6], Option<f64>) {
+/// The course of a channel over a level, counted from where it was before the step, and the variance of that; none of too few
+/// readings.
+fn course(channel: &Channel, held: &Level) -> Option<(Course, f64)> {
     let (time_s, values) = channel.included();
-    let few = || (nothing("too few readings after the step"), None);
-    if !held.from.open_s().is_finite() {
-        return (nothing(UNKNOWN_BEGINNING), None);
-    }
     let step_s = held.from.middle_s();
     let (before, until) = (held.from.readings_before(&time_s), held.readings(&time_s).end);
-    let Some(noise) = scatter_between(&time_s, &values, &[step_s]) else {
-        return few();
-    };
+    let noise = scatter_between(&time_s, &values, &[step_s])?;
     let goes_on = noise.correlation.clamp(0.0, MOST_GOES_ON);
-    // Bending is counted from where the strip was before the step.
     let rest = values[..before].iter().sum::<f64>() / before.max(1) as f64;
     let rest_variance = match before {
         0 => 0.0,
         n => noise.standard_deviation.powi(2) * (1.0 + goes_on) / (1.0 - goes_on) / n as f64,
     };
-    let bent: Vec<f64> = values[before..until].iter().map(|value| value - rest).collect();
-    let Some(course) = Course::of(&time_s[before..until], &bent, step_s, &noise) else {
-        return few();
+    let since: Vec<f64> = values[before..until].iter().map(|value| value - rest).collect();
+    let course = Course::of(&time_s[before..until], &since, step_s, &noise)?;
+    Some((course, rest_variance))
+}
+
+/// Peak, time to it, lost after 10 and 60 min, strain rate, settling time; and when the peak is first reached within its
+/// error, s after the step.
+fn bending(channel: &Channel, held: &Level, sample: Option<&Sample>) -> ([Estimate; 6], Option<f64>) {
+    if !held.from.open_s().is_finite() {
+        return (nothing(UNKNOWN_BEGINNING), None);
+    }
+    let Some((course, rest_variance)) = course(channel, held) else {
+        return (nothing("too few readings after the step"), None);
     };
     let seen = Seen::new(&course, rest_variance, held);
     let told = [

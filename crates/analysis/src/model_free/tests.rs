@@ -6,6 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::curves::{step_curves, time_s};
 use super::*;
 use ieap_domain::testing::{campaign, known, run};
 
@@ -138,4 +139,41 @@ fn what_was_not_seen_is_not_told() {
         ..Drive::step(2.0)
     };
     assert!(first_level(&moving, 10.0).is_none(), "no step");
+}
+
+#[test]
+fn curves_are_read_at_the_same_times_however_they_are_sampled() {
+    let mut made = run("r", "CNaf-01", "air", None, 2.0);
+    made.drive = Some(Drive::step(2.0));
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    for every_s in [0.1, 0.7] {
+        let time: Arc<[f64]> = (0..)
+            .map(|k| -5.0 + every_s * f64::from(k))
+            .take_while(|t| *t < 300.0)
+            .collect();
+        let mut channel = |quantity, of: &dyn Fn(f64) -> f64, zero: f64, noise: f64| {
+            let value = |t: &f64| {
+                let normal: f64 = StandardNormal.sample(&mut random);
+                zero + noise * normal + if *t < 0.0 { 0.0 } else { of(*t) }
+            };
+            Channel::new(quantity, time.clone(), time.iter().map(value).collect())
+        };
+        let channels = [
+            channel(Quantity::Current, &current, 1e-4, 2e-6),
+            channel(Quantity::Curvature, &curvature, 0.3, 2e-3),
+        ];
+        let read = step_curves(&made, &channels);
+        let area_cm2 = made.area_cm2.unwrap();
+        for (points, of) in [
+            (&read.current, (&|t| current(t) / area_cm2) as &dyn Fn(f64) -> f64),
+            (&read.bending, &curvature),
+        ] {
+            assert_eq!(points.last().map(|own| time_s(own.place)), Some(200.0));
+            assert!(points.len() >= 6, "{points:?}");
+            for point in points {
+                let off = (point.value - of(time_s(point.place))) / point.variance.sqrt();
+                assert!(off.abs() < 4.0, "{every_s} {point:?} {off}");
+            }
+        }
+    }
 }

@@ -42,6 +42,8 @@ string_enum! {
         Points = "points",
         /// A relative change per unit of what varies, a logarithm.
         PerUnit = "per-unit",
+        /// A difference of two curves where it is largest, percent of the range of both together.
+        OfRange = "of-range",
     }
 }
 
@@ -87,7 +89,7 @@ pub struct Answer {
     pub kind: Kind,
     /// Whether the study asked it, or it is a detail of what it asked. Chances are judged together among each.
     pub is_of_study: bool,
-    /// Key of the parameter.
+    /// Key of the parameter, or of the curve.
     pub parameter: &'static str,
     /// Material, or the first of two.
     pub material: String,
@@ -101,6 +103,10 @@ pub struct Answer {
     pub voltages_v: Vec<f64>,
     /// Range over which a law was measured, percent RH or V.
     pub span: Option<f64>,
+    /// Times since the step between which curves were compared, s.
+    pub times_s: Option<(f64, f64)>,
+    /// Time at which they differ most, s.
+    pub most_at_s: Option<f64>,
     /// What the number is.
     pub scale: Scale,
     /// The number; none for a bound.
@@ -125,7 +131,7 @@ pub struct Answer {
     pub degrees_of_freedom: Option<f64>,
     /// Scatter from run to run, percent or points, that would undo the difference; of one run a condition.
     pub undone_by_scatter: Option<f64>,
-    /// An effect is no larger than this, percent or points (95 %); of a law over all of its range.
+    /// An effect is no larger than this, percent or points (95 %); of a law over all of its range, of a curve at any of the times.
     pub no_more_than: Option<f64>,
     /// Chance of a number as far from none.
     pub p: Option<f64>,
@@ -159,11 +165,16 @@ impl Answer {
         }
     }
 
+    /// Whether it is about a whole curve.
+    pub fn is_of_curve(&self) -> bool {
+        self.scale == Scale::OfRange
+    }
+
     /// The number back from its logarithm, where it is one.
     pub(super) fn shown(scale: Scale, number: f64) -> f64 {
         match scale {
             Scale::Ratio => number.exp(),
-            Scale::Points | Scale::PerUnit => number,
+            Scale::Points | Scale::PerUnit | Scale::OfRange => number,
         }
     }
 }

@@ -7,8 +7,9 @@ use ieap_domain::{Factor, StudyRules};
 
 use super::answer::{Answer, Kind};
 use super::combined::Term;
+use super::curves::Curves;
 use super::measured::{Cell, Measured};
-use super::measures::MEASURES;
+use super::measures::{CURVES, MEASURES};
 use crate::conditions::Conditions;
 use crate::laws::facts::RunFacts;
 
@@ -20,6 +21,8 @@ pub struct Asking<'a> {
     pub facts: &'a [RunFacts],
     /// Of each material and parameter; why its values cannot be compared, where they cannot.
     pub measured: BTreeMap<(usize, &'static str), Result<Measured, &'static str>>,
+    /// Curves of each material.
+    pub curves: BTreeMap<(usize, &'static str), Curves>,
 }
 
 impl Asking<'_> {
@@ -35,6 +38,11 @@ impl Asking<'_> {
                 found
             };
             let mut found: Vec<Answer> = MEASURES.into_iter().flat_map(of_key).collect();
+            found.extend(
+                CURVES
+                    .into_iter()
+                    .flat_map(|key| self.whole_curves(material, key)),
+            );
             found.sort_by_key(|own| (!own.is_of_study, own.kind));
             found
         });
@@ -89,19 +97,19 @@ impl Asking<'_> {
                 factors: of.cells.iter().map(factor).collect(),
             }
         });
-        let mut blank = self.blank(
-            Kind::Material,
-            material,
-            key,
-            (
-                &self.conditions.materials[material],
-                &self.conditions.materials[0],
-            ),
-        );
-        blank.against_material = Some(self.conditions.materials[0].clone());
+        let blank = self.blank_of_materials(material, key);
         let mut voltages: Vec<usize> = shared.iter().map(|cell| cell.1).collect();
         voltages.sort_unstable();
         voltages.dedup();
         Some(self.answer(&terms, &voltages, false, blank))
+    }
+
+    /// A material against the first.
+    pub(super) fn blank_of_materials(&self, material: usize, key: &'static str) -> Answer {
+        let [own, first] = [material, 0].map(|at| self.conditions.materials[at].as_str());
+        Answer {
+            against_material: Some(first.to_owned()),
+            ..self.blank(Kind::Material, material, key, (own, first))
+        }
     }
 }

@@ -7,7 +7,7 @@ use super::also::also_changed;
 use super::answer::{Answer, Basis, Kind, Scale, Verdict};
 use super::asking::Asking;
 use super::measured::Measured;
-use super::measures::BENDING_LOST;
+use super::measures::{BENDING_LOST, CURVES};
 use super::policy::LEAST_ERROR;
 
 /// A combination of the conditions of one parameter of one material.
@@ -35,8 +35,11 @@ impl Asking<'_> {
             lower: lower.to_owned(),
             voltages_v: Vec::new(),
             span: None,
+            times_s: None,
+            most_at_s: None,
             scale: match parameter {
                 BENDING_LOST => Scale::Points,
+                curve if CURVES.contains(&curve) => Scale::OfRange,
                 _ if is_law => Scale::PerUnit,
                 _ => Scale::Ratio,
             },
@@ -75,7 +78,7 @@ impl Asking<'_> {
         let shown = |number: f64| Answer::shown(scale, number);
         // What an error of this size is called: percent of the parameter, or points.
         let size = |number: f64| match scale {
-            Scale::Points => number,
+            Scale::Points | Scale::OfRange => number,
             Scale::Ratio | Scale::PerUnit => 100.0 * number.exp_m1(),
         };
         let by_fits: Option<Vec<_>> = terms.iter().map(|term| term.of.by_fits(&term.factors)).collect();
@@ -153,10 +156,9 @@ impl Asking<'_> {
                 .iter()
                 .filter_map(|term| term.of.scatter())
                 .fold(0.0, f64::max);
-            answer.scatter = Some(if scale == Scale::Points {
-                scatter
-            } else {
-                100.0 * scatter
+            answer.scatter = Some(match scale {
+                Scale::Points | Scale::OfRange => scatter,
+                Scale::Ratio | Scale::PerUnit => 100.0 * scatter,
             });
         }
         if terms.iter().all(|term| term.of.is_of_single_runs()) {

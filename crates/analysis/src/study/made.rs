@@ -6,10 +6,12 @@ use ieap_domain::{Campaign, Factor, RunRecord, Sample};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::answer::{Answer, Scale, Verdict};
+use super::answer::{Answer, Kind, Scale, Verdict};
 use super::asking::Asking;
-use super::measured::{Bound, Cell, Measured, Value};
-use super::measures::{BENDING_LOST, BENDING_PER_VOLT, MEASURES};
+use super::curves::Curves;
+use super::measured::{Bound, Cell, Measured};
+use super::measures::{BENDING_LOST, BENDING_PER_VOLT, CURVES, MEASURES};
+use super::placed::Placed;
 use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LOSS_AFTER_S};
 use crate::conditions::{Conditions, conditions_of_materials};
 use crate::false_discovery::{CLAIMED_BELOW, q_values};
@@ -17,6 +19,7 @@ use crate::laws;
 use crate::laws::doubt::Doubts;
 use crate::laws::facts::{RunFacts, facts};
 use crate::laws::values::{Values, values};
+use crate::model_free::curves::StepCurves;
 use crate::parameters::{COMPARED, usable};
 
 /// What the study asked, with its answers.
@@ -28,8 +31,10 @@ pub struct Study {
     pub is_declared: bool,
     /// Answers, by material, what the study asked before its details.
     pub answers: Vec<Answer>,
-    /// Fitted runs that take part in no answer.
+    /// Fitted runs that take part in no answer about a parameter.
     pub left_out: Vec<String>,
+    /// Those that take part in one, and in none about a whole curve.
+    pub left_out_of_curves: Vec<String>,
 }
 
 /// What a study is made from.
@@ -41,6 +46,8 @@ pub struct Evidence<'a> {
     pub campaign: &'a Campaign,
     /// What findings say against fits.
     pub doubts: &'a Doubts,
+    /// Current and bending of each of the runs, in their order; empty where nobody read them.
+    pub curves: &'a [StepCurves],
 }
 
 impl Study {
@@ -67,30 +74,50 @@ impl Study {
         } else {
             declared.clone()
         };
-        let measured = (0..conditions.materials.len())
-            .flat_map(|material| MEASURES.map(|key| (material, key)))
-            .filter_map(|(material, key)| {
-                let found = measure(&evidence, &conditions, &facts, material, key)?;
-                Some(((material, key), found))
-            })
-            .collect();
+        let stated_percent = evidence.campaign.study.scatter_percent;
+        let (mut measured, mut curves) = (BTreeMap::new(), BTreeMap::new());
+        for material in 0..conditions.materials.len() {
+            let placed = Placed::new(&conditions, &facts, material);
+            let parameters = MEASURES.into_iter();
+            measured.extend(
+                parameters.filter_map(|key| Some(((material, key), measure(&evidence, &placed, key)?))),
+            );
+            let read = CURVES.into_iter();
+            curves.extend(read.filter_map(|key| {
+                Some((
+                    (material, key),
+                    Curves::of(&placed, evidence.curves, stated_percent, key)?,
+                ))
+            }));
+        }
         let asking = Asking {
             rules: &evidence.campaign.study,
             compared: &compared,
             conditions: &conditions,
             facts: &facts,
             measured,
+            curves,
         };
         let mut answers = asking.answers();
         judge(&mut answers, evidence.campaign.study.alike_percent);
-        let used: BTreeSet<usize> = answers
-            .iter()
-            .flat_map(|own| own.of_runs.iter().copied())
+        let rules = &evidence.campaign.study;
+        let is_asked = |own: &Answer| own.is_of_study && own.kind == Kind::Environment;
+        let asks_curves =
+            !evidence.curves.is_empty() && !rules.voltages_together && answers.iter().any(is_asked);
+        let [used, in_curves] = [false, true].map(|is_curve| -> BTreeSet<usize> {
+            let own = answers.iter().filter(|own| own.is_of_curve() == is_curve);
+            own.flat_map(|own| own.of_runs.iter().copied()).collect()
+        });
+        let fitted: Vec<usize> = (0..evidence.runs.len())
+            .filter(|&at| evidence.runs[at].fit.is_some())
             .collect();
-        let is_left = |(at, run): &(usize, &RunRecord)| !used.contains(at) && run.fit.is_some();
-        let left = evidence.runs.iter().enumerate().filter(is_left);
+        let left = |is_left: &dyn Fn(&usize) -> bool| -> Vec<String> {
+            let left = fitted.iter().filter(|at| is_left(at));
+            left.map(|&at| evidence.runs[at].path.clone()).collect()
+        };
         Study {
-            left_out: left.map(|(_, run)| run.path.clone()).collect(),
+            left_out: left(&|at| !used.contains(at)),
+            left_out_of_curves: left(&|at| asks_curves && used.contains(at) && !in_curves.contains(at)),
             is_declared: !declared.is_empty(),
             compared,
             answers,
@@ -160,20 +187,11 @@ fn logarithms(own: &Values) -> Result<ByPlace, &'static str> {
 /// The values of a parameter of a material, or why they cannot be compared; none where no run has one.
 fn measure(
     evidence: &Evidence,
-    conditions: &Conditions,
-    facts: &[RunFacts],
-    material: usize,
+    placed: &Placed,
     key: &'static str,
 ) -> Option<Result<Measured, &'static str>> {
-    let mut cell_of: BTreeMap<usize, Cell> = BTreeMap::new();
-    for condition in conditions.measured.iter().filter(|own| own.material == material) {
-        let cell = (condition.surroundings, condition.voltage);
-        cell_of.extend(condition.runs.iter().map(|&run| (run, cell)));
-    }
-    let places: Vec<usize> = (0..facts.len())
-        .filter(|&place| cell_of.contains_key(&facts[place].run))
-        .collect();
-    let cell = |place: usize| cell_of[&facts[place].run];
+    let facts = placed.facts;
+    let places: Vec<usize> = placed.cells.keys().copied().collect();
     let of = |key: &str| {
         values(evidence.runs, facts, &places, key).in_doubt(evidence.doubts, evidence.runs, facts)
     };
@@ -220,49 +238,17 @@ fn measure(
             }
             for place in own.left_out {
                 let own = bound(evidence, facts, place, key);
-                let entry = bounds.entry(cell(place)).or_default();
+                let entry = bounds.entry(placed.cells[&place]).or_default();
                 entry.below = own.below.or(entry.below);
                 entry.above = own.above.or(entry.above);
             }
         }
     }
-    let mut samples: Vec<&str> = found.keys().map(|&place| facts[place].sample.as_str()).collect();
-    samples.sort_unstable();
-    samples.dedup();
-    let value = |(&place, &(y, variance)): (&usize, &(f64, f64))| Value {
-        place,
-        sample: samples.binary_search(&facts[place].sample.as_str()).unwrap_or(0),
-        cell: cell(place),
-        humidity_percent: humidity_percent(&facts[place]),
-        y,
-        variance,
-    };
-    let known: Vec<Value> = found.iter().map(value).collect();
-    bounds.retain(|cell, _| known.iter().all(|value| value.cell != *cell));
-    let surroundings = conditions.surroundings.iter().enumerate();
-    let dry: Vec<usize> = surroundings
-        .filter(|(_, own)| own.is_dry())
-        .map(|(at, _)| at)
-        .collect();
-    let stated = evidence
-        .campaign
-        .study
-        .scatter_percent
-        .map(|percent| (percent / 100.0).powi(2));
-    let has_any = !known.is_empty() || !bounds.is_empty();
-    has_any.then(|| {
-        Ok(Measured::new(
-            known,
-            bounds,
-            &dry,
-            stated.filter(|_| key != BENDING_LOST),
-        ))
-    })
-}
-
-fn humidity_percent(fact: &RunFacts) -> Option<f64> {
-    let known = fact.numbers.get(&crate::laws::Covariate::RelativeHumidity)?;
-    Some(known.value)
+    bounds.retain(|cell, _| found.keys().all(|place| placed.cells[place] != *cell));
+    let stated = (evidence.campaign.study.scatter_percent).filter(|_| key != BENDING_LOST);
+    let stated = stated.map(|percent| (percent / 100.0).powi(2));
+    let has_any = !found.is_empty() || !bounds.is_empty();
+    has_any.then(|| Ok(placed.measured(&found, bounds, stated)))
 }
 
 /// What a fit that gives no value leaves: logarithms.
@@ -278,12 +264,13 @@ fn bound(evidence: &Evidence, facts: &[RunFacts], place: usize, key: &str) -> Bo
     }
 }
 
-/// Fills in the q of every answer, by families, and what it shows.
+/// Fills in the q of every answer, by families (parameters, whole curves, details), and what it shows.
 fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
-    for is_of_study in [true, false] {
+    for of_family in [(true, false), (true, true), (false, false)] {
+        let family = |own: &Answer| (own.is_of_study, own.is_of_study && own.is_of_curve());
         let mut family: Vec<&mut Answer> = answers
             .iter_mut()
-            .filter(|own| own.is_of_study == is_of_study && own.p.is_some())
+            .filter(|own| family(own) == of_family && own.p.is_some())
             .collect();
         let p: Vec<f64> = family.iter().filter_map(|own| own.p).collect();
         for (own, q) in family.iter_mut().zip(q_values(&p)) {
@@ -293,7 +280,7 @@ fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
     for own in answers.iter_mut() {
         let least = match own.scale {
             Scale::Points => ALIKE_POINTS,
-            Scale::Ratio | Scale::PerUnit => alike_percent.unwrap_or(ALIKE_PERCENT),
+            Scale::Ratio | Scale::PerUnit | Scale::OfRange => alike_percent.unwrap_or(ALIKE_PERCENT),
         };
         own.verdict = match own.q {
             Some(q) if q <= CLAIMED_BELOW => Verdict::Differs,

@@ -17,3 +17,9 @@ pub const MEASURES: [&str; 7] = [
 pub const BENDING_PER_VOLT: &str = "bending_per_volt_per_cm_v";
 /// 100 (1 - exp(-3600 s lambda)).
 pub const BENDING_LOST: &str = "bending_lost_in_an_hour_percent";
+/// Keys of whole curves: current per area, and curvature, at every time since the step.
+pub const CURVES: [&str; 2] = [CURRENT_CURVE, BENDING_CURVE];
+/// Current per area.
+pub const CURRENT_CURVE: &str = "current_curve";
+/// Curvature.
+pub const BENDING_CURVE: &str = "bending_curve";

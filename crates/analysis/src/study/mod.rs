@@ -3,22 +3,27 @@
 //! One mixed model for each parameter of a material ([`ieap_numerics::mixed`]): a mean for each condition, samples and samples
 //! in environments by chance, the errors of the fits known. A contrast, a law over the voltage, a ratio of ratios are
 //! combinations of those means; the law over the humidity is a slope in the same model. What shows no difference is told how
-//! large one could be. Chances are judged together over what the study asked, and over its details by themselves.
+//! large one could be. The same model asks at every time since the step whether whole curves differ (`whole_curves`). Chances are judged together over what the study asked, and over its details by themselves.
 
 mod also;
 mod answer;
 mod asking;
 mod combined;
+mod curves;
 mod environments;
 mod laws;
 mod made;
 mod measured;
 mod measures;
 mod pairs;
+mod placed;
 mod policy;
 pub mod view;
+mod whole_curves;
 mod words;
 
+#[cfg(test)]
+mod curves_tests;
 #[cfg(test)]
 mod tests;
 

@@ -7,6 +7,8 @@ pub const ALIKE_PERCENT: f64 = 25.0;
 pub const ALIKE_POINTS: f64 = 15.0;
 /// Levels that a law needs: through two goes any law.
 pub const FEWEST_LEVELS: usize = 3;
+/// Times that two curves must have in common for an answer about all of them: fewer than a decade is no whole curve. Chosen.
+pub const FEWEST_TIMES: usize = 4;
 /// Surroundings up to which every pair is compared; of more, each with the first. Chosen: six pairs can be read.
 pub const MOST_FOR_ALL_PAIRS: usize = 4;
 /// Degrees of freedom from which what single runs leave is a scatter: of one the interval reaches 13 standard errors and says
@@ -14,7 +16,7 @@ pub const MOST_FOR_ALL_PAIRS: usize = 4;
 pub const FEWEST_FREEDOM: usize = 2;
 /// Runs that are named where they take part in no answer; the others are counted. Chosen.
 pub const MOST_NAMED: usize = 5;
-/// A standard error below this, of a logarithm or in points, is rounding.
+/// A standard error below this, of a logarithm, in points or in percent, is rounding; so is a curve of this part of another.
 pub const LEAST_ERROR: f64 = 1e-9;
 /// Time over which lost bending is counted, s: an hour.
 pub const LOSS_AFTER_S: f64 = 3600.0;

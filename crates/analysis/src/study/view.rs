@@ -27,7 +27,7 @@ const ALSO: Quantity = Quantity::plain(
 const NUMBER: Quantity = Quantity::plain(
     "ratio",
     "×",
-    "ratio with its 95 % interval; points of bending lost; relative change per unit",
+    "ratio with its 95 % interval; points of bending lost; relative change per unit; percent of the range of a curve",
 );
 const INTERVAL: Quantity = Quantity::plain(
     "interval_95",
@@ -38,6 +38,12 @@ const FITS_INTERVAL: Quantity = Quantity::plain(
     "interval_95_by_fits",
     "by the fits",
     "its 95 % interval by the errors of the fits alone",
+);
+const MOST_AT: Quantity = Quantity::new(
+    "most_at_s",
+    "most at",
+    "time after the step at which curves differ most",
+    "s",
 );
 const MOST: Quantity = Quantity::plain(
     "no_more_than_percent",
@@ -78,7 +84,7 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
     let rough = |number: Option<f64>| number.map(|number| Value::Rough(number, FEW));
     Sheet::<&Answer>::new("contrasts", "What environment, humidity, voltage and material do to each parameter", 6)
         .remarks(
-            "A ratio of conditions at equal voltage, its mean over the voltages that both have. Points are of bending lost in an hour. A law is the relative change per unit. Where one side is a bound the ratio is one too.",
+            "A ratio of conditions at equal voltage, its mean over the voltages that both have. Points are of bending lost in an hour. A law is the relative change per unit. Of a curve it is the largest difference over the times after the step, percent of the range of both together; its interval holds at all times together, its bound at each. Where one side is a bound the ratio is one too.",
             "Nothing was varied that could be compared.",
         )
         .column(KIND, |own| own.kind.label())
@@ -88,6 +94,7 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         .column(LOWER, |own| (!own.lower.is_empty()).then(|| own.lower.clone()))
         .column(VOLTAGES, |own| voltages(&own.voltages_v))
         .column(NUMBER, |own| own.estimate())
+        .column(MOST_AT, move |own| rough(own.most_at_s))
         .column(INTERVAL, |own| ends((own.low_95, own.high_95)))
         .column(FITS_INTERVAL, |own| ends((own.fits_low_95, own.fits_high_95)))
         .column(MOST, move |own| rough(own.no_more_than))
@@ -164,7 +171,7 @@ pub fn view(study: &Study) -> Vec<Block> {
         blocks.push(Block::part("At each voltage", vec![Block::Table(each)]));
     }
     let mut how: Vec<Block> = basis(&asked).into_iter().map(Block::Say).collect();
-    how.extend(left_out(study).map(Block::Say));
+    how.extend(left_out(study).into_iter().map(Block::Say));
     how.push(Block::Say(family(study)));
     how.push(Block::say(
         "Every answer, with voltages, materials and ratios of ratios, is in `ieap table contrasts`.",
@@ -320,7 +327,7 @@ pub fn lines(study: &Study) -> Vec<Block> {
         .map(Block::Say)
         .collect();
     blocks.push(Block::Say(design(study)));
-    blocks.extend(left_out(study).map(Block::Say));
+    blocks.extend(left_out(study).into_iter().map(Block::Say));
     blocks.extend(
         study
             .asked()

@@ -7,7 +7,7 @@ use ieap_domain::words::{counted, in_a_row};
 
 use super::answer::{Answer, Basis, Kind, Scale, Verdict};
 use super::made::Study;
-use super::measures::{BENDING_LOST, BENDING_PER_VOLT};
+use super::measures::{BENDING_CURVE, BENDING_LOST, BENDING_PER_VOLT, CURRENT_CURVE};
 use super::policy::MOST_NAMED;
 use crate::conditions::volts_number;
 use crate::false_discovery::CLAIMED_BELOW;
@@ -18,6 +18,8 @@ pub fn symbol(key: &str) -> &str {
     match key {
         BENDING_PER_VOLT => "α C",
         BENDING_LOST => "bending lost in an hour",
+        CURRENT_CURVE => "curve of current",
+        BENDING_CURVE => "curve of bending",
         key => of_parameter(key),
     }
 }
@@ -28,7 +30,7 @@ pub fn voltages(of: &[f64]) -> String {
     each.join(", ")
 }
 
-/// A number of an answer in words: `× 2.21 [2.01, 2.44]`, `+43 points [19, 67]`, `> 81`.
+/// A number of an answer in words: `× 2.21 [2.01, 2.44]`, `+43 points [19, 67]`, `> 81`, `+12 % of its range at 50 s`.
 pub fn number(answer: &Answer) -> String {
     let interval = answer
         .low_95
@@ -45,6 +47,19 @@ pub fn number(answer: &Answer) -> String {
             };
             let sign = if value > 0.0 { "+" } else { "" };
             format!("{sign}{} points{per}{bracket}", significant(value, 2))
+        }
+        (Some(value), _, _, Scale::OfRange) => {
+            let sign = if value > 0.0 { "+" } else { "" };
+            // An interval of all times together beside a bound that holds at each: where nothing is claimed the bound is said.
+            let bracket = Some(bracket).filter(|_| answer.verdict == Verdict::Differs);
+            let at = answer
+                .most_at_s
+                .map_or(String::new(), |at| format!(" at {} s", significant(at, 1)));
+            format!(
+                "{sign}{} % of its range{}{at}",
+                significant(value, 2),
+                bracket.unwrap_or_default()
+            )
         }
         (Some(value), _, _, Scale::PerUnit) => {
             // A relative change per unit, in percent.
@@ -106,6 +121,13 @@ pub fn about(answer: &Answer) -> String {
     };
     match answer.kind {
         Kind::HumidityLaw | Kind::VoltageLaw => format!("{symbol} of {of} with the {}{at}", answer.upper),
+        Kind::Environment if let Some((from, to)) = answer.times_s => format!(
+            "{symbol} of {of}, {} over {}{at}, {} to {} s after the step",
+            answer.upper,
+            answer.lower,
+            significant(from, 1),
+            significant(to, 1)
+        ),
         Kind::Material => format!("{symbol}, {} over {}{at}", answer.upper, answer.lower),
         Kind::Voltage => format!("{symbol} of {of}, {} over {}", answer.upper, answer.lower),
         Kind::ByVoltage => format!("{symbol} of {of}, ({}) over ({})", answer.upper, answer.lower),
@@ -124,10 +146,10 @@ pub fn shows(answer: &Answer) -> String {
     let most = answer
         .no_more_than
         .map(|most| rounded_bound(most, true).value_text());
-    let unit = if answer.scale == Scale::Points {
-        "points"
-    } else {
-        "%"
+    let unit = match answer.scale {
+        Scale::Points => "points",
+        Scale::OfRange => "% of its range at any time",
+        Scale::Ratio | Scale::PerUnit => "%",
     };
     match (answer.verdict, most) {
         (Verdict::Differs, _) => number,
@@ -141,7 +163,12 @@ pub fn shows(answer: &Answer) -> String {
         }
         (Verdict::Bound, _) => number,
         _ if answer.value.is_some() => {
-            format!("{number} by the fits alone: nothing tells the scatter from run to run")
+            let of = if answer.is_of_curve() {
+                "noise of the readings"
+            } else {
+                "fits"
+            };
+            format!("{number} by the {of} alone: nothing tells the scatter from run to run")
         }
         _ => number,
     }
@@ -187,7 +214,6 @@ fn pair(answer: &Answer) -> String {
 /// of as many questions one such answer is expected by chance; those that do not, with the largest effect that could hide;
 /// those that are open.
 fn told(of: &[&Answer]) -> String {
-    let with = |verdict: Verdict| of.iter().copied().filter(move |own| own.verdict == verdict);
     let numbers = |mut of: Vec<&Answer>| {
         of.sort_by(|a, b| a.p.unwrap_or(1.0).total_cmp(&b.p.unwrap_or(1.0)));
         let each = of
@@ -196,6 +222,8 @@ fn told(of: &[&Answer]) -> String {
         in_a_row(&each.collect::<Vec<_>>())
     };
     let names = |of: &[&Answer]| in_a_row(&of.iter().map(|own| symbol(own.parameter)).collect::<Vec<_>>());
+    let (curves, of): (Vec<&Answer>, Vec<&Answer>) = of.iter().partition(|own| own.is_of_curve());
+    let with = |verdict: Verdict| of.iter().copied().filter(move |own| own.verdict == verdict);
     let (alone, open): (Vec<&Answer>, Vec<&Answer>) =
         with(Verdict::Open).partition(|own| own.p.is_some_and(|p| p <= CLAIMED_BELOW));
     let differ: Vec<&Answer> = with(Verdict::Differs).collect();
@@ -236,10 +264,31 @@ fn told(of: &[&Answer]) -> String {
     if !open.is_empty() {
         parts.push(format!("open: {}", names(&open)));
     }
+    parts.extend(told_of_curves(&curves));
     if parts.is_empty() {
         return "nothing was determined".to_owned();
     }
     parts.join("; ")
+}
+
+/// Where curves differ, else by how much they do nowhere.
+fn told_of_curves(of: &[&Answer]) -> Vec<String> {
+    let (differ, others): (Vec<&Answer>, Vec<&Answer>) =
+        of.iter().partition(|own| own.verdict == Verdict::Differs);
+    let number = |own: &&Answer| format!("{} {}", symbol(own.parameter), number(own));
+    let bound = |own: &&Answer| {
+        let most = rounded_bound(own.no_more_than?, true).value_text();
+        Some(format!("{most} % ({})", symbol(own.parameter)))
+    };
+    let bounds: Vec<String> = others.iter().filter_map(bound).collect();
+    let mut parts: Vec<String> = differ.iter().map(number).collect();
+    if !bounds.is_empty() {
+        parts.push(format!(
+            "nowhere more than {} of the range apart",
+            in_a_row(&bounds)
+        ));
+    }
+    parts
 }
 
 /// What the intervals rest on, in sentences.
@@ -262,41 +311,54 @@ pub fn basis(answers: &[&Answer]) -> Vec<String> {
         Basis::Unknown => "Where nothing tells the scatter from run to run, intervals are those of the fits alone, and no difference is claimed.".to_owned(),
     }
     };
-    found.iter().map(of).collect()
+    let mut said: Vec<String> = found.iter().map(of).collect();
+    if answers.iter().any(|own| own.is_of_curve() && own.value.is_some()) {
+        said.push("Whole curves are compared at times spread evenly over the logarithm of the time since the step, in percent of the range of both together; what holds nowhere holds at each of these times (95 %), and what is told of one time holds at all of them.".to_owned());
+    }
+    said
 }
 
-/// Which fitted runs take part in no answer; none where all do.
-pub fn left_out(study: &Study) -> Option<String> {
-    let some = &study.left_out[..study.left_out.len().min(MOST_NAMED)];
-    let more = study.left_out.len() - some.len();
-    let more = if more > 0 {
-        format!(" and {more} more")
-    } else {
-        String::new()
+/// Which fitted runs take part in no answer, or in none about whole curves.
+pub fn left_out(study: &Study) -> Vec<String> {
+    let of = |runs: &[String], of: &str, why: &str| {
+        let some = &runs[..runs.len().min(MOST_NAMED)];
+        let more = match runs.len() - some.len() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let all = match runs.len() {
+            1 => "1 fitted run takes".to_owned(),
+            several => format!("{several} fitted runs take"),
+        };
+        let row = some.join(", ");
+        (!some.is_empty()).then(|| format!("{all} part in no answer{of} ({row}{more}): {why}."))
     };
-    (!some.is_empty()).then(|| {
-        format!(
-            "{} part in no answer ({}{more}): nothing stands against them in another condition, a tag is missing, their voltage moves, or what their model gets wrong has no known cause.",
-            match study.left_out.len() {
-                1 => "1 fitted run takes".to_owned(),
-                several => format!("{several} fitted runs take"),
-            },
-            some.join(", ")
-        )
-    })
+    let parameters = of(
+        &study.left_out,
+        "",
+        "nothing stands against them in another condition, a tag is missing, their voltage moves, or what their model gets wrong has no known cause",
+    );
+    let curves = of(
+        &study.left_out_of_curves,
+        " about whole curves",
+        "they do not begin with a step that is held, nothing tells when that was, or nothing stands against them in another environment",
+    );
+    parameters.into_iter().chain(curves).collect()
 }
 
 /// How many questions were asked, and how their chances were judged.
 pub fn family(study: &Study) -> String {
-    let asked = study.asked().filter(|own| own.p.is_some()).count();
-    let details = study
-        .answers
-        .iter()
-        .filter(|own| !own.is_of_study && own.p.is_some())
-        .count();
+    let of = |is_of: fn(&&Answer) -> bool| {
+        let judged = study.answers.iter().filter(|own| own.p.is_some());
+        judged.filter(is_of).count()
+    };
+    let questions = of(|own| own.is_of_study && !own.is_of_curve());
+    let curves = of(|own| own.is_of_study && own.is_of_curve());
+    let mut families = vec![format!("{} of the study", counted(questions, "question"))];
+    families.extend((curves > 0).then(|| counted(curves, "whole curve")));
+    families.push(counted(of(|own| !own.is_of_study), "detail"));
     format!(
-        "{} of the study and {} were judged, each family by itself: of what is claimed at most 1 in 20 is expected to be chance (Benjamini and Hochberg).",
-        counted(asked, "question"),
-        counted(details, "detail"),
+        "{} were judged, each family by itself: of what is claimed at most 1 in 20 is expected to be chance (Benjamini and Hochberg).",
+        in_a_row(&families)
     )
 }

@@ -6,6 +6,7 @@ use crate::impedance::OneLikelihood;
 use crate::laws::CampaignLaws;
 use crate::laws::doubt::Doubts;
 use crate::model_free::ModelFree;
+use crate::model_free::curves::StepCurves;
 use crate::models_compared::view::Compared;
 use crate::probe::Course;
 use crate::reductions::RunReductions;
@@ -33,6 +34,8 @@ pub struct TableInput<'a> {
     pub frequency: &'a [FrequencyRun],
     /// What the runs say without a model.
     pub model_free: &'a [ModelFree],
+    /// Their current and bending after the step, in the order of the runs, for tables that ask for them.
+    pub curves: &'a [StepCurves],
     /// Trains, cycle by cycle.
     pub cycles: &'a [CycleRun],
     /// Steps and spectra of the same strips in one likelihood.
@@ -64,6 +67,7 @@ impl<'a> TableInput<'a> {
             runs: self.runs,
             campaign: self.campaign,
             doubts: self.doubts,
+            curves: self.curves,
         })
     }
 
@@ -78,6 +82,7 @@ impl<'a> TableInput<'a> {
             blocked: &[],
             frequency: &[],
             model_free: &[],
+            curves: &[],
             cycles: &[],
             one_likelihood: &[],
             reductions: &[],

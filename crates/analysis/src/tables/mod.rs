@@ -43,6 +43,8 @@ pub enum Need {
     None,
     /// The readings of all runs.
     Readings,
+    /// Current and bending of all runs after their steps.
+    Curves,
     /// Every run fitted with other circuits.
     Reductions,
     /// Steps fitted together with spectra.
@@ -106,7 +108,7 @@ pub const TABLES: &[NamedTable] = &[
     NamedTable::new("table4", "Complex modulus before and after each humidity step (the thesis's table 4)", table4::make),
     NamedTable::new("table5", "Parameters of the lumped model by material, environment and voltage (the thesis's table 5)", table5::make).comparing_materials(),
     NamedTable::new("table6", "What happens in which environment at which voltage, in words (the thesis's table 6)", table6::make).comparing_materials(),
-    NamedTable::new("contrasts", "What environment, humidity, voltage and material do to each parameter: ratios with intervals, laws, what is alike", |input| study::view::table(&input.study().answers)),
+    NamedTable::new("contrasts", "What environment, humidity, voltage and material do to each parameter: ratios with intervals, laws, what is alike", |input| study::view::table(&input.study().answers)).needing(Need::Curves),
     NamedTable::new("spread", "Means over repeats with the spread between samples, between runs and the fits' own uncertainty", spread::make).comparing_materials(),
     NamedTable::new("conditions", "Conditions that were measured, with their runs, samples and total capacitance", conditions_table::make).comparing_materials(),
     NamedTable::new("runs", "Every run with its tags, state and goodness of fit", runs::make),
