@@ -30,21 +30,8 @@ struct Lag {
 }
 
 impl Observation for Lag {
-    /// Exact where the curvature is a straight line between neighbouring times.
     fn observe(&self, clock_s: &[f64], curvature_per_cm: &mut [f64]) {
-        let Some(&first) = curvature_per_cm.first() else {
-            return;
-        };
-        let (mut lagged, mut before) = (first, first);
-        for (times, kappa) in clock_s.windows(2).zip(&mut curvature_per_cm[1..]) {
-            let x = (times[1] - times[0]) / self.time_s;
-            let kept = (-x).exp();
-            let ramp = if x > 1e-8 { (1.0 - kept) / x } else { 1.0 };
-            let own = *kappa;
-            lagged = lagged * kept + before * (ramp - kept) + own * (1.0 - ramp);
-            before = own;
-            *kappa = lagged;
-        }
+        lag(self.time_s, clock_s, curvature_per_cm);
     }
 
     fn resolves_s(&self) -> f64 {
@@ -53,6 +40,23 @@ impl Observation for Lag {
     /// What it changes is smaller than the curvature that it takes for straight.
     fn finer(&self) -> f64 {
         2.0
+    }
+}
+
+/// What a lag of first order makes of a curvature: exact where it is a straight line between neighbouring times.
+pub(super) fn lag(time_s: f64, clock_s: &[f64], curvature_per_cm: &mut [f64]) {
+    let Some(&first) = curvature_per_cm.first() else {
+        return;
+    };
+    let (mut lagged, mut before) = (first, first);
+    for (times, kappa) in clock_s.windows(2).zip(&mut curvature_per_cm[1..]) {
+        let x = (times[1] - times[0]) / time_s;
+        let kept = (-x).exp();
+        let ramp = if x > 1e-8 { (1.0 - kept) / x } else { 1.0 };
+        let own = *kappa;
+        lagged = lagged * kept + before * (ramp - kept) + own * (1.0 - ramp);
+        before = own;
+        *kappa = lagged;
     }
 }
 

@@ -58,6 +58,7 @@ mod self_discharge;
 mod sensing_feedback;
 mod series_resistance;
 mod slow_branch;
+pub mod smooth_laws;
 mod softening;
 mod source_rise;
 #[cfg(test)]

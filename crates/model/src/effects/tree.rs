@@ -8,7 +8,7 @@
 use ieap_domain::diagnosis::follows_a_tag;
 
 /// Where an effect acts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Site {
     /// In what the current does, or in how it is read.
     Current,

@@ -1,0 +1,158 @@
+//! What a law follows: a variable of the run, and bells over it.
+
+use crate::effects::Scale;
+use crate::extended::Now;
+
+use super::WEIGHTS;
+
+/// What a law follows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Axis {
+    /// Time since the start, s, or its logarithm.
+    Time,
+    LogTime,
+    /// Logarithm of the time since the last edge.
+    SinceEdge,
+    /// Voltage of the source, or its size, V.
+    Voltage,
+    VoltageSize,
+    /// Voltage of each capacitor, V.
+    OwnVoltage,
+    /// Charge that bends, or its size, C/cm2.
+    Charge,
+    ChargeSize,
+    /// Curvature, or its size, 1/cm.
+    Curvature,
+    CurvatureSize,
+    /// Size of the current, A/cm2.
+    CurrentSize,
+    /// Power, current, or its size, remembered for so large a part of the longest record.
+    Power(f64),
+    Flow(f64),
+    FlowSize(f64),
+    /// No variable: weights are of elements one by one, time scales mostly.
+    Elements,
+}
+
+/// Width of a bell in distances of bells.
+const WIDTH: f64 = 0.8;
+/// Time from which logarithms of the time since the start go, as a part of the longest record.
+const EARLY: f64 = 1.0 / 120.0;
+/// Time from which logarithms of the time since an edge go, in shortest times between readings.
+const SOON: f64 = 0.3;
+
+impl Axis {
+    /// Ends of the variable in data of that scale, and the time that it is measured by.
+    pub(super) fn over(self, scale: &Scale) -> (f64, f64, f64) {
+        let longest_s = scale.longest_s();
+        let about = |most: f64| (-most, most, 0.0);
+        let density = scale.current_a / scale.area_cm2;
+        // No more flows on average than what is stored.
+        let flow = |part: f64| density.min(scale.charge_c / scale.area_cm2 / (part * longest_s));
+        match self {
+            Axis::Time => (0.0, longest_s, 0.0),
+            Axis::LogTime => (0.0, (1.0 + EARLY.recip()).ln(), EARLY * longest_s),
+            Axis::SinceEdge => {
+                let soon_s = SOON * scale.shortest_s;
+                (soon_s.ln(), (longest_s + soon_s).ln(), soon_s)
+            }
+            Axis::Voltage | Axis::OwnVoltage => about(scale.voltage_v),
+            Axis::VoltageSize => (0.0, scale.voltage_v, 0.0),
+            Axis::Charge => about(scale.charge_c / scale.area_cm2),
+            Axis::ChargeSize => (0.0, scale.charge_c / scale.area_cm2, 0.0),
+            Axis::Curvature => about(scale.curvature_per_cm),
+            Axis::CurvatureSize => (0.0, scale.curvature_per_cm, 0.0),
+            Axis::CurrentSize => (0.0, density, 0.0),
+            Axis::Power(part) => (0.0, flow(part) * scale.voltage_v, part * longest_s),
+            Axis::Flow(part) => (-flow(part), flow(part), part * longest_s),
+            Axis::FlowSize(part) => (0.0, flow(part), part * longest_s),
+            Axis::Elements => (0.0, longest_s, scale.shortest_s),
+        }
+    }
+
+    pub(super) fn is_of_bending(self) -> bool {
+        matches!(self, Axis::Curvature | Axis::CurvatureSize)
+    }
+
+    /// Whether the variable is remembered.
+    pub(super) fn remembers(self) -> bool {
+        matches!(self, Axis::Power(_) | Axis::Flow(_) | Axis::FlowSize(_))
+    }
+
+    /// What a remembered variable is made of.
+    pub(super) fn input(self, now: &Now) -> f64 {
+        match self {
+            Axis::Power(_) => (now.terminal_v * now.current_a_per_cm2).abs(),
+            Axis::FlowSize(_) => now.current_a_per_cm2.abs(),
+            _ => now.current_a_per_cm2,
+        }
+    }
+
+    /// The variable now; `memory` is its mean over the time that it is measured by.
+    fn of(self, now: &Now, memory: f64, time_s: f64) -> f64 {
+        match self {
+            Axis::Time => now.clock_s.max(0.0),
+            Axis::LogTime => (now.clock_s.max(0.0) / time_s).ln_1p(),
+            Axis::SinceEdge => (now.since_edge_s.max(0.0) + time_s).ln(),
+            Axis::Voltage => now.source_v,
+            Axis::VoltageSize => now.source_v.abs(),
+            Axis::OwnVoltage | Axis::Elements => 0.0,
+            Axis::Charge => now.charge_c_per_cm2,
+            Axis::ChargeSize => now.charge_c_per_cm2.abs(),
+            Axis::Curvature => now.curvature_per_cm,
+            Axis::CurvatureSize => now.curvature_per_cm.abs(),
+            Axis::CurrentSize => now.current_a_per_cm2.abs(),
+            Axis::Power(_) | Axis::Flow(_) | Axis::FlowSize(_) => memory,
+        }
+    }
+}
+
+/// A smooth function of a variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    pub(super) weights: Vec<f64>,
+    pub(super) axis: Axis,
+    pub(super) ends: (f64, f64),
+    pub(super) time_s: f64,
+}
+
+impl Curve {
+    /// Its value where the variable is `x`: bells, the last weight a straight line.
+    pub(super) fn at(&self, x: f64) -> f64 {
+        let (low, high) = self.ends;
+        let bells = WEIGHTS - 1;
+        let step = (high - low) / (bells - 1) as f64;
+        let x = x.clamp(low, high);
+        let bell = |k: usize| (-0.5 * ((x - low - step * k as f64) / (WIDTH * step)).powi(2)).exp();
+        let line = if low < 0.0 {
+            x / high
+        } else {
+            (x - low) / (high - low)
+        };
+        let each = self.weights.iter().enumerate();
+        each.map(|(k, weight)| weight * if k < bells { bell(k) } else { line })
+            .sum()
+    }
+
+    /// Its value now; see [`Axis::of`] for `memory`.
+    pub(super) fn now(&self, now: &Now, memory: f64) -> f64 {
+        self.at(self.axis.of(now, memory, self.time_s))
+    }
+
+    /// So many places over its variable, in the variable's own unit, with the value at each.
+    pub fn drawn(&self, count: usize) -> Vec<(f64, f64)> {
+        let (low, high) = self.ends;
+        let place = |k: usize| low + (high - low) * k as f64 / (count.max(2) - 1) as f64;
+        (0..count)
+            .map(|k| (self.unwarped(place(k)), self.at(place(k))))
+            .collect()
+    }
+
+    fn unwarped(&self, x: f64) -> f64 {
+        match self.axis {
+            Axis::LogTime => self.time_s * x.exp_m1(),
+            Axis::SinceEdge => (x.exp() - self.time_s).max(0.0),
+            _ => x,
+        }
+    }
+}
