@@ -10,6 +10,7 @@ mod predicted;
 mod readings;
 mod tags;
 mod varies;
+mod zeros;
 
 use ieap_domain::testing::branch;
 use rand::SeedableRng;

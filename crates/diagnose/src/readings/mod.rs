@@ -16,3 +16,4 @@ pub(crate) mod quantities;
 pub(crate) mod record_length;
 pub(crate) mod scatter;
 pub(crate) mod tags;
+mod zeros;
