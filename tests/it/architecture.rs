@@ -105,7 +105,9 @@ const STAGES: [(&str, &[&str], &[&str]); 2] = [
     (
         "diagnose",
         &[],
-        &["readings", "fitting", "misfit", "cause", "extended", "outcome"],
+        &[
+            "readings", "fitting", "misfit", "cause", "missing", "extended", "outcome",
+        ],
     ),
     (
         "src",

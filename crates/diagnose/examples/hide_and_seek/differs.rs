@@ -67,14 +67,15 @@ fn row(what: &str, found: &[(GroupDiagnosis, f64)]) -> String {
 }
 
 /// A group of which so many parameters differ by that much, diagnosed, and what the differences leave after the refit.
-fn differing(case: &mut Case, chosen: usize, sd: f64) -> (GroupDiagnosis, f64) {
+/// The parameters of every run, so many of which differ by that much.
+pub fn differing_bases(case: &mut Case, chosen: usize, sd: f64) -> Vec<LumpedModel> {
     let mut which: Vec<usize> = (0..PARAMETERS).collect();
     while which.len() > chosen {
         let out = case.generator.random_range(0..which.len());
         which.remove(out);
     }
     let runs = case.design.len();
-    let bases: Vec<LumpedModel> = (0..runs)
+    (0..runs)
         .map(|_| {
             let mut base = case.base.clone();
             for &parameter in &which {
@@ -83,13 +84,17 @@ fn differing(case: &mut Case, chosen: usize, sd: f64) -> (GroupDiagnosis, f64) {
             }
             base
         })
-        .collect();
+        .collect()
+}
+
+fn differing(case: &mut Case, chosen: usize, sd: f64) -> (GroupDiagnosis, f64) {
+    let bases = differing_bases(case, chosen, sd);
     let with = responses_of(case, &bases);
     let d = sigmas_after_refit(&case.base, &case.design, &with, case.noise);
     let found = diagnose(case, &with);
     if std::env::var_os("SHOW").is_some() {
         eprintln!(
-            "{which:?} by {sd}, d = {d:.0}: {} {:?} {}",
+            "{chosen} by {sd}, d = {d:.0}: {} {:?} {}",
             found.verdict.key(),
             found.set,
             found.sentence

@@ -28,6 +28,7 @@ mod faults;
 mod figure;
 mod foreign;
 mod hidden;
+mod laws;
 mod methods;
 mod nearness;
 mod nulls;
@@ -58,6 +59,12 @@ fn main() {
             print!("{}", figure::svg(&figure::of_table(&text)));
         }
         Some("short") => short(),
+        Some("laws") => laws::laws(
+            seed_from(1000),
+            count,
+            &strengths(&arguments),
+            &arguments[3.min(arguments.len())..],
+        ),
         Some("foreign") => foreign::foreign(
             seed_from(7000),
             count,

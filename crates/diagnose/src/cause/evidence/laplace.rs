@@ -11,7 +11,7 @@ use crate::fitting::fitted::Fitted;
 
 /// Logarithm of the evidence for `fitted` over that of `base`, both of the same readings: what the likelihood gains at its
 /// peak, and what the width of the peak and the priors leave of it.
-pub(super) fn log_evidence(base: &Fitted, fitted: &Fitted) -> (f64, f64) {
+pub(crate) fn log_evidence(base: &Fitted, fitted: &Fitted) -> (f64, f64) {
     let (slope, _) = fitted.problem.slope(&fitted.at);
     let known = fitted.problem.base_len();
     let normal = known_before(&slope.normal, known);

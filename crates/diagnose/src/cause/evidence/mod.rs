@@ -15,6 +15,8 @@ mod smooth;
 mod unnamed;
 mod varies;
 
+pub(crate) use laplace::log_evidence;
 pub(crate) use policy::{LARGEST_SET, SURE, log_odds_of_no_cause};
 pub(crate) use posterior::{Asked, Standing, Weighed, weigh};
-pub(crate) use varies::follow_something;
+pub(crate) use unnamed::{Nameless, Parts};
+pub(crate) use varies::{Varying, follow_something};

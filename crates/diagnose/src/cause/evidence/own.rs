@@ -38,6 +38,11 @@ impl OwnFits {
         Some(found)
     }
 
+    /// What all of them leave.
+    pub(super) fn square(&self) -> f64 {
+        self.slopes.iter().map(|slope| slope.square).sum()
+    }
+
     /// What each run says of its parameters.
     pub(super) fn forms(&self) -> Vec<Form> {
         let each = self.at.iter().zip(&self.slopes);

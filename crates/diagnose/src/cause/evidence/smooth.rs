@@ -84,9 +84,15 @@ impl Process {
 
     /// Logarithm of the evidence with coefficients of this standard deviation over that without any.
     pub(super) fn log_evidence(&self, amplitude: f64) -> f64 {
+        let (fall, width) = self.parts(amplitude);
+        fall + width
+    }
+
+    /// What the likelihood gains, and what the widths cost.
+    pub(super) fn parts(&self, amplitude: f64) -> (f64, f64) {
         let order = self.products.order();
         if amplitude == 0.0 || order == 0 {
-            return 0.0;
+            return (0.0, 0.0);
         }
         let mut precision = Symmetric::zero(order);
         for a in 0..order {
@@ -97,7 +103,7 @@ impl Process {
         }
         let right: Vec<f64> = self.with_residuals.iter().map(|v| amplitude * v).collect();
         let explained = dot(&precision.solve(&right, 1e-14), &right);
-        0.5 * explained - 0.5 * precision.log_determinant()
+        (0.5 * explained, -0.5 * precision.log_determinant())
     }
 }
 

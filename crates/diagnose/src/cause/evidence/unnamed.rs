@@ -7,14 +7,14 @@ use crate::readings::group::RunGroup;
 use ieap_domain::Level;
 
 /// Hypotheses without a name beside which every effect is held, as columns that do not depend on the model.
-pub(super) struct Nameless {
+pub(crate) struct Nameless {
     /// A smooth answer to every step; what wanders with the clock.
     unnamed: [Vec<Column>; 2],
     slow_noise: Vec<Column>,
 }
 
 impl Nameless {
-    pub(super) fn of(group: &RunGroup) -> Nameless {
+    pub(crate) fn of(group: &RunGroup) -> Nameless {
         Nameless {
             unnamed: [answers(group), wandering(group)],
             slow_noise: slow(group),
@@ -22,7 +22,7 @@ impl Nameless {
     }
 
     /// Logarithm of the evidence for something without a name, over none of it.
-    pub(super) fn unnamed(&self, tangent: &Tangent, left: &[f64]) -> f64 {
+    pub(crate) fn unnamed(&self, tangent: &Tangent, left: &[f64]) -> f64 {
         log_mean(
             &self
                 .unnamed
@@ -32,8 +32,53 @@ impl Nameless {
     }
 
     /// Logarithm of the evidence for slow noise, which is there at rest as under voltage, over none of it.
-    pub(super) fn slow_noise(&self, tangent: &Tangent, left: &[f64]) -> f64 {
+    pub(crate) fn slow_noise(&self, tangent: &Tangent, left: &[f64]) -> f64 {
         evidence(&self.slow_noise, tangent, left)
+    }
+}
+
+/// What a process without a name makes the logarithm of the likelihood rise by, what its widths cost, and how many columns it has.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Parts {
+    pub(crate) fall: f64,
+    pub(crate) occam: f64,
+    pub(crate) free: usize,
+}
+
+impl Nameless {
+    /// The more probable of what has no name.
+    pub(crate) fn unnamed_parts(&self, tangent: &Tangent, left: &[f64]) -> Parts {
+        let each = self
+            .unnamed
+            .each_ref()
+            .map(|columns| parts(columns, tangent, left));
+        let log = |own: &Parts| own.fall + own.occam;
+        let [answers, wandering] = each;
+        if log(&answers) > log(&wandering) {
+            answers
+        } else {
+            wandering
+        }
+    }
+
+    /// Of slow noise.
+    pub(crate) fn slow_parts(&self, tangent: &Tangent, left: &[f64]) -> Parts {
+        parts(&self.slow_noise, tangent, left)
+    }
+}
+
+fn parts(columns: &[Column], tangent: &Tangent, left: &[f64]) -> Parts {
+    let Some(process) = Process::of(columns, tangent, left).of_unit_size() else {
+        return Parts::default();
+    };
+    let best = grid(SIZES)
+        .map(|size| process.parts(size))
+        .max_by(|a, b| (a.0 + a.1).total_cmp(&(b.0 + b.1)));
+    let (fall, occam) = best.unwrap_or_default();
+    Parts {
+        fall,
+        occam,
+        free: columns.len(),
     }
 }
 

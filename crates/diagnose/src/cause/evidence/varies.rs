@@ -46,11 +46,13 @@ pub(crate) struct Varying {
     subsets: Vec<Subset>,
     /// The leading one, fitted in full.
     shared: shared::Shared,
+    /// What all runs leave with parameters of their own.
+    own_square: f64,
 }
 
 impl Varying {
     /// None of a single run, or where a run cannot be fitted by itself.
-    pub(super) fn of(
+    pub(crate) fn of(
         group: &RunGroup,
         base: &Fitted,
         model: &'static FitModel,
@@ -91,11 +93,35 @@ impl Varying {
             covariates,
             subsets,
             shared,
+            own_square: own.square(),
         })
     }
 
+    /// Prior weight of all subsets together.
+    pub(crate) fn prior(&self) -> f64 {
+        VARIES
+    }
+
+    /// Parameters that the leading subset adds.
+    pub(crate) fn free(&self) -> usize {
+        let runs = self.shared.at.len().saturating_sub(1);
+        self.subsets.first().map_or(0, |first| {
+            first.of.len() * if first.with.is_some() { 1 } else { runs }
+        })
+    }
+
+    /// What the leading subset leaves.
+    pub(crate) fn square(&self) -> f64 {
+        self.shared.square
+    }
+
+    /// What all runs leave with parameters of their own.
+    pub(crate) fn own_square(&self) -> f64 {
+        self.own_square
+    }
+
     /// Every subset as a hypothesis, with the logarithm of its weight.
-    pub(super) fn weighed(&self, base: &Fitted) -> impl Iterator<Item = (Hypothesis, f64)> {
+    pub(crate) fn weighed(&self, base: &Fitted) -> impl Iterator<Item = (Hypothesis, f64)> {
         self.subsets.iter().map(|subset| {
             let hypothesis = Hypothesis {
                 kind: HypothesisKind::Varies,

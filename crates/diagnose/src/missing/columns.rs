@@ -1,0 +1,92 @@
+//! What every weight of every law adds to the readings, to first order.
+
+use ieap_model::effects::smooth_laws::{SMOOTH_LAWS, SmoothLaw, WEIGHTS};
+use ieap_model::effects::{Applied, Effect, Limits, Scale};
+use ieap_model::extended::ExtendedModel;
+use ieap_numerics::sums::dot;
+use rayon::prelude::*;
+
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
+
+/// Part of the probe's weight at which a column is taken.
+const SMALL: f64 = 0.1;
+
+/// A law in these data, with the change of the whitened model by each of its weights.
+pub(crate) struct LawColumns {
+    pub(crate) law: &'static SmoothLaw,
+    pub(crate) limits: Vec<Limits>,
+    /// A weight each, then what is held.
+    pub(crate) probe: Vec<f64>,
+    /// Per unit of each weight.
+    pub(crate) columns: Vec<Vec<f64>>,
+}
+
+impl LawColumns {
+    /// The law as something to search.
+    pub(crate) fn free_effect(&self) -> FreeEffect {
+        FreeEffect::new(self.law, 0, self.limits.clone(), &self.probe)
+    }
+
+    /// Coordinate per unit of weight.
+    pub(crate) fn coordinate(&self) -> f64 {
+        self.free_effect().coordinate(0, 1.0)
+    }
+}
+
+/// The columns of all laws beside a model.
+pub(crate) fn columns(problem: &ExtendedProblem, at: &[f64], scale: &Scale) -> Vec<LawColumns> {
+    let model = problem.model(at);
+    let mut without = Vec::new();
+    problem.residuals(at, &mut without);
+    let wanted: Vec<(&'static SmoothLaw, Vec<Limits>, Vec<f64>)> = (SMOOTH_LAWS.iter())
+        .filter_map(|&law| {
+            let search = law.search(0, scale);
+            let probe = search.probes.into_iter().next()?;
+            Some((law, search.limits, probe))
+        })
+        .collect();
+    let of = |(law, limits, probe): (&'static SmoothLaw, Vec<Limits>, Vec<f64>)| {
+        let column = |k: usize| {
+            let mut parameters = probe.clone();
+            parameters[..WEIGHTS].fill(0.0);
+            parameters[k] = SMALL * probe[k];
+            let with = residuals_with(problem, &model, law, parameters);
+            let change = without.iter().zip(&with).map(|(without, with)| without - with);
+            change
+                .map(|change| change / (SMALL * probe[k]))
+                .collect::<Vec<f64>>()
+        };
+        let columns: Vec<Vec<f64>> = (0..law.weights()).map(column).collect();
+        let is_finite = columns.iter().all(|column| dot(column, column).is_finite());
+        is_finite.then_some(LawColumns {
+            law,
+            limits,
+            probe,
+            columns,
+        })
+    };
+    wanted.into_par_iter().filter_map(of).collect()
+}
+
+fn residuals_with(
+    problem: &ExtendedProblem,
+    model: &ExtendedModel,
+    law: &'static SmoothLaw,
+    parameters: Vec<f64>,
+) -> Vec<f64> {
+    let mut effects = model.effects.clone();
+    effects.push(Applied {
+        effect: law,
+        variant: 0,
+        parameters,
+    });
+    let extended = ExtendedModel {
+        base: model.base.clone(),
+        effects,
+    };
+    let mut out = Vec::new();
+    for &run in &problem.runs {
+        problem.run_residuals(&extended, run, &mut out);
+    }
+    out
+}

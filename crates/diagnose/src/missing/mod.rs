@@ -1,0 +1,15 @@
+//! The missing law: which part of the model is a function of what, before it has a name.
+//!
+//! In: the misfit beside the base model. Every law of the model is asked as a smooth function of every variable, beside the
+//! equations of the library, each of which is one curve of such a function; and whether runs merely differ.
+//! Out: [`look::Looked`]: the account of the error, and the deepest of place, law and variable, name that the readings tell.
+
+mod account;
+mod columns;
+mod evidence;
+mod held_out;
+pub(crate) mod look;
+mod policy;
+mod refit;
+pub(crate) mod told;
+mod weighed;

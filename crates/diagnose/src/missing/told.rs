@@ -1,0 +1,82 @@
+//! What the readings tell: the deepest of place, law and variable, name that is sure.
+
+use ieap_model::effects::Site;
+use ieap_model::effects::smooth_laws::{Place, WEIGHTS};
+
+use super::policy::{INEXACT, SURE};
+use super::weighed::{Says, Weighed, Weight};
+
+/// What is told, with its probability.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Told {
+    /// Where it acts.
+    pub site: Option<Site>,
+    /// Law and what it follows, where that is sure.
+    pub place: Option<Place>,
+    /// Equations of the library that lie under it, the most probable first.
+    pub names: Vec<&'static str>,
+    /// The one that is sure.
+    pub name: Option<&'static str>,
+    /// Probability of the deepest of these.
+    pub probability: f64,
+}
+
+/// The deepest that is sure; nothing where no place is.
+pub(crate) fn told(weighed: &Weighed, masses: &[f64]) -> Told {
+    let each = || weighed.all.iter().zip(masses);
+    let sum = |is_of: &dyn Fn(&Place) -> bool| -> f64 {
+        each()
+            .filter(|(own, _)| own.place.as_ref().is_some_and(is_of))
+            .map(|(_, mass)| mass)
+            .sum()
+    };
+    let mut told = Told::default();
+    for site in [Site::Current, Site::Bending] {
+        let mass = sum(&|place| place.site == site);
+        if mass >= SURE {
+            (told.site, told.probability) = (Some(site), mass);
+        }
+    }
+    let Some(site) = told.site else { return told };
+    let mut places: Vec<(Place, f64)> = Vec::new();
+    for (own, _) in each() {
+        let Some(place) = own.place.filter(|place| place.site == site) else {
+            continue;
+        };
+        let key = Place { of: "", ..place };
+        if places.iter().all(|(known, _)| *known != key) {
+            places.push((key, sum(&|other| Place { of: "", ..*other } == key)));
+        }
+    }
+    let best = places.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((place, mass)) = best.filter(|(_, mass)| *mass >= SURE) else {
+        return told;
+    };
+    (told.place, told.probability) = (Some(place), mass);
+    let of_place = |own: &Weight| own.place.is_some_and(|of| Place { of: "", ..of } == place);
+    let curve = each()
+        .filter(|(own, _)| matches!(own.says, Says::Curve(_)) && of_place(own))
+        .map(|(own, _)| own.fall)
+        .fold(0.0, f64::max);
+    let mut names: Vec<(&'static str, f64, f64)> = each()
+        .filter_map(|(own, mass)| match own.says {
+            Says::Equation(id) if of_place(own) => Some((id, *mass, own.fall)),
+            _ => None,
+        })
+        .collect();
+    names.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // Inside the band: what the curve explains beyond it is what its further weights take of noise.
+    let inside = |fall: f64| fall > (1.0 - INEXACT) * curve - 0.5 * WEIGHTS as f64;
+    let most = names.first().map_or(0.0, |(_, most, _)| *most);
+    let within: Vec<&'static str> = names
+        .iter()
+        .filter(|(_, own, fall)| inside(*fall) && *own > (1.0 - SURE) * most)
+        .map(|(id, ..)| *id)
+        .collect();
+    told.name = match within[..] {
+        [only] => Some(only),
+        _ => None,
+    };
+    told.names = within;
+    told
+}

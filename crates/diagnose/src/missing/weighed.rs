@@ -1,0 +1,272 @@
+//! Everything that may be behind a misfit, weighed: laws as smooth curves, equations, runs that differ, slow noise, something of
+//! each run's own.
+
+use std::collections::BTreeMap;
+
+use ieap_model::FitModel;
+use ieap_model::effects::smooth_laws::{Place, place_of};
+use rayon::prelude::*;
+
+use super::columns::LawColumns;
+use super::evidence::{Evidence, Products, log_sum};
+use super::policy::{DIFFERS, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNNAMED};
+use super::refit::Refit;
+use crate::cause::candidates::fit_candidates;
+use crate::cause::evidence::{Nameless, Parts, Varying, log_evidence};
+use crate::fitting::fitted::Fitted;
+use crate::misfit::signature::{Direction, Signature};
+use crate::readings::group::RunGroup;
+
+/// What a hypothesis says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Says {
+    /// A law is a smooth function: place among the columns.
+    Curve(usize),
+    /// An equation of the library.
+    Equation(&'static str),
+    /// Parameters differ between runs.
+    Differ,
+    /// Slow noise, at rest as under voltage.
+    SlowNoise,
+    /// Something of every run's own.
+    Unnamed,
+}
+
+/// A hypothesis with its weight, logarithms over that of the base alone.
+#[derive(Clone)]
+pub(crate) struct Weight<'g> {
+    pub(crate) says: Says,
+    pub(crate) place: Option<Place>,
+    /// What the likelihood gains.
+    pub(crate) fall: f64,
+    /// Logarithm of the prior weight.
+    pub(crate) prior: f64,
+    /// What the widths of priors and peaks cost (Occam's factor).
+    pub(crate) occam: f64,
+    /// Parameters that it adds.
+    pub(crate) free: usize,
+    /// The model in full, where it was fitted.
+    pub(crate) fitted: Option<Refit<'g>>,
+}
+
+impl Weight<'_> {
+    /// Its logarithm where falls are divided by `t`: a likelihood that is so much broader leaves less to pay for widths.
+    fn log(&self, t: f64) -> f64 {
+        let occam = (self.occam + 0.5 * self.free as f64 * t.ln()).min(0.0);
+        let all = self.fall / t + occam + self.prior;
+        if all.is_nan() { f64::NEG_INFINITY } else { all }
+    }
+}
+
+/// All of them.
+pub(crate) struct Weighed<'g> {
+    pub(crate) all: Vec<Weight<'g>>,
+    pub(crate) varying: Option<Varying>,
+}
+
+/// What hypotheses are weighed on: beside `current`, which may have laws already.
+pub(crate) struct Asked<'a, 'g> {
+    pub(crate) group: &'g RunGroup<'g>,
+    pub(crate) current: &'a Fitted<'g>,
+    pub(crate) residuals: &'a [f64],
+    pub(crate) signatures: &'a [Signature],
+    pub(crate) directions: &'a [Direction],
+    pub(crate) laws: &'a [LawColumns],
+    pub(crate) model: &'static FitModel,
+}
+
+impl<'g> Asked<'_, 'g> {
+    pub(crate) fn weigh(&self) -> Weighed<'g> {
+        let (slope, tangent) = self.current.tangent();
+        let mut all = self.curves();
+        all.extend(self.equations());
+        share_priors(&mut all);
+        let nameless = Nameless::of(self.group);
+        let plain = |says, parts: Parts, prior: f64| Weight {
+            says,
+            place: None,
+            fall: parts.fall,
+            prior: prior.ln(),
+            occam: parts.occam,
+            free: parts.free,
+            fitted: None,
+        };
+        let unnamed = nameless.unnamed_parts(&tangent, self.residuals);
+        all.push(plain(Says::Unnamed, unnamed, UNNAMED));
+        let slow = nameless.slow_parts(&tangent, self.residuals);
+        all.push(plain(Says::SlowNoise, slow, SLOW));
+        let varying = Varying::of(self.group, self.current, self.model, &slope.normal);
+        if let Some(varying) = &varying {
+            let logs: Vec<f64> = varying.weighed(self.current).map(|(_, log)| log).collect();
+            let log = log_sum(logs.iter().copied()) - varying.prior().ln();
+            let fall = 0.5 * (self.current.square - varying.square());
+            let parts = Parts {
+                fall,
+                occam: log - fall,
+                free: varying.free(),
+            };
+            all.push(plain(Says::Differ, parts, DIFFERS));
+        }
+        Weighed { all, varying }
+    }
+
+    /// Every law as a smooth function, the most probable fitted in full.
+    fn curves(&self) -> Vec<Weight<'g>> {
+        let (_, tangent) = self.current.tangent();
+        let of = |law: &LawColumns| {
+            let products = Products::of(&law.columns, &tangent, self.residuals);
+            Some((products.evidence()?, products))
+        };
+        let found: Vec<Option<(Evidence, Products)>> = self.laws.par_iter().map(of).collect();
+        let best = found
+            .iter()
+            .flatten()
+            .map(|(evidence, _)| evidence.log)
+            .fold(0.0, f64::max);
+        let mut ranked: Vec<usize> = (0..found.len()).filter(|&k| found[k].is_some()).collect();
+        let log = |k: usize| found[k].as_ref().map_or(f64::NEG_INFINITY, |(own, _)| own.log);
+        ranked.sort_by(|&a, &b| log(b).total_cmp(&log(a)));
+        let near = |k: &usize| log(*k) > (1.0 - NEAR_PART) * best - NEAR_BESIDE;
+        let full: Vec<usize> = ranked.iter().copied().filter(near).take(MOST_FITTED).collect();
+        let (_, base_columns) = self.current.problem.slope(&self.current.at);
+        let weight = |k: usize| {
+            let (evidence, products) = found[k].as_ref()?;
+            let law = &self.laws[k];
+            let precisions = &evidence.precisions;
+            let (weights, first) = products.most_probable(precisions);
+            let mut weight = Weight {
+                says: Says::Curve(k),
+                place: Some(law.law.place),
+                fall: 0.5 * first,
+                prior: 0.0,
+                occam: evidence.log - 0.5 * first,
+                free: law.law.weights(),
+                fitted: None,
+            };
+            if full.contains(&k)
+                && let Some(refit) = self.refit(law, precisions, &weights, &base_columns)
+            {
+                weight.fall = 0.5 * (self.current.square - refit.penalised());
+                weight.fitted = Some(refit);
+            }
+            Some(weight)
+        };
+        ranked.into_par_iter().filter_map(weight).collect()
+    }
+
+    /// Base and law together from what the first order says, or from the base where that is better.
+    fn refit(
+        &self,
+        law: &LawColumns,
+        precisions: &[f64],
+        weights: &[f64],
+        base_columns: &[Vec<f64>],
+    ) -> Option<Refit<'g>> {
+        let unit = law.coordinate();
+        let problem = self.current.problem.with(law.free_effect());
+        let known: Vec<f64> = precisions.iter().map(|own| own / (unit * unit)).collect();
+        // Derivatives of residuals: what the model gains is taken from them.
+        let own = law.columns.iter().map(|column| {
+            let each = column.iter();
+            each.map(|v| -v / unit).collect::<Vec<f64>>()
+        });
+        let columns: Vec<Vec<f64>> = base_columns.iter().cloned().chain(own).collect();
+        let start = |part: f64| {
+            let mut start = self.current.at.clone();
+            start.extend(weights.iter().map(|weight| part * weight * unit));
+            start
+        };
+        let best = [1.0, 0.3, 0.0]
+            .map(start)
+            .into_iter()
+            .map(|start| (problem.square(&start), start))
+            .filter(|(square, _)| square.is_finite())
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Refit::of(problem, known, &best.1, columns)
+    }
+
+    /// Every equation of the library: those that promise most in full.
+    fn equations(&self) -> Vec<Weight<'g>> {
+        let candidates = fit_candidates(
+            self.current,
+            self.residuals,
+            self.signatures,
+            self.directions,
+            &[],
+        );
+        let of = |candidate: &crate::cause::candidates::CandidateFit<'g>| {
+            let place = place_of(candidate.effect)?;
+            let (fall, occam) = match &candidate.fitted {
+                Some(fitted) => log_evidence(self.current, fitted),
+                None => (0.5 * candidate.forecast, -0.5 * candidate.forms - UNFITTED),
+            };
+            let refit = candidate.fitted.as_ref().map(|fitted| Refit {
+                columns: fitted.problem.slope(&fitted.at).1,
+                problem: fitted.problem.clone(),
+                known: Vec::new(),
+                at: fitted.at.clone(),
+                square: fitted.square,
+            });
+            Some(Weight {
+                says: Says::Equation(candidate.effect),
+                place: Some(place),
+                fall,
+                prior: 0.0,
+                occam,
+                free: candidate.extra,
+                fitted: refit,
+            })
+        };
+        candidates.par_iter().filter_map(of).collect()
+    }
+}
+
+/// What the width of a strength costs where it was not fitted: the logarithm of as many standard deviations as are thought of.
+const UNFITTED: f64 = 5.0;
+
+/// Gives every law and variable the same weight, its curves a part of it and its equations the rest.
+fn share_priors(all: &mut [Weight]) {
+    let mut counts: BTreeMap<Place, [usize; 2]> = BTreeMap::new();
+    let is_curve = |own: &Weight| matches!(own.says, Says::Curve(_));
+    for own in all.iter() {
+        if let Some(place) = own.place {
+            counts.entry(place).or_default()[usize::from(is_curve(own))] += 1;
+        }
+    }
+    let places = counts.len() as f64;
+    for own in all.iter_mut() {
+        let Some([equations, curves]) = own.place.and_then(|place| counts.get(&place)).copied() else {
+            continue;
+        };
+        let part = match (is_curve(own), equations, curves) {
+            (true, 0, _) => 1.0,
+            (true, ..) => OF_CURVES,
+            (false, _, 0) => 1.0,
+            (false, ..) => 1.0 - OF_CURVES,
+        };
+        let among = if is_curve(own) { curves } else { equations };
+        own.prior = (part / among.max(1) as f64 / places).ln();
+    }
+}
+
+impl Weighed<'_> {
+    /// Probabilities of all, in their order. Explanations are held against each other at the temperature at which a rival that
+    /// explains nearly as much is not ruled out, and together against what explains nothing as they are.
+    pub(crate) fn masses(&self) -> Vec<f64> {
+        let best = self.all.iter().map(|own| own.fall).fold(0.0, f64::max);
+        let t = (INEXACT * best / (SURE / (1.0 - SURE)).ln()).max(1.0);
+        let explains = |own: &&Weight| !matches!(own.says, Says::SlowNoise | Says::Unnamed);
+        let sum_at = |t: f64| log_sum(self.all.iter().filter(explains).map(|own| own.log(t)));
+        let (together, cooled) = (sum_at(1.0), sum_at(t));
+        let log = |own: &Weight| {
+            if explains(&own) {
+                together + own.log(t) - cooled
+            } else {
+                own.log(1.0)
+            }
+        };
+        let logs: Vec<f64> = self.all.iter().map(log).collect();
+        let whole = log_sum(logs.iter().copied());
+        logs.iter().map(|own| (own - whole).exp()).collect()
+    }
+}
