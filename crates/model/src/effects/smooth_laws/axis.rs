@@ -3,7 +3,8 @@
 use crate::effects::Scale;
 use crate::extended::Now;
 
-use super::WEIGHTS;
+/// Most weights of a law.
+pub const WEIGHTS: usize = 8;
 
 /// What a law follows.
 #[derive(Debug, Clone, Copy, PartialEq)]

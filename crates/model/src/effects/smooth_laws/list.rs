@@ -1,25 +1,11 @@
 //! Every law, and where every effect of the library has its place among them.
 
-use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::axis::Axis;
+use super::law::{Place, SmoothLaw};
 use super::part::Part;
-use super::{About, SmoothLaw};
 use crate::effects::{Site, mechanism_of};
-
-/// Where something is missing: a law of the model, and what it follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Place {
-    /// Where it acts.
-    pub site: Site,
-    /// The law: a part of the model.
-    pub law: &'static str,
-    /// Which part of several it is a law of; empty where of all.
-    pub of: &'static str,
-    /// What it follows.
-    pub variable: &'static str,
-}
 
 const fn current(law: &'static str, of: &'static str, variable: &'static str) -> Place {
     Place {
@@ -149,13 +135,6 @@ pub static SMOOTH_LAWS: LazyLock<Vec<&'static SmoothLaw>> = LazyLock::new(|| {
     };
     laws().into_iter().enumerate().map(kept).collect()
 });
-
-/// What is known of the law of that id, for as long as the program runs.
-pub(super) fn about_of(id: &str) -> &'static About {
-    static KNOWN: LazyLock<BTreeMap<&'static str, &'static SmoothLaw>> =
-        LazyLock::new(|| SMOOTH_LAWS.iter().map(|law| (law.about.id, *law)).collect());
-    &KNOWN[id].about
-}
 
 /// The place of an effect of the library: the law that its equation is a curve of.
 pub fn place_of(effect: &str) -> Option<Place> {

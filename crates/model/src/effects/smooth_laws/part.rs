@@ -6,8 +6,7 @@ use crate::effects::mechanical_lag::lag;
 use crate::effects::search::spread;
 use crate::extended::{BranchLaw, Coefficients, Law, Now, Observation, RelaxationMode, System};
 
-use super::WEIGHTS;
-use super::axis::{Axis, Curve};
+use super::axis::{Axis, Curve, WEIGHTS};
 
 /// A part of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,0 +1,140 @@
+//! A law as an effect.
+
+use super::axis::{Axis, Curve, WEIGHTS};
+use super::part::Part;
+use crate::effects::{About, Effect, EffectParameter, Limits, Scale, Search, Site};
+use crate::extended::{RunContext, System};
+
+/// Where something is missing: a law of the model, and what it follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Place {
+    /// Where it acts.
+    pub site: Site,
+    /// The law: a part of the model.
+    pub law: &'static str,
+    /// Which part of several it is a law of; empty where of all.
+    pub of: &'static str,
+    /// What it follows.
+    pub variable: &'static str,
+}
+
+/// What stands behind the weights among a law's parameters: ends of the variable, its time, the size of what is added.
+const HELD: usize = 4;
+/// A weight at which a law is looked at: its answer goes along a straight line there.
+const PROBE: f64 = 0.02;
+/// Largest weight that is sought.
+const MOST: f64 = 5.0;
+
+/// A law as a smooth function of a variable.
+pub struct SmoothLaw {
+    about: &'static About,
+    /// Law, variable, and what has them.
+    pub place: Place,
+    part: Part,
+    axis: Axis,
+}
+
+const fn parameter(key: &'static str, symbol: &'static str, meaning: &'static str) -> EffectParameter {
+    EffectParameter {
+        key,
+        symbol,
+        unit: "",
+        meaning,
+    }
+}
+
+/// Parameters of every law.
+static PARAMETERS: [EffectParameter; WEIGHTS + HELD] = [
+    parameter("weight_1", "w_1", "weight of the first bell"),
+    parameter("weight_2", "w_2", "weight of the second bell"),
+    parameter("weight_3", "w_3", "weight of the third bell"),
+    parameter("weight_4", "w_4", "weight of the fourth bell"),
+    parameter("weight_5", "w_5", "weight of the fifth bell"),
+    parameter("weight_6", "w_6", "weight of the sixth bell"),
+    parameter("weight_7", "w_7", "weight of the seventh bell"),
+    parameter("weight_8", "w_8", "weight of the straight line"),
+    parameter("from", "x_0", "least value of the variable"),
+    parameter("to", "x_1", "greatest value of the variable"),
+    parameter("time_s", "t_0", "time that the variable is measured by"),
+    parameter("size", "s", "what a weight of one adds, or the area"),
+];
+
+impl SmoothLaw {
+    /// Kept for as long as the program runs: laws stand in one list.
+    pub(super) fn new(id: &'static str, place: Place, part: Part, axis: Axis) -> SmoothLaw {
+        SmoothLaw {
+            about: Box::leak(Box::new(About {
+                id,
+                code: "",
+                summary: place.law,
+                equation: "",
+                variants: &[],
+                parameters: &PARAMETERS,
+                vanishes: "all weights 0",
+                signature: "",
+                twins: &[],
+                separated_by: "",
+                sources: "",
+            })),
+            place,
+            part,
+            axis,
+        }
+    }
+
+    /// Weights that it has.
+    pub fn weights(&self) -> usize {
+        self.part.weights(self.axis)
+    }
+
+    /// The function with these parameters: over the variable in its own unit, with the unit of what it adds; none of a law that
+    /// is no function of one variable but a spectrum.
+    pub fn curve(&self, parameters: &[f64]) -> Option<Curve> {
+        (self.axis != Axis::Elements).then(|| self.function(parameters))
+    }
+
+    fn function(&self, parameters: &[f64]) -> Curve {
+        let held = &parameters[WEIGHTS..];
+        Curve {
+            weights: parameters[..self.weights()].to_vec(),
+            axis: self.axis,
+            ends: (held[0], held[1]),
+            time_s: held[2],
+        }
+    }
+}
+
+impl Effect for SmoothLaw {
+    fn about(&self) -> &'static About {
+        self.about
+    }
+
+    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+        let bends = scale.curvature_per_cm > 0.0;
+        let (low, high, time_s) = self.axis.over(scale);
+        let needs_bending = self.place.site == Site::Bending || self.axis.is_of_bending();
+        let is_there = scale.voltage_v > 0.0 && scale.current_a > 0.0 && (bends || !needs_bending);
+        let is_wide = high > low && (high - low).is_finite();
+        if !(is_there && is_wide) {
+            return Search::none();
+        }
+        let (free, size) = (self.weights(), self.part.size(scale));
+        let mut limits = vec![Limits::held(); WEIGHTS + HELD];
+        limits[..free].fill(Limits::linear(-MOST, MOST));
+        let mut probe = vec![0.0; WEIGHTS];
+        probe[..free].fill(PROBE);
+        probe.extend([low, high, time_s, size]);
+        Search {
+            limits,
+            probes: vec![probe],
+            absent: 0.0,
+        }
+    }
+
+    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+        if parameters[..self.weights()].iter().any(|weight| *weight != 0.0) {
+            self.part
+                .act_on(system, self.function(parameters), parameters[WEIGHTS + 3]);
+        }
+    }
+}
