@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// Three states: determined (`value` set); bounded (`value` none, `low_95` or `high_95` or both set,
 /// `reason` says why); not determined (all none but `reason`).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Estimate {
     /// Best value, in the unit that the parameter's key names.
     pub value: Option<f64>,

@@ -81,7 +81,7 @@ pub use issue::{Issue, Severity};
 pub use known_parameter::{Knowledge, KnownParameter};
 pub use model_comparison::{ComparedCurve, ModelScore, ResponseScore, RunComparison};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};
-pub use monitoring::{Alarm, AlarmSign, Limit, MonitoringRules};
+pub use monitoring::{Alarm, AlarmPlace, AlarmSign, Limit, MonitoringRules};
 pub use origin::{
     ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
 };

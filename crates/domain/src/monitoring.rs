@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::Estimate;
+
 /// Rules of campaign.toml, `[monitoring]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MonitoringRules {
@@ -52,7 +54,7 @@ pub struct Limit {
 }
 
 /// An alarm: a change of a sample in the reference condition, or a limit that was passed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Alarm {
     /// Id: the same alarm has the same id whenever it is found. That of its first sign.
     pub id: String,
@@ -62,8 +64,13 @@ pub struct Alarm {
     pub parameter: String,
     /// What showed it first: `ewma`, `jump` or `limit`.
     pub chart: String,
-    /// Run with which it began.
+    /// Run that showed it first.
     pub run: String,
+    /// Where what was shown first began.
+    #[serde(default)]
+    pub began: AlarmPlace,
+    /// Reference runs of the sample in which chance alone brings one such alarm, on average; of charts.
+    pub false_alarm_runs: Option<f64>,
     /// What it says.
     pub message: String,
     /// Whether campaign.toml says that it is known.
@@ -73,8 +80,21 @@ pub struct Alarm {
     pub shown_by: Vec<AlarmSign>,
 }
 
+/// A run on the life of its sample.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+pub struct AlarmPlace {
+    /// Path of the run.
+    pub run: String,
+    /// What the life goes over, with its unit: `cycle`, `age_h`.
+    pub axis: String,
+    /// Where on that.
+    pub at: f64,
+    /// When the run was started, where that is known.
+    pub started_at: Option<String>,
+}
+
 /// One parameter that shows a change.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct AlarmSign {
     /// Id of the sign: it acknowledges the alarm as the alarm's own does.
     pub id: String,
@@ -84,4 +104,13 @@ pub struct AlarmSign {
     pub chart: String,
     /// Run with which the chart left its limits.
     pub run: String,
+    /// Mean since its change began over the mean before, as a ratio; none with too few readings.
+    pub change: Option<Estimate>,
+    /// Whether `change` is a ratio; else it is a difference, in the unit that the key names.
+    #[serde(default)]
+    pub is_ratio: bool,
+    /// Probability that chance alone brings such a change at any of the runs.
+    pub p: Option<f64>,
+    /// The reading beyond a limit, in the unit that the key names.
+    pub reading: Option<Estimate>,
 }

@@ -37,22 +37,30 @@ pub fn statistic(numbers: &[f64]) -> Vec<f64> {
     numbers.iter().map(next).collect()
 }
 
-/// Standard normal numbers from readings that nothing is known of beforehand: each is compared with the mean and the
-/// standard deviation of those before it, by Student's t (Hawkins 1987). While the readings keep one mean and
+/// Standard normal numbers from readings that nothing is known of beforehand but the `variance` of each: it is compared with
+/// the mean and the standard deviation of those before it, by Student's t (Hawkins 1987). While the readings keep one mean and
 /// deviation the numbers are independent and standard normal, however few readings came before. The first two give
 /// none.
-pub fn self_starting(readings: &[f64]) -> Vec<f64> {
+///
+/// A reading whose own variance is larger than theirs may lie as much farther off. One that says that it is better is not
+/// taken at its word: the error that a fit states follows what it found, so that it would count more on one side.
+pub fn self_starting(readings: &[f64], variance: &[f64]) -> Vec<f64> {
     let mut numbers = Vec::with_capacity(readings.len().saturating_sub(2));
-    let (mut mean, mut square) = (0.0, 0.0);
-    for (k, &reading) in readings.iter().enumerate() {
+    let (mut mean, mut square, mut own) = (0.0, 0.0, 0.0);
+    for (k, (&reading, &variance)) in readings.iter().zip(variance).enumerate() {
         let n = k as f64;
         if k >= 2 {
-            let deviation = (square / (n - 1.0)).sqrt();
-            let t = (reading - mean) / deviation.max(f64::MIN_POSITIVE) * (n / (n + 1.0)).sqrt();
-            numbers.push(as_normal(t, n - 1.0));
+            let scatter = square / (n - 1.0);
+            let more = (variance - own).max(0.0) / scatter.max(own).max(f64::MIN_POSITIVE);
+            let deviation = (scatter * (1.0 + more + 1.0 / n)).sqrt();
+            numbers.push(as_normal(
+                (reading - mean) / deviation.max(f64::MIN_POSITIVE),
+                n - 1.0,
+            ));
         }
         let difference = reading - mean;
         mean += difference / (n + 1.0);
+        own += (variance - own) / (n + 1.0);
         square += difference * (reading - mean);
     }
     numbers
@@ -132,24 +140,33 @@ mod tests {
         assert!((run_length(limit(300.0), 0.0) / 300.0 - 1.0).abs() < 1e-5);
     }
 
-    /// Numbers until the first alarm, averaged over `tries` series.
-    fn simulated(limit: f64, self_start: bool, tries: u64) -> (f64, f64) {
+    /// Variance of a reading's own.
+    type Variance = fn(usize) -> f64;
+
+    /// Numbers until the first alarm, averaged over `tries` series; self-starting where each reading has a variance of its
+    /// own beside what all scatter.
+    fn simulated(limit: f64, variance: Option<Variance>, tries: u64) -> (f64, f64) {
         let lengths: Vec<f64> = (0..tries)
             .map(|seed| {
                 let mut random = ChaCha8Rng::seed_from_u64(seed);
-                let mut readings: Vec<f64> = (0..150).map(|_| StandardNormal.sample(&mut random)).collect();
+                let own = |k: usize| variance.map_or(0.0, |of| of(k));
+                let mut reading = |k: usize| -> f64 {
+                    let normal: f64 = StandardNormal.sample(&mut random);
+                    (1.0 + own(k)).sqrt() * normal
+                };
+                let mut readings: Vec<f64> = (0..150).map(&mut reading).collect();
                 loop {
-                    let numbers = if self_start {
-                        self_starting(&readings)
-                    } else {
-                        readings.clone()
+                    let variances: Vec<f64> = (0..readings.len()).map(own).collect();
+                    let numbers = match variance {
+                        Some(_) => self_starting(&readings, &variances),
+                        None => readings.clone(),
                     };
                     let first = statistic(&numbers).iter().position(|x| x.abs() > limit);
                     if let Some(first) = first {
                         return (first + 1) as f64;
                     }
                     let more = readings.len();
-                    readings.extend((0..more).map(|_| -> f64 { StandardNormal.sample(&mut random) }));
+                    readings.extend((more..2 * more).map(&mut reading));
                 }
             })
             .collect();
@@ -167,12 +184,23 @@ mod tests {
             2_000
         };
         let limit = limit(60.0);
-        for self_start in [false, true] {
-            let (mean, error) = simulated(limit, self_start, tries);
-            println!("self-starting {self_start}: {mean:.1} +- {error:.1} of 60");
+        let kinds: [(&str, Option<Variance>); 4] = [
+            ("known", None),
+            ("self-starting", Some(|_| 0.2)),
+            ("worse from the 20th on", Some(|k| if k < 20 { 0.1 } else { 9.0 })),
+            (
+                "better from the 20th on",
+                Some(|k| if k < 20 { 9.0 } else { 0.1 }),
+            ),
+        ];
+        for (kind, variance) in kinds {
+            let (mean, error) = simulated(limit, variance, tries);
+            println!("{kind}: {mean:.1} +- {error:.1} of 60");
+            // Where errors change, alarms come no more often, and more rarely for a while.
+            let near = (mean - 60.0).abs() < 3.5 * error + 0.6;
             assert!(
-                (mean - 60.0).abs() < 3.5 * error + 0.6,
-                "{self_start}: {mean} {error}"
+                near || kind.ends_with("on") && mean > 60.0,
+                "{kind}: {mean} {error}"
             );
         }
     }

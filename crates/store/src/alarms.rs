@@ -115,8 +115,7 @@ mod tests {
                 chart: kind.to_owned(),
                 run: "runs/a.csv".to_owned(),
                 message: "it left control".to_owned(),
-                acknowledged: false,
-                shown_by: Vec::new(),
+                ..Alarm::default()
             };
             store.save_alarm("2026-01-01T00:00:00Z", &alarm).unwrap();
         }

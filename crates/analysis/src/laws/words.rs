@@ -199,7 +199,8 @@ pub fn moves(change: Interval, is_log: bool) -> String {
     )
 }
 
-fn ends(low: Option<f64>, high: Option<f64>, scale: fn(f64) -> f64) -> String {
+/// ` [1.5, 2.2]`: the ends of an interval on another scale, where there are any.
+pub fn ends(low: Option<f64>, high: Option<f64>, scale: fn(f64) -> f64) -> String {
     match (low.map(scale), high.map(scale)) {
         (Some(low), Some(high)) => {
             let width = 2.0 * (high - low);

@@ -33,13 +33,13 @@ const COURSES: [Law; 6] = [
 ];
 
 /// What scatters about a flexible course.
-struct Scatter {
+pub(super) struct Scatter {
     /// Variance of each reading, as large as makes the readings count as independent ones.
-    variance: Vec<f64>,
+    pub(super) variance: Vec<f64>,
     /// How it goes on from one reading to the next.
     correlation: f64,
     /// Readings that tell as much as one independent one.
-    per_independent: f64,
+    pub(super) per_independent: f64,
     /// Number of the sample of each reading: all are of one.
     sample: Vec<usize>,
     /// Places at which laws may bend.
@@ -175,7 +175,7 @@ impl Series {
             .collect()
     }
 
-    fn column(&self, at: usize) -> Vec<f64> {
+    pub(super) fn column(&self, at: usize) -> Vec<f64> {
         (0..self.x.len()).map(|k| f64::from(k >= at)).collect()
     }
 
@@ -199,7 +199,7 @@ impl Series {
 
     /// What scatters about a course of the `flexible` columns, for which a search of places is paid with `searched`
     /// parameters more; without memory where there are too few readings to tell.
-    fn scatter(&self, segment: &[usize], flexible: &[Vec<f64>], searched: usize) -> Scatter {
+    pub(super) fn scatter(&self, segment: &[usize], flexible: &[Vec<f64>], searched: usize) -> Scatter {
         let n = self.y.len();
         let variance = self.with(shared_variance(&self.y, &self.variance, segment, flexible));
         let mut scatter = Scatter {

@@ -3,88 +3,106 @@
 //! A chart sees a change some runs after it began. Where another parameter of the sample was on its way already when the
 //! first alarm came, one change may stand behind both, and they are one alarm. A limit is a matter of its own.
 
-use ieap_domain::quantiles::NORMAL_95;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
-use super::series::Step;
-use super::{Watched, words};
-use ieap_domain::{Alarm, AlarmSign, Campaign, RunRecord};
+use ieap_domain::quantiles::NORMAL_95;
+
+use super::policy::JUMP_SIDE;
+use super::{Watched, alarm_words};
+use crate::laws::fitted::Interval;
+use crate::zone::Zone;
+use ieap_domain::tag::keys;
+use ieap_domain::{Alarm, AlarmPlace, AlarmSign, Campaign, Estimate, RunRecord};
 
 /// How a sign of the control chart is called.
 const CHART: &str = "ewma";
+const JUMP: &str = "jump";
+const LIMIT: &str = "limit";
 
-/// A parameter whose chart left its limits.
-struct Change<'a> {
+/// What a parameter shows.
+struct Shown<'a> {
     watched: &'a Watched,
-    /// First reading beyond the limit.
-    first: usize,
-    /// Axis where the change may have begun.
-    began: f64,
+    chart: &'static str,
+    /// Reading that showed it first.
+    seen: usize,
+    /// Reading with which it began.
+    began: usize,
+    /// Readings that tell by how much it moved.
+    within: Range<usize>,
 }
 
-impl Change<'_> {
-    /// Axis at the first reading beyond a limit.
-    fn seen(&self) -> f64 {
-        self.watched.series.x[self.first]
+impl Shown<'_> {
+    /// Place on the axis.
+    fn x(&self, reading: usize) -> f64 {
+        self.watched.series.x[reading]
     }
 }
 
 /// The alarms of all watched parameters.
 pub(super) fn alarms(runs: &[RunRecord], campaign: &Campaign, watched: &[Watched]) -> Vec<Alarm> {
-    let mut changes: Vec<Change> = watched.iter().filter_map(change).collect();
+    let mut changes: Vec<Shown> = watched.iter().filter_map(change).collect();
     changes.sort_by(|a, b| {
-        let of = |change: &Change| (change.watched.sample.clone(), change.watched.axis);
-        of(a).cmp(&of(b)).then(a.seen().total_cmp(&b.seen()))
+        let of = |change: &Shown| (change.watched.sample.clone(), change.watched.axis);
+        of(a).cmp(&of(b)).then(a.x(a.seen).total_cmp(&b.x(b.seen)))
     });
-    let mut events: Vec<Vec<Change>> = Vec::new();
+    let mut events: Vec<Vec<Shown>> = Vec::new();
     for change in changes {
         // The first that saw it leads: whoever joins later changes neither its id nor that it was told.
-        let is_one = |event: &&mut Vec<Change>| {
+        let is_one = |event: &&mut Vec<Shown>| {
             let first = &event[0];
             (&first.watched.sample, first.watched.axis) == (&change.watched.sample, change.watched.axis)
-                && change.began <= first.seen()
+                && change.x(change.began) <= first.x(first.seen)
         };
         match events.iter_mut().find(is_one) {
             Some(event) => event.push(change),
             None => events.push(vec![change]),
         }
     }
-    let of_charts = events.iter().map(|event| of_event(runs, campaign, event));
-    let of_jumps = of_jumps(runs, campaign, watched);
-    let of_limits = watched.iter().filter_map(|one| of_limit(runs, campaign, one));
-    of_charts.chain(of_jumps).chain(of_limits).collect()
+    events.extend(jumps(watched));
+    events.extend(watched.iter().filter_map(beyond_limit).map(|one| vec![one]));
+    events.iter().map(|event| alarm(runs, campaign, event)).collect()
 }
 
 /// Jumps that no instrument explains: charts begin anew after one, so that nothing else would tell of it. Parameters that
 /// jump with the same run are one alarm.
-fn of_jumps(runs: &[RunRecord], campaign: &Campaign, watched: &[Watched]) -> Vec<Alarm> {
-    let mut jumps: BTreeMap<(&str, usize), Vec<(&Watched, &Step)>> = BTreeMap::new();
+fn jumps(watched: &[Watched]) -> impl Iterator<Item = Vec<Shown<'_>>> {
+    let mut jumps: BTreeMap<(&str, usize), Vec<Shown>> = BTreeMap::new();
     for one in watched {
         for step in one.study.steps.iter().filter(|step| !step.is_stated) {
-            let run = one.runs[step.at];
-            jumps
-                .entry((one.sample.as_str(), run))
-                .or_default()
-                .push((one, step));
+            let at = step.at;
+            let (before, after) = (segment(one, at - 1), segment(one, at));
+            let jump = Shown {
+                watched: one,
+                chart: JUMP,
+                seen: at,
+                began: at,
+                within: before.start.max(at.saturating_sub(JUMP_SIDE))..after.end.min(at + JUMP_SIDE),
+            };
+            let of_run = jumps.entry((one.sample.as_str(), one.runs[at])).or_default();
+            of_run.push(jump);
         }
     }
-    let of = |((sample, _), jumped): ((&str, usize), Vec<(&Watched, &Step)>)| {
-        // Until enough runs have followed for a jump to be one, the chart has told it: it stays the same alarm.
-        let signs = jumped.iter().map(|(one, step)| AlarmSign {
-            chart: "jump".to_owned(),
-            ..sign(runs, one, CHART, step.at)
-        });
-        alarm(campaign, sample, signs.collect(), &words::jumps_alarm(&jumped))
-    };
-    jumps.into_iter().map(of).collect()
+    jumps.into_values()
 }
 
-fn change(watched: &Watched) -> Option<Change<'_>> {
-    let first = watched.study.chart.first_alarm?;
-    Some(Change {
+/// Readings between the jumps before and after one.
+fn segment(watched: &Watched, reading: usize) -> Range<usize> {
+    let jumps = || watched.study.steps.iter().map(|step| step.at);
+    let start = jumps().filter(|at| *at <= reading).max().unwrap_or(0);
+    let end = jumps().find(|at| *at > reading);
+    start..end.unwrap_or(watched.series.y.len())
+}
+
+fn change(watched: &Watched) -> Option<Shown<'_>> {
+    let seen = watched.study.chart.first_alarm?;
+    let within = segment(watched, seen);
+    Some(Shown {
         watched,
-        first,
-        began: watched.series.x[began(watched, first)],
+        chart: CHART,
+        seen,
+        began: began(watched, seen).max(within.start),
+        within,
     })
 }
 
@@ -100,66 +118,106 @@ fn began(watched: &Watched, first: usize) -> usize {
     same_side.last().map_or(first, |(place, _)| *place)
 }
 
-fn of_event(runs: &[RunRecord], campaign: &Campaign, event: &[Change]) -> Alarm {
-    let signs = event
-        .iter()
-        .map(|change| sign(runs, change.watched, CHART, change.first));
-    let watched: Vec<&Watched> = event.iter().map(|change| change.watched).collect();
-    alarm(
-        campaign,
-        &event[0].watched.sample,
-        signs.collect(),
-        &words::charts_alarm(&watched, campaign.monitoring.false_alarm_runs),
-    )
-}
-
 /// A reading beyond a limit with its whole interval.
-fn of_limit(runs: &[RunRecord], campaign: &Campaign, watched: &Watched) -> Option<Alarm> {
+fn beyond_limit(watched: &Watched) -> Option<Shown<'_>> {
     let (limit, _) = watched.limit.as_ref()?;
     let passes = |k: &usize| {
-        let reach = NORMAL_95 * watched.series.variance[*k].sqrt();
-        let on_scale = |y: f64| if watched.series.is_log { y.exp() } else { y };
-        let (low, high) = (
-            on_scale(watched.series.y[*k] - reach),
-            on_scale(watched.series.y[*k] + reach),
-        );
-        limit.below.is_some_and(|below| high < below) || limit.above.is_some_and(|above| low > above)
+        let (low, high) = (reading(watched, *k).low_95, reading(watched, *k).high_95);
+        limit
+            .below
+            .is_some_and(|below| high.is_some_and(|high| high < below))
+            || limit
+                .above
+                .is_some_and(|above| low.is_some_and(|low| low > above))
     };
-    let first = (0..watched.series.y.len()).find(passes)?;
-    let signs = vec![sign(runs, watched, "limit", first)];
-    let message = words::limit_alarm(watched, limit);
-    Some(alarm(campaign, &watched.sample, signs, &message))
+    let n = watched.series.y.len();
+    let first = (0..n).find(passes)?;
+    Some(Shown {
+        watched,
+        chart: LIMIT,
+        seen: first,
+        began: first,
+        within: 0..n,
+    })
 }
 
-fn sign(runs: &[RunRecord], watched: &Watched, chart: &str, reading: usize) -> AlarmSign {
-    let run = runs[watched.runs[reading]].path.clone();
+/// A reading in the parameter's unit.
+fn reading(watched: &Watched, k: usize) -> Estimate {
+    let (value, error) = (watched.series.y[k], watched.series.variance[k].sqrt());
+    let reach = NORMAL_95 * error;
+    let interval = Interval {
+        value,
+        low_95: Some(value - reach),
+        high_95: Some(value + reach),
+    };
+    unscaled(interval, error, watched.series.is_log)
+}
+
+/// A number on the scale of a series, as it is.
+fn unscaled(of: Interval, error: f64, is_log: bool) -> Estimate {
+    let plain = |y: f64| if is_log { y.exp() } else { y };
+    Estimate {
+        low_95: of.low_95.map(plain),
+        high_95: of.high_95.map(plain),
+        standard_error: Some(if is_log { of.value.exp() * error } else { error }),
+        value: Some(plain(of.value)),
+        ..Estimate::default()
+    }
+}
+
+fn sign(runs: &[RunRecord], shown: &Shown) -> AlarmSign {
+    let watched = shown.watched;
+    let run = runs[watched.runs[shown.seen]].path.clone();
+    // Until enough runs have followed for a jump to be one, the chart has told it: it stays the same alarm.
+    let told_by = if shown.chart == JUMP { CHART } else { shown.chart };
     let mut hasher = blake3::Hasher::new();
-    for part in [&watched.sample, &watched.parameter, chart, &run] {
+    for part in [&watched.sample, &watched.parameter, told_by, &run] {
         hasher.update(part.as_bytes());
         hasher.update(&[0]);
     }
+    let moved = watched.series.moved(shown.within.clone(), shown.began);
+    let is_ratio = watched.series.is_log;
     AlarmSign {
         id: hasher.finalize().to_hex()[..12].to_owned(),
         parameter: watched.parameter.clone(),
-        chart: chart.to_owned(),
+        chart: shown.chart.to_owned(),
         run,
+        change: moved.map(|moved| unscaled(moved.size, moved.error, is_ratio)),
+        is_ratio,
+        p: moved.map(|moved| moved.p),
+        reading: (shown.chart == LIMIT).then(|| reading(watched, shown.seen)),
+    }
+}
+
+fn place(runs: &[RunRecord], shown: &Shown) -> AlarmPlace {
+    let run = &runs[shown.watched.runs[shown.began]];
+    AlarmPlace {
+        run: run.path.clone(),
+        axis: shown.watched.axis.key().to_owned(),
+        at: shown.x(shown.began),
+        started_at: run.tag(keys::STARTED_AT).map(str::to_owned),
     }
 }
 
 /// The alarm that signs make together, under the id of the first.
-fn alarm(campaign: &Campaign, sample: &str, signs: Vec<AlarmSign>, message: &str) -> Alarm {
-    let first = signs[0].clone();
-    let known = &campaign.monitoring.acknowledged;
-    Alarm {
+fn alarm(runs: &[RunRecord], campaign: &Campaign, event: &[Shown]) -> Alarm {
+    let lead = &event[0];
+    let signs: Vec<AlarmSign> = event.iter().map(|shown| sign(runs, shown)).collect();
+    let (first, known) = (signs[0].clone(), &campaign.monitoring.acknowledged);
+    let mut alarm = Alarm {
         acknowledged: signs.iter().any(|sign| known.contains(&sign.id)),
-        message: format!("{message} It began with {}.", first.run),
         id: first.id,
-        sample: sample.to_owned(),
+        sample: lead.watched.sample.clone(),
         parameter: first.parameter,
         chart: first.chart,
         run: first.run,
+        began: place(runs, lead),
+        false_alarm_runs: (lead.chart == CHART).then_some(campaign.monitoring.false_alarm_runs),
         shown_by: signs,
-    }
+        ..Alarm::default()
+    };
+    alarm.message = alarm_words::message(&alarm, lead.watched, &Zone::of(campaign));
+    alarm
 }
 
 #[cfg(test)]
@@ -170,7 +228,8 @@ mod tests {
 
     use super::*;
     use crate::laws::covariate::Covariate;
-    use crate::monitoring::series::Series;
+    use crate::monitoring::series::{Reaches, Series};
+    use ieap_domain::Limit;
     use ieap_domain::testing::{campaign, run};
     use ieap_numerics::control_chart;
 
@@ -258,12 +317,57 @@ mod tests {
             "{shown:?}"
         );
         assert_eq!(found[1].parameter, "alpha_per_c_cm");
+        let message = &found[0].message;
+        assert!(message.starts_with("R₁ and R₂ of S1 left control"), "{message}");
         assert!(
-            found[0].message.contains("R₁ and R₂ of S1 left control"),
-            "{}",
-            found[0].message
+            message.contains("expected by chance in 500 reference runs"),
+            "{message}"
         );
+        let began = &found[0].began;
+        assert!(
+            (20.0..=22.0).contains(&began.at) && began.axis == "cycle",
+            "{began:?}"
+        );
+        assert!(
+            message.contains(&format!("It began with {} (cycle", began.run)),
+            "{message}"
+        );
+        // By 6 of 5 %.
+        for sign in &found[0].shown_by {
+            let change = sign.change.as_ref().unwrap();
+            assert!(
+                change.low_95.unwrap() < 0.741 && 0.741 < change.high_95.unwrap(),
+                "{sign:?}"
+            );
+            assert!(sign.is_ratio && sign.p.unwrap() < 1e-6, "{sign:?}");
+        }
         assert_eq!(found[0].id, found[0].shown_by[0].id);
+    }
+
+    #[test]
+    fn an_alarm_of_a_limit_says_which_reading_and_since_when() {
+        let mut own = watched("alpha_per_c_cm", Some(20), 1);
+        let limit = Limit {
+            parameter: own.parameter.clone(),
+            material: None,
+            below: Some(0.85),
+            above: None,
+        };
+        own.limit = Some((limit, Reaches::Beyond));
+        let found = alarms(&runs(), &campaign(), &[own]);
+        let alarm = found.iter().find(|alarm| alarm.chart == "limit").unwrap();
+        let reading = alarm.shown_by[0].reading.as_ref().unwrap();
+        assert!(reading.high_95.unwrap() < 0.85 && reading.value < reading.high_95);
+        assert!(
+            alarm
+                .message
+                .contains("its limit of 0.85 with its whole 95\u{202f}% interval: 0.")
+        );
+        assert!(
+            alarm.message.contains(": α falls by a factor of 1."),
+            "{}",
+            alarm.message
+        );
     }
 
     #[test]
@@ -294,7 +398,9 @@ mod tests {
         );
         assert_eq!(found[0].shown_by.len(), 2);
         assert!(
-            found[0].message.contains("jumps down by a factor of"),
+            found[0]
+                .message
+                .starts_with("R₁ and R₂ of S1 jump from one run to the next"),
             "{}",
             found[0].message
         );

@@ -1,6 +1,7 @@
 //! Long-term monitoring: parameters in the reference condition over the life of each sample, their trends, charts and
 //! alarms, and what of a change comes back with the air.
 
+mod alarm_words;
 mod at_reference;
 pub mod charts;
 mod course;
@@ -8,9 +9,12 @@ mod course;
 mod course_tests;
 mod events;
 pub mod forecasts;
+#[cfg(test)]
+mod jump_tests;
 mod lives;
 #[cfg(test)]
 mod memory_tests;
+mod moved;
 pub mod policy;
 pub mod reference;
 pub mod series;

@@ -177,8 +177,9 @@ impl Series {
         let last = segment.last().copied().unwrap_or(0);
         for part in 0..=last {
             let places: Vec<usize> = (0..self.y.len()).filter(|&k| segment[k] == part).collect();
-            let own: Vec<f64> = places.iter().map(|&k| self.y[k]).collect();
-            numbers.extend(places.iter().skip(2).copied().zip(self_starting(&own)));
+            let of = |all: &[f64]| -> Vec<f64> { places.iter().map(|&k| all[k]).collect() };
+            let own = self_starting(&of(&self.y), &of(&self.variance));
+            numbers.extend(places.iter().skip(2).copied().zip(own));
         }
         let plain: Vec<f64> = numbers.iter().map(|(_, number)| *number).collect();
         let places = numbers.iter().map(|(place, _)| *place);
@@ -309,6 +310,23 @@ mod tests {
         assert!((study.steps[0].size + 0.8).abs() < 0.05);
         assert!(study.p_trend.unwrap() > 0.05, "{:?}", study.p_trend);
         assert_eq!(study.chart.first_alarm, None);
+    }
+
+    #[test]
+    fn what_is_only_known_worse_raises_no_alarm() {
+        let alarms = |says_so: bool| {
+            let one = |seed: u64| {
+                let mut own = series(40, 0.02, 300 + seed, |_| 0.0);
+                own.y[20..].iter_mut().for_each(|y| *y *= 10.0);
+                if says_so {
+                    own.variance[20..].fill(0.04);
+                }
+                own.chart(&[0; 40], limit()).first_alarm.is_some()
+            };
+            (0..40).filter(|&seed| one(seed)).count()
+        };
+        let (known, hidden) = (alarms(true), alarms(false));
+        assert!(known <= 8 && hidden > 3 * known, "{known} {hidden}");
     }
 
     #[test]

@@ -155,7 +155,7 @@ mod tests {
             run: format!("runs/{id}.csv"),
             message: "λ of S1 left control.".to_owned(),
             acknowledged,
-            shown_by: Vec::new(),
+            ..Alarm::default()
         };
         let monitoring = Monitoring {
             alarms: vec![alarm("a", true), alarm("b", false)],

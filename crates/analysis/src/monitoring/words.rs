@@ -46,7 +46,7 @@ pub fn life_and_others(watched: &Watched) -> String {
     life(watched) + &others.collect::<String>()
 }
 
-fn subject(watched: &Watched) -> String {
+pub(super) fn subject(watched: &Watched) -> String {
     format!("{} of {}", symbol(&watched.parameter), watched.sample)
 }
 
@@ -236,7 +236,7 @@ pub fn place(watched: &Watched, at: f64) -> String {
 }
 
 /// Changes of a logarithm below this are told in percent.
-const A_FACTOR: f64 = 0.15;
+pub(super) const A_FACTOR: f64 = 0.15;
 
 fn by(size: f64, is_log: bool) -> String {
     match (is_log, size >= 0.0) {
@@ -328,69 +328,6 @@ fn dated(watched: &Watched, at: Interval) -> Option<String> {
         _ => " at the pace so far",
     };
     Some(format!(", about {}{ends}{pace}", date(at.value)?))
-}
-
-/// A change that the charts of one or more parameters of a sample show.
-pub(super) fn charts_alarm(shown: &[&Watched], false_alarm: f64) -> String {
-    let symbols: Vec<&str> = shown.iter().map(|watched| symbol(&watched.parameter)).collect();
-    let of_parameter = |watched: &&Watched| {
-        let by = format!("by the {}", chart_words(watched));
-        match shown.len() {
-            1 => by,
-            _ => format!("{} {by}", symbol(&watched.parameter)),
-        }
-    };
-    let parts: Vec<String> = shown.iter().map(of_parameter).collect();
-    format!(
-        "{} of {} left control in the reference condition: {} (all charts of a sample together give a false alarm every {} reference runs on average).",
-        in_a_row(&symbols),
-        shown.first().map_or("", |watched| watched.sample.as_str()),
-        parts.join("; "),
-        fixed(false_alarm, 0),
-    )
-}
-
-/// `EWMA chart (3.9 beyond 3.6)`.
-fn chart_words(watched: &Watched) -> String {
-    let chart = &watched.study.chart;
-    let first = chart.first_alarm.unwrap_or(0);
-    let at = chart.statistic.iter().find(|(place, _)| *place == first);
-    format!(
-        "EWMA chart ({} beyond {})",
-        short(at.map_or(0.0, |(_, x)| *x)),
-        short(chart.limit),
-    )
-}
-
-/// Parameters of a sample that jump with one run.
-pub(super) fn jumps_alarm(jumped: &[(&Watched, &super::series::Step)]) -> String {
-    let each: Vec<String> = jumped
-        .iter()
-        .map(|(watched, step)| {
-            format!(
-                "{} jumps {}",
-                subject(watched),
-                by(step.size, watched.series.is_log)
-            )
-        })
-        .collect();
-    let each: Vec<&str> = each.iter().map(String::as_str).collect();
-    format!(
-        "{} from one run to the next, and no change of the instrument is stated: the chart begins anew after it.",
-        in_a_row(&each)
-    )
-}
-
-/// A limit's alarm.
-pub(super) fn limit_alarm(watched: &Watched, limit: &Limit) -> String {
-    let number = limit.below.or(limit.above).unwrap_or(0.0);
-    let side = if limit.below.is_some() { "below" } else { "above" };
-    format!(
-        "{} of {} lies {side} its limit of {} with its whole 95 % interval.",
-        symbol(&watched.parameter),
-        watched.sample,
-        short(number)
-    )
 }
 
 /// Which values are shown at one humidity and one temperature, by the laws that say how.
