@@ -1,4 +1,7 @@
 //! What decides about a missing law: every number with its unit and where it comes from.
+//!
+//! All were chosen on development seeds; `cargo run --release --example hide_and_seek -- laws 16 32` counts what they give
+//! (docs/validation/missing-law.md).
 
 pub(super) use ieap_domain::diagnosis::SURE;
 
