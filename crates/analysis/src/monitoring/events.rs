@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use ieap_domain::quantiles::NORMAL_95;
 
+use super::moved::Moved;
 use super::policy::JUMP_SIDE;
 use super::{Watched, alarm_words};
 use crate::laws::fitted::Interval;
@@ -26,7 +27,7 @@ struct Shown<'a> {
     chart: &'static str,
     /// Reading that showed it first.
     seen: usize,
-    /// Reading with which it began.
+    /// Reading with which it began at the earliest.
     began: usize,
     /// Readings that tell by how much it moved.
     within: Range<usize>,
@@ -36,6 +37,13 @@ impl Shown<'_> {
     /// Place on the axis.
     fn x(&self, reading: usize) -> f64 {
         self.watched.series.x[reading]
+    }
+
+    /// The likeliest reading with which it began, and by how much the number moved then.
+    fn moved(&self) -> Option<(usize, Moved)> {
+        let moved = |at: usize| Some((at, self.watched.series.moved(self.within.clone(), at)?));
+        let all = (self.began..=self.seen).filter_map(moved);
+        all.max_by(|(_, a), (_, b)| a.deviations().total_cmp(&b.deviations()))
     }
 }
 
@@ -106,7 +114,8 @@ fn change(watched: &Watched) -> Option<Shown<'_>> {
     })
 }
 
-/// Reading with which the change that was seen at `first` began: since it the average has stayed on one side (Nishina 1992).
+/// Reading with which the change that was seen at `first` began at the earliest: since it the average has stayed on one side
+/// (Nishina 1992).
 fn began(watched: &Watched, first: usize) -> usize {
     let statistic = &watched.study.chart.statistic;
     let until: Vec<&(usize, f64)> = statistic
@@ -165,7 +174,7 @@ fn unscaled(of: Interval, error: f64, is_log: bool) -> Estimate {
     }
 }
 
-fn sign(runs: &[RunRecord], shown: &Shown) -> AlarmSign {
+fn sign(runs: &[RunRecord], shown: &Shown, moved: Option<Moved>) -> AlarmSign {
     let watched = shown.watched;
     let run = runs[watched.runs[shown.seen]].path.clone();
     // Until enough runs have followed for a jump to be one, the chart has told it: it stays the same alarm.
@@ -175,7 +184,6 @@ fn sign(runs: &[RunRecord], shown: &Shown) -> AlarmSign {
         hasher.update(part.as_bytes());
         hasher.update(&[0]);
     }
-    let moved = watched.series.moved(shown.within.clone(), shown.began);
     let is_ratio = watched.series.is_log;
     AlarmSign {
         id: hasher.finalize().to_hex()[..12].to_owned(),
@@ -189,12 +197,12 @@ fn sign(runs: &[RunRecord], shown: &Shown) -> AlarmSign {
     }
 }
 
-fn place(runs: &[RunRecord], shown: &Shown) -> AlarmPlace {
-    let run = &runs[shown.watched.runs[shown.began]];
+fn place(runs: &[RunRecord], shown: &Shown, reading: usize) -> AlarmPlace {
+    let run = &runs[shown.watched.runs[reading]];
     AlarmPlace {
         run: run.path.clone(),
         axis: shown.watched.axis.key().to_owned(),
-        at: shown.x(shown.began),
+        at: shown.x(reading),
         started_at: run.tag(keys::STARTED_AT).map(str::to_owned),
     }
 }
@@ -202,7 +210,12 @@ fn place(runs: &[RunRecord], shown: &Shown) -> AlarmPlace {
 /// The alarm that signs make together, under the id of the first.
 fn alarm(runs: &[RunRecord], campaign: &Campaign, event: &[Shown]) -> Alarm {
     let lead = &event[0];
-    let signs: Vec<AlarmSign> = event.iter().map(|shown| sign(runs, shown)).collect();
+    let moved: Vec<Option<(usize, Moved)>> = event.iter().map(Shown::moved).collect();
+    let of_each = event.iter().zip(&moved);
+    let signs: Vec<AlarmSign> = of_each
+        .map(|(shown, moved)| sign(runs, shown, moved.map(|(_, moved)| moved)))
+        .collect();
+    let began = moved[0].map_or(lead.began, |(at, _)| at);
     let (first, known) = (signs[0].clone(), &campaign.monitoring.acknowledged);
     let mut alarm = Alarm {
         acknowledged: signs.iter().any(|sign| known.contains(&sign.id)),
@@ -211,7 +224,7 @@ fn alarm(runs: &[RunRecord], campaign: &Campaign, event: &[Shown]) -> Alarm {
         parameter: first.parameter,
         chart: first.chart,
         run: first.run,
-        began: place(runs, lead),
+        began: place(runs, lead, began),
         false_alarm_runs: (lead.chart == CHART).then_some(campaign.monitoring.false_alarm_runs),
         shown_by: signs,
         ..Alarm::default()
