@@ -76,7 +76,7 @@ fn the_worked_example_is_found_as_its_page_says() {
         (group["verdict"].as_str().unwrap().to_owned(), set.join(" "))
     };
     assert_eq!(said(0), ("named".to_owned(), "faradaic-leak".to_owned()));
-    let set = "camera-delay mechanical-lag";
+    let set = "camera-delay mechanical-lag even-bending";
     assert_eq!(said(1), ("set".to_owned(), set.to_owned()));
     assert_eq!(said(2).0, "consistent");
 }
