@@ -10,7 +10,6 @@ mod predicted;
 mod readings;
 mod tags;
 mod varies;
-mod zeros;
 
 use ieap_domain::testing::branch;
 use rand::SeedableRng;

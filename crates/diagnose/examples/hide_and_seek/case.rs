@@ -109,9 +109,6 @@ pub struct Plan {
     pub growing: f64,
     /// Relative spread of every parameter from run to run.
     pub scatter: f64,
-    /// Zero of the current in each run, and drift of the curvature over it, parts of the largest reading (standard deviations).
-    pub zero: f64,
-    pub drift: f64,
 }
 
 impl Default for Plan {
@@ -135,8 +132,6 @@ impl Default for Plan {
                 _ => Readings::Even,
             },
             clock: Clock::OnEdges,
-            zero: 0.0,
-            drift: 0.0,
             count: 600,
             rate_hz: 1.0,
             edges: 30,
@@ -477,7 +472,6 @@ pub fn measured(case: &mut Case, responses: &[Responses]) -> Vec<Vec<Channel>> {
             let values = noisy(values, sd, rho, plan, &mut case.generator);
             let mut channel = Channel::new(quantity, time_s.into(), values.into());
             channel.own_clock = quantity == Quantity::Curvature && plan.clock == Clock::Lab(LabClock::Joined);
-            add_instrument(&mut channel, plan, &mut case.generator);
             match plan.slow {
                 Slow::None => {}
                 Slow::Red(time_s) => add_red(&mut channel, sd, time_s, &mut case.generator),
@@ -504,28 +498,6 @@ pub fn measured(case: &mut Case, responses: &[Responses]) -> Vec<Vec<Channel>> {
         ]
     });
     each.collect()
-}
-
-/// Adds the zero of an ammeter and the drift of a laser.
-fn add_instrument(channel: &mut Channel, plan: Plan, generator: &mut impl Rng) {
-    let size = match channel.quantity {
-        Quantity::Current => plan.zero,
-        _ => plan.drift,
-    };
-    if size == 0.0 {
-        return;
-    }
-    let peak = channel.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let unit: f64 = StandardNormal.sample(generator);
-    let (first_s, last_s) = (channel.time_s[0], channel.time_s[channel.time_s.len() - 1]);
-    let of = |t: f64| match channel.quantity {
-        Quantity::Current => 1.0,
-        _ => (t - first_s) / (last_s - first_s),
-    };
-    let readings = channel.time_s.iter().zip(channel.values.iter());
-    channel.values = readings
-        .map(|(&t, value)| value + size * peak * unit * of(t))
-        .collect();
 }
 
 /// Adds noise whose correlation dies away in that time.

@@ -29,7 +29,7 @@ fn laboratories() -> Vec<(String, Plan)> {
 }
 
 /// Conditions with their names. What is not said is as in the first.
-pub fn conditions() -> Vec<(&'static str, Plan)> {
+fn conditions() -> Vec<(&'static str, Plan)> {
     let own = Plan::default();
     let white = Plan {
         autocorrelation: Some(0.0),
@@ -60,20 +60,6 @@ pub fn conditions() -> Vec<(&'static str, Plan)> {
             Plan {
                 clock: Clock::Beside,
                 ..long(3_600, 10.0, 30)
-            },
-        ),
-        (
-            "zero of the current another in each run",
-            Plan {
-                zero: 0.0015,
-                ..clock(Clock::Irregular)
-            },
-        ),
-        (
-            "laser drifts by 1 %",
-            Plan {
-                drift: 0.01,
-                ..clock(Clock::Irregular)
             },
         ),
         ("irregular", clock(Clock::Irregular)),

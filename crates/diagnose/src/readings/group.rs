@@ -51,9 +51,7 @@ pub(crate) struct GroupRun<'a> {
     pub(crate) edges: EdgeTimes,
     /// What is not known of the offset of a clock that the bending has of its own, one standard deviation, s; 0 where it has none.
     bending_error_s: f64,
-    /// What is left open of the zeros and drifts of its instruments, taken out of its whitened residuals.
-    pub(crate) open_zeros: LeftOpen,
-    /// Likewise of the edges, and of that offset.
+    /// What is left open of the edges, and of that offset, taken out of its whitened residuals.
     pub(crate) open_edges: LeftOpen,
     /// Likewise of its own parameters, where runs scatter.
     pub(crate) open_parameters: LeftOpen,
@@ -209,7 +207,6 @@ impl<'a> RunGroup<'a> {
             group.share_correlation(kind, per_signal, &fitted);
             group.take_slow_noise(kind, per_signal, &fitted);
         }
-        group.open_zeros_beside(&fitted);
         group.open_edges_beside(model);
         group.scatter = self.scatter.as_ref().map(|_| Scatter::found(&group, model));
         group.open_parameters_beside(model);
@@ -281,18 +278,9 @@ impl<'a> RunGroup<'a> {
                     .map(|channel| channel.forgetting(fitted, 0.0, 1.0));
             }
         }
-        let fitted = group.fitted(model);
-        group.open_zeros_beside(&fitted);
         group.open_edges_beside(model);
         group.open_parameters_beside(model);
         group
-    }
-
-    /// Current and curvature of a model in every run.
-    fn fitted(&self, model: &ExtendedModel) -> Vec<[Vec<f64>; 2]> {
-        let runs = self.runs.iter().enumerate();
-        runs.map(|(index, run)| run.fitted(model, &run.context(index, None)))
-            .collect()
     }
 
     /// How the noise of that kind of channel grows with the signal, per signal; 0 where the readings do not ask for it.
@@ -363,7 +351,6 @@ impl<'a> RunGroup<'a> {
         for (run, rows) in self.runs.iter().zip(self.by_run(rows)) {
             run.open_parameters.put_back(rows);
             run.open_edges.put_back(rows);
-            run.open_zeros.put_back(rows);
         }
     }
 
@@ -441,7 +428,6 @@ impl<'a> GroupRun<'a> {
             given: *given,
             edges,
             bending_error_s: aligned.map_or(0.0, |aligned| aligned.error_s()),
-            open_zeros: LeftOpen::default(),
             open_edges: LeftOpen::default(),
             open_parameters: LeftOpen::default(),
             duration_s,
@@ -494,14 +480,8 @@ impl<'a> GroupRun<'a> {
 
     /// Takes what is not known of the run beyond its group's model out of its whitened rows.
     pub(crate) fn take_out(&self, rows: &mut [f64]) {
-        self.take_out_of_readings(rows);
-        self.open_parameters.take_out(rows);
-    }
-
-    /// The same but for its own parameters.
-    pub(crate) fn take_out_of_readings(&self, rows: &mut [f64]) {
-        self.open_zeros.take_out(rows);
         self.open_edges.take_out(rows);
+        self.open_parameters.take_out(rows);
     }
 
     fn open_edges_beside(&self, model: &ExtendedModel, index: usize) -> LeftOpen {
@@ -520,9 +500,7 @@ impl<'a> GroupRun<'a> {
         let change = |there: &[Vec<f64>; 2]| -> Vec<f64> {
             let there = rows(there);
             let pairs = here.iter().zip(&there);
-            let mut change: Vec<f64> = pairs.map(|(here, there)| (there - here) / SLOPE).collect();
-            self.open_zeros.take_out(&mut change);
-            change
+            pairs.map(|(here, there)| (there - here) / SLOPE).collect()
         };
         let of_way = |way: Vec<f64>| {
             let by_s: Vec<f64> = way.iter().map(|by_s| SLOPE * by_s).collect();

@@ -16,4 +16,3 @@ pub(crate) mod quantities;
 pub(crate) mod record_length;
 pub(crate) mod scatter;
 pub(crate) mod tags;
-mod zeros;

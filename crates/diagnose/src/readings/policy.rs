@@ -77,10 +77,3 @@ pub(super) const END_PART: f64 = 0.05;
 /// A value that is not so many of its standard errors is next to nothing: what a prediction is off by is no part of it. Chosen;
 /// a strip that had relaxed was said to be 270 % off its curvature.
 pub(super) const KNOWN_FROM_SIGMAS: f64 = 5.0;
-
-/// Readings at rest from which a zero and a drift of the instrument are known. Chosen.
-pub(super) const FEWEST_AT_REST: usize = 8;
-/// Drift of an instrument over a record, current and curvature, as a part of the range that it reads, which is allowed for at
-/// most (standard deviation): so long before it shows at rest an ammeter hardly drifts, a laser or a camera's mount does. Chosen;
-/// `cargo run --release --example hide_and_seek -- null 40 1 zero laser` counts what it gives.
-pub(super) const MOST_DRIFT_PARTS: [f64; 2] = [0.002, 0.01];
