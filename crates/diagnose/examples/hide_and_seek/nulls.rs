@@ -29,7 +29,7 @@ fn laboratories() -> Vec<(String, Plan)> {
 }
 
 /// Conditions with their names. What is not said is as in the first.
-fn conditions() -> Vec<(&'static str, Plan)> {
+pub fn conditions() -> Vec<(&'static str, Plan)> {
     let own = Plan::default();
     let white = Plan {
         autocorrelation: Some(0.0),
