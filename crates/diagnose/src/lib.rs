@@ -7,7 +7,8 @@
 //! predicts held-out readings.
 //!
 //! The rooms in this order, each of which uses those before it: `readings`, `fitting`, `misfit`, `cause`, `outcome`. Beside
-//! them `extended`, where the effects are given, and `benchmark`, what a diagnosis is held against.
+//! them `extended`, where the effects are given, `benchmark`, what a diagnosis is held against, and `missing`, which asks laws
+//! without equations and is counted only: no diagnosis uses it yet.
 
 mod benchmark;
 mod cause;

@@ -3,6 +3,7 @@
 mod causes;
 mod edge_responses;
 mod laboratory;
+mod missing;
 mod moving;
 mod noise;
 mod one_fit;

@@ -53,7 +53,8 @@ impl Count {
         };
         let told = &found.told;
         let is_right = match (told.name, told.place) {
-            (Some(id), _) if name.is_some() => Some(id) == name,
+            // What has no name has none.
+            (Some(id), _) => Some(id) == name,
             (_, Some(place)) => place.site == site && place.law == law && place.variable == variable,
             _ => told.site == Some(site),
         };
@@ -141,12 +142,7 @@ pub fn laws(first: u64, count: u64, strengths: &[f64], only: &[String]) {
     }
     for &d in strengths {
         if wanted("own") {
-            let every: usize = std::env::var("EVERY")
-                .ok()
-                .and_then(|n| n.parse().ok())
-                .unwrap_or(1);
             let all: Vec<(usize, u64)> = (0..HIDEABLE.len())
-                .step_by(every)
                 .flat_map(|at| (0..count).map(move |k| (at, k)))
                 .collect();
             let found = each(&all, |&(at, k)| {

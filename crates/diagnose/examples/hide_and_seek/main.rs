@@ -6,6 +6,9 @@
 //! `-- benchmark 2 9000000 docs/benchmark.svg`, which asks textbook criteria and a linear oracle as well, or
 //! `-- short`, which fails where a few groups of each kind come out worse than chance would have them.
 //!
+//! `-- laws 16 32 [own] [foreign] [outside] [strange] [differs] [null [part of a condition's name ...]]` asks laws without
+//! equations beside the library (`SHOW=1` prints each group).
+//!
 //! Equations that differ from the library's: `-- foreign 5 16,64 [id ...]` hides foreign forms of its effects and causes
 //! that it does not hold (`x-...`), `-- differs 20` lets parameters differ from run to run and hides nothing,
 //! `-- rednoise 20` adds noise as slow as a record is long. Their tables are Markdown on stdout, their progress stands
@@ -94,7 +97,7 @@ fn main() {
             );
         }
         _ => eprintln!(
-            "usage: hide_and_seek null N [FIRST SEED [CONDITION ...]] | effects N 8,16,32 [id ...] | outside N 16,64 | together N 32,16 | ceiling N 4,6 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | foreign N 16,64 [id ...] | differs N | rednoise N | reliability N [FIGURE.svg] | visible N | figure < TABLES | short"
+            "usage: hide_and_seek null N [FIRST SEED [CONDITION ...]] | effects N 8,16,32 [id ...] | outside N 16,64 | together N 32,16 | ceiling N 4,6 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | foreign N 16,64 [id ...] | laws N 16,64 [KIND ...] | differs N | rednoise N | reliability N [FIGURE.svg] | visible N | figure < TABLES | short"
         ),
     }
 }

@@ -354,6 +354,11 @@ impl<'g> ExtendedProblem<'g> {
         Levenberg::by_diagonal(limit, settle).search(&Knowing { problem, known }, start)
     }
 
+    /// Limits of all coordinates.
+    pub(crate) fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
     /// Limits of coordinate `k`.
     pub(crate) fn limits_of(&self, k: usize) -> (f64, f64) {
         (self.bounds.low[k], self.bounds.high[k])
@@ -403,7 +408,7 @@ impl Problem for Knowing<'_, '_> {
 }
 
 /// From residuals and the derivatives of the residuals themselves, whose sign is the other one.
-fn local_of(residuals: &[f64], columns: &[&Vec<f64>]) -> Local {
+pub(crate) fn local_of(residuals: &[f64], columns: &[&Vec<f64>]) -> Local {
     let mut local = Local::of(residuals, columns);
     local.descent.iter_mut().for_each(|d| *d = -*d);
     local

@@ -3,9 +3,9 @@
 use super::account::{Account, account};
 use super::columns::columns;
 use super::held_out::held_out;
-use super::policy::{BETTER_PARTS, DIFFER_PART, LEFT_PART, SURE};
+use super::policy::{BETTER_PARTS, DIFFER_PART, LEFT_PART, MOST_LISTED, SURE};
 use super::told::{Told, told};
-use super::weighed::{Asked, Says, Weight};
+use super::weighed::{Asked, Says};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::base_fit::refit;
 use crate::fitting::fitted::Fitted;
@@ -117,7 +117,7 @@ fn asked(group: &RunGroup, base: &Fitted, options: &DiagnoseOptions) -> Looked {
     let mut order: Vec<usize> = (0..masses.len()).collect();
     order.sort_by(|&a, &b| masses[b].total_cmp(&masses[a]));
     for &k in &order {
-        looked.kinds[kind(&weighed.all[k])] += masses[k];
+        looked.kinds[kind(weighed.all[k].says)] += masses[k];
     }
     let words = |k: usize| {
         let own = &weighed.all[k];
@@ -131,7 +131,7 @@ fn asked(group: &RunGroup, base: &Fitted, options: &DiagnoseOptions) -> Looked {
         };
         (name, masses[k], own.fall)
     };
-    looked.leading = order.iter().take(8).map(|&k| words(k)).collect();
+    looked.leading = order.iter().take(MOST_LISTED).map(|&k| words(k)).collect();
     let lead = order
         .iter()
         .map(|&k| &weighed.all[k])
@@ -149,8 +149,12 @@ fn asked(group: &RunGroup, base: &Fitted, options: &DiagnoseOptions) -> Looked {
     let (better, parts, fall) = looked.held_out;
     let pays = fall > 0.0 && better as f64 >= BETTER_PARTS * parts as f64;
     looked.verdict = match () {
-        () if looked.kinds[3] >= SURE => "instrument",
-        () if looked.kinds[2] >= SURE || account.share(account.between_runs) >= DIFFER_PART => "differs",
+        () if looked.kinds[kind(Says::SlowNoise)] >= SURE => "instrument",
+        () if looked.kinds[kind(Says::Differ)] >= SURE
+            || account.share(account.between_runs) >= DIFFER_PART =>
+        {
+            "differs"
+        }
         () if looked.told.site.is_none() || !pays || account.share(account.unexplained) > LEFT_PART => {
             "unexplained"
         }
@@ -159,8 +163,9 @@ fn asked(group: &RunGroup, base: &Fitted, options: &DiagnoseOptions) -> Looked {
     looked
 }
 
-fn kind(own: &Weight) -> usize {
-    match own.says {
+/// Place of a kind of hypothesis in [`Looked::kinds`].
+fn kind(says: Says) -> usize {
+    match says {
         Says::Curve(_) => 0,
         Says::Equation(_) => 1,
         Says::Differ => 2,

@@ -8,8 +8,6 @@ pub(super) use ieap_domain::diagnosis::SURE;
 /// Sizes of what a law adds, in standard deviations of the noise after the refit, that are thought of: the least that is seen
 /// and the largest.
 pub(super) const SIZES: (f64, f64) = (3.0, 600.0);
-/// Points of the grid over sizes.
-pub(super) const GRID: usize = 9;
 
 /// Laws that are fitted in full at most, and how far below the best one's logarithm of evidence, in parts of that and beside.
 pub(super) const MOST_FITTED: usize = 5;
@@ -20,6 +18,9 @@ pub(super) const NEAR_BESIDE: f64 = 12.0;
 pub(super) const DIFFERS: f64 = 0.05;
 pub(super) const SLOW: f64 = 0.05;
 pub(super) const UNNAMED: f64 = 0.02;
+/// What the width of a strength costs where an equation was not fitted in full: the logarithm of as many standard deviations
+/// as are thought of.
+pub(super) const UNFITTED: f64 = 5.0;
 /// Part of the weight of a law and variable that its smooth curves have; its equations have the rest.
 pub(super) const OF_CURVES: f64 = 0.5;
 /// No hypothesis is exact: what a rival explains less, within this part of what the best explains, does not rule it out.
@@ -31,3 +32,6 @@ pub(super) const LEFT_PART: f64 = 0.2;
 pub(super) const DIFFER_PART: f64 = 0.8;
 /// Part of held-out parts that must come out better.
 pub(super) const BETTER_PARTS: f64 = 0.75;
+
+/// Hypotheses that are listed.
+pub(super) const MOST_LISTED: usize = 8;

@@ -4,7 +4,7 @@ use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Problem};
 use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
-use crate::fitting::problem::ExtendedProblem;
+use crate::fitting::problem::{ExtendedProblem, local_of};
 
 /// Evaluations along slopes that are held, and of slopes anew.
 const HELD: u64 = 14;
@@ -90,19 +90,6 @@ fn add_known(local: &mut Local, known: &[f64], at: &[f64]) {
     local.add_known_before(&diagonal, 1.0, at);
 }
 
-fn local_of(residuals: &[f64], columns: &[Vec<f64>]) -> Local {
-    let mut local = Local {
-        square: dot(residuals, residuals),
-        descent: vec![0.0; columns.len()],
-        normal: Symmetric::from_fn(columns.len(), |a, b| dot(&columns[a], &columns[b])),
-    };
-    if !residuals.is_empty() {
-        let descent = columns.iter().map(|column| -dot(column, residuals));
-        local.descent = descent.collect();
-    }
-    local
-}
-
 /// The problem with what is known before; along `columns` where they are held.
 struct Searched<'p, 'g> {
     problem: &'p ExtendedProblem<'g>,
@@ -112,14 +99,7 @@ struct Searched<'p, 'g> {
 
 impl Problem for Searched<'_, '_> {
     fn bounds(&self) -> Bounds {
-        let mut bounds = Bounds::default();
-        let count =
-            self.problem.base_len() + self.problem.effects.iter().map(|own| own.free()).sum::<usize>();
-        for k in 0..count {
-            let (low, high) = self.problem.limits_of(k);
-            bounds.push(low, high);
-        }
-        bounds
+        self.problem.bounds().clone()
     }
 
     fn local(&self, at: &[f64], most: f64) -> Local {
@@ -130,7 +110,7 @@ impl Problem for Searched<'_, '_> {
             return Local::refused(square, at.len());
         }
         let mut local = match self.columns {
-            Some(columns) => local_of(&here, columns),
+            Some(columns) => local_of(&here, &columns.iter().collect::<Vec<_>>()),
             None => self.problem.slope(at).0,
         };
         add_known(&mut local, self.known, at);

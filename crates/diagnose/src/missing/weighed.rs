@@ -8,11 +8,13 @@ use ieap_model::effects::smooth_laws::{Place, place_of};
 use rayon::prelude::*;
 
 use super::columns::LawColumns;
-use super::evidence::{Evidence, Products, log_sum};
-use super::policy::{DIFFERS, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNNAMED};
+use super::evidence::{Evidence, evidence, process};
+use super::policy::{
+    DIFFERS, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED, UNNAMED,
+};
 use super::refit::Refit;
-use crate::cause::candidates::fit_candidates;
-use crate::cause::evidence::{Nameless, Parts, Varying, log_evidence};
+use crate::cause::candidates::{CandidateFit, fit_candidates};
+use crate::cause::evidence::{Nameless, Parts, Process, Varying, log_evidence, log_sum};
 use crate::fitting::fitted::Fitted;
 use crate::misfit::signature::{Direction, Signature};
 use crate::readings::group::RunGroup;
@@ -98,7 +100,7 @@ impl<'g> Asked<'_, 'g> {
         let varying = Varying::of(self.group, self.current, self.model, &slope.normal);
         if let Some(varying) = &varying {
             let logs: Vec<f64> = varying.weighed(self.current).map(|(_, log)| log).collect();
-            let log = log_sum(logs.iter().copied()) - varying.prior().ln();
+            let log = log_sum(&logs) - varying.prior().ln();
             let fall = 0.5 * (self.current.square - varying.square());
             let parts = Parts {
                 fall,
@@ -114,10 +116,10 @@ impl<'g> Asked<'_, 'g> {
     fn curves(&self) -> Vec<Weight<'g>> {
         let (_, tangent) = self.current.tangent();
         let of = |law: &LawColumns| {
-            let products = Products::of(&law.columns, &tangent, self.residuals);
-            Some((products.evidence()?, products))
+            let own = process(&law.columns, &tangent, self.residuals);
+            Some((evidence(&own)?, own))
         };
-        let found: Vec<Option<(Evidence, Products)>> = self.laws.par_iter().map(of).collect();
+        let found: Vec<Option<(Evidence, Process)>> = self.laws.par_iter().map(of).collect();
         let best = found
             .iter()
             .flatten()
@@ -130,10 +132,10 @@ impl<'g> Asked<'_, 'g> {
         let full: Vec<usize> = ranked.iter().copied().filter(near).take(MOST_FITTED).collect();
         let (_, base_columns) = self.current.problem.slope(&self.current.at);
         let weight = |k: usize| {
-            let (evidence, products) = found[k].as_ref()?;
+            let (evidence, process) = found[k].as_ref()?;
             let law = &self.laws[k];
             let precisions = &evidence.precisions;
-            let (weights, first) = products.most_probable(precisions);
+            let (weights, first) = process.most_probable(precisions);
             let mut weight = Weight {
                 says: Says::Curve(k),
                 place: Some(law.law.place),
@@ -194,7 +196,7 @@ impl<'g> Asked<'_, 'g> {
             self.directions,
             &[],
         );
-        let of = |candidate: &crate::cause::candidates::CandidateFit<'g>| {
+        let of = |candidate: &CandidateFit<'g>| {
             let place = place_of(candidate.effect)?;
             let (fall, occam) = match &candidate.fitted {
                 Some(fitted) => log_evidence(self.current, fitted),
@@ -220,9 +222,6 @@ impl<'g> Asked<'_, 'g> {
         candidates.par_iter().filter_map(of).collect()
     }
 }
-
-/// What the width of a strength costs where it was not fitted: the logarithm of as many standard deviations as are thought of.
-const UNFITTED: f64 = 5.0;
 
 /// Gives every law and variable the same weight, its curves a part of it and its equations the rest.
 fn share_priors(all: &mut [Weight]) {
@@ -256,7 +255,8 @@ impl Weighed<'_> {
         let best = self.all.iter().map(|own| own.fall).fold(0.0, f64::max);
         let t = (INEXACT * best / (SURE / (1.0 - SURE)).ln()).max(1.0);
         let explains = |own: &&Weight| !matches!(own.says, Says::SlowNoise | Says::Unnamed);
-        let sum_at = |t: f64| log_sum(self.all.iter().filter(explains).map(|own| own.log(t)));
+        let at = |t: f64| self.all.iter().filter(explains).map(move |own| own.log(t));
+        let sum_at = |t: f64| log_sum(&at(t).collect::<Vec<_>>());
         let (together, cooled) = (sum_at(1.0), sum_at(t));
         let log = |own: &Weight| {
             if explains(&own) {
@@ -266,7 +266,7 @@ impl Weighed<'_> {
             }
         };
         let logs: Vec<f64> = self.all.iter().map(log).collect();
-        let whole = log_sum(logs.iter().copied());
+        let whole = log_sum(&logs);
         logs.iter().map(|own| (own - whole).exp()).collect()
     }
 }

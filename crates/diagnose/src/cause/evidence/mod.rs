@@ -16,7 +16,8 @@ mod unnamed;
 mod varies;
 
 pub(crate) use laplace::log_evidence;
-pub(crate) use policy::{LARGEST_SET, SURE, log_odds_of_no_cause};
+pub(crate) use policy::{LARGEST_SET, SURE, grid, log_mean, log_odds_of_no_cause, log_sum};
 pub(crate) use posterior::{Asked, Standing, Weighed, weigh};
+pub(crate) use smooth::{Column, Process};
 pub(crate) use unnamed::{Nameless, Parts};
 pub(crate) use varies::{Varying, follow_something};

@@ -68,18 +68,18 @@ pub(super) fn temperature(best: f64) -> f64 {
 }
 
 /// Evenly spaced points on the logarithmic scale between two ends.
-pub(super) fn grid((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
+pub(crate) fn grid((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
     let step = (high / low).ln() / (GRID - 1) as f64;
     (0..GRID).map(move |k| low * (step * k as f64).exp())
 }
 
 /// Logarithm of the mean of what has these logarithms.
-pub(super) fn log_mean(logarithms: &[f64]) -> f64 {
+pub(crate) fn log_mean(logarithms: &[f64]) -> f64 {
     log_sum(logarithms) - (logarithms.len() as f64).ln()
 }
 
 /// Logarithm of the sum of what has these logarithms.
-pub(super) fn log_sum(logarithms: &[f64]) -> f64 {
+pub(crate) fn log_sum(logarithms: &[f64]) -> f64 {
     let most = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !most.is_finite() {
         return f64::NEG_INFINITY;

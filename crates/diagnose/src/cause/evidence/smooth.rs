@@ -8,12 +8,12 @@ use crate::fitting::tangent::Tangent;
 use crate::readings::group::{Block, RunGroup};
 
 /// A column of whitened readings, as pieces that begin at a row.
-pub(super) struct Column {
+pub(crate) struct Column {
     pieces: Vec<(usize, Vec<f64>)>,
 }
 
 impl Column {
-    pub(super) fn of(pieces: Vec<(usize, Vec<f64>)>) -> Column {
+    pub(crate) fn of(pieces: Vec<(usize, Vec<f64>)>) -> Column {
         Column { pieces }
     }
 
@@ -34,13 +34,13 @@ impl Column {
 }
 
 /// What columns with random coefficients of one size say of residuals, after a refit.
-pub(super) struct Process {
+pub(crate) struct Process {
     products: Symmetric,
     with_residuals: Vec<f64>,
 }
 
 impl Process {
-    pub(super) fn of(columns: &[Column], tangent: &Tangent, residuals: &[f64]) -> Process {
+    pub(crate) fn of(columns: &[Column], tangent: &Tangent, residuals: &[f64]) -> Process {
         let mut left = residuals.to_vec();
         tangent.remove(&mut left);
         let absorbed: Vec<Vec<f64>> = columns
@@ -65,7 +65,7 @@ impl Process {
 
     /// The same with columns of such a size that one of amplitude `d` leaves `d` standard deviations on average; none where
     /// a refit takes up everything.
-    pub(super) fn of_unit_size(mut self) -> Option<Process> {
+    pub(crate) fn of_unit_size(mut self) -> Option<Process> {
         let order = self.products.order();
         let trace: f64 = (0..order).map(|k| self.products.get(k, k)).sum();
         if !(trace > 1e-12 && trace.is_finite()) {
@@ -82,6 +82,33 @@ impl Process {
         Some(self)
     }
 
+    /// Squares of the columns' lengths after the refit.
+    pub(crate) fn squares(&self) -> Vec<f64> {
+        let each = 0..self.products.order();
+        each.map(|k| self.products.get(k, k).max(0.0)).collect()
+    }
+
+    /// The same with every column in parts of its unit.
+    pub(crate) fn in_units(&self, units: &[f64]) -> Process {
+        let scaled = |a: usize, b: usize| self.products.get(a, b) / (units[a] * units[b]);
+        let each = self.with_residuals.iter().zip(units);
+        Process {
+            products: Symmetric::from_fn(units.len(), scaled),
+            with_residuals: each.map(|(v, unit)| v / unit).collect(),
+        }
+    }
+
+    /// The coefficients that are most probable with these precisions, and what they make the penalised sum of squares fall by.
+    pub(crate) fn most_probable(&self, precisions: &[f64]) -> (Vec<f64>, f64) {
+        let mut normal = self.products.clone();
+        for (k, precision) in precisions.iter().enumerate() {
+            normal.add(k, k, *precision);
+        }
+        let found = normal.solve(&self.with_residuals, 1e-14);
+        let fall = dot(&found, &self.with_residuals);
+        (found, fall)
+    }
+
     /// Logarithm of the evidence with coefficients of this standard deviation over that without any.
     pub(super) fn log_evidence(&self, amplitude: f64) -> f64 {
         let (fall, width) = self.parts(amplitude);
@@ -89,7 +116,7 @@ impl Process {
     }
 
     /// What the likelihood gains, and what the widths cost.
-    pub(super) fn parts(&self, amplitude: f64) -> (f64, f64) {
+    pub(crate) fn parts(&self, amplitude: f64) -> (f64, f64) {
         let order = self.products.order();
         if amplitude == 0.0 || order == 0 {
             return (0.0, 0.0);
