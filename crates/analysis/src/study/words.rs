@@ -228,9 +228,15 @@ fn told(of: &[&Answer]) -> String {
         with(Verdict::Open).partition(|own| own.p.is_some_and(|p| p <= CLAIMED_BELOW));
     let differ: Vec<&Answer> = with(Verdict::Differs).collect();
     let alike: Vec<&Answer> = with(Verdict::Alike).collect();
+    let (curves_differ, curves): (Vec<&Answer>, Vec<&Answer>) = curves
+        .into_iter()
+        .partition(|own| own.verdict == Verdict::Differs);
     let mut parts = Vec::new();
     if !differ.is_empty() {
         parts.push(numbers(differ));
+    }
+    if !curves_differ.is_empty() {
+        parts.push(numbers(curves_differ));
     }
     if !alone.is_empty() {
         parts.push(format!("less sure (q above {CLAIMED_BELOW}) {}", numbers(alone)));
@@ -260,35 +266,32 @@ fn told(of: &[&Answer]) -> String {
             ));
         }
     }
-    let open: Vec<&Answer> = open.into_iter().chain(with(Verdict::Bound)).collect();
+    // That curves are nowhere further apart than their whole range tells nothing.
+    let is_told = |own: &&Answer| own.no_more_than.is_some_and(|most| most < 100.0);
+    let (bounded, untold): (Vec<&Answer>, Vec<&Answer>) = curves.into_iter().partition(is_told);
+    let open: Vec<&Answer> = open
+        .into_iter()
+        .chain(with(Verdict::Bound))
+        .chain(untold)
+        .collect();
     if !open.is_empty() {
         parts.push(format!("open: {}", names(&open)));
     }
-    parts.extend(told_of_curves(&curves));
+    parts.extend(nowhere_more(&bounded));
     if parts.is_empty() {
         return "nothing was determined".to_owned();
     }
     parts.join("; ")
 }
 
-/// Where curves differ, else by how much they do nowhere.
-fn told_of_curves(of: &[&Answer]) -> Vec<String> {
-    let (differ, others): (Vec<&Answer>, Vec<&Answer>) =
-        of.iter().partition(|own| own.verdict == Verdict::Differs);
-    let number = |own: &&Answer| format!("{} {}", symbol(own.parameter), number(own));
+/// By how much curves differ nowhere; nothing of none.
+fn nowhere_more(of: &[&Answer]) -> Option<String> {
     let bound = |own: &&Answer| {
         let most = rounded_bound(own.no_more_than?, true).value_text();
         Some(format!("{most} % ({})", symbol(own.parameter)))
     };
-    let bounds: Vec<String> = others.iter().filter_map(bound).collect();
-    let mut parts: Vec<String> = differ.iter().map(number).collect();
-    if !bounds.is_empty() {
-        parts.push(format!(
-            "nowhere more than {} of the range apart",
-            in_a_row(&bounds)
-        ));
-    }
-    parts
+    let bounds: Vec<String> = of.iter().filter_map(bound).collect();
+    (!bounds.is_empty()).then(|| format!("nowhere more than {} of the range apart", in_a_row(&bounds)))
 }
 
 /// What the intervals rest on, in sentences.
