@@ -336,8 +336,7 @@ class Finding:
 
     @property
     def verdict(self) -> str:
-        """``consistent``, ``undecided``, ``named``, ``set``, ``partial``, ``unproved``, ``varies``,
-        ``unknown`` or ``data-problem``."""
+        """``right``, ``undecided``, ``differs``, ``law``, ``instrument``, ``unexplained`` or ``data-problem``."""
         return self._document["verdict"]
 
     @property
@@ -352,14 +351,18 @@ class Finding:
 
     @property
     def causes(self) -> list[str]:
-        """Ids of the effects that may be the cause: the smallest set with 95 % of the probability."""
+        """Ids of the textbook curves that lie within the band of the missing law."""
         return self._document["set"]
 
     @property
-    def node(self) -> dict[str, Any] | None:
-        """How far down the tree of causes the readings tell: ``path`` from the root, ``words``, ``depth`` and
-        ``probability``; None where nothing is told."""
-        return self._document["node"]
+    def missing(self) -> list[dict[str, Any]]:
+        """Laws that are missing: ``place``, ``law``, ``variable``, ``name``, ``curve`` with its band, ``held_out``."""
+        return self._document["missing"]
+
+    @property
+    def account(self) -> dict[str, float] | None:
+        """Of what the squared error of the base model is made, percent; None where it could not be asked."""
+        return self._document["account"]
 
     @property
     def effects(self) -> list[dict[str, Any]]:
@@ -396,11 +399,10 @@ class Finding:
         return repr(self)
 
     def rows(self) -> dict[str, list[Any]]:
-        """What may be behind the misfit as columns, the most probable first: ``cause``, ``form``, ``probability``."""
+        """What may be behind the misfit as columns, the most probable first: ``cause``, ``probability``."""
         own = self.posterior
         return {
             "cause": [_cause(one) for one in own],
-            "form": [one["form"] for one in own],
             "probability": [one["mass"] for one in own],
         }
 
@@ -410,17 +412,15 @@ class Finding:
 
     def _repr_html_(self) -> str:
         head = f"{self._document['group']}, {len(self._document['runs'])} runs: {self.verdict}"
-        rows = [(_cause(own), own["form"] or "", f"{own['mass']:.2f}") for own in self.posterior[:5]]
+        rows = [(_cause(own), f"{own['mass']:.2f}") for own in self.posterior[:5]]
         notes = [self.sentence] + ([f"next: {self.next_run['drive']}"] if self.next_run else []) + list(self.remarks)
-        return html_table(head, ("what may be behind it", "form", "probability"), rows, notes)
+        return html_table(head, ("what may be behind it", "probability"), rows, notes)
 
     def __repr__(self) -> str:
         lines = [f"<ieap.Finding of {self._document['group']!r}, {len(self._document['runs'])} runs: {self.verdict}>"]
         lines.append(f"  {self.sentence}")
         for own in self.posterior[:3]:
-            name = _cause(own)
-            form = f" ({own['form']})" if own["form"] else ""
-            lines.append(f"  {own['mass']:.2f}  {name}{form}")
+            lines.append(f"  {own['mass']:.2f}  {_cause(own)}")
         if self.next_run:
             lines.append(f"  next: {self.next_run['drive']}")
         lines += [f"  {remark}" for remark in self.remarks]

@@ -54,7 +54,7 @@ FINDING_COLUMNS: dict[str, tuple[str, str]] = {
     "group": ("string", "values of the columns that the runs were grouped by"),
     "runs": ("array<string>", "runs of the group"),
     "left_out": ("array<string>", "runs that could not be used, each with the reason"),
-    "verdict": ("string", "consistent, undecided, named, set, partial, unproved, varies, unknown or data-problem"),
+    "verdict": ("string", "right, undecided, differs, law, instrument, unexplained or data-problem"),
     "sentence": ("string", "the finding in a sentence"),
     "p_misfit": ("double", "probability of residuals at least as bad by chance"),
     "q_misfit": ("double", "the same over all groups judged together: here of this group alone"),

@@ -100,7 +100,7 @@ def test_everything_is_pickled_and_copied(fit, campaign, findings):
 def test_findings_and_campaigns_show_themselves(campaign, findings):
     finding = ieap.Finding(findings["groups"][0])
     assert finding.verdict in finding._repr_html_() and finding.verdict in finding.summary()
-    assert set(finding.rows()) == {"cause", "form", "probability"}
+    assert set(finding.rows()) == {"cause", "probability"}
     opened = ieap.Campaign(campaign)
     assert "runs/a.csv" in opened._repr_html_()
     many = opened.readings_many()

@@ -69,7 +69,7 @@ def test_types_are_those_of_the_columns(duck):
     volts = [row[0] for row in duck.sql("SELECT DISTINCT voltage_v FROM runs_view ORDER BY 1").fetchall()]
     assert volts == [1.5, 2.0] or all(round(own, 3) == own for own in volts), volts
     duck.sql("SELECT avg(p_misfit) FROM findings_view").fetchall()
-    duck.sql("SELECT * FROM findings_view WHERE verdict = 'named'").fetchall()
+    duck.sql("SELECT * FROM findings_view WHERE verdict = 'law'").fetchall()
 
 
 def test_a_campaign_gives_findings_laws_and_monitoring(campaign):

@@ -36,7 +36,7 @@ pub struct DiagnoseArgs {
     /// Only the group of that name
     #[arg(long, value_name = "NAME")]
     group: Option<String>,
-    /// Adopt the extended model of every group whose cause is named (with --group: of that one): written to
+    /// Adopt the extended model of every group of which a law is missing (with --group: of that one): written to
     /// campaign.toml, and the group's runs are fitted with it at once and from then on
     #[arg(long)]
     adopt: bool,
@@ -134,9 +134,9 @@ fn adopt(
     }
     if summary.adopted.is_empty() {
         let why = if summary.unchanged.is_empty() {
-            "no group's finding names a cause"
+            "no group's finding tells a missing law"
         } else {
-            "every group whose cause is named has its model already"
+            "every group of which a law is missing has its model already"
         };
         output.message(&format!("nothing adopted: {why}"));
     }

@@ -34,7 +34,7 @@ pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
         .flat_map(|set| &set.sentences)
         .for_each(|sentence| output.result(sentence));
     if list.is_empty() {
-        output.result("no run to make next: nothing that a run at hand can untie, and no set of causes that one would split");
+        output.result("no run to make next: nothing that a run at hand can untie, and no missing law that one would tell from another");
     }
     list.iter().for_each(|entry| print(entry, output));
     let written = match &args.sheet {

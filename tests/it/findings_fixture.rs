@@ -1,11 +1,11 @@
 //! Made-up findings for the tests of the report: every verdict that a page words differently.
 
 use ieap::domain::finding_words::say;
-use ieap::domain::testing::{self, held_out, parameter, shift};
+use ieap::domain::testing::{self, held_out, missing_law, parameter, shift};
 use ieap::domain::{
-    Candidate, CauseNode, Confusable, EffectFinding, Estimate, Gain, GroupDiagnosis, HeldOutGain, Hypothesis,
-    HypothesisKind, MisfitPercent, MisfitStretch, NextRun, Prediction, ResidualCurve, StrengthProfile,
-    VaryingParameter, VaryingValue, Verdict, Whereabouts,
+    Account, EffectFinding, Estimate, Gain, GroupDiagnosis, HeldOutGain, Hypothesis, HypothesisKind,
+    LawCurve, MisfitPercent, MisfitStretch, MissingLaw, NextRun, Prediction, Ratio, ResidualCurve,
+    StrengthProfile, VaryingParameter, VaryingValue, Verdict, Whereabouts,
 };
 use ieap::report::{EffectParameterText, EffectText, Findings, Input};
 
@@ -49,15 +49,27 @@ fn effects() -> Vec<EffectText> {
     ]
 }
 
-fn candidate(effect: &str, forecast_gain: f64, fitted_gain: Option<f64>) -> Candidate {
-    let accepted = fitted_gain.is_some();
-    Candidate {
-        extra_parameters: 2,
-        held_out_gain: accepted.then_some(150.1),
-        left_after_refit: 0.314,
-        detectable_strength: if accepted { 3.1e-7 } else { f64::NAN },
-        likeness: if accepted { 1.0 } else { 0.42 },
-        ..testing::candidate(effect, forecast_gain, fitted_gain)
+/// A leak over the voltage, with the band that these runs leave.
+fn curve() -> LawCurve {
+    let x: Vec<f64> = (-20..=20).map(|k| 0.1 * f64::from(k)).collect();
+    let y: Vec<f64> = x.iter().map(|v| 2e-5 * (v.abs() - 1.2).max(0.0)).collect();
+    LawCurve {
+        low_95: y.iter().map(|y| y - 3e-6).collect(),
+        high_95: y.iter().map(|y| y + 3e-6).collect(),
+        x,
+        y,
+        unit: "S/cm2".to_owned(),
+    }
+}
+
+/// Of what the error of a group is made.
+fn account(between_runs: f64, within_runs: f64) -> Account {
+    Account {
+        noise: 20.0,
+        between_runs,
+        within_runs,
+        unexplained: 80.0 - between_runs - within_runs,
+        ..Account::default()
     }
 }
 
@@ -91,7 +103,18 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
         parameter("onset_v", Estimate::below(1.3, "no run stays below the onset")),
     ];
     GroupDiagnosis {
-        verdict: Verdict::Named,
+        verdict: Verdict::Law,
+        tolerance_percent: 1.0,
+        account: Some(account(2.0, 75.0)),
+        missing: vec![MissingLaw {
+            curve: Some(curve()),
+            ..missing_law(Some("faradaic-leak"), "1 of 1")
+        }],
+        misfit_percent: MisfitPercent {
+            current: Some(4.1),
+            curvature: Some(0.6),
+            charge: Some(7.0),
+        },
         p_misfit: Some(0.001),
         draws: 999,
         q_misfit: Some(0.004),
@@ -102,10 +125,6 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
             ..testing::effect("faradaic-leak", leak)
         }],
         set: vec!["faradaic-leak".to_owned()],
-        candidates: vec![
-            candidate("faradaic-leak", 812.0, Some(790.2)),
-            candidate("diffusion-limited-leak", 12.4, None),
-        ],
         gain: Some(Gain {
             held_out: "run".to_owned(),
             proof: HeldOutGain {
@@ -116,7 +135,6 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
                 coverage_after: Some(0.9514),
                 ..held_out(150.1, 12.0)
             },
-            nameless_deviance: 40.0,
             predictions: vec![Prediction {
                 quantity: "end_current".to_owned(),
                 before_percent: 7.31,
@@ -150,11 +168,6 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
             shift("alpha_per_c_cm", 12.04, 14.0, 0.392),
             shift("lambda_per_s", 1.1e-4, 1.11e-4, 2e-6),
         ],
-        gain_at_5_percent: Some(8.2),
-        confusable: Confusable {
-            effects: vec!["faradaic-leak".to_owned(), "diffusion-limited-leak".to_owned()],
-            likeness: vec![vec![1.0, 0.31], vec![0.31, 1.0]],
-        },
         profiles: vec![StrengthProfile {
             effect: "faradaic-leak".to_owned(),
             key: "leak_current_a_per_cm2".to_owned(),
@@ -173,17 +186,12 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
 fn varies(runs: &[&str]) -> GroupDiagnosis {
     let hypothesis = |kind: HypothesisKind, mass: f64| Hypothesis {
         kind,
-        effects: match kind {
-            HypothesisKind::Effect => vec!["faradaic-leak".to_owned()],
-            _ => Vec::new(),
-        },
-        form: None,
+        effect: (kind == HypothesisKind::Effect).then(|| "faradaic-leak".to_owned()),
         parameters_that_differ: match kind {
             HypothesisKind::Varies => vec!["rss_ohm_cm2".to_owned()],
             _ => Vec::new(),
         },
         with: (kind == HypothesisKind::Varies).then(|| "voltage_v".to_owned()),
-        with_unnamed: false,
         mass,
     };
     let value = |(run, step_v, value): (&str, f64, f64)| VaryingValue {
@@ -194,7 +202,8 @@ fn varies(runs: &[&str]) -> GroupDiagnosis {
     };
     let values = [(runs[0], 1.2, 17_900.0), (runs[1], 2.5, 1_900.0)];
     GroupDiagnosis {
-        verdict: Verdict::Varies,
+        verdict: Verdict::Differs,
+        account: Some(account(77.0, 0.0)),
         p_misfit: Some(0.001),
         draws: 999,
         q_misfit: Some(0.004),
@@ -210,6 +219,13 @@ fn varies(runs: &[&str]) -> GroupDiagnosis {
         },
         differs: vec![VaryingParameter {
             key: "rss_ohm_cm2".to_owned(),
+            with: "voltage_v".to_owned(),
+            share_percent: 96.0,
+            ratio: Some(Ratio {
+                value: 9.4,
+                low_95: 8.9,
+                high_95: 10.0,
+            }),
             values: values.map(value).to_vec(),
         }],
         group: "sample=CNaf-02,environment=air".to_owned(),
@@ -225,25 +241,19 @@ pub fn input_with_findings() -> Input {
     let (a, b, c, d) = (path(0), path(1), path(2), path(3));
     let mut set = named(&[&b]);
     set.group = "sample=CNaf-01,environment=<b>vacuum</b>".to_owned();
-    set.verdict = Verdict::Set;
     set.set.push("diffusion-limited-leak".to_owned());
     set.effects[0].twins = vec!["diffusion-limited-leak".to_owned()];
-    set.node = Some(CauseNode {
-        path: vec!["current".to_owned(), "leak".to_owned()],
-        words: "a current flows that stores no charge".to_owned(),
-        depth: 2,
-        probability: 0.97,
-    });
+    set.missing[0].name = None;
+    set.missing[0].names.clone_from(&set.set);
     set.next_run = Some(NextRun {
         drive: "reverse the voltage for 600 s".to_owned(),
         splits: vec!["faradaic-leak".to_owned(), "diffusion-limited-leak".to_owned()],
         expected_set_size: 1.0,
     });
     let consistent = GroupDiagnosis {
-        verdict: Verdict::Consistent,
+        verdict: Verdict::Right,
         p_misfit: Some(0.31),
         q_misfit: Some(0.41),
-        candidates: vec![candidate("faradaic-leak", 3.0, None)],
         group: "sample=CPvf-01,environment=air".to_owned(),
         runs: vec![c.clone()],
         ..testing::finding()
@@ -264,6 +274,7 @@ pub fn input_with_findings() -> Input {
         turns: [(c, turn)].into(),
         shared: Vec::new(),
         effects: effects(),
+        laws: Vec::new(),
     };
     let (known, findings) = (effects(), &mut input.findings);
     let about = |id: &str| Some(known.iter().find(|own| own.id == id)?.summary.as_str());

@@ -75,10 +75,19 @@ fn the_worked_example_is_found_as_its_page_says() {
         let set: Vec<&str> = set.iter().map(|effect| effect.as_str().unwrap()).collect();
         (group["verdict"].as_str().unwrap().to_owned(), set.join(" "))
     };
-    assert_eq!(said(0), ("named".to_owned(), "faradaic-leak".to_owned()));
-    let set = "camera-delay mechanical-lag even-bending";
-    assert_eq!(said(1), ("set".to_owned(), set.to_owned()));
-    assert_eq!(said(2).0, "consistent");
+    assert_eq!(said(0), ("law".to_owned(), "faradaic-leak".to_owned()));
+    assert_eq!(found["groups"][0]["missing"][0]["name"], "faradaic-leak");
+    let late = &found["groups"][1]["missing"][0];
+    assert_eq!(
+        (&late["place"], &late["law"]),
+        (&"bending".into(), &"delay".into()),
+        "{late:#}"
+    );
+    assert_eq!(
+        said(1),
+        ("law".to_owned(), "camera-delay mechanical-lag".to_owned())
+    );
+    assert_eq!(said(2).0, "right");
 }
 
 #[test]

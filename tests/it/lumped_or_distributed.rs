@@ -76,7 +76,7 @@ fn resistance_along_the_strip_is_named_from_places() {
     let folder = campaign(&table(&strip(5.0), None, 5));
     let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();
     let group = &document["groups"][0];
-    assert_eq!(group["verdict"], "named", "{group:#}");
+    assert_eq!(group["verdict"], "law", "{group:#}");
     assert_eq!(group["set"], serde_json::json!(["lengthwise-resistance"]));
     let fits = folder.ieap(&["fit", "--json"]).expect(0).json();
     let told = note(&fits["fits"][0], "lumped-or-distributed").unwrap();
@@ -120,7 +120,7 @@ fn a_strip_that_resists_as_strongly_as_ptnaf_is_named_from_places() {
     let folder = campaign(&table(&strong, None, 8));
     let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();
     let group = &document["groups"][0];
-    assert_eq!(group["verdict"], "named", "{group:#}");
+    assert_eq!(group["verdict"], "law", "{group:#}");
     assert_eq!(group["set"], serde_json::json!(["lengthwise-resistance"]));
 }
 
@@ -136,7 +136,7 @@ fn even_strips_are_left_in_peace() {
     let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();
     let group = &document["groups"][0];
     assert!(
-        ["consistent", "undecided"].contains(&group["verdict"].as_str().unwrap()),
+        ["right", "undecided"].contains(&group["verdict"].as_str().unwrap()),
         "{group:#}"
     );
     let fits = folder

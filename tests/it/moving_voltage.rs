@@ -93,7 +93,7 @@ fn a_chirp_and_a_sine_go_from_the_file_to_table_figure_and_page() {
     let group = &found["groups"][0];
     assert_eq!(
         (&group["verdict"], group["runs"].as_array().map(Vec::len)),
-        (&"consistent".into(), Some(3)),
+        (&"right".into(), Some(3)),
         "{group}"
     );
     assert!(folder.report("findings.html").contains("chirp"));

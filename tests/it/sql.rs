@@ -170,13 +170,13 @@ fn the_ten_questions_of_the_page_are_answered() {
         [[text("runs/b.csv"), text("dropped"), text("clip slipped")]]
     );
     let found = folder.ieap(&["diagnose", "--json"]).json();
-    let consistent = answer("'consistent'");
+    let right = answer("'right'");
     let groups = found["groups"].as_array().unwrap();
     let wanted: Vec<&serde_json::Value> = groups
         .iter()
-        .filter(|group| group["verdict"] == "consistent")
+        .filter(|group| group["verdict"] == "right")
         .collect();
-    assert_eq!(consistent.len(), wanted.len());
+    assert_eq!(right.len(), wanted.len());
     let tests = found["campaign_tests"].as_array().unwrap();
     assert_eq!(
         query(&folder, "SELECT count(*) FROM laws_view"),

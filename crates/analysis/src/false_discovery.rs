@@ -73,12 +73,9 @@ fn take_back(one: &mut GroupDiagnosis) {
     one.verdict = Verdict::Undecided;
     one.effects.clear();
     one.set.clear();
-    one.node = None;
+    one.missing.clear();
     one.next_run = None;
     one.shifts.clear();
-    for candidate in &mut one.candidates {
-        candidate.accepted = false;
-    }
 }
 
 #[cfg(test)]
@@ -86,7 +83,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use ieap_domain::testing::{self, candidate, finding, shift};
+    use ieap_domain::testing::{self, finding, missing_law, shift};
     use ieap_domain::{EffectFinding, NextRun};
 
     fn group(verdict: Verdict, p: f64, effect_p: Option<f64>) -> GroupDiagnosis {
@@ -128,8 +125,8 @@ mod tests {
 
     #[test]
     fn a_finding_that_chance_would_bring_is_taken_back() {
-        let mut found = vec![group(Verdict::Consistent, 0.5, None); 30];
-        found.push(group(Verdict::Named, 0.008, Some(0.008)));
+        let mut found = vec![group(Verdict::Right, 0.5, None); 30];
+        found.push(group(Verdict::Law, 0.008, Some(0.008)));
         judge_together(&mut found, &|_| None);
         let last = &found[30];
         assert_eq!(
@@ -142,39 +139,34 @@ mod tests {
     #[test]
     fn what_is_taken_back_claims_nothing_anywhere() {
         let claimed = GroupDiagnosis {
-            candidates: vec![
-                candidate("faradaic-leak", 90.0, Some(80.0)),
-                candidate("creep", 1.0, None),
-            ],
+            missing: vec![missing_law(Some("faradaic-leak"), "5 of 5")],
             next_run: Some(NextRun {
                 drive: "reverse the voltage for 600 s".to_owned(),
                 splits: vec!["faradaic-leak".to_owned(), "creep".to_owned()],
                 expected_set_size: 1.0,
             }),
             shifts: vec![shift("rss_ohm_cm2", 1.0, 2.0, 0.1)],
-            ..group(Verdict::Named, 0.008, Some(0.008))
+            ..group(Verdict::Law, 0.008, Some(0.008))
         };
         let mut kept = [claimed.clone()];
         judge_together(&mut kept, &|_| None);
         assert_eq!((kept[0].next_run.is_some(), kept[0].shifts.len()), (true, 1));
-        assert!(kept[0].candidates[0].accepted);
+        assert_eq!(kept[0].missing.len(), 1);
 
-        let mut found = vec![group(Verdict::Consistent, 0.5, None); 30];
+        let mut found = vec![group(Verdict::Right, 0.5, None); 30];
         found.push(claimed);
         judge_together(&mut found, &|_| None);
         let last = &found[30];
         assert_eq!((&last.next_run, last.shifts.len()), (&None, 0));
-        // What was tried stays in the list, and none of it as the cause.
-        assert_eq!(last.candidates.len(), 2);
-        assert!(last.candidates.iter().all(|candidate| !candidate.accepted));
+        assert!(last.missing.is_empty());
     }
 
     #[test]
     fn a_finding_that_its_q_carries_stays() {
-        let mut found = vec![group(Verdict::Consistent, 0.5, None); 9];
-        found.push(group(Verdict::Named, 0.001, Some(0.001)));
+        let mut found = vec![group(Verdict::Right, 0.5, None); 9];
+        found.push(group(Verdict::Law, 0.001, Some(0.001)));
         judge_together(&mut found, &|_| None);
-        assert_eq!(found[9].verdict, Verdict::Named);
+        assert_eq!(found[9].verdict, Verdict::Law);
         assert!((found[9].effects[0].q.unwrap() - 0.01).abs() < 1e-12);
     }
 

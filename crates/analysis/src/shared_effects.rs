@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::laws::words::{round, short};
 use super::pooling::{Averaging, Pooled, Repeat, pooled};
 use crate::policy::DIFFERS_BELOW;
-use ieap_domain::diagnosis::follows_a_tag;
+use ieap_domain::diagnosis::{LAW, follows_a_tag};
 use ieap_domain::number::percent;
 use ieap_domain::number::probabilities::equation;
 use ieap_domain::quantiles::CHI_SQUARE_99_OF_ONE;
@@ -216,7 +216,9 @@ fn by_effect<'a>(
         let (Some(&sample), Some(finding)) = (sample, one.effects.first()) else {
             continue;
         };
-        if is_of_one_run(finding) || follows_a_tag(&finding.effect) {
+        // The weights of a law without an equation are of one group's own variable.
+        let is_law = finding.effect.starts_with(LAW);
+        if is_of_one_run(finding) || follows_a_tag(&finding.effect) || is_law {
             continue;
         }
         let material = campaign
@@ -324,7 +326,7 @@ mod tests {
         GroupDiagnosis {
             group: format!("sample={sample},environment=air"),
             runs: vec![format!("runs/{sample}.csv")],
-            verdict: Verdict::Named,
+            verdict: Verdict::Law,
             effects: vec![effect("faradaic-leak", parameters)],
             ..finding()
         }

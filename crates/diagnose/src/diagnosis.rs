@@ -1,13 +1,12 @@
 //! A diagnosis from its readings to what is told: the rooms in their order.
 
 use ieap_domain::finding_words::say;
-use ieap_domain::{CondemnedRun, GroupDiagnosis, Verdict};
+use ieap_domain::{Account, CondemnedRun, GroupDiagnosis, Verdict};
 use ieap_model::FitModel;
 use ieap_model::effects::summary;
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::sums::dot;
 
-use crate::cause::decide::is_slow_noise;
 use crate::cause::evidence::{follow_something, log_odds_of_no_cause};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::base_fit::refit;
@@ -19,6 +18,7 @@ use crate::levels::{RIGHT_FROM, WRONG_BELOW};
 use crate::misfit::odd_scale::odd_runs;
 use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
+use crate::missing::look::look;
 use crate::options::DiagnoseOptions;
 use crate::outcome::finding::{FindingBuilder, nothing};
 use crate::readings::group::{Block, RunGroup, RunInput};
@@ -119,7 +119,6 @@ fn looked(
         bins: &bins,
         draws: options.draws,
         seed: options.seed,
-        of_several: options.of_several,
     };
     let (null, directions) = input.null(&base, 0);
     let residuals = base.residuals();
@@ -152,33 +151,57 @@ fn looked(
     if builder.p_misfit >= WRONG_BELOW {
         return builder.without_cause();
     }
-    let selection = input.select(&null, &directions);
+    let missing = look(&input, &directions, options.model);
+    let extended = missing.lead.as_ref().map(|lead| lead.model.clone());
     // Edges that the base model found hide a part of what it misses. A bending that is late is no witness of them: of what is
     // wrong with it alone the causes are held against each other on the edges that the base has. Nor is a model that leaves a
     // misfit itself.
     if !on_edges
-        && is_of_current(group, &base, &selection.model)
-        && let Some((moved, at)) = edges::settled(group, &selection.model)
+        && let Some(extended) = &extended
+        && is_of_current(group, &base, extended)
+        && let Some((moved, at)) = edges::settled(group, extended)
     {
-        let moved = moved.renoised(&selection.model.problem.model(&at));
+        let moved = moved.renoised(&extended.problem.model(&at));
         let again = refit(&moved, &base).map(|base| looked(name, &moved, base, options, true));
         if let Some(found) = again.filter(|again| !again.verdict.is_misfit() || explains_all(again)) {
             return found;
         }
     }
-    let found = builder.with_cause(&input, &selection);
-    if is_slow_noise(&found.posterior) {
-        let slow = beside(group.with_slow_noise(&model));
-        return slow.filter(|slow| !slow.verdict.is_misfit()).unwrap_or(found);
+    let found = builder.with_law(missing);
+    if found.verdict == Verdict::Instrument {
+        return beside_slow_noise(found, beside(group.with_slow_noise(&model)));
     }
     if explains_all(&found) {
         return found;
     }
     // Beside a cause that explains most the runs scatter less than beside none. Without it they then differ by more, and it is
     // not scatter that explains them.
-    let extended = selection.model.problem.model(&selection.model.at);
+    let extended = extended.map_or(model, |extended| extended.problem.model(&extended.at));
     let again = beside(group.with_scatter(&extended));
     again.filter(|again| again.verdict.is_misfit()).unwrap_or(found)
+}
+
+/// That the instrument's slow noise leaves the misfit, where beside it nothing more is left; else that nothing explains it.
+fn beside_slow_noise(found: GroupDiagnosis, slow: Option<GroupDiagnosis>) -> GroupDiagnosis {
+    let is_right = slow.as_ref().is_some_and(|slow| !slow.verdict.is_misfit());
+    let account = found.account.map(|own| Account {
+        noise: own.noise,
+        instrument: own.beyond_noise(),
+        ..Account::default()
+    });
+    match slow {
+        Some(slow) if is_right => GroupDiagnosis {
+            verdict: Verdict::Instrument,
+            p_misfit: found.p_misfit,
+            account,
+            posterior: found.posterior,
+            ..slow
+        },
+        _ => GroupDiagnosis {
+            verdict: Verdict::Unexplained,
+            ..found
+        },
+    }
 }
 
 /// Whether the runs scatter rather than that something is wrong with them, where the best candidate makes the sum of squares
@@ -191,7 +214,7 @@ fn is_rather_scatter(group: &RunGroup, model: &ExtendedModel, of_candidate: f64)
 
 /// Whether a cause was found that leaves no misfit.
 fn explains_all(found: &GroupDiagnosis) -> bool {
-    found.verdict.extends_the_model() && found.p_leftover.is_some_and(|p| p >= WRONG_BELOW)
+    found.verdict == Verdict::Law && found.p_leftover.is_some_and(|p| p >= WRONG_BELOW)
 }
 
 /// Whether most of what an extended model explains beyond the base is in the current.

@@ -3,7 +3,7 @@
 use ieap_model::FitModel;
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 30;
+pub const VERSION: u32 = 32;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]
@@ -14,8 +14,8 @@ pub struct DiagnoseOptions {
     pub draws: usize,
     /// Seed of the draws.
     pub seed: u64,
-    /// Whether this is a run of a group of several, which is diagnosed too and can say more of the cause.
-    pub of_several: bool,
+    /// Misfit up to which the simulation is right whatever chance says, percent of ranges.
+    pub tolerance_percent: f64,
 }
 
 impl Default for DiagnoseOptions {
@@ -24,7 +24,7 @@ impl Default for DiagnoseOptions {
             model: ieap_fit::FitOptions::default().model,
             draws: 999,
             seed: 1,
-            of_several: false,
+            tolerance_percent: ieap_domain::diagnosis::TOLERANCE_PERCENT,
         }
     }
 }

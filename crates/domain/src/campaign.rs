@@ -135,6 +135,9 @@ pub struct Campaign {
     /// Tag keys that runs are grouped by for a diagnosis; empty: sample, environment and humidity.
     #[serde(default)]
     pub group_by: Vec<String>,
+    /// Misfit of the simulation, percent of ranges, up to which it is right; none takes the default.
+    #[serde(default)]
+    pub tolerance_percent: Option<f64>,
     /// Models adopted for groups of runs, in the file's order; the last of a group holds.
     #[serde(default)]
     pub adopted: Vec<Adopted>,

@@ -5,7 +5,7 @@ use crate::string_enum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Gain, Parameter, number_or_null};
+use super::{Account, Gain, MissingLaw, Parameter, number_or_null};
 
 /// The simulation of a group, or of a run by itself, is called wrong below this p. Chosen;
 /// `cargo run --release --example hide_and_seek -- null 40` counts how often it is where nothing is hidden.
@@ -13,15 +13,17 @@ pub const WRONG_BELOW: f64 = 0.01;
 /// It is called right from this p on; between the two nothing is said. The one in twenty is a convention of the field.
 pub const RIGHT_FROM: f64 = 0.05;
 
-/// Probability from which on a cause is named, and which a set and a node of the tree of causes hold.
+/// Probability from which on a place, a law with its variable, or a name is told.
 pub const SURE: f64 = 0.95;
-/// Members that are told one by one at most; of more the node that they lie under is told, and nothing where that is the root.
-pub const LARGEST_SET: usize = 5;
-/// A name is withheld where a discrepancy without one lowers the deviance of held-out readings by so much more. Chosen.
-pub const NAMELESS_BEATS_BY: f64 = 10.0;
+/// Misfit of current, curvature and charge, percent of their ranges, below which a simulation is right whatever chance says;
+/// `tolerance_percent` of campaign.toml takes its place. A convention: what sensors and strips are good to.
+pub const TOLERANCE_PERCENT: f64 = 1.0;
 
 /// How the id of an effect begins by which a parameter follows a tag from run to run.
 pub const FOLLOWS: &str = "follows:";
+
+/// How the id of a law begins that is a smooth function without an equation.
+pub const LAW: &str = "law:";
 
 /// Whether the effect of that id is that a parameter follows a tag: it says how runs of a group differ, not what is wrong
 /// in one of them.
@@ -33,43 +35,40 @@ string_enum! {
     /// What is said of a run or a group of runs.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum Verdict {
-        /// The simulation is right to within the noise.
-        Consistent = "consistent",
-        /// Too much to be called consistent, too little to be called wrong.
+        /// The simulation is right: to within the noise, or to less than is tolerated.
+        Right = "right",
+        /// Too much to be called right and too little to be called wrong, or little could have been seen.
         Undecided = "undecided",
-        /// Wrong, and one cause explains it.
-        Named = "named",
-        /// Wrong; the readings tell a mechanism or a few causes, and not which of them.
-        Set = "set",
-        /// Wrong; a cause explains most of it, and a misfit is left.
-        Partial = "partial",
-        /// Wrong; a cause fits, or one of a few, and that it predicts better what it has not seen is not clear.
-        Unproved = "unproved",
-        /// Wrong, and no known cause explains it.
-        Unknown = "unknown",
-        /// Each run is described by its own parameters, and all together are not by one set: what differs is told.
-        Varies = "varies",
-        /// Wrong; the trace is like that of one cause, and is not it. Of findings that earlier versions stored only.
-        Resembles = "resembles",
+        /// Parameters of their own for each run take most of the error.
+        Differs = "differs",
+        /// A law is missing: its place is told, mostly what it is and what it follows, and its name where one fits.
+        Law = "law",
+        /// Slow noise of the instrument leaves the misfit.
+        Instrument = "instrument",
+        /// Wrong, and nothing that was asked explains it.
+        Unexplained = "unexplained",
         /// The readings themselves do not allow a diagnosis.
         DataProblem = "data-problem",
     }
 }
 
+/// The verdict, also under the names of versions before 32: such findings are out of date, and are shown until they are made
+/// anew.
+fn of_any_version<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Verdict, D::Error> {
+    let key = String::deserialize(deserializer)?;
+    let old = match key.as_str() {
+        "consistent" => Some(Verdict::Right),
+        "varies" => Some(Verdict::Differs),
+        "named" | "set" | "partial" | "unproved" | "unknown" | "resembles" => Some(Verdict::Unexplained),
+        _ => Verdict::from_key(&key),
+    };
+    old.ok_or_else(|| serde::de::Error::custom(format!("no verdict is called {key}")))
+}
+
 impl Verdict {
-    /// Whether it says that something is wrong with the simulation, and what, proved on what was held out.
-    pub fn names_a_cause(self) -> bool {
-        matches!(self, Verdict::Named | Verdict::Set | Verdict::Partial)
-    }
-
-    /// Whether an extended model comes with it: one that names a cause, or fits, or is like one.
-    pub fn extends_the_model(self) -> bool {
-        self.names_a_cause() || matches!(self, Verdict::Unproved | Verdict::Resembles)
-    }
-
     /// Whether it says that one set of parameters of the base model does not describe the readings.
     pub fn is_misfit(self) -> bool {
-        self.extends_the_model() || matches!(self, Verdict::Unknown | Verdict::Varies)
+        matches!(self, Verdict::Law | Verdict::Unexplained | Verdict::Differs)
     }
 }
 
@@ -79,8 +78,10 @@ impl Verdict {
 pub enum HypothesisKind {
     /// The base model alone.
     Base,
-    /// One effect of the library, or several.
+    /// A textbook curve: an effect of the library.
     Effect,
+    /// A law as a smooth function of its variable.
+    Law,
     /// Parameters of the base differ between the runs.
     Varies,
     /// Slow noise of the instrument, at rest as under voltage.
@@ -94,38 +95,18 @@ pub enum HypothesisKind {
 pub struct Hypothesis {
     /// Kind.
     pub kind: HypothesisKind,
-    /// Ids of its effects.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub effects: Vec<String>,
-    /// Form of the first effect, where it has several.
+    /// Id of its effect or law.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub form: Option<String>,
+    pub effect: Option<String>,
     /// Keys of the parameters that differ between the runs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parameters_that_differ: Vec<String>,
     /// What they follow: `voltage_v`, the id of a tag's effect, or `run` where they differ freely.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub with: Option<String>,
-    /// Whether something without a name is there beside the effects.
-    #[serde(default)]
-    pub with_unnamed: bool,
     /// Posterior probability.
     #[serde(deserialize_with = "number_or_null::one")]
     pub mass: f64,
-}
-
-/// How far down the tree of causes the readings tell what is behind a misfit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct CauseNode {
-    /// Ids from the root on: where it acts (`current`, `bending`, `runs`), the mechanism, the effect.
-    pub path: Vec<String>,
-    /// What is so, as a clause.
-    pub words: String,
-    /// Number of ids on the path: 1 a place, 2 a mechanism, 3 an effect.
-    pub depth: usize,
-    /// Probability of everything under it.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub probability: f64,
 }
 
 /// How large a misfit is, in percent of what was measured: root mean squares beyond the noise.
@@ -144,8 +125,31 @@ pub struct MisfitPercent {
 pub struct VaryingParameter {
     /// Key, `rss_ohm_cm2`.
     pub key: String,
+    /// What it follows: `voltage_v`, the id of a tag's effect, or `run` where it differs freely.
+    #[serde(default)]
+    pub with: String,
+    /// What it takes by itself of the error beyond noise, percent.
+    #[serde(default, deserialize_with = "number_or_null::one")]
+    pub share_percent: f64,
+    /// Largest value over smallest; none where one of them is not known to have a size.
+    #[serde(default)]
+    pub ratio: Option<Ratio>,
     /// Its value in every run in which it is finite.
     pub values: Vec<VaryingValue>,
+}
+
+/// A ratio with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Ratio {
+    /// The ratio.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub value: f64,
+    /// Ends of its interval.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub low_95: f64,
+    /// As `low_95`.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub high_95: f64,
 }
 
 /// The value of a parameter in one run.
@@ -180,45 +184,6 @@ pub struct EffectFinding {
     pub q: Option<f64>,
     /// Ids of effects that explain the readings as well.
     pub twins: Vec<String>,
-}
-
-/// A candidate that was looked at.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Candidate {
-    /// Id of the effect.
-    pub effect: String,
-    /// Form that it takes, where it has several.
-    pub variant: Option<String>,
-    /// Fall of the sum of squares that its signature promises, in units of the noise.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub forecast_gain: f64,
-    /// Fall that the full fit gave; none where it was not fitted.
-    pub fitted_gain: Option<f64>,
-    /// Parameters that it adds.
-    pub extra_parameters: usize,
-    /// Fall on runs that took no part in the fit; none where it was not asked.
-    pub held_out_gain: Option<f64>,
-    /// Share of its signature that a refit of the base leaves.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub left_after_refit: f64,
-    /// Strength at which it would have been seen with a probability of 80 %, in the unit of its strength.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub detectable_strength: f64,
-    /// Cosine between its signature after the refit and that of the best candidate.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub likeness: f64,
-    /// Whether it was accepted.
-    pub accepted: bool,
-}
-
-/// How alike the traces of candidates are once the base parameters are refitted.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Confusable {
-    /// Ids, the most promising first.
-    pub effects: Vec<String>,
-    /// Absolute cosine between the traces of each two, row by row: 1 where these readings cannot tell them apart.
-    #[serde(deserialize_with = "number_or_null::rows")]
-    pub likeness: Vec<Vec<f64>>,
 }
 
 /// The profile likelihood of an effect's strength: all other parameters fitted anew at each value.
@@ -368,14 +333,13 @@ impl GroupDiagnosis {
             p_leftover: None,
             effects: Vec::new(),
             set: Vec::new(),
-            node: None,
-            candidates: Vec::new(),
+            tolerance_percent: TOLERANCE_PERCENT,
+            account: None,
+            missing: Vec::new(),
             gain: None,
             whereabouts: None,
             next_run: None,
             shifts: Vec::new(),
-            gain_at_5_percent: None,
-            confusable: Confusable::default(),
             profiles: Vec::new(),
             noise: Vec::new(),
             residuals: Vec::new(),
@@ -440,6 +404,7 @@ pub struct GroupDiagnosis {
     /// Id of the base model.
     pub base_model: String,
     /// What is said.
+    #[serde(deserialize_with = "of_any_version")]
     pub verdict: Verdict,
     /// The finding in one plain sentence.
     pub sentence: String,
@@ -458,14 +423,17 @@ pub struct GroupDiagnosis {
     pub p_leftover: Option<f64>,
     /// Accepted effects.
     pub effects: Vec<EffectFinding>,
-    /// Ids of the effects that may be the cause, and of parameters that differ (`varies:rss_ohm_cm2`).
+    /// Ids of the textbook curves that may be the cause, and of parameters that differ (`varies:rss_ohm_cm2`).
     pub set: Vec<String>,
-    /// The node of the tree of causes that they lie under; none where nothing is told, and of findings that were stored
-    /// before this was asked.
+    /// Misfit up to which the simulation is right whatever chance says, percent of ranges.
+    #[serde(default, deserialize_with = "number_or_null::one")]
+    pub tolerance_percent: f64,
+    /// Of what the error is made; none where it could not be asked.
     #[serde(default)]
-    pub node: Option<CauseNode>,
-    /// Candidates, the most promising first.
-    pub candidates: Vec<Candidate>,
+    pub account: Option<Account>,
+    /// Laws that are missing, the first first.
+    #[serde(default)]
+    pub missing: Vec<MissingLaw>,
     /// Gain of the extended model.
     pub gain: Option<Gain>,
     /// Where the base model is wrong.
@@ -475,11 +443,6 @@ pub struct GroupDiagnosis {
     pub next_run: Option<NextRun>,
     /// Base parameters that the extension moves.
     pub shifts: Vec<ParameterShift>,
-    /// Gain that chance passes in 5 % of groups in which nothing is wrong.
-    pub gain_at_5_percent: Option<f64>,
-    /// How alike the traces of the leading candidates are.
-    #[serde(default)]
-    pub confusable: Confusable,
     /// How the sum of squares rises with the strength of every accepted effect away from its best value.
     #[serde(default)]
     pub profiles: Vec<StrengthProfile>,
@@ -493,7 +456,7 @@ pub struct GroupDiagnosis {
     pub held_out_residuals: Vec<ResidualCurve>,
     /// What a reader must know of the readings.
     pub remarks: Vec<String>,
-    /// Each run by itself, where no cause is found for all of them together.
+    /// Each run by itself, where nothing explains all of them together.
     #[serde(default)]
     pub alone: Vec<RunAlone>,
     /// How well effects with the parameters of other samples describe this one.

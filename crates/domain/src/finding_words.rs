@@ -4,39 +4,36 @@
 mod gain;
 mod varying;
 
-pub use gain::{StatedError, errors, gain_words, is_beaten};
-pub use varying::{listed, printed, short};
+pub use gain::{StatedError, errors, gain_words};
+pub use varying::{listed, printed, short, told_first};
 
-use crate::diagnosis::{LARGEST_SET, RIGHT_FROM, SURE, WRONG_BELOW, follows_a_tag};
+use crate::diagnosis::{RIGHT_FROM, WRONG_BELOW, follows_a_tag};
 use crate::number::probabilities::{counted, equation_of, share};
 use crate::number::significant;
 use crate::words::in_a_row;
-use crate::{GroupDiagnosis, Hypothesis, HypothesisKind, MisfitPercent, ParameterScatter, Verdict};
+use crate::{
+    Account, GroupDiagnosis, Hypothesis, HypothesisKind, MisfitPercent, MissingLaw, ParameterScatter, Verdict,
+};
 
 /// What is known of an effect by its id, in a line.
 pub type About<'a> = dyn Fn(&str) -> Option<&'a str> + 'a;
 
-/// Explanations at most that are told where none is proved. Chosen.
+/// Explanations at most that are told where none is sure. Chosen.
 const MOST_EXPLANATIONS: usize = 4;
-/// Least probability of an explanation that is told where none is proved. Chosen.
+/// Least probability of an explanation that is told where none is sure. Chosen.
 const LEAST_EXPLANATION: f64 = 0.01;
 /// Parameters whose scatter from run to run is told at most. Chosen.
 const MOST_SCATTERED: usize = 3;
-/// Depth of a node of the tree of causes that is one effect.
-const EFFECT: usize = 3;
 
 /// The verdict in words of plain language.
 pub fn verdict_word(verdict: Verdict) -> &'static str {
     match verdict {
-        Verdict::Consistent => "right to within the noise",
+        Verdict::Right => "right",
         Verdict::Undecided => "undecided",
-        Verdict::Named => "wrong, cause found",
-        Verdict::Set => "wrong, several possible causes",
-        Verdict::Partial => "wrong, cause found in part",
-        Verdict::Unproved => "wrong, what fits is not proved",
-        Verdict::Unknown => "wrong, cause unknown",
-        Verdict::Varies => "the runs differ in their parameters",
-        Verdict::Resembles => "wrong, like a known cause and not it",
+        Verdict::Law => "wrong, a law is missing",
+        Verdict::Differs => "the runs differ in their parameters",
+        Verdict::Instrument => "slow noise of the instrument",
+        Verdict::Unexplained => "wrong, not explained",
         Verdict::DataProblem => "readings not usable",
     }
 }
@@ -52,16 +49,11 @@ fn sentence(found: &GroupDiagnosis, about: &About) -> Option<String> {
     let place = found.whereabouts.as_ref().map_or("", |place| &place.text);
     let p = found.p_misfit;
     let chance = equation_of("p", &counted(p, found.draws));
-    let wrong = match place {
-        "" => "The simulation is wrong".to_owned(),
-        place => format!("The simulation is wrong ({place})"),
-    };
-    let causes = causes(found, about);
     let visible = visible(found.visible_percent);
-    let evidence = || format!("{}{}", proof(found, "it"), doubt(found));
     Some(match (found.verdict, p) {
-        (Verdict::DataProblem, _) | (Verdict::Consistent | Verdict::Undecided, None) => return None,
-        (Verdict::Consistent, _) => format!(
+        (Verdict::DataProblem, _) | (Verdict::Right | Verdict::Undecided, None) => return None,
+        (Verdict::Right, Some(p)) if p < WRONG_BELOW => right_to(found, about),
+        (Verdict::Right, _) => format!(
             "The simulation is right to within the noise{} ({chance}){}.",
             beside_scatter(found),
             visible.map_or_else(String::new, |error| format!(": {error} would have been seen"))
@@ -79,74 +71,107 @@ fn sentence(found: &GroupDiagnosis, about: &About) -> Option<String> {
             "The simulation may be wrong ({chance}): too much for chance to be sure, too little to name a cause{}.",
             after("; ", place)
         ),
-        (Verdict::Named, _) => {
-            format!(
-                "The simulation misses {causes}{}.{}",
-                after(": ", place),
-                evidence()
-            )
-        }
-        (Verdict::Set | Verdict::Partial, _) => format!("{wrong}; {causes}.{}", evidence()),
-        (Verdict::Unproved, _) => format!("{wrong}, and no cause is proved; {causes}.{}", evidence()),
-        (Verdict::Unknown, _) => format!(
-            "{wrong}, and no known cause is proved.{}{}",
-            likeliest(found),
+        (Verdict::Law, _) => format!(
+            "The simulation misses {}.{}",
+            causes(found, about),
+            proof(found, "it")
+        ),
+        (Verdict::Instrument, _) => format!(
+            "Slow noise of the instrument, at rest as under voltage, is what the simulation leaves ({chance}){}.",
+            visible.map_or_else(String::new, |error| format!(
+                ": beside it {error} of the simulation would have been seen"
+            ))
+        ),
+        (Verdict::Unexplained, _) => format!(
+            "The simulation is wrong{}{}, and nothing that was asked explains it.{}{}",
+            after(" by ", &size(found.misfit_percent)),
+            match place {
+                "" => String::new(),
+                place => format!(" ({place})"),
+            },
+            likeliest(found, about),
             proof(found, "what was tried")
         ),
-        (Verdict::Varies, _) => varying::sentence(found),
-        (Verdict::Resembles, _) => format!("{wrong}, by something that looks like {causes} and is not it."),
+        (Verdict::Differs, _) => varying::sentence(found),
     })
 }
 
-/// The causes that a finding gives, as a clause; empty where it gives none.
-pub fn causes(found: &GroupDiagnosis, about: &About) -> String {
-    let named = || {
-        let words = found.set.iter().map(|id| with_summary(found, id, about));
-        in_a_row(&words.collect::<Vec<_>>())
+/// Right, by its size and not by chance.
+fn right_to(found: &GroupDiagnosis, about: &About) -> String {
+    let rest = match causes(found, about) {
+        none if none.is_empty() => String::new(),
+        causes => format!(" What is left looks like {causes}."),
     };
-    match found.verdict {
-        Verdict::Named | Verdict::Resembles => named(),
-        Verdict::Set => format!("{}{}", kind(found), open(found, about)),
-        Verdict::Partial => format!(
-            "{}an extension with {} explains most of it, and {}",
-            kind(found),
-            named(),
-            match found.p_leftover {
-                Some(_) => "a misfit without a name is left",
-                None => "whether a misfit of another kind is left could not be asked",
-            }
-        ),
-        Verdict::Unproved => format!(
-            "{}{}{}",
-            kind(found),
-            open(found, about),
-            match found.p_leftover {
-                Some(p) if p < WRONG_BELOW => ", and a misfit without a name is left",
-                _ => "",
-            }
-        ),
-        _ => String::new(),
+    format!(
+        "The simulation is right to {}: less than the {} % that this campaign tolerates.{rest}",
+        size(found.misfit_percent),
+        significant(found.tolerance_percent, 2)
+    )
+}
+
+/// How large a misfit is.
+fn size(misfit: MisfitPercent) -> String {
+    let of = |percent: Option<f64>, what: &str| Some(format!("{} % of the {what}", significant(percent?, 2)));
+    let each = [
+        of(misfit.current, "range of the current"),
+        of(misfit.curvature, "range of the curvature"),
+        of(misfit.charge, "charge"),
+    ];
+    in_a_row(&each.into_iter().flatten().collect::<Vec<_>>())
+}
+
+/// The laws that are missing, as clauses: "faradaic-leak (...): a current leaks that changes with the voltage"; empty of none.
+pub fn causes(found: &GroupDiagnosis, about: &About) -> String {
+    let each: Vec<String> = found.missing.iter().map(|law| cause(law, about)).collect();
+    in_a_row(&each)
+}
+
+/// A law in words: by its name; else by what it is, and which of the known curves lie within its band.
+fn cause(law: &MissingLaw, about: &About) -> String {
+    if let Some(name) = &law.name {
+        return format!("{}: {}", with_summary(name, about), law.words);
+    }
+    if law.law.is_none() {
+        return format!(
+            "something in the {}, and these runs do not tell which law",
+            law.place
+        );
+    }
+    let by = match law.names.as_slice() {
+        [] => ", by no curve that is known".to_owned(),
+        [only] => format!(", about as {only} has it"),
+        many => format!(", as {} has it: these runs do not tell which", either(many)),
+    };
+    format!("that {}{by}", law.words)
+}
+
+/// What a missing law is called in few words: its name, else what it is and follows, else its place.
+pub fn short_name(law: &MissingLaw) -> String {
+    match (&law.name, &law.law, &law.variable) {
+        (Some(name), ..) => name.clone(),
+        (_, Some(law), Some(variable)) => format!("{law} by {variable}"),
+        _ => format!("something in the {}", law.place),
     }
 }
 
 /// An explanation in a few words.
-pub fn explanation(own: &Hypothesis) -> String {
-    let what = match own.kind {
-        HypothesisKind::Effect => own.effects.join(" with "),
+pub fn explanation(own: &Hypothesis, about: &About) -> String {
+    match own.kind {
+        HypothesisKind::Effect => own.effect.clone().unwrap_or_default(),
+        HypothesisKind::Law => {
+            let id = own.effect.as_deref().unwrap_or_default();
+            format!("that {}", about(id).unwrap_or(id))
+        }
         HypothesisKind::Varies => "parameters that differ".to_owned(),
         HypothesisKind::SlowNoise => "slow noise".to_owned(),
         HypothesisKind::Unnamed => "something without a name".to_owned(),
         HypothesisKind::Base => "chance".to_owned(),
-    };
-    match own.kind {
-        HypothesisKind::Effect if own.with_unnamed => format!("{what} with something without a name"),
-        _ => what,
     }
 }
 
-/// The leading explanations with their probabilities, where none is proved.
-fn likeliest(found: &GroupDiagnosis) -> String {
-    let words = |own: &Hypothesis| format!("{} ({} %)", explanation(own), share(own.mass));
+/// The leading explanations with their probabilities, where none is sure.
+fn likeliest(found: &GroupDiagnosis, about: &About) -> String {
+    let words = |own: &Hypothesis| format!("{} ({} %)", explanation(own, about), share(own.mass));
     let told = found.posterior.iter().filter(|own| own.mass >= LEAST_EXPLANATION);
     let leading: Vec<String> = told.take(MOST_EXPLANATIONS).map(words).collect();
     match leading.as_slice() {
@@ -155,43 +180,32 @@ fn likeliest(found: &GroupDiagnosis) -> String {
     }
 }
 
-/// The words about an effect; where it follows a tag with the parameter that does, which the tag does not say.
-fn with_summary(found: &GroupDiagnosis, id: &str, about: &About) -> String {
+/// The words about an effect.
+fn with_summary(id: &str, about: &About) -> String {
     // What else is to be said of it stands on its page.
     let first_clause = |summary: &str| summary.split(';').next().unwrap_or(summary).trim().to_owned();
-    let words = about(id).map_or_else(
+    about(id).map_or_else(
         || id.to_owned(),
         |summary| format!("{id} ({})", first_clause(summary)),
-    );
-    let mut own = found
-        .effects
-        .iter()
-        .filter(|own| own.effect == id && follows_a_tag(id));
-    match own.next().and_then(|own| own.variant.as_deref()) {
-        Some(parameter) => format!("{words} in {parameter}"),
-        None => words,
-    }
+    )
 }
 
-/// What is known of a cause of several: what is so, and which of them it may be.
-fn open(found: &GroupDiagnosis, about: &About) -> String {
-    let probability = |id: &String| -> f64 {
-        let holding = found.posterior.iter().filter(|own| own.effects.contains(id));
-        holding.map(|own| own.mass).sum()
-    };
-    if let [only] = found.set.as_slice() {
-        return format!("{} fits", with_summary(found, only, about));
-    }
-    let (certain, rest): (Vec<&String>, Vec<&String>) =
-        found.set.iter().partition(|id| probability(id) >= SURE);
-    let certain = in_a_row(&certain);
-    let fits = match rest.len() {
-        0 => return format!("{certain} fit together"),
-        many if many > LARGEST_SET => format!("{many} causes of this kind fit"),
-        _ if certain.is_empty() => format!("{} fits", either(&rest)),
-        _ => format!("{certain} with {} fits", either(&rest)),
-    };
-    format!("{fits}, and these runs do not tell which")
+/// Whether what a parameter follows is a tag, and its id.
+pub fn followed_tag(with: &str) -> Option<&str> {
+    follows_a_tag(with).then(|| with.trim_start_matches(crate::diagnosis::FOLLOWS))
+}
+
+/// The account in one line, of what is beyond noise: "missing law 92 %, not explained 8 %".
+pub fn account_words(account: &Account) -> String {
+    let told = account
+        .parts()
+        .into_iter()
+        .skip(1)
+        .filter(|(_, part)| account.share(*part) >= 1.0);
+    let each: Vec<String> = told
+        .map(|(name, part)| format!("{name} {} %", significant(account.share(part), 2)))
+        .collect();
+    each.join(", ")
 }
 
 /// `a`, `a or b`, `a, b or c`.
@@ -205,28 +219,11 @@ fn either<T: AsRef<str>>(words: &[T]) -> String {
     }
 }
 
-/// What is so where no single effect is told.
-fn kind(found: &GroupDiagnosis) -> String {
-    let node = found.node.as_ref().filter(|node| node.depth < EFFECT);
-    node.map_or_else(String::new, |node| format!("{}: ", node.words))
-}
-
 /// What became of what was held out, with a blank before it; nothing of nothing.
 pub fn proof(found: &GroupDiagnosis, with: &str) -> String {
     found.gain.as_ref().map_or_else(String::new, |gain| {
         let what = format!("held-out {}", gain.parts_word(found.runs.len()));
-        format!(" {}", gain_words(with, &what, &gain.proof, &gain.predictions)) + is_beaten(gain)
-    })
-}
-
-/// What is left of a misfit that is explained may still be more than chance leaves.
-fn doubt(found: &GroupDiagnosis) -> String {
-    let open = found.p_leftover.filter(|p| (WRONG_BELOW..RIGHT_FROM).contains(p));
-    open.map_or_else(String::new, |p| {
-        format!(
-            " What it leaves may be more than chance does ({}).",
-            equation_of("p", &counted(Some(p), found.draws))
-        )
+        format!(" {}", gain_words(with, &what, &gain.proof, &gain.predictions))
     })
 }
 

@@ -14,10 +14,6 @@ pub struct Gain {
     /// The gain on that: the proof that an extension needs.
     #[serde(flatten)]
     pub proof: HeldOutGain,
-    /// Fall of the deviance of the held-out readings by a smooth answer to the voltage that has no name: a name is
-    /// given only where its fall is not far behind.
-    #[serde(default, deserialize_with = "number_or_null::one")]
-    pub nameless_deviance: f64,
     /// What a user predicts of held-out runs, and how far off it is.
     #[serde(default)]
     pub predictions: Vec<Prediction>,

@@ -23,6 +23,7 @@ pub mod input_hash;
 pub mod issue;
 pub mod known_parameter;
 pub mod left_out;
+pub mod missing_law;
 pub mod model_comparison;
 pub mod modulus;
 pub mod monitoring;
@@ -61,10 +62,9 @@ pub use climate::{
 };
 pub use date_order::DateOrder;
 pub use diagnosis::{
-    Candidate, CauseNode, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, FromOthers,
-    GroupDiagnosis, Hypothesis, HypothesisKind, MisfitPercent, MisfitStretch, NextRun, ParameterScatter,
-    ParameterShift, ResidualCurve, RunAlone, StrengthProfile, VaryingParameter, VaryingValue, Verdict,
-    Whereabouts,
+    CondemnedRun, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis, Hypothesis, HypothesisKind,
+    MisfitPercent, MisfitStretch, NextRun, ParameterScatter, ParameterShift, Ratio, ResidualCurve, RunAlone,
+    StrengthProfile, VaryingParameter, VaryingValue, Verdict, Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use edge::{EDGE_OF_RANGE, Edge, EdgeOrigin};
@@ -79,6 +79,7 @@ pub use impedance::{
 pub use input_hash::InputHash;
 pub use issue::{Issue, Severity};
 pub use known_parameter::{Knowledge, KnownParameter};
+pub use missing_law::{Account, HeldOutError, LawCurve, MissingLaw};
 pub use model_comparison::{ComparedCurve, ModelScore, ResponseScore, RunComparison};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};
 pub use monitoring::{Alarm, AlarmPlace, AlarmSign, Limit, MonitoringRules};

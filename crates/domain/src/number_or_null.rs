@@ -13,16 +13,6 @@ pub(super) fn many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64
     Ok(numbers.into_iter().map(|n| n.unwrap_or(f64::NAN)).collect())
 }
 
-/// Rows of numbers, any of them null.
-pub(super) fn rows<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<f64>>, D::Error> {
-    let rows = Vec::<Vec<Option<f64>>>::deserialize(deserializer)?;
-    let number = |n: Option<f64>| n.unwrap_or(f64::NAN);
-    Ok(rows
-        .into_iter()
-        .map(|row| row.into_iter().map(number).collect())
-        .collect())
-}
-
 /// Named numbers, any of them null.
 pub(super) fn named<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<(String, f64)>, D::Error> {
     let numbers = Vec::<(String, Option<f64>)>::deserialize(deserializer)?;
@@ -63,11 +53,10 @@ mod tests {
             fall_own_strength: 0.0,
             made_of: String::new(),
         });
-        found.confusable.likeness = vec![vec![1.0, f64::NAN]];
         let text = serde_json::to_string(&found).unwrap();
         let back: GroupDiagnosis = serde_json::from_str(&text).unwrap();
         assert!(back.shifts[0].after.is_nan() && back.shifts[0].before == 1.0);
-        assert!(back.from_others[0].parameters[0].1.is_nan() && back.confusable.likeness[0][0] == 1.0);
+        assert!(back.from_others[0].parameters[0].1.is_nan());
         assert!(back.residuals[0].before_sigma[1].is_nan());
     }
 }

@@ -6,9 +6,9 @@ pub mod clocks;
 use crate::quantiles::NORMAL_95_ROUNDED;
 use crate::tag::keys;
 use crate::{
-    Branch, Campaign, Candidate, Drive, EffectFinding, Environment, Estimate, Fit, Gain, GroupDiagnosis,
-    HeldOutGain, Level, Parameter, ParameterShift, RunFile, RunKind, RunRecord, RunState, RunStatus, Sample,
-    Segment, Tag, TagSource,
+    Branch, Campaign, Drive, EffectFinding, Environment, Estimate, Fit, Gain, GroupDiagnosis, HeldOutError,
+    HeldOutGain, Level, MissingLaw, Parameter, ParameterShift, RunFile, RunKind, RunRecord, RunState,
+    RunStatus, Sample, Segment, Tag, TagSource,
 };
 
 /// A sample of 5 x 2 x 0.22 mm.
@@ -59,6 +59,7 @@ pub fn campaign() -> Campaign {
         templates_folder: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
+        tolerance_percent: None,
         adopted: Vec::new(),
         sensors: vec![],
         climate: Default::default(),
@@ -179,19 +180,23 @@ pub fn effect(id: &str, parameters: Vec<Parameter>) -> EffectFinding {
     }
 }
 
-/// A candidate, accepted where a fit gave a fall.
-pub fn candidate(id: &str, forecast_gain: f64, fitted_gain: Option<f64>) -> Candidate {
-    Candidate {
-        effect: id.to_owned(),
-        variant: None,
-        forecast_gain,
-        fitted_gain,
-        extra_parameters: 1,
-        held_out_gain: None,
-        left_after_refit: 0.2,
-        detectable_strength: 0.1,
-        likeness: 1.0,
-        accepted: fitted_gain.is_some(),
+/// A missing law of that name, with that share of held-out parts better.
+pub fn missing_law(name: Option<&str>, better_parts: &str) -> MissingLaw {
+    MissingLaw {
+        place: "current".to_owned(),
+        law: Some("leak".to_owned()),
+        of: None,
+        variable: Some("voltage_v".to_owned()),
+        words: "a current leaks that changes with the voltage".to_owned(),
+        name: name.map(str::to_owned),
+        names: name.map(str::to_owned).into_iter().collect(),
+        probability: 0.98,
+        curve: None,
+        held_out: HeldOutError {
+            error_percent_before: Some(4.1),
+            error_percent_after: Some(0.4),
+            better_parts: better_parts.to_owned(),
+        },
     }
 }
 
@@ -215,7 +220,6 @@ pub fn gain(proof: HeldOutGain) -> Gain {
     Gain {
         held_out: "run".to_owned(),
         proof,
-        nameless_deviance: 0.0,
         predictions: Vec::new(),
         residual_rms_sigma_before: 20.0,
         residual_rms_sigma_after: 10.0,

@@ -132,12 +132,15 @@ pub struct Findings {
     pub shared: Vec<(SharedEffect, String)>,
     /// Every effect that was looked for.
     pub effects: Vec<EffectText>,
+    /// What is known of every law that is asked as a free curve.
+    pub laws: Vec<EffectText>,
 }
 
 impl Findings {
     /// What is known of an effect.
     pub fn effect(&self, id: &str) -> Option<&EffectText> {
-        self.effects.iter().find(|effect| effect.id == id)
+        let mut known = self.effects.iter().chain(&self.laws);
+        known.find(|effect| effect.id == id)
     }
 }
 

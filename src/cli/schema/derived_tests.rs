@@ -66,7 +66,7 @@ fn derived() -> Vec<Derived> {
         }),
         document("comparison/1", "compare", whole::<ComparisonDocument>),
         document("convert/1", "convert NAME=VALUE", whole::<ConversionDocument>),
-        document("diagnosis/2", "diagnose", whole::<DiagnosisDocument>),
+        document("diagnosis/3", "diagnose", whole::<DiagnosisDocument>),
         document("dma/1", "dma", whole::<Document<Dma>>),
         document("drive/2", "drive", whole::<DriveDocument>),
         document("drop/1", "drop RUN", |of| {

@@ -17,9 +17,9 @@ use crate::analysis::laws::CampaignLaws;
 use crate::analysis::online::OnlineDecision;
 use crate::analysis::study::{Evidence, Study, sentence};
 use crate::domain::{
-    Candidate, CauseNode, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain,
-    GroupDiagnosis, Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterScatter, ParameterShift,
-    RunAlone, StrengthProfile, VaryingParameter, Verdict, Whereabouts,
+    Account, CondemnedRun, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis, Hypothesis,
+    HypothesisKind, MisfitPercent, MissingLaw, NextRun, ParameterScatter, ParameterShift, RunAlone,
+    StrengthProfile, VaryingParameter, Verdict, Whereabouts,
 };
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::across_runs::campaign_laws;
@@ -33,7 +33,7 @@ use crate::pipeline::{Context, DiagnoseChoice, PipelineError};
 /// Every current finding.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct DiagnosisDocument {
-    /// Always `ieap/diagnosis/2`.
+    /// Always `ieap/diagnosis/3`.
     pub schema: &'static str,
     /// Hash of the library of effects.
     pub library: String,
@@ -117,11 +117,12 @@ pub struct GroupEntry {
     pub effects: Vec<EffectEntry>,
     /// Ids of the effects that may be the cause.
     pub set: Vec<String>,
-    /// The node of the tree of causes that they lie under: its path from the root, what is so there, its depth and
-    /// probability; none where nothing is told.
-    pub node: Option<CauseNode>,
-    /// Candidates, the most promising first.
-    pub candidates: Vec<Candidate>,
+    /// Misfit up to which the simulation is right whatever chance says, percent of ranges.
+    pub tolerance_percent: f64,
+    /// Of what the squared error of the base model is made, percent; null where it could not be asked.
+    pub account: Option<Account>,
+    /// The laws that are missing.
+    pub missing: Vec<MissingLaw>,
     /// Gain of the extended model.
     pub gain: Option<Gain>,
     /// Whether that is clearly a gain: every held-out part comes out better, or the 95 % interval of the fall of the deviance
@@ -134,10 +135,6 @@ pub struct GroupEntry {
     pub next_run: Option<NextRun>,
     /// Base parameters that the extension moves.
     pub shifts: Vec<ParameterShift>,
-    /// Gain that chance passes in 5 % of groups in which nothing is wrong.
-    pub gain_at_5_percent: Option<f64>,
-    /// How alike the traces of the leading candidates are.
-    pub confusable: Confusable,
     /// How the sum of squares rises with the strength of every accepted effect.
     pub profiles: Vec<StrengthProfile>,
     /// Noise of every channel.
@@ -150,8 +147,8 @@ pub struct GroupEntry {
     pub posterior: Vec<PosteriorEntry>,
     /// How large the misfit of the base model is.
     pub misfit_percent: MisfitPercent,
-    /// The least error of the base model, of current or curvature, that would have been seen in 95 of 100 such groups.
-    pub visible_percent: MisfitPercent,
+    /// The least error of the base model that would have been seen, beside what was granted.
+    pub sensitivity: Sensitivity,
     /// Parameters that differ between the runs, run by run.
     pub differs: Vec<VaryingParameter>,
     /// By how much each parameter scatters from run to run; empty of fewer than three runs.
@@ -162,17 +159,24 @@ pub struct GroupEntry {
     pub lumped_or_distributed: Vec<LumpedOrDistributedEntry>,
 }
 
+/// The least error of the base model that would have been seen in 95 of 100 such groups, percent of the ranges.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Sensitivity {
+    /// Nuisances that were granted to the readings: `edges`, `zero`, `noise`, `scatter`.
+    pub beside: Vec<&'static str>,
+    /// Of the current.
+    pub current_percent: Option<f64>,
+    /// Of the curvature.
+    pub curvature_percent: Option<f64>,
+}
+
 /// What may be behind a misfit.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PosteriorEntry {
     /// Kind.
     pub kind: HypothesisKind,
-    /// Id of the effect; of several with plus signs between.
+    /// Id of the textbook curve, or of the law that is asked as a free curve.
     pub effect: Option<String>,
-    /// Form of the first effect, where it has several.
-    pub form: Option<String>,
-    /// Whether something without a name is there beside the effect.
-    pub with_unnamed: bool,
     /// Keys of the parameters that differ between the runs.
     pub parameters_that_differ: Vec<String>,
     /// What they follow: `voltage_v`, the id of a tag's effect, or `run` where they differ freely.
@@ -258,7 +262,7 @@ pub fn diagnosis_document(
     let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
     let told: Vec<_> = runs.iter().filter_map(LumpedOrDistributedEntry::of).collect();
     Ok(DiagnosisDocument {
-        schema: "ieap/diagnosis/2",
+        schema: "ieap/diagnosis/3",
         library: library_hash(),
         seed: options.seed,
         draws: options.draws,
@@ -323,22 +327,29 @@ pub fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> 
         p_leftover: found.p_leftover,
         effects: found.effects.into_iter().map(effect_entry).collect(),
         set: found.set,
-        node: found.node,
-        candidates: found.candidates,
+        tolerance_percent: found.tolerance_percent,
+        account: found.account,
+        missing: found.missing,
         gain_is_clear: found.gain.as_ref().map(|gain| gain.proof.is_clear()),
         gain: found.gain,
         whereabouts: found.whereabouts,
         next_run: found.next_run,
         shifts: found.shifts,
-        gain_at_5_percent: found.gain_at_5_percent,
-        confusable: found.confusable,
         profiles: found.profiles,
         noise: found.noise,
         remarks: found.remarks,
         alone: found.alone,
         posterior: found.posterior.into_iter().map(posterior_entry).collect(),
         misfit_percent: found.misfit_percent,
-        visible_percent: found.visible_percent,
+        sensitivity: Sensitivity {
+            beside: if found.scatter_is_noise {
+                vec!["edges", "zero", "noise", "scatter"]
+            } else {
+                vec!["edges", "zero", "noise"]
+            },
+            current_percent: found.visible_percent.current,
+            curvature_percent: found.visible_percent.curvature,
+        },
         differs: found.differs,
         scatter: found.scatter,
         scatter_is_noise: found.scatter_is_noise,
@@ -348,9 +359,7 @@ pub fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> 
 fn posterior_entry(own: Hypothesis) -> PosteriorEntry {
     PosteriorEntry {
         kind: own.kind,
-        effect: (!own.effects.is_empty()).then(|| own.effects.join(" + ")),
-        form: own.form,
-        with_unnamed: own.with_unnamed,
+        effect: own.effect,
         parameters_that_differ: own.parameters_that_differ,
         with: own.with,
         mass: own.mass,

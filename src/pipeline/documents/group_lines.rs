@@ -1,12 +1,13 @@
 //! A finding as the terminal prints it: the sentence, and the numbers behind it.
 
 use super::diagnosis::{EffectEntry, GroupEntry, group_title};
-use crate::domain::finding_words::gain_words;
+use crate::domain::diagnosis::LAW;
+use crate::domain::finding_words::{account_words, gain_words, short_name};
 use crate::domain::number::estimates::{in_words, interval_in_words};
 use crate::domain::number::probabilities::{counted_with_q, equation_of, share};
 use crate::domain::number::significant;
 use crate::domain::words::counted;
-use crate::domain::{Gain, Verdict};
+use crate::domain::{Gain, MissingLaw, Verdict};
 use crate::model::effects;
 
 /// Lines about a group whose chances are counted from so many draws, its heading first.
@@ -14,17 +15,17 @@ pub fn lines(group: &GroupEntry, draws: usize) -> Vec<String> {
     let mut lines = vec![format!("    {}", group.sentence)];
     let condemned = group.condemned.iter();
     lines.extend(condemned.map(|own| format!("    {} is set aside: {}", own.run, own.reason)));
-    lines.extend(group.effects.iter().flat_map(|effect| of_effect(effect, draws)));
-    lines.extend(group.node.iter().map(|node| {
-        format!(
-            "    tells: {} ({} %)",
-            node.path.join(" > "),
-            share(node.probability)
-        )
-    }));
-    if group.set.len() > 1 && matches!(group.verdict, Verdict::Set | Verdict::Unproved) {
-        lines.push(format!("    may be: {}", group.set.join(", ")));
-    }
+    // The weights of a law without an equation tell nobody anything: its curve is drawn on its page.
+    let equations = group.effects.iter().filter(|own| !own.effect.starts_with(LAW));
+    lines.extend(equations.flat_map(|effect| of_effect(effect, draws)));
+    lines.extend(
+        group
+            .account
+            .iter()
+            .filter(|own| own.beyond_noise() > 0.0)
+            .map(|own| format!("    of the error beyond noise: {}", account_words(own))),
+    );
+    lines.extend(group.missing.iter().map(of_law));
     lines.extend(group.gain.iter().map(|gain| of_gain(gain, group.verdict)));
     lines.extend(group.next_run.iter().map(|next| {
         format!(
@@ -45,10 +46,29 @@ pub fn lines(group: &GroupEntry, draws: usize) -> Vec<String> {
     lines
 }
 
+/// A missing law: what it is, how probable, and its held-out error.
+fn of_law(law: &MissingLaw) -> String {
+    let held_out = &law.held_out;
+    let errors = held_out.error_percent_before.zip(held_out.error_percent_after);
+    let gain = errors.map_or_else(String::new, |(before, after)| {
+        format!(
+            "; held-out error from {} to {} % of the range, {} parts better",
+            significant(before, 2),
+            significant(after, 2),
+            held_out.better_parts
+        )
+    });
+    format!(
+        "    missing: {} ({} %){gain}",
+        short_name(law),
+        share(law.probability)
+    )
+}
+
 /// What the sentence does not say of a gain: what is left, and later times.
 fn of_gain(gain: &Gain, verdict: Verdict) -> String {
     let with = match verdict {
-        Verdict::Unknown => "what was tried",
+        Verdict::Unexplained => "what was tried",
         _ => "it",
     };
     let later = gain.later.as_ref().map_or_else(String::new, |later| {

@@ -5,8 +5,8 @@
 
 use std::fmt::Write as _;
 
-use crate::domain::GroupDiagnosis;
 use crate::domain::campaign::Adopted;
+use crate::domain::{GroupDiagnosis, Verdict};
 use crate::ingest::campaign_file::FILE_NAME;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::infra::whole_file::put_stated;
@@ -56,9 +56,7 @@ impl Adopt {
             return Err(PipelineError::BadArgument {
                 what: "--adopt with --group",
                 found: name.clone(),
-                needed:
-                    "a group whose finding names a cause or fits (verdict named, set, partial or unproved)"
-                        .to_owned(),
+                needed: "a group whose finding tells what is missing (verdict law)".to_owned(),
             });
         }
         if !summary.adopted.is_empty() {
@@ -71,7 +69,7 @@ impl Adopt {
 
 /// The model that a finding asks for: its base with the accepted effects, of a set the one that was fitted.
 fn wanted(found: &GroupDiagnosis) -> Option<Adopted> {
-    let is_extended = found.verdict.extends_the_model() && !found.effects.is_empty();
+    let is_extended = found.verdict == Verdict::Law && !found.effects.is_empty();
     is_extended.then(|| Adopted {
         group: found.group.clone(),
         model: found

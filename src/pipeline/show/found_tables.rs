@@ -59,7 +59,8 @@ pub fn findings_table(
         })
         .plain("as_good", |(_, found)| list(&found.set))
         .plain("most_probable", |(_, found)| {
-            list(found.posterior.first().map_or(&[][..], |first| &first.effects))
+            let first = found.posterior.first().and_then(|first| first.effect.clone());
+            list(&first.into_iter().collect::<Vec<String>>())
         })
         .plain("most_probable_mass", |(_, found)| {
             Some(found.posterior.first()?.mass)

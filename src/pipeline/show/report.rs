@@ -15,6 +15,7 @@ use crate::analysis::study::{Evidence, Study};
 use crate::analysis::{monitoring, same_tags, sequence};
 use crate::domain::diagnosis::follows_a_tag;
 use crate::domain::{Fault, GroupDiagnosis, RunRecord, SourceFile};
+use crate::model::effects::smooth_laws::SMOOTH_LAWS;
 use crate::model::effects::{self, Effect};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
@@ -511,8 +512,8 @@ fn findings(context: &Context, runs: &[RunRecord], found: CurrentFindings) -> re
     };
     // What follows a tag stands in no list.
     let named = |one: &GroupDiagnosis| {
-        let candidates = one.candidates.iter().map(|candidate| candidate.effect.clone());
-        candidates.chain(one.set.iter().cloned()).collect::<Vec<_>>()
+        let differing = one.differs.iter().map(|own| own.with.clone());
+        differing.chain(one.set.iter().cloned()).collect::<Vec<_>>()
     };
     let ids: BTreeSet<String> = found.groups.iter().flat_map(named).collect();
     let of_tags = ids
@@ -533,6 +534,10 @@ fn findings(context: &Context, runs: &[RunRecord], found: CurrentFindings) -> re
         runs: found.runs,
         turns: found.turns,
         effects: effects::ALL.iter().chain(&of_tags).map(of_effect).collect(),
+        laws: SMOOTH_LAWS
+            .iter()
+            .map(|law| of_effect(&(*law as &dyn Effect)))
+            .collect(),
     }
 }
 

@@ -1,7 +1,6 @@
 //! What is found in real campaigns whose cause is known from elsewhere, through the whole program. A long proof: the
 //! misfits are huge and are searched to the end, which takes minutes; ignored but in `cargo test -- --ignored`.
 
-use ieap::model::effects::mechanism_of;
 use serde_json::Value;
 
 use super::shared;
@@ -44,76 +43,58 @@ fn words(value: &Value) -> Vec<&str> {
     items.map(|item| item.as_str().unwrap()).collect()
 }
 
-fn allows(finding: &Value, one_of: &[&str]) -> bool {
-    words(&finding["set"]).iter().any(|id| one_of.contains(id))
+/// The laws that a finding tells.
+fn laws(finding: &Value) -> Vec<&str> {
+    let missing = finding["missing"].as_array().unwrap().iter();
+    missing.filter_map(|law| law["law"].as_str()).collect()
 }
-
-/// Their authors' cause: ceramic capacitors lose capacitance with voltage.
-const OF_CERAMICS: [&str; 2] = ["voltage-dependent-capacitance", "asymmetric-capacitance"];
 
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
-fn ceramic_capacitors_lose_capacitance_with_voltage_and_the_held_out_run_is_predicted_better() {
+fn ceramic_capacitors_are_given_their_authors_law_or_none() {
     let Some(document) = found("capacitors", |file| !file.starts_with("C3")) else {
         return;
     };
-    let charged_and_discharged = of(&document, "groups", "sample=C1");
-    assert_eq!(
-        charged_and_discharged["verdict"], "partial",
-        "a misfit is left, and it is said: {charged_and_discharged:#}"
-    );
-    assert!(
-        allows(charged_and_discharged, &OF_CERAMICS),
-        "{charged_and_discharged:#}"
-    );
-    // One charge alone is told with the right cause or with none.
-    let charged = of(&document, "groups", "sample=C2");
-    assert!(
-        charged["verdict"] == "unknown" || allows(charged, &OF_CERAMICS),
-        "{charged:#}"
-    );
-    // Charge and discharge of C1 hold each other out.
-    let gain = &of(&document, "groups", "sample=C1")["gain"];
-    let (fall, error) = (
-        gain["deviance"].as_f64().unwrap(),
-        gain["standard_error"].as_f64().unwrap(),
-    );
-    assert!(fall > 5.0 * error && error > 0.0, "{gain:#}");
+    for sample in ["sample=C1", "sample=C2"] {
+        let group = of(&document, "groups", sample);
+        assert_ne!(group["verdict"], "right", "{group:#}");
+        // Their authors' cause: the capacitance falls with the voltage. What has no name is told by its place.
+        let names = words(&group["set"]);
+        let of_authors = ["voltage-dependent-capacitance", "asymmetric-capacitance"];
+        assert!(names.iter().all(|name| of_authors.contains(name)), "{group:#}");
+        assert!(laws(group).iter().all(|law| *law == "capacitance"), "{group:#}");
+    }
 }
 
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
-fn a_tantalum_capacitor_is_given_no_name_and_what_is_left_is_small() {
+fn a_tantalum_capacitor_is_given_no_name() {
     let Some(document) = found("capacitors", |file| file.starts_with("C3")) else {
         return;
     };
     let group = of(&document, "groups", "sample=C3");
     assert!(words(&group["set"]).is_empty(), "{group:#}");
-    let said = group["sentence"].as_str().unwrap();
-    let times: f64 = said
-        .split("What it leaves is ")
-        .nth(1)
-        .and_then(|rest| rest.split(' ').next()?.parse().ok())
-        .unwrap();
-    assert!((1.0..2.0).contains(&times), "{said}");
 }
 
+/// Twelve steps about an onset: no one law of the library takes what one set of parameters leaves, and what differs is how much
+/// flows for good at each voltage.
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
-fn electrolysis_is_a_leak_with_its_onset_and_another_date_is_set_apart() {
+fn electrolysis_differs_in_what_flows_for_good_and_another_date_is_set_apart() {
     let Some(document) = found("electrolysis-onset", |_| true) else {
         return;
     };
     let group = of(&document, "groups", "sample=cell-1,environment=air");
-    assert!(words(&group["set"]).contains(&"faradaic-leak"), "{group:#}");
-    let effects = group["effects"].as_array().unwrap().iter();
-    let leak = effects
-        .clone()
-        .find(|effect| effect["effect"] == "faradaic-leak")
-        .unwrap();
-    let onset_v = leak["parameters"]["onset_v"]["value"].as_f64().unwrap();
-    // The law asks for the size of the voltage; the steps go from 0 to -0.7 V.
-    assert!((0.20..=0.30).contains(&onset_v), "{leak:#}");
+    assert_eq!(group["verdict"], "differs", "{group:#}");
+    let differs = group["differs"].as_array().unwrap().iter();
+    let shares = differs.map(|own| {
+        (
+            own["share_percent"].as_f64().unwrap(),
+            own["key"].as_str().unwrap(),
+        )
+    });
+    let most = shares.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+    assert!(most.1 == "rss_ohm_cm2" && most.0 > 60.0, "{group:#}");
     let remarks = words(&group["remarks"]);
     assert!(
         remarks
@@ -131,27 +112,13 @@ fn electrolysis_is_a_leak_with_its_onset_and_another_date_is_set_apart() {
 
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
-fn a_diffusion_limited_current_is_told_by_its_mechanism_in_long_records_and_the_power_law_is_pointed_out() {
+fn a_diffusion_limited_current_is_not_called_right() {
     let Some(document) = found("diffusion-steps", |file| file.contains("4_DMAB")) else {
         return;
     };
     for run in ["runs/4_DMAB_50s_CA.xlsx", "runs/4_DMAB_200s_CA.xlsx"] {
-        let alone = of(&document, "runs", run);
-        let told = words(&alone["set"]);
-        let mechanisms: Vec<&str> = told.iter().filter_map(|id| Some(mechanism_of(id)?.id)).collect();
-        assert!(
-            mechanisms
-                .iter()
-                .all(|own| ["current-time-scales", "leak"].contains(own)),
-            "{alone:#}"
-        );
-        assert!(!told.is_empty(), "{alone:#}");
+        assert_ne!(of(&document, "runs", run)["verdict"], "right");
     }
-    let remarks = words(&of(&document, "groups", "sample=DMAB")["remarks"]);
-    assert!(
-        remarks
-            .iter()
-            .any(|remark| remark.contains("grow with the length of the record")),
-        "{remarks:?}"
-    );
+    // Time constants grow with the length of the record.
+    assert_eq!(of(&document, "groups", "sample=DMAB")["verdict"], "differs");
 }

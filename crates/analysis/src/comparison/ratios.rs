@@ -384,13 +384,13 @@ mod tests {
             let doubts = Doubts::new(findings, &runs);
             found_in_doubt(&runs, &CompareRules::default(), &doubts).1
         };
-        let (plain, wide) = (found(&runs, &CompareRules::default()).1, of(Verdict::Named));
+        let (plain, wide) = (found(&runs, &CompareRules::default()).1, of(Verdict::Law));
         assert!(plain[0].low_95 > 1.9, "{plain:?}");
         assert!(
             wide[0].low_95 < 1.0 && (wide[0].value - 2.0).abs() < 1e-9,
             "{wide:?}"
         );
-        assert!(of(Verdict::Unknown).is_empty());
+        assert!(of(Verdict::Unexplained).is_empty());
     }
 
     #[test]

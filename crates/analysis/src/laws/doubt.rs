@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use crate::false_discovery::CLAIMED_BELOW;
 use ieap_domain::diagnosis::follows_a_tag;
+use ieap_domain::finding_words::short_name;
 use ieap_domain::{Estimate, GroupDiagnosis, ParameterShift, RunRecord, Verdict};
 
 /// What the current findings say against fits of single runs.
@@ -69,7 +70,7 @@ impl Doubts {
     pub fn new(findings: Findings, runs: &[RunRecord]) -> Doubts {
         let is_right_alone = |name: &str| {
             let alone = findings.runs.iter().find(|found| found.group == name);
-            alone.is_some_and(|found| found.verdict == Verdict::Consistent)
+            alone.is_some_and(|found| found.verdict == Verdict::Right)
         };
         let fits_base = |name: &str| {
             let run = runs.iter().find(|run| run.path == name);
@@ -79,13 +80,12 @@ impl Doubts {
         let mut of_runs = BTreeMap::new();
         for group in findings.groups.iter().filter(|group| is_claimed(group)) {
             let is_between_runs = group.effects.iter().any(|own| follows_a_tag(&own.effect));
-            let names_cause =
-                group.verdict.extends_the_model() && !group.shifts.is_empty() && !is_between_runs;
+            let names_cause = group.verdict == Verdict::Law && !group.shifts.is_empty() && !is_between_runs;
             for name in group.runs.iter().filter(|name| fits_base(name)) {
                 if names_cause {
                     let doubt = Doubt::Widened {
                         shifts: group.shifts.clone(),
-                        causes: group.effects.iter().map(|own| own.effect.clone()).collect(),
+                        causes: group.missing.iter().map(short_name).collect(),
                     };
                     of_runs.insert(name.clone(), doubt);
                 } else if !is_right_alone(name) {
@@ -194,7 +194,7 @@ impl Doubts {
                     group: group.group.clone(),
                     treatment,
                     runs,
-                    causes: group.effects.iter().map(|effect| effect.effect.clone()).collect(),
+                    causes: group.missing.iter().map(short_name).collect(),
                 })
             };
             [with(Treatment::Widened), with(Treatment::LeftOut)]
@@ -206,7 +206,7 @@ impl Doubts {
 /// Whether the misfit of a group may be claimed, and doubts the fits of its runs: where the runs only differ in their
 /// parameters, each fit is right.
 fn is_claimed(group: &GroupDiagnosis) -> bool {
-    let is_wrong = group.verdict.is_misfit() && group.verdict != Verdict::Varies;
+    let is_wrong = group.verdict.is_misfit() && group.verdict != Verdict::Differs;
     is_wrong
         && group
             .q_misfit
@@ -272,15 +272,15 @@ mod tests {
         }
         runs[3].fit.as_mut().unwrap().model = "lumped-2 + faradaic-leak".to_owned();
         let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| runs[k].path.clone());
-        let mut named = finding("n", &[&a, &d], Verdict::Named, 0.001);
+        let mut named = finding("n", &[&a, &d], Verdict::Law, 0.001);
         named.shifts = vec![
             shift("rss_ohm_cm2", 2.0, 4.0),
             shift("r1_ohm_cm2", 2.0, 2.0),
             shift("r2_ohm_cm2", 2.0, 6.0),
             shift("c1_f_per_cm2", 1.0, 1.0),
         ];
-        let groups = [named, finding("u", &[&b, &c], Verdict::Unknown, 0.001)];
-        let alone = [finding(&c, &[&c], Verdict::Consistent, 0.9)];
+        let groups = [named, finding("u", &[&b, &c], Verdict::Unexplained, 0.001)];
+        let alone = [finding(&c, &[&c], Verdict::Right, 0.9)];
         let findings = Findings {
             groups: &groups,
             runs: &alone,
@@ -325,7 +325,7 @@ mod tests {
             run.fit = Some(fit(&[("rss_ohm_cm2", known(2.0, 0.1))]));
         }
         let [a, b] = [0, 1].map(|k: usize| runs[k].path.clone());
-        let mut group = finding("g", &[&a, &b], Verdict::Named, 0.001);
+        let mut group = finding("g", &[&a, &b], Verdict::Law, 0.001);
         group.shifts = vec![shift("rss_ohm_cm2", 2.0, 4.0)];
         group.effects = vec![ieap_domain::EffectFinding {
             effect: "follows:pre_charge_s".to_owned(),
@@ -336,7 +336,7 @@ mod tests {
             twins: Vec::new(),
         }];
         let groups = [group];
-        let alone = [finding(&a, &[&a], Verdict::Consistent, 0.9)];
+        let alone = [finding(&a, &[&a], Verdict::Right, 0.9)];
         let findings = Findings {
             groups: &groups,
             runs: &alone,
@@ -351,8 +351,8 @@ mod tests {
         let mut one = run("a", "CNaf-01", "air", Some(34.0), 2.0);
         one.fit = Some(fit(&[("rss_ohm_cm2", known(2.0, 0.1))]));
         for found in [
-            finding("g", &[&one.path], Verdict::Unknown, 0.2),
-            finding("g", &[&one.path], Verdict::Consistent, 0.001),
+            finding("g", &[&one.path], Verdict::Unexplained, 0.2),
+            finding("g", &[&one.path], Verdict::Right, 0.001),
         ] {
             let groups = [found];
             let findings = Findings {

@@ -4,12 +4,10 @@ use std::sync::LazyLock;
 
 use ieap_diagnose::sigmas_after_refit;
 use ieap_model::effects::{ALL, Applied, Effect, Scale};
-use ieap_model::extended::Responses;
-use ieap_truth::HiddenEffect;
 use ieap_truth::catalogue::{Bounds, known};
 use rand::RngExt;
 
-use crate::case::{AREA, Case, LENGTH, responses, truly};
+use crate::case::{AREA, Case, LENGTH, responses};
 
 /// Effects of the library that the truth simulator hides, in the library's order: seeds go by places here.
 pub static HIDEABLE: LazyLock<Vec<&'static dyn Effect>> = LazyLock::new(|| {
@@ -88,31 +86,10 @@ pub fn scale(case: &Case) -> Scale {
     scale
 }
 
-/// How far the two simulators are apart, in sigmas after refit.
-pub fn apart(case: &Case, truth: &[Responses], library: &[Responses]) -> f64 {
-    let plain = responses(case, &[]);
-    let difference = |plain: &[f64], a: &[f64], b: &[f64]| -> Vec<f64> {
-        plain.iter().zip(a).zip(b).map(|((p, a), b)| p + a - b).collect()
-    };
-    let each = plain
-        .iter()
-        .zip(truth)
-        .zip(library)
-        .map(|((plain, truth), library)| Responses {
-            current_a: difference(&plain.current_a, &truth.current_a, &library.current_a),
-            curvature_per_cm: difference(
-                &plain.curvature_per_cm,
-                &truth.curvature_per_cm,
-                &library.curvature_per_cm,
-            ),
-        });
-    sigmas_after_refit(&case.base, &case.design, &each.collect::<Vec<_>>(), case.noise)
-}
-
 /// Id, key of the strength, first strength to try, and another parameter.
 pub type Outside = (&'static str, &'static str, f64, Option<(&'static str, f64)>);
 
-/// Causes that no library holds; the first four are those of the published tables.
+/// Causes that no library holds.
 pub const OUTSIDE: [Outside; 10] = [
     (
         "x-current-oscillation",
@@ -136,36 +113,7 @@ pub const OUTSIDE: [Outside; 10] = [
     ("x-polarity-memory", "change", 0.02, None),
 ];
 
-/// How many of them the published tables count.
-pub const PUBLISHED: usize = 4;
-
 /// Which strengths the truth simulator takes.
 pub fn strength_bounds(id: &str) -> Bounds {
     known(id).map_or(Bounds::Real, |entry| entry.parameters[0].bounds)
-}
-
-/// What the truth simulator gives with such an effect at a strength that leaves `d`; none where that cannot be reached.
-pub fn outside(case: &Case, (id, key, start, other): Outside, d: f64) -> Option<Vec<Responses>> {
-    let mut strength = start;
-    let hidden = |strength: f64| {
-        vec![HiddenEffect {
-            id: id.to_owned(),
-            variant: None,
-            parameters: other
-                .iter()
-                .map(|(k, v)| ((*k).to_owned(), *v))
-                .chain([(key.to_owned(), strength)])
-                .collect(),
-        }]
-    };
-    let size = |with: &[Responses]| sigmas_after_refit(&case.base, &case.design, with, case.noise);
-    for _ in 0..6 {
-        let with = truly(case, hidden(strength))?;
-        strength *= (d / size(&with)).clamp(0.1, 10.0);
-        if let Bounds::Between(low, high) = strength_bounds(id) {
-            strength = strength.clamp(0.95 * low, 0.95 * high);
-        }
-    }
-    let with = truly(case, hidden(strength))?;
-    ((size(&with) / d - 1.0).abs() <= 0.2).then_some(with)
 }

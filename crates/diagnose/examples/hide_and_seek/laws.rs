@@ -4,18 +4,17 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use ieap_diagnose::{DiagnoseOptions, Looked, look};
-use ieap_model::effects::smooth_laws::{Place, place_of};
+use ieap_domain::{GroupDiagnosis, MissingLaw};
+use ieap_model::effects::smooth_laws::place_of;
 use ieap_model::effects::{About, Applied, Effect, EffectParameter, Limits, Scale, Search, Site};
 use ieap_model::extended::{Coefficients, Law, Now, Responses, RunContext, System};
 use rand::RngExt;
 
-use crate::benchmark::each;
-use crate::case::{Case, Drives, Plan, case, inputs, measured, responses, responses_of, true_responses};
+use crate::case::{Case, Drives, Plan, case, diagnose, responses, responses_of, true_responses};
 use crate::differs::differing_bases;
+use crate::each;
 use crate::foreign::{Cause, with_forms};
 use crate::hidden::{HIDEABLE, OUTSIDE, hidden};
-use crate::nulls::conditions;
 use crate::reach::{Range, reach};
 
 /// What is hidden: its site, law and variable where it has them.
@@ -26,46 +25,36 @@ enum Truth {
     Law(Site, &'static str, &'static str),
 }
 
-/// How an answer lies to the truth.
+/// How answers lie to the truth.
 #[derive(Debug, Default, Clone)]
-struct Count {
-    groups: usize,
-    /// By name, by law and variable, by place, each right and wrong.
-    right: [usize; 3],
-    wrong: [usize; 3],
-    verdicts: BTreeMap<&'static str, usize>,
+pub struct Count {
+    pub groups: usize,
+    /// By name, by law and variable (or mechanism), by place, each right and wrong.
+    pub right: [usize; 3],
+    pub wrong: [usize; 3],
+    pub verdicts: BTreeMap<&'static str, usize>,
     seconds: f64,
-    low: usize,
+    pub low: usize,
 }
 
 impl Count {
-    fn add(&mut self, found: &Looked, truth: Truth, name: Option<&str>, seconds: f64) {
+    fn add(&mut self, found: &GroupDiagnosis, truth: Truth, name: Option<&str>, seconds: f64) {
         self.groups += 1;
         self.seconds += seconds;
-        self.low += usize::from(found.p_misfit < 0.05);
-        *self.verdicts.entry(found.verdict).or_default() += 1;
-        if found.verdict != "law" {
-            return;
-        }
-        let Truth::Law(site, law, variable) = truth else {
-            self.wrong[depth(found)] += 1;
-            return;
-        };
-        let told = &found.told;
-        let is_right = match (told.name, told.place) {
-            // What has no name has none.
-            (Some(id), _) => Some(id) == name,
-            (_, Some(place)) => place.site == site && place.law == law && place.variable == variable,
-            _ => told.site == Some(site),
-        };
-        if is_right {
-            self.right[depth(found)] += 1;
-        } else {
-            self.wrong[depth(found)] += 1;
+        self.low += usize::from(found.p_misfit.is_some_and(|p| p < 0.05));
+        *self.verdicts.entry(found.verdict.key()).or_default() += 1;
+        for told in &found.missing {
+            let sum = if is_right(told, truth, name) {
+                &mut self.right
+            } else {
+                &mut self.wrong
+            };
+            sum[depth(told)] += 1;
         }
     }
 
-    fn row(&self, name: &str) -> String {
+    /// The row of a table.
+    pub fn row(&self, name: &str) -> String {
         let verdicts: Vec<String> = self.verdicts.iter().map(|(k, n)| format!("{k} {n}")).collect();
         format!(
             "{name:34} n {:4} p<.05 {:4} | right name {:3} law {:3} place {:3} | wrong name {:3} law {:3} place {:3} | {} | {:.2} s",
@@ -83,36 +72,31 @@ impl Count {
     }
 }
 
-fn depth(found: &Looked) -> usize {
-    match (found.told.name, found.told.place) {
+/// Name, law and variable, place.
+fn depth(told: &MissingLaw) -> usize {
+    match (&told.name, &told.law) {
         (Some(_), _) => 0,
         (_, Some(_)) => 1,
         _ => 2,
     }
 }
 
+fn is_right(told: &MissingLaw, truth: Truth, name: Option<&str>) -> bool {
+    let Truth::Law(site, law, variable) = truth else {
+        return false;
+    };
+    let is_at = told.place == site.name();
+    match (&told.name, &told.law, &told.variable) {
+        // What has no name has none.
+        (Some(id), ..) => Some(id.as_str()) == name,
+        (_, Some(own), Some(by)) => is_at && own == law && by == variable,
+        _ => is_at,
+    }
+}
+
 /// `count` groups of each kind at each strength.
 pub fn laws(first: u64, count: u64, strengths: &[f64], only: &[String]) {
     let wanted = |kind: &str| only.is_empty() || only.iter().any(|own| own == kind);
-    if wanted("null") {
-        for (place, (name, plan)) in conditions().into_iter().enumerate() {
-            if only.len() > 1 && !only.iter().any(|part| name.contains(part.as_str())) {
-                continue;
-            }
-            let seeds: Vec<u64> = (0..count).map(|k| first + 10_000 * place as u64 + k).collect();
-            let mut sum = Count::default();
-            for (found, seconds) in each(&seeds, |&seed| {
-                let mut case = case(seed, plan);
-                let with = responses(&case, &[]);
-                let found = looked(&mut case, &with);
-                show(name, "", &found.0);
-                Some(found)
-            }) {
-                sum.add(&found, Truth::Nothing, None, seconds);
-            }
-            println!("{}", sum.row(name));
-        }
-    }
     if wanted("differs") {
         for (place, sd) in [0.05, 0.1, 0.3].into_iter().enumerate() {
             for (kind, drives) in [Drives::Five, Drives::Three].into_iter().enumerate() {
@@ -130,9 +114,7 @@ pub fn laws(first: u64, count: u64, strengths: &[f64], only: &[String]) {
                     let chosen = case.generator.random_range(1..4);
                     let bases = differing_bases(&mut case, chosen, sd);
                     let with = responses_of(&case, &bases);
-                    let found = looked(&mut case, &with);
-                    show("differs", &format!("{sd}"), &found.0);
-                    Some(found)
+                    Some(looked(&mut case, &with, &format!("differs {sd} {seed}")))
                 }) {
                     sum.add(&found, Truth::Differs, None, seconds);
                 }
@@ -142,19 +124,7 @@ pub fn laws(first: u64, count: u64, strengths: &[f64], only: &[String]) {
     }
     for &d in strengths {
         if wanted("own") {
-            let all: Vec<(usize, u64)> = (0..HIDEABLE.len())
-                .flat_map(|at| (0..count).map(move |k| (at, k)))
-                .collect();
-            let found = each(&all, |&(at, k)| {
-                let effect = HIDEABLE[at];
-                let mut case = case(first + 1000 * at as u64 + k, Plan::default());
-                let (applied, _) = hidden(&mut case, effect, d)?;
-                let with = true_responses(&case, std::slice::from_ref(&applied))?;
-                let found = looked(&mut case, &with);
-                show(effect.about().id, "", &found.0);
-                Some((effect.about().id, found))
-            });
-            told_of(&format!("own, d {d}"), found);
+            println!("{}", own(first, count, d, &[]).row(&format!("own, d {d}")));
         }
         if wanted("foreign") {
             let forms = with_forms();
@@ -163,28 +133,17 @@ pub fn laws(first: u64, count: u64, strengths: &[f64], only: &[String]) {
                 .collect();
             let found = each(&all, |&(at, k)| {
                 let mut case = case(first + 1000 * at as u64 + k, Plan::default());
-                let (_, _, with) = Cause::Form(forms[at]).hidden(&mut case, d)?;
-                let found = looked(&mut case, &with);
-                show(forms[at].about().id, "", &found.0);
-                Some((forms[at].about().id, found))
+                let with = Cause::Form(forms[at]).hidden(&mut case, d)?;
+                let id = forms[at].about().id;
+                Some((id, looked(&mut case, &with, id)))
             });
-            told_of(&format!("foreign, d {d}"), found);
+            println!("{}", told_of(found).row(&format!("foreign, d {d}")));
         }
         if wanted("outside") {
-            let all: Vec<u64> = (0..count).map(|k| first + 500_000 + k).collect();
-            let found = each(&all, |&seed| {
-                let mut case = case(seed, Plan::default());
-                let (drawn, with) = drawn(&mut case, d)?;
-                let found = looked(&mut case, &with);
-                show(drawn.law, drawn.variable, &found.0);
-                Some((drawn, found))
-            });
-            let mut sum = Count::default();
-            for (drawn, (looked, seconds)) in found {
-                let truth = Truth::Law(drawn.site(), drawn.law, drawn.variable);
-                sum.add(&looked, truth, None, seconds);
-            }
-            println!("{}", sum.row(&format!("random laws, d {d}")));
+            println!("{}", outside(first, count, d).row(&format!("random laws, d {d}")));
+        }
+        if wanted("pairs") {
+            println!("{}", pairs(first, count, d).row(&format!("a pair, d {d}")));
         }
         if wanted("strange") {
             let all: Vec<(usize, u64)> = (0..OUTSIDE.len())
@@ -193,10 +152,9 @@ pub fn laws(first: u64, count: u64, strengths: &[f64], only: &[String]) {
             let mut sum = Count::default();
             for (id, (found, seconds)) in each(&all, |&(at, k)| {
                 let mut case = case(first + 1000 * at as u64 + k, Plan::default());
-                let (_, _, with) = Cause::Outside(OUTSIDE[at]).hidden(&mut case, d)?;
-                let found = looked(&mut case, &with);
-                show(OUTSIDE[at].0, "", &found.0);
-                Some((OUTSIDE[at].0, found))
+                let with = Cause::Outside(OUTSIDE[at]).hidden(&mut case, d)?;
+                let id = OUTSIDE[at].0;
+                Some((id, looked(&mut case, &with, id)))
             }) {
                 let truth = strange(id);
                 sum.add(&found, truth, None, seconds);
@@ -204,6 +162,80 @@ pub fn laws(first: u64, count: u64, strengths: &[f64], only: &[String]) {
             println!("{}", sum.row(&format!("strange, d {d}")));
         }
     }
+}
+
+/// Effects of the library, of each `count`; of these ids where some are named.
+pub fn own(first: u64, count: u64, d: f64, only: &[&str]) -> Count {
+    let all: Vec<(usize, u64)> = (0..HIDEABLE.len())
+        .filter(|&at| only.is_empty() || only.contains(&HIDEABLE[at].about().id))
+        .flat_map(|at| (0..count).map(move |k| (at, k)))
+        .collect();
+    let found = each(&all, |&(at, k)| {
+        let effect = HIDEABLE[at];
+        let mut case = case(first + 1000 * at as u64 + k, Plan::default());
+        let (applied, _) = hidden(&mut case, effect, d)?;
+        let with = true_responses(&case, std::slice::from_ref(&applied))?;
+        let id = effect.about().id;
+        Some((id, looked(&mut case, &with, id)))
+    });
+    told_of(found)
+}
+
+/// Laws of random shapes.
+pub fn outside(first: u64, count: u64, d: f64) -> Count {
+    let all: Vec<u64> = (0..count).map(|k| first + 500_000 + k).collect();
+    let found = each(&all, |&seed| {
+        let mut case = case(seed, Plan::default());
+        let (drawn, with) = drawn(&mut case, d)?;
+        let shown = format!("{} {}", drawn.law, drawn.variable);
+        Some((drawn, looked(&mut case, &with, &shown)))
+    });
+    let mut sum = Count::default();
+    for (drawn, (looked, seconds)) in found {
+        let truth = Truth::Law(drawn.site(), drawn.law, drawn.variable);
+        sum.add(&looked, truth, None, seconds);
+    }
+    sum
+}
+
+/// Two effects of the library at once, one in the current and one in the bending: what is told first is one of the two.
+fn pairs(first: u64, count: u64, d: f64) -> Count {
+    let all: Vec<u64> = (0..count).map(|k| first + 700_000 + k).collect();
+    let found = each(&all, |&seed| {
+        let mut case = case(seed, Plan::default());
+        let mut of = |site: Site| {
+            let all: Vec<_> = HIDEABLE
+                .iter()
+                .filter(|effect| place_of(effect.about().id).is_some_and(|own| own.site == site))
+                .collect();
+            let before = case.noise;
+            let effect = *all[case.generator.random_range(0..all.len())];
+            // Laws without free strength fit the noise to themselves, which two of them cannot.
+            hidden(&mut case, effect, d).filter(|_| case.noise == before)
+        };
+        let both = [of(Site::Current)?.0, of(Site::Bending)?.0];
+        let with = true_responses(&case, &both)?;
+        let ids = [both[0].effect.about().id, both[1].effect.about().id];
+        Some((ids, looked(&mut case, &with, &ids.join(" + "))))
+    });
+    let mut sum = Count::default();
+    for (ids, (mut looked, seconds)) in found {
+        let mut told = std::mem::take(&mut looked.missing);
+        let truths = ids.map(|id| (id, truth_of(id)));
+        sum.add(&looked, Truth::Nothing, None, seconds);
+        for law in told.drain(..) {
+            let right = truths.iter().any(|(id, truth)| is_right(&law, *truth, Some(id)));
+            let counted = if right { &mut sum.right } else { &mut sum.wrong };
+            counted[depth(&law)] += 1;
+        }
+    }
+    sum
+}
+
+fn truth_of(id: &str) -> Truth {
+    place_of(id).map_or(Truth::Nothing, |place| {
+        Truth::Law(place.site, place.law, place.variable)
+    })
 }
 
 /// What the causes are that no library holds.
@@ -221,47 +253,49 @@ fn strange(id: &str) -> Truth {
     }
 }
 
-fn told_of(name: &str, found: Vec<(&'static str, (Looked, f64))>) {
+fn told_of(found: Vec<(&'static str, (GroupDiagnosis, f64))>) -> Count {
     let mut sum = Count::default();
     for (id, (looked, seconds)) in found {
-        let truth = place_of(id).map_or(Truth::Nothing, |place| {
-            Truth::Law(place.site, place.law, place.variable)
-        });
-        sum.add(&looked, truth, Some(id), seconds);
+        sum.add(&looked, truth_of(id), Some(id), seconds);
     }
-    println!("{}", sum.row(name));
+    sum
 }
 
-fn show(id: &str, more: &str, found: &Looked) {
-    if std::env::var_os("SHOW").is_none() {
-        return;
-    }
-    let told = &found.told;
-    let place = told.place.map_or("-".to_owned(), |place: Place| {
-        format!("{}/{}", place.law, place.variable)
-    });
+fn show(id: &str, found: &GroupDiagnosis, seconds: f64) {
+    let told: Vec<String> = (found.missing.iter())
+        .map(|law| {
+            let of = [&law.law, &law.variable].map(|own| own.as_deref().unwrap_or("-"));
+            format!(
+                "{} {} {} {:?} {:?} held out {}",
+                law.place, of[0], of[1], law.name, law.names, law.held_out.better_parts
+            )
+        })
+        .collect();
     println!(
-        "  {id} {more} -> {} p {:.3} {:?} {place} {:?} {:?}; account {:.0?}, kinds {:.2?}, held out {:?}, size {:.2} %",
-        found.verdict,
+        "  {id} -> {} p {:.3?} {told:?}; {:.0?}; {:.2?}; left {:.3?}; {seconds:.1} s",
+        found.verdict.key(),
         found.p_misfit,
-        told.site.map(Site::name),
-        told.name,
-        told.names,
         found.account,
-        found.kinds,
-        found.held_out,
-        found.misfit_percent
+        found.misfit_percent,
+        found.p_leftover
     );
-    for (name, mass, fall) in &found.leading {
-        println!("      {mass:.3} {fall:9.1} {name}");
+    for own in found.posterior.iter().take(8) {
+        println!(
+            "      {:.3} {:?} {:?} {:?}",
+            own.mass, own.kind, own.effect, own.parameters_that_differ
+        );
     }
 }
 
-fn looked(case: &mut Case, with: &[Responses]) -> (Looked, f64) {
-    let channels = measured(case, with);
+/// What is told of a case, and how long it took.
+fn looked(case: &mut Case, with: &[Responses], id: &str) -> (GroupDiagnosis, f64) {
     let began = Instant::now();
-    let found = look(&inputs(case, &channels), &DiagnoseOptions::default());
-    (found, began.elapsed().as_secs_f64())
+    let found = diagnose(case, with);
+    let seconds = began.elapsed().as_secs_f64();
+    if std::env::var_os("SHOW").is_some() {
+        show(id, &found, seconds);
+    }
+    (found, seconds)
 }
 
 /// A law of the base as a function of a random shape, which no library holds.

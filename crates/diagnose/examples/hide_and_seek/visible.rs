@@ -4,8 +4,8 @@ use ieap_diagnose::{DiagnoseOptions, diagnose_group};
 use ieap_domain::{Channel, Drive};
 use rand::RngExt;
 
-use crate::benchmark::each;
 use crate::case::{Case, Clock, Drives, Plan, Slow, case, inputs, measured, true_responses};
+use crate::each;
 
 /// Bumps of an error over the logarithm of the time since an edge, an octave and a half apart.
 const BUMPS: usize = 12;

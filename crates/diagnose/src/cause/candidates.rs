@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::cause::extended_start::ExtendedStart;
 use crate::cause::policy::{
-    AS_GOOD, AS_GOOD_PART, CONTENDING_WITHIN_PART, FEWEST_FITTED, MOST_FITTED, PRICE, PROMISING_PART,
-    PROMISING_WITHIN, STARTS,
+    AS_GOOD, CONTENDING_WITHIN_PART, FEWEST_FITTED, MOST_FITTED, PRICE, PROMISING_PART, PROMISING_WITHIN,
+    STARTS,
 };
 use crate::fitting::fitted::Fitted;
 use crate::misfit::signature::{Direction, Signature};
@@ -44,13 +44,12 @@ impl CandidateFit<'_> {
     }
 }
 
-/// Looks at every effect beside those that `current` has, but for those that are `refused`.
+/// Looks at every effect beside those that `current` has.
 pub(crate) fn fit_candidates<'g>(
     current: &Fitted<'g>,
     residuals: &[f64],
     signatures: &[Signature],
     directions: &[Direction],
-    refused: &[&'static str],
 ) -> Vec<CandidateFit<'g>> {
     let has = |id: &str| {
         current
@@ -63,7 +62,7 @@ pub(crate) fn fit_candidates<'g>(
     for (place, direction) in directions.iter().enumerate() {
         let signature = &signatures[direction.signature];
         let id = signature.effect.about().id;
-        if has(id) || refused.contains(&id) {
+        if has(id) {
             continue;
         }
         let forecast = direction.gain(residuals);
@@ -145,14 +144,6 @@ pub(crate) fn fit_candidates<'g>(
     candidates
 }
 
-/// Orders candidates anew: those that were fitted by their scores, the others behind them as they were.
-pub(crate) fn by_score(candidates: &mut [CandidateFit]) {
-    candidates.sort_by_key(|own| own.fitted.is_none());
-    let count = candidates.iter().filter(|own| own.fitted.is_some()).count();
-    candidates[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
-    simplest_first(&mut candidates[..count]);
-}
-
 /// What an effect pays for having had the choice among forms of these gains: the best one's gain less what they bring on
 /// average. Nothing where all explain the readings alike, twice the logarithm of their number where one alone does. A price
 /// for every parameter of a form is too low where the readings know the form and too high where they do not.
@@ -178,23 +169,6 @@ fn simplest_first(candidates: &mut [CandidateFit]) {
     if let Some((place, _)) = simplest {
         candidates[..=place].rotate_right(1);
     }
-}
-
-/// Score beyond which a candidate explains the readings as well as the best.
-pub(crate) fn least_score(candidates: &[CandidateFit]) -> Option<f64> {
-    let best = candidates.iter().max_by(|a, b| a.score().total_cmp(&b.score()))?;
-    Some(best.score() - AS_GOOD - AS_GOOD_PART * best.gain)
-}
-
-/// Candidates that explain the readings as well as the best one, the one taken first.
-pub(crate) fn rivals(candidates: &[CandidateFit]) -> Vec<&'static str> {
-    let Some(least) = least_score(candidates) else {
-        return Vec::new();
-    };
-    let close = candidates
-        .iter()
-        .filter(|other| other.fitted.is_some() && other.score() > least);
-    close.map(|other| other.effect).collect()
 }
 
 /// The current model with the one effect that all `signatures` are of, from its most promising shapes; none where it

@@ -13,9 +13,16 @@ use crate::misfit::signature::{Signature, directions};
 use crate::readings::group::RunGroup;
 
 impl SelectionInput<'_, '_> {
+    /// How often chance leaves as much as `model` does.
+    pub(crate) fn p_of(&self, model: &Fitted) -> f64 {
+        let (null, directions) = self.null(model, 1);
+        let left = null.observe(self.group, &model.residuals(), &directions);
+        self.p_left(model, &null, &left, 1)
+    }
+
     /// How often chance leaves as much as `model` does, from what it leaves in the noise beside the base: found anew in the
     /// noise beside `model`, and calibrated, unless it is clear already.
-    pub(crate) fn p_left(&self, model: &Fitted, null: &Null, left: &Statistics, step: u64) -> f64 {
+    fn p_left(&self, model: &Fitted, null: &Null, left: &Statistics, step: u64) -> f64 {
         let first = || null.p_misfit(left, None);
         if model.problem.effects.is_empty() || Calibration::is_needless(null.unbounded_p(left)) {
             return first();

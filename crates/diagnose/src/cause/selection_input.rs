@@ -15,8 +15,6 @@ pub(crate) struct SelectionInput<'a, 'g> {
     pub(crate) bins: &'a [ResidualBin],
     pub(crate) draws: usize,
     pub(crate) seed: u64,
-    /// As in the options.
-    pub(crate) of_several: bool,
 }
 
 impl<'g> SelectionInput<'_, 'g> {

@@ -3,6 +3,7 @@
 use ieap_domain::number::{fixed, significant};
 use ieap_domain::{Fit, Issue, Parameter};
 use ieap_fit::{BaseKnowledge, fit_of_run};
+use ieap_model::effects::smooth_laws::smooth_law;
 use ieap_model::{FitModel, ModelChoice};
 use ieap_numerics::student::quantile_95;
 use ieap_numerics::symmetric::Symmetric;
@@ -14,6 +15,7 @@ use crate::fitting::problem::FreeEffect;
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
 use crate::misfit::signature::{directions, signatures_of};
+use crate::missing::weighed::with_law;
 use crate::options::VERSION;
 use crate::readings::group::{RunGroup, RunInput};
 
@@ -40,6 +42,10 @@ pub(crate) fn extend<'g>(
 ) -> Option<Fitted<'g>> {
     let scale = scale(group, &base.problem, &base.at);
     choice.effects.iter().try_fold(base, |model, &effect| {
+        // A law without an equation is known by how large it is likely to be.
+        if let Some(law) = smooth_law(effect.about().id) {
+            return with_law(&model, law, &scale);
+        }
         let signatures = signatures_of(&[effect], &model.problem, &model.at, &scale);
         let (_, tangent) = model.tangent();
         let directions = directions(&signatures, &tangent);

@@ -57,7 +57,6 @@ pub(crate) fn p_leftover(
             bins: &residual_bins(group, &base),
             draws: options.draws,
             seed: options.seed,
-            of_several: options.of_several,
         };
         let (null, directions) = input.null(&with, 1);
         let left = null.observe(group, &with.residuals(), &directions);

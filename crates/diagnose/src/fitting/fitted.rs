@@ -20,6 +20,12 @@ pub(crate) const SHORT: u64 = 10;
 /// Evaluations of a search that must arrive.
 pub(crate) const LONG: u64 = 30;
 
+/// Evaluations along slopes that are held, and of slopes anew, with what ends such a search as above.
+pub(crate) const HELD: u64 = 14;
+const ANEW: u64 = 4;
+const HELD_SETTLE: f64 = 0.05;
+const HELD_SETTLE_PART: f64 = 1e-3;
+
 /// Searches after which a minimum counts as reached.
 const SEARCHES: usize = 10;
 
@@ -48,13 +54,23 @@ impl<'g> Fitted<'g> {
             .iter()
             .map(|start| problem.search(start, SHORT, settle, known));
         let best = Minimum::lowest(short.inspect(|bottom| evaluations += bottom.evaluations))?;
-        Some(Fitted {
-            at: best.at,
-            square: best.local.square,
+        Some(Fitted::at_bottom(problem, best, evaluations))
+    }
+
+    /// Where a search ended.
+    fn at_bottom(problem: ExtendedProblem<'g>, bottom: Minimum, evaluations: u64) -> Fitted<'g> {
+        Fitted {
+            square: bottom.local.square - problem.penalty(&bottom.at),
+            at: bottom.at,
             evaluations,
-            stop: best.stop,
+            stop: bottom.stop,
             problem,
-        })
+        }
+    }
+
+    /// The sum of squares with what is known before any reading.
+    pub(crate) fn penalised(&self) -> f64 {
+        self.square + self.problem.penalty(&self.at)
     }
 
     /// A place of which nothing was searched yet; none where the model has no finite residuals there.
@@ -73,13 +89,28 @@ impl<'g> Fitted<'g> {
     pub(crate) fn polished(self) -> Fitted<'g> {
         let settle = settle(&self.problem, self.square);
         let bottom = self.problem.search(&self.at, LONG, settle, &[]);
-        Fitted {
-            at: bottom.at,
-            square: bottom.local.square,
-            evaluations: self.evaluations + bottom.evaluations,
-            stop: bottom.stop,
-            problem: self.problem,
+        let evaluations = self.evaluations + bottom.evaluations;
+        Fitted::at_bottom(self.problem, bottom, evaluations)
+    }
+
+    /// From a place with the slopes about it: along these, then along slopes taken anew.
+    pub(crate) fn along(
+        problem: ExtendedProblem<'g>,
+        start: &[f64],
+        columns: &[Vec<f64>],
+    ) -> Option<Fitted<'g>> {
+        let settle =
+            HELD_SETTLE + HELD_SETTLE_PART * (problem.square(start) - problem.group.rows() as f64).max(0.0);
+        let held = problem.search(start, HELD, settle, columns);
+        let mut anew = problem.search(&held.at, ANEW, settle, &[]);
+        // Where the slopes at the start led nowhere they are no guide: all anew.
+        let before = problem.square(start) + problem.penalty(start);
+        if before - anew.local.square <= settle {
+            anew = problem.search(start, LONG, settle, &[]);
         }
+        let evaluations = held.evaluations + anew.evaluations;
+        let found = Fitted::at_bottom(problem, anew, evaluations);
+        found.square.is_finite().then_some(found)
     }
 
     /// Goes on to the end, however many steps a curved valley takes.

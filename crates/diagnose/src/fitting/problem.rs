@@ -6,6 +6,7 @@ use ieap_model::extended::ExtendedModel;
 use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 use ieap_numerics::sums::dot;
+use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::policy::REACH;
 use crate::readings::group::RunGroup;
@@ -20,6 +21,8 @@ pub(crate) struct FreeEffect {
     units: Vec<f64>,
     /// Values of the held parameters; the others' are not read.
     held: Vec<f64>,
+    /// Precision with which each searched coordinate is known to be 0 before any reading; empty where nothing is known.
+    pub(crate) known: Vec<f64>,
 }
 
 impl FreeEffect {
@@ -39,7 +42,13 @@ impl FreeEffect {
             units: limits.iter().zip(probe).map(unit).collect(),
             held: probe.to_vec(),
             limits,
+            known: Vec::new(),
         }
+    }
+
+    /// The same with so much known of its searched coordinates before any reading.
+    pub(crate) fn known_to(self, known: Vec<f64>) -> FreeEffect {
+        FreeEffect { known, ..self }
     }
 
     /// Number of parameters that are searched.
@@ -283,6 +292,33 @@ impl<'g> ExtendedProblem<'g> {
         dot(&out, &out)
     }
 
+    /// Precision of each coordinate before any reading: 0 where nothing is known.
+    pub(crate) fn known(&self) -> Vec<f64> {
+        let mut known = vec![0.0; self.base_len()];
+        for free_effect in &self.effects {
+            let own = (0..free_effect.free()).map(|k| free_effect.known.get(k).copied().unwrap_or(0.0));
+            known.extend(own);
+        }
+        known
+    }
+
+    /// What is added to the sum of squares by what is known before any reading.
+    pub(crate) fn penalty(&self, at: &[f64]) -> f64 {
+        self.known()
+            .iter()
+            .zip(at)
+            .map(|(known, at)| known * at * at)
+            .sum()
+    }
+
+    fn add_known(&self, local: &mut Local, at: &[f64]) {
+        let known = self.known();
+        if known.iter().any(|precision| *precision > 0.0) {
+            let diagonal = Symmetric::from_fn(known.len(), |a, b| if a == b { known[a] } else { 0.0 });
+            local.add_known_before(&diagonal, 1.0, at);
+        }
+    }
+
     /// Number of residuals of one run.
     pub(crate) fn rows_of(&self, run: usize) -> usize {
         self.group.runs[run]
@@ -302,12 +338,14 @@ impl<'g> ExtendedProblem<'g> {
         group_run.take_out(&mut out[first..]);
     }
 
-    /// Sum of squares with its slope, and the Jacobian of the residuals column by column.
+    /// Sum of squares with its slope, what is known before added, and the Jacobian of the residuals column by column.
     pub(crate) fn slope(&self, at: &[f64]) -> (Local, Vec<Vec<f64>>) {
         let mut here = Vec::new();
         self.residuals(at, &mut here);
         let columns: Vec<Vec<f64>> = (0..at.len()).map(|k| self.column(at, k, &here)).collect();
-        (local_of(&here, &columns.iter().collect::<Vec<_>>()), columns)
+        let mut local = local_of(&here, &columns.iter().collect::<Vec<_>>());
+        self.add_known(&mut local, at);
+        (local, columns)
     }
 
     /// How whitened residuals follow all resistances of branches at once, and how the size of the bending, both in
@@ -354,11 +392,6 @@ impl<'g> ExtendedProblem<'g> {
         Levenberg::by_diagonal(limit, settle).search(&Knowing { problem, known }, start)
     }
 
-    /// Limits of all coordinates.
-    pub(crate) fn bounds(&self) -> &Bounds {
-        &self.bounds
-    }
-
     /// Limits of coordinate `k`.
     pub(crate) fn limits_of(&self, k: usize) -> (f64, f64) {
         (self.bounds.low[k], self.bounds.high[k])
@@ -396,14 +429,17 @@ impl Problem for Knowing<'_, '_> {
     fn local(&self, at: &[f64], most: f64) -> Local {
         let mut here = Vec::new();
         self.problem.residuals(at, &mut here);
-        let square = dot(&here, &here);
-        if square > most {
+        let square = dot(&here, &here) + self.problem.penalty(at);
+        // No number is more than none.
+        if square > most || !square.is_finite() {
             return Local::refused(square, at.len());
         }
         let fresh: Vec<Vec<f64>> = (self.known.len()..at.len())
             .map(|k| self.problem.column(at, k, &here))
             .collect();
-        local_of(&here, &self.known.iter().chain(&fresh).collect::<Vec<_>>())
+        let mut local = local_of(&here, &self.known.iter().chain(&fresh).collect::<Vec<_>>());
+        self.problem.add_known(&mut local, at);
+        local
     }
 }
 

@@ -30,24 +30,34 @@ const LEAP: f64 = 4.0;
 /// Times that it may.
 const HALVINGS: usize = 5;
 
-/// Profiles of every parameter of the effects that is searched, effect after effect.
+/// Profiles of every parameter of the effects that is searched, effect after effect; none of what is known before any reading,
+/// whose Gaussian says as much.
 pub(crate) fn profiles(group: &RunGroup, fitted: &Fitted) -> Vec<StrengthProfile> {
     let (slope, _) = fitted.problem.slope(&fitted.at);
     let inverse = slope.normal.inverse(1e-12);
     let effects = &fitted.problem.effects;
     let scale = scale(group, &fitted.problem, &fitted.at);
+    let is_asked = |number: usize| effects[number].known.is_empty();
     let modes: Vec<Vec<Mode>> = (0..effects.len())
-        .map(|number| modes(group, fitted, number, &scale))
+        .map(|number| {
+            if is_asked(number) {
+                modes(group, fitted, number, &scale)
+            } else {
+                Vec::new()
+            }
+        })
         .collect();
     let mut place = fitted.problem.base_len();
     let mut wanted = Vec::new();
     for (number, free_effect) in effects.iter().enumerate() {
         for parameter in (0..free_effect.limits.len()).filter(|&k| !free_effect.limits[k].held) {
-            wanted.push(Which {
-                number,
-                parameter,
-                place,
-            });
+            if is_asked(number) {
+                wanted.push(Which {
+                    number,
+                    parameter,
+                    place,
+                });
+            }
             place += 1;
         }
     }

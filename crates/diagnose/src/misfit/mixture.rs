@@ -47,7 +47,6 @@ mod tests {
             effect,
             unit: vec![1.0],
             norm: 1.0,
-            left: 1.0,
             one_sided: false,
         }
     }

@@ -255,12 +255,6 @@ impl Null {
         self.bin_units.iter().map(score).collect()
     }
 
-    /// Probability of a gain at least as large by chance, over all candidates: never 0.
-    pub(crate) fn p_of_gain(&self, gain: f64) -> f64 {
-        let above = self.draws.iter().filter(|draw| draw.candidate >= gain).count();
-        (1 + above) as f64 / (1 + self.draws.len()) as f64
-    }
-
     /// The gain that chance passes in 5 % of groups in which nothing is wrong.
     pub(crate) fn gain_at_5_percent(&self) -> f64 {
         let mut gains: Vec<f64> = self.draws.iter().map(|draw| draw.candidate).collect();

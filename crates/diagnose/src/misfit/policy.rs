@@ -1,7 +1,7 @@
 //! What decides about a misfit: every number with its unit and where it comes from.
 //!
 //! Where a number is "chosen", its effect was not counted by itself. What all of them together see where something is hidden,
-//! and call wrong where nothing is, `cargo run --release --example hide_and_seek -- ceiling` and `-- null 40` count
+//! and call wrong where nothing is, `cargo run --release --example hide_and_seek -- laws 4 4 own` and `-- null 40` count
 //! (docs/validation/diagnose.md).
 
 /// Part of the degrees of freedom of the noise's size that is believed: its memory was found from the same readings, and
@@ -35,7 +35,7 @@ pub(super) const FEWEST_OF_BIN: usize = 4;
 /// Voltages this near each other are one level of the drive, V. Chosen.
 pub(super) const SAME_LEVEL_V: f64 = 0.01;
 /// A run with so many edges of its drive is asked whether it answers all of them alike. Chosen. Of 12 resistances that swing 8
-/// passed for right before it was asked, and 9 are `unknown` since (`x-limit-cycle` in docs/validation/diagnose.md).
+/// passed for right before it was asked, and 9 are called wrong since.
 pub(super) const FEWEST_EDGES: usize = 4;
 /// Answers to edges at most; of more edges neighbours are taken together. Chosen.
 pub(super) const MOST_EDGE_RESPONSES: usize = 32;

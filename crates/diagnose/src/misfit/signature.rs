@@ -10,7 +10,6 @@ use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 use crate::fitting::tangent::Tangent;
 use crate::misfit::policy::ABSORBED;
 use crate::readings::group::RunGroup;
-use crate::readings::tags::asked;
 
 /// Part of a probe's strength at which the signature is taken: what is left of its bend is below what a refit leaves.
 const SMALL: f64 = 0.1;
@@ -40,8 +39,6 @@ pub(crate) struct Direction {
     pub(crate) unit: Vec<f64>,
     /// Length before it was made unit: sigmas that the probe leaves after the refit.
     pub(crate) norm: f64,
-    /// Share of the signature that the refit leaves.
-    pub(crate) left: f64,
     /// Whether only strengths of the probe's sign are allowed.
     pub(crate) one_sided: bool,
 }
@@ -87,11 +84,9 @@ impl Signature {
 /// Effect, variant, limits, probe, and the strength at which it is absent.
 type Wanted = (&'static dyn Effect, usize, Vec<Limits>, Vec<f64>, f64);
 
-/// Signatures of every effect at every probe, at the base model `at`: of the library, and of tags that differ in the group.
+/// Signatures of every effect of the library at every probe, at the base model `at`.
 pub(crate) fn signatures(problem: &ExtendedProblem, at: &[f64], scale: &Scale) -> Vec<Signature> {
-    let mut effects = ALL.to_vec();
-    effects.extend(asked(problem.group));
-    signatures_of(&effects, problem, at, scale)
+    signatures_of(ALL, problem, at, scale)
 }
 
 /// Signatures of these effects.
@@ -193,7 +188,6 @@ pub(crate) fn directions(signatures: &[Signature], tangent: &Tangent) -> Vec<Dir
             effect: signature.effect.about().id,
             unit,
             norm,
-            left: norm / whole,
             one_sided,
         })
     };

@@ -1,35 +1,15 @@
-//! The account of the error: what of it is noise, between runs, within runs by the law that is told, and left.
+//! The account of the error: what of it is noise, between runs, within runs by the laws that are told, and left.
 
+use ieap_domain::Account;
 use ieap_numerics::sums::dot;
 
-use super::refit::Refit;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::tangent::Tangent;
 use crate::readings::group::RunGroup;
 
-/// Parts of the squared error that the base leaves, in units of the noise.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Account {
-    pub(crate) noise: f64,
-    pub(crate) between_runs: f64,
-    pub(crate) within_runs: f64,
-    pub(crate) unexplained: f64,
-}
-
-impl Account {
-    /// What is beyond noise.
-    pub(crate) fn beyond(&self) -> f64 {
-        self.between_runs + self.within_runs + self.unexplained
-    }
-
-    /// A part of what is beyond noise.
-    pub(crate) fn share(&self, part: f64) -> f64 {
-        part / self.beyond().max(f64::MIN_POSITIVE)
-    }
-}
-
-/// The account of a group. `own` is what all runs leave with parameters of their own; none of a single run.
-pub(crate) fn account(group: &RunGroup, base: &Fitted, law: Option<&Refit>, own: Option<f64>) -> Account {
+/// The account of a group with the model that has the laws that are told, where any is. `own` is what all runs leave with
+/// parameters of their own; none of a single run.
+pub(crate) fn account(group: &RunGroup, base: &Fitted, law: Option<&Fitted>, own: Option<f64>) -> Account {
     let rows = group.rows() as f64;
     let parameters = base.at.len() as f64;
     let noise = rows - parameters;
@@ -46,26 +26,28 @@ pub(crate) fn account(group: &RunGroup, base: &Fitted, law: Option<&Refit>, own:
         }
         _ => left_own.min(left_law),
     };
-    // Each by what it takes first and what it takes last (Shapley).
+    let percent = |part: f64| 100.0 * part / base.square.max(f64::MIN_POSITIVE);
+    // What is told takes first: parameters of each run's own can imitate most laws.
     Account {
-        noise: base.square - beyond,
-        between_runs: 0.5 * ((beyond - left_own) + (left_law - left_both)),
-        within_runs: 0.5 * ((beyond - left_law) + (left_own - left_both)),
-        unexplained: left_both,
+        noise: percent(base.square - beyond),
+        between_runs: percent(left_law - left_both),
+        within_runs: percent(beyond - left_law),
+        unexplained: percent(left_both),
+        ..Account::default()
     }
 }
 
 /// What parameters of each run's own take of what a law leaves, to first order.
-fn by_own_parameters(group: &RunGroup, law: &Refit) -> f64 {
-    let mut residuals = Vec::new();
-    law.problem.residuals(&law.at, &mut residuals);
+fn by_own_parameters(group: &RunGroup, law: &Fitted) -> f64 {
+    let residuals = law.residuals();
+    let (_, columns) = law.problem.slope(&law.at);
     let before = dot(&residuals, &residuals);
     let base = law.problem.base_len();
     let mut first = 0;
     let mut taken = 0.0;
     for run in 0..group.runs.len() {
         let end = first + law.problem.rows_of(run);
-        let own: Vec<Vec<f64>> = law.columns[..base]
+        let own: Vec<Vec<f64>> = columns[..base]
             .iter()
             .map(|column| column[first..end].to_vec())
             .collect();

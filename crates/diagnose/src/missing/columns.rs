@@ -33,12 +33,29 @@ impl LawColumns {
     }
 }
 
-/// The columns of all laws beside a model.
+/// The columns of all laws beside a model, but for those that it has.
 pub(crate) fn columns(problem: &ExtendedProblem, at: &[f64], scale: &Scale) -> Vec<LawColumns> {
+    let has = |law: &SmoothLaw| {
+        problem
+            .effects
+            .iter()
+            .any(|own| own.effect.about().id == law.about().id)
+    };
+    let laws: Vec<&'static SmoothLaw> = SMOOTH_LAWS.iter().copied().filter(|law| !has(law)).collect();
+    columns_of(&laws, problem, at, scale)
+}
+
+/// The columns of these laws.
+pub(crate) fn columns_of(
+    laws: &[&'static SmoothLaw],
+    problem: &ExtendedProblem,
+    at: &[f64],
+    scale: &Scale,
+) -> Vec<LawColumns> {
     let model = problem.model(at);
     let mut without = Vec::new();
     problem.residuals(at, &mut without);
-    let wanted: Vec<(&'static SmoothLaw, Vec<Limits>, Vec<f64>)> = (SMOOTH_LAWS.iter())
+    let wanted: Vec<(&'static SmoothLaw, Vec<Limits>, Vec<f64>)> = (laws.iter())
         .filter_map(|&law| {
             let search = law.search(0, scale);
             let probe = search.probes.into_iter().next()?;

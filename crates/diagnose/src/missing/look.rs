@@ -1,186 +1,338 @@
-//! A misfit looked at: everything weighed, what leads held out, the account of the error, and what is told.
+//! A misfit looked at: everything weighed, what leads held out, law after law, the account of the error, and what is told.
 
-use super::account::{Account, account};
-use super::columns::columns;
-use super::held_out::held_out;
-use super::policy::{BETTER_PARTS, DIFFER_PART, LEFT_PART, MOST_LISTED, SURE};
+use ieap_domain::{Account, Drive, HeldOutError, Hypothesis, MissingLaw, Verdict};
+use ieap_model::FitModel;
+use ieap_model::effects::Site;
+use ieap_model::effects::smooth_laws::Place;
+
+use super::account::account;
+use super::columns::{LawColumns, columns};
+use super::drawn::drawn;
+use super::policy::{
+    AS_WELL, BETTER_PARTS, DIFFER_PART, FEWEST_EDGES, LEFT_PART, MOST_LAWS, MOST_RIVALS, NEXT_FROM_PART, SURE,
+};
+use super::posterior::posterior;
 use super::told::{Told, told};
-use super::weighed::{Asked, Says};
+use super::weighed::{Asked, Says, Weighed};
+use crate::cause::evidence::Varying;
+use crate::cause::proof::held_out::{HeldOut, Part, nrmse, parts};
 use crate::cause::selection_input::SelectionInput;
-use crate::fitting::base_fit::refit;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::scale::scale;
-use crate::fitting::without_outliers::with_base;
-use crate::levels::{RIGHT_FROM, WRONG_BELOW};
-use crate::misfit::misfit_size::misfit_percent;
-use crate::misfit::residual_bins::residual_bins;
-use crate::misfit::signature::signatures;
-use crate::options::DiagnoseOptions;
-use crate::readings::group::{RunGroup, RunInput};
+use crate::levels::WRONG_BELOW;
+use crate::misfit::signature::{Direction, directions};
+use crate::readings::group::RunGroup;
 
-/// What is found of a group.
-#[derive(Debug, Clone, Default)]
-pub struct Looked {
-    /// `right`, `undecided`, `differs`, `law`, `instrument`, `unexplained`, `data-problem`.
-    pub verdict: &'static str,
-    /// Chance of such a misfit.
-    pub p_misfit: f64,
-    /// Place, law, variable and name.
-    pub told: Told,
-    /// Percent of the squared error: noise, between runs, within runs, unexplained.
-    pub account: [f64; 4],
-    /// Largest misfit, percent of a range.
-    pub misfit_percent: f64,
-    /// Probability of each kind: curves, equations, differing runs, slow noise, runs' own.
-    pub kinds: [f64; 5],
-    /// Hypotheses in words with their probabilities, the most probable first.
-    pub leading: Vec<(String, f64, f64)>,
-    /// Held-out parts that come out better, of how many, and the fall.
-    pub held_out: (usize, usize, f64),
+/// What is found of a misfit.
+pub(crate) struct Found<'g> {
+    /// `Law`, `Differs`, `Instrument` or `Unexplained`.
+    pub(crate) verdict: Verdict,
+    /// The laws that are told.
+    pub(crate) laws: Vec<MissingLaw>,
+    /// The base with these laws, or with what was tried; none where nothing could be fitted.
+    pub(crate) lead: Option<Lead<'g>>,
+    pub(crate) account: Account,
+    /// What may be behind the misfit beside the base, the most probable first.
+    pub(crate) posterior: Vec<Hypothesis>,
+    pub(crate) varying: Option<Varying>,
+    /// Explanations beside the base that are not ruled out, in few words; of one that is sure none.
+    pub(crate) rivals: Vec<(String, Fitted<'g>)>,
 }
 
-/// Looks at runs that one parameter set of the base model describes.
-pub fn look(runs: &[RunInput], options: &DiagnoseOptions) -> Looked {
-    let raw = RunGroup::new(runs);
-    let found = with_base(&raw, options.model, |group, base| of_group(group, base, options));
-    found.unwrap_or(Looked {
-        verdict: "data-problem",
-        ..Looked::default()
-    })
+/// The explanation that leads.
+pub(crate) struct Lead<'g> {
+    pub(crate) model: Fitted<'g>,
+    /// Chance of what it leaves; none where it is not told.
+    pub(crate) p_leftover: Option<f64>,
+    /// Against the base.
+    pub(crate) held_out: HeldOut,
 }
 
-fn of_group(group: &RunGroup, base: Fitted, options: &DiagnoseOptions) -> Looked {
-    let first = asked(group, &base, options);
-    if first.verdict == "right" {
-        return first;
+/// Looks at a misfit beside the base; `beside_base` are the directions of the equations there.
+pub(crate) fn look<'g>(
+    input: &SelectionInput<'_, 'g>,
+    beside_base: &[Direction],
+    model: &'static FitModel,
+) -> Found<'g> {
+    let base = input.base;
+    let first = Round::of(input, base, beside_base, model);
+    let by_base = parts(base, input.group);
+    let mut laws = Vec::new();
+    let mut lead: Option<Lead<'g>> = None;
+    let mut later: Option<Round<'g>> = None;
+    for _ in 0..MOST_LAWS {
+        let round = later.as_ref().unwrap_or(&first);
+        let before = lead.as_ref().map_or(&by_base, |lead| &lead.held_out.after);
+        let Some(next) = round.leading(before) else { break };
+        let held_out = HeldOut {
+            before: before.clone(),
+            after: parts(&next.model, input.group),
+        };
+        let is_told = edges(input.group) >= FEWEST_EDGES
+            && round.told.site.is_some()
+            && held_out.pays(BETTER_PARTS)
+            && held_out.errors_fall(input.group);
+        if !is_told && lead.is_some() {
+            break;
+        }
+        let after = held_out.after.clone();
+        if is_told {
+            laws.push(round.described(input, &next, &held_out));
+        }
+        let p_leftover = is_told.then(|| input.p_of(&next.model));
+        let is_more = left_part(base, &next.model) >= NEXT_FROM_PART;
+        lead = Some(Lead {
+            p_leftover,
+            held_out: HeldOut {
+                before: by_base.clone(),
+                after,
+            },
+            model: next.model,
+        });
+        if !(is_more && p_leftover.is_some_and(|p| p < WRONG_BELOW)) {
+            break;
+        }
+        later = lead.as_ref().map(|lead| {
+            let (_, tangent) = lead.model.tangent();
+            let beside = directions(input.signatures, &tangent);
+            Round::of(input, &lead.model, &beside, model)
+        });
     }
-    let model = base.problem.model(&base.at);
-    // Runs that scatter by a few per cent are no misfit.
-    let beside = group
-        .with_scatter(&model)
-        .filter(|own| own.scatter().is_some_and(|s| !s.taken.is_empty()));
-    if let Some(scattered) = beside
-        && let Some(base) = refit(&scattered, &base)
-    {
-        let again = asked(&scattered, &base, options);
-        if again.verdict == "right" || again.verdict == "undecided" {
-            return again;
+    let own = first.weighed.varying.as_ref().map(Varying::own_square);
+    let mass = |says: Says| first.mass(|own| own == says);
+    let alone = account(input.group, base, None, own);
+    let by_own_parameters = alone.share(alone.between_runs);
+    let told_model = lead.as_ref().map(|lead| &lead.model).filter(|_| !laws.is_empty());
+    let left = told_model.map_or(1.0, |model| left_part(base, model));
+    let p_leftover = lead.as_ref().and_then(|lead| lead.p_leftover);
+    let leaves_chance = !laws.is_empty() && p_leftover.is_some_and(|p| p >= WRONG_BELOW);
+    let verdict = match () {
+        () if mass(Says::SlowNoise) >= SURE => Verdict::Instrument,
+        () if mass(Says::Differ) >= SURE => Verdict::Differs,
+        // Parameters of their own imitate most laws: a law comes before them where it leaves no more than chance does.
+        () if by_own_parameters >= 100.0 * DIFFER_PART && !leaves_chance => Verdict::Differs,
+        () if left > LEFT_PART => Verdict::Unexplained,
+        () => Verdict::Law,
+    };
+    let account = match told_model.filter(|_| verdict == Verdict::Law) {
+        Some(model) => account(input.group, base, Some(model), own),
+        None => alone,
+    };
+    if verdict != Verdict::Law {
+        laws.clear();
+    }
+    Found {
+        verdict,
+        laws,
+        lead,
+        account,
+        posterior: posterior(&first.weighed, &first.masses, &first.columns, base),
+        rivals: first.rivals(),
+        varying: first.weighed.varying,
+    }
+}
+
+/// Probabilities among what explains anything: of two laws each leaves what the other makes, and what has no name explains both.
+fn among_explanations(weighed: &Weighed, masses: &[f64]) -> Vec<f64> {
+    let each = weighed.all.iter().zip(masses);
+    let own: Vec<f64> = each
+        .map(|(own, mass)| if own.says == Says::Unnamed { 0.0 } else { *mass })
+        .collect();
+    let whole: f64 = own.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    own.into_iter().map(|mass| mass / whole).collect()
+}
+
+/// Edges of all different drives of a group.
+fn edges(group: &RunGroup) -> usize {
+    let mut drives: Vec<&Drive> = Vec::new();
+    for run in &group.runs {
+        if !drives.iter().any(|known| known.repeats(run.drive())) {
+            drives.push(run.drive());
         }
     }
-    first
+    drives.iter().map(|drive| drive.edges_s().len()).sum()
 }
 
-fn asked(group: &RunGroup, base: &Fitted, options: &DiagnoseOptions) -> Looked {
-    let scale = scale(group, &base.problem, &base.at);
-    let signatures = signatures(&base.problem, &base.at, &scale);
-    let bins = residual_bins(group, base);
-    let input = SelectionInput {
-        group,
-        base,
-        signatures: &signatures,
-        bins: &bins,
-        draws: options.draws,
-        seed: options.seed,
-        of_several: options.of_several,
-    };
-    let (null, directions) = input.null(base, 0);
-    let residuals = base.residuals();
-    let observed = null.observe(group, &residuals, &directions);
-    let calibration = input.calibration(&null, &observed, &directions);
-    let p_misfit = null.p_misfit(&observed, calibration.as_ref());
-    let size = misfit_percent(group, base);
-    let mut looked = Looked {
-        p_misfit,
-        misfit_percent: size.current.unwrap_or(0.0).max(size.curvature.unwrap_or(0.0)),
-        ..Looked::default()
-    };
-    if p_misfit >= WRONG_BELOW {
-        looked.verdict = if p_misfit >= RIGHT_FROM {
-            "right"
-        } else {
-            "undecided"
+/// Part of what the base leaves beyond noise that a model leaves.
+fn left_part(base: &Fitted, model: &Fitted) -> f64 {
+    let rows = base.problem.group.rows() as f64;
+    let beyond = |fitted: &Fitted| (fitted.square - (rows - fitted.at.len() as f64)).max(0.0);
+    beyond(model) / beyond(base).max(f64::MIN_POSITIVE)
+}
+
+/// Everything weighed beside a model.
+struct Round<'g> {
+    columns: Vec<LawColumns>,
+    weighed: Weighed<'g>,
+    masses: Vec<f64>,
+    told: Told,
+}
+
+/// What leads of a round.
+struct Leading<'g> {
+    model: Fitted<'g>,
+    /// The law at its place as a curve, where one was fitted.
+    curve: Option<Fitted<'g>>,
+    /// Its name, where the textbook curve does as well as the curve on what was held out.
+    name: Option<&'static str>,
+}
+
+impl<'g> Round<'g> {
+    fn of(
+        input: &SelectionInput<'_, 'g>,
+        current: &Fitted<'g>,
+        directions: &[Direction],
+        model: &'static FitModel,
+    ) -> Round<'g> {
+        let scale = scale(input.group, &input.base.problem, &input.base.at);
+        let columns = columns(&current.problem, &current.at, &scale);
+        let weighed = Asked {
+            group: input.group,
+            current,
+            residuals: &current.residuals(),
+            signatures: input.signatures,
+            directions,
+            laws: &columns,
+            model,
+        }
+        .weigh();
+        let masses = weighed.masses();
+        let told = told(&weighed, &among_explanations(&weighed, &masses));
+        Round {
+            columns,
+            weighed,
+            masses,
+            told,
+        }
+    }
+
+    fn mass(&self, is: impl Fn(Says) -> bool) -> f64 {
+        let each = self.weighed.all.iter().zip(&self.masses);
+        each.filter(|(own, _)| is(own.says)).map(|(_, mass)| mass).sum()
+    }
+
+    /// Places of the hypotheses that were fitted, the most probable first.
+    fn fitted(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.masses.len())
+            .filter(|&k| self.weighed.all[k].fitted.is_some())
+            .collect();
+        order.sort_by(|&a, &b| self.masses[b].total_cmp(&self.masses[a]));
+        order
+    }
+
+    /// The model of what is told: the textbook curve within the band that does as well on what was held out; else of a law its
+    /// curve, of a place the curve that explains most there, of nothing what is most probable.
+    fn leading(&self, before: &[Part]) -> Option<Leading<'g>> {
+        let is_at = |k: &usize| {
+            let place = self.weighed.all[*k].place;
+            place.is_some_and(|own| match (self.told.place, self.told.site) {
+                (Some(told), _) => own.law == told.law && own.variable == told.variable,
+                (None, Some(site)) => own.site == site,
+                _ => false,
+            })
         };
-        return looked;
-    }
-    let laws = columns(&base.problem, &base.at, &scale);
-    let weighed = Asked {
-        group,
-        current: base,
-        residuals: &residuals,
-        signatures: &signatures,
-        directions: &directions,
-        laws: &laws,
-        model: options.model,
-    }
-    .weigh();
-    let masses = weighed.masses();
-    let mut order: Vec<usize> = (0..masses.len()).collect();
-    order.sort_by(|&a, &b| masses[b].total_cmp(&masses[a]));
-    for &k in &order {
-        looked.kinds[kind(weighed.all[k].says)] += masses[k];
-    }
-    let words = |k: usize| {
-        let own = &weighed.all[k];
-        let name = match own.says {
-            Says::Curve(law) => {
-                let law = &laws[law].law;
-                format!("{} {} by {}", law.place.law, law.place.of, law.place.variable)
+        let fitted = self.fitted();
+        let model = |k: usize| self.weighed.all[k].fitted.clone();
+        let is_curve = |k: &usize| matches!(self.weighed.all[*k].says, Says::Curve(_));
+        let fall = |k: &usize| self.weighed.all[*k].fall;
+        let curve = fitted
+            .iter()
+            .copied()
+            .filter(|k| is_curve(k) && is_at(k))
+            .max_by(|a, b| fall(a).total_cmp(&fall(b)));
+        let equation = self.told.names.first().and_then(|name| {
+            let is_it = |k: &&usize| self.weighed.all[**k].says == Says::Equation(name);
+            fitted.iter().find(is_it).copied()
+        });
+        let curve = curve.and_then(model);
+        // What few numbers say as well is no worse where nothing was measured.
+        if let Some(own) = equation.and_then(model) {
+            let does_as_well = curve
+                .as_ref()
+                .is_none_or(|curve| does_as_well(&own, curve, before));
+            if does_as_well {
+                return Some(Leading {
+                    model: own,
+                    curve,
+                    name: self.told.name,
+                });
             }
-            Says::Equation(id) => id.to_owned(),
-            other => format!("{other:?}"),
+        }
+        let other = || {
+            fitted
+                .iter()
+                .copied()
+                .find(is_at)
+                .or(fitted.first().copied())
+                .and_then(model)
         };
-        (name, masses[k], own.fall)
-    };
-    looked.leading = order.iter().take(MOST_LISTED).map(|&k| words(k)).collect();
-    let lead = order
-        .iter()
-        .map(|&k| &weighed.all[k])
-        .find(|own| own.fitted.is_some());
-    let law = lead.and_then(|own| own.fitted.as_ref());
-    let own = weighed.varying.as_ref().map(|varying| varying.own_square());
-    let account = account(group, base, law, own);
-    looked.account = percent(&account);
-    looked.told = told(&weighed, &masses);
-    if let Some(law) = law {
-        let held = held_out(group, base, law);
-        let (better, parts) = held.better();
-        looked.held_out = (better, parts, held.fall());
+        let model = curve.clone().or_else(other)?;
+        Some(Leading {
+            model,
+            curve,
+            name: None,
+        })
     }
-    let (better, parts, fall) = looked.held_out;
-    let pays = fall > 0.0 && better as f64 >= BETTER_PARTS * parts as f64;
-    looked.verdict = match () {
-        () if looked.kinds[kind(Says::SlowNoise)] >= SURE => "instrument",
-        () if looked.kinds[kind(Says::Differ)] >= SURE
-            || account.share(account.between_runs) >= DIFFER_PART =>
-        {
-            "differs"
+
+    /// The law that is told.
+    fn described(&self, input: &SelectionInput, lead: &Leading, held_out: &HeldOut) -> MissingLaw {
+        let site = self.told.site.unwrap_or(Site::Current);
+        let channel = usize::from(site == Site::Bending);
+        let percent = |parts: &[Part]| nrmse(input.group, parts, channel).map(|part| 100.0 * part);
+        let (better, all) = held_out.better();
+        let place = self.told.place;
+        MissingLaw {
+            place: site.name().to_owned(),
+            law: place.map(|own| own.law.to_owned()),
+            of: place.map(|own| own.of.to_owned()).filter(|of| !of.is_empty()),
+            variable: place.map(|own| own.variable.to_owned()),
+            words: place.map_or_else(|| site.words().to_owned(), |own| own.words()),
+            name: lead.name.map(str::to_owned),
+            names: self.told.names.iter().map(|id| (*id).to_owned()).collect(),
+            probability: self.told.probability.min(1.0),
+            curve: place.and_then(|_| drawn(lead.curve.as_ref()?)),
+            held_out: HeldOutError {
+                error_percent_before: percent(&held_out.before),
+                error_percent_after: percent(&held_out.after),
+                better_parts: format!("{better} of {all}"),
+            },
         }
-        () if looked.told.site.is_none() || !pays || account.share(account.unexplained) > LEFT_PART => {
-            "unexplained"
+    }
+
+    /// Explanations that are not ruled out, one of each law and variable, and every textbook curve within the band; none where
+    /// that is one.
+    fn rivals(&self) -> Vec<(String, Fitted<'g>)> {
+        let mut found: Vec<(String, Fitted<'g>)> = Vec::new();
+        let mut places: Vec<Place> = Vec::new();
+        let mut held = 0.0;
+        for k in self.fitted() {
+            let own = &self.weighed.all[k];
+            let Some(place) = own.place.map(|place| Place { of: "", ..place }) else {
+                continue;
+            };
+            let (is_of_band, name) = match own.says {
+                Says::Equation(id) => (self.told.names.contains(&id), id.to_owned()),
+                _ => (false, format!("{} by {}", place.law, place.variable)),
+            };
+            let is_new = !places.contains(&place) && held < SURE;
+            if (is_of_band || is_new) && found.len() < MOST_RIVALS {
+                found.extend(own.fitted.clone().map(|fitted| (name, fitted)));
+            }
+            places.push(place);
+            held += self.masses[k];
         }
-        () => "law",
-    };
-    looked
+        if found.len() < 2 { Vec::new() } else { found }
+    }
 }
 
-/// Place of a kind of hypothesis in [`Looked::kinds`].
-fn kind(says: Says) -> usize {
-    match says {
-        Says::Curve(_) => 0,
-        Says::Equation(_) => 1,
-        Says::Differ => 2,
-        Says::SlowNoise => 3,
-        Says::Unnamed => 4,
-    }
-}
-
-fn percent(account: &Account) -> [f64; 4] {
-    let whole = account.noise + account.beyond();
-    [
-        account.noise,
-        account.between_runs,
-        account.within_runs,
-        account.unexplained,
-    ]
-    .map(|part| 100.0 * part / whole)
+/// Whether a textbook curve gains on held-out parts about what the free curve does.
+fn does_as_well(equation: &Fitted, curve: &Fitted, before: &[Part]) -> bool {
+    let fall = |fitted: &Fitted| {
+        let after = parts(fitted, fitted.problem.group);
+        let pairs = before.iter().zip(&after);
+        pairs
+            .map(|(before, after)| before.deviance - after.deviance)
+            .sum::<f64>()
+    };
+    fall(equation) >= AS_WELL * fall(curve)
 }

@@ -2,14 +2,15 @@
 //!
 //! In: the misfit beside the base model. Every law of the model is asked as a smooth function of every variable, beside the
 //! equations of the library, each of which is one curve of such a function; and whether runs merely differ.
-//! Out: [`look::Looked`]: the account of the error, and the deepest of place, law and variable, name that the readings tell.
+//! Out: [`look::Found`]: the verdict, the account of the error, and for every law that pays by itself the deepest of place, law
+//! and variable, name that the readings tell.
 
-mod account;
+pub(crate) mod account;
 mod columns;
+mod drawn;
 mod evidence;
-mod held_out;
 pub(crate) mod look;
 mod policy;
-mod refit;
-pub(crate) mod told;
-mod weighed;
+mod posterior;
+mod told;
+pub(crate) mod weighed;

@@ -30,8 +30,24 @@ pub(super) const INEXACT: f64 = 0.02;
 pub(super) const LEFT_PART: f64 = 0.2;
 /// Part of the error that runs of their own parameters take for that to be told first.
 pub(super) const DIFFER_PART: f64 = 0.8;
+/// Edges of different drives from which a law can be told: after one step most laws look like others. Chosen.
+pub(super) const FEWEST_EDGES: usize = 2;
 /// Part of held-out parts that must come out better.
 pub(super) const BETTER_PARTS: f64 = 0.75;
 
-/// Hypotheses that are listed.
-pub(super) const MOST_LISTED: usize = 8;
+/// Laws that are sought one after another at most. Chosen.
+pub(super) const MOST_LAWS: usize = 3;
+/// Part of the error beyond noise that laws must leave for another one to be sought: no law is exact.
+pub(super) const NEXT_FROM_PART: f64 = 0.05;
+/// Part of what the curve gains on held-out parts that a textbook curve must gain for its name to be told.
+pub(super) const AS_WELL: f64 = 0.95;
+/// Hypotheses below this probability are not told, but for the leading one of each kind. Chosen.
+pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
+/// A law is drawn where the readings leave so much of the error that was there before, in as many places at least; else whole.
+/// Chosen.
+pub(super) const TOLD_PART: f64 = 0.5;
+pub(super) const FEWEST_PLACES: usize = 5;
+/// Places over the variable at which a law is drawn.
+pub(super) const PLACES: usize = 41;
+/// Explanations at most that a next run is asked to tell apart. Chosen.
+pub(super) const MOST_RIVALS: usize = 5;

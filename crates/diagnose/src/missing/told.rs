@@ -8,17 +8,17 @@ use super::weighed::{Says, Weighed, Weight};
 
 /// What is told, with its probability.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Told {
+pub(crate) struct Told {
     /// Where it acts.
-    pub site: Option<Site>,
+    pub(crate) site: Option<Site>,
     /// Law and what it follows, where that is sure.
-    pub place: Option<Place>,
+    pub(crate) place: Option<Place>,
     /// Equations of the library that lie under it, the most probable first.
-    pub names: Vec<&'static str>,
+    pub(crate) names: Vec<&'static str>,
     /// The one that is sure.
-    pub name: Option<&'static str>,
+    pub(crate) name: Option<&'static str>,
     /// Probability of the deepest of these.
-    pub probability: f64,
+    pub(crate) probability: f64,
 }
 
 /// The deepest that is sure; nothing where no place is.
@@ -68,15 +68,17 @@ pub(crate) fn told(weighed: &Weighed, masses: &[f64]) -> Told {
     // Inside the band: what the curve explains beyond it is what its further weights take of noise.
     let inside = |fall: f64| fall > (1.0 - INEXACT) * curve - 0.5 * WEIGHTS as f64;
     let most = names.first().map_or(0.0, |(_, most, _)| *most);
-    let within: Vec<&'static str> = names
+    let within: Vec<(&'static str, f64)> = names
         .iter()
         .filter(|(_, own, fall)| inside(*fall) && *own > (1.0 - SURE) * most)
-        .map(|(id, ..)| *id)
+        .map(|(id, own, _)| (*id, *own))
         .collect();
+    // A law of another shape may lie within the band as well: the name must be as sure as the law.
     told.name = match within[..] {
-        [only] => Some(only),
+        [(only, mass)] if mass >= SURE => Some(only),
         _ => None,
     };
+    let within = within.into_iter().map(|(id, _)| id).collect();
     told.names = within;
     told
 }

@@ -4,18 +4,19 @@
 use std::collections::BTreeMap;
 
 use ieap_model::FitModel;
-use ieap_model::effects::smooth_laws::{Place, place_of};
+use ieap_model::effects::Scale;
+use ieap_model::effects::smooth_laws::{Place, SmoothLaw, place_of};
 use rayon::prelude::*;
 
-use super::columns::LawColumns;
+use super::columns::{LawColumns, columns_of};
 use super::evidence::{Evidence, evidence, process};
 use super::policy::{
     DIFFERS, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED, UNNAMED,
 };
-use super::refit::Refit;
 use crate::cause::candidates::{CandidateFit, fit_candidates};
 use crate::cause::evidence::{Nameless, Parts, Process, Varying, log_evidence, log_sum};
 use crate::fitting::fitted::Fitted;
+use crate::fitting::tangent::Tangent;
 use crate::misfit::signature::{Direction, Signature};
 use crate::readings::group::RunGroup;
 
@@ -48,7 +49,7 @@ pub(crate) struct Weight<'g> {
     /// Parameters that it adds.
     pub(crate) free: usize,
     /// The model in full, where it was fitted.
-    pub(crate) fitted: Option<Refit<'g>>,
+    pub(crate) fitted: Option<Fitted<'g>>,
 }
 
 impl Weight<'_> {
@@ -81,7 +82,8 @@ impl<'g> Asked<'_, 'g> {
     pub(crate) fn weigh(&self) -> Weighed<'g> {
         let (slope, tangent) = self.current.tangent();
         let mut all = self.curves();
-        all.extend(self.equations());
+        let candidates = fit_candidates(self.current, self.residuals, self.signatures, self.directions);
+        all.extend(self.equations(&candidates));
         share_priors(&mut all);
         let nameless = Nameless::of(self.group);
         let plain = |says, parts: Parts, prior: f64| Weight {
@@ -97,11 +99,15 @@ impl<'g> Asked<'_, 'g> {
         all.push(plain(Says::Unnamed, unnamed, UNNAMED));
         let slow = nameless.slow_parts(&tangent, self.residuals);
         all.push(plain(Says::SlowNoise, slow, SLOW));
-        let varying = Varying::of(self.group, self.current, self.model, &slope.normal);
+        // Beside a law runs are not asked again whether they differ.
+        let is_base = self.current.problem.effects.is_empty();
+        let varying = is_base
+            .then(|| Varying::of(self.group, self.current, self.model, &slope.normal))
+            .flatten();
         if let Some(varying) = &varying {
             let logs: Vec<f64> = varying.weighed(self.current).map(|(_, log)| log).collect();
             let log = log_sum(&logs) - varying.prior().ln();
-            let fall = 0.5 * (self.current.square - varying.square());
+            let fall = 0.5 * (self.current.penalised() - varying.square());
             let parts = Parts {
                 fall,
                 occam: log - fall,
@@ -146,9 +152,9 @@ impl<'g> Asked<'_, 'g> {
                 fitted: None,
             };
             if full.contains(&k)
-                && let Some(refit) = self.refit(law, precisions, &weights, &base_columns)
+                && let Some(refit) = refit(self.current, law, precisions, &weights, &base_columns)
             {
-                weight.fall = 0.5 * (self.current.square - refit.penalised());
+                weight.fall = 0.5 * (self.current.penalised() - refit.penalised());
                 weight.fitted = Some(refit);
             }
             Some(weight)
@@ -156,59 +162,14 @@ impl<'g> Asked<'_, 'g> {
         ranked.into_par_iter().filter_map(weight).collect()
     }
 
-    /// Base and law together from what the first order says, or from the base where that is better.
-    fn refit(
-        &self,
-        law: &LawColumns,
-        precisions: &[f64],
-        weights: &[f64],
-        base_columns: &[Vec<f64>],
-    ) -> Option<Refit<'g>> {
-        let unit = law.coordinate();
-        let problem = self.current.problem.with(law.free_effect());
-        let known: Vec<f64> = precisions.iter().map(|own| own / (unit * unit)).collect();
-        // Derivatives of residuals: what the model gains is taken from them.
-        let own = law.columns.iter().map(|column| {
-            let each = column.iter();
-            each.map(|v| -v / unit).collect::<Vec<f64>>()
-        });
-        let columns: Vec<Vec<f64>> = base_columns.iter().cloned().chain(own).collect();
-        let start = |part: f64| {
-            let mut start = self.current.at.clone();
-            start.extend(weights.iter().map(|weight| part * weight * unit));
-            start
-        };
-        let best = [1.0, 0.3, 0.0]
-            .map(start)
-            .into_iter()
-            .map(|start| (problem.square(&start), start))
-            .filter(|(square, _)| square.is_finite())
-            .min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Refit::of(problem, known, &best.1, columns)
-    }
-
-    /// Every equation of the library: those that promise most in full.
-    fn equations(&self) -> Vec<Weight<'g>> {
-        let candidates = fit_candidates(
-            self.current,
-            self.residuals,
-            self.signatures,
-            self.directions,
-            &[],
-        );
+    /// Every equation of the library: those that promise most were fitted in full.
+    fn equations(&self, candidates: &[CandidateFit<'g>]) -> Vec<Weight<'g>> {
         let of = |candidate: &CandidateFit<'g>| {
             let place = place_of(candidate.effect)?;
             let (fall, occam) = match &candidate.fitted {
                 Some(fitted) => log_evidence(self.current, fitted),
                 None => (0.5 * candidate.forecast, -0.5 * candidate.forms - UNFITTED),
             };
-            let refit = candidate.fitted.as_ref().map(|fitted| Refit {
-                columns: fitted.problem.slope(&fitted.at).1,
-                problem: fitted.problem.clone(),
-                known: Vec::new(),
-                at: fitted.at.clone(),
-                square: fitted.square,
-            });
             Some(Weight {
                 says: Says::Equation(candidate.effect),
                 place: Some(place),
@@ -216,11 +177,56 @@ impl<'g> Asked<'_, 'g> {
                 prior: 0.0,
                 occam,
                 free: candidate.extra,
-                fitted: refit,
+                fitted: candidate.fitted.clone(),
             })
         };
         candidates.par_iter().filter_map(of).collect()
     }
+}
+
+/// Base and law together from what the first order says, or from the base where that is better.
+fn refit<'g>(
+    current: &Fitted<'g>,
+    law: &LawColumns,
+    precisions: &[f64],
+    weights: &[f64],
+    base_columns: &[Vec<f64>],
+) -> Option<Fitted<'g>> {
+    let unit = law.coordinate();
+    let known = precisions.iter().map(|own| own / (unit * unit)).collect();
+    let problem = current.problem.with(law.free_effect().known_to(known));
+    // Derivatives of residuals: what the model gains is taken from them.
+    let own = law.columns.iter().map(|column| {
+        let each = column.iter();
+        each.map(|v| -v / unit).collect::<Vec<f64>>()
+    });
+    let columns: Vec<Vec<f64>> = base_columns.iter().cloned().chain(own).collect();
+    let start = |part: f64| {
+        let mut start = current.at.clone();
+        start.extend(weights.iter().map(|weight| part * weight * unit));
+        start
+    };
+    let best = [1.0, 0.3, 0.0]
+        .map(start)
+        .into_iter()
+        .map(|start| (problem.square(&start), start))
+        .filter(|(square, _)| square.is_finite())
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Fitted::along(problem, &best.1, &columns)
+}
+
+/// A model with one more law at its most probable place; none where the law does not act or a refit takes it up.
+pub(crate) fn with_law<'g>(
+    current: &Fitted<'g>,
+    law: &'static SmoothLaw,
+    scale: &Scale,
+) -> Option<Fitted<'g>> {
+    let own = columns_of(&[law], &current.problem, &current.at, scale).pop()?;
+    let (_, base_columns) = current.problem.slope(&current.at);
+    let process = process(&own.columns, &Tangent::of(&base_columns), &current.residuals());
+    let precisions = evidence(&process)?.precisions;
+    let (weights, _) = process.most_probable(&precisions);
+    refit(current, &own, &precisions, &weights, &base_columns)
 }
 
 /// Gives every law and variable the same weight, its curves a part of it and its equations the rest.

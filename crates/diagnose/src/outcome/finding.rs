@@ -1,6 +1,5 @@
 //! The finding about a group, put together.
 
-mod causes;
 mod effects;
 mod forms;
 
@@ -9,13 +8,7 @@ use ieap_domain::{
     ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict,
 };
 
-use crate::cause::between::refused_in_words;
-use crate::cause::decide::{Facts, decide, differ};
-use crate::cause::evidence::{Asked, SURE, Standing, weigh};
-use crate::cause::lead::{Lead, Settled};
 use crate::cause::proof::held_out::Part;
-use crate::cause::select::Selection;
-use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
 use crate::levels::{RIGHT_FROM, VISIBLE_PERCENT, WRONG_BELOW};
@@ -25,15 +18,16 @@ use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature};
 use crate::misfit::visible::visible_percent;
 use crate::misfit::whereabouts::whereabouts;
+use crate::missing::account::account;
+use crate::missing::look::{Found, Lead};
 use crate::options::DiagnoseOptions;
-use crate::outcome::alone::{alone, are_described, doubts, in_words as alone_in_words};
-use crate::outcome::gain::{gain, proof};
+use crate::outcome::alone::{alone, in_words as alone_in_words};
+use crate::outcome::gain::gain;
 use crate::outcome::next_run::next_run;
 use crate::outcome::noise_words::{of_scatter, of_slow_noise};
-use crate::outcome::policy::{MOST_OF_MISFIT, SPIKED_PART};
+use crate::outcome::policy::SPIKED_PART;
 use crate::readings::drawn::{drawn, paired};
 use crate::readings::group::{RunGroup, RunInput, channel_name};
-use crate::readings::tags::not_asked;
 use ieap_fit::left_out_in_words;
 use ieap_model::effects::effect;
 use ieap_numerics::random_effects::Spread;
@@ -70,91 +64,72 @@ pub(crate) fn nothing(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
 }
 
 impl<'g> FindingBuilder<'_, 'g> {
-    /// Consistent, undecided, or readings that allow no finding.
+    /// Right, undecided, or readings that allow no finding.
     pub(crate) fn without_cause(&self) -> GroupDiagnosis {
         let mut found = self.frame();
         let is_visible = is_visible(found.visible_percent);
         found.verdict = match () {
             () if self.is_spiked() => Verdict::DataProblem,
-            () if self.p_misfit >= RIGHT_FROM && is_visible => Verdict::Consistent,
+            () if self.p_misfit >= RIGHT_FROM && is_visible => Verdict::Right,
             () => Verdict::Undecided,
         };
-        let places = self.by_forecast();
-        found.confusable = self.confusable(places.iter().map(|(place, _)| *place));
-        found.candidates = self.forecasts();
         if found.verdict == Verdict::DataProblem {
             found.sentence = SPIKED_WORDS.into();
         }
         found
     }
 
-    /// With what the selection found.
-    pub(crate) fn with_cause(
-        &self,
-        input: &SelectionInput<'_, 'g>,
-        selection: &Selection<'g>,
-    ) -> GroupDiagnosis {
+    /// With what was found of the misfit.
+    pub(crate) fn with_law(&self, missing: Found<'g>) -> GroupDiagnosis {
         let mut found = self.frame();
-        let weighed = weigh(&Asked {
-            group: self.group,
-            base: self.base,
-            selection,
-            model: self.options.model,
-        });
-        // Where parameters that differ carry weight, each run by itself must be described by its own.
-        let first = weighed.posterior(Standing::ALL);
-        let may_differ = differ(&first) > 1.0 - SURE;
-        let mut runs_alone = may_differ.then(|| self.alone());
-        let is_described = runs_alone.as_deref().is_some_and(are_described);
-        let Settled { lead, posterior } = input.settled(&weighed, is_described);
-        if differ(&posterior) > 1.0 - SURE
-            && let Some(varying) = &weighed.varying
+        found.verdict = missing.verdict;
+        found.account = Some(missing.account);
+        if missing.verdict == Verdict::Differs
+            && let Some(varying) = &missing.varying
         {
             found.differs = varying.told(self.group, self.base);
-        }
-        let predicts = lead
-            .as_ref()
-            .is_some_and(|lead| lead.held_out.passed(self.gain_of(lead)));
-        let ids = lead.as_ref().map_or_else(Vec::new, Lead::ids);
-        let decision = decide(&Facts {
-            posterior: &posterior,
-            lead: &ids,
-            is_adequate: lead.as_ref().is_some_and(Lead::is_adequate),
-            explains_most: lead.as_ref().is_some_and(|lead| self.explains_most(lead)),
-            predicts,
-            is_clear: lead
-                .as_ref()
-                .is_some_and(|lead| proof(self.group, &lead.held_out).is_clear()),
-        });
-        found.posterior = posterior;
-        found.verdict = decision.verdict;
-        found.set = decision.set;
-        found.node = decision.node;
-        if self.is_spiked() {
-            (found.verdict, found.node) = (Verdict::DataProblem, None);
-            found.sentence = SPIKED_WORDS.into();
-            found.set.clear();
-        }
-        found.remarks.extend(refused_in_words(&selection.dealt));
-        found.candidates = self.candidates(selection, lead.as_ref(), found.verdict.extends_the_model());
-        let candidates = selection.steps.first().map_or(&[][..], |step| &step.candidates);
-        found.confusable = self.confusable(candidates.iter().map(|candidate| candidate.direction));
-        if let Some(lead) = lead.as_ref().filter(|_| found.verdict != Verdict::Varies) {
-            self.add_lead(&mut found, selection, lead);
-        }
-        if found.verdict == Verdict::Varies {
-            found
-                .remarks
-                .extend(doubts(runs_alone.as_deref().unwrap_or_default()));
-        }
-        if found.verdict == Verdict::Unknown && self.group.runs.len() > 1 {
-            let alone = runs_alone.get_or_insert_with(|| self.alone());
-            found.remarks.extend(alone_in_words(alone));
-        }
-        if matches!(found.verdict, Verdict::Varies | Verdict::Unknown) {
-            found.alone = runs_alone.unwrap_or_default();
+            let differing = found.differs.iter();
+            found.set = differing.map(|own| format!("varies:{}", own.key)).collect();
         }
         found
+            .set
+            .extend(missing.laws.iter().flat_map(|law| law.names.clone()));
+        found.posterior = missing.posterior;
+        found.missing = missing.laws;
+        if let Some(lead) = missing
+            .lead
+            .as_ref()
+            .filter(|_| missing.verdict != Verdict::Differs)
+        {
+            self.add_lead(&mut found, lead);
+        }
+        if found.verdict == Verdict::Unexplained && self.group.runs.len() > 1 {
+            let alone = self.alone();
+            found.remarks.extend(alone_in_words(&alone));
+            found.alone = alone;
+        }
+        let rivals = missing.rivals.iter();
+        let rivals: Vec<(&str, &Fitted)> = rivals.map(|(name, fitted)| (name.as_str(), fitted)).collect();
+        if matches!(found.verdict, Verdict::Law | Verdict::Unexplained) {
+            found.next_run = next_run(self.group, &rivals);
+        }
+        if found.verdict.is_misfit() && self.is_tolerated(found.misfit_percent) {
+            found.verdict = Verdict::Right;
+        }
+        if self.is_spiked() {
+            found.verdict = Verdict::DataProblem;
+            found.sentence = SPIKED_WORDS.into();
+            found.set.clear();
+            found.missing.clear();
+        }
+        found
+    }
+
+    /// Whether a misfit is smaller than what is tolerated.
+    fn is_tolerated(&self, misfit: MisfitPercent) -> bool {
+        let each = [misfit.current, misfit.curvature, misfit.charge];
+        let largest = each.into_iter().flatten().fold(0.0, f64::max);
+        largest < self.options.tolerance_percent
     }
 
     /// Every run by itself.
@@ -163,20 +138,10 @@ impl<'g> FindingBuilder<'_, 'g> {
         alone(&given, self.options)
     }
 
-    /// Fall of the sum of squares by what leads.
-    fn gain_of(&self, lead: &Lead) -> f64 {
-        self.base.square - lead.model.square
-    }
-
-    /// Whether it takes more than half of what the base leaves beyond noise.
-    fn explains_most(&self, lead: &Lead) -> bool {
-        self.gain_of(lead) > MOST_OF_MISFIT * (self.base.square - self.group.rows() as f64)
-    }
-
     /// What the leading explanation is worth; and where it is told, what it is.
-    fn add_lead(&self, found: &mut GroupDiagnosis, selection: &Selection<'g>, lead: &Lead<'g>) {
+    fn add_lead(&self, found: &mut GroupDiagnosis, lead: &Lead<'g>) {
         let model = &lead.model;
-        found.p_leftover = Some(lead.p_leftover);
+        found.p_leftover = lead.p_leftover;
         found.gain = Some(gain(self.group, self.base, model, &lead.held_out));
         found.residuals = paired(std::mem::take(&mut found.residuals), &self.drawn(model));
         let of = |parts: &[Part]| {
@@ -186,12 +151,12 @@ impl<'g> FindingBuilder<'_, 'g> {
                 .collect::<Vec<_>>()
         };
         found.held_out_residuals = paired(of(&lead.held_out.before), &of(&lead.held_out.after));
-        if !found.verdict.extends_the_model() {
+        if found.verdict != Verdict::Law {
             return;
         }
         let forms = self.other_forms(model);
         let profiles = profiles(self.group, model);
-        found.effects = self.findings(selection, model, &found.set, &profiles, &forms);
+        found.effects = self.findings(model, &found.set, &profiles, &forms);
         let is_strength = |profile: &StrengthProfile| {
             let about = effect(&profile.effect).map(|effect| effect.about());
             about.is_some_and(|about| about.parameters[0].key == profile.key)
@@ -199,7 +164,6 @@ impl<'g> FindingBuilder<'_, 'g> {
         found.profiles = profiles.into_iter().filter(is_strength).collect();
         found.remarks.extend(in_words(&found.effects, &forms));
         found.shifts = self.shifts(model);
-        found.next_run = self.next_run(selection, &found.set);
     }
 
     /// Everything that does not depend on a cause.
@@ -226,15 +190,15 @@ impl<'g> FindingBuilder<'_, 'g> {
                 self.group,
                 self.options.model,
             ));
-            remarks.extend(not_asked(self.group));
         }
         GroupDiagnosis {
             p_misfit: Some(self.p_misfit),
             whereabouts: Some(whereabouts(self.group, self.null, self.bins, self.residuals)),
-            gain_at_5_percent: Some(self.null.gain_at_5_percent()),
             noise,
             residuals: self.drawn(self.base),
             misfit_percent: misfit_percent(self.group, self.base),
+            tolerance_percent: self.options.tolerance_percent,
+            account: Some(account(self.group, self.base, None, None)),
             visible_percent,
             scatter,
             scatter_is_noise,
@@ -300,19 +264,6 @@ impl<'g> FindingBuilder<'_, 'g> {
             })
         };
         self.base.base_parameters().into_iter().filter_map(of).collect()
-    }
-
-    fn next_run(&self, selection: &Selection<'g>, set: &[String]) -> Option<ieap_domain::NextRun> {
-        let step = selection.steps.first()?;
-        let fitted = step
-            .candidates
-            .iter()
-            .filter(|candidate| set.iter().any(|id| id == candidate.effect));
-        let members: Vec<(&'static str, &Fitted)> = fitted
-            .filter_map(|candidate| Some((candidate.effect, candidate.fitted.as_ref()?)))
-            .take(5)
-            .collect();
-        next_run(self.group, &members)
     }
 
     /// What a model leaves of every run; where runs scatter, with each run's own deviations, for these are noise.

@@ -2,8 +2,7 @@
 
 use ieap_domain::{Gain, HeldOutGain, Prediction};
 
-use crate::cause::lead::HeldOut;
-use crate::cause::proof::held_out::{self, Deviations, Part};
+use crate::cause::proof::held_out::{self, HeldOut, Part, nrmse, sum};
 use crate::cause::proof::later::later_parts;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
@@ -17,7 +16,6 @@ pub(crate) fn gain(group: &RunGroup, base: &Fitted, extended: &Fitted, held_out:
     Gain {
         held_out: held_out::kind(group).to_owned(),
         proof: proof(group, held_out),
-        nameless_deviance: held_out.nameless.iter().sum(),
         predictions: predictions(&predicted(&held_out.before), &predicted(&held_out.after)),
         residual_rms_sigma_before: rms(base.square),
         residual_rms_sigma_after: rms(extended.square),
@@ -70,27 +68,4 @@ fn predictions(before: &[Predicted], after: &[Predicted]) -> Vec<Prediction> {
 fn coverage(parts: &[Part]) -> Option<f64> {
     let all = sum(parts.iter().flat_map(|part| part.deviations));
     (all.readings > 0).then(|| all.covered as f64 / all.readings as f64)
-}
-
-/// Root mean square deviation of a channel's held-out readings over its range.
-fn nrmse(group: &RunGroup, parts: &[Part], channel: usize) -> Option<f64> {
-    let all = sum(parts.iter().map(|part| part.deviations[channel]));
-    let range = range(group, channel)?;
-    (all.readings > 0).then(|| (all.square / all.readings as f64).sqrt() / range)
-}
-
-fn sum(deviations: impl Iterator<Item = Deviations>) -> Deviations {
-    let mut all = Deviations::default();
-    deviations.for_each(|part| all.add(part));
-    all
-}
-
-/// Range of all readings of a channel.
-fn range(group: &RunGroup, channel: usize) -> Option<f64> {
-    let readings = group.runs.iter().filter_map(|run| run.channels[channel].as_ref());
-    let (low, high) = readings.flat_map(|readings| readings.values().to_vec()).fold(
-        (f64::INFINITY, f64::NEG_INFINITY),
-        |(low, high): (f64, f64), v| (low.min(v), high.max(v)),
-    );
-    (high > low).then_some(high - low)
 }

@@ -3,8 +3,6 @@
 //! In current and mean curvature the resistance looks like other causes. Places along the strip tell: they differ, and
 //! some follow later, as no cause of the strip as a whole makes them.
 
-use crate::cause::decide::{leaf, of_one};
-use crate::cause::evidence::SURE;
 use crate::extended::leftover::p_leftover;
 use crate::levels::{RIGHT_FROM, TAKEN};
 use crate::options::DiagnoseOptions;
@@ -12,9 +10,10 @@ use crate::outcome::policy::LEAST_CHANCE;
 use crate::readings::group::RunInput;
 use ieap_domain::finding_words::say;
 use ieap_domain::number::{significant, upper_bound};
-use ieap_domain::{EffectFinding, GroupDiagnosis, Hypothesis, Parameter, Verdict};
+use ieap_domain::{EffectFinding, GroupDiagnosis, HeldOutError, MissingLaw, Parameter, Verdict};
 use ieap_fit::distributed::{Decision, LumpedOrDistributed};
-use ieap_model::effects::{effect, summary};
+use ieap_model::effects::smooth_laws::place_of;
+use ieap_model::effects::{Site, effect, summary};
 
 /// Id of the effect in the library.
 const ID: &str = "lengthwise-resistance";
@@ -65,7 +64,7 @@ fn joined(
     if p < TAKEN {
         proved(found, clearest, p, leftover)
     } else {
-        if found.verdict == Verdict::Consistent && found.p_misfit.is_some_and(|p| p < RIGHT_FROM) {
+        if found.verdict == Verdict::Right && found.p_misfit.is_some_and(|p| p < RIGHT_FROM) {
             found.verdict = Verdict::Undecided;
         }
         unseen(found, &asked)
@@ -81,7 +80,8 @@ fn proved(
     let resistance = &clearest.1.electrode_resistance_ohm_per_sq;
     let twins = effect(ID).map_or(&[][..], |effect| effect.about().twins);
     let is_it = |id: &str| id == ID || twins.contains(&id);
-    let others = found.set.iter().any(|id| !is_it(id)) && found.verdict == Verdict::Named;
+    let name = found.missing.iter().find_map(|law| law.name.as_deref());
+    let others = found.verdict == Verdict::Law && name.is_some_and(|id| !is_it(id));
     if others {
         found.remarks.push(format!(
             "besides, places along the strip show {ID}, {}",
@@ -113,25 +113,35 @@ fn proved(
     }
     found.next_run = None;
     found.set = vec![ID.to_owned()];
-    found.node = Some(leaf(ID, 1.0 - p));
-    // A misfit in time that no cause of the library was named for may be that of the resistance.
-    let was_left = matches!(
-        found.verdict,
-        Verdict::Unknown | Verdict::Partial | Verdict::Unproved
-    );
-    if was_left && !fitted {
+    // A misfit in time that nothing explained may be that of the resistance.
+    if found.verdict == Verdict::Unexplained && !fitted {
         found.p_leftover = resistance.value.and_then(leftover);
     }
-    found.verdict = match found.p_leftover {
-        None if was_left => Verdict::Partial,
-        left => of_one(left),
-    };
+    found.missing = vec![law(p)];
+    found.verdict = Verdict::Law;
     let text = format!(
         "places along the strip tell it from every cause of the strip as a whole, {}",
         chance(p)
     );
     found.whereabouts.get_or_insert_default().text = text;
     found
+}
+
+/// The resistance of the electrodes as a missing law.
+fn law(p: f64) -> MissingLaw {
+    let place = place_of(ID);
+    MissingLaw {
+        place: Site::Current.name().to_owned(),
+        law: place.map(|own| own.law.to_owned()),
+        of: None,
+        variable: place.map(|own| own.variable.to_owned()),
+        words: "the electrodes resist along the strip".to_owned(),
+        name: Some(ID.to_owned()),
+        names: vec![ID.to_owned()],
+        probability: 1.0 - p,
+        curve: None,
+        held_out: HeldOutError::default(),
+    }
 }
 
 fn chance(p: f64) -> String {
@@ -161,26 +171,16 @@ fn unseen(mut found: GroupDiagnosis, asked: &[(&PlacesOfRun, f64)]) -> GroupDiag
     for finding in &mut found.effects {
         finding.twins.retain(|id| id != ID);
     }
-    found
-        .remarks
-        .push(format!("places along the strip do not differ: it is not {ID}"));
-    if let (Verdict::Set, [only]) = (found.verdict, found.set.as_slice()) {
-        let probability = without(&found, only);
-        if probability >= SURE {
-            found.verdict = of_one(found.p_leftover);
-            found.node = Some(leaf(only, probability));
+    for law in &mut found.missing {
+        law.names.retain(|id| id != ID);
+        if let (None, [only]) = (&law.name, &law.names[..]) {
+            law.name = Some(only.clone());
         }
     }
     found
-}
-
-/// Probability of a cause where it is known that the electrodes do not resist.
-fn without(found: &GroupDiagnosis, id: &str) -> f64 {
-    let holds = |own: &&Hypothesis, id: &str| own.effects.iter().any(|other| other == id);
-    let left = || found.posterior.iter().filter(|own| !holds(own, ID));
-    let own: f64 = left().filter(|own| holds(own, id)).map(|own| own.mass).sum();
-    let all: f64 = left().map(|own| own.mass).sum();
-    if all > 0.0 { own / all } else { 1.0 }
+        .remarks
+        .push(format!("places along the strip do not differ: it is not {ID}"));
+    found
 }
 
 #[cfg(test)]
@@ -197,6 +197,16 @@ mod tests {
             set: set.iter().map(|id| (*id).to_owned()).collect(),
             ..finding()
         }
+    }
+
+    fn law_of(name: Option<&str>, names: &[&str]) -> GroupDiagnosis {
+        let mut found = group(Verdict::Law, names);
+        found.missing = vec![MissingLaw {
+            name: name.map(str::to_owned),
+            names: found.set.clone(),
+            ..law(0.01)
+        }];
+        found
     }
 
     fn places(p: f64, p_later: f64) -> Decision {
@@ -220,28 +230,28 @@ mod tests {
 
     #[test]
     fn a_misfit_without_a_name_is_asked_whether_the_resistance_leaves_it() {
-        for (verdict, left, expected) in [
-            (Verdict::Unknown, Some(0.4), Verdict::Named),
-            (Verdict::Partial, Some(1e-4), Verdict::Partial),
-            (Verdict::Partial, Some(0.03), Verdict::Named),
-            (Verdict::Unknown, None, Verdict::Partial),
-        ] {
-            let found = joined(group(verdict, &[]), &[("a", places(1e-9, 1e-8))], |resistance| {
-                assert_eq!(resistance, 2.5);
-                left
-            });
-            assert_eq!((found.verdict, found.p_leftover), (expected, left));
+        for left in [Some(0.4), Some(1e-4), None] {
+            let found = joined(
+                group(Verdict::Unexplained, &[]),
+                &[("a", places(1e-9, 1e-8))],
+                |resistance| {
+                    assert_eq!(resistance, 2.5);
+                    left
+                },
+            );
+            assert_eq!((found.verdict, found.p_leftover), (Verdict::Law, left));
+            assert_eq!(found.missing[0].name.as_deref(), Some(ID));
             assert!(found.whereabouts.unwrap().text.contains("tell it"));
         }
     }
 
     #[test]
     fn places_make_a_name_of_a_set() {
-        let set = ["dispersion", ID, "mechanical-lag"];
-        let found = joined(group(Verdict::Set, &set), &[("a", places(1e-9, 1e-8))], unasked);
+        let set = ["current-limit", ID];
+        let found = joined(law_of(None, &set), &[("a", places(1e-9, 1e-8))], unasked);
         assert_eq!(
             (found.verdict, &found.set[..]),
-            (Verdict::Named, &[ID.to_owned()][..])
+            (Verdict::Law, &[ID.to_owned()][..])
         );
         assert_eq!(found.effects[0].parameters[0].estimate.value, Some(2.5));
     }
@@ -249,10 +259,10 @@ mod tests {
     #[test]
     fn even_places_and_a_fixed_pattern_name_nothing() {
         for (p, p_later) in [(0.4, 0.5), (1e-9, 0.3)] {
-            let mut described = group(Verdict::Consistent, &[]);
+            let mut described = group(Verdict::Right, &[]);
             described.p_misfit = Some(0.6);
             let found = joined(described, &[("a", places(p, p_later))], unasked);
-            assert_eq!((found.verdict, found.set.len()), (Verdict::Consistent, 0));
+            assert_eq!((found.verdict, found.set.len()), (Verdict::Right, 0));
             assert_eq!(found.remarks.len(), 1);
         }
     }
@@ -260,7 +270,7 @@ mod tests {
     /// Of two questions the chance of the clearer counts twice: a group is right only where that is no less than 0.05.
     #[test]
     fn a_group_that_its_places_make_doubtful_is_not_called_right() {
-        let mut described = group(Verdict::Consistent, &[]);
+        let mut described = group(Verdict::Right, &[]);
         described.p_misfit = Some(0.6);
         let found = joined(described, &[("a", places(0.015, 0.015))], unasked);
         assert_eq!((found.verdict, found.p_misfit), (Verdict::Undecided, Some(0.03)));
@@ -269,17 +279,14 @@ mod tests {
     #[test]
     fn even_places_take_it_out_of_a_set_and_another_name_stands() {
         let found = joined(
-            group(Verdict::Set, &["dispersion", ID]),
+            law_of(None, &["current-limit", ID]),
             &[("a", places(0.4, 0.5))],
             unasked,
         );
-        assert_eq!(
-            (found.verdict, &found.set[..]),
-            (Verdict::Named, &["dispersion".to_owned()][..])
-        );
+        assert_eq!(found.missing[0].name.as_deref(), Some("current-limit"));
         assert!(found.remarks[1].ends_with("it is not lengthwise-resistance"));
         let other = joined(
-            group(Verdict::Named, &["faradaic-leak"]),
+            law_of(Some("faradaic-leak"), &["faradaic-leak"]),
             &[("a", places(1e-9, 1e-9))],
             unasked,
         );
@@ -291,7 +298,7 @@ mod tests {
     fn runs_without_places_change_nothing() {
         let mut none = places(1e-9, 1e-9);
         none.unevenness = None;
-        let found = joined(group(Verdict::Set, &["dispersion", ID]), &[("a", none)], unasked);
+        let found = joined(law_of(None, &["current-limit", ID]), &[("a", none)], unasked);
         assert_eq!((found.set.len(), found.p_misfit), (2, Some(0.001)));
     }
 }

@@ -11,8 +11,8 @@ use crate::fitting::fitted::Fitted;
 use crate::outcome::policy::READINGS_OF_NEXT_RUN;
 use crate::readings::group::RunGroup;
 
-/// The best of the known drives for telling `members` (fitted models with their ids) apart.
-pub(crate) fn next_run(group: &RunGroup, members: &[(&'static str, &Fitted)]) -> Option<NextRun> {
+/// The best of the known drives for telling `members` (fitted models with their names) apart.
+pub(crate) fn next_run(group: &RunGroup, members: &[(&str, &Fitted)]) -> Option<NextRun> {
     if members.len() < 2 {
         return None;
     }
@@ -104,7 +104,7 @@ pub fn proposals(v: f64, t: f64) -> Vec<(String, Drive, f64)> {
 /// Mean size of the set after that run, and the members that it would split off from the first.
 fn after(
     group: &RunGroup,
-    members: &[(&'static str, &Fitted)],
+    members: &[(&str, &Fitted)],
     drive: &Drive,
     duration_s: f64,
 ) -> (f64, Vec<String>) {

@@ -3,16 +3,9 @@
 
 /// Spikes beyond this part of the readings make the readings themselves the problem. Chosen.
 pub(super) const SPIKED_PART: f64 = 0.05;
-/// A cause that leaves a misfit is told where it takes more than this part of what the base leaves beyond the noise. Chosen: most
-/// of it.
-pub(super) const MOST_OF_MISFIT: f64 = 0.5;
 /// Part of the runs that must be described alone before it is worth a remark. Chosen.
 pub(super) const NEARLY_ALL_RUNS: f64 = 0.75;
 
-/// Candidates that are reported at most. Chosen.
-pub(super) const MOST_REPORTED: usize = 20;
-/// Candidates at most whose traces are compared with each other. Chosen.
-pub(super) const MOST_COMPARED: usize = 10;
 /// Independent readings, in parts of a record's, below which noise is told to be slow: noise that dies away from one reading to
 /// the next is not worth a sentence. Chosen.
 pub(super) const SLOW_BELOW_PART: f64 = 0.25;

@@ -51,7 +51,9 @@ pub(crate) struct GroupRun<'a> {
     pub(crate) edges: EdgeTimes,
     /// What is not known of the offset of a clock that the bending has of its own, one standard deviation, s; 0 where it has none.
     bending_error_s: f64,
-    /// What is left open of the edges, and of that offset, taken out of its whitened residuals.
+    /// What is left open of the zeros and drifts of its instruments, taken out of its whitened residuals.
+    pub(crate) open_zeros: LeftOpen,
+    /// Likewise of the edges, and of that offset.
     pub(crate) open_edges: LeftOpen,
     /// Likewise of its own parameters, where runs scatter.
     pub(crate) open_parameters: LeftOpen,
@@ -207,6 +209,7 @@ impl<'a> RunGroup<'a> {
             group.share_correlation(kind, per_signal, &fitted);
             group.take_slow_noise(kind, per_signal, &fitted);
         }
+        group.open_zeros_beside(&fitted);
         group.open_edges_beside(model);
         group.scatter = self.scatter.as_ref().map(|_| Scatter::found(&group, model));
         group.open_parameters_beside(model);
@@ -265,22 +268,6 @@ impl<'a> RunGroup<'a> {
         };
         let own = self.runs.iter_mut().filter_map(|run| run.channels[kind].as_mut());
         own.zip(slow).for_each(|(channel, slow)| *channel = slow);
-    }
-
-    /// The same readings with even noise that remembers nothing, as large as `model` leaves it.
-    pub(crate) fn memoryless(&self, model: &ExtendedModel) -> RunGroup<'a> {
-        let mut group = self.clone();
-        for (index, run) in group.runs.iter_mut().enumerate() {
-            let found = run.fitted(model, &run.context(index, None));
-            for (kind, fitted) in found.iter().enumerate() {
-                run.channels[kind] = run.channels[kind]
-                    .as_ref()
-                    .map(|channel| channel.forgetting(fitted, 0.0, 1.0));
-            }
-        }
-        group.open_edges_beside(model);
-        group.open_parameters_beside(model);
-        group
     }
 
     /// How the noise of that kind of channel grows with the signal, per signal; 0 where the readings do not ask for it.
@@ -351,6 +338,7 @@ impl<'a> RunGroup<'a> {
         for (run, rows) in self.runs.iter().zip(self.by_run(rows)) {
             run.open_parameters.put_back(rows);
             run.open_edges.put_back(rows);
+            run.open_zeros.put_back(rows);
         }
     }
 
@@ -428,6 +416,7 @@ impl<'a> GroupRun<'a> {
             given: *given,
             edges,
             bending_error_s: aligned.map_or(0.0, |aligned| aligned.error_s()),
+            open_zeros: LeftOpen::default(),
             open_edges: LeftOpen::default(),
             open_parameters: LeftOpen::default(),
             duration_s,
@@ -480,8 +469,14 @@ impl<'a> GroupRun<'a> {
 
     /// Takes what is not known of the run beyond its group's model out of its whitened rows.
     pub(crate) fn take_out(&self, rows: &mut [f64]) {
-        self.open_edges.take_out(rows);
+        self.take_out_of_readings(rows);
         self.open_parameters.take_out(rows);
+    }
+
+    /// The same but for its own parameters.
+    pub(crate) fn take_out_of_readings(&self, rows: &mut [f64]) {
+        self.open_zeros.take_out(rows);
+        self.open_edges.take_out(rows);
     }
 
     fn open_edges_beside(&self, model: &ExtendedModel, index: usize) -> LeftOpen {
@@ -500,7 +495,9 @@ impl<'a> GroupRun<'a> {
         let change = |there: &[Vec<f64>; 2]| -> Vec<f64> {
             let there = rows(there);
             let pairs = here.iter().zip(&there);
-            pairs.map(|(here, there)| (there - here) / SLOPE).collect()
+            let mut change: Vec<f64> = pairs.map(|(here, there)| (there - here) / SLOPE).collect();
+            self.open_zeros.take_out(&mut change);
+            change
         };
         let of_way = |way: Vec<f64>| {
             let by_s: Vec<f64> = way.iter().map(|by_s| SLOPE * by_s).collect();

@@ -15,4 +15,4 @@ pub(crate) mod power_law;
 pub(crate) mod quantities;
 pub(crate) mod record_length;
 pub(crate) mod scatter;
-pub(crate) mod tags;
+mod zeros;

@@ -5,8 +5,6 @@
 
 use ieap_numerics::correlation::NOISE_EVIDENCE;
 
-use crate::levels::TAKEN;
-
 /// Readings after the step that a channel needs to take part. Chosen.
 pub(super) const FEWEST_READINGS: usize = 12;
 /// Readings of a channel beyond which neighbours are averaged: the diagnosis asks about shapes, not about sampling. Chosen; what
@@ -32,8 +30,6 @@ pub(super) const SLOW_WORTH: f64 = 2.0;
 
 /// Runs from which on a spread can be told from a difference: of two there is one difference alone.
 pub(super) const FEWEST_FOR_SCATTER: usize = 3;
-/// Orders of a tag's values below which no answer could be as rare as [`TAKEN`].
-pub(super) const FEWEST_ORDERS: f64 = 1.0 / TAKEN;
 
 /// An outlier stands this many robust standard deviations off. Chosen: under Gaussian noise one reading in two million does, and
 /// what a model misses smoothly is not seen in differences of neighbours.
@@ -77,3 +73,10 @@ pub(super) const END_PART: f64 = 0.05;
 /// A value that is not so many of its standard errors is next to nothing: what a prediction is off by is no part of it. Chosen;
 /// a strip that had relaxed was said to be 270 % off its curvature.
 pub(super) const KNOWN_FROM_SIGMAS: f64 = 5.0;
+
+/// Readings at rest from which a zero and a drift of the instrument are known. Chosen.
+pub(super) const FEWEST_AT_REST: usize = 8;
+/// Drift of an instrument over a record, current and curvature, as a part of the range that it reads, which is allowed for at
+/// most (standard deviation): an ammeter hardly drifts within a run, a laser or a camera's mount does. Chosen;
+/// `cargo run --release --example hide_and_seek -- null 40 1 zero laser` counts what it gives.
+pub(super) const MOST_DRIFT_PARTS: [f64; 2] = [0.0, 0.01];

@@ -140,12 +140,12 @@ fn change(group: &RunGroup, model: &ExtendedModel, run: usize, k: usize, by: f64
     rows
 }
 
-/// Whitened residuals of a run, with what is open of its edges taken out.
+/// Whitened residuals of a run, with what is open of its zeros and edges taken out.
 fn rows(group: &RunGroup, model: &ExtendedModel, run: usize) -> Vec<f64> {
     let own = &group.runs[run];
     let mut rows = Vec::new();
     own.whitened(&own.fitted(model, &own.context(run, None)), &mut rows);
-    own.open_edges.take_out(&mut rows);
+    own.take_out_of_readings(&mut rows);
     rows
 }
 

@@ -9,7 +9,7 @@ use super::*;
 fn what_wanders_from_edge_to_edge_is_seen_and_not_named() {
     let wandering: Hidden = ("x-limit-cycle", None, &[("modulation", 0.05), ("period_s", 80.0)]);
     let found = Runs::with(Some(wandering), &[STEP, PULSES], 5).diagnosed();
-    assert_eq!(found.verdict, Verdict::Unknown, "{}", found.sentence);
+    assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
     assert!(
         found
             .sentence
@@ -18,7 +18,7 @@ fn what_wanders_from_edge_to_edge_is_seen_and_not_named() {
         found.sentence
     );
     let clean = Runs::with(None, &[STEP, PULSES], 5).diagnosed();
-    assert_eq!(clean.verdict, Verdict::Consistent, "{}", clean.sentence);
+    assert_eq!(clean.verdict, Verdict::Right, "{}", clean.sentence);
 }
 
 /// Answers to edges are asked where there are many, each over its own readings, none twice.

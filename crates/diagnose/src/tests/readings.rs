@@ -61,7 +61,7 @@ fn the_others_are_diagnosed_as_if_a_condemned_run_were_not_there() {
     let mut found = runs.diagnosed();
     let mut rest = runs.inputs();
     rest.remove(1);
-    let expected = diagnose_group("group", &rest, &DiagnoseOptions::default());
+    let expected = diagnose_group("group", &rest, &every_misfit());
     assert!(found.remarks[0].starts_with("second is set aside: its current is 1000 times"));
     assert_eq!(found.condemned.len(), 1);
     found.remarks.remove(0);

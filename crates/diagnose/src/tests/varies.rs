@@ -19,7 +19,7 @@ pub(super) fn diagnosed(runs: &[Runs]) -> GroupDiagnosis {
             ..runs.inputs()[0]
         })
         .collect();
-    diagnose_group("group", &inputs, &DiagnoseOptions::default())
+    diagnose_group("group", &inputs, &every_misfit())
 }
 
 const LOW: Levels = &[(0.0, 1.2)];
@@ -38,7 +38,7 @@ fn parameters_that_go_with_the_voltage_are_the_finding() {
     let found = diagnosed(&differing(&runs, 1));
     assert_eq!(
         found.verdict,
-        Verdict::Varies,
+        Verdict::Differs,
         "{} {:#?}",
         found.sentence,
         found.posterior
@@ -60,7 +60,7 @@ fn parameters_that_go_with_the_voltage_are_the_finding() {
             "{value:?} {truth}"
         );
     }
-    assert!(found.effects.is_empty() && found.gain.is_none() && found.next_run.is_none());
+    assert!(found.effects.is_empty() && found.gain.is_none() && found.missing.is_empty());
 }
 
 /// Specimens with couplings of 14, 18 and 11.5 and nothing else were called a breaking contact.
@@ -71,7 +71,7 @@ fn specimens_that_differ_in_one_coupling_are_no_broken_contact() {
     let found = diagnosed(&differing(&[of(14.0), of(18.0), of(11.5)], 2));
     assert_eq!(
         found.verdict,
-        Verdict::Varies,
+        Verdict::Differs,
         "{} {:#?}",
         found.sentence,
         found.posterior

@@ -1,9 +1,8 @@
 //! What an extension gains on readings that took no part in its fit.
 
-use crate::diagnosis::NAMELESS_BEATS_BY;
 use crate::number::significant;
 use crate::words::in_a_row;
-use crate::{Gain, HeldOutGain, Prediction};
+use crate::{HeldOutGain, Prediction};
 
 /// An error of what was predicted, by the base model and with the extension, as every medium prints it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -100,15 +99,6 @@ pub fn gain_words(with: &str, what: &str, gain: &HeldOutGain, predictions: &[Pre
         ),
     };
     format!("With {with} {which} {are} {so}{sum}{told}.")
-}
-
-/// Said where what has no name does more on held-out readings.
-pub fn is_beaten(gain: &Gain) -> &'static str {
-    if gain.nameless_deviance > gain.proof.deviance + NAMELESS_BEATS_BY {
-        " A smooth answer to the voltage without a name does more for them."
-    } else {
-        ""
-    }
 }
 
 /// A predicted quantity in words.

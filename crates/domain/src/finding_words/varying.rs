@@ -1,19 +1,16 @@
 //! What is said where the parameters of a group differ between its runs, and nothing else is wrong.
 
-use crate::diagnosis::WRONG_BELOW;
+use super::followed_tag;
 use crate::number::{rounded, significant};
 use crate::words::in_a_row;
-use crate::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue};
+use crate::{GroupDiagnosis, VaryingParameter, VaryingValue};
 
 /// Parameters whose courses are told at most; the others are named. Chosen.
 const MOST_COURSES: usize = 2;
 
 /// The sentence of runs whose parameters differ.
 pub(super) fn sentence(found: &GroupDiagnosis) -> String {
-    let is_doubted = |run: &&RunAlone| run.p_misfit.is_some_and(|p| p < WRONG_BELOW);
-    let doubted = found.alone.iter().filter(is_doubted).count();
-    let mut differing: Vec<&VaryingParameter> = found.differs.iter().collect();
-    differing.sort_by(|a, b| fold(b).total_cmp(&fold(a)));
+    let differing = told_first(&found.differs);
     let told: Vec<String> = differing
         .iter()
         .take(MOST_COURSES)
@@ -29,16 +26,44 @@ pub(super) fn sentence(found: &GroupDiagnosis) -> String {
         [_] => format!("; {} differs too", listed(&others)),
         _ => format!("; {} differ too", listed(&others)),
     };
-    let runs = found.runs.len();
-    let described = match doubted {
-        0 => format!("Each of the {runs} runs is described to within the noise by its own parameters"),
-        some => format!(
-            "{} of {runs} runs are described to within the noise by their own parameters, and what is left of {} may be chance",
-            runs - some.min(runs),
-            if some == 1 { "the other" } else { "the others" }
-        ),
+    let share = found.account.map_or_else(String::new, |account| {
+        let share = account.share(account.between_runs);
+        format!(
+            ": parameters of their own take {} % of the error",
+            significant(share, 2)
+        )
+    });
+    let with = match differing.first().map_or("", |own| own.with.as_str()) {
+        "voltage_v" => " with the voltage".to_owned(),
+        with => followed_tag(with).map_or_else(String::new, |tag| format!(" with {tag}")),
     };
-    format!("{described}. Together they are not: {}{further}.", listed(&told))
+    format!(
+        "The {} runs differ{with}{share}. {}{further}.",
+        found.runs.len(),
+        listed(&told)
+    )
+}
+
+/// Parameters that differ, those first that are known best to do so.
+pub fn told_first(differs: &[VaryingParameter]) -> Vec<&VaryingParameter> {
+    let mut found: Vec<&VaryingParameter> = differs.iter().collect();
+    found.sort_by(|a, b| apart(b).total_cmp(&apart(a)));
+    found
+}
+
+/// How many standard errors the largest value lies above the smallest.
+fn apart(parameter: &VaryingParameter) -> f64 {
+    let by_value = |a: &&VaryingValue, b: &&VaryingValue| a.value.total_cmp(&b.value);
+    let ends = (
+        parameter.values.iter().min_by(by_value),
+        parameter.values.iter().max_by(by_value),
+    );
+    let (Some(low), Some(high)) = ends else { return 0.0 };
+    (high.value - low.value)
+        / low
+            .standard_error
+            .hypot(high.standard_error)
+            .max(f64::MIN_POSITIVE)
 }
 
 /// Largest over smallest size of a parameter; endless where one is none.
@@ -128,6 +153,9 @@ mod tests {
     fn parameter(key: &str, values: &[(&str, f64)]) -> VaryingParameter {
         VaryingParameter {
             key: key.to_owned(),
+            with: "voltage_v".to_owned(),
+            share_percent: 90.0,
+            ratio: None,
             values: values
                 .iter()
                 .map(|(run, value)| VaryingValue {

@@ -76,6 +76,7 @@ impl Checker<'_> {
             fit,
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
             group_by: self.group_by(head.group_by)?,
+            tolerance_percent: self.tolerance(head.tolerance_percent)?,
             adopted: self.adopted(file.adopted)?,
             sensors: self.sensors(file.sensor)?,
             climate: self.climate(&file.climate)?,
@@ -111,6 +112,14 @@ impl Checker<'_> {
     }
 
     /// Tag keys without blanks, each once.
+    fn tolerance(&self, value: Option<f64>) -> Result<Option<f64>, Error> {
+        let needed = "a number of percent, 0 or more";
+        self.holds(value, "[campaign]", "tolerance_percent", needed, |v| {
+            v.is_finite() && v >= 0.0
+        })?;
+        Ok(value)
+    }
+
     fn group_by(&self, keys: Vec<String>) -> Result<Vec<String>, Error> {
         for (place, key) in keys.iter().enumerate() {
             let reason = match () {

@@ -22,6 +22,7 @@ const KNOWN: [(&str, &[&str]); 19] = [
             "notice",
             "model",
             "group_by",
+            "tolerance_percent",
         ],
     ),
     (

@@ -90,6 +90,7 @@ pub(super) struct Head {
     pub model: Option<String>,
     #[serde(default)]
     pub group_by: Vec<String>,
+    pub tolerance_percent: Option<f64>,
 }
 
 /// `[[sample]]`.

@@ -17,6 +17,7 @@ title = {id}                            # what stands above the report
 # model = "lumped-2"                     # model that runs are fitted with; effects extend it: "lumped-2 + faradaic-leak"
 # Runs that `ieap diagnose` takes together, one parameter set for all: those that agree in these tags.
 # group_by = ["sample", "environment", "relative_humidity_percent"]
+# tolerance_percent = 1                  # a simulation that is off by less is right
 
 # How all runs are fitted; without it `ieap fit --method ..` or `--simultaneous` holds for the runs that were there.
 # [fit]

@@ -144,7 +144,8 @@ pub static ALL: &[&dyn Effect] = &[
 /// The effect of that id: one of the list, or one that follows a tag.
 pub fn effect(id: &str) -> Option<&'static dyn Effect> {
     let listed = ALL.iter().copied().find(|effect| effect.about().id == id);
-    listed.or_else(|| followed_tag::of_id(id))
+    let smooth = || smooth_laws::smooth_law(id).map(|law| law as &'static dyn Effect);
+    listed.or_else(|| followed_tag::of_id(id)).or_else(smooth)
 }
 
 /// What the effect of that id is, in a line.

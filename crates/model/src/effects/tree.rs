@@ -1,9 +1,7 @@
-//! Causes as a tree: where an effect acts, which mechanism it is one of, the effect, its form.
+//! Where an effect acts, and which mechanism it is one of: the order of the list of effects.
 //!
-//! Readings often tell the mechanism and not the effect: of 29 wrong names on groups of another simulator 25 lay in the right
-//! place of this tree. So a mechanism is an answer too. Members of one mechanism do the same to a strip in words that a
-//! reader would use, and mostly resemble one another in the drives that laboratories use. What bends by the square of the
-//! charge, saturates, or is no arc to the camera is one mechanism: no drive tells these apart.
+//! Members of one mechanism do the same to a strip in words that a reader would use, and mostly resemble one another in the
+//! drives that laboratories use. What a diagnosis tells is the law and the variable of an effect, its `Place`.
 
 use ieap_domain::diagnosis::follows_a_tag;
 
@@ -25,6 +23,15 @@ impl Site {
             Site::Current => "current",
             Site::Bending => "bending",
             Site::Runs => "runs",
+        }
+    }
+
+    /// What is so where no more is told, as a clause.
+    pub fn words(self) -> &'static str {
+        match self {
+            Site::Current => "the current is another than simulated",
+            Site::Bending => "the strip bends otherwise than simulated",
+            Site::Runs => "the runs differ",
         }
     }
 }

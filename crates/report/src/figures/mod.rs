@@ -9,7 +9,6 @@ pub mod cells;
 pub mod colors;
 pub mod comparison;
 pub mod drive;
-pub mod gain_bars;
 pub mod group;
 mod ink;
 pub mod law;

@@ -1,5 +1,6 @@
 //! The page of one group: what the simulation gets wrong there, the cause, the extended model and its gain.
 
+use ieap_domain::diagnosis::LAW;
 use ieap_domain::finding_words::verdict_word;
 use ieap_domain::number::probabilities::{counted_with_q, equation_of};
 use ieap_domain::words::in_a_row;
@@ -12,11 +13,11 @@ use super::finding_alone::{AloneRow, alone_rows};
 use super::finding_answer::{Answer, answer, size, symbol_and_unit};
 use super::finding_differs::{DiffersBlock, differs_blocks};
 use super::finding_gain::{GainSection, called, called_held_out, extension, gain_section};
+use super::finding_law::{AccountPart, LawBlock, account_parts, law_blocks};
 use super::finding_posterior::{HypothesisRow, hypothesis_rows};
 use super::finding_words::{shift_words, test_words};
 use super::wording::{EstimateText, RunLink, group_title, readable, with_index};
 use crate::error::ReportError;
-use crate::figures::gain_bars::gain_bars;
 use crate::figures::profile::profile;
 use crate::figures::residual::residual;
 use crate::input::{EffectText, Findings};
@@ -25,10 +26,7 @@ use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_domain::campaign::Adopted;
 use ieap_domain::number::{fixed, measured, significant};
-use ieap_domain::{Candidate, EffectFinding, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
-
-/// Bars of the figure of gains.
-const BARS: usize = 12;
+use ieap_domain::{EffectFinding, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
 
 #[derive(Debug, Serialize)]
 struct FindingPage {
@@ -43,6 +41,10 @@ struct FindingPage {
     runs: Vec<NamedRun>,
     /// Parameters that differ, where that is the finding.
     differs: Vec<DiffersBlock>,
+    /// Of what the error is made, as one bar.
+    account: Vec<AccountPart>,
+    /// The laws that are missing.
+    laws: Vec<LawBlock>,
     hypotheses: Vec<HypothesisRow>,
     effects: Vec<EffectBlock>,
     set: Vec<SetMember>,
@@ -56,11 +58,6 @@ struct FindingPage {
     extension: &'static str,
     profiles: Vec<ResidualBlock>,
     held_out: Vec<ResidualBlock>,
-    /// Names of the leading causes, and rows of how alike each two are.
-    confusable: Vec<LikenessRow>,
-    bars: Option<String>,
-    chance_gain: String,
-    candidates: Vec<CandidateRow>,
     residuals: Vec<ResidualBlock>,
     not_drawn: String,
     stretches: Vec<StretchRow>,
@@ -119,34 +116,6 @@ struct ShiftRow {
 }
 
 #[derive(Debug, Serialize)]
-struct CandidateRow {
-    effect: String,
-    variant: String,
-    forecast: String,
-    fitted: String,
-    held_out: String,
-    extra: usize,
-    left: String,
-    likeness: String,
-    detectable: String,
-    accepted: bool,
-}
-
-/// How alike the trace of a cause is to those of the others, in their order.
-#[derive(Debug, Serialize)]
-struct LikenessRow {
-    effect: String,
-    cells: Vec<LikenessCell>,
-}
-
-#[derive(Debug, Serialize)]
-struct LikenessCell {
-    text: String,
-    /// 0 to 4: how dark the cell is.
-    shade: usize,
-}
-
-#[derive(Debug, Serialize)]
 struct ResidualBlock {
     heading: String,
     figure: String,
@@ -169,9 +138,9 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     let residuals = residuals(site, found, &mut figures)?;
     let held_out = held_out(site, found, &mut figures)?;
     let profiles = profiles(found, findings, &mut figures)?;
-    let bars = bars(found, &mut figures)?;
+    let laws = law_blocks(found, &mut figures)?;
     let differs = match found.verdict {
-        Verdict::Varies => differs_blocks(found, &mut figures)?,
+        Verdict::Differs => differs_blocks(found, &mut figures)?,
         _ => Vec::new(),
     };
     let shifts = found.shifts.iter();
@@ -185,6 +154,8 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
         summary: test_words(found),
         runs: found.runs.iter().map(|path| named_run(site, path)).collect(),
         differs,
+        account: account_parts(found.account.as_ref()),
+        laws,
         hypotheses: hypothesis_rows(found, findings),
         effects: found
             .effects
@@ -207,16 +178,6 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
         extension: extension(found),
         profiles,
         held_out,
-        confusable: confusable(found),
-        bars,
-        chance_gain: found
-            .gain_at_5_percent
-            .map_or_else(String::new, |gain| significant(gain, 2)),
-        candidates: found
-            .candidates
-            .iter()
-            .map(|c| candidate_row(c, findings))
-            .collect(),
         not_drawn: if drawn_of > residuals.len() {
             format!(
                 "{} of {drawn_of} residuals are drawn, the largest first.",
@@ -258,7 +219,11 @@ fn effect_block(finding: &EffectFinding, draws: usize, findings: &Findings) -> E
         variant: finding.variant.clone().unwrap_or_default(),
         summary: text(|effect| &effect.summary),
         equation: text(|effect| &effect.equation),
-        parameters: finding.parameters.iter().map(parameter).collect(),
+        parameters: if finding.effect.starts_with(LAW) {
+            Vec::new()
+        } else {
+            finding.parameters.iter().map(parameter).collect()
+        },
         p: equation_of("p", &p),
         q: equation_of("q", &q),
         twins: in_a_row(&finding.twins),
@@ -268,7 +233,7 @@ fn effect_block(finding: &EffectFinding, draws: usize, findings: &Findings) -> E
 
 /// Members of a set of several; a single cause stands above.
 fn set(found: &GroupDiagnosis, findings: &Findings) -> Vec<SetMember> {
-    if found.set.len() < 2 || found.verdict == Verdict::Varies {
+    if found.set.len() < 2 || found.verdict == Verdict::Differs {
         return Vec::new();
     }
     let member = |id: &String| {
@@ -303,7 +268,7 @@ fn adoption(site: &Site, found: &GroupDiagnosis) -> Option<String> {
             entry.model
         ));
     }
-    let is_extended = found.verdict.extends_the_model() && !found.effects.is_empty();
+    let is_extended = found.verdict == Verdict::Law && !found.effects.is_empty();
     is_extended.then(|| {
         format!(
             "Not adopted: the runs are fitted with {}. To fit them with the extended model: ieap diagnose --adopt --group \"{}\"",
@@ -319,55 +284,6 @@ fn shift_row(shift: &ParameterShift) -> ShiftRow {
         unit,
         before: significant(shift.before * factor, 4),
         after: measured(shift.after * factor, shift.standard_error * factor),
-    }
-}
-
-fn bars(
-    found: &GroupDiagnosis,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Option<String>, ReportError> {
-    let id = "gains".to_owned();
-    let shown: Vec<&Candidate> = found.candidates.iter().take(BARS).collect();
-    let drawn = gain_bars(
-        &shown,
-        found.gain_at_5_percent,
-        "Gain of each candidate",
-        "Thin bars: forecast; thick bars: full fit; grey: what chance gives in 95 of 100 groups where nothing is wrong.",
-    )
-    .map_err(|reason| ReportError::Figure {
-        figure: id.clone(),
-        reason,
-    })?;
-    Ok(drawn.map(|svg| {
-        figures.insert(id.clone(), svg);
-        id
-    }))
-}
-
-fn candidate_row(candidate: &Candidate, findings: &Findings) -> CandidateRow {
-    let unit = findings
-        .effect(&candidate.effect)
-        .and_then(|effect| effect.parameters.first())
-        .map_or("", |strength| strength.unit.as_str());
-    let strength = candidate.detectable_strength.abs();
-    let optional = |gain: Option<f64>| gain.map_or_else(|| "–".to_owned(), |gain| significant(gain, 3));
-    CandidateRow {
-        effect: candidate.effect.clone(),
-        variant: candidate.variant.clone().unwrap_or_default(),
-        forecast: significant(candidate.forecast_gain, 3),
-        fitted: optional(candidate.fitted_gain),
-        held_out: optional(candidate.held_out_gain),
-        extra: candidate.extra_parameters,
-        left: format!("{} %", significant(100.0 * candidate.left_after_refit, 2)),
-        likeness: fixed(candidate.likeness, 2),
-        detectable: if strength.is_finite() {
-            format!("{} {unit}", significant(strength, 2))
-                .trim_end()
-                .to_owned()
-        } else {
-            "–".to_owned()
-        },
-        accepted: candidate.accepted,
     }
 }
 
@@ -466,21 +382,6 @@ fn profiles(
         blocks.extend(block(id, heading, drawn, figures)?);
     }
     Ok(blocks)
-}
-
-fn confusable(found: &GroupDiagnosis) -> Vec<LikenessRow> {
-    let rows = found.confusable.effects.iter().zip(&found.confusable.likeness);
-    rows.map(|(effect, likeness)| LikenessRow {
-        effect: effect.clone(),
-        cells: likeness
-            .iter()
-            .map(|value| LikenessCell {
-                text: fixed(*value, 2),
-                shade: ((value * 5.0) as usize).min(4),
-            })
-            .collect(),
-    })
-    .collect()
 }
 
 fn stretches(found: &GroupDiagnosis) -> Vec<StretchRow> {

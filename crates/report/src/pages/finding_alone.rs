@@ -21,7 +21,7 @@ pub fn alone_rows(alone: &[RunAlone], draws: usize) -> Vec<AloneRow> {
         name: run.run.clone(),
         verdict: match run.p_misfit {
             None => verdict_word(Verdict::DataProblem),
-            Some(p) if p >= RIGHT_FROM => verdict_word(Verdict::Consistent),
+            Some(p) if p >= RIGHT_FROM => verdict_word(Verdict::Right),
             Some(p) if p >= WRONG_BELOW => verdict_word(Verdict::Undecided),
             Some(_) => "wrong",
         },

@@ -52,7 +52,7 @@ struct GainBlock {
 /// What the extension of that finding is called: one that was not accepted is not the group's model.
 pub fn extension(found: &GroupDiagnosis) -> &'static str {
     match found.verdict {
-        Verdict::Unknown => "extension that was tried",
+        Verdict::Unexplained => "extension that was tried",
         _ => "extended model",
     }
 }
@@ -60,7 +60,7 @@ pub fn extension(found: &GroupDiagnosis) -> &'static str {
 /// The same at the head of a column and in a legend.
 fn in_legend(found: &GroupDiagnosis) -> &'static str {
     match found.verdict {
-        Verdict::Unknown => "Extension tried",
+        Verdict::Unexplained => "Extension tried",
         _ => "Extended model",
     }
 }
@@ -93,13 +93,9 @@ pub fn gain_section(found: &GroupDiagnosis) -> Option<GainSection> {
     let subject = extension(found);
     let (heading, caution) = match found.verdict {
         Verdict::DataProblem => return None,
-        Verdict::Unknown => (
+        Verdict::Unexplained => (
             format!("What the {subject} would gain"),
             "It fits best of all that is known here and was not accepted: it is no cause, and no fit or table uses it.",
-        ),
-        Verdict::Unproved => (
-            format!("Whether the {subject} gains"),
-            "Not every part gains, and the 95 % interval of the fall of the deviance reaches zero.",
         ),
         _ => (format!("What the {subject} gains"), ""),
     };
@@ -200,23 +196,14 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_that_may_be_none_is_not_told_as_one() {
-        let mut found = testing::finding();
-        found.verdict = Verdict::Unproved;
-        found.gain = Some(testing::gain(gain(8.0, &[9.0, 1.0, -2.0], [0.2, 0.1])));
-        let section = gain_section(&found).unwrap();
-        assert!(section.heading.starts_with("Whether") && section.caution.contains("reaches zero"));
-    }
-
-    #[test]
     fn an_extension_that_was_not_accepted_is_not_called_the_model() {
         let mut found = testing::finding();
         found.gain = Some(testing::gain(gain(8.0, &[8.0], [0.2, 0.1])));
         assert!(gain_section(&found).is_none());
-        found.verdict = Verdict::Named;
+        found.verdict = Verdict::Law;
         let section = gain_section(&found).unwrap();
         assert!(section.heading.contains("extended model gains") && section.caution.is_empty());
-        found.verdict = Verdict::Unknown;
+        found.verdict = Verdict::Unexplained;
         let section = gain_section(&found).unwrap();
         assert!(section.heading.contains("was tried") && section.caution.contains("not accepted"));
         assert!(!section.blocks[0].sentence.contains("extended model"));

@@ -8,7 +8,7 @@ use crate::pages::policy::{LEAST_PROBABILITY, MOST_EXPLANATIONS};
 use ieap_analysis::ParameterInfo;
 use ieap_domain::finding_words::explanation;
 use ieap_domain::number::probabilities::share;
-use ieap_domain::{CauseNode, GroupDiagnosis, Hypothesis, HypothesisKind};
+use ieap_domain::{GroupDiagnosis, Hypothesis, HypothesisKind};
 
 /// A hypothesis in words.
 #[derive(Debug, Serialize)]
@@ -22,48 +22,32 @@ pub struct HypothesisRow {
 
 /// The leading hypotheses.
 pub fn hypothesis_rows(found: &GroupDiagnosis, findings: &Findings) -> Vec<HypothesisRow> {
-    let of_effects = |own: &&Hypothesis| own.kind == HypothesisKind::Effect;
-    let effect = found.posterior.iter().position(|own| of_effects(&own));
-    let shown = found.posterior.iter().enumerate();
-    let shown = shown.filter(|(place, own)| own.mass >= LEAST_PROBABILITY || Some(*place) == effect);
-    let rows = shown.take(MOST_EXPLANATIONS).map(|(_, own)| row(own, findings));
-    found
-        .node
-        .as_ref()
-        .filter(|node| node.depth < EFFECT)
-        .map(of_node)
-        .into_iter()
-        .chain(rows)
+    let shown = found.posterior.iter().filter(|own| own.mass >= LEAST_PROBABILITY);
+    shown
+        .take(MOST_EXPLANATIONS)
+        .map(|own| row(own, findings))
         .collect()
 }
 
-/// Depth of a node that is one effect: its row says it.
-const EFFECT: usize = 3;
-
-/// What the causes below it have in common.
-fn of_node(node: &CauseNode) -> HypothesisRow {
-    HypothesisRow {
-        what: node.path.join(" › "),
-        detail: format!("{}: all causes of this kind together", node.words),
-        percent: share(node.probability),
-        bar: bar(node.probability),
-    }
-}
-
 fn row(own: &Hypothesis, findings: &Findings) -> HypothesisRow {
+    let about = |id: &str| findings.effect(id).map(|known| known.summary.as_str());
+    let said = explanation(own, &about);
     let (what, detail) = match own.kind {
-        HypothesisKind::Base => (explanation(own), "nothing is missing".to_owned()),
+        HypothesisKind::Base => (said, "nothing is missing".to_owned()),
         HypothesisKind::SlowNoise => (
-            explanation(own),
+            said,
             "readings wander over the length of a record, at rest as under voltage".to_owned(),
         ),
         HypothesisKind::Unnamed => (
-            explanation(own),
-            "a smooth answer to the voltage, or a course over the clock, that no effect of the library has"
-                .to_owned(),
+            said,
+            "a smooth answer to the voltage, or a course over the clock, of each run's own".to_owned(),
         ),
         HypothesisKind::Varies => (parameters(own), follows(own)),
-        HypothesisKind::Effect => effect(own, findings),
+        HypothesisKind::Law => (said, "as a free curve".to_owned()),
+        HypothesisKind::Effect => {
+            let summary = own.effect.as_deref().and_then(about);
+            (said, summary.unwrap_or_default().to_owned())
+        }
     };
     HypothesisRow {
         what,
@@ -94,14 +78,4 @@ fn follows(own: &Hypothesis) -> String {
         Some("voltage_v") => "with the voltage".to_owned(),
         Some(tag) => format!("with {}", tag.trim_start_matches(ieap_domain::diagnosis::FOLLOWS)),
     }
-}
-
-fn effect(own: &Hypothesis, findings: &Findings) -> (String, String) {
-    let summary = |id: &String| findings.effect(id).map(|known| known.summary.clone());
-    let summaries: Vec<String> = own.effects.iter().filter_map(summary).collect();
-    let mut detail = summaries.join("; ");
-    if let Some(form) = &own.form {
-        detail += &format!(" ({form})");
-    }
-    (explanation(own), detail)
 }

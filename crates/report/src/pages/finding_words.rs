@@ -34,7 +34,7 @@ pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
         },
         equation_of("p", &counted(Some(p), found.draws))
     );
-    let together = found.q_misfit.filter(|_| found.verdict != Verdict::Consistent).map(|q| {
+    let together = found.q_misfit.filter(|_| found.verdict != Verdict::Right).map(|q| {
         format!(
             "Of all findings of this campaign that are as clear as this one, a share of {} or less is expected to be chance (q).",
             probability(q).trim_start_matches("< ")
@@ -86,10 +86,10 @@ pub fn outcome_of(found: &GroupDiagnosis) -> Outcome {
     let between_alone = !found.set.is_empty() && found.set.iter().all(is_between);
     match found.verdict {
         Verdict::DataProblem => Outcome::NotAsked,
-        Verdict::Consistent | Verdict::Undecided => Outcome::Described,
-        Verdict::Varies => Outcome::Differs,
+        Verdict::Right | Verdict::Undecided | Verdict::Instrument => Outcome::Described,
+        Verdict::Differs => Outcome::Differs,
         _ if between_alone => Outcome::Differs,
-        verdict if verdict.names_a_cause() => Outcome::WrongWithCause,
+        Verdict::Law => Outcome::WrongWithCause,
         _ => Outcome::Wrong,
     }
 }
@@ -104,11 +104,11 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
     let (differs, described) = (count(Outcome::Differs), count(Outcome::Described));
     let asked = groups.len() - count(Outcome::NotAsked);
     let causes = match (caused, uncaused) {
-        (1, 0) => "a cause is found".to_owned(),
-        (_, 0) => "a cause is found in each".to_owned(),
-        (0, 1) => "no cause is proved".to_owned(),
-        (0, _) => "no cause is proved in any".to_owned(),
-        (some, none) => format!("with a cause in {some}, without in {none}"),
+        (1, 0) => "what is missing is told".to_owned(),
+        (_, 0) => "what is missing is told in each".to_owned(),
+        (0, 1) => "nothing that was asked explains it".to_owned(),
+        (0, _) => "nothing that was asked explains it in any".to_owned(),
+        (some, none) => format!("what is missing is told in {some}, not in {none}"),
     };
     let mut lead = match (caused + uncaused, asked) {
         (_, 0) => "The readings of no group allow a finding".to_owned(),
@@ -164,7 +164,7 @@ mod tests {
     fn a_chance_that_no_draw_reached_is_told_as_a_bound() {
         let said = |p| {
             test_words(&GroupDiagnosis {
-                verdict: Verdict::Unknown,
+                verdict: Verdict::Unexplained,
                 p_misfit: Some(p),
                 draws: 999,
                 ..finding()
@@ -190,20 +190,20 @@ mod tests {
     fn campaigns_in_one_sentence() {
         let group = |verdict| GroupDiagnosis { verdict, ..finding() };
         assert_eq!(
-            campaign_lead(&[group(Verdict::Consistent), group(Verdict::DataProblem)]),
+            campaign_lead(&[group(Verdict::Right), group(Verdict::DataProblem)]),
             "In none of 1 group is the model shown to be wrong."
         );
         assert_eq!(
             campaign_lead(&[
-                group(Verdict::Consistent),
-                group(Verdict::Named),
-                group(Verdict::Unknown)
+                group(Verdict::Right),
+                group(Verdict::Law),
+                group(Verdict::Unexplained)
             ]),
-            "The model is wrong in 2 of 3 groups: with a cause in 1, without in 1. In 1 nothing is seen to be missing."
+            "The model is wrong in 2 of 3 groups: what is missing is told in 1, not in 1. In 1 nothing is seen to be missing."
         );
         // Runs that differ are no error of the model.
         assert_eq!(
-            campaign_lead(&[group(Verdict::Consistent), group(Verdict::Varies)]),
+            campaign_lead(&[group(Verdict::Right), group(Verdict::Differs)]),
             "In none of 2 groups is the model shown to be wrong. In 1 the runs differ or scatter, and each is described by \
              itself. In 1 nothing is seen to be missing."
         );

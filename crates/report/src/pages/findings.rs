@@ -102,9 +102,10 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let mut summary = vec![campaign_lead(groups)];
     if !groups.is_empty() {
         summary.push(format!(
-            "{} and each of {} alone were asked whether the simulation leaves more than noise; {} effects were looked for.",
+            "{} and each of {} alone were asked whether the simulation leaves more than noise: {} laws as free curves, and {} textbook curves.",
             counted(groups.len(), "group"),
             counted(findings.runs.len(), "run"),
+            findings.laws.len(),
             findings.effects.len()
         ));
     }
@@ -137,7 +138,7 @@ fn group_row(site: &Site, place: usize) -> GroupRow {
         sentence: readable(&found.sentence),
         // Parameters that differ are in the sentence.
         set: match found.verdict {
-            Verdict::Varies => Vec::new(),
+            Verdict::Differs => Vec::new(),
             _ => found.set.clone(),
         },
         p,

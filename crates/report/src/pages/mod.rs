@@ -10,6 +10,7 @@ mod finding_alone;
 mod finding_answer;
 mod finding_differs;
 mod finding_gain;
+mod finding_law;
 mod finding_posterior;
 pub mod finding_words;
 pub mod findings;

@@ -21,7 +21,12 @@ impl DiagnoseChoice {
     /// As options of a diagnosis. Only lumped models have an extended form: another one that is asked for is refused; where
     /// the campaign is fitted with one, the default model stands in ([`stands_in`] says so).
     pub(crate) fn options(&self, campaign: &Campaign) -> Result<DiagnoseOptions, FitError> {
-        self.options_for(&campaign.model)
+        let options = self.options_for(&campaign.model)?;
+        let stated = campaign.tolerance_percent;
+        Ok(DiagnoseOptions {
+            tolerance_percent: stated.unwrap_or(options.tolerance_percent),
+            ..options
+        })
     }
 
     /// The same where `model` is what the campaign states.

@@ -7,7 +7,8 @@ use crate::pipeline::campaign::group_tags::take_tags;
 use crate::pipeline::fits::input_hash::take_task;
 use crate::store::FitTask;
 
-/// Hash of readings, drives, dimensions, names, tags that differ, base model, library, seed, draws, versions, and of whether a run is alone.
+/// Hash of readings, drives, dimensions, names, tags that differ, base model, library, seed, draws,
+/// tolerance and versions.
 pub(super) fn input_hash(
     subject: &Subject,
     tasks: &[FitTask],
@@ -27,9 +28,9 @@ pub(super) fn input_hash(
         .whole(model.version.into())
         .whole(options.seed)
         .count(options.draws)
+        .number(options.tolerance_percent)
         .text(library)
         .whole(diagnose::VERSION.into())
-        .flag(subject.of_several)
         .text_or_none(subject.set_apart.as_ref().map(|issue| issue.message.as_str()));
     hash.finished()
 }

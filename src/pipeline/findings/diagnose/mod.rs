@@ -271,12 +271,11 @@ pub(crate) fn diagnose_one(
         });
         let places: Vec<_> = places.collect();
         with_inputs(subject, tasks, channels, |inputs| {
-            let options = subject.options(options);
-            let found = diagnose_group(&subject.name, inputs, &options);
+            let found = diagnose_group(&subject.name, inputs, options);
             let inputs = not_condemned(inputs, &found);
             let mut places = places;
             places.retain(|(name, _)| inputs.iter().any(|input| input.name == *name));
-            with_places(found, &places, &inputs, &options)
+            with_places(found, &places, &inputs, options)
         })
     });
     diagnosed.unwrap_or_else(|reason| {

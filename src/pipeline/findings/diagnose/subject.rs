@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use crate::analysis::groups::groups;
-use crate::diagnose::DiagnoseOptions;
 use crate::domain::{Issue, RunRecord};
 use crate::model::effects::TagAt;
 use crate::pipeline::Context;
@@ -22,20 +21,8 @@ pub(crate) struct Subject {
     pub(crate) set_apart: Option<Issue>,
     /// Those of its tasks of which a person said that the readings are right.
     pub(crate) right: Vec<usize>,
-    /// Whether it is a run of a group of several.
-    pub(crate) of_several: bool,
     /// Where each task lies among the values of tags that differ, in the order of the tasks.
     pub(crate) tags: Vec<Vec<TagAt>>,
-}
-
-impl Subject {
-    /// How it is diagnosed.
-    pub(super) fn options(&self, options: &DiagnoseOptions) -> DiagnoseOptions {
-        DiagnoseOptions {
-            of_several: self.of_several,
-            ..*options
-        }
-    }
 }
 
 /// All groups of the runs that are diagnosed, then all of these runs; and the keys of `group_by` that no run carries.
@@ -71,7 +58,6 @@ pub(super) fn subjects(
             right: tasks_of(&group.runs, &|run| run.standing.is_vouched()),
             tags: tags_of(&group.runs),
             set_apart: group.set_apart,
-            of_several: false,
         })
         .collect();
     let alone: Vec<Subject> = found
@@ -85,7 +71,6 @@ pub(super) fn subjects(
                 right: Vec::new(),
                 tags: vec![Vec::new()],
                 set_apart: group.set_apart.clone(),
-                of_several: group.members.len() > 1,
             })
         })
         .collect();

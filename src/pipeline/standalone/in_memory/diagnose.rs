@@ -35,7 +35,6 @@ pub fn diagnose(
         members: (0..runs.len()).collect(),
         set_apart: None,
         right: Vec::new(),
-        of_several: false,
         tags: tags_that_differ(runs),
     };
     let mut found = [diagnose_one(

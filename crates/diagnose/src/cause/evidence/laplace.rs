@@ -9,18 +9,32 @@ use ieap_numerics::symmetric::Symmetric;
 use super::policy::{KNOWN_BEFORE, SIZES};
 use crate::fitting::fitted::Fitted;
 
-/// Logarithm of the evidence for `fitted` over that of `base`, both of the same readings: what the likelihood gains at its
-/// peak, and what the width of the peak and the priors leave of it.
-pub(crate) fn log_evidence(base: &Fitted, fitted: &Fitted) -> (f64, f64) {
+/// Logarithm of the evidence for `fitted` over that of `before`, which has all its effects but some, both of the same readings:
+/// what the likelihood gains at its peak, and what the width of the peak and the priors leave of it.
+pub(crate) fn log_evidence(before: &Fitted, fitted: &Fitted) -> (f64, f64) {
+    let fall = 0.5 * (before.penalised() - fitted.penalised());
+    (fall, log_widths(fitted) - log_widths(before))
+}
+
+/// Logarithm of what the width of the peak and the priors of all effects leave of the likelihood at its peak.
+fn log_widths(fitted: &Fitted) -> f64 {
+    if fitted.problem.effects.is_empty() {
+        return 0.0;
+    }
     let (slope, _) = fitted.problem.slope(&fitted.at);
     let known = fitted.problem.base_len();
     let normal = known_before(&slope.normal, known);
-    let fall = 0.5 * (base.square - fitted.square);
     let width = 0.5 * (block(&normal, known).log_determinant() - normal.log_determinant());
     let mut at = known;
     let mut prior = 0.0;
     for free_effect in &fitted.problem.effects {
         for (k, limits) in free_effect.limits.iter().enumerate().filter(|(_, l)| !l.held) {
+            // A Gaussian: its height is all that is left of it.
+            if let Some(precision) = free_effect.known.get(k) {
+                prior += 0.5 * precision.ln();
+                at += 1;
+                continue;
+            }
             let precision = precision_beside(&normal, known, at);
             let (low, high) = fitted.problem.limits_of(at);
             prior += match (k, limits.logarithmic) {
@@ -35,7 +49,7 @@ pub(crate) fn log_evidence(base: &Fitted, fitted: &Fitted) -> (f64, f64) {
             at += 1;
         }
     }
-    (fall, width + prior)
+    width + prior
 }
 
 /// Logarithm of the prior density of a strength's coordinate: its size is as likely on any part of a logarithmic scale.

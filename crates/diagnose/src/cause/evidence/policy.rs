@@ -2,7 +2,7 @@
 //! probability on something is said.
 //!
 //! Where a number says "prototype" it was set on linearised groups (24 effects, 34 foreign forms, d = 16 to 64) before this
-//! engine was written; `cargo run --release --example hide_and_seek -- effects 5 16,64` counts what this engine says with it.
+//! engine was written; `cargo run --release --example hide_and_seek -- laws 1 16,64` counts what this engine says with it.
 
 /// Prior weight of a single effect of the library, all its forms together.
 pub(super) const EFFECT: f64 = 1.0;
@@ -13,21 +13,8 @@ pub(crate) fn log_odds_of_no_cause() -> f64 {
     (BASE / EFFECT).ln()
 }
 
-/// Prior weight of slow noise, of a record's own length. Prototype.
-pub(super) const SLOW_NOISE: f64 = 2.0;
 /// Prior weight of parameters that differ between the runs, all subsets and laws together. Prototype.
 pub(super) const VARIES: f64 = 2.0;
-/// Prior weight of an effect with something beside it that has no name. Prototype.
-pub(super) const EFFECT_AND_UNNAMED: f64 = 0.01;
-/// Prior weight of all pairs that hold a given effect. Prototype.
-pub(super) const PAIR: f64 = 0.02;
-
-/// No equation of an effect is exact: what is there may be another form of it, so that the right effect explains less than
-/// a wrong one does. A rival within this part of the best one's fall is not ruled out by it. Of 29 wrong single names on
-/// groups of another simulator 25 had such a rival, of 49 right ones 10; counted anew by
-/// `cargo run --release --example hide_and_seek -- foreign 5 16,32`.
-pub(super) const INEXACT: f64 = 0.05;
-
 /// Sizes of what is added, in standard deviations of the noise after the refit: the least that can be seen and the largest
 /// that is thought of. A size between them is as likely on any part of a logarithmic scale.
 pub(super) const SIZES: (f64, f64) = (2.5, 1500.0);
@@ -55,17 +42,6 @@ pub(super) const MOST_FOR_ALL_SUBSETS: usize = 11;
 
 /// Points of the grids over sizes and spreads.
 pub(super) const GRID: usize = 9;
-
-pub(crate) use ieap_domain::diagnosis::{LARGEST_SET, SURE};
-
-/// Hypotheses below this probability are not told, but for the leading one of each kind. Chosen.
-pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
-
-/// What a fall of the logarithm of the likelihood is divided by where effects are held against each other, the best of which
-/// makes it fall by `best`: a rival that explains all but [`INEXACT`] of that keeps what [`SURE`] leaves.
-pub(super) fn temperature(best: f64) -> f64 {
-    (INEXACT * best / (SURE / (1.0 - SURE)).ln()).max(1.0)
-}
 
 /// Evenly spaced points on the logarithmic scale between two ends.
 pub(crate) fn grid((low, high): (f64, f64)) -> impl Iterator<Item = f64> {

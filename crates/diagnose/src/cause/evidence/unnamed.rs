@@ -1,6 +1,6 @@
 //! What has no name: a smooth answer to every step of the voltage, or what wanders with the clock.
 
-use super::policy::{KNOTS_BY_CLOCK, MOST_BY_CLOCK, SIZES, WAVES, grid, log_mean};
+use super::policy::{KNOTS_BY_CLOCK, MOST_BY_CLOCK, SIZES, WAVES, grid};
 use super::smooth::{Column, Knots, Process, shared_since_edge};
 use crate::fitting::tangent::Tangent;
 use crate::readings::group::RunGroup;
@@ -19,21 +19,6 @@ impl Nameless {
             unnamed: [answers(group), wandering(group)],
             slow_noise: slow(group),
         }
-    }
-
-    /// Logarithm of the evidence for something without a name, over none of it.
-    pub(crate) fn unnamed(&self, tangent: &Tangent, left: &[f64]) -> f64 {
-        log_mean(
-            &self
-                .unnamed
-                .each_ref()
-                .map(|columns| evidence(columns, tangent, left)),
-        )
-    }
-
-    /// Logarithm of the evidence for slow noise, which is there at rest as under voltage, over none of it.
-    pub(crate) fn slow_noise(&self, tangent: &Tangent, left: &[f64]) -> f64 {
-        evidence(&self.slow_noise, tangent, left)
     }
 }
 
@@ -80,14 +65,6 @@ fn parts(columns: &[Column], tangent: &Tangent, left: &[f64]) -> Parts {
         occam,
         free: columns.len(),
     }
-}
-
-fn evidence(columns: &[Column], tangent: &Tangent, left: &[f64]) -> f64 {
-    let Some(process) = Process::of(columns, tangent, left).of_unit_size() else {
-        return 0.0;
-    };
-    let by_size: Vec<f64> = grid(SIZES).map(|size| process.log_evidence(size)).collect();
-    log_mean(&by_size)
 }
 
 /// Whitened pieces of a block from a series in units of its noise.

@@ -4,7 +4,8 @@
 //! parameters is shared and what differs is then asked in closed form: a parameter that differs freely scatters about a
 //! mean with a spread of its own, one that follows the voltage or a tag lies on a line.
 
-use ieap_domain::{Hypothesis, HypothesisKind, VaryingParameter, VaryingValue};
+use ieap_domain::quantiles::NORMAL_95;
+use ieap_domain::{Hypothesis, HypothesisKind, Ratio, VaryingParameter, VaryingValue};
 use ieap_model::FitModel;
 use ieap_numerics::random_effects::{Form, Shared};
 use ieap_numerics::symmetric::Symmetric;
@@ -48,6 +49,8 @@ pub(crate) struct Varying {
     shared: shared::Shared,
     /// What all runs leave with parameters of their own.
     own_square: f64,
+    /// What is left where one parameter alone is every run's own, parameter by parameter.
+    alone_square: Vec<f64>,
 }
 
 impl Varying {
@@ -94,6 +97,7 @@ impl Varying {
             subsets,
             shared,
             own_square: own.square(),
+            alone_square: (0..normal.order()).map(|k| least(&forms, &[k])).collect(),
         })
     }
 
@@ -125,18 +129,19 @@ impl Varying {
         self.subsets.iter().map(|subset| {
             let hypothesis = Hypothesis {
                 kind: HypothesisKind::Varies,
-                effects: Vec::new(),
-                form: None,
+                effect: None,
                 parameters_that_differ: subset.of.iter().map(|&k| base.base_key(k)).collect(),
-                with: Some(match subset.with {
-                    Some(place) => self.covariates[place].name.clone(),
-                    None => "run".to_owned(),
-                }),
-                with_unnamed: false,
+                with: Some(self.followed_by(subset)),
                 mass: 0.0,
             };
             (hypothesis, subset.log_weight)
         })
+    }
+
+    /// What the parameters of a subset follow.
+    fn followed_by(&self, subset: &Subset) -> String {
+        let name = subset.with.map(|place| self.covariates[place].name.clone());
+        name.unwrap_or_else(|| "run".to_owned())
     }
 
     /// The parameters of the leading subset, run by run.
@@ -144,6 +149,7 @@ impl Varying {
         let Some(first) = self.subsets.first() else {
             return Vec::new();
         };
+        let beyond_noise = (base.square - (group.rows() - base.at.len()) as f64).max(f64::MIN_POSITIVE);
         let of_parameter = |&k: &usize| {
             let of_run = |(run, name): (usize, &str)| {
                 let (value, standard_error) =
@@ -156,13 +162,33 @@ impl Varying {
                 })
             };
             let names = group.runs.iter().map(|run| run.given.name);
+            let values: Vec<VaryingValue> = names.enumerate().filter_map(of_run).collect();
+            let taken = (base.square - self.alone_square[k]) / beyond_noise;
             VaryingParameter {
                 key: base.base_key(k),
-                values: names.enumerate().filter_map(of_run).collect(),
+                with: self.followed_by(first),
+                share_percent: 100.0 * taken.clamp(0.0, 1.0),
+                ratio: ratio(&values),
+                values,
             }
         };
         first.of.iter().map(of_parameter).collect()
     }
+}
+
+/// The largest value over the smallest, its interval on the logarithmic scale.
+fn ratio(values: &[VaryingValue]) -> Option<Ratio> {
+    let size = |own: &&VaryingValue| own.value.abs();
+    let low = values.iter().min_by(|a, b| size(a).total_cmp(&size(b)))?;
+    let high = values.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    let value = high.value / low.value;
+    let relative = |own: &VaryingValue| own.standard_error / own.value;
+    let half = NORMAL_95 * relative(low).hypot(relative(high));
+    (value > 0.0 && half.is_finite() && value.is_finite()).then(|| Ratio {
+        value,
+        low_95: value * (-half).exp(),
+        high_95: value * half.exp(),
+    })
 }
 
 /// What the runs of a group carry that differs between them: the voltage, and numbers that are tags.

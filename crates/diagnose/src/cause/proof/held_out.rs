@@ -6,16 +6,17 @@ use rayon::prelude::*;
 use ieap_domain::ResidualCurve;
 use ieap_domain::number::seconds::span;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
+use ieap_numerics::least_squares::Minimum;
 
 use crate::cause::policy::{EARLIER_PART, HELD_OUT_OF_LOG};
 use crate::cause::proof::predictive::Predictive;
-use crate::fitting::fitted::Fitted;
+use crate::fitting::fitted::{Fitted, HELD};
 use crate::readings::drawn::drawn;
 use crate::readings::group::{Block, RunGroup};
 use crate::readings::quantities::{Predicted, predicted};
 
-/// Evaluations of a refit without the held-out part; it starts from the fit to everything.
-pub(crate) const REFIT: u64 = 6;
+/// Evaluations of a refit without the held-out part, along the slopes at the fit to everything, from which it starts.
+pub(crate) const REFIT: u64 = HELD;
 pub(crate) const SETTLE: f64 = 0.05;
 /// Parts of a single run's time that are held out in turn: the middle of its logarithm by what surrounds it, for what
 /// happens after a step happens there, and the end by the rest.
@@ -90,6 +91,46 @@ impl Deviations {
     }
 }
 
+/// Held-out parts by two models.
+pub(crate) struct HeldOut {
+    pub(crate) before: Vec<Part>,
+    pub(crate) after: Vec<Part>,
+}
+
+impl HeldOut {
+    /// Fall of the deviance on every part.
+    pub(crate) fn falls(&self) -> Vec<f64> {
+        let pairs = self.before.iter().zip(&self.after);
+        pairs
+            .map(|(before, after)| before.deviance - after.deviance)
+            .collect()
+    }
+
+    /// Parts that come out better, of how many.
+    pub(crate) fn better(&self) -> (usize, usize) {
+        let falls = self.falls();
+        (falls.iter().filter(|fall| **fall > 0.0).count(), falls.len())
+    }
+
+    /// Whether the sum comes out better, and so many of the parts.
+    pub(crate) fn pays(&self, parts: f64) -> bool {
+        let (better, all) = self.better();
+        self.falls().iter().sum::<f64>() > 0.0 && better as f64 >= parts * all as f64
+    }
+}
+
+impl HeldOut {
+    /// Whether the errors of current and curvature, in parts of their ranges, fall on average: what is likelier because it claims
+    /// to know less is no better prediction.
+    pub(crate) fn errors_fall(&self, group: &RunGroup) -> bool {
+        let ratio = |channel: usize| {
+            let after = nrmse(group, &self.after, channel)?;
+            Some((after / nrmse(group, &self.before, channel)?).ln())
+        };
+        (0..2).filter_map(ratio).sum::<f64>() < 0.0
+    }
+}
+
 /// Runs or times that are held out.
 pub(crate) fn kind(group: &RunGroup) -> &'static str {
     if group.runs.len() > 1 { "run" } else { "time" }
@@ -107,19 +148,6 @@ pub(crate) fn parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
         OF_TIME
             .par_iter()
             .map(|&held_out_time| out_of_time(fitted, &predictive, group, held_out_time))
-            .collect()
-    }
-}
-
-/// Rows that each part leaves out, in the order of [`parts`].
-pub(crate) fn rows(group: &RunGroup) -> Vec<Vec<bool>> {
-    if group.runs.len() > 1 {
-        let parts = drives(group);
-        parts.iter().map(|runs| rows_of_runs(group, runs)).collect()
-    } else {
-        OF_TIME
-            .iter()
-            .map(|&held_out_time| rows_of_time(group, 0, held_out_time).0)
             .collect()
     }
 }
@@ -178,12 +206,10 @@ fn rows_of_time(group: &RunGroup, run: usize, held_out_time: HeldOutTime) -> (Ve
 }
 
 fn left_out(fitted: &Fitted, predictive: &Predictive, group: &RunGroup, runs: &[usize]) -> Part {
-    let others: Vec<usize> = (0..group.runs.len())
-        .filter(|other| !runs.contains(other))
-        .collect();
-    let bottom = fitted.problem.over(others).search(&fitted.at, REFIT, SETTLE, &[]);
+    let out = rows_of_runs(group, runs);
+    let bottom = without(fitted, predictive, &out);
     let model = fitted.problem.model(&bottom.at);
-    let deviance = predictive.deviance(&rows_of_runs(group, runs), bottom.local.square);
+    let deviance = predictive.deviance(&out, bottom.local.square);
     let mut part = Part::new(name(group, runs), deviance);
     for &run in runs {
         let group_run = &group.runs[run];
@@ -194,6 +220,36 @@ fn left_out(fitted: &Fitted, predictive: &Predictive, group: &RunGroup, runs: &[
             .push(predicted(group_run, found.each_ref().map(Vec::as_slice)));
     }
     part
+}
+
+/// Where the model lies without the rows that are `out`.
+fn without(fitted: &Fitted, predictive: &Predictive, out: &[bool]) -> Minimum {
+    let columns = predictive.columns_without(out);
+    let problem = fitted.problem.without(out);
+    problem.search(&fitted.at, REFIT, SETTLE, &columns)
+}
+
+/// Root mean square deviation of a channel's held-out readings over its range.
+pub(crate) fn nrmse(group: &RunGroup, parts: &[Part], channel: usize) -> Option<f64> {
+    let all = sum(parts.iter().map(|part| part.deviations[channel]));
+    let range = range(group, channel)?;
+    (all.readings > 0).then(|| (all.square / all.readings as f64).sqrt() / range)
+}
+
+pub(crate) fn sum(deviations: impl Iterator<Item = Deviations>) -> Deviations {
+    let mut all = Deviations::default();
+    deviations.for_each(|part| all.add(part));
+    all
+}
+
+/// Range of all readings of a channel.
+fn range(group: &RunGroup, channel: usize) -> Option<f64> {
+    let readings = group.runs.iter().filter_map(|run| run.channels[channel].as_ref());
+    let (low, high) = readings.flat_map(|readings| readings.values().to_vec()).fold(
+        (f64::INFINITY, f64::NEG_INFINITY),
+        |(low, high): (f64, f64), v| (low.min(v), high.max(v)),
+    );
+    (high > low).then_some(high - low)
 }
 
 /// What a part is called: its run, or the first of several.
@@ -245,10 +301,7 @@ fn out_of_time(
 ) -> Part {
     let run = &group.runs[0];
     let (out, (from_s, to_s)) = rows_of_time(group, 0, held_out_time);
-    let bottom = fitted
-        .problem
-        .without(&out)
-        .search(&fitted.at, REFIT, SETTLE, &[]);
+    let bottom = without(fitted, predictive, &out);
     let model = fitted.problem.model(&bottom.at);
     let found = run.fitted(&model, &run.context(0, None));
     let deviance = predictive.deviance(&out, bottom.local.square);

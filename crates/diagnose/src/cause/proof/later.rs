@@ -13,6 +13,9 @@ use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
 use ieap_domain::number::seconds::seconds;
 
+/// Evaluations of a refit to the earlier times of all runs.
+const LATER_REFIT: u64 = 12;
+
 /// The later time of every run, predicted by the model refitted to the earlier time of all; none for a single run.
 ///
 /// The deviance of a run's part is what it adds to the earlier readings of all runs, whatever the later ones of the
@@ -25,13 +28,13 @@ pub(crate) fn later_parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
     let predictive = Predictive::of(fitted);
     let all_later = later_rows(group, &runs);
     let earlier = fitted.problem.without(&all_later);
-    let earlier = earlier.search(&fitted.at, 2 * REFIT, SETTLE, &[]);
+    let earlier = earlier.search(&fitted.at, LATER_REFIT, SETTLE, &[]);
     let model = fitted.problem.model(&earlier.at);
     let part = |&run: &usize| {
         let others: Vec<usize> = runs.iter().copied().filter(|&other| other != run).collect();
         let out = later_rows(group, &others);
         let with = fitted.problem.without(&out);
-        let with = with.search(&earlier.at, REFIT, SETTLE, &[]);
+        let with = with.search(&earlier.at, REFIT, SETTLE, &predictive.columns_without(&out));
         let group_run = &group.runs[run];
         let context = group_run.context(run, None);
         let found = group_run.fitted(&model, &context);

@@ -1,10 +1,8 @@
 //! Proof: readings that took no part in a fit, predicted by it.
 //!
 //! In: a fitted model and its group.
-//! Out: parts that were held out in turn, how far each lies from its prediction, and what an answer without a name
-//! ([`discrepancy`]) would have predicted; later times by earlier ones ([`later`]).
+//! Out: parts that were held out in turn and how far each lies from its prediction; later times by earlier ones ([`later`]).
 
-pub(crate) mod discrepancy;
 pub(crate) mod held_out;
 pub(crate) mod later;
 pub(crate) mod predictive;

@@ -20,6 +20,8 @@ use crate::fitting::fitted::Fitted;
 /// A model at its fit to all readings, linear in its parameters from there.
 pub(crate) struct Predictive {
     columns: Vec<Vec<f64>>,
+    /// Precision of each parameter before any reading.
+    known: Vec<f64>,
     square: f64,
     /// ln det(N + P).
     information: f64,
@@ -28,11 +30,24 @@ pub(crate) struct Predictive {
 impl Predictive {
     pub(crate) fn of(fitted: &Fitted) -> Predictive {
         let (_, columns) = fitted.problem.slope(&fitted.at);
+        let known: Vec<f64> = (fitted.problem.known().into_iter())
+            .map(|known| known + PREDICTED_FROM)
+            .collect();
         Predictive {
-            information: information(&columns, &[]),
-            square: fitted.square,
+            information: information(&columns, &known, &[]),
+            square: fitted.penalised(),
+            known,
             columns,
         }
+    }
+
+    /// Slopes about the fit with nothing in the rows that are `out`.
+    pub(crate) fn columns_without(&self, out: &[bool]) -> Vec<Vec<f64>> {
+        let own = |column: &Vec<f64>| {
+            let rows = column.iter().zip(out);
+            rows.map(|(v, is_out)| if *is_out { 0.0 } else { *v }).collect()
+        };
+        self.columns.iter().map(own).collect()
     }
 
     /// Deviance of the rows that are `out`, where the others leave the least sum of squares `others`.
@@ -46,7 +61,7 @@ impl Predictive {
             let told = if out.is_empty() {
                 self.information
             } else {
-                information(&self.columns, out)
+                information(&self.columns, &self.known, out)
             };
             square + told
         };
@@ -55,10 +70,10 @@ impl Predictive {
 }
 
 /// ln det(N + P) of the rows that are not `out`.
-fn information(columns: &[Vec<f64>], out: &[bool]) -> f64 {
+fn information(columns: &[Vec<f64>], known: &[f64], out: &[bool]) -> f64 {
     let mut normal = normal(columns, out);
-    for k in 0..columns.len() {
-        normal.add(k, k, PREDICTED_FROM);
+    for (k, precision) in known.iter().enumerate() {
+        normal.add(k, k, *precision);
     }
     normal.log_determinant()
 }
@@ -108,8 +123,8 @@ mod tests {
             )
         };
         let ((whole, ..), (others, at, normal)) = (least(&[]), least(&out));
-        let found = whole - others + information(std::slice::from_ref(&column), &[])
-            - information(std::slice::from_ref(&column), &out);
+        let found = whole - others + information(std::slice::from_ref(&column), &[PREDICTED_FROM], &[])
+            - information(std::slice::from_ref(&column), &[PREDICTED_FROM], &out);
         // Prediction c x with variance 1 + c c / N': by Sherman and Morrison.
         let held: Vec<usize> = (8..12).collect();
         let off: Vec<f64> = held.iter().map(|&k| readings[k] - at * column[k]).collect();

@@ -2,7 +2,6 @@
 
 use super::FindingBuilder;
 use super::forms::widened;
-use crate::cause::select::Selection;
 use crate::fitting::ends::{bounded_by, held_by, told_by};
 use crate::fitting::fitted::Fitted;
 use ieap_domain::{EffectFinding, Parameter, StrengthProfile};
@@ -11,7 +10,6 @@ impl FindingBuilder<'_, '_> {
     /// The effects of `model`; those of `set` that it has not could stand in their place.
     pub(crate) fn findings(
         &self,
-        selection: &Selection,
         model: &Fitted,
         set: &[String],
         profiles: &[StrengthProfile],
@@ -50,7 +48,7 @@ impl FindingBuilder<'_, '_> {
                 effect: about.id.to_owned(),
                 variant: about.variants.get(free_effect.variant).map(|v| (*v).to_owned()),
                 parameters,
-                p: selection.p_of(about.id),
+                p: self.p_misfit,
                 q: None,
                 twins: set
                     .iter()

@@ -71,6 +71,28 @@ impl Axis {
         }
     }
 
+    /// Name in ids.
+    pub(super) fn key(self) -> String {
+        let parts = |part: f64| format!("{}th", part.recip().round() as u32);
+        match self {
+            Axis::Time => "time".to_owned(),
+            Axis::LogTime => "log-time".to_owned(),
+            Axis::SinceEdge => "since-edge".to_owned(),
+            Axis::Voltage => "voltage".to_owned(),
+            Axis::VoltageSize => "voltage-size".to_owned(),
+            Axis::OwnVoltage => "own-voltage".to_owned(),
+            Axis::Charge => "charge".to_owned(),
+            Axis::ChargeSize => "charge-size".to_owned(),
+            Axis::Curvature => "curvature".to_owned(),
+            Axis::CurvatureSize => "curvature-size".to_owned(),
+            Axis::CurrentSize => "current-size".to_owned(),
+            Axis::Power(part) => format!("heat-{}", parts(part)),
+            Axis::Flow(part) => format!("flow-{}", parts(part)),
+            Axis::FlowSize(part) => format!("flow-size-{}", parts(part)),
+            Axis::Elements => "elements".to_owned(),
+        }
+    }
+
     pub(super) fn is_of_bending(self) -> bool {
         matches!(self, Axis::Curvature | Axis::CurvatureSize)
     }
@@ -110,7 +132,7 @@ impl Axis {
 
 /// A smooth function of a variable.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
+pub(super) struct Curve {
     pub(super) weights: Vec<f64>,
     pub(super) axis: Axis,
     pub(super) ends: (f64, f64),
@@ -141,7 +163,7 @@ impl Curve {
     }
 
     /// So many places over its variable, in the variable's own unit, with the value at each.
-    pub fn drawn(&self, count: usize) -> Vec<(f64, f64)> {
+    pub(super) fn drawn(&self, count: usize) -> Vec<(f64, f64)> {
         let (low, high) = self.ends;
         let place = |k: usize| low + (high - low) * k as f64 / (count.max(2) - 1) as f64;
         (0..count)

@@ -18,6 +18,17 @@ pub struct Place {
     pub variable: &'static str,
 }
 
+/// A law drawn over its variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// Places, in the unit that the variable's key ends in.
+    pub x: Vec<f64>,
+    /// Values there: what is added, or the relative change of what is multiplied.
+    pub y: Vec<f64>,
+    /// Unit of the values; 1 of relative changes.
+    pub unit: &'static str,
+}
+
 /// What stands behind the weights among a law's parameters: ends of the variable, its time, the size of what is added.
 const HELD: usize = 4;
 /// A weight at which a law is looked at: its answer goes along a straight line there.
@@ -66,7 +77,7 @@ impl SmoothLaw {
             about: Box::leak(Box::new(About {
                 id,
                 code: "",
-                summary: place.law,
+                summary: Box::leak(place.words().into_boxed_str()),
                 equation: "",
                 variants: &[],
                 parameters: &PARAMETERS,
@@ -87,10 +98,16 @@ impl SmoothLaw {
         self.part.weights(self.axis)
     }
 
-    /// The function with these parameters: over the variable in its own unit, with the unit of what it adds; none of a law that
-    /// is no function of one variable but a spectrum.
-    pub fn curve(&self, parameters: &[f64]) -> Option<Curve> {
-        (self.axis != Axis::Elements).then(|| self.function(parameters))
+    /// The function with these parameters at so many places over its variable; none of a law that is no function of one
+    /// variable but a spectrum.
+    pub fn drawn(&self, parameters: &[f64], count: usize) -> Option<Drawn> {
+        let is_drawn = self.axis != Axis::Elements && self.part != Part::Play;
+        is_drawn.then(|| {
+            let (by_unit, unit) = self.part.of_one(parameters[WEIGHTS + 3]);
+            let places = self.function(parameters).drawn(count);
+            let (x, y) = places.into_iter().map(|(x, y)| (x, by_unit * y)).unzip();
+            Drawn { x, y, unit }
+        })
     }
 
     fn function(&self, parameters: &[f64]) -> Curve {

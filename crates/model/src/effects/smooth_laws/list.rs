@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 use super::axis::Axis;
 use super::law::{Place, SmoothLaw};
 use super::part::Part;
-use crate::effects::{Site, mechanism_of};
+use crate::effects::{Effect, Site, mechanism_of};
+use ieap_domain::diagnosis::LAW;
 
 const fn current(law: &'static str, of: &'static str, variable: &'static str) -> Place {
     Place {
@@ -128,13 +129,28 @@ fn laws() -> Vec<(Place, Part, Axis)> {
 
 /// Every law, in the order of the list.
 pub static SMOOTH_LAWS: LazyLock<Vec<&'static SmoothLaw>> = LazyLock::new(|| {
-    let kept = |(k, (place, part, axis)): (usize, (Place, Part, Axis))| -> &'static SmoothLaw {
-        let id = format!("law-{k:02}:{}:{}", place.law, place.variable);
-        let id: &'static str = Box::leak(id.into_boxed_str());
+    let kept = |(place, part, axis): (Place, Part, Axis)| -> &'static SmoothLaw {
+        let id: &'static str = Box::leak(id(place, part, axis).into_boxed_str());
         Box::leak(Box::new(SmoothLaw::new(id, place, part, axis)))
     };
-    laws().into_iter().enumerate().map(kept).collect()
+    laws().into_iter().map(kept).collect()
 });
+
+/// Stored id, `law:resistance:slow-branch:time`: never renamed.
+fn id(place: Place, part: Part, axis: Axis) -> String {
+    let of = match (place.of, part) {
+        ("", Part::Strain) => "strain:",
+        ("", Part::Even) => "even:",
+        ("", _) => "",
+        (of, _) => return format!("{LAW}{}:{of}:{}", place.law, axis.key()),
+    };
+    format!("{LAW}{}:{of}{}", place.law, axis.key())
+}
+
+/// The law of that id.
+pub fn smooth_law(id: &str) -> Option<&'static SmoothLaw> {
+    SMOOTH_LAWS.iter().copied().find(|law| law.about().id == id)
+}
 
 /// The place of an effect of the library: the law that its equation is a curve of.
 pub fn place_of(effect: &str) -> Option<Place> {
@@ -200,6 +216,13 @@ pub fn place_of(effect: &str) -> Option<Place> {
 mod tests {
     use super::*;
     use crate::effects::ALL;
+
+    #[test]
+    fn every_law_has_an_id_of_its_own() {
+        let ids: std::collections::BTreeSet<&str> = SMOOTH_LAWS.iter().map(|law| law.about().id).collect();
+        assert_eq!(ids.len(), SMOOTH_LAWS.len(), "{ids:?}");
+        assert!(smooth_law("law:resistance:slow-branch:time").is_some());
+    }
 
     #[test]
     fn every_effect_has_its_place() {

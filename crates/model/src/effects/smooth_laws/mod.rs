@@ -7,10 +7,12 @@ mod axis;
 mod law;
 mod list;
 mod part;
+mod words;
 
-pub use axis::{Curve, WEIGHTS};
-pub use law::{Place, SmoothLaw};
-pub use list::{SMOOTH_LAWS, place_of};
+pub use axis::WEIGHTS;
+pub use law::{Drawn, Place, SmoothLaw};
+pub use list::{SMOOTH_LAWS, place_of, smooth_law};
+pub use words::variable_words;
 
 #[cfg(test)]
 mod tests {

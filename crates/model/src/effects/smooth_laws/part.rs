@@ -84,6 +84,18 @@ impl Part {
         }
     }
 
+    /// What a value of one of the function is, with its unit; `size` as of [`Part::size`].
+    pub(super) fn of_one(self, size: f64) -> (f64, &'static str) {
+        match self {
+            Part::Leak => (size, "S/cm2"),
+            Part::Drop => (size, "ohm cm2"),
+            Part::ReadCurrent => (size, "A"),
+            Part::Added => (size, "1/cm"),
+            Part::Source => (size, "1"),
+            _ => (1.0, "1"),
+        }
+    }
+
     /// Puts the function into a system.
     pub(super) fn act_on(self, system: &mut System, curve: Curve, size: f64) {
         let longest_s = curve.ends.1;
