@@ -348,7 +348,7 @@ fn causes_are_those_of_the_verdict(found: &GroupDiagnosis, media: &Media) {
 
 /// What is told is nowhere called unexplained, and what is not explained is nowhere claimed.
 fn proof_is_that_of_the_verdict(found: &GroupDiagnosis, media: &Media) {
-    let doubts = ["nothing that was asked explains it", "not explained"];
+    let doubts = ["what it misses cannot be told", "not explained"];
     let claims = [
         "The simulation misses",
         "a law is missing",

@@ -86,7 +86,12 @@ fn a_cause_that_samples_share_predicts_the_one_left_out() {
     for one in left_out {
         let own = one["deviance_own_strength"].as_f64().unwrap();
         let mean = one["deviance"].as_f64().unwrap();
-        assert!(own > 100.0 && own > mean, "{one:#}");
+        // Of the weakest a drift of the bending hides most that its rest allows.
+        assert!(
+            own > if one["sample"] == "S3" { 1000.0 } else { 100.0 },
+            "{one:#}"
+        );
+        assert!(own > mean, "{one:#}");
         assert_eq!(one["from"].as_array().unwrap().len(), 2, "{one:#}");
     }
     // Nothing changed: nothing is held again.

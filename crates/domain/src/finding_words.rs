@@ -83,7 +83,7 @@ fn sentence(found: &GroupDiagnosis, about: &About) -> Option<String> {
             ))
         ),
         (Verdict::Unexplained, _) => format!(
-            "The simulation is wrong{}{}, and nothing that was asked explains it.{}{}",
+            "The simulation is wrong{}{}, and what it misses cannot be told.{}{}",
             after(" by ", &size(found.misfit_percent)),
             match place {
                 "" => String::new(),

@@ -4,7 +4,7 @@ mod effects;
 mod forms;
 
 use ieap_domain::{
-    DiagnosisNoise, EffectFinding, GroupDiagnosis, MisfitPercent, Parameter, ParameterScatter,
+    Account, DiagnosisNoise, EffectFinding, GroupDiagnosis, MisfitPercent, Parameter, ParameterScatter,
     ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict,
 };
 
@@ -198,7 +198,15 @@ impl<'g> FindingBuilder<'_, 'g> {
             residuals: self.drawn(self.base),
             misfit_percent: misfit_percent(self.group, self.base),
             tolerance_percent: self.options.tolerance_percent,
-            account: Some(account(self.group, self.base, None, None)),
+            account: Some(if self.p_misfit < WRONG_BELOW {
+                account(self.group, self.base, None, None)
+            } else {
+                // What chance leaves is noise.
+                Account {
+                    noise: 100.0,
+                    ..Account::default()
+                }
+            }),
             visible_percent,
             scatter,
             scatter_is_noise,

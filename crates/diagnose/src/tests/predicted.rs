@@ -2,14 +2,18 @@
 
 use super::*;
 
-/// Names of the held-out parts of clean runs with these drives.
-fn held_out_parts(drives: &[Levels]) -> Vec<String> {
+/// Names of the held-out parts of clean runs with these drives, and how many readings each leaves out.
+fn held_out_parts(drives: &[Levels]) -> Vec<(String, usize)> {
     let runs = Runs::with(None, drives, 61);
     let inputs = runs.inputs();
     let raw = group::RunGroup::new(&inputs);
     let found = with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let parts = held_out::parts(&base, group);
-        parts.into_iter().map(|part| part.name).collect()
+        let readings = |part: &held_out::Part| part.deviations.iter().map(|own| own.readings).sum();
+        parts
+            .iter()
+            .map(|part| (part.name.clone(), readings(part)))
+            .collect()
     });
     found.unwrap()
 }
@@ -20,13 +24,18 @@ fn a_drive_is_held_out_with_its_repeats() {
     let parts = held_out_parts(&[STEP, REVERSED, STEP, DISCHARGED, STEP, REVERSED]);
     assert_eq!(
         parts,
-        ["first and its 2 repeats", "second and its repeat", "fourth"]
+        [
+            ("first and its 2 repeats".to_owned(), 3 * 1200),
+            ("second and its repeat".to_owned(), 2 * 1200),
+            ("fourth".to_owned(), 1200)
+        ]
     );
 }
 
 #[test]
 fn runs_of_one_drive_are_held_out_one_by_one() {
-    assert_eq!(held_out_parts(&[STEP, STEP, STEP]), ["first", "second", "third"]);
+    let each = ["first", "second", "third"].map(|name| (name.to_owned(), 1200));
+    assert_eq!(held_out_parts(&[STEP, STEP, STEP]), each);
 }
 
 /// The last two fifths of every run, each by the first three of all; a right model holds nineteen of twenty readings.

@@ -106,8 +106,8 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
     let causes = match (caused, uncaused) {
         (1, 0) => "what is missing is told".to_owned(),
         (_, 0) => "what is missing is told in each".to_owned(),
-        (0, 1) => "nothing that was asked explains it".to_owned(),
-        (0, _) => "nothing that was asked explains it in any".to_owned(),
+        (0, 1) => "what it misses cannot be told".to_owned(),
+        (0, _) => "what it misses cannot be told in any".to_owned(),
         (some, none) => format!("what is missing is told in {some}, not in {none}"),
     };
     let mut lead = match (caused + uncaused, asked) {

@@ -117,9 +117,7 @@ impl HeldOut {
         let (better, all) = self.better();
         self.falls().iter().sum::<f64>() > 0.0 && better as f64 >= parts * all as f64
     }
-}
 
-impl HeldOut {
     /// Whether the errors of current and curvature, in parts of their ranges, fall on average: what is likelier because it claims
     /// to know less is no better prediction.
     pub(crate) fn errors_fall(&self, group: &RunGroup) -> bool {
