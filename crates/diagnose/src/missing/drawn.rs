@@ -29,13 +29,15 @@ pub(super) fn drawn(fitted: &Fitted) -> Option<LawCurve> {
     let (slope, _) = fitted.problem.slope(&fitted.at);
     let inverse = slope.normal.inverse(1e-12);
     let first = fitted.at.len() - free;
+    // Before: weights of one size, that of those which the readings see. Each one's own may be any where nothing sees it.
+    let known = |k: usize| free_effect.known.get(k).copied().unwrap_or_default();
+    let by_readings = |k: usize| slope.normal.get(first + k, first + k) - known(k);
+    let squares = (0..free).map(|k| by_readings(k) * fitted.at[first + k].powi(2));
+    let size_squared = squares.sum::<f64>() / (0..free).map(by_readings).sum::<f64>();
     let band = Band {
         bells: &bells,
         after: Symmetric::from_fn(free, |a, b| inverse.get(first + a, first + b)),
-        before: Symmetric::from_fn(free, |a, b| match free_effect.known.get(a) {
-            Some(known) if a == b => known.recip(),
-            _ => 0.0,
-        }),
+        before: Symmetric::from_fn(free, |a, b| if a == b { size_squared } else { 0.0 }),
     };
     let (from, told) = band.told();
     let level = from.map_or(0.0, |from| found.y[from]);

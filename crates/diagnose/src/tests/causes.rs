@@ -288,8 +288,8 @@ fn what_a_right_extension_leaves_is_chance() {
     };
     let hidden: Hidden = ("current-offset", None, &[("offset_a", 4e-5)]);
     let left = |seed| {
-        let found = Runs::with(Some(hidden), &[STEP, REVERSED], 500 + seed).diagnosed();
-        // Under 2 V and −2 V an offset is a leak that differs in sign: the place is what can be told.
+        // Under 2 V and −2 V alone an offset is a leak that differs in sign, or an R_ss of each run's own.
+        let found = Runs::with(Some(hidden), &[STEP, REVERSED, DISCHARGED], 500 + seed).diagnosed();
         let place = found.missing.first().map(|law| law.place.as_str());
         assert_eq!(place, Some("current"), "{}", found.sentence);
         found.p_leftover.unwrap()

@@ -61,3 +61,37 @@ fn a_misfit_below_what_is_tolerated_is_right() {
         found.sentence
     );
 }
+
+/// Steps to four voltages tell nothing of a leak below the lowest and nothing of one below zero: there no curve is drawn.
+#[test]
+fn a_law_is_drawn_where_readings_tell_it() {
+    let leak: Hidden = (
+        "faradaic-leak",
+        None,
+        &[
+            ("leak_current_a_per_cm2", 2e-6),
+            ("onset_v", 1.2),
+            ("slope_v", 0.15),
+        ],
+    );
+    let drives: &[Levels] = &[&[(0.0, 0.8)], &[(0.0, 1.2)], &[(0.0, 1.6)], &[(0.0, 2.0)]];
+    let base = sample([30.0, 0.02, 300.0, 0.03], 9000.0, 120.0, 0.002);
+    let found = Runs::beside(&base, &[leak], drives, 31).diagnosed();
+    let curve = found.missing[0]
+        .curve
+        .as_ref()
+        .expect("a law by voltage is drawn");
+    let (first, last) = (curve.x[0], *curve.x.last().unwrap());
+    assert!(
+        (0.6..=0.8).contains(&first) && (last - 2.0).abs() < 1e-9,
+        "{curve:?}"
+    );
+    // What the hidden leak conducts more at 2 V than at 1.6 V.
+    let conducts_s_per_cm2 = |v: f64| 2e-6 * ((v - 1.2) / 0.15_f64).exp_m1() / v;
+    let at = |v: f64| curve.x.iter().position(|x| (x - v).abs() < 1e-9).unwrap();
+    let (found, hidden) = (
+        curve.y[at(2.0)] - curve.y[at(1.6)],
+        conducts_s_per_cm2(2.0) - conducts_s_per_cm2(1.6),
+    );
+    assert!((found / hidden - 1.0).abs() < 0.15, "{found} {hidden}");
+}
