@@ -3,7 +3,7 @@
 use ieap::pipeline::FitChoice;
 use ieap::pipeline::fits::result::FitResult;
 use ieap::pipeline::standalone::in_memory::CampaignRow;
-use ieap::store::Store;
+use ieap::store::{ResultKind, Store};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 use serde_json::Value;
@@ -33,12 +33,13 @@ fn results(folder: &CampaignFolder, choice: &FitChoice) -> Vec<Value> {
     let copy = copied(folder);
     copy.ieap(&["fit"]).expect(0);
     let store = Store::open_read_only(copy.path()).unwrap().unwrap();
+    let keys = store.result_keys(ResultKind::Fit).unwrap();
     let fitted = |task: ieap::store::FitTask| {
         let row = CampaignRow {
             channels: store.channels(task.run_id).unwrap(),
-            run: task.path,
+            run: task.path.clone(),
             data_hash: task.data_hash,
-            input_hash: task.done_input_hash.unwrap(),
+            input_hash: keys[&task.path].clone(),
             area_cm2: task.area_cm2,
             length_cm: task.length_cm,
             electrode_resistance_ohm_per_sq: task.electrode_resistance_ohm_per_sq,

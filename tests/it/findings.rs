@@ -420,7 +420,7 @@ fn a_diagnosis_made_in_turns_ends_as_one_made_at_once() {
         let stored = context.store.diagnoses().unwrap();
         stored
             .into_iter()
-            .map(|one| (one.name, one.found.sentence))
+            .map(|one| (one.origin.name, one.diagnosed.found.sentence))
             .collect()
     };
     // Each turn may begin one group: it is asked once before the batch and once before each group.

@@ -13,7 +13,7 @@ use ieap::store::{Content, Store};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::campaign::{CampaignFolder, counted, run_table};
+use crate::campaign::{CampaignFolder, counted, forge, run_table};
 
 /// Of so many flips that are told, one is mended by a rebuilding.
 const REBUILT: usize = 50;
@@ -137,9 +137,9 @@ fn a_flipped_byte_is_told_or_has_no_effect() {
 #[test]
 fn a_number_that_changed_in_the_database_ends_with_status_4_and_a_way_to_mend() {
     for tampering in [
-        "UPDATE fit_parameter SET value = value * 2 WHERE ordinal = 0",
-        "DELETE FROM fit_parameter WHERE ordinal = 1",
-        "UPDATE fit SET superseded_at = '2026-01-01T00:00:00Z'",
+        "UPDATE result SET document = replace(document, '\"value\":', '\"value\":1')",
+        "UPDATE result SET document = json_remove(document, '$.found.parameters[1]')",
+        "UPDATE result SET hash = x'00'",
         "UPDATE tag SET value = 'vacuum' WHERE key = 'environment'",
         "UPDATE run SET area_cm2 = area_cm2 * 2",
         "DELETE FROM tag WHERE ordinal = 0",
@@ -175,12 +175,11 @@ fn readings_are_held_against_their_hash() {
     let folder = CampaignFolder::new();
     folder.write("runs/a.csv", run_table(1));
     folder.ieap(&["run", "--no-diagnose"]).expect(0);
-    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
-    // Sealed anew with the wrong readings: the seal is right, the hash of the readings is not.
-    let sql = "UPDATE channel SET value_blob = (SELECT value_blob FROM channel WHERE ordinal = 0) WHERE ordinal = 1;
-               DELETE FROM seal;";
-    database.execute_batch(sql).unwrap();
-    drop(database);
+    // The seal is right, the hash of the readings is not.
+    forge(
+        folder.path(),
+        "UPDATE channel SET value_blob = (SELECT value_blob FROM channel WHERE ordinal = 0) WHERE ordinal = 1",
+    );
     folder.ieap(&["run", "--no-diagnose"]).expect(0);
     let refused = folder.ieap(&["fit", "--again"]).expect(4);
     assert!(refused.stderr.contains("readings of run"), "{}", refused.stderr);
@@ -193,7 +192,7 @@ fn the_structure_is_looked_at_after_a_disorderly_end() {
     let page: usize = rusqlite::Connection::open(folder.join("campaign.db"))
         .unwrap()
         .query_row(
-            "SELECT rootpage FROM sqlite_schema WHERE name = 'fit_parameter_key'",
+            "SELECT rootpage FROM sqlite_schema WHERE name = 'tag_key'",
             [],
             |row| Ok(row.get::<_, i64>(0)? as usize),
         )

@@ -77,6 +77,7 @@ mod report_site;
 mod run_names;
 mod said_once;
 mod samples;
+mod schema_17;
 mod schemas;
 mod sentences;
 mod serve;

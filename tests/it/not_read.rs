@@ -8,7 +8,7 @@ use std::time::SystemTime;
 use ieap::ingest::scan::{ReadFileError, read_stable};
 use ieap::pipeline::{Context, Ingest, IngestSummary, Silent};
 
-use crate::campaign::{CampaignFolder, run_table};
+use crate::campaign::{CampaignFolder, forge, run_table};
 
 /// Beside a file: number of the error that the system gives for it.
 fn errno_of(path: &Path) -> std::path::PathBuf {
@@ -194,11 +194,7 @@ fn change_times_are_noted_without_reading_the_files() {
     ingest(&folder);
     let noted = change_time(&folder);
     assert_ne!(noted, 0);
-    rusqlite::Connection::open(folder.join("campaign.db"))
-        .unwrap()
-        // Without their seals rows are sealed as they are when the database is opened next.
-        .execute_batch("UPDATE source_file SET changed_ns = 0; DELETE FROM seal")
-        .unwrap();
+    forge(folder.path(), "UPDATE source_file SET changed_ns = 0");
     fail(&folder, "runs/a.csv", 5);
     assert_eq!(ingest(&folder).unread, []);
     assert_eq!(change_time(&folder), noted);

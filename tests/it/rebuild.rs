@@ -238,3 +238,32 @@ fn a_tag_that_is_said_again_is_told_as_said_last() {
     folder.ieap(&["rebuild"]).expect(0);
     same(&content(&folder), &before);
 }
+
+/// Whatever the reason: it may have held words that nothing else does. What was there is kept beside the new one, also where two
+/// are set aside in one second.
+#[test]
+fn an_old_database_that_cannot_be_read_is_a_loss_that_is_said() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    folder.ieap(&["tag", "runs/a.csv", "note=said"]).expect(0);
+    let mut aside = Vec::new();
+    for text in [
+        "no database at all, only some text",
+        "another text, of another length",
+    ] {
+        without_database(folder.path());
+        folder.write("campaign.db", text);
+        let rebuilt = folder.ieap(&["rebuild", "--json"]).expect(3).json();
+        let told = &rebuilt["rebuild"]["journal"];
+        assert_eq!(told[0]["code"], "old-database-not-read", "{told}");
+        let moved = rebuilt["rebuild"]["set_aside"].as_str().unwrap().to_owned();
+        assert_eq!(fs::read_to_string(&moved).unwrap(), text);
+        aside.push(moved);
+        // The journal is whole: nobody is asked after words.
+        let tags = folder.ieap(&["tag", "runs/a.csv", "cycle=1"]).expect(0);
+        assert!(tags.stdout.contains("note = said"), "{tags:?}");
+        folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    }
+    assert_ne!(aside[0], aside[1]);
+}

@@ -5,7 +5,6 @@ use std::fs;
 use std::path::PathBuf;
 
 use ieap::store::InstanceLock;
-use serde_json::Value;
 
 use crate::campaign::{CampaignFolder, Ended, run_table};
 use crate::rebuild::{content, same, without_database};
@@ -254,92 +253,4 @@ fn errors(folder: &CampaignFolder) -> Vec<String> {
     errors
         .map(|error| error["code"].as_str().unwrap().to_owned())
         .collect()
-}
-
-/// The campaign as the version before wrote it: no lines in the database, no checksums of lines before, nothing shown.
-fn as_the_version_before_wrote_it(folder: &CampaignFolder) {
-    let text = fs::read_to_string(journal(folder)).unwrap();
-    let old: String = text.lines().map(of_the_version_before).collect();
-    fs::write(journal(folder), old).unwrap();
-    let connection = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
-    let newest: i64 = connection
-        .pragma_query_value(None, "user_version", |row| row.get(0))
-        .unwrap();
-    connection
-        .execute_batch(&format!(
-            "DROP TABLE shown; DROP TABLE shown_of; DROP TABLE journal_line; DELETE FROM seal; PRAGMA user_version = {}",
-            newest - 2
-        ))
-        .unwrap();
-}
-
-fn of_the_version_before(line: &str) -> String {
-    let mut open: serde_json::Map<String, Value> = serde_json::from_str(line).unwrap();
-    open.remove("after");
-    open.remove("sum");
-    // The order of the fields is theirs.
-    let fields = ["n", "at", "entry"].map(|key| format!("\"{key}\":{}", open[key]));
-    let body = format!("{{{}", fields.join(","));
-    let sum = blake3::hash(body.as_bytes()).to_hex().to_string();
-    format!("{body},\"sum\":\"{}\"}}\n", &sum[..32])
-}
-
-#[test]
-fn a_campaign_of_the_version_before_is_taken_up_as_it_is() {
-    let folder = campaign();
-    drops(&folder, "runs/2.csv");
-    let before = content(&folder);
-    as_the_version_before_wrote_it(&folder);
-    let said = fs::read(journal(&folder)).unwrap();
-    run(&folder).expect(0);
-    assert_eq!(fs::read(journal(&folder)).unwrap(), said);
-    same(&content(&folder), &before);
-    assert_eq!(errors(&folder), Vec::<String>::new());
-    folder.ieap(&["tag", "runs/3.csv", "note=new"]).expect(0);
-    let said = fs::read_to_string(journal(&folder)).unwrap();
-    assert!(said.lines().last().unwrap().contains("\"after\""));
-    assert_eq!(errors(&folder), Vec::<String>::new());
-}
-
-#[test]
-fn a_campaign_of_the_version_before_whose_stores_parted_is_taken_up_with_what_either_says() {
-    let folder = campaign();
-    let older = database(&folder);
-    drops(&folder, "runs/2.csv");
-    let said = fs::read_to_string(journal(&folder)).unwrap();
-    // A program was ended within its last change, or the database is an older one: it is said again.
-    with_database(&folder, &older);
-    as_the_version_before_wrote_it(&folder);
-    run(&folder).expect(0);
-    assert!(is_dropped(&folder, "runs/2.csv"));
-    // The word was never stored, and others were said after it.
-    with_database(&folder, &older);
-    fs::write(
-        journal(&folder),
-        said.lines()
-            .take(4)
-            .map(|line| format!("{line}\n"))
-            .collect::<String>(),
-    )
-    .unwrap();
-    folder.ieap(&["tag", "runs/3.csv", "note=later"]).expect(0);
-    let later = fs::read_to_string(journal(&folder)).unwrap();
-    let [word, later] = [&said, &later].map(|text| text.lines().last().unwrap().to_owned());
-    let mut lines: Vec<String> = said.lines().take(4).map(str::to_owned).collect();
-    lines.extend([word, later.replacen("{\"n\":5", "{\"n\":6", 1)]);
-    fs::write(journal(&folder), lines.join("\n") + "\n").unwrap();
-    as_the_version_before_wrote_it(&folder);
-    let told = run(&folder).expect(3);
-    assert!(told.stderr.contains("journal.jsonl.set-aside-"), "{told:#?}");
-    let status = folder.ieap(&["status"]).expect(3);
-    assert!(
-        status.stdout.contains("runs/2.csv dropped by tester"),
-        "{status:#?}"
-    );
-    folder
-        .ieap(&["run", "--no-diagnose", "--answer", "it was dry"])
-        .expect(0);
-    assert_eq!(errors(&folder), Vec::<String>::new());
-    folder.ieap(&["rebuild"]).expect(0);
-    folder.ieap(&["status"]).expect(0);
 }

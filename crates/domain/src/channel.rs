@@ -155,8 +155,10 @@ pub struct RunCurve {
     /// Time of each drawn reading, s.
     pub time_s: Vec<f64>,
     /// Measured values, canonical unit.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub measured: Vec<f64>,
     /// Fitted values at the same times; empty where nothing was fitted.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub fitted: Vec<f64>,
     /// (measured - fitted) / noise standard deviation at the same times; empty where nothing was fitted.
     #[serde(deserialize_with = "number_or_null::many")]

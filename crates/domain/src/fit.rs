@@ -85,8 +85,10 @@ pub struct Fit {
     /// Noise and residual per fitted channel.
     pub noise: Vec<ChannelNoise>,
     /// Curves to draw: measured, fitted and residual.
+    #[serde(default)]
     pub curves: Vec<RunCurve>,
     /// What was measured along the strip with the simulated values, to draw; empty for models of a whole strip.
+    #[serde(default)]
     pub along: Vec<AlongCurve>,
     /// What a reader must know: bounds met, parameters not determined and why.
     pub issues: Vec<Issue>,

@@ -1,5 +1,7 @@
 //! What is found in a modulus log: humidity steps, the modulus before and after each, and how it comes back.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Estimate, Issue, Parameter, RunCurve, RunRecord};
 
 /// Keys of the numbers of a humidity step.
@@ -35,7 +37,7 @@ pub mod log_keys {
 }
 
 /// A change of the humidity from one level to another, and what the modulus does.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModulusStep {
     /// When the humidity leaves its level, s of the log's clock.
     pub start_s: f64,
@@ -55,7 +57,7 @@ impl ModulusStep {
 }
 
 /// What is found in a modulus log.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModulusAnalysis {
     /// Version of the analysis; another one makes this out of date.
     pub version: u32,
@@ -75,6 +77,7 @@ pub struct ModulusAnalysis {
     pub issues: Vec<Issue>,
     /// Curves to draw: |E*| with its fitted relaxations, storage and loss modulus, loss factor, humidity,
     /// temperature, as far as there are any.
+    #[serde(default)]
     pub curves: Vec<RunCurve>,
 }
 

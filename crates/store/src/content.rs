@@ -46,16 +46,17 @@ impl Content {
 }
 
 /// Kinds of parts with their queries; the first column of each is the part's name, the rows of a part follow each other.
-const KINDS: [(&str, &[&str]); 12] = [
+const KINDS: [(&str, &[&str]); 13] = [
     ("run", &RUN),
     ("earlier revision", &["SELECT run.path || ' revision ' || run.revision, run_file.path, run_file.hash FROM run
         JOIN run_file ON run_file.run_id = run.id WHERE run.superseded_at IS NOT NULL
         ORDER BY run.path, run.revision, run_file.ordinal"]),
     ("tags set by hand", &["SELECT run_path, key, value, set_by, set_at FROM hand_tag ORDER BY run_path, id"]),
+    ("how a run is fitted", &["SELECT run_path, asked FROM asked_fit ORDER BY run_path"]),
     ("words on a run", &["SELECT run_path, drops, why, said_by, said_at, data_hash FROM run_word ORDER BY run_path, id"]),
-    ("fit", &FIT),
-    ("modulus analysis", &ANALYSIS),
-    ("diagnosis", &DIAGNOSIS),
+    ("fit", &[FIT]),
+    ("modulus analysis", &[ANALYSIS]),
+    ("diagnosis", &[DIAGNOSIS]),
     ("same readings", &["SELECT run.path, other.path, whole FROM same_readings
         JOIN run ON run.id = run_id AND run.superseded_at IS NULL
         JOIN run AS other ON other.id = in_run_id AND other.superseded_at IS NULL ORDER BY run.path, other.path"]),
@@ -103,48 +104,11 @@ const RUN: [&str; 11] = [
      FROM run JOIN run_climate_curve ON run_id = id WHERE superseded_at IS NULL ORDER BY path, ordinal",
 ];
 
-/// The current fit of each current run, or why there is none.
-const FIT: [&str; 5] = [
-    "SELECT path, input_hash, model, model_version, method, converged, why_stopped, n_samples, r_squared_current,
-        r_squared_curvature, noise, issues, evaluations, asked
-     FROM run JOIN fit ON run_id = run.id AND fit.superseded_at IS NULL WHERE run.superseded_at IS NULL ORDER BY path",
-    "SELECT path, ordinal, key, value, standard_error, low_95, high_95, at_bound, reason
-     FROM run JOIN fit ON run_id = run.id AND fit.superseded_at IS NULL JOIN fit_parameter ON fit_id = fit.id
-     WHERE run.superseded_at IS NULL ORDER BY path, ordinal",
-    "SELECT path, ordinal, quantity, readings, time_blob, measured_blob, fitted_blob, residual_blob
-     FROM run JOIN fit ON run_id = run.id AND fit.superseded_at IS NULL JOIN fit_curve ON fit_id = fit.id
-     WHERE run.superseded_at IS NULL ORDER BY path, ordinal",
-    "SELECT path, ordinal, quantity, frames, position_blob, noise_blob, time_blob, measured_blob, fitted_blob
-     FROM run JOIN fit ON run_id = run.id AND fit.superseded_at IS NULL JOIN fit_along ON fit_id = fit.id
-     WHERE run.superseded_at IS NULL ORDER BY path, ordinal",
-    "SELECT path, input_hash, issue FROM run JOIN fit_failure ON run_id = id WHERE superseded_at IS NULL ORDER BY path",
-];
-
-const ANALYSIS: [&str; 4] = [
-    "SELECT path, input_hash, analysis_version, modulus_source, frequency_hz, temperature_low_c, temperature_high_c, readings,
-        issues
-     FROM run JOIN modulus_analysis AS own ON run_id = run.id AND own.superseded_at IS NULL
-     WHERE run.superseded_at IS NULL ORDER BY path",
-    "SELECT path, ordinal, start_s, settled_s, end_s
-     FROM run JOIN modulus_analysis AS own ON run_id = run.id AND own.superseded_at IS NULL
-     JOIN modulus_step ON analysis_id = own.id WHERE run.superseded_at IS NULL ORDER BY path, ordinal",
-    "SELECT path, ordinal, step, key, value, standard_error, low_95, high_95, at_bound, reason
-     FROM run JOIN modulus_analysis AS own ON run_id = run.id AND own.superseded_at IS NULL
-     JOIN modulus_estimate ON analysis_id = own.id WHERE run.superseded_at IS NULL ORDER BY path, ordinal",
-    "SELECT path, ordinal, quantity, modulus_curve.readings, time_blob, measured_blob, fitted_blob, residual_blob
-     FROM run JOIN modulus_analysis AS own ON run_id = run.id AND own.superseded_at IS NULL
-     JOIN modulus_curve ON analysis_id = own.id WHERE run.superseded_at IS NULL ORDER BY path, ordinal",
-];
-
-const DIAGNOSIS: [&str; 3] = [
-    "SELECT kind || ' ' || name, input_hash, library, seed, draws, document
-     FROM diagnosis WHERE superseded_at IS NULL ORDER BY kind, name",
-    "SELECT diagnosis.kind || ' ' || name, path, run.revision FROM diagnosis JOIN diagnosis_run ON diagnosis_id = diagnosis.id
-     JOIN run ON run.id = run_id WHERE diagnosis.superseded_at IS NULL ORDER BY diagnosis.kind, name, ordinal",
-    "SELECT diagnosis.kind || ' ' || name, path, reason FROM diagnosis
-     JOIN diagnosis_condemned ON diagnosis_id = diagnosis.id JOIN run ON run.id = run_id
-     WHERE diagnosis.superseded_at IS NULL ORDER BY diagnosis.kind, name, path",
-];
+/// Current results, with what is drawn of them.
+const FIT: &str = "SELECT name, key, document, drawn FROM result WHERE kind = 'fit' AND superseded_at IS NULL ORDER BY name";
+const ANALYSIS: &str = "SELECT name, key, document, drawn FROM result WHERE kind = 'modulus' AND superseded_at IS NULL ORDER BY name";
+const DIAGNOSIS: &str = "SELECT kind || ' ' || name, key, document FROM result
+     WHERE kind IN ('group', 'run') AND superseded_at IS NULL ORDER BY kind, name";
 
 impl Store {
     /// What the database says, whatever it says it with.

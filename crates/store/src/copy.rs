@@ -7,7 +7,7 @@ use rusqlite::backup::{Backup, StepResult};
 use rusqlite::{Connection, OpenFlags};
 
 use super::place::Place;
-use super::store::{as_uri, check_sqlite, open_to_read};
+use super::store::{as_uri, check_sqlite, named, open_to_read};
 use super::{Seals, Store, StoreError, migration};
 
 /// Pages that are copied between two words of progress: 4 MB.
@@ -64,13 +64,7 @@ impl Store {
         })?;
         let (connection, found) = open_to_read(path, &uri, flags)?;
         migration::refuse_unversioned(&connection, path, found)?;
-        if found > migration::NEWEST {
-            return Err(StoreError::Newer {
-                path: path.to_owned(),
-                found,
-                known: migration::NEWEST,
-            });
-        }
+        migration::refuse(found, path)?;
         if found < migration::NEWEST {
             return Err(StoreError::Older {
                 path: path.to_owned(),
@@ -79,7 +73,7 @@ impl Store {
             });
         }
         Ok(Store {
-            seals: Seals::of(&connection).map_err(|e| StoreError::from_sql(path, "opening to read", e))?,
+            seals: Seals::of(&connection).map_err(named(path, "opening to read"))?,
             connection,
             path: path.to_owned(),
             place: Place::default(),

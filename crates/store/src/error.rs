@@ -60,6 +60,18 @@ pub enum StoreError {
         /// Schema version needed.
         needed: i64,
     },
+    /// A program made the database that is too old to be followed from there.
+    #[error(
+        "{path}: the database has schema {found}, and this program brings up to date what has schema {needed} or later. `ieap rebuild` moves it aside and makes a new one from archive and journal."
+    )]
+    TooOld {
+        /// The database file.
+        path: PathBuf,
+        /// Schema version found.
+        found: i64,
+        /// Oldest schema version that is brought up to date.
+        needed: i64,
+    },
     /// What the database's tables, indexes or triggers are is not what ieap makes.
     #[error(
         "{path}: another program changed the schema of the database: {detail}. What is stored may have been changed with it, and nothing is read. Put a backup of it back, or `ieap rebuild` moves it aside and makes a new one from archive and journal."
@@ -241,6 +253,7 @@ impl StoreError {
                 | E::ChangedSchema { .. }
                 | E::NotALock { .. }
                 | E::Older { .. }
+                | E::TooOld { .. }
                 | E::Migration { .. }
                 | E::Newer { .. }
                 | E::Replaced { .. }

@@ -1,12 +1,10 @@
-//! What stood in the database earlier: runs with the fits, and modulus logs with the analyses, that they had then;
-//! and where a current result came from.
+//! What stood in the database earlier: runs with the fits, and modulus logs with the analyses, that they had then.
 
 use std::collections::BTreeMap;
 
-use rusqlite::{ToSql, params};
-
-use super::{StepError, Store, StoreError, Subject};
-use ieap_domain::{ModulusLog, RunKind, RunRecord};
+use super::results::{ResultKind, When};
+use super::{Store, StoreError};
+use ieap_domain::{Fit, ModulusAnalysis, ModulusLog, RunKind, RunRecord};
 
 /// Which earlier state is meant.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,27 +14,6 @@ pub enum Earlier {
     /// What was current at a moment, RFC 3339 UTC to the second. Tags are those of now: they have no history.
     At(String),
 }
-
-/// What a fit, or an analysis of a modulus log, was made from and by.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ResultOrigin {
-    /// Row id of the fit or analysis.
-    pub id: i64,
-    /// Hash of everything that it depends on.
-    pub input_hash: String,
-    /// Version of the program that made it.
-    pub code_version: String,
-    /// When, RFC 3339 UTC.
-    pub made_at: String,
-}
-
-/// The last fit of the run's name before its current one.
-const FIT_BEFORE: &str = "run_id IN (SELECT id FROM run WHERE path = ?1)
-    AND id < (SELECT id FROM fit WHERE run_id = ?2 AND superseded_at IS NULL)";
-const ANALYSIS_BEFORE: &str = "run_id IN (SELECT id FROM run WHERE path = ?1)
-    AND id < (SELECT id FROM modulus_analysis WHERE run_id = ?2 AND superseded_at IS NULL)";
-/// The result that was current at a moment.
-const THEN: &str = "run_id = ?1 AND made_at <= ?2 AND (superseded_at IS NULL OR superseded_at > ?2)";
 
 const SUPERSEDED: &str = "SELECT id FROM run WHERE superseded_at IS NOT NULL ORDER BY path, revision";
 
@@ -69,24 +46,17 @@ impl Store {
     /// See [`StoreError`].
     pub fn runs_earlier(&self, earlier: &Earlier) -> Result<Vec<RunRecord>, StoreError> {
         let mut runs = self.runs()?;
-        match earlier {
-            Earlier::BeforeRefit => {
-                for run in &mut runs {
-                    if let Some((fit, version)) = self.fit_where(FIT_BEFORE, &[&run.path, &run.id])? {
-                        run.fit = Some(fit);
-                        run.fit_code_version = Some(version);
-                    }
-                }
-            }
-            Earlier::At(moment) => {
-                runs.extend(self.superseded_runs()?);
-                let current = self.current_at(moment)?;
-                runs.retain(|run| current.contains(&run.id));
-                for run in &mut runs {
-                    let found = self.fit_where(THEN, &[&run.id, moment])?;
-                    (run.fit, run.fit_code_version) = found.map_or((None, None), |(f, v)| (Some(f), Some(v)));
-                }
-                runs.sort_by(|a, b| a.path.cmp(&b.path));
+        if let Earlier::At(moment) = earlier {
+            runs.extend(self.superseded_runs()?);
+            let current = self.current_at(moment)?;
+            runs.retain(|run| current.contains(&run.id));
+            runs.sort_by(|a, b| a.path.cmp(&b.path));
+        }
+        for run in &mut runs {
+            let found = self.result_then::<Fit>(ResultKind::Fit, &run.path, earlier.when())?;
+            let found = found.and_then(|stored| Some((stored.found.ok()?, stored.origin.version)));
+            if found.is_some() || earlier.is_whole() {
+                (run.fit, run.fit_code_version) = found.unzip();
             }
         }
         Ok(runs)
@@ -99,15 +69,11 @@ impl Store {
     pub fn modulus_logs_earlier(&self, earlier: &Earlier) -> Result<Vec<ModulusLog>, StoreError> {
         let mut logs = self.modulus_logs()?;
         for log in &mut logs {
-            let run = &log.run;
-            match earlier {
-                Earlier::BeforeRefit => {
-                    let before = self.modulus_analysis_where(ANALYSIS_BEFORE, &[&run.path, &run.id])?;
-                    log.analysis = before.or(log.analysis.take());
-                }
-                Earlier::At(moment) => {
-                    log.analysis = self.modulus_analysis_where(THEN, &[&run.id, moment])?
-                }
+            let found =
+                self.result_then::<ModulusAnalysis>(ResultKind::Modulus, &log.run.path, earlier.when())?;
+            let found = found.and_then(|stored| stored.found.ok());
+            if found.is_some() || earlier.is_whole() {
+                log.analysis = found;
             }
         }
         Ok(logs)
@@ -120,79 +86,46 @@ impl Store {
             "SELECT id FROM run WHERE ingested_at <= ?1 AND (superseded_at IS NULL OR superseded_at > ?1)";
         self.rows(doing, sql, [moment], |row| Ok(row.get(0)?))
     }
-
-    /// Where the current fit of a run came from.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn fit_origin(&self, run_id: i64) -> Result<Option<ResultOrigin>, StoreError> {
-        let sql = "SELECT id, input_hash, code_version, made_at FROM fit
-                   WHERE run_id = ?1 AND superseded_at IS NULL";
-        self.result_origin(sql, params![run_id], Subject::Fit)
-    }
-
-    /// Where the current analysis of a modulus log came from.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn modulus_origin(&self, run_id: i64) -> Result<Option<ResultOrigin>, StoreError> {
-        let sql = "SELECT id, input_hash, code_version, made_at FROM modulus_analysis
-                   WHERE run_id = ?1 AND superseded_at IS NULL";
-        self.result_origin(sql, params![run_id], Subject::Analysis)
-    }
-
-    fn result_origin(
-        &self,
-        sql: &str,
-        values: &[&dyn ToSql],
-        subject: fn(i64) -> Subject,
-    ) -> Result<Option<ResultOrigin>, StoreError> {
-        let found = self.rows(
-            "reading where a result came from",
-            sql,
-            values,
-            read_result_origin,
-        )?;
-        found
-            .iter()
-            .try_for_each(|origin| self.check_seal(&subject(origin.id)))?;
-        Ok(found.into_iter().next())
-    }
 }
 
-pub(super) fn read_result_origin(row: &rusqlite::Row<'_>) -> Result<ResultOrigin, StepError> {
-    Ok(ResultOrigin {
-        id: row.get("id")?,
-        input_hash: row.get("input_hash")?,
-        code_version: row.get("code_version")?,
-        made_at: row.get("made_at")?,
-    })
+impl Earlier {
+    fn when(&self) -> When<'_> {
+        match self {
+            Earlier::BeforeRefit => When::Before,
+            Earlier::At(moment) => When::At(moment),
+        }
+    }
+
+    /// Whether what has no earlier result had none then; else it keeps the one that it has.
+    fn is_whole(&self) -> bool {
+        matches!(self, Earlier::At(_))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::NewResult;
     use crate::testing::new_run;
-    use crate::{FitStamp, ModulusStamp};
-    use ieap_domain::{AskedFit, Fit, ModulusAnalysis, RunKind, testing};
+    use ieap_domain::{RunKind, testing};
 
     /// Hours of one day, RFC 3339 UTC.
     fn at(hour: u32) -> String {
         format!("2026-01-01T{hour:02}:00:00Z")
     }
 
-    fn save_fit(store: &mut Store, hour: u32, run_id: i64, evaluations: u64) {
-        let stamp = FitStamp {
-            run_id,
-            input_hash: evaluations.to_string(),
-            code_version: format!("version {evaluations}"),
-            asked: AskedFit::default(),
-        };
+    fn save_fit(store: &mut Store, hour: u32, evaluations: u64) {
         let fit = Fit {
             evaluations,
             ..testing::fit(&[])
         };
-        store.save_fits(&at(hour), &[(stamp, fit)]).unwrap();
+        let result = NewResult {
+            name: "runs/a.csv",
+            key: &evaluations.to_string(),
+            version: &format!("version {evaluations}"),
+            found: Ok(&fit),
+        };
+        store.save_fits(&at(hour), &[result], &[]).unwrap();
     }
 
     /// A run read at 1 h and fitted at 2 and 4 h; new bytes of it at 6 h, fitted at 8 h.
@@ -201,9 +134,8 @@ mod tests {
         for (read, fits) in [(1, &[2, 4][..]), (6, &[8])] {
             let run = new_run("runs/a.csv", RunKind::Actuation, &[f64::from(read), 2.0]);
             store.save_runs(&at(read), &[], &[run]).unwrap();
-            let id = store.runs().unwrap()[0].id;
             for &hour in fits {
-                save_fit(&mut store, hour, id, hour.into());
+                save_fit(&mut store, hour, hour.into());
             }
         }
         store
@@ -251,13 +183,7 @@ mod tests {
         let mut store = Store::in_memory().unwrap();
         let log = new_run("dma/a.csv", RunKind::Dma, &[1.0, 2.0]);
         store.save_runs(&at(1), &[], &[log]).unwrap();
-        let run_id = store.dma_logs().unwrap()[0].id;
         for hour in [2, 4] {
-            let stamp = ModulusStamp {
-                run_id,
-                input_hash: hour.to_string(),
-                code_version: String::new(),
-            };
             let analysis = ModulusAnalysis {
                 version: hour,
                 modulus_source: String::new(),
@@ -269,8 +195,14 @@ mod tests {
                 issues: Vec::new(),
                 curves: Vec::new(),
             };
+            let result = NewResult {
+                name: "dma/a.csv",
+                key: &hour.to_string(),
+                version: "",
+                found: Ok(&analysis),
+            };
             store
-                .save_modulus_analysis(&at(hour), &stamp, Ok(&analysis))
+                .keep_results(&at(hour), ResultKind::Modulus, &[result])
                 .unwrap();
         }
         let then = |earlier: &Earlier| {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use rusqlite::{Connection, OpenFlags};
 
 use super::place::has_no_tables;
-use super::{FILE_NAME, Store, StoreError};
+use super::{FILE_NAME, Store, StoreError, journal};
 use ieap_system::fs;
 
 /// Smallest page of SQLite, bytes: no database is smaller.
@@ -41,6 +41,23 @@ fn is_blank(path: &Path) -> bool {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let opened = Connection::open_with_flags(path, flags);
     opened.is_ok_and(|connection| has_no_tables(&connection).unwrap_or(false))
+}
+
+/// A mark for what is moved aside at `now`, under which nothing was before: two may be moved in one second. Whoever asks holds
+/// the lock of the campaign.
+pub fn free_mark(folder: &Path, now: &str) -> String {
+    let mark = now.replace([':', '-'], "");
+    let is_free = |mark: &String| {
+        let database = folder.join(format!("{FILE_NAME}.set-aside-{mark}"));
+        [database, journal::aside_in(folder, mark)]
+            .iter()
+            .all(|path| fs::symlink_metadata(path).is_err_and(|e| e.kind() == std::io::ErrorKind::NotFound))
+    };
+    let numbered = (2..).map(|n: u32| format!("{mark}-{n}"));
+    std::iter::once(mark.clone())
+        .chain(numbered)
+        .find(is_free)
+        .unwrap_or(mark)
 }
 
 /// Moves what lies in the place of the database aside, with its companions; gives the new name. `mark` tells it from

@@ -5,11 +5,9 @@
 //! is ever visible.
 
 mod alarms;
-mod along;
 mod blob;
 mod climate;
 mod columns;
-mod comparisons;
 mod content;
 mod copy;
 mod diagnoses;
@@ -31,6 +29,7 @@ mod place;
 mod published_view;
 #[cfg(test)]
 mod renamed_tests;
+mod results;
 mod run_climate;
 mod run_named;
 mod runs;
@@ -49,21 +48,20 @@ mod unreadable_tags;
 mod views;
 
 pub use climate::{LogRecord, NewLog, NewSeries};
-pub use comparisons::StoredComparison;
 pub use content::Content;
-pub use diagnoses::{DiagnosisKind, DiagnosisStamp, StoredDiagnosis};
+pub use diagnoses::{Diagnosed, StoredDiagnosis};
 use error::StepError;
 pub use error::StoreError;
 pub use files::FileRow;
-pub use fits::{FitStamp, FitTask};
+pub use fits::{AskedOf, FitCurves, FitTask};
 pub use hand_tag::HandTag;
-pub use history::{Earlier, ResultOrigin};
-pub use in_place::{Found, found, put_in_place, set_aside};
+pub use history::Earlier;
+pub use in_place::{Found, found, free_mark, put_in_place, set_aside};
 pub use lock::InstanceLock;
-pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
 pub use place::FILE_NAME;
 pub use published_view::PublishedRows;
+pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, StoredResult};
 use seal::{Seals, Subject};
 pub use snapshot::Snapshot;
 pub use store::Store;

@@ -5,6 +5,7 @@ use rusqlite::params;
 use super::blob::{pack_f64, pack_u32};
 use super::columns::to_json;
 use super::origin::{insert_origin, insert_stated_offset};
+use super::results::retire_of_run;
 use super::run_climate::replace_climate;
 use super::{StepError, Subject, Transaction};
 use ieap_domain::{
@@ -175,6 +176,7 @@ fn supersede(transaction: &Transaction<'_>, now: &str, path: &str) -> Result<i64
     transaction
         .prepare_cached("UPDATE run SET superseded_at = ?2 WHERE path = ?1 AND superseded_at IS NULL")?
         .execute(params![path, now])?;
+    retire_of_run(transaction, now, path)?;
     Ok(transaction
         .prepare_cached("SELECT coalesce(max(revision), 0) FROM run WHERE path = ?1")?
         .query_row([path], |row| row.get(0))?)

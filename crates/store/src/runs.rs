@@ -8,11 +8,10 @@ use rusqlite::{OptionalExtension, Row, params};
 use super::blob::{unpack_f64, unpack_u32};
 use super::columns::{count_in, from_json, key_in, series_in, to_json};
 use super::files::{take_new_name, upsert_file};
-use super::fits::retire_fit;
 use super::journal::{Entry, NamedBytes, NamedRun};
-use super::modulus::retire_analysis;
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging, stored_state};
 use super::origin::{delete_stated_offset, shift};
+use super::results::{self, retire_of_run};
 use super::tags::read_tag;
 use super::{FileRow, RunContent, StepError, Store, StoreError, Subject};
 use ieap_domain::data_hash::data_hash;
@@ -85,8 +84,10 @@ impl Store {
                 tagging.state == RunState::NoSteps
             ])?;
             if tagging.state != RunState::Ready {
-                retire_fit(transaction, now, run_id)?;
-                retire_analysis(transaction, now, run_id)?;
+                let name: String = transaction
+                    .prepare_cached("SELECT path FROM run WHERE id = ?1")?
+                    .query_row([run_id], |row| row.get(0))?;
+                retire_of_run(transaction, now, &name)?;
             }
             insert_tagging(transaction, run_id, tagging)
         })
@@ -106,6 +107,7 @@ impl Store {
                 transaction.changes(Subject::HandTags(name.to_owned()))?;
             }
             transaction.changes(Subject::RunWords)?;
+            transaction.changes(Subject::AskedFits)?;
             transaction.execute(
                 "UPDATE run_file SET path = ?2 WHERE path = ?1 AND run_id IN (SELECT id FROM run WHERE path = ?1)",
                 [old, new],
@@ -117,6 +119,8 @@ impl Store {
             transaction.execute("UPDATE run SET path = ?2 WHERE path = ?1", [old, new])?;
             transaction.execute("UPDATE hand_tag SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
             transaction.execute("UPDATE run_word SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
+            transaction.execute("UPDATE OR REPLACE asked_fit SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
+            results::rename(transaction, old, new)?;
             take_new_name(transaction, now, old, file)
         })
     }
@@ -392,12 +396,7 @@ impl Store {
         record.origin = self.origin_of_checked(record.id)?;
         record.issues = self.run_issues(record.id)?;
         record.climate = self.run_climate(record.id)?;
-        if let Some((fit, code_version)) = self.fit(record.id)? {
-            record.fit = Some(fit);
-            record.fit_code_version = Some(code_version);
-        }
-        record.issues.extend(self.fit_failure(record.id)?);
-        Ok(())
+        self.fill_in_fit(record)
     }
 
     pub(super) fn run_files(

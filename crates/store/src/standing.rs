@@ -64,37 +64,6 @@ impl Store {
             .collect())
     }
 
-    /// Current runs whose readings the current diagnosis of their group found to be wrong: row id and reason. A diagnosis
-    /// of which another run was read anew still holds for this one.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn condemned_by_diagnosis(&self) -> Result<BTreeMap<i64, String>, StoreError> {
-        let doing = "reading what diagnoses condemned";
-        let _moment = self.snapshot()?;
-        self.check_seal(&Subject::Condemned)?;
-        let sql =
-            "SELECT diagnosis_id, run_id, reason FROM diagnosis_condemned ORDER BY diagnosis_id, run_id";
-        let found: Vec<(i64, i64, String)> = self.rows(doing, sql, [], |row| {
-            Ok((row.get("diagnosis_id")?, row.get("run_id")?, row.get("reason")?))
-        })?;
-        if found.is_empty() {
-            return Ok(BTreeMap::new());
-        }
-        self.check_seal(&Subject::Diagnoses)?;
-        let sql = "SELECT id FROM diagnosis WHERE superseded_at IS NULL ORDER BY kind, name";
-        let current: BTreeSet<i64> = self
-            .rows(doing, sql, [], |row| Ok(row.get(0)?))?
-            .into_iter()
-            .collect();
-        let runs = self.current_places(doing)?;
-        Ok(found
-            .into_iter()
-            .filter(|(diagnosis, run, _)| current.contains(diagnosis) && runs.contains_key(run))
-            .map(|(_, run, reason)| (run, reason))
-            .collect())
-    }
-
     /// Current actuation runs by row id, each with its marks; empty where it has none of that version.
     ///
     /// # Errors

@@ -52,8 +52,7 @@ impl Store {
         migration::migrate(&mut connection, &path)?;
         schema::refuse_changed(&connection, &path)?;
         views::put(&mut connection).map_err(|e| StoreError::from_sql(&path, "making the views", e))?;
-        let seals = Seals::made(&mut connection)
-            .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
+        let seals = Seals::of(&connection).map_err(named(&path, "opening"))?;
         Ok(Store {
             connection,
             place: Place::of(&path)?,
@@ -94,25 +93,20 @@ impl Store {
             }
         });
         let (connection, found) = opened?;
+        migration::refuse(found, &path)?;
         migration::refuse_unversioned(&connection, &path, found)?;
         if found == migration::NEWEST {
             schema::refuse_changed(&connection, &path)?;
         }
         match found {
             migration::NEWEST => Ok(Some(Store {
-                seals: Seals::of(&connection)
-                    .map_err(|e| StoreError::from_sql(&path, "opening to read", e))?,
+                seals: Seals::of(&connection).map_err(named(&path, "opening to read"))?,
                 connection,
                 path,
                 place: Place::default(),
                 journal: Journal::default(),
             })),
             0 => Ok(None),
-            found if found > migration::NEWEST => Err(StoreError::Newer {
-                path,
-                found,
-                known: migration::NEWEST,
-            }),
             found => Err(StoreError::Older {
                 path,
                 found,
@@ -132,8 +126,7 @@ impl Store {
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         migration::migrate(&mut connection, &path)?;
         views::put(&mut connection).map_err(|e| StoreError::from_sql(&path, "making the views", e))?;
-        let seals = Seals::made(&mut connection)
-            .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
+        let seals = Seals::of(&connection).map_err(named(&path, "opening"))?;
         Ok(Store {
             connection,
             path,
@@ -186,10 +179,15 @@ impl Store {
     }
 
     pub(super) fn named(&self, doing: &'static str) -> impl Fn(StepError) -> StoreError + '_ {
-        move |error| match error {
-            StepError::Sql(error) => self.failed(doing, error),
-            StepError::Store(error) => error,
-        }
+        named(&self.path, doing)
+    }
+}
+
+/// Names what was being done with the database at `path` when a step failed.
+pub(super) fn named<'a>(path: &'a Path, doing: &'static str) -> impl Fn(StepError) -> StoreError + use<'a> {
+    move |error| match error {
+        StepError::Sql(error) => StoreError::from_sql(path, doing, error),
+        StepError::Store(error) => error,
     }
 }
 

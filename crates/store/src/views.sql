@@ -7,6 +7,11 @@
 -- One row a run: what was measured, under which tags, and whether anybody or anything speaks against it.
 CREATE VIEW runs_view AS
 WITH chosen AS (SELECT run_id, key, value FROM tag WHERE chosen = 1),
+fit AS (SELECT name, document FROM result WHERE kind = 'fit' AND superseded_at IS NULL AND document -> '$.found' IS NOT NULL),
+condemned AS (
+    SELECT CAST(value ->> '$.run' AS VARCHAR) AS run, CAST(value ->> '$.reason' AS VARCHAR) AS reason
+    FROM result, json_each(document, '$.found.condemned') WHERE kind IN ('group', 'run') AND superseded_at IS NULL
+),
 shown_run AS (
     SELECT document ->> '$.run' AS path, document ->> '$.material' AS material, document ->> '$.standing' AS standing,
         document ->> '$.standing_reason' AS reason
@@ -26,7 +31,7 @@ FROM (SELECT
     run.id AS run_id,
     run.path AS run,
     run.kind,
-    CASE WHEN fit.id IS NOT NULL THEN 'fitted' WHEN run.no_steps THEN 'no_steps' ELSE run.state END AS state,
+    CASE WHEN fit.name IS NOT NULL THEN 'fitted' WHEN run.no_steps THEN 'no_steps' ELSE run.state END AS state,
     (SELECT value FROM chosen WHERE run_id = run.id AND key = 'sample') AS sample,
     (SELECT material FROM shown_run WHERE shown_run.path = run.path) AS material,
     (SELECT value FROM chosen WHERE run_id = run.id AND key = 'environment') AS environment,
@@ -44,23 +49,22 @@ FROM (SELECT
     run.revision,
     run.ingested_at,
     run.data_hash,
-    fit.model,
-    fit.converged,
-    fit.r_squared_current,
-    fit.r_squared_curvature,
+    CAST(fit.document ->> '$.found.model' AS VARCHAR) AS model,
+    CAST(CAST(fit.document ->> '$.found.converged' AS VARCHAR) IN ('1', 'true') AS INTEGER) AS converged,
+    CAST(fit.document ->> '$.found.r_squared_current' AS DOUBLE) AS r_squared_current,
+    CAST(fit.document ->> '$.found.r_squared_curvature' AS DOUBLE) AS r_squared_curvature,
     CAST((SELECT json_group_array(path) FROM (SELECT path FROM run_file WHERE run_id = run.id ORDER BY ordinal)) AS VARCHAR)
         AS files,
     (SELECT CASE WHEN drops THEN coalesce(why, '') END FROM run_word WHERE run_path = run.path ORDER BY id DESC LIMIT 1)
         AS dropped_why,
-    (SELECT reason FROM diagnosis_condemned AS condemned JOIN diagnosis ON diagnosis.id = condemned.diagnosis_id
-     WHERE condemned.run_id = run.id AND diagnosis.superseded_at IS NULL LIMIT 1) AS condemned_why,
+    (SELECT condemned.reason FROM condemned WHERE condemned.run = run.path LIMIT 1) AS condemned_why,
     nullif(CAST((SELECT json_group_array(other.path) FROM same_readings
      JOIN run AS other ON other.id = in_run_id AND other.superseded_at IS NULL
      WHERE same_readings.run_id = run.id) AS VARCHAR), '[]') AS same_readings_in,
     (SELECT standing FROM shown_run WHERE shown_run.path = run.path) AS shown_standing,
     (SELECT reason FROM shown_run WHERE shown_run.path = run.path) AS shown_reason
 FROM run
-LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
+LEFT JOIN fit ON fit.name = run.path
 WHERE run.superseded_at IS NULL) AS told;
 
 -- One row a run and parameter of its current fit.
@@ -73,9 +77,9 @@ SELECT
     runs.environment,
     runs.voltage_v,
     runs.relative_humidity_percent,
-    fit.model,
+    runs.model,
     fit.model_version,
-    fit_parameter.key AS parameter,
+    fit.key AS parameter,
     CASE
         WHEN key LIKE '%\_a\_sqrt\_s\_per\_v\_cm2' ESCAPE '\' THEN 'A sqrt(s)/(V cm2)'
         WHEN key LIKE '%\_a\_per\_v\_cm2' ESCAPE '\' THEN 'A/(V cm2)'
@@ -125,13 +129,13 @@ SELECT
         WHEN key LIKE '%\_v' ESCAPE '\' THEN 'V'
         WHEN key LIKE '%\_w' ESCAPE '\' THEN 'W'
     END AS unit,
-    fit_parameter.value,
-    fit_parameter.standard_error,
-    fit_parameter.low_95,
-    fit_parameter.high_95,
-    fit_parameter.at_bound,
-    fit_parameter.reason,
-    fit.converged,
+    fit.value,
+    fit.standard_error,
+    fit.low_95,
+    fit.high_95,
+    fit.at_bound,
+    fit.reason,
+    runs.converged,
     fit.why_stopped,
     fit.n_samples,
     fit.made_at,
@@ -141,9 +145,23 @@ SELECT
     runs.standing,
     runs.standing_reason,
     runs.speaks
-FROM runs_view AS runs
-JOIN fit ON fit.run_id = runs.run_id AND fit.superseded_at IS NULL
-JOIN fit_parameter ON fit_parameter.fit_id = fit.id;
+FROM runs_view AS runs JOIN (
+    SELECT
+        name,
+        made_at,
+        CAST(document ->> '$.found.model_version' AS INTEGER) AS model_version,
+        CAST(document ->> '$.found.why_stopped' AS VARCHAR) AS why_stopped,
+        CAST(document ->> '$.found.n_samples' AS INTEGER) AS n_samples,
+        CAST(own.value ->> '$.key' AS VARCHAR) AS key,
+        CAST(own.value ->> '$.estimate.value' AS DOUBLE) AS value,
+        CAST(own.value ->> '$.estimate.standard_error' AS DOUBLE) AS standard_error,
+        CAST(own.value ->> '$.estimate.low_95' AS DOUBLE) AS low_95,
+        CAST(own.value ->> '$.estimate.high_95' AS DOUBLE) AS high_95,
+        CAST(CAST(own.value ->> '$.estimate.at_bound' AS VARCHAR) IN ('1', 'true') AS INTEGER) AS at_bound,
+        CAST(own.value ->> '$.estimate.reason' AS VARCHAR) AS reason
+    FROM result, json_each(document, '$.found.parameters') AS own
+    WHERE kind = 'fit' AND superseded_at IS NULL
+) AS fit ON fit.name = runs.run;
 
 -- One row a run and tag, from every source; chosen = 1 marks the value that holds.
 CREATE VIEW tags_view AS
@@ -164,31 +182,30 @@ SELECT
      WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS sample,
     (SELECT shown_finding.document ->> '$.environment' FROM shown_finding
      WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS environment,
-    CAST(diagnosis.document ->> '$.verdict' AS VARCHAR) AS verdict,
-    CAST(diagnosis.document ->> '$.sentence' AS VARCHAR) AS sentence,
-    CAST(diagnosis.document ->> '$.p_misfit' AS DOUBLE) AS p_misfit,
+    CAST(diagnosis.document ->> '$.found.verdict' AS VARCHAR) AS verdict,
+    CAST(diagnosis.document ->> '$.found.sentence' AS VARCHAR) AS sentence,
+    CAST(diagnosis.document ->> '$.found.p_misfit' AS DOUBLE) AS p_misfit,
     (SELECT CAST(shown_finding.document ->> '$.q_misfit' AS DOUBLE) FROM shown_finding
      WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS q_misfit,
-    coalesce(CAST((SELECT json_group_array(value ->> '$.effect') FROM json_each(diagnosis.document, '$.effects')) AS VARCHAR), '[]')
+    coalesce(CAST((SELECT json_group_array(value ->> '$.effect') FROM json_each(diagnosis.document, '$.found.effects')) AS VARCHAR), '[]')
         AS effects,
-    CAST(diagnosis.document -> '$.set' AS VARCHAR) AS as_good,
-    coalesce(CAST(diagnosis.document -> '$.posterior[0].effects' AS VARCHAR), '[]') AS most_probable,
-    CAST(diagnosis.document ->> '$.posterior[0].mass' AS DOUBLE) AS most_probable_mass,
-    CAST(diagnosis.document ->> '$.gain.held_out' AS VARCHAR) AS held_out,
-    CAST(diagnosis.document ->> '$.gain.deviance' AS DOUBLE) AS gain_deviance,
-    CAST(diagnosis.document ->> '$.gain.standard_error' AS DOUBLE) AS gain_standard_error,
-    CAST(diagnosis.document ->> '$.gain.nrmse_current_before' AS DOUBLE) AS nrmse_current_before,
-    CAST(diagnosis.document ->> '$.gain.nrmse_current_after' AS DOUBLE) AS nrmse_current_after,
-    CAST(diagnosis.document ->> '$.gain.nrmse_curvature_before' AS DOUBLE) AS nrmse_curvature_before,
-    CAST(diagnosis.document ->> '$.gain.nrmse_curvature_after' AS DOUBLE) AS nrmse_curvature_after,
-    CAST(diagnosis.document ->> '$.next_run.drive' AS VARCHAR) AS next_run,
-    CAST(diagnosis.document ->> '$.base_model' AS VARCHAR) AS base_model,
-    CAST((SELECT json_group_array(path) FROM (SELECT run.path FROM diagnosis_run JOIN run ON run.id = run_id
-     WHERE diagnosis_id = diagnosis.id ORDER BY diagnosis_run.ordinal)) AS VARCHAR) AS runs,
-    diagnosis.draws,
+    CAST(diagnosis.document -> '$.found.set' AS VARCHAR) AS as_good,
+    coalesce(CAST(diagnosis.document -> '$.found.posterior[0].effects' AS VARCHAR), '[]') AS most_probable,
+    CAST(diagnosis.document ->> '$.found.posterior[0].mass' AS DOUBLE) AS most_probable_mass,
+    CAST(diagnosis.document ->> '$.found.gain.held_out' AS VARCHAR) AS held_out,
+    CAST(diagnosis.document ->> '$.found.gain.deviance' AS DOUBLE) AS gain_deviance,
+    CAST(diagnosis.document ->> '$.found.gain.standard_error' AS DOUBLE) AS gain_standard_error,
+    CAST(diagnosis.document ->> '$.found.gain.nrmse_current_before' AS DOUBLE) AS nrmse_current_before,
+    CAST(diagnosis.document ->> '$.found.gain.nrmse_current_after' AS DOUBLE) AS nrmse_current_after,
+    CAST(diagnosis.document ->> '$.found.gain.nrmse_curvature_before' AS DOUBLE) AS nrmse_curvature_before,
+    CAST(diagnosis.document ->> '$.found.gain.nrmse_curvature_after' AS DOUBLE) AS nrmse_curvature_after,
+    CAST(diagnosis.document ->> '$.found.next_run.drive' AS VARCHAR) AS next_run,
+    CAST(diagnosis.document ->> '$.found.base_model' AS VARCHAR) AS base_model,
+    CAST((SELECT json_group_array(value ->> '$[0]') FROM json_each(diagnosis.document, '$.found.members')) AS VARCHAR) AS runs,
+    CAST(diagnosis.document ->> '$.found.draws' AS INTEGER) AS draws,
     diagnosis.made_at
-FROM diagnosis
-WHERE diagnosis.superseded_at IS NULL;
+FROM result AS diagnosis
+WHERE diagnosis.kind IN ('group', 'run') AND diagnosis.superseded_at IS NULL;
 
 -- One row a question asked across runs: whether a parameter follows a covariate, by which law, and whether that is claimed.
 CREATE VIEW laws_view AS

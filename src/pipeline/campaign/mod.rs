@@ -2,6 +2,7 @@
 
 pub(super) mod batch;
 pub(super) mod context;
+pub(super) mod derived;
 pub(super) mod group_tags;
 pub(super) mod grouping;
 pub(super) mod holdings;

@@ -47,7 +47,7 @@ pub fn campaign_laws(
 /// extremes of each stretch of time.
 fn charges(context: &Context, runs: &[RunRecord], kept: &Cache) -> Result<Vec<Option<f64>>, PipelineError> {
     let read = |run: &RunRecord| -> Result<Option<f64>, PipelineError> {
-        let curves = context.store.fit_curves(run.id)?;
+        let curves = context.store.fit_curves(&run.path)?.curves;
         let current = curves.iter().find(|curve| curve.quantity == Quantity::Current);
         Ok(current.map(integral))
     };

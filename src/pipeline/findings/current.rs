@@ -8,7 +8,7 @@ use crate::domain::{GroupDiagnosis, RunRecord, Verdict};
 use crate::model::effects::summary;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, PipelineError};
-use crate::store::{DiagnosisKind, StoredDiagnosis};
+use crate::store::{ResultKind, StoredDiagnosis};
 
 /// The current findings, with what holds over the whole campaign: of groups, and of single runs.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -41,7 +41,7 @@ pub(crate) fn findings_among(
         .store
         .diagnoses()?
         .into_iter()
-        .partition(|stored| stored.kind == DiagnosisKind::Group);
+        .partition(|stored| stored.kind == ResultKind::Group);
     let silent: BTreeSet<&str> = (known.iter().filter(|run| !run.standing.speaks()))
         .map(|run| run.path.as_str())
         .collect();
@@ -52,7 +52,7 @@ pub(crate) fn findings_among(
     let found = |stored: Vec<StoredDiagnosis>| -> Vec<GroupDiagnosis> {
         stored
             .into_iter()
-            .map(|stored| stored.found)
+            .map(|stored| stored.diagnosed.found)
             .filter(holds)
             .collect()
     };

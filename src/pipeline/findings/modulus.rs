@@ -1,17 +1,12 @@
 //! Analyses every modulus log that is not analysed yet, or whose readings or column tags changed.
 
 use crate::analysis::dma;
-use crate::domain::fault::caught;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, InputHash, Issue, ModulusAnalysis, RunRecord, RunState};
 use crate::ingest::named_columns::named_columns;
-use crate::pipeline::campaign::batch::{Making, TO_THE_END};
-use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::campaign::derived::{Derived, Made, bring_up_to_date, sorted};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::ModulusStamp;
-
-/// Logs whose readings are in memory at once.
-const BATCH: usize = 8;
+use crate::store::ResultKind;
 
 /// The verb `dma`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -51,33 +46,13 @@ impl AnalyseModulus {
         context: &mut Context,
         observer: &dyn Observer,
     ) -> Result<ModulusSummary, PipelineError> {
-        let logs = context.store.dma_logs()?;
-        let ready: Vec<RunRecord> = (logs.into_iter())
-            .filter(|log| log.state == RunState::Ready)
-            .collect();
-        let (mut summary, count) = (ModulusSummary::default(), ready.len());
-        let mut due = Vec::new();
-        for log in ready {
-            let hash = input_hash(&log);
-            if self.again || context.store.modulus_input_hash(log.id)?.as_ref() != Some(&hash) {
-                due.push((log, hash));
-            }
-        }
-        let making = Making {
-            doing: "analysing modulus logs",
-            at_once: BATCH,
-            observer,
-            may_go_on: TO_THE_END,
-        };
-        let load = |context: &Context, (log, _): &(RunRecord, String)| Ok(context.store.channels(log.id)?);
-        let make = |(log, _): &(RunRecord, String), channels: Vec<Channel>| analyse(log, &channels);
-        making.run(context, &due, load, make, |context, made| {
-            for ((log, input_hash), found) in made {
-                summary.analysed += usize::from(found.is_ok());
-                store(context, log, input_hash, found)?;
-                observer.say(&format!("analysed {}", log.path));
-            }
-            Ok(())
+        let mut logs = context.store.dma_logs()?;
+        logs.retain(|log| log.state == RunState::Ready);
+        let (mut summary, count) = (ModulusSummary::default(), logs.len());
+        let due = sorted(&Modulus, context, logs, self.again)?.due;
+        bring_up_to_date(&Modulus, context, &due, observer, |_, log, made| {
+            summary.analysed += usize::from(made.is_ok());
+            observer.say(&format!("analysed {log}"));
         })?;
         summary.failed = failed(context)?;
         summary.up_to_date = count - summary.analysed - summary.failed.len();
@@ -85,25 +60,44 @@ impl AnalyseModulus {
     }
 }
 
-/// BLAKE3 over everything that an analysis depends on.
-fn input_hash(log: &RunRecord) -> String {
-    let mut hash = InputHash::new();
-    hash.whole(dma::VERSION.into()).text(&log.data_hash);
-    let counts = |key: &str| key.ends_with(keys::COLUMN) || key == keys::LEAVE_OUT;
-    for tag in log.tags.iter().filter(|tag| counts(&tag.key)) {
-        hash.text(&tag.key).text(&tag.value);
-    }
-    hash.finished()
-}
+/// Analyses of modulus logs.
+struct Modulus;
 
-/// A fault of the analysis stops its log only.
-fn analyse(log: &RunRecord, channels: &[Channel]) -> Result<ModulusAnalysis, Issue> {
-    let chosen = chosen_tags(log);
-    let (channels, _) = named_columns(channels, &chosen);
-    caught(|| dma::analyse(&channels)).unwrap_or_else(|reason| {
-        let issue = Issue::fault(FAULT, "the analysis", &reason);
-        Err(issue.mend("report it with this log; the other logs are not affected"))
-    })
+impl Derived for Modulus {
+    type Subject = RunRecord;
+    type Readings = Vec<Channel>;
+    type Found = ModulusAnalysis;
+    const KIND: ResultKind = ResultKind::Modulus;
+    const DOING: &'static str = "analysing modulus logs";
+    const AT_ONCE: usize = 8;
+
+    fn names<'s>(&self, log: &'s RunRecord) -> Vec<&'s str> {
+        vec![&log.path]
+    }
+
+    fn key(&self, log: &RunRecord) -> String {
+        let mut hash = InputHash::new();
+        hash.whole(dma::VERSION.into()).text(&log.data_hash);
+        let counts = |key: &str| key.ends_with(keys::COLUMN) || key == keys::LEAVE_OUT;
+        for tag in log.tags.iter().filter(|tag| counts(&tag.key)) {
+            hash.text(&tag.key).text(&tag.value);
+        }
+        hash.finished()
+    }
+
+    fn load(&self, context: &Context, log: &RunRecord) -> Result<Vec<Channel>, PipelineError> {
+        Ok(context.store.channels(log.id)?)
+    }
+
+    fn make(&self, log: &RunRecord, channels: Vec<Channel>) -> Vec<Made<ModulusAnalysis>> {
+        let (channels, _) = named_columns(&channels, &chosen_tags(log));
+        vec![dma::analyse(&channels)]
+    }
+
+    fn fault(&self, reason: &str) -> Issue {
+        let issue = Issue::fault(FAULT, "the analysis", reason);
+        issue.mend("report it with this log; the other logs are not affected")
+    }
 }
 
 /// The chosen tag of each key: the first of it.
@@ -111,22 +105,6 @@ fn chosen_tags(log: &RunRecord) -> Vec<crate::domain::Tag> {
     let mut seen = std::collections::BTreeSet::new();
     let tags = log.tags.iter();
     tags.filter(|tag| seen.insert(tag.key.clone())).cloned().collect()
-}
-
-fn store(
-    context: &mut Context,
-    log: &RunRecord,
-    input_hash: &str,
-    found: Result<ModulusAnalysis, Issue>,
-) -> Result<(), PipelineError> {
-    let stamp = ModulusStamp {
-        run_id: log.id,
-        input_hash: input_hash.to_owned(),
-        code_version: CODE_VERSION.to_owned(),
-    };
-    Ok(context
-        .store
-        .save_modulus_analysis(&now(), &stamp, found.as_ref())?)
 }
 
 /// Ready logs without an analysis, with the reason.

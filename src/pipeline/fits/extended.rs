@@ -1,74 +1,77 @@
 //! Fits groups of runs with an extended model; every run is stored with the parameters of its group.
 
 use super::input_hash::{library_hash, take_task};
-use super::outcome::{FitSummary, Outcome, fit_fault, known_not_used, save};
+use super::outcome::{Outcome, fit_fault, known_not_used, store};
 use super::plan::{ExtendedGroup, Planned};
 use crate::diagnose::{RunInput, fit_extended, model_version};
 use crate::domain::diagnosis::follows_a_tag;
-use crate::domain::fault::caught;
-use crate::domain::{Channel, InputHash, Issue};
+use crate::domain::{Channel, Fit, InputHash, Issue};
 use crate::fit::{FitInput, MOVING_VERSION};
 use crate::ingest::derived;
-use crate::pipeline::campaign::batch::{Making, TO_THE_END};
+use crate::pipeline::campaign::derived::Derived;
 use crate::pipeline::campaign::group_tags::take_tags;
-use crate::pipeline::{Context, Observer, PipelineError};
+use crate::pipeline::{Context, PipelineError};
+use crate::store::{NewResult, ResultKind};
 
 /// Groups fitted between two commits.
 const BATCH: usize = 8;
 
-/// Fits the groups that are new or whose input changed.
-pub(crate) fn fit_groups(
-    context: &mut Context,
-    groups: &[ExtendedGroup],
-    again: bool,
-    observer: &dyn Observer,
-    summary: &mut FitSummary,
-) -> Result<(), PipelineError> {
-    let (done, due) = sorted(groups, again);
-    summary.up_to_date += done.iter().map(|(_, group)| group.runs.len()).sum::<usize>();
-    let making = Making {
-        doing: "fitting extended models",
-        at_once: BATCH,
-        observer,
-        may_go_on: TO_THE_END,
-    };
-    let load = |context: &Context, (_, group): &Hashed<'_>| -> Result<Vec<Vec<Channel>>, PipelineError> {
+/// Fits of groups with an extended model.
+pub(crate) struct Groups {
+    /// Hash of the library of effects.
+    library: String,
+}
+
+impl Groups {
+    pub(crate) fn new() -> Groups {
+        Groups {
+            library: library_hash(),
+        }
+    }
+}
+
+impl Derived for Groups {
+    type Subject = ExtendedGroup;
+    type Readings = Vec<Vec<Channel>>;
+    type Found = Fit;
+    const KIND: ResultKind = ResultKind::Fit;
+    const DOING: &'static str = "fitting extended models";
+    const AT_ONCE: usize = BATCH;
+
+    fn names<'s>(&self, group: &'s ExtendedGroup) -> Vec<&'s str> {
+        group.runs.iter().map(|run| run.task.path.as_str()).collect()
+    }
+
+    fn key(&self, group: &ExtendedGroup) -> String {
+        input_hash(group, &self.library)
+    }
+
+    fn load(&self, context: &Context, group: &ExtendedGroup) -> Result<Vec<Vec<Channel>>, PipelineError> {
         let channels = |run: &Planned| Ok(context.store.channels(run.task.run_id)?);
         group.runs.iter().map(channels).collect()
-    };
-    let make = |(_, group): &Hashed<'_>, channels: Vec<Vec<Channel>>| fit_one(group, &channels);
-    making.run(context, &due, load, make, |context, made| {
-        for ((hash, group), outcomes) in made {
-            let stamped = group.runs.iter().map(|run| (hash.as_str(), run)).zip(outcomes);
-            save(context, stamped.collect(), summary)?;
-        }
-        Ok(())
-    })
+    }
+
+    fn make(&self, group: &ExtendedGroup, channels: Vec<Vec<Channel>>) -> Vec<Outcome> {
+        fit_group(group, &channels)
+    }
+
+    fn fault(&self, reason: &str) -> Issue {
+        fit_fault("the fit of its group", reason)
+    }
+
+    fn store(
+        &self,
+        context: &mut Context,
+        results: &[NewResult<'_, Fit>],
+        of: &[&ExtendedGroup],
+    ) -> Result<(), PipelineError> {
+        store(context, results, of.iter().flat_map(|group| &group.runs))
+    }
 }
 
-/// Number of runs in groups that would be fitted.
-pub(crate) fn due(groups: &[ExtendedGroup], again: bool) -> usize {
-    let (_, due) = sorted(groups, again);
-    due.iter().map(|(_, group)| group.runs.len()).sum()
-}
-
-/// A group with the hash of all that its fits depend on.
-type Hashed<'g> = (String, &'g ExtendedGroup);
-
-/// The groups whose fits are up to date, and the others.
-fn sorted(groups: &[ExtendedGroup], again: bool) -> (Vec<Hashed<'_>>, Vec<Hashed<'_>>) {
-    let library = library_hash();
-    let hashed = groups.iter().map(|group| (input_hash(group, &library), group));
-    let is_done = |(hash, group): &Hashed<'_>| {
-        let mut done = group.runs.iter().map(|run| run.task.done_input_hash.as_ref());
-        !again && done.all(|done| done == Some(hash))
-    };
-    hashed.partition(is_done)
-}
-
-/// One outcome for every run of the group; a panic in a kernel is that group's failure, not the program's.
-fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
-    let work = || {
+/// One outcome for every run of the group.
+fn fit_group(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
+    let found = {
         let tasks = group.runs.iter().map(|run| &run.task);
         let responses: Vec<Vec<Channel>> = tasks
             .clone()
@@ -91,13 +94,6 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
             })
             .collect();
         fit_extended(&inputs, &group.choice)
-    };
-    let found = match caught(work) {
-        Ok(found) => found,
-        Err(reason) => {
-            let fault = fit_fault("the fit of its group", &reason);
-            return group.runs.iter().map(|_| Err(fault.clone())).collect();
-        }
     };
     let missing = || {
         Err(Issue::warning(

@@ -1,12 +1,14 @@
 //! How fits came out: what is said of those that failed, how they are stored and counted.
 
+use std::collections::BTreeSet;
+
 use super::choice::HeldChoice;
 use super::plan::Planned;
 use crate::domain::{Fit, Issue, KnownParameter};
 use crate::fit::FitError;
-use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::campaign::context::now;
 use crate::pipeline::{Context, PipelineError};
-use crate::store::FitStamp;
+use crate::store::{AskedOf, NewResult};
 
 /// What `fit` did.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -64,40 +66,32 @@ pub(crate) fn is_of_failed_fit(issue: &Issue) -> bool {
     [NOT_FITTED, FAULT].iter().any(|code| issue.code == *code)
 }
 
-/// Stores outcomes, each with the hash of what it depends on.
-pub(crate) fn save(
-    context: &mut Context,
-    outcomes: Vec<((&str, &Planned), Outcome)>,
-    summary: &mut FitSummary,
-) -> Result<(), PipelineError> {
-    let now = now();
-    let mut fits = Vec::new();
-    for ((input_hash, Planned { task, chosen }), outcome) in outcomes {
-        // A fault says nothing of the run: it is tried again, and said again, every time.
-        let is_fault = matches!(&outcome, Err(issue) if issue.code == FAULT);
-        let stamp = FitStamp {
-            run_id: task.run_id,
-            input_hash: if is_fault {
-                String::new()
-            } else {
-                input_hash.to_owned()
-            },
-            code_version: CODE_VERSION.to_owned(),
-            asked: chosen.asked.clone(),
-        };
+impl FitSummary {
+    /// Counts what came of a run.
+    pub(crate) fn took(&mut self, run: &str, outcome: &Outcome) {
         match outcome {
             Ok(fit) => {
-                summary.fitted += 1;
+                self.fitted += 1;
                 if !fit.converged {
-                    summary.not_converged.push(task.path.clone());
+                    self.not_converged.push(run.to_owned());
                 }
-                fits.push((stamp, fit));
             }
-            Err(issue) => {
-                context.store.save_fit_failure(&now, &stamp, &issue)?;
-                summary.failed.push((task.path.clone(), issue));
-            }
+            Err(issue) => self.failed.push((run.to_owned(), issue.clone())),
         }
     }
-    Ok(context.store.save_fits(&now, &fits)?)
+}
+
+/// Stores fits of these runs, and how those were asked for that came out.
+pub(crate) fn store<'p>(
+    context: &mut Context,
+    results: &[NewResult<'_, Fit>],
+    of: impl Iterator<Item = &'p Planned>,
+) -> Result<(), PipelineError> {
+    let came_out: BTreeSet<&str> = (results.iter())
+        .filter(|result| result.found.is_ok())
+        .map(|result| result.name)
+        .collect();
+    let asked = of.map(|run| (run.task.path.as_str(), &run.chosen.asked));
+    let asked: Vec<AskedOf<'_>> = asked.filter(|(run, _)| came_out.contains(run)).collect();
+    Ok(context.store.save_fits(&now(), results, &asked)?)
 }

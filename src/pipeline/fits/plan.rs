@@ -54,13 +54,7 @@ pub(crate) struct FitPlan {
 }
 
 /// The plan for all runs that can be fitted; `asked` goes before everything that campaign.toml says.
-///
-/// `kept` says how runs were asked to be fitted where no fit of theirs holds it, by the runs' names.
-pub(crate) fn fit_plan(
-    context: &Context,
-    asked: &AskedFit,
-    kept: &BTreeMap<String, AskedFit>,
-) -> Result<FitPlan, PipelineError> {
+pub(crate) fn fit_plan(context: &Context, asked: &AskedFit) -> Result<FitPlan, PipelineError> {
     let campaign = &context.campaign;
     // A choice that is wrong is refused though there is no run yet that it holds for.
     choose(asked, campaign, &AskedFit::default())?;
@@ -73,8 +67,7 @@ pub(crate) fn fit_plan(
         );
     }
     let planned = |task: FitTask| -> Result<Planned, PipelineError> {
-        let last_asked = kept.get(&task.path).unwrap_or(&task.last_asked);
-        let chosen = choose(asked, campaign, last_asked)?;
+        let chosen = choose(asked, campaign, &task.last_asked)?;
         Ok(Planned { task, chosen })
     };
     let tasks = context.store.fit_tasks()?.into_iter().map(planned);

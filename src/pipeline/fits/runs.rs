@@ -1,19 +1,18 @@
 //! Fits every run that has no fit yet, or whose readings, tags or model changed.
 
-use std::collections::BTreeMap;
-
 use super::along;
 use super::choice::{FitChoice, held, takes_known};
 use super::extended;
-use super::outcome::{FitSummary, Outcome, fit_fault, known_not_used, not_fitted, save};
+use super::outcome::{FitSummary, Outcome, fit_fault, known_not_used, not_fitted, store};
 use super::plan::{Planned, fit_plan};
 use crate::domain::fault::caught;
-use crate::domain::{AskedFit, Channel, KnownParameter};
+use crate::domain::{Channel, Fit, Issue, KnownParameter};
 use crate::fit::{FitInput, FitOptions, distributed, fit_knowing};
 use crate::ingest::derived;
 use crate::pipeline::campaign::batch::{Making, TO_THE_END};
+use crate::pipeline::campaign::derived::{Derived, Keyed, bring_up_to_date, sorted};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::FitTask;
+use crate::store::{FitTask, NewResult, ResultKind};
 
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
 const BATCH: usize = 32;
@@ -33,83 +32,89 @@ impl FitRuns {
     /// # Errors
     /// The model is not known, or the database fails; a run that cannot be fitted is no error.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
-        self.run_as_kept(context, &BTreeMap::new(), observer)
-    }
-
-    /// The same for a database without earlier fits: `kept` says how runs were asked to be fitted, by their names.
-    ///
-    /// # Errors
-    /// As of [`FitRuns::run`].
-    pub(crate) fn run_as_kept(
-        &self,
-        context: &mut Context,
-        kept: &BTreeMap<String, AskedFit>,
-        observer: &dyn Observer,
-    ) -> Result<FitSummary, PipelineError> {
-        let plan = fit_plan(context, &self.choice.asked(), kept)?;
+        let plan = fit_plan(context, &self.choice.asked())?;
         let in_groups = plan.extended.iter().flat_map(|group| &group.runs);
         let chosen = plan.single.iter().chain(in_groups).map(|run| &run.chosen);
-        let choices = held(chosen, &context.campaign);
-        let (done, due) = self.sorted(plan.single);
         let mut summary = FitSummary {
-            up_to_date: done.len(),
+            choices: held(chosen, &context.campaign),
             unknown_groups: plan.unknown_groups,
-            choices,
             ..FitSummary::default()
         };
-        making(observer).run(context, &due, load, make, |context, made| {
-            let stamped = made
-                .into_iter()
-                .map(|((hash, run), fit)| ((hash.as_str(), run), fit));
-            save(context, stamped.collect(), &mut summary)
+        let runs = sorted(&Single, context, plan.single, self.again)?;
+        let groups = extended::Groups::new();
+        let in_groups = sorted(&groups, context, plan.extended, self.again)?;
+        let of_groups = in_groups.up_to_date.iter().map(|(_, group)| group.runs.len());
+        summary.up_to_date = runs.up_to_date.len() + of_groups.sum::<usize>();
+        bring_up_to_date(&Single, context, &runs.due, observer, |_, run, made| {
+            summary.took(run, made)
         })?;
-        extended::fit_groups(context, &plan.extended, self.again, observer, &mut summary)?;
+        bring_up_to_date(&groups, context, &in_groups.due, observer, |_, run, made| {
+            summary.took(run, made)
+        })?;
         Ok(summary)
     }
-}
 
-impl FitRuns {
     /// Number of runs that would be fitted.
     ///
     /// # Errors
     /// The model is not known, or the database fails.
     pub fn due(&self, context: &Context) -> Result<usize, PipelineError> {
-        let plan = fit_plan(context, &self.choice.asked(), &BTreeMap::new())?;
-        let (_, due) = self.sorted(plan.single);
-        Ok(due.len() + extended::due(&plan.extended, self.again))
+        let plan = fit_plan(context, &self.choice.asked())?;
+        let runs = sorted(&Single, context, plan.single, self.again)?;
+        let groups = sorted(&extended::Groups::new(), context, plan.extended, self.again)?;
+        let of_groups = groups.due.iter().map(|(_, group)| group.runs.len());
+        Ok(runs.due.len() + of_groups.sum::<usize>())
+    }
+}
+
+/// Fits of runs one by one.
+pub(crate) struct Single;
+
+impl Derived for Single {
+    type Subject = Planned;
+    type Readings = Vec<Channel>;
+    type Found = Fit;
+    const KIND: ResultKind = ResultKind::Fit;
+    const DOING: &'static str = "fitting";
+    const AT_ONCE: usize = BATCH;
+
+    fn names<'s>(&self, run: &'s Planned) -> Vec<&'s str> {
+        vec![&run.task.path]
     }
 
-    /// The runs of a plan whose fit is up to date, and the others.
-    pub(crate) fn sorted(&self, single: Vec<Planned>) -> (Vec<Due>, Vec<Due>) {
-        let hashed = single.into_iter().map(|run| (run.input_hash(), run));
-        hashed.partition(|due| self.is_done(due))
+    fn key(&self, run: &Planned) -> String {
+        run.input_hash()
     }
 
-    /// Whether a run's fit is up to date.
-    pub(crate) fn is_done(&self, (hash, run): &Due) -> bool {
-        !self.again && run.task.done_input_hash.as_ref() == Some(hash)
+    fn load(&self, context: &Context, run: &Planned) -> Result<Vec<Channel>, PipelineError> {
+        Ok(context.store.channels(run.task.run_id)?)
+    }
+
+    fn make(&self, run: &Planned, channels: Vec<Channel>) -> Vec<Outcome> {
+        vec![fit_uncaught(
+            &run.task,
+            &channels,
+            &run.chosen.options,
+            &run.known(),
+        )]
+    }
+
+    fn fault(&self, reason: &str) -> Issue {
+        fit_fault("the fit", reason)
+    }
+
+    fn store(
+        &self,
+        context: &mut Context,
+        results: &[NewResult<'_, Fit>],
+        of: &[&Planned],
+    ) -> Result<(), PipelineError> {
+        store(context, results, of.iter().copied())
     }
 }
 
 /// A run to fit with the hash of all that its fit depends on.
-pub(crate) type Due = (String, Planned);
-
-fn making(observer: &dyn Observer) -> Making<'_> {
-    Making {
-        doing: "fitting",
-        at_once: BATCH,
-        observer,
-        may_go_on: TO_THE_END,
-    }
-}
-
-fn load(context: &Context, (_, run): &Due) -> Result<Vec<Channel>, PipelineError> {
-    Ok(context.store.channels(run.task.run_id)?)
-}
-
-fn make((_, run): &Due, channels: Vec<Channel>) -> Outcome {
-    fit_one(&run.task, &channels, &run.chosen.options, &run.known())
-}
+pub(crate) type Due = Keyed<Planned>;
 
 /// Fits the runs and hands each batch to `take`, in its order; nothing is stored. `doing` is what the progress says.
 pub(crate) fn fit_and_take(
@@ -121,7 +126,13 @@ pub(crate) fn fit_and_take(
 ) -> Result<(), PipelineError> {
     let making = Making {
         doing,
-        ..making(observer)
+        at_once: BATCH,
+        observer,
+        may_go_on: TO_THE_END,
+    };
+    let load = |context: &Context, (_, run): &Due| Single.load(context, run);
+    let make = |(_, run): &Due, channels: Vec<Channel>| {
+        fit_one(&run.task, &channels, &run.chosen.options, &run.known())
     };
     making.look(context, due, load, make, take)
 }
@@ -133,12 +144,21 @@ pub(crate) fn fit_one(
     options: &FitOptions,
     known: &[KnownParameter],
 ) -> Outcome {
+    let fitted = caught(|| fit_uncaught(task, channels, options, known));
+    fitted.unwrap_or_else(|reason| Err(fit_fault("the fit", &reason)))
+}
+
+fn fit_uncaught(
+    task: &FitTask,
+    channels: &[Channel],
+    options: &FitOptions,
+    known: &[KnownParameter],
+) -> Outcome {
     let taken = if takes_known(options.model) { known } else { &[] };
-    let fitted = caught(|| match options.model.id {
+    let mut fit = match options.model.id {
         distributed::MODEL_ID => along::fit(task, channels, options),
         _ => fit_whole(task, channels, options, taken),
-    });
-    let mut fit = fitted.unwrap_or_else(|reason| Err(fit_fault("the fit", &reason)))?;
+    }?;
     if taken.len() < known.len() {
         fit.issues.push(known_not_used(known, options.model.id));
     }

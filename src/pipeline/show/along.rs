@@ -39,7 +39,7 @@ impl<'a> PageCurves<'a> {
     }
 
     fn strip(&self, run: &RunRecord) -> Result<Option<AlongStrip>, StoreError> {
-        let mut curves = self.store.fit_along(run.id)?;
+        let mut curves = self.store.fit_curves(&run.path)?.along;
         let step_s = step_s(run.drive.as_ref());
         if curves.is_empty() {
             let edges_s = run.drive.as_ref().map_or(vec![step_s], Drive::edges_s);

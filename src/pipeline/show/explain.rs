@@ -8,10 +8,10 @@ use serde::Serialize;
 
 use super::tables::{TableData, find_table};
 use crate::analysis::tables::{Cell, Content, Source, SourceOrigin, Table};
-use crate::domain::{ModelScore, RunComparison, RunFile, RunRecord};
+use crate::domain::{Fit, ModelScore, ModulusAnalysis, RunComparison, RunFile, RunRecord};
 use crate::pipeline::{Context, PipelineError};
 use crate::report::tables::text_of;
-use crate::store::{DiagnosisKind, ResultOrigin};
+use crate::store::{ResultDocument, ResultKind, ResultOrigin, StoredDiagnosis};
 
 /// The document that `ieap explain --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -214,7 +214,7 @@ fn evidence(context: &Context, data: &TableData, source: &Source) -> Result<Evid
             let run = data.run(id);
             let fit = run.and_then(|run| run.fit.as_ref());
             let model = fit.map(|fit| format!("{} v{}", fit.model, fit.model_version));
-            let origin = context.store.fit_origin(id)?;
+            let origin = origin::<Fit>(context, ResultKind::Fit, run)?;
             Evidence {
                 kind: "run",
                 result: model.zip(origin).map(|(model, origin)| result(model, origin)),
@@ -223,7 +223,7 @@ fn evidence(context: &Context, data: &TableData, source: &Source) -> Result<Evid
         }
         SourceOrigin::Comparison(id) => {
             let compared = data.comparison(&source.name).map(models_of);
-            let origin = context.store.comparison_origin(id)?;
+            let origin = origin::<RunComparison>(context, ResultKind::Comparison, data.run(id))?;
             let result = compared.zip(origin).map(|(model, origin)| ResultEvidence {
                 id: None,
                 ..result(model, origin)
@@ -238,7 +238,7 @@ fn evidence(context: &Context, data: &TableData, source: &Source) -> Result<Evid
             let log = data.modulus_log(id);
             let analysis = log.and_then(|log| log.analysis.as_ref());
             let model = analysis.map(|found| format!("modulus analysis v{}", found.version));
-            let origin = context.store.modulus_origin(id)?;
+            let origin = origin::<ModulusAnalysis>(context, ResultKind::Modulus, log.map(|log| &log.run))?;
             Evidence {
                 kind: "modulus log",
                 result: model.zip(origin).map(|(model, origin)| result(model, origin)),
@@ -266,12 +266,25 @@ fn of_run(bare: Evidence, run: Option<&RunRecord>) -> Evidence {
     }
 }
 
+/// Where the current result of a run came from.
+fn origin<T: ResultDocument>(
+    context: &Context,
+    kind: ResultKind,
+    run: Option<&RunRecord>,
+) -> Result<Option<ResultOrigin>, PipelineError> {
+    let Some(run) = run else { return Ok(None) };
+    Ok(context
+        .store
+        .result::<T>(kind, &run.path)?
+        .map(|stored| stored.origin))
+}
+
 fn result(model: String, origin: ResultOrigin) -> ResultEvidence {
     ResultEvidence {
         id: Some(origin.id),
         model,
-        input_hash: origin.input_hash,
-        code_version: origin.code_version,
+        input_hash: origin.key,
+        code_version: origin.version,
         made_at: origin.made_at,
     }
 }
@@ -280,15 +293,19 @@ fn diagnosis(context: &Context, group: &str) -> Result<Option<ResultEvidence>, P
     let stored = context.store.diagnoses()?;
     let found = stored
         .into_iter()
-        .find(|d| d.kind == DiagnosisKind::Group && d.name == group);
-    Ok(found.map(|found| ResultEvidence {
-        id: None,
-        model: format!(
-            "diagnosis of {}, seed {}, {} draws",
-            found.found.base_model, found.seed, found.draws
-        ),
-        input_hash: found.input_hash,
-        code_version: found.code_version,
-        made_at: found.made_at,
-    }))
+        .find(|d| d.kind == ResultKind::Group && d.origin.name == group);
+    Ok(found.map(
+        |StoredDiagnosis {
+             origin, diagnosed, ..
+         }| {
+            let model = format!(
+                "diagnosis of {}, seed {}, {} draws",
+                diagnosed.found.base_model, diagnosed.seed, diagnosed.draws
+            );
+            ResultEvidence {
+                id: None,
+                ..result(model, origin)
+            }
+        },
+    ))
 }

@@ -12,8 +12,8 @@ use crate::domain::RunRecord;
 use crate::domain::tag::keys;
 use crate::fit::Steps;
 use crate::pipeline::campaign::standing;
-use crate::pipeline::fits::plan::fit_plan;
-use crate::pipeline::fits::runs::{Due, FitRuns};
+use crate::pipeline::fits::plan::{Planned, fit_plan};
+use crate::pipeline::fits::runs::FitRuns;
 use crate::pipeline::infra::own_folder::{self, Fresh};
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;
@@ -159,10 +159,9 @@ fn row<'a>(
 
 /// How each run is fitted, by its name.
 fn tasks(context: &Context) -> Result<BTreeMap<String, Result<Task, String>>, PipelineError> {
-    let fits = FitRuns::default();
-    let plan = fit_plan(context, &fits.choice.asked(), &BTreeMap::new())?;
-    let (done, due) = fits.sorted(plan.single);
-    let task = |(input_hash, planned): Due| {
+    let plan = fit_plan(context, &FitRuns::default().choice.asked())?;
+    let task = |planned: Planned| {
+        let input_hash = planned.input_hash();
         let options = &planned.chosen.options;
         let task = Task {
             length_cm: planned.task.length_cm,
@@ -183,7 +182,7 @@ fn tasks(context: &Context) -> Result<BTreeMap<String, Result<Task, String>>, Pi
         };
         (planned.task.path, task)
     };
-    Ok(done.into_iter().chain(due).map(task).collect())
+    Ok(plan.single.into_iter().map(task).collect())
 }
 
 /// Runs by the folder of their partition.

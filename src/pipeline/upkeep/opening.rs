@@ -52,7 +52,9 @@ impl Context {
         let mut lock = InstanceLock::take(folder)?;
         let archive = Archive::new(folder);
         archive.remove_partial()?;
-        let mark = now().replace([':', '-'], "");
+        // Nobody says a word between the two.
+        let _held = store::journal::hold(folder)?;
+        let mark = store::free_mark(folder, &now());
         let aside = store::set_aside(folder, &mark)?;
         store::journal::set_aside(folder, &mark)?;
         let store = Store::open(folder)?;
@@ -109,7 +111,7 @@ impl Context {
             mut lock,
             ..
         } = self;
-        let mark = now().replace([':', '-'], "");
+        let mark = store::free_mark(&folder, &now());
         let closed = store.close_whole();
         let put = closed.and_then(|()| store::put_in_place(&aside::path_in(&folder), &folder, &mark));
         let old = put.inspect_err(|_| aside::clear(&folder))?;
@@ -148,7 +150,7 @@ impl Context {
         refuse_network(folder, allow_network)?;
         holdings::refuse_lost_database(folder)?;
         let is_ready = match Store::open_read_only(folder) {
-            Ok(Some(store)) => store.has_course()? && store.is_agreed(folder)?,
+            Ok(Some(store)) => store.is_agreed(folder)?,
             Ok(None) => true,
             Err(StoreError::Older { .. }) => false,
             Err(error) => return Err(error.into()),

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::domain::{AskedFit, RunWord};
 use crate::store::HandTag;
-use crate::store::journal::{Entry, Line};
+use crate::store::journal::Entry;
 
 /// What holds after everything was said.
 #[derive(Debug, Default)]
@@ -82,24 +82,6 @@ impl Told {
         }
     }
 
-    /// How many of the lines say what a database says; none where no first part of them does.
-    pub fn agreeing(lines: &[Line], stored: &Told) -> Option<usize> {
-        let mut told = Told::default();
-        let mut agreeing = told.is(stored).then_some(0);
-        for (before, line) in lines.iter().enumerate() {
-            told.hear(&line.entry);
-            if told.is(stored) {
-                agreeing = Some(before + 1);
-            }
-        }
-        agreeing
-    }
-
-    fn is(&self, stored: &Told) -> bool {
-        // Their number first: this is asked after every line.
-        self.read.len() == stored.read.len() && self.differences(stored).is_empty()
-    }
-
     /// What differs in a journal from what is stored: revisions and wishes that it lacks, and any difference of tags and
     /// words on runs, as two texts: what is another one, and of what.
     pub fn differences(&self, stored: &Told) -> Vec<(String, String)> {
@@ -129,23 +111,5 @@ impl Told {
         let asked = (other.asked.iter()).filter(|(run, asked)| self.asked.get(*run) != Some(*asked));
         let asked = asked.map(|(run, _)| ("how a fit was asked for".to_owned(), run.clone()));
         read.chain(asked).collect()
-    }
-
-    /// What is said here and not in `other`, in words: what would be lost were only the other kept.
-    pub fn only_here(&self, other: &Told) -> Vec<String> {
-        let mut found: Vec<String> = (other.lacks_of(self).into_iter())
-            .map(|(what, of)| format!("{what} of {of}"))
-            .collect();
-        for (key, tag) in &self.tags {
-            if other.tags.get(key) != Some(tag) {
-                found.push(Entry::Tag(tag.clone()).in_words());
-            }
-        }
-        for (run, word) in &self.words {
-            if other.words.get(run) != Some(word) {
-                found.push(Entry::Word(word.clone()).in_words());
-            }
-        }
-        found
     }
 }

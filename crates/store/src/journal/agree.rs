@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::bring_up::{brought_up, parted};
 use super::entry::{Entry, Line};
-use super::file::{failed, lock, locked, path_in, read};
+use super::file::{HeldJournal, failed, locked, path_in, read};
 use super::{Compared, course, tail};
 use crate::seal::Subject;
 use crate::{FILE_NAME as DATABASE, StepError, Store, StoreError};
@@ -38,17 +38,17 @@ impl Store {
             let stored = course::last(&self.connection).map_err(self.named(DOING))?;
             Ok((in_file.n, in_file.sum) == stored)
         };
-        let mut file = match File::open_own(&path) {
-            Ok(file) => Some(file),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
-            Err(source) => return Err(failed(&path, source)),
+        let opened = || match File::open_own(&path) {
+            Ok(file) => Ok(Some(file)),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            Err(source) => Err(failed(&path, source)),
         };
-        if same(file.as_mut())? {
+        if same(opened()?.as_mut())? {
             return Ok(true);
         }
         // Somebody may be between the two writings, and holds the journal for as long.
-        file.as_ref().map_or(Ok(()), |file| lock(file, &path))?;
-        same(file.as_mut())
+        let _held = HeldJournal::wait_to_read(folder)?;
+        same(opened()?.as_mut())
     }
 
     /// Holds the lines of the database against those of the journal of the campaign in `folder`.
@@ -70,7 +70,7 @@ impl Store {
         let Some(campaign) = self.journal.campaign().map(Path::to_owned) else {
             return Ok(Agreed::default());
         };
-        if !path_in(&campaign).exists() && !self.has_course()? {
+        if !path_in(&campaign).exists() && self.last_said()?.is_none() {
             return Ok(Agreed::default());
         }
         self.begin_batch()?;
@@ -138,16 +138,6 @@ impl Store {
         self.check_seal(&Subject::JournalEnd)?;
         let (n, line) = course::last(&self.connection).map_err(self.named(DOING))?;
         Ok(line.map(|_| n))
-    }
-
-    /// Whether it has lines of the journal: one that an earlier version of the program wrote has none.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn has_course(&self) -> Result<bool, StoreError> {
-        self.check_seal(&Subject::JournalEnd)?;
-        let last = course::last(&self.connection).map_err(self.named(DOING))?;
-        Ok(last.0 > 0)
     }
 
     /// What may be lost, in words, until a person answered.

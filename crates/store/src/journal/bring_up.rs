@@ -7,22 +7,22 @@ use std::path::{Path, PathBuf};
 use rusqlite::Connection;
 
 use super::entry::Line;
-use super::file::{FILE_NAME, Found, PARTIAL, failed, lock, opened, path_in, read};
+use super::file::{FILE_NAME, Found, Locked, PARTIAL, failed, opened_in, path_in, read};
 use super::{Compared, course, tail};
 use crate::{FILE_NAME as DATABASE, StepError, StoreError};
 use ieap_system::Temporary;
-use ieap_system::fs::{self, File};
+use ieap_system::fs;
 
 /// Digits of the hash that tells journals that were set aside from each other.
 const MARK_DIGITS: usize = 12;
 
-/// Holds the lines of a database against the journal, which is `file`, and writes into the journal what it lacks; gives the
+/// Holds the lines of a database against the journal and writes into the journal what it lacks; gives the
 /// journal as it is then.
 pub(super) fn brought_up(
     connection: &Connection,
     campaign: &Path,
-    file: File,
-) -> Result<(Compared, File), StepError> {
+    file: Locked,
+) -> Result<(Compared, Locked), StepError> {
     let stored = course::stored(connection, course::ALL)?;
     let found = read(campaign)?.unwrap_or_default();
     let compared = Compared::of(&stored, &found).map_err(|detail| parted(campaign, detail))?;
@@ -37,18 +37,19 @@ pub(super) fn brought_up(
 /// anew, and kept under another name.
 pub(super) fn completed(
     campaign: &Path,
-    mut file: File,
+    mut locked: Locked,
     found: &Found,
     compared: &Compared,
-) -> Result<File, StoreError> {
+) -> Result<Locked, StoreError> {
     let path = path_in(campaign);
     let follow = compared.of_database.iter().all(|line| line.n > found.last_number);
     if follow && found.damaged.is_empty() && found.gaps.is_empty() {
-        let end = tail::mended(&mut file).map_err(|source| failed(&path, source))?;
+        let file = &mut locked.file;
+        let end = tail::mended(file).map_err(|source| failed(&path, source))?;
         let text = text_of(compared.of_database.iter());
         let added = file.write_all(text.as_bytes()).and_then(|()| file.sync_all());
         return match added {
-            Ok(()) => Ok(file),
+            Ok(()) => Ok(locked),
             Err(source) => {
                 let _ = file.set_len(end.bytes);
                 Err(failed(&path, source))
@@ -59,10 +60,7 @@ pub(super) fn completed(
     let lines: BTreeMap<u64, &Line> = lines.map(|line| (line.n, line)).collect();
     let anew = written_anew(&path, &text_of(lines.into_values()));
     anew.map_err(|source| failed(&path, source))?;
-    let gone = std::io::Error::from(std::io::ErrorKind::NotFound);
-    let file = opened(&path)?.ok_or_else(|| failed(&path, gone))?;
-    lock(&file, &path)?;
-    Ok(file)
+    opened_in(campaign, locked.held)
 }
 
 /// Puts another text in the place of the journal; what it said is kept beside it.

@@ -14,6 +14,8 @@ use ieap_system::fs::{self, File, OpenOptions, TryLockError};
 pub(super) const FOLDER: &str = "archive";
 /// Its name there.
 pub(super) const FILE_NAME: &str = "journal.jsonl";
+/// The file that is locked by whoever writes the journal. It holds nothing.
+const LOCK_NAME: &str = "journal.lock";
 /// How names of files begin that are not written to their end yet; the archive removes what a crash left of them.
 pub(super) const PARTIAL: &str = ".part-";
 /// How long a change waits for a rebuilding to end.
@@ -24,32 +26,75 @@ pub fn path_in(folder: &Path) -> PathBuf {
     folder.join(FOLDER).join(FILE_NAME)
 }
 
+/// Where a journal is that was moved aside under that mark.
+pub(crate) fn aside_in(folder: &Path, mark: &str) -> PathBuf {
+    path_in(folder).with_file_name(format!("{FILE_NAME}.set-aside-{mark}"))
+}
+
 /// Moves the journal of the campaign in `folder` aside, with the database that it was kept for.
 ///
 /// # Errors
 /// It cannot be renamed.
 pub fn set_aside(folder: &Path, mark: &str) -> Result<(), StoreError> {
     let path = path_in(folder);
-    let aside = path.with_file_name(format!("{FILE_NAME}.set-aside-{mark}"));
-    match fs::rename(&path, aside) {
+    match fs::rename(&path, aside_in(folder, mark)) {
         Err(source) if source.kind() != io::ErrorKind::NotFound => Err(failed(&path, source)),
         _ => Ok(()),
     }
 }
 
-/// A journal that nobody else can write as long as this lives.
+/// The journal of a campaign, which nobody else can write as long as this lives. What is locked is a file of its own that is
+/// never replaced: whoever waits for it opens the journal that is there then.
 #[derive(Debug)]
-pub struct HeldJournal(pub(super) Option<File>);
+pub struct HeldJournal {
+    lock: File,
+}
 
-/// Holds the journal of the campaign in `folder`, where there is one.
+impl HeldJournal {
+    /// Waits until nobody else holds the journal of the campaign in `folder`.
+    pub(super) fn wait(folder: &Path) -> Result<HeldJournal, StoreError> {
+        let path = folder.join(FOLDER).join(LOCK_NAME);
+        let open = || {
+            OpenOptions::own()
+                .read(true)
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .open(&path)
+        };
+        let opened = fs::create_dir_all(folder.join(FOLDER)).and_then(|()| open());
+        let lock = opened.map_err(|source| failed(&path, source))?;
+        wait(&lock, &path)?;
+        Ok(HeldJournal { lock })
+    }
+
+    /// The same where nothing can be written: whoever never wrote into the campaign holds nothing.
+    pub(super) fn wait_to_read(folder: &Path) -> Result<Option<HeldJournal>, StoreError> {
+        let path = folder.join(FOLDER).join(LOCK_NAME);
+        match File::open_own(&path) {
+            Ok(lock) => {
+                wait(&lock, &path)?;
+                Ok(Some(HeldJournal { lock }))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(source) => Err(failed(&path, source)),
+        }
+    }
+
+    /// The same hold once more.
+    pub(super) fn shared(&self, folder: &Path) -> Result<HeldJournal, StoreError> {
+        let lock = self.lock.try_clone();
+        let lock = lock.map_err(|source| failed(&folder.join(FOLDER).join(LOCK_NAME), source))?;
+        Ok(HeldJournal { lock })
+    }
+}
+
+/// Holds the journal of the campaign in `folder`.
 ///
 /// # Errors
-/// It cannot be opened, or somebody else holds it for long.
+/// It cannot be locked, or somebody else holds it for long.
 pub fn hold(folder: &Path) -> Result<HeldJournal, StoreError> {
-    let path = path_in(folder);
-    let file = opened(&path)?;
-    file.as_ref().map_or(Ok(()), |file| lock(file, &path))?;
-    Ok(HeldJournal(file))
+    HeldJournal::wait(folder)
 }
 
 /// What a journal holds.
@@ -130,7 +175,7 @@ pub(super) fn put(campaign: &Path, text: &str) -> Result<(), StoreError> {
     place().map_err(|source| failed(&path, source))
 }
 
-pub(super) fn lock(file: &File, path: &Path) -> Result<(), StoreError> {
+fn wait(file: &File, path: &Path) -> Result<(), StoreError> {
     let begun = Instant::now();
     loop {
         match file.try_lock() {
@@ -159,8 +204,20 @@ pub(super) fn failed(path: &Path, source: io::Error) -> StoreError {
     }
 }
 
+/// A journal open to be written, and the hold on it.
+#[derive(Debug)]
+pub(super) struct Locked {
+    pub(super) file: File,
+    pub(super) held: HeldJournal,
+}
+
 /// The journal of a campaign, which nobody else can write then; an empty one where there is none.
-pub(super) fn locked(campaign: &Path) -> Result<File, StoreError> {
+pub(super) fn locked(campaign: &Path) -> Result<Locked, StoreError> {
+    opened_in(campaign, HeldJournal::wait(campaign)?)
+}
+
+/// The same for who holds it.
+pub(super) fn opened_in(campaign: &Path, held: HeldJournal) -> Result<Locked, StoreError> {
     let path = path_in(campaign);
     let file = match opened(&path)? {
         Some(file) => file,
@@ -170,6 +227,5 @@ pub(super) fn locked(campaign: &Path) -> Result<File, StoreError> {
             opened(&path)?.ok_or_else(|| failed(&path, gone))?
         }
     };
-    lock(&file, &path)?;
-    Ok(file)
+    Ok(Locked { file, held })
 }

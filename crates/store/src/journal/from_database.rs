@@ -133,15 +133,13 @@ fn words(connection: &Connection) -> Result<Vec<Said>, StepError> {
     })
 }
 
-/// How the newest fit of each name was asked for, where it was.
+/// How runs were asked to be fitted.
 fn asked(connection: &Connection) -> Result<Vec<Said>, StepError> {
-    let sql = "SELECT fit.made_at, newest.path, fit.asked
-               FROM (SELECT run.path, max(fit.id) AS id FROM fit JOIN run ON run.id = fit.run_id GROUP BY run.path) AS newest
-               JOIN fit ON fit.id = newest.id WHERE fit.asked IS NOT NULL ORDER BY newest.path";
+    let sql = "SELECT changed_at, run_path, asked FROM asked_fit, change_count ORDER BY run_path";
     rows(connection, sql, |row| {
         let asked = json_in(row, "asked", "how a fit was asked for")?;
-        let run = row.get("path")?;
-        Ok((row.get("made_at")?, Entry::Asked { run, asked }))
+        let run = row.get("run_path")?;
+        Ok((row.get("changed_at")?, Entry::Asked { run, asked }))
     })
 }
 

@@ -25,6 +25,7 @@ use super::{Store, StoreError};
 pub use agree::Agreed;
 pub use course::{Compared, in_words};
 pub use entry::{Entry, Line, NamedBytes, NamedRun, ToldAlarm};
+pub(crate) use file::aside_in;
 pub use file::{Found, HeldJournal, found, hold, path_in, read, set_aside};
 pub use salvage::{Union, union};
 pub use tail::without_torn_end;

@@ -340,26 +340,6 @@ fn a_rebuilding_takes_what_can_be_read_of_a_broken_database_and_of_no_foreign_on
     assert_eq!(values(folder.path()), ["one", "two", "three"]);
 }
 
-#[test]
-fn a_journal_of_an_earlier_version_goes_on_from_its_last_line() {
-    let (folder, store) = said(&["one", "two"]);
-    // As they were written then: without the checksum of the line before.
-    let old: Vec<Line> = (lines(folder.path()).into_iter())
-        .map(|line| Line::following(None, line.n, (line.at, line.entry)).unwrap())
-        .collect();
-    let text: String = old.iter().map(|line| format!("{}\n", line.text)).collect();
-    assert!(!text.contains("\"after\""));
-    fs::write(path_in(folder.path()), text).unwrap();
-    let sql = "DELETE FROM journal_line; DELETE FROM seal WHERE subject = 'journal end'";
-    store.connection.execute_batch(sql).unwrap();
-    let mut store = store;
-    store.hear("now", &old).unwrap();
-    assert!(store.is_agreed(folder.path()).unwrap());
-    say(&mut store, "three");
-    let last = lines(folder.path()).pop().unwrap();
-    assert_eq!(last.after.as_deref(), Some(old[1].sum()));
-}
-
 /// A line that is lost in the database is damage: taken for one that the database never had it would be said twice.
 #[test]
 fn a_line_that_changed_or_vanished_in_the_database_is_damage_and_not_said_again() {

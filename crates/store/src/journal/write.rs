@@ -8,7 +8,7 @@ use rusqlite::Connection;
 
 use super::bring_up::brought_up;
 use super::entry::{Entry, Line};
-use super::file::{HeldJournal, failed, locked, path_in};
+use super::file::{HeldJournal, Locked, failed, locked, opened_in, path_in};
 use super::{course, tail};
 use crate::{StepError, StoreError};
 use ieap_system::fs::File;
@@ -22,8 +22,8 @@ pub(crate) struct Journal {
     said: RefCell<Vec<(String, Entry)>>,
     /// What was said since it is kept for later.
     later: RefCell<Option<Vec<(String, Entry)>>>,
-    /// The journal of the campaign, where this program holds it.
-    held: Option<File>,
+    /// The hold on the journal of the campaign, where this program has it.
+    held: Option<HeldJournal>,
     /// Up to where the journal holds, where a line was refused and could not be taken back.
     owed: Cell<Option<u64>>,
 }
@@ -31,7 +31,7 @@ pub(crate) struct Journal {
 /// A line that is in the journal while its transaction is not committed. As long as this lives nobody else looks.
 #[derive(Debug)]
 pub(crate) struct Intended {
-    file: File,
+    journal: Locked,
     path: PathBuf,
     /// Up to where the journal was written before.
     bytes: u64,
@@ -65,8 +65,7 @@ impl Journal {
     /// From here on it is that of the campaign in `folder`, which this program holds.
     pub fn keep_in_held(&mut self, folder: &Path, held: &HeldJournal) -> Result<(), StoreError> {
         *self = Journal::of(folder);
-        let copy = held.0.as_ref().map(File::try_clone).transpose();
-        self.held = copy.map_err(|source| failed(&path_in(folder), source))?;
+        self.held = Some(held.shared(folder)?);
         Ok(())
     }
 
@@ -107,15 +106,15 @@ impl Journal {
             return Ok(None);
         };
         let path = path_in(campaign);
-        let mut file = self.locked(campaign)?;
+        let mut journal = self.locked(campaign)?;
         in_place()?;
-        self.pay(connection, &mut file)
+        self.pay(connection, &mut journal.file)
             .map_err(|source| failed(&path, source))?;
-        let mut last = tail::mended(&mut file).map_err(|source| failed(&path, source))?;
+        let mut last = tail::mended(&mut journal.file).map_err(|source| failed(&path, source))?;
         let mut before = course::last(connection)?;
         if (last.n, &last.sum) != (before.0, &before.1) {
-            let (compared, again) = brought_up(connection, campaign, file)?;
-            file = again;
+            let (compared, again) = brought_up(connection, campaign, journal)?;
+            journal = again;
             if !compared.is_database_whole() {
                 return Err(StoreError::Lags {
                     path: campaign.join(crate::FILE_NAME),
@@ -124,15 +123,16 @@ impl Journal {
                 }
                 .into());
             }
-            last = tail::mended(&mut file).map_err(|source| failed(&path, source))?;
+            last = tail::mended(&mut journal.file).map_err(|source| failed(&path, source))?;
             before = course::last(connection)?;
         }
         let lines = following(last.n.max(before.0), before.1, said)?;
         course::store(connection, &lines)?;
         let text: String = lines.iter().map(|line| format!("{}\n", line.text)).collect();
+        let file = &mut journal.file;
         let added = file.write_all(text.as_bytes()).and_then(|()| file.sync_all());
         let bytes = last.bytes;
-        let intended = Intended { file, path, bytes };
+        let intended = Intended { journal, path, bytes };
         match added {
             Ok(()) => Ok(Some(intended)),
             Err(source) => {
@@ -146,8 +146,8 @@ impl Journal {
 
     /// Takes back what a transaction intended that was refused after it was written.
     pub fn take_back(&self, intended: Intended) -> Result<(), StoreError> {
-        let Intended { file, path, bytes } = intended;
-        let cut = file.set_len(bytes).and_then(|()| file.sync_all());
+        let Intended { journal, path, bytes } = intended;
+        let cut = journal.file.set_len(bytes).and_then(|()| journal.file.sync_all());
         cut.map_err(|source| {
             self.owed.set(Some(bytes));
             let doing = "taking back from the journal what the database refused (the next opening stores it)";
@@ -170,12 +170,11 @@ impl Journal {
     }
 
     /// The journal, which nobody else can write then; an empty one where there is none.
-    fn locked(&self, campaign: &Path) -> Result<File, StoreError> {
-        let path = path_in(campaign);
-        if let Some(held) = &self.held {
-            return held.try_clone().map_err(|source| failed(&path, source));
+    fn locked(&self, campaign: &Path) -> Result<Locked, StoreError> {
+        match &self.held {
+            Some(held) => opened_in(campaign, held.shared(campaign)?),
+            None => locked(campaign),
         }
-        locked(campaign)
     }
 }
 

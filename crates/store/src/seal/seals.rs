@@ -4,10 +4,9 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, OptionalExtension, Row, TransactionBehavior, params, params_from_iter};
+use rusqlite::{Connection, OptionalExtension, Row, params, params_from_iter};
 
 use super::subject::Subject;
-use crate::migration::NEWEST;
 use crate::snapshot::Snapshot;
 use crate::{StepError, StoreError};
 
@@ -22,43 +21,45 @@ pub(crate) type Seal = [u8; SEAL_BYTES];
 /// The seals of an open database.
 #[derive(Debug, Default)]
 pub(crate) struct Seals {
-    /// Whether there are seals: a database that an older program made has none until it is opened for writing.
-    pub(super) are_there: bool,
     /// What changed in the transaction of this connection that is under way: its seals are open. Empty outside of one, as
     /// other connections write then; they wait while it is under way.
     pub(super) open: RefCell<BTreeSet<Subject>>,
 }
 
-impl Seals {
-    /// Of a database that is opened for reading.
-    pub fn of(connection: &Connection) -> rusqlite::Result<Seals> {
-        Ok(Seals {
-            are_there: are_of_this_schema(connection)?,
-            open: RefCell::default(),
-        })
+/// Seals everything that a database holds, in the schema that it has now: the last step of a migration.
+pub(crate) fn seal_all(connection: &Connection) -> rusqlite::Result<()> {
+    connection.execute("DELETE FROM seal", [])?;
+    for subject in Subject::all(connection)? {
+        close(connection, &subject)?;
     }
+    let sql = "INSERT INTO seal VALUES (?1, ?2, x'')";
+    connection.execute(sql, params![OF_SCHEMA, schema(connection)?])?;
+    Ok(())
+}
 
-    /// Of a database that is opened for writing: everything is sealed where that was not done in this schema.
-    pub fn made(connection: &mut Connection) -> rusqlite::Result<Seals> {
-        if !are_of_this_schema(connection)? {
-            let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
-            // Another connection may have done it meanwhile, and changed rows since.
-            if !are_of_this_schema(&transaction)? {
-                transaction.execute("DELETE FROM seal", [])?;
-                for subject in Subject::all(&transaction)? {
-                    close(&transaction, &subject)?;
-                }
-                let sql = "INSERT INTO seal VALUES (?1, ?2, x'')";
-                transaction.execute(sql, params![OF_SCHEMA, NEWEST])?;
-            }
-            transaction.commit()?;
+/// The schema of a database.
+fn schema(connection: &Connection) -> rusqlite::Result<i64> {
+    connection.pragma_query_value(None, "user_version", |row| row.get(0))
+}
+
+impl Seals {
+    /// Of a database of the newest schema. One whose seals say that they are of another one, or nothing, is damaged: they are
+    /// made with the schema and never after it.
+    pub fn of(connection: &Connection) -> Result<Seals, StepError> {
+        let sql = "SELECT EXISTS (SELECT 1 FROM seal WHERE subject = ?1 AND id = ?2)";
+        let are_there: bool =
+            connection.query_row(sql, params![OF_SCHEMA, schema(connection)?], |row| row.get(0))?;
+        if are_there {
+            Ok(Seals::default())
+        } else {
+            let what = "the list of its checksums".to_owned();
+            Err(StoreError::Damaged { what }.into())
         }
-        Seals::of(connection)
     }
 
     /// Holds rows against their seal; those that the transaction under way changed are not sealed yet.
     pub fn check(&self, connection: &Connection, subject: &Subject) -> Result<(), StepError> {
-        if !self.are_there || self.open.borrow().contains(subject) {
+        if self.open.borrow().contains(subject) {
             return Ok(());
         }
         let _moment = Snapshot::of(connection)?;
@@ -100,11 +101,6 @@ pub(super) fn damaged(subject: &Subject) -> StoreError {
     StoreError::Damaged {
         what: subject.to_string(),
     }
-}
-
-fn are_of_this_schema(connection: &Connection) -> rusqlite::Result<bool> {
-    let sql = "SELECT EXISTS (SELECT 1 FROM seal WHERE subject = ?1 AND id = ?2)";
-    connection.query_row(sql, params![OF_SCHEMA, NEWEST], |row| row.get(0))
 }
 
 pub(super) fn stored(connection: &Connection, subject: &Subject) -> rusqlite::Result<Option<Vec<u8>>> {

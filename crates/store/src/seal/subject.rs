@@ -10,28 +10,16 @@ use rusqlite::types::Value;
 pub(crate) enum Subject {
     /// Which runs and modulus logs are current, in order of their names.
     Runs,
-    /// A run but for its readings, with the ids of what is current of it.
+    /// A run but for its readings.
     Run(i64),
     /// Readings of a run.
     Readings(i64),
     /// Climate around a run, to draw.
     ClimateCurves(i64),
-    /// A fit with its parameters.
-    Fit(i64),
-    /// Curves of a fit.
-    FitCurves(i64),
-    /// An analysis of a modulus log.
-    Analysis(i64),
-    /// Runs that models were compared on.
-    Comparisons,
-    /// Which diagnoses are current.
-    Diagnoses,
-    /// A diagnosis.
-    Diagnosis(i64),
-    /// Runs whose readings diagnoses found to be wrong.
-    Condemned,
     /// What people said of runs.
     RunWords,
+    /// How people asked runs to be fitted.
+    AskedFits,
     /// Marks of readings, by which runs with the same ones are found.
     Marks,
     /// Runs whose readings stand in other runs.
@@ -56,7 +44,7 @@ pub(crate) enum Subject {
     Changes,
 }
 
-const RUN: [&str; 13] = [
+const RUN: [&str; 10] = [
     "SELECT * FROM run WHERE id = ?1",
     "SELECT run_file.*, content.* FROM run_file LEFT JOIN content ON content.hash = run_file.hash
      WHERE run_id = ?1 ORDER BY ordinal",
@@ -70,27 +58,6 @@ const RUN: [&str; 13] = [
     "SELECT run_profile.*, profile.* FROM run_profile LEFT JOIN profile ON profile.digest = run_profile.digest
      WHERE run_id = ?1 ORDER BY ordinal",
     "SELECT * FROM run_climate WHERE run_id = ?1 ORDER BY ordinal",
-    "SELECT * FROM fit_failure WHERE run_id = ?1",
-    "SELECT id FROM fit WHERE run_id = ?1 AND superseded_at IS NULL",
-    "SELECT id FROM modulus_analysis WHERE run_id = ?1 AND superseded_at IS NULL",
-];
-const FIT: [&str; 2] = [
-    "SELECT * FROM fit WHERE id = ?1",
-    "SELECT * FROM fit_parameter WHERE fit_id = ?1 ORDER BY ordinal",
-];
-const FIT_CURVES: [&str; 2] = [
-    "SELECT * FROM fit_curve WHERE fit_id = ?1 ORDER BY ordinal",
-    "SELECT * FROM fit_along WHERE fit_id = ?1 ORDER BY ordinal",
-];
-const ANALYSIS: [&str; 4] = [
-    "SELECT * FROM modulus_analysis WHERE id = ?1",
-    "SELECT * FROM modulus_step WHERE analysis_id = ?1 ORDER BY ordinal",
-    "SELECT * FROM modulus_estimate WHERE analysis_id = ?1 ORDER BY ordinal",
-    "SELECT * FROM modulus_curve WHERE analysis_id = ?1 ORDER BY ordinal",
-];
-const DIAGNOSIS: [&str; 2] = [
-    "SELECT * FROM diagnosis WHERE id = ?1",
-    "SELECT * FROM diagnosis_run WHERE diagnosis_id = ?1 ORDER BY ordinal",
 ];
 const LOG: [&str; 2] = [
     "SELECT * FROM climate_log WHERE id = ?1",
@@ -106,14 +73,8 @@ impl Subject {
             Subject::Run(_) => "run",
             Subject::Readings(_) => "readings",
             Subject::ClimateCurves(_) => "climate curves",
-            Subject::Fit(_) => "fit",
-            Subject::FitCurves(_) => "fit curves",
-            Subject::Analysis(_) => "analysis",
-            Subject::Comparisons => "comparisons",
-            Subject::Diagnoses => "diagnoses",
-            Subject::Diagnosis(_) => "diagnosis",
-            Subject::Condemned => "condemned",
             Subject::RunWords => "run words",
+            Subject::AskedFits => "asked fits",
             Subject::Marks => "marks",
             Subject::SameReadings => "same readings",
             Subject::Logs => "logs",
@@ -133,10 +94,8 @@ impl Subject {
         use Subject as S;
         match self {
             S::Runs
-            | S::Comparisons
-            | S::Diagnoses
-            | S::Condemned
             | S::RunWords
+            | S::AskedFits
             | S::Marks
             | S::SameReadings
             | S::Logs
@@ -144,14 +103,7 @@ impl Subject {
             | S::Alarms
             | S::JournalEnd
             | S::Changes => Vec::new(),
-            S::Run(id)
-            | S::Readings(id)
-            | S::ClimateCurves(id)
-            | S::Fit(id)
-            | S::FitCurves(id)
-            | S::Analysis(id)
-            | S::Diagnosis(id)
-            | S::Log(id) => vec![Value::Integer(*id)],
+            S::Run(id) | S::Readings(id) | S::ClimateCurves(id) | S::Log(id) => vec![Value::Integer(*id)],
             S::Series(log, ordinal) => vec![Value::Integer(*log), Value::Integer(*ordinal)],
             S::HandTags(path) | S::File(path) => vec![Value::Text(path.clone())],
         }
@@ -178,16 +130,8 @@ impl Subject {
             Subject::ClimateCurves(_) => {
                 &["SELECT * FROM run_climate_curve WHERE run_id = ?1 ORDER BY ordinal"]
             }
-            Subject::Fit(_) => &FIT,
-            Subject::FitCurves(_) => &FIT_CURVES,
-            Subject::Analysis(_) => &ANALYSIS,
-            Subject::Comparisons => &["SELECT * FROM run_comparison ORDER BY run_id"],
-            Subject::Diagnoses => {
-                &["SELECT id FROM diagnosis WHERE superseded_at IS NULL ORDER BY kind, name"]
-            }
-            Subject::Diagnosis(_) => &DIAGNOSIS,
-            Subject::Condemned => &["SELECT * FROM diagnosis_condemned ORDER BY diagnosis_id, run_id"],
             Subject::RunWords => &["SELECT * FROM run_word ORDER BY id"],
+            Subject::AskedFits => &["SELECT * FROM asked_fit ORDER BY run_path"],
             Subject::Marks => &["SELECT * FROM run_marks ORDER BY run_id"],
             Subject::SameReadings => &["SELECT * FROM same_readings ORDER BY run_id, in_run_id"],
             Subject::Logs => &["SELECT id FROM climate_log WHERE superseded_at IS NULL ORDER BY path"],
@@ -215,10 +159,8 @@ impl Subject {
         use Subject as S;
         let mut all = vec![
             S::Runs,
-            S::Comparisons,
-            S::Diagnoses,
-            S::Condemned,
             S::RunWords,
+            S::AskedFits,
             S::Marks,
             S::SameReadings,
             S::Logs,
@@ -236,9 +178,6 @@ impl Subject {
             Ok(())
         };
         of_ids("run", &[S::Run, S::Readings, S::ClimateCurves])?;
-        of_ids("fit", &[S::Fit, S::FitCurves])?;
-        of_ids("modulus_analysis", &[S::Analysis])?;
-        of_ids("diagnosis", &[S::Diagnosis])?;
         of_ids("climate_log", &[S::Log])?;
         let mut statement = connection.prepare("SELECT log_id, ordinal FROM climate_series")?;
         for series in statement.query_map([], |row| Ok(S::Series(row.get(0)?, row.get(1)?)))? {
@@ -263,10 +202,8 @@ impl fmt::Display for Subject {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Subject::Runs => write!(f, "the list of runs"),
-            Subject::Comparisons => write!(f, "the comparisons of models"),
-            Subject::Diagnoses => write!(f, "the list of diagnoses"),
-            Subject::Condemned => write!(f, "the list of runs that diagnoses condemned"),
             Subject::RunWords => write!(f, "what was said of runs"),
+            Subject::AskedFits => write!(f, "how runs were asked to be fitted"),
             Subject::Marks => write!(f, "the marks of readings"),
             Subject::SameReadings => write!(f, "the list of runs with the same readings"),
             Subject::Logs => write!(f, "the list of climate logs"),

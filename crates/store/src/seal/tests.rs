@@ -88,25 +88,24 @@ fn what_a_batch_changed_is_read_in_it_and_sealed_at_its_end() {
     assert_eq!(store.check_all().unwrap().len(), 1);
 }
 
+/// Without its seals whatever changed would pass, and the next opening would seal it.
 #[test]
-fn a_database_without_seals_is_sealed_when_it_is_opened_for_writing() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut store = Store::open(folder.path()).unwrap();
-    store.record_files("now", &[file("a")]).unwrap();
-    store.connection.execute_batch("DELETE FROM seal").unwrap();
-    drop(store);
-    let reader = Store::open_read_only(folder.path()).unwrap().unwrap();
-    assert_eq!(reader.files().unwrap().len(), 1);
-    drop(reader);
-    let store = Store::open(folder.path()).unwrap();
-    assert_eq!(store.files().unwrap().len(), 1);
-    store
-        .connection
-        .execute_batch("UPDATE source_file SET size_bytes = 2")
-        .unwrap();
-    drop(store);
-    let reader = Store::open_read_only(folder.path()).unwrap().unwrap();
-    assert!(is_damaged(reader.files()));
+fn a_database_that_lost_its_seals_is_damaged_and_never_sealed_again() {
+    for lost in [
+        "DELETE FROM seal",
+        "DELETE FROM seal WHERE subject = 'schema'",
+        "UPDATE seal SET id = 17 WHERE subject = 'schema'",
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::open(folder.path()).unwrap();
+        store.record_files("now", &[file("a")]).unwrap();
+        store.connection.execute_batch(lost).unwrap();
+        drop(store);
+        for _ in 0..2 {
+            assert!(is_damaged(Store::open_read_only(folder.path())), "{lost}");
+            assert!(is_damaged(Store::open(folder.path())), "{lost}");
+        }
+    }
 }
 
 #[test]

@@ -3,24 +3,20 @@
 mod hash;
 mod scored;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::groups::groups;
 use crate::analysis::models_compared::{ComparedCondition, models_compared};
-use crate::domain::fault::caught;
-use crate::domain::{Channel, RunComparison, RunRecord};
+use crate::domain::{Channel, Issue, RunComparison, RunRecord};
 use crate::fit::FitError;
 use crate::model::{FitModel, bending_law, fit_models};
-use crate::pipeline::campaign::batch::{Making, TO_THE_END};
-use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::campaign::derived::{Derived, Keyed, Made, Sorted, bring_up_to_date, look, sorted};
 use crate::pipeline::campaign::{readings, standing};
+use crate::pipeline::fits::outcome::fit_fault;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{FitTask, StoredComparison};
+use crate::store::{FitTask, ResultKind};
 use hash::input_hash;
 use scored::scored;
-
-/// Groups compared between two commits: bounds memory, and what an interruption costs.
-const BATCH: usize = 4;
 
 /// What is compared where nothing is asked for: the thesis's models and every rival.
 const DEFAULT: [&str; 7] = [
@@ -63,15 +59,49 @@ pub struct CompareSummary {
 struct Group {
     name: String,
     tasks: Vec<FitTask>,
-    hash: String,
+}
+
+/// Comparisons with these models.
+struct Comparing {
+    models: Vec<&'static FitModel>,
+}
+
+impl Derived for Comparing {
+    type Subject = Group;
+    type Readings = Vec<Vec<Channel>>;
+    type Found = RunComparison;
+    const KIND: ResultKind = ResultKind::Comparison;
+    const DOING: &'static str = "comparing models";
+    const AT_ONCE: usize = 4;
+
+    fn names<'s>(&self, group: &'s Group) -> Vec<&'s str> {
+        group.tasks.iter().map(|task| task.path.as_str()).collect()
+    }
+
+    fn key(&self, group: &Group) -> String {
+        input_hash(&group.tasks, &self.models)
+    }
+
+    fn load(&self, context: &Context, group: &Group) -> Result<Vec<Vec<Channel>>, PipelineError> {
+        readings::of_tasks(context, &group.tasks)
+    }
+
+    fn make(&self, group: &Group, channels: Vec<Vec<Channel>>) -> Vec<Made<RunComparison>> {
+        let found = scored(&group.tasks, &channels, &self.models);
+        found.into_iter().map(Ok).collect()
+    }
+
+    fn fault(&self, reason: &str) -> Issue {
+        fit_fault("the comparison", reason)
+    }
 }
 
 /// What is asked of a campaign's runs.
 struct Asked {
-    models: Vec<&'static FitModel>,
+    comparing: Comparing,
     runs: Vec<RunRecord>,
     /// Groups to compare.
-    due: Vec<Group>,
+    due: Vec<Keyed<Group>>,
     up_to_date: usize,
 }
 
@@ -88,10 +118,15 @@ impl CompareModels {
     ) -> Result<CompareSummary, PipelineError> {
         let asked = self.asked(context)?;
         let mut summary = asked.summary();
-        let make = |group: &Group, channels: Vec<Vec<Channel>>| asked.scored(group, &channels);
-        making(observer).run(context, &asked.due, load, make, |context, made| {
-            save(context, made, &mut summary)
-        })?;
+        bring_up_to_date(
+            &asked.comparing,
+            context,
+            &asked.due,
+            observer,
+            |group, run, made| {
+                summary.took(group, run, made);
+            },
+        )?;
         summary.comparisons = asked.stored(context)?;
         asked.sum_up(context, &mut summary);
         Ok(summary)
@@ -104,22 +139,20 @@ impl CompareModels {
     pub fn look(&self, context: &Context, observer: &dyn Observer) -> Result<CompareSummary, PipelineError> {
         let asked = self.asked(context)?;
         let mut summary = asked.summary();
-        let is_due = |run: &str| {
-            let mut tasks = asked.due.iter().flat_map(|group| &group.tasks);
-            tasks.any(|task| task.path == run)
-        };
+        let due = asked.due.iter().flat_map(|(_, group)| &group.tasks);
+        let due: BTreeSet<&str> = due.map(|task| task.path.as_str()).collect();
         summary.comparisons = asked.stored(context)?;
-        summary.comparisons.retain(|found| !is_due(&found.run));
-        let make = |group: &Group, channels: Vec<Vec<Channel>>| asked.scored(group, &channels);
-        making(observer).look(context, &asked.due, load, make, |made| {
-            for (group, made) in made {
-                match made {
-                    Ok(found) => summary.took(found),
-                    Err(reason) => summary.faults.push(format!("{}: {reason}", group.name)),
-                }
-            }
-            Ok(())
-        })?;
+        summary.comparisons.retain(|found| !due.contains(&*found.run));
+        look(
+            &asked.comparing,
+            context,
+            &asked.due,
+            observer,
+            |group, run, made| {
+                summary.took(group, run, &made);
+                summary.comparisons.extend(made.ok());
+            },
+        )?;
         summary.comparisons.sort_by(|a, b| a.run.cmp(&b.run));
         asked.sum_up(context, &mut summary);
         Ok(summary)
@@ -128,23 +161,14 @@ impl CompareModels {
     fn asked(&self, context: &Context) -> Result<Asked, PipelineError> {
         let models = self.models()?;
         let runs = standing::speaking(context)?;
-        let all = grouped(context, &runs, &models)?;
-        let known: BTreeMap<i64, String> = context
-            .store
-            .comparisons()?
-            .into_iter()
-            .map(|stored| (stored.run_id, stored.input_hash))
-            .collect();
-        let is_done = |group: &Group| {
-            let mut tasks = group.tasks.iter();
-            !self.again && tasks.all(|task| known.get(&task.run_id) == Some(&group.hash))
-        };
-        let (done, due): (Vec<Group>, Vec<Group>) = all.into_iter().partition(is_done);
+        let groups = grouped(context, &runs)?;
+        let comparing = Comparing { models };
+        let Sorted { up_to_date, due } = sorted(&comparing, context, groups, self.again)?;
         Ok(Asked {
-            models,
+            comparing,
             runs,
             due,
-            up_to_date: done.iter().map(|group| group.tasks.len()).sum(),
+            up_to_date: up_to_date.iter().map(|(_, group)| group.tasks.len()).sum(),
         })
     }
 
@@ -191,17 +215,12 @@ impl Asked {
         }
     }
 
-    /// The comparisons of a group's runs, or the fault that stopped them.
-    fn scored(&self, group: &Group, channels: &[Vec<Channel>]) -> Result<Vec<RunComparison>, String> {
-        caught(|| scored(&group.tasks, channels, &self.models))
-    }
-
     /// Every stored comparison with these models that still stands, by the runs' names.
     fn stored(&self, context: &Context) -> Result<Vec<RunComparison>, PipelineError> {
         let mut found = current_comparisons(context, &self.runs)?.0;
         found.retain(|found| {
             let ids = found.models.iter().map(|score| &*score.model);
-            ids.eq(self.models.iter().map(|model| model.id))
+            ids.eq(self.comparing.models.iter().map(|model| model.id))
         });
         Ok(found)
     }
@@ -219,18 +238,16 @@ impl Asked {
 }
 
 impl CompareSummary {
-    fn took(&mut self, found: Vec<RunComparison>) {
-        self.compared += found.len();
-        self.comparisons.extend(found);
-    }
-}
-
-fn making(observer: &dyn Observer) -> Making<'_> {
-    Making {
-        doing: "comparing models",
-        at_once: BATCH,
-        observer,
-        may_go_on: TO_THE_END,
+    /// Counts what came of a run.
+    fn took(&mut self, group: &Group, run: &str, made: &Made<RunComparison>) {
+        match made {
+            Ok(_) => self.compared += 1,
+            // Said once of the group.
+            Err(issue) if group.tasks[0].path == run => {
+                self.faults.push(format!("{}: {}", group.name, issue.message))
+            }
+            Err(_) => {}
+        }
     }
 }
 
@@ -242,22 +259,22 @@ pub fn current_comparisons(
     context: &Context,
     runs: &[RunRecord],
 ) -> Result<(Vec<RunComparison>, usize), PipelineError> {
-    let stored = context.store.comparisons()?;
-    if stored.is_empty() {
-        return Ok((Vec::new(), 0));
-    }
-    // Runs may have been compared with other models at other times: each set of models has its hashes.
-    let mut hashes: BTreeMap<Vec<(String, u32)>, BTreeMap<i64, String>> = BTreeMap::new();
+    let stored = context.store.results::<RunComparison>(ResultKind::Comparison)?;
+    let mut groups = None;
+    // Runs may have been compared with other models at other times: each set of models has its keys.
+    let mut keys: BTreeMap<Vec<(String, u32)>, BTreeMap<String, String>> = BTreeMap::new();
     let (mut current, mut outdated) = (Vec::new(), 0);
     for one in stored {
+        let Ok(found) = one.found else { continue };
+        let groups = match &groups {
+            Some(groups) => groups,
+            None => groups.insert(grouped(context, runs)?),
+        };
         let score = |score: &crate::domain::ModelScore| (score.model.clone(), score.version);
-        let set: Vec<(String, u32)> = one.found.models.iter().map(score).collect();
-        if !hashes.contains_key(&set) {
-            let of_set = hashes_of(context, runs, &set)?;
-            hashes.insert(set.clone(), of_set);
-        }
-        match hashes[&set].get(&one.run_id) {
-            Some(hash) if *hash == one.input_hash => current.push(one.found),
+        let set: Vec<(String, u32)> = found.models.iter().map(score).collect();
+        let of_set = keys.entry(set).or_insert_with_key(|set| keys_of(groups, set));
+        match of_set.get(&one.origin.name) {
+            Some(key) if *key == one.origin.key => current.push(found),
             // A run that does not speak any more is no loss.
             None => {}
             Some(_) => outdated += 1,
@@ -266,31 +283,24 @@ pub fn current_comparisons(
     Ok((current, outdated))
 }
 
-/// Hash of each run's comparison with these models as they are now.
-fn hashes_of(
-    context: &Context,
-    runs: &[RunRecord],
-    set: &[(String, u32)],
-) -> Result<BTreeMap<i64, String>, PipelineError> {
-    let models: Option<Vec<&'static FitModel>> = set
+/// What each run's comparison with these models depends on now, by the run's name.
+fn keys_of(groups: &[Group], set: &[(String, u32)]) -> BTreeMap<String, String> {
+    let known = set
         .iter()
-        .map(|(id, _)| fit_models().iter().find(|model| model.id == *id))
-        .collect();
-    let all = grouped(context, runs, &models.unwrap_or_default())?;
-    let of_group = |group: &Group| {
-        let hash = group.hash.clone();
-        let ids: Vec<i64> = group.tasks.iter().map(|task| task.run_id).collect();
-        ids.into_iter().map(move |id| (id, hash.clone()))
+        .filter_map(|(id, _)| fit_models().iter().find(|model| model.id == *id));
+    let comparing = Comparing {
+        models: known.collect(),
     };
-    Ok(all.iter().flat_map(of_group).collect())
+    let of_group = |group: &Group| {
+        let key = comparing.key(group);
+        let names: Vec<String> = comparing.names(group).into_iter().map(str::to_owned).collect();
+        names.into_iter().map(move |name| (name, key.clone()))
+    };
+    groups.iter().flat_map(of_group).collect()
 }
 
 /// The runs that can be fitted, by sample and surroundings.
-fn grouped(
-    context: &Context,
-    runs: &[RunRecord],
-    models: &[&'static FitModel],
-) -> Result<Vec<Group>, PipelineError> {
+fn grouped(context: &Context, runs: &[RunRecord]) -> Result<Vec<Group>, PipelineError> {
     let mut by_id: BTreeMap<i64, FitTask> = context
         .store
         .fit_tasks()?
@@ -308,35 +318,8 @@ fn grouped(
             .collect();
         Group {
             name: group.name,
-            hash: input_hash(&tasks, models),
             tasks,
         }
     };
     Ok(found.into_iter().map(group).collect())
-}
-
-fn load(context: &Context, group: &Group) -> Result<Vec<Vec<Channel>>, PipelineError> {
-    readings::of_tasks(context, &group.tasks)
-}
-
-/// Comparisons of a group's runs, or the fault that stopped them.
-type Made<'g> = (&'g Group, Result<Vec<RunComparison>, String>);
-
-fn save(context: &mut Context, made: Vec<Made>, summary: &mut CompareSummary) -> Result<(), PipelineError> {
-    let mut rows = Vec::new();
-    for (group, found) in made {
-        match found {
-            Err(reason) => summary.faults.push(format!("{}: {reason}", group.name)),
-            Ok(found) => {
-                summary.compared += found.len();
-                let row = |(task, found): (&FitTask, RunComparison)| StoredComparison {
-                    run_id: task.run_id,
-                    input_hash: group.hash.clone(),
-                    found,
-                };
-                rows.extend(group.tasks.iter().zip(found).map(row));
-            }
-        }
-    }
-    Ok(context.store.save_comparisons(&now(), CODE_VERSION, &rows)?)
 }

@@ -12,7 +12,7 @@ use crate::numerics::interrupt;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, PipelineError};
-use crate::store::DiagnosisKind;
+use crate::store::ResultKind;
 
 /// The runs that diagnoses will condemn of the groups of `runs` (by path) whose findings are not up to date: row id and
 /// reason. Where a fault of the program stops the question nothing is known; the diagnosis tells of the fault.
@@ -31,12 +31,12 @@ pub(crate) fn condemned_ahead(
     let is_due = |subject: &&Subject| {
         let found = stored
             .iter()
-            .find(|found| found.kind == subject.kind && found.name == subject.name);
-        found.is_none_or(|found| found.input_hash != input_hash(subject, &tasks, &options, &library))
+            .find(|found| found.kind == subject.kind && found.origin.name == subject.name);
+        found.is_none_or(|found| found.origin.key != input_hash(subject, &tasks, &options, &library))
     };
     let is_asked = |subject: &&Subject| {
         let mut paths = subject.members.iter().map(|&member| &tasks[member].path);
-        subject.kind == DiagnosisKind::Group
+        subject.kind == ResultKind::Group
             && subject.set_apart.is_none()
             && paths.any(|path| runs.contains(path))
     };

@@ -2,15 +2,15 @@
 
 use super::inputs::{BATCH, not_condemned, with_inputs};
 use super::subject::Subject;
+use super::{Row, save};
 use crate::analysis::shared_effects::{shared_effects, values_without};
 use crate::diagnose::{DiagnoseOptions, fall_from_others};
 use crate::domain::fault::caught;
 use crate::domain::{Channel, FromOthers, GroupDiagnosis, InputHash};
 use crate::pipeline::campaign::batch::{Making, TO_THE_END};
-use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask, StoredDiagnosis};
+use crate::store::{Diagnosed, FitTask, ResultKind, StoredDiagnosis};
 
 /// What a group is to be held against.
 struct Due<'a> {
@@ -42,8 +42,8 @@ pub(super) fn hold_against_others(
     };
     let make = |due: &Due, channels: Vec<Vec<Channel>>| held(due, tasks, &channels, options);
     making.run(context, &due, load, make, |context, made| {
-        let rows: Vec<(DiagnosisStamp, GroupDiagnosis)> = made.into_iter().map(|(_, row)| row).collect();
-        Ok(context.store.save_diagnoses(&now(), &rows)?)
+        let rows: Vec<Row> = made.into_iter().map(|(_, row)| row).collect();
+        save(context, &rows)
     })
 }
 
@@ -52,21 +52,28 @@ fn due<'a>(context: &Context, subjects: &'a [Subject]) -> Result<Vec<Due<'a>>, P
         .store
         .diagnoses()?
         .into_iter()
-        .filter(|stored| stored.kind == DiagnosisKind::Group)
+        .filter(|stored| stored.kind == ResultKind::Group)
         .collect();
-    let found: Vec<GroupDiagnosis> = stored.iter().map(|stored| stored.found.clone()).collect();
+    let found: Vec<GroupDiagnosis> = stored
+        .iter()
+        .map(|stored| stored.diagnosed.found.clone())
+        .collect();
     let runs = standing::speaking(context)?;
     let campaign = &context.campaign;
     let shared = shared_effects(&found, &runs, campaign);
     let mut due = Vec::new();
     for stored in stored {
-        let is_it = |subject: &&Subject| subject.kind == DiagnosisKind::Group && subject.name == stored.name;
+        let is_it =
+            |subject: &&Subject| subject.kind == ResultKind::Group && subject.name == stored.origin.name;
         let Some(subject) = subjects.iter().find(is_it) else {
             continue;
         };
         let mut wanted = Vec::new();
         for effect in &shared {
-            let own = effect.groups.iter().find(|(group, _)| *group == stored.name);
+            let own = effect
+                .groups
+                .iter()
+                .find(|(group, _)| *group == stored.origin.name);
             let values = own.and_then(|(_, sample)| values_without(effect, sample, &found, &runs, campaign));
             let Some(others) = values else {
                 continue;
@@ -81,13 +88,13 @@ fn due<'a>(context: &Context, subjects: &'a [Subject]) -> Result<Vec<Due<'a>>, P
                 fall_own_strength: f64::NAN,
                 made_of: String::new(),
             };
-            held.made_of = made_of(&stored.input_hash, &held);
+            held.made_of = made_of(&stored.origin.key, &held);
             wanted.push(held);
         }
-        let is_same = wanted.len() == stored.found.from_others.len()
+        let is_same = wanted.len() == stored.diagnosed.found.from_others.len()
             && wanted
                 .iter()
-                .zip(&stored.found.from_others)
+                .zip(&stored.diagnosed.found.from_others)
                 .all(|(wanted, known)| wanted.made_of == known.made_of);
         if !is_same {
             due.push(Due {
@@ -114,16 +121,10 @@ fn made_of(input_hash: &str, held: &FromOthers) -> String {
 }
 
 /// The group's row with what came out. An effect that cannot be held against the group is left without a fall.
-fn held(
-    due: &Due,
-    tasks: &[FitTask],
-    channels: &[Vec<Channel>],
-    options: &DiagnoseOptions,
-) -> (DiagnosisStamp, GroupDiagnosis) {
-    let members = &due.subject.members;
-    let mut found = due.stored.found.clone();
+fn held(due: &Due, tasks: &[FitTask], channels: &[Vec<Channel>], options: &DiagnoseOptions) -> Row {
+    let mut found = due.stored.diagnosed.found.clone();
     found.from_others = with_inputs(due.subject, tasks, channels, |inputs| {
-        let inputs = &not_condemned(inputs, &due.stored.found);
+        let inputs = &not_condemned(inputs, &due.stored.diagnosed.found);
         let fill = |wanted: &FromOthers| {
             let values: Vec<f64> = wanted.parameters.iter().map(|(_, value)| *value).collect();
             let variant = wanted.variant.as_deref();
@@ -139,16 +140,15 @@ fn held(
         };
         due.wanted.iter().map(fill).collect()
     });
-    let stored = &due.stored;
-    let stamp = DiagnosisStamp {
-        kind: stored.kind,
-        name: stored.name.clone(),
-        run_ids: members.iter().map(|&index| tasks[index].run_id).collect(),
-        input_hash: stored.input_hash.clone(),
-        library: stored.library.clone(),
-        seed: stored.seed,
-        draws: stored.draws,
-        code_version: stored.code_version.clone(),
-    };
-    (stamp, found)
+    let (origin, diagnosed) = (&due.stored.origin, &due.stored.diagnosed);
+    Row {
+        kind: due.stored.kind,
+        name: origin.name.clone(),
+        key: origin.key.clone(),
+        version: origin.version.clone(),
+        diagnosed: Diagnosed {
+            found,
+            ..diagnosed.clone()
+        },
+    }
 }

@@ -20,7 +20,7 @@ use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::fits::along;
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
+use crate::store::{Diagnosed, FitTask, NewResult, ResultKind};
 pub(crate) use ahead::condemned_ahead;
 pub use choice::{DiagnoseChoice, stands_in};
 use input_hash::input_hash;
@@ -110,13 +110,13 @@ impl DiagnoseRuns {
         retire_gone(context, &all)?;
         let asked = self.asked(&all)?;
         let library = library_hash();
-        let known: BTreeMap<(DiagnosisKind, String), (String, bool)> = context
+        let known: BTreeMap<(ResultKind, String), (String, bool)> = context
             .store
             .diagnoses()?
             .into_iter()
             .map(|stored| {
-                let is_fault = stored.found.is_fault;
-                ((stored.kind, stored.name), (stored.input_hash, is_fault))
+                let is_fault = stored.diagnosed.found.is_fault;
+                ((stored.kind, stored.origin.name), (stored.origin.key, is_fault))
             })
             .collect();
         let mut summary = DiagnoseSummary {
@@ -188,11 +188,11 @@ impl DiagnoseRuns {
         let Some(name) = &self.group else {
             return Ok(all.iter().collect());
         };
-        let is_it = |subject: &&Subject| subject.kind == DiagnosisKind::Group && subject.name == *name;
+        let is_it = |subject: &&Subject| subject.kind == ResultKind::Group && subject.name == *name;
         let Some(group) = all.iter().find(is_it) else {
             let names: Vec<&str> = all
                 .iter()
-                .filter(|subject| subject.kind == DiagnosisKind::Group)
+                .filter(|subject| subject.kind == ResultKind::Group)
                 .map(|subject| subject.name.as_str())
                 .collect();
             return Err(PipelineError::BadArgument {
@@ -203,7 +203,7 @@ impl DiagnoseRuns {
         };
         let belongs = |subject: &&Subject| {
             std::ptr::eq(*subject, group)
-                || (subject.kind == DiagnosisKind::Run && group.members.contains(&subject.members[0]))
+                || (subject.kind == ResultKind::Run && group.members.contains(&subject.members[0]))
         };
         Ok(all.iter().filter(belongs).collect())
     }
@@ -213,7 +213,7 @@ impl DiagnoseRuns {
 fn claimed(context: &Context, due: &[Due]) -> Result<Vec<ClaimedRun>, PipelineError> {
     let subjects = due.iter().flat_map(|(_, _, subjects)| subjects);
     let new: BTreeSet<&str> = subjects
-        .filter(|subject| subject.kind == DiagnosisKind::Run)
+        .filter(|subject| subject.kind == ResultKind::Run)
         .map(|subject| subject.name.as_str())
         .collect();
     if new.is_empty() {
@@ -233,18 +233,16 @@ fn claimed(context: &Context, due: &[Due]) -> Result<Vec<ClaimedRun>, PipelineEr
 
 /// Retires diagnoses of groups and runs that are no more.
 fn retire_gone(context: &mut Context, all: &[Subject]) -> Result<(), PipelineError> {
-    let there: BTreeSet<(DiagnosisKind, &str)> = all
+    let there: BTreeSet<(ResultKind, &str)> = all
         .iter()
         .map(|subject| (subject.kind, subject.name.as_str()))
         .collect();
-    let gone: Vec<(DiagnosisKind, String)> = context
-        .store
-        .diagnoses()?
-        .into_iter()
-        .filter(|stored| !there.contains(&(stored.kind, stored.name.as_str())))
-        .map(|stored| (stored.kind, stored.name))
-        .collect();
-    Ok(context.store.retire_diagnoses(&now(), &gone)?)
+    for kind in [ResultKind::Group, ResultKind::Run] {
+        let names = context.store.result_keys(kind)?.into_keys();
+        let gone: Vec<String> = names.filter(|name| !there.contains(&(kind, name))).collect();
+        context.store.retire_results(&now(), kind, &gone)?;
+    }
+    Ok(())
 }
 
 /// Diagnoses one group; a panic in a kernel is that group's failure, not the program's.
@@ -302,25 +300,53 @@ fn save_batch(
             if found.is_fault {
                 summary.failed.push(subject.name.clone());
             }
-            let stamp = DiagnosisStamp {
-                kind: subject.kind,
-                name: subject.name.clone(),
-                run_ids: members.iter().map(|&index| tasks[index].run_id).collect(),
-                input_hash: hash.clone(),
-                library: library.to_owned(),
-                seed: options.seed,
-                draws: options.draws,
-                code_version: CODE_VERSION.to_owned(),
-            };
             let mut found = found.clone();
             found.group.clone_from(&subject.name);
-            if subject.kind == DiagnosisKind::Run {
+            if subject.kind == ResultKind::Run {
                 // Residuals are drawn on the pages of groups only.
                 found.residuals.clear();
                 found.held_out_residuals.clear();
             }
-            rows.push((stamp, found));
+            let of = |&index: &usize| (tasks[index].path.clone(), tasks[index].revision);
+            rows.push(Row {
+                kind: subject.kind,
+                name: subject.name.clone(),
+                key: hash.clone(),
+                version: CODE_VERSION.to_owned(),
+                diagnosed: Diagnosed {
+                    members: members.iter().map(of).collect(),
+                    library: library.to_owned(),
+                    seed: options.seed,
+                    draws: options.draws,
+                    found,
+                },
+            });
         }
     }
-    Ok(context.store.save_diagnoses(&now(), &rows)?)
+    save(context, &rows)
+}
+
+/// A diagnosis on its way into the database.
+struct Row {
+    kind: ResultKind,
+    name: String,
+    key: String,
+    version: String,
+    diagnosed: Diagnosed,
+}
+
+fn save(context: &mut Context, rows: &[Row]) -> Result<(), PipelineError> {
+    for kind in [ResultKind::Group, ResultKind::Run] {
+        let of_kind = rows.iter().filter(|row| row.kind == kind);
+        let results: Vec<NewResult<'_, Diagnosed>> = of_kind
+            .map(|row| NewResult {
+                name: &row.name,
+                key: &row.key,
+                version: &row.version,
+                found: Ok(&row.diagnosed),
+            })
+            .collect();
+        context.store.keep_results(&now(), kind, &results)?;
+    }
+    Ok(())
 }

@@ -8,7 +8,7 @@ use crate::domain::RunRecord;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, PipelineError};
-use crate::store::DiagnosisKind;
+use crate::store::ResultKind;
 
 /// Groups whose finding is not that of their runs as they are.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -31,19 +31,19 @@ pub fn waiting(context: &Context, all: Vec<RunRecord>) -> Result<Waiting, Pipeli
     let stored = context.store.diagnoses()?;
     let library = library_hash();
     let mut waiting = Waiting::default();
-    for subject in all.iter().filter(|subject| subject.kind == DiagnosisKind::Group) {
+    for subject in all.iter().filter(|subject| subject.kind == ResultKind::Group) {
         let found = stored
             .iter()
-            .find(|found| found.kind == subject.kind && found.name == subject.name);
+            .find(|found| found.kind == subject.kind && found.origin.name == subject.name);
         match found {
             None => waiting.missing.push(subject.name.clone()),
             Some(found) => {
                 let as_then = DiagnoseOptions {
-                    seed: found.seed,
-                    draws: found.draws,
+                    seed: found.diagnosed.seed,
+                    draws: found.diagnosed.draws,
                     ..options
                 };
-                if input_hash(subject, &tasks, &as_then, &library) != found.input_hash {
+                if input_hash(subject, &tasks, &as_then, &library) != found.origin.key {
                     waiting.outdated.push(subject.name.clone());
                 }
             }

@@ -7,12 +7,12 @@ use crate::domain::{Issue, RunRecord};
 use crate::model::effects::TagAt;
 use crate::pipeline::Context;
 use crate::pipeline::campaign::group_tags::group_tags;
-use crate::store::{DiagnosisKind, FitTask};
+use crate::store::{FitTask, ResultKind};
 
 /// A group of runs, or one run alone.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Subject {
-    pub(crate) kind: DiagnosisKind,
+    pub(crate) kind: ResultKind,
     /// Name of the group or the run.
     pub(crate) name: String,
     /// Indices of its tasks; never empty.
@@ -52,7 +52,7 @@ pub(super) fn subjects(
     let mut found: Vec<Subject> = groups(runs, group_by, &ready)
         .into_iter()
         .map(|group| Subject {
-            kind: DiagnosisKind::Group,
+            kind: ResultKind::Group,
             name: group.name,
             members: tasks_of(&group.runs, &|_| true),
             right: tasks_of(&group.runs, &|run| run.standing.is_vouched()),
@@ -64,7 +64,7 @@ pub(super) fn subjects(
         .iter()
         .flat_map(|group| {
             group.members.iter().map(|&member| Subject {
-                kind: DiagnosisKind::Run,
+                kind: ResultKind::Run,
                 name: tasks[member].path.clone(),
                 members: vec![member],
                 // A run alone is held against no others.

@@ -101,7 +101,7 @@ impl Grounds {
                 Some(of) if number > 0 => size_of(of).map_err(|error| error.to_string()),
                 _ => Ok(from),
             };
-            let curves = context.store.fit_curves(run.id)?;
+            let curves = context.store.fit_curves(&run.path)?.curves;
             match size.and_then(|size| Source::of(run, &curves, number, &size)) {
                 Ok(mut source) => {
                     surroundings.bring(&mut source);
@@ -126,7 +126,7 @@ impl Grounds {
             ));
         }
         let curves_of = |run: &RunRecord, quantity: Quantity| -> Result<Vec<f64>, PipelineError> {
-            let curves = context.store.fit_curves(run.id)?;
+            let curves = context.store.fit_curves(&run.path)?.curves;
             let of = curves.into_iter().find(|curve| curve.quantity == quantity);
             Ok(of.map(|curve| curve.measured).unwrap_or_default())
         };

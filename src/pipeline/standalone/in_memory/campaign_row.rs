@@ -43,6 +43,7 @@ impl CampaignRow {
             channels: self.channels.clone(),
             task: FitTask {
                 run_id: 0,
+                revision: 0,
                 path: self.run.clone(),
                 drive: self.drive.clone(),
                 area_cm2: self.area_cm2,
@@ -50,7 +51,6 @@ impl CampaignRow {
                 electrode_resistance_ohm_per_sq: self.electrode_resistance_ohm_per_sq,
                 electrode_resistance_error_ohm_per_sq: self.electrode_resistance_error_ohm_per_sq,
                 data_hash: self.data_hash.clone(),
-                done_input_hash: None,
                 sample: None,
                 last_asked: AskedFit::default(),
             },

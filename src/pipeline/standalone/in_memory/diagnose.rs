@@ -11,7 +11,7 @@ use crate::model::effects::{TagAt, summary, tag_places};
 use crate::pipeline::PipelineError;
 use crate::pipeline::documents::diagnosis::{GroupEntry, group_entry};
 use crate::pipeline::findings::diagnose::{DiagnoseChoice, Subject, diagnose_one};
-use crate::store::{DiagnosisKind, FitTask};
+use crate::store::{FitTask, ResultKind};
 
 /// Diagnoses runs of one sample in one condition as one group, as `ieap diagnose --json` states it of a campaign of that
 /// group alone.
@@ -30,7 +30,7 @@ pub fn diagnose(
     let tasks: Vec<FitTask> = runs.iter().map(|run| run.task.clone()).collect();
     let channels: Vec<Vec<Channel>> = runs.iter().map(|run| run.channels.clone()).collect();
     let subject = Subject {
-        kind: DiagnosisKind::Group,
+        kind: ResultKind::Group,
         name: name.to_owned(),
         members: (0..runs.len()).collect(),
         set_apart: None,

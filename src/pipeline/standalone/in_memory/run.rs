@@ -168,6 +168,7 @@ impl RunAtHand {
             channels: as_used(&read.channels, &read.flags, &tags, area_cm2),
             task: FitTask {
                 run_id: 0,
+                revision: 0,
                 path: name.to_owned(),
                 drive,
                 area_cm2,
@@ -175,7 +176,6 @@ impl RunAtHand {
                 electrode_resistance_ohm_per_sq: tagging.electrode_resistance_ohm_per_sq,
                 electrode_resistance_error_ohm_per_sq: None,
                 data_hash: stamp(&read.channels, &tags),
-                done_input_hash: None,
                 sample: None,
                 last_asked: AskedFit::default(),
             },

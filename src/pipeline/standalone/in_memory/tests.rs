@@ -12,6 +12,7 @@ use crate::pipeline::documents::fits::fits_document;
 use crate::pipeline::show::plain_tables::{plain_table, stored_readings};
 use crate::pipeline::standalone::simulate::{Noise, Simulate};
 use crate::pipeline::{Context, DiagnoseChoice, DiagnoseRuns, FitChoice, FitRuns, Ingest, Silent};
+use crate::store::ResultKind;
 use crate::truth::HiddenEffect;
 
 const CAMPAIGN: &str =
@@ -134,7 +135,12 @@ fn row_of(context: &Context, at: usize) -> CampaignRow {
     CampaignRow {
         run: run.path.clone(),
         data_hash: run.data_hash.clone(),
-        input_hash: task.done_input_hash.unwrap(),
+        input_hash: context
+            .store
+            .result_keys(ResultKind::Fit)
+            .unwrap()
+            .remove(&task.path)
+            .unwrap(),
         area_cm2: task.area_cm2,
         length_cm: task.length_cm,
         electrode_resistance_ohm_per_sq: task.electrode_resistance_ohm_per_sq,

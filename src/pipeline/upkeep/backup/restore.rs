@@ -115,7 +115,10 @@ impl Restore {
         } else {
             None
         };
-        sync(making.path());
+        sync(making.path()).map_err(failed(
+            making.path(),
+            "bringing the restored campaign to the disk",
+        ))?;
         let placed = making.put(&self.folder);
         placed.map_err(failed(&self.folder, "putting the restored campaign in place"))?;
         Ok(Restored {
@@ -297,11 +300,21 @@ fn drill(
 }
 
 /// Brings everything to the disk before it gets its name.
-fn sync(folder: &Path) {
-    #[cfg(target_os = "linux")]
-    if let Ok(folder) = fs::File::open(folder) {
-        let _ = folder.sync_file_system();
+#[cfg(target_os = "linux")]
+fn sync(folder: &Path) -> std::io::Result<()> {
+    fs::File::open(folder)?.sync_file_system()
+}
+
+/// The same where a system has no call for all of it.
+#[cfg(not(target_os = "linux"))]
+fn sync(folder: &Path) -> std::io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            sync(&path)?;
+        } else {
+            fs::File::open_own(&path)?.sync_all()?;
+        }
     }
-    #[cfg(not(target_os = "linux"))]
-    let _ = folder;
+    fs::sync_names(folder)
 }

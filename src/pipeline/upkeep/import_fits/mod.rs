@@ -10,14 +10,13 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::domain::{AskedFit, Fit, Issue};
-use crate::pipeline::campaign::context::now;
-use crate::pipeline::fits::outcome::NOT_FITTED;
+use crate::domain::{AskedFit, Issue};
+use crate::pipeline::fits::outcome::{NOT_FITTED, store};
 use crate::pipeline::fits::plan::fit_plan;
 use crate::pipeline::fits::result::FitResult;
-use crate::pipeline::fits::runs::{Due, FitRuns};
+use crate::pipeline::fits::runs::Due;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::FitStamp;
+use crate::store::{NewResult, ResultKind};
 use crate::system::fs;
 use again::Again;
 
@@ -162,7 +161,7 @@ impl Known {
         let at = match self.plans.iter().position(|(known, _)| known == asked) {
             Some(at) => at,
             None => {
-                let plan = fit_plan(context, asked, &BTreeMap::new())?;
+                let plan = fit_plan(context, asked)?;
                 let hashed = plan.single.into_iter().map(|planned| {
                     let hash = planned.input_hash();
                     (planned.task.path.clone(), (hash, planned))
@@ -182,11 +181,12 @@ fn of_campaign<'a>(
     known: &mut Known,
     summary: &mut ImportSummary,
 ) -> Result<Vec<Row<'a>>, PipelineError> {
+    let stored = context.store.result_keys(ResultKind::Fit)?;
     let mut of_campaign = Vec::new();
     for row in rows {
         let reason = match known.due(context, &row.result.asked, &row.result.run) {
             Ok(Some(due)) => match is_of(due, &row.result) {
-                Ok(()) if FitRuns::default().is_done(due) || !known.taken.insert(row.result.run.clone()) => {
+                Ok(()) if stored.get(&row.result.run) == Some(&due.0) || !known.taken.insert(row.result.run.clone()) => {
                     summary.up_to_date += 1;
                     continue;
                 }
@@ -213,29 +213,25 @@ fn take(
     known: &mut Known,
     summary: &mut ImportSummary,
 ) -> Result<(), PipelineError> {
-    let now = now();
-    let mut fits: Vec<(FitStamp, Fit)> = Vec::new();
+    let (mut results, mut planned) = (Vec::new(), Vec::new());
     for Row { result, .. } in batch {
         let Some(due) = known.due(context, &result.asked, &result.run)? else {
             continue;
         };
-        let stamp = FitStamp {
-            run_id: due.1.task.run_id,
-            input_hash: result.input_hash.clone(),
-            code_version: result.code_version.clone(),
-            asked: due.1.chosen.asked.clone(),
-        };
-        match (&result.fit, &result.issue) {
-            (Some(fit), _) => fits.push((stamp, fit.clone())),
-            (None, Some(issue)) => {
-                context.store.save_fit_failure(&now, &stamp, issue)?;
-                summary.failed.push((result.run.clone(), issue.clone()));
-            }
-            (None, None) => {}
+        planned.push(due.1.clone());
+        let Some(found) = result.outcome() else { continue };
+        match found {
+            Ok(_) => summary.imported += 1,
+            Err(issue) => summary.failed.push((result.run.clone(), issue.clone())),
         }
+        results.push(NewResult {
+            name: &result.run,
+            key: &result.input_hash,
+            version: &result.code_version,
+            found,
+        });
     }
-    summary.imported += fits.len();
-    Ok(context.store.save_fits(&now, &fits)?)
+    store(context, &results, planned.iter())
 }
 
 /// Whether a result is of that run as it is now, fitted as the campaign would fit it.

@@ -26,7 +26,7 @@ use crate::pipeline::{
     PipelineError,
 };
 use crate::store::journal::{self, Entry, Found, HeldJournal};
-use old::Old;
+use old::{OLD_NOT_READ, Old};
 use replay::Lost;
 
 /// The verb `rebuild`.
@@ -116,17 +116,19 @@ fn made(
     // What is new from here on was never said before; others say words meanwhile, which come before it.
     context.store.keep_journal_for_later();
     let ingest = Ingest { ready: &mut |_| true }.run(context, observer)?;
-    let fits = FitRuns::default();
-    let fit = fits.run_as_kept(context, &replayed.asked, observer)?;
+    let fit = FitRuns::default().run(context, observer)?;
     let modulus = AnalyseModulus::default().run(context, observer)?;
     let lost = still_lost(context, replayed.lost)?;
     // Until the new database is there.
     let held = journal::hold(folder)?;
     let mut kept = context.store.kept_for_later();
     say_what_came_meanwhile(context, &found, observer)?;
+    // That the old one could not be read is said by this rebuilding; what is certain to be missed is asked of a person.
+    let is_missed = |issue: &&Issue| issue.code != OLD_NOT_READ;
     let of_journal = old
         .wrong
         .iter()
+        .filter(is_missed)
         .map(|issue| format!("{}: {}", issue.place, issue.message));
     let of_runs = lost
         .iter()

@@ -6,8 +6,11 @@ use super::what_is_wrong;
 use crate::domain::Issue;
 use crate::ingest::archive::Archive;
 use crate::pipeline::{Context, PipelineError};
-use crate::store::StoreError;
 use crate::store::journal::{self, Entry};
+use crate::store::{FILE_NAME, StoreError};
+
+/// Code of what is said where words of the old database could not be read.
+pub const OLD_NOT_READ: &str = "old-database-not-read";
 
 /// What looking at it came to.
 #[derive(Debug, Default)]
@@ -39,14 +42,30 @@ pub fn brought_in(folder: &Path, allow_network: bool) -> Result<Old, PipelineErr
         n > had || !before.as_ref().is_some_and(there)
     };
     let carried = has_now.filter(|line| is_new(line.n) && !matches!(line.entry, Entry::Missed { .. }));
+    let mut wrong = if union.lacks_lines || union.found.is_none() {
+        what_is_wrong(union.found.as_ref())
+    } else {
+        Vec::new()
+    };
+    let is_whole = wrong.is_empty();
+    wrong.extend(union.unread.map(|why| not_read(&why, is_whole)));
     Ok(Old {
         of_database: carried.map(|line| line.entry.in_words()).collect(),
-        wrong: if union.lacks_lines || union.found.is_none() {
-            what_is_wrong(union.found.as_ref())
-        } else {
-            Vec::new()
-        },
+        wrong,
     })
+}
+
+/// What is said where words of the old database could not be read.
+fn not_read(why: &str, is_journal_whole: bool) -> Issue {
+    let told = if is_journal_whole {
+        "the journal is whole, and what is not in it was never acknowledged unless the journal is an older one"
+    } else {
+        "what neither it nor the journal gives is lost"
+    };
+    let message = format!("its words could not be read ({why}): {told}");
+    Issue::error(OLD_NOT_READ, message).at(FILE_NAME).mend(
+        "it lies beside the new one under the name that is told; where the reason has passed, put it back and rebuild once more",
+    )
 }
 
 /// Whether the database is what a rebuilding is for.
@@ -56,6 +75,7 @@ fn is_damage(error: &StoreError) -> bool {
         error,
         E::NotADatabase { .. }
             | E::NoVersion { .. }
+            | E::TooOld { .. }
             | E::ChangedSchema { .. }
             | E::Migration { .. }
             | E::BadValue { .. }

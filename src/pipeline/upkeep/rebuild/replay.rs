@@ -1,12 +1,12 @@
 //! Says everything again that a journal holds, to a new database.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
 use super::archived::ArchivedFiles;
 use super::plan;
-use crate::domain::{AskedFit, FileState, Issue, RunKind};
+use crate::domain::{FileState, Issue, RunKind};
 use crate::ingest::climate_log;
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::now;
@@ -22,8 +22,6 @@ const BATCH: usize = 32;
 /// What saying it again came to.
 #[derive(Debug, Default)]
 pub struct Replayed {
-    /// How runs were asked to be fitted, by their names.
-    pub asked: BTreeMap<String, AskedFit>,
     /// Runs and logs that do not come back.
     pub lost: Vec<Lost>,
     /// Tags, words on runs, and wishes how to fit.
@@ -108,9 +106,6 @@ impl Replayed {
                     store.rename_log(at, old, &file.path, &row(file, FileState::Log))?;
                 } else {
                     store.rename_run(at, old, &file.path, &row(file, FileState::Run))?;
-                    if let Some(asked) = self.asked.remove(old) {
-                        self.asked.insert(file.path.clone(), asked);
-                    }
                 }
             }
             Entry::Gone { path, tags } => {
@@ -130,7 +125,7 @@ impl Replayed {
             }
             Entry::Asked { run, asked } => {
                 self.words += 1;
-                self.asked.insert(run.clone(), asked.clone());
+                store.ask_fit(at, run, asked)?;
             }
             Entry::Told(alarm) => store.save_told(at, alarm)?,
             Entry::Command { id, status } => store.save_alarm_command(at, id, status)?,

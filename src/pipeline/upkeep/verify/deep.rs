@@ -16,6 +16,7 @@ use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::intake::ingest::{Outcome, joined, run_parts};
 use crate::pipeline::upkeep::rebuild::archived::ArchivedFiles;
 use crate::pipeline::{AnalyseModulus, Context, DiagnoseRuns, FitRuns, Observer, PipelineError};
+use crate::store::ResultKind;
 use crate::store::journal::NamedBytes;
 
 /// Reads the raw bytes of every current run and log again.
@@ -181,19 +182,20 @@ fn copy_of(context: &Context, folder: &Path) -> Result<Context, PipelineError> {
 /// Hashes of what the results were made from, by kind and name.
 fn inputs(context: &Context) -> Result<BTreeMap<(&'static str, String), String>, PipelineError> {
     let mut inputs = BTreeMap::new();
-    for task in context.store.fit_tasks()? {
-        if let Some(hash) = task.done_input_hash {
-            inputs.insert(("fit", task.path), hash);
+    for (kind, words) in [
+        (ResultKind::Fit, "fit"),
+        (ResultKind::Modulus, "modulus analysis"),
+        (ResultKind::Group, "diagnosis"),
+        (ResultKind::Run, "diagnosis"),
+    ] {
+        for (name, key) in context.store.result_keys(kind)? {
+            let name = if words == "diagnosis" {
+                format!("{} {name}", kind.key())
+            } else {
+                name
+            };
+            inputs.insert((words, name), key);
         }
-    }
-    for log in context.store.dma_logs()? {
-        if let Some(hash) = context.store.modulus_input_hash(log.id)? {
-            inputs.insert(("modulus analysis", log.path), hash);
-        }
-    }
-    for stored in context.store.diagnoses()? {
-        let name = format!("{} {}", stored.kind.key(), stored.name);
-        inputs.insert(("diagnosis", name), stored.input_hash);
     }
     Ok(inputs)
 }
