@@ -1,5 +1,6 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
+mod allow_command;
 mod backup;
 mod campaign;
 mod colour;

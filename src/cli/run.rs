@@ -4,6 +4,7 @@ use crate::domain::words::counted;
 use clap::Args;
 use serde_json::json;
 
+use super::allow_command::AllowCommandArg;
 use super::campaign::CampaignArg;
 use super::exit::{self, CliError, INTERRUPTED, STORAGE};
 use super::faults::say_faults;
@@ -37,6 +38,8 @@ pub struct RunArgs {
     /// `status` and `run` then end as ever
     #[arg(long, value_name = "TEXT")]
     answer: Option<String>,
+    #[command(flatten)]
+    command: AllowCommandArg,
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -53,6 +56,7 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let job = Run {
         fit: args.fit.choice(global),
         skip_diagnosis: args.no_diagnose,
+        commands: args.command.allowed(&context, output)?,
     };
     let Some(done) = interrupt.run(|| job.run(&mut context, output)) else {
         let goes_on = GoesOn {

@@ -314,7 +314,9 @@ fn watched_with_an_odd_run() -> CampaignFolder {
 fn no_alarm_is_told_of_a_run_that_the_diagnosis_condemns() {
     // Where no diagnosis follows, nothing speaks against the run.
     let folder = watched_with_an_odd_run();
-    let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let _ = folder
+        .ieap(&["run", "--no-diagnose", "--allow-command"])
+        .expect(0);
     let told = std::fs::read_to_string(folder.join("told.txt")).unwrap();
     assert!(told.contains("runs/6.csv"), "{told}");
     // Condemned later, it is taken back, and that is said.
@@ -327,7 +329,10 @@ fn no_alarm_is_told_of_a_run_that_the_diagnosis_condemns() {
     );
     // Where one follows, the alarm waits for what it says of the run, and then there is none.
     let folder = watched_with_an_odd_run();
-    let run = folder.ieap(&["run", "--json"]).expect(0).json();
+    let run = folder
+        .ieap(&["run", "--json", "--allow-command"])
+        .expect(0)
+        .json();
     assert_eq!(run["run"]["alarms"]["new"], serde_json::json!([]), "{run:#}");
     assert!(!folder.join("told.txt").exists());
     assert_eq!(aside(&folder)[0].0, "runs/6.csv");

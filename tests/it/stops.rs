@@ -170,7 +170,9 @@ fn lives(folder: &CampaignFolder) -> bool {
 #[test]
 fn a_command_that_hangs_is_ended_and_the_rest_is_done() {
     let folder = hanging("command_time_limit_s = 0.5");
-    let done = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let done = folder
+        .ieap(&["run", "--no-diagnose", "--allow-command"])
+        .expect(0);
     assert!(
         done.stderr.contains("took longer than 0.5 s and was ended"),
         "{done:#?}"
@@ -184,7 +186,8 @@ fn a_command_that_hangs_is_ended_and_the_rest_is_done() {
 fn a_command_that_hangs_keeps_no_file_out_and_dies_with_the_watch() {
     for signal in ["-TERM", "-KILL"] {
         let folder = hanging("command_time_limit_s = 600");
-        let child = started(&folder, &["watch", "--quiet-s", "0.3", "--no-diagnose"]);
+        let watch = ["watch", "--quiet-s", "0.3", "--no-diagnose", "--allow-command"];
+        let child = started(&folder, &watch);
         until("the command", || {
             std::fs::read_to_string(folder.join("sleeper")).is_ok_and(|text| text.ends_with('\n'))
         });
