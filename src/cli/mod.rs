@@ -135,6 +135,8 @@ enum Verb {
 
 /// Parses the command line, runs the verb and gives its exit status.
 pub fn main() -> ExitCode {
+    // A verb that has to hear of signals says so where it cannot.
+    let _ = signals::hear();
     ExitCode::from(status_after(std::env::args_os()))
 }
 

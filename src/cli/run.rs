@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::allow_command::AllowCommandArg;
 use super::campaign::CampaignArg;
-use super::exit::{self, CliError, INTERRUPTED, STORAGE};
+use super::exit::{self, CliError, STORAGE};
 use super::faults::say_faults;
 use super::fit_choice::FitChoiceArgs;
 use super::global::Global;
@@ -43,7 +43,7 @@ pub struct RunArgs {
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
+    let interrupt = signals::listen(global.quiet, None, CUT_OFF)?;
     let mut context = open(args, global, output)?;
     if let Some(found) = &args.answer {
         let lost = answer(&mut context, found, user_name())?;

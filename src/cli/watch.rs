@@ -42,7 +42,7 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
             .map(|poll_s| seconds("--poll-s", poll_s))
             .transpose()?,
     };
-    let stop = signals::listen(global.quiet, DONE, CUT_OFF)?;
+    let stop = signals::listen(global.quiet, Some(DONE), CUT_OFF)?;
     let mut context = args.campaign.open(global, output)?;
     output.time_lines(crate::pipeline::Zone::of(&context.campaign).zone().clone());
     output.message(&format!(

@@ -505,3 +505,24 @@ fn one_measurement_under_two_names_joins_their_tags_and_says_where_they_contradi
     let status = folder.ieap(&["status"]).expect(0).stdout;
     assert!(!status.contains("tagged differently"), "{status}");
 }
+
+#[test]
+fn a_reason_of_two_lines_is_no_line_of_its_own() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", Written::of(1, 2.0).text());
+    folder.run_json();
+    let forged = "0 alarms of monitoring:";
+    let why = format!("clip slipped\n{forged}\r\n\u{85}{forged}");
+    let told = folder
+        .ieap(&["drop", "runs/a.csv", "--why", &why, "--by", "me\nyou"])
+        .expect(0);
+    let status = folder.ieap(&["status"]).expect(0);
+    for said in [told.stdout, status.stdout] {
+        assert!(said.contains("clip slipped 0 alarms"), "{said}");
+        assert!(said.contains("by me you"), "{said}");
+        assert!(
+            !said.lines().any(|line| line.trim_start().starts_with(forged)),
+            "{said}"
+        );
+    }
+}

@@ -3,7 +3,7 @@
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-pub use std::fs::{DirEntry, Metadata, Permissions, TryLockError};
+pub use std::fs::{FileType, Metadata, Permissions, TryLockError};
 
 use crate::regular::{self, Links};
 use crate::{Call, Kind, call, call_on};
@@ -504,8 +504,42 @@ impl Iterator for ReadDir {
     fn next(&mut self) -> Option<io::Result<DirEntry>> {
         match self.to_ask.take().map(|path| crate::asked(Kind::List, &path)) {
             Some(Err(error)) => Some(Err(error)),
-            _ => self.entries.next(),
+            _ => Some(self.entries.next()?.map(|entry| DirEntry { entry })),
         }
+    }
+}
+
+/// A name in a folder.
+#[derive(Debug)]
+pub struct DirEntry {
+    entry: std::fs::DirEntry,
+}
+
+impl DirEntry {
+    /// The name.
+    pub fn file_name(&self) -> std::ffi::OsString {
+        self.entry.file_name()
+    }
+
+    /// The name behind the folder's path.
+    pub fn path(&self) -> PathBuf {
+        self.entry.path()
+    }
+
+    /// What has the name; a link is not followed.
+    ///
+    /// # Errors
+    /// What the system says: that an entry is there, and what it is, are two things that it may know of.
+    pub fn file_type(&self) -> io::Result<FileType> {
+        call(Kind::Stat, &self.path(), || self.entry.file_type())
+    }
+
+    /// Size, times and kind of what has the name; a link is not followed.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn metadata(&self) -> io::Result<Metadata> {
+        call(Kind::Stat, &self.path(), || self.entry.metadata())
     }
 }
 

@@ -93,13 +93,13 @@ pub(super) fn relative_tag_files(data_file: &Path) -> Vec<(PathBuf, TagSource)> 
         .collect()
 }
 
-/// The bytes of a file of tags; none where it is not there.
+/// The bytes of a file of tags; none where it is not there, or cannot be for its name would be longer than names may be.
 fn read_limited(campaign: &Path, path: &Path) -> io::Result<Option<Vec<u8>>> {
     let mut file = match fs::File::open_stated(campaign, path) {
         Err(error)
             if matches!(
                 error.kind(),
-                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory | io::ErrorKind::InvalidFilename
             ) =>
         {
             return Ok(None);
