@@ -56,7 +56,7 @@ pub fn run(args: &ServeArgs, global: &Global, output: &Output) -> Result<u8, Cli
         folder.display()
     ));
     server
-        .run(stop.flag())
+        .run(stop.flag(), output)
         .map_err(|error| CliError::internal(&format!("the server stopped: {error}")))?;
     output.message(STOPPED);
     Ok(DONE)
