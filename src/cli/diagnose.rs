@@ -6,7 +6,7 @@ use crate::domain::words::counted;
 use clap::Args;
 
 use super::campaign::CampaignArg;
-use super::exit::{self, CliError, INTERRUPTED};
+use super::exit::{self, CliError};
 use super::global::Global;
 use super::ingest;
 use super::interrupted::{GoesOn, interrupted};
@@ -46,7 +46,7 @@ pub struct DiagnoseArgs {
 const CUT_OFF: &str = "Interrupted. What was made so far is kept; `ieap diagnose` goes on from there.";
 
 pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
+    let interrupt = signals::listen(global.quiet, None, CUT_OFF)?;
     let mut context = args.campaign.open(global, output)?;
     let done = interrupt.run(|| diagnosed(args, global, &mut context, output));
     done.unwrap_or_else(|| {

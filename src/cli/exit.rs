@@ -17,9 +17,6 @@ pub const STORAGE: u8 = 4;
 /// Done, and an alarm stands (`ieap status --alarms`).
 pub const ALARM: u8 = 5;
 
-/// Interrupted by a signal, as shells count it.
-pub const INTERRUPTED: u8 = 130;
-
 /// The status of work that was done: whether a fault of the program left out part of it, and whether every input was taken.
 pub fn after(has_fault: bool, all_taken: bool) -> u8 {
     match (has_fault, all_taken) {

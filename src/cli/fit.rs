@@ -5,7 +5,7 @@ use crate::domain::words::counted;
 use clap::Args;
 
 use super::campaign::CampaignArg;
-use super::exit::{self, CliError, INTERRUPTED};
+use super::exit::{self, CliError};
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
 use super::global::Global;
@@ -38,7 +38,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         choice: args.fit.choice(global),
         again: args.again,
     };
-    let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
+    let interrupt = signals::listen(global.quiet, None, CUT_OFF)?;
     let mut context = match args.campaign.open(global, output) {
         Err(error) if error.is_second_instance() => return beside(args, &fits, global, output, error),
         opened => opened?,

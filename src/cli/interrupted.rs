@@ -1,7 +1,8 @@
 //! What is said of work that was interrupted: what is kept, what is left, which verb goes on.
 
-use super::exit::{CliError, INTERRUPTED};
+use super::exit::CliError;
 use super::output::Output;
+use super::signals;
 use crate::domain::words::counted;
 use crate::pipeline::{Context, Observer, left};
 
@@ -38,5 +39,5 @@ pub fn interrupted(context: &Context, goes_on: &GoesOn, output: &Output) -> Resu
         "Interrupted. What was made so far is kept. Left: {left}. `ieap {}` goes on from there.",
         goes_on.verb
     ));
-    Ok(INTERRUPTED)
+    Ok(signals::status())
 }

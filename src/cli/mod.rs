@@ -1,5 +1,6 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
+mod allow_command;
 mod backup;
 mod campaign;
 mod colour;
@@ -134,6 +135,8 @@ enum Verb {
 
 /// Parses the command line, runs the verb and gives its exit status.
 pub fn main() -> ExitCode {
+    // A verb that has to hear of signals says so where it cannot.
+    let _ = signals::hear();
     ExitCode::from(status_after(std::env::args_os()))
 }
 

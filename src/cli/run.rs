@@ -4,8 +4,9 @@ use crate::domain::words::counted;
 use clap::Args;
 use serde_json::json;
 
+use super::allow_command::AllowCommandArg;
 use super::campaign::CampaignArg;
-use super::exit::{self, CliError, INTERRUPTED, STORAGE};
+use super::exit::{self, CliError, STORAGE};
 use super::faults::say_faults;
 use super::fit_choice::FitChoiceArgs;
 use super::global::Global;
@@ -37,10 +38,12 @@ pub struct RunArgs {
     /// `status` and `run` then end as ever
     #[arg(long, value_name = "TEXT")]
     answer: Option<String>,
+    #[command(flatten)]
+    command: AllowCommandArg,
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
+    let interrupt = signals::listen(global.quiet, None, CUT_OFF)?;
     let mut context = open(args, global, output)?;
     if let Some(found) = &args.answer {
         let lost = answer(&mut context, found, user_name())?;
@@ -53,6 +56,7 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let job = Run {
         fit: args.fit.choice(global),
         skip_diagnosis: args.no_diagnose,
+        commands: args.command.allowed(&context, output)?,
     };
     let Some(done) = interrupt.run(|| job.run(&mut context, output)) else {
         let goes_on = GoesOn {

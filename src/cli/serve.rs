@@ -1,8 +1,6 @@
 //! `ieap serve`.
 
 use std::net::{IpAddr, SocketAddr};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use serde_json::json;
@@ -11,6 +9,7 @@ use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::global::Global;
 use super::output::Output;
+use super::signals;
 use crate::pipeline::Observer;
 use crate::pipeline::serve::{DEFAULT_BIND, DEFAULT_PORT, Limits, Server};
 
@@ -41,10 +40,7 @@ pub fn run(args: &ServeArgs, global: &Global, output: &Output) -> Result<u8, Cli
             "cannot listen at {address}: {error}; another --port or --bind may do"
         ))
     })?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let heard = stop.clone();
-    ctrlc::set_handler(move || heard.store(true, Ordering::SeqCst))
-        .map_err(|error| CliError::internal(&format!("cannot listen for Ctrl-C: {error}")))?;
+    let stop = signals::listen(global.quiet, Some(DONE), STOPPED)?;
     let url = format!("http://{}/", server.address());
     if server.is_open() {
         output.warn(&format!(
@@ -60,8 +56,10 @@ pub fn run(args: &ServeArgs, global: &Global, output: &Output) -> Result<u8, Cli
         folder.display()
     ));
     server
-        .run(&stop)
+        .run(stop.flag(), output)
         .map_err(|error| CliError::internal(&format!("the server stopped: {error}")))?;
-    output.message("Stopped.");
+    output.message(STOPPED);
     Ok(DONE)
 }
+
+const STOPPED: &str = "Stopped.";

@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::json;
 
+use super::allow_command::say_what_is_not_allowed;
 use super::campaign::{CampaignArg, say_what_is_not_understood, say_what_opening_found};
 use super::exit::{self, ALARM, CliError, DONE};
 use super::ingest;
@@ -31,6 +32,7 @@ pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
     // What is odd in campaign.toml is part of the answer.
     let context = Context::open_read_only(&args.campaign.folder()?)?;
     let status = status(&context)?;
+    say_what_is_not_allowed(&context, output);
     if args.alarms {
         say_what_is_not_understood(&context, output);
         return alarms_only(&status, output);

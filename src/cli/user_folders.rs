@@ -1,4 +1,4 @@
-//! Where man pages and completions of one person lie, by the XDG Base Directory Specification.
+//! Where man pages, completions and what the program is allowed lie for one person, by the XDG Base Directory Specification.
 
 use std::path::{Path, PathBuf};
 
@@ -16,17 +16,26 @@ pub fn config() -> Result<PathBuf, CliError> {
     under_home("XDG_CONFIG_HOME", ".config")
 }
 
+/// The same for what the program keeps between its runs: `$XDG_STATE_HOME`, else `~/.local/state`.
+pub fn state() -> Option<PathBuf> {
+    found("XDG_STATE_HOME", ".local/state")
+}
+
 fn under_home(variable: &str, default: &str) -> Result<PathBuf, CliError> {
+    found(variable, default).ok_or_else(|| {
+        CliError::usage(&format!(
+            "there is no home folder: neither {variable} nor HOME is set; name a folder with --into"
+        ))
+    })
+}
+
+fn found(variable: &str, default: &str) -> Option<PathBuf> {
     // A relative path in such a variable is to be ignored, says the specification.
     let set = std::env::var_os(variable)
         .map(PathBuf::from)
         .filter(|path| path.is_absolute());
     let home = || std::env::home_dir().filter(|home| home.is_absolute());
-    set.or_else(|| Some(home()?.join(default))).ok_or_else(|| {
-        CliError::usage(&format!(
-            "there is no home folder: neither {variable} nor HOME is set; name a folder with --into"
-        ))
-    })
+    set.or_else(|| Some(home()?.join(default)))
 }
 
 /// Writes a file into a folder that is made where it is not there.

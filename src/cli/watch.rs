@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::Args;
 
+use super::allow_command::AllowCommandArg;
 use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::fit_choice::FitChoiceArgs;
@@ -29,6 +30,8 @@ pub struct WatchArgs {
     /// Leave the diagnosis for later (`ieap diagnose`)
     #[arg(long)]
     no_diagnose: bool,
+    #[command(flatten)]
+    command: AllowCommandArg,
 }
 
 pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -39,7 +42,7 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
             .map(|poll_s| seconds("--poll-s", poll_s))
             .transpose()?,
     };
-    let stop = signals::listen(global.quiet, DONE, CUT_OFF)?;
+    let stop = signals::listen(global.quiet, Some(DONE), CUT_OFF)?;
     let mut context = args.campaign.open(global, output)?;
     output.time_lines(crate::pipeline::Zone::of(&context.campaign).zone().clone());
     output.message(&format!(
@@ -51,6 +54,7 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
         job: Run {
             fit: args.fit.choice(global),
             skip_diagnosis: args.no_diagnose,
+            commands: args.command.allowed(&context, output)?,
         },
     };
     watch.run(&mut context, output, &stop, &|watched| tell(watched, output))?;

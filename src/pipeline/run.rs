@@ -10,6 +10,7 @@ use super::{
 };
 use crate::domain::Fault;
 use crate::pipeline::campaign::standing::{self, SetAside};
+use crate::pipeline::infra::allowed::AllowedCommands;
 use crate::pipeline::infra::fault::{or_nothing, step};
 
 /// The verb `run`.
@@ -19,6 +20,8 @@ pub struct Run {
     pub fit: FitChoice,
     /// Whether the diagnosis is left for later; stored findings stay.
     pub skip_diagnosis: bool,
+    /// Which commands of campaigns may be run for alarms; none where nothing is said.
+    pub commands: AllowedCommands,
 }
 
 /// What `run` did.
@@ -171,7 +174,8 @@ impl Run {
     /// The alarms that belong to it.
     fn alarms(&self) -> RaiseAlarms {
         let diagnosis = (!self.skip_diagnosis).then(|| self.diagnosis().choice);
-        RaiseAlarms { diagnosis }
+        let commands = self.commands.clone();
+        RaiseAlarms { diagnosis, commands }
     }
 
     /// The diagnosis that belongs to it.

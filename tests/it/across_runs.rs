@@ -237,7 +237,9 @@ fn fading(until: usize) -> String {
 fn an_alarm_is_told_once_and_stands_in_the_exit_status() {
     let folder = campaign(&["S1"], MONITORING);
     simulate(&folder, &fading(8));
-    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    folder
+        .ieap(&["run", "--no-diagnose", "--allow-command"])
+        .expect(0);
     folder.ieap(&["status", "--alarms"]).expect(0);
     assert!(!folder.path().join("told.txt").exists());
 

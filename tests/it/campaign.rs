@@ -71,7 +71,13 @@ pub fn ieap(folder: &Path, arguments: &[&str]) -> Ended {
 /// The command, not started yet.
 pub fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::cargo_bin("ieap").unwrap();
-    command.current_dir(folder).args(arguments).env("USER", "tester");
+    // What a test allows is not kept in the home of who tests.
+    let state = concat!(env!("CARGO_TARGET_TMPDIR"), "/state");
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .env("USER", "tester")
+        .env("XDG_STATE_HOME", state);
     command
 }
 

@@ -2,6 +2,7 @@
 
 mod across_runs;
 mod adopted;
+mod allowed_commands;
 mod along;
 mod any_runs;
 mod architecture;

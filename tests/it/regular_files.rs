@@ -175,18 +175,114 @@ fn what_stands_in_the_place_of_a_file_is_said() {
     }
 }
 
-/// People share what they write; only what is not theirs is no way around.
+/// Puts a link in the place of a file, whose content is then elsewhere.
+fn replaced_by_link(path: &Path, target: &Path) {
+    std::fs::create_dir_all(target.parent().unwrap()).unwrap();
+    rename(path, target);
+    std::os::unix::fs::symlink(target, path).unwrap();
+}
+
+fn put_back(path: &Path, target: &Path) {
+    std::fs::remove_file(path).unwrap();
+    rename(target, path);
+}
+
 #[test]
-fn a_statement_may_be_a_link_to_a_file() {
+fn a_statement_may_be_a_link_to_a_file_of_the_campaign() {
     let elsewhere = tempfile::tempdir().unwrap();
     let folder = campaign(elsewhere.path());
     for name in ["campaign.toml", "runs/tags.toml", "profiles/lab.toml"] {
-        let shared = elsewhere.path().join("shared");
-        rename(&folder.join(name), &shared);
-        std::os::unix::fs::symlink(&shared, folder.join(name)).unwrap();
+        let (path, shared) = (folder.join(name), folder.join("shared/one"));
+        replaced_by_link(&path, &shared);
         let run = folder.ieap(&["run", "--no-diagnose"]);
         assert!([0, 3].contains(&run.status), "{name}: {run:#?}");
-        std::fs::remove_file(folder.join(name)).unwrap();
-        rename(&shared, &folder.join(name));
+        assert!(!run.stderr.contains("a link"), "{name}: {run:#?}");
+        put_back(&path, &shared);
     }
+}
+
+/// A campaign of somebody else must not put a file of its reader on a page, or into a backup.
+#[test]
+fn a_statement_that_is_a_link_out_of_the_campaign_is_refused_with_its_name_and_target() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let folder = campaign(elsewhere.path());
+    folder.write("runs/c.csv", run_table(3));
+    let shared = elsewhere.path().canonicalize().unwrap().join("shared");
+    for (name, status) in [
+        ("campaign.toml", 2),
+        ("profiles/lab.toml", 2),
+        ("runs/tags.toml", 3),
+        ("runs/a.csv.toml", 3),
+        ("runs/plan.csv", 3),
+    ] {
+        let path = folder.join(name);
+        replaced_by_link(&path, &shared);
+        let run = folder.ieap(&["run", "--no-diagnose"]).expect(status);
+        for said in [name, "a link", shared.to_str().unwrap(), "outside of"] {
+            assert!(run.stderr.contains(said), "{name}, {said}: {run:#?}");
+        }
+        put_back(&path, &shared);
+    }
+}
+
+#[test]
+fn no_value_and_no_byte_of_a_file_behind_a_link_comes_in() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let secret = elsewhere.path().join("secret.toml");
+    std::fs::write(&secret, "sample = \"S1\"\nnote = \"TOPSECRET\"\n").unwrap();
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    std::fs::remove_file(folder.join("runs/tags.toml")).unwrap();
+    let links = [
+        "runs/tags.toml",
+        "runs/a.csv.toml",
+        "tags.toml",
+        "profiles/lab.toml",
+    ];
+    std::fs::create_dir(folder.join("profiles")).unwrap();
+    for link in &links[..3] {
+        std::os::unix::fs::symlink(&secret, folder.join(link)).unwrap();
+    }
+    // So do the files of a folder that is a link.
+    std::fs::create_dir_all(elsewhere.path().join("own")).unwrap();
+    std::fs::write(elsewhere.path().join("own/overview.html"), "TOPSECRET").unwrap();
+    std::os::unix::fs::symlink(elsewhere.path().join("own"), folder.join("own")).unwrap();
+    let stated = std::fs::read_to_string(folder.join("campaign.toml")).unwrap();
+    folder.write(
+        "campaign.toml",
+        format!("{stated}\n[report]\ntemplates = \"own\"\n"),
+    );
+    let run = folder.ieap(&["run", "--no-diagnose"]).expect(3);
+    assert!(
+        run.stderr.contains("own/overview.html: a link leads to"),
+        "{run:#?}"
+    );
+    std::os::unix::fs::symlink(&secret, folder.join(links[3])).unwrap();
+    let refused = folder.ieap(&["run", "--no-diagnose"]).expect(2);
+    assert!(!refused.stderr.contains("TOPSECRET"), "{refused:#?}");
+    std::fs::remove_file(folder.join(links[3])).unwrap();
+    let backup = elsewhere.path().join("backup");
+    let made = folder.ieap(&["backup", backup.to_str().unwrap()]).expect(3);
+    for link in &links[..3] {
+        let said = format!("{}{}", made.stdout, made.stderr);
+        assert!(said.contains(&format!("{link}: a link leads to")), "{made:#?}");
+    }
+    for place in [
+        folder.join("report"),
+        folder.join("archive"),
+        backup,
+        folder.join("campaign.db"),
+    ] {
+        assert!(!holds(&place, b"TOPSECRET"), "{}", place.display());
+    }
+}
+
+/// Whether a file, or one below a folder, has these bytes in it.
+fn holds(place: &Path, bytes: &[u8]) -> bool {
+    if place.is_dir() {
+        let mut entries = std::fs::read_dir(place).unwrap();
+        return entries.any(|entry| holds(&entry.unwrap().path(), bytes));
+    }
+    let found = std::fs::read(place).unwrap();
+    found.windows(bytes.len()).any(|window| window == bytes)
 }

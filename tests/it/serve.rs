@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use ieap::pipeline::Silent;
 use ieap::pipeline::serve::{Limits, Server};
 
 /// A server on a free port until the value is dropped.
@@ -28,7 +29,7 @@ impl Running {
         let server = Server::listen(folder, any, limits).expect("a server");
         let (address, stop) = (server.address(), Arc::new(AtomicBool::new(false)));
         let heard = stop.clone();
-        let thread = std::thread::spawn(move || server.run(&heard).expect("an orderly end"));
+        let thread = std::thread::spawn(move || server.run(&heard, &Silent).expect("an orderly end"));
         Running {
             address,
             stop,
@@ -293,4 +294,61 @@ fn clients_that_do_not_read_cost_no_memory() {
         .and_then(|line| line.trim().trim_end_matches(" kB").parse().ok())
         .expect("a size");
     assert!(largest_kb < 150_000, "{largest_kb} kB");
+}
+
+/// A program that serves with so few open files that its clients use them up.
+#[cfg(unix)]
+#[test]
+fn on_too_few_open_files_a_client_is_turned_away_and_the_server_lives() {
+    use std::process::{Command, Stdio};
+    let folder = campaign();
+    std::fs::write(folder.path().join("campaign.toml"), "").expect("a file");
+    let program = crate::campaign::command(folder.path(), &[]);
+    let mut server = Command::new("sh")
+        .args(["-c", "ulimit -n 24; exec \"$0\" serve --port 0"])
+        .arg(program.get_program())
+        .current_dir(folder.path())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("a server");
+    let mut said = std::io::BufReader::new(server.stderr.take().expect("what it says"));
+    let mut line = String::new();
+    std::io::BufRead::read_line(&mut said, &mut line).expect("its address");
+    let at = line
+        .split("http://")
+        .nth(1)
+        .and_then(|rest| rest.split('/').next());
+    let address: SocketAddr = at.and_then(|at| at.parse().ok()).expect(&line);
+    let ask = |patience: Duration| {
+        let mut stream = TcpStream::connect(address).expect("a connection");
+        stream.set_read_timeout(Some(patience)).expect("a limit");
+        stream
+            .write_all(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            .expect("a request");
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).map(|_| answer)
+    };
+    // Clients that connect and ask nothing hold an open file each, for 10 s.
+    let idle: Vec<TcpStream> = (0..40)
+        .map(|_| TcpStream::connect(address).expect("a connection"))
+        .collect();
+    let answer = ask(Duration::from_secs(60)).expect("an answer");
+    assert!(answer.starts_with("HTTP/1.1 503"), "{answer}");
+    drop(idle);
+    let begun = Instant::now();
+    while !ask(Duration::from_secs(60))
+        .expect("an answer")
+        .starts_with("HTTP/1.1 200")
+    {
+        assert!(begun.elapsed() < Duration::from_secs(60), "it never came back");
+    }
+    assert!(server.try_wait().expect("a server").is_none(), "it ended");
+    server.kill().expect("its end");
+    server.wait().expect("its end");
+    line.clear();
+    said.read_to_string(&mut line).expect("what it said");
+    assert!(
+        line.contains("a client could not be answered") && line.contains("ulimit -n"),
+        "{line}"
+    );
 }

@@ -314,7 +314,9 @@ fn watched_with_an_odd_run() -> CampaignFolder {
 fn no_alarm_is_told_of_a_run_that_the_diagnosis_condemns() {
     // Where no diagnosis follows, nothing speaks against the run.
     let folder = watched_with_an_odd_run();
-    let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let _ = folder
+        .ieap(&["run", "--no-diagnose", "--allow-command"])
+        .expect(0);
     let told = std::fs::read_to_string(folder.join("told.txt")).unwrap();
     assert!(told.contains("runs/6.csv"), "{told}");
     // Condemned later, it is taken back, and that is said.
@@ -327,7 +329,10 @@ fn no_alarm_is_told_of_a_run_that_the_diagnosis_condemns() {
     );
     // Where one follows, the alarm waits for what it says of the run, and then there is none.
     let folder = watched_with_an_odd_run();
-    let run = folder.ieap(&["run", "--json"]).expect(0).json();
+    let run = folder
+        .ieap(&["run", "--json", "--allow-command"])
+        .expect(0)
+        .json();
     assert_eq!(run["run"]["alarms"]["new"], serde_json::json!([]), "{run:#}");
     assert!(!folder.join("told.txt").exists());
     assert_eq!(aside(&folder)[0].0, "runs/6.csv");
@@ -499,4 +504,25 @@ fn one_measurement_under_two_names_joins_their_tags_and_says_where_they_contradi
         .expect(0);
     let status = folder.ieap(&["status"]).expect(0).stdout;
     assert!(!status.contains("tagged differently"), "{status}");
+}
+
+#[test]
+fn a_reason_of_two_lines_is_no_line_of_its_own() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", Written::of(1, 2.0).text());
+    folder.run_json();
+    let forged = "0 alarms of monitoring:";
+    let why = format!("clip slipped\n{forged}\r\n\u{85}{forged}");
+    let told = folder
+        .ieap(&["drop", "runs/a.csv", "--why", &why, "--by", "me\nyou"])
+        .expect(0);
+    let status = folder.ieap(&["status"]).expect(0);
+    for said in [told.stdout, status.stdout] {
+        assert!(said.contains("clip slipped 0 alarms"), "{said}");
+        assert!(said.contains("by me you"), "{said}");
+        assert!(
+            !said.lines().any(|line| line.trim_start().starts_with(forged)),
+            "{said}"
+        );
+    }
 }

@@ -83,12 +83,12 @@ fn a_diagnosis_that_is_interrupted_keeps_what_it_has_and_says_so() {
 
 #[test]
 fn a_run_that_is_interrupted_in_its_diagnosis_leaves_a_report_and_says_what_is_left() {
-    for signal in ["-INT", "-HUP", "-TERM"] {
+    for (signal, ends_with) in [("-INT", 130), ("-HUP", 129), ("-TERM", 143)] {
         let folder = wrong_campaign();
         let child = started(&folder, &["run"]);
         until("the first report", || folder.join("report/index.html").exists());
         let (status, said, took) = ended(child, signal);
-        assert_eq!(status, 130, "{signal}: {said}");
+        assert_eq!(status, ends_with, "{signal}: {said}");
         assert!(took < SOON, "{signal}: {took:?}");
         assert!(
             said.contains("Interrupted. What was made so far is kept"),
@@ -108,6 +108,63 @@ fn a_run_that_is_interrupted_in_its_diagnosis_leaves_a_report_and_says_what_is_l
         });
         assert_eq!(left.count(), 0);
     }
+}
+
+/// Names in a folder that a file on its way has.
+#[cfg(target_os = "linux")]
+fn on_its_way(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let names = entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned());
+    names.filter(|name| name.starts_with(".ieap-")).collect()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_leaves_nothing_on_its_way_and_ends_a_verb_that_has_nothing_to_keep() {
+    use std::os::unix::process::{CommandExt, ExitStatusExt};
+    let folder = CampaignFolder::new();
+    for run in 0..3 {
+        folder.write(&format!("runs/{run}.csv"), long_table(run));
+    }
+    folder.ieap(&["ingest"]).expect(0);
+    // As an interactive shell starts it, whatever has started the tests.
+    let program = command(folder.path(), &[]).get_program().to_owned();
+    let program = program.to_str().unwrap();
+    for (name, number) in [("INT", 2), ("HUP", 1), ("TERM", 15)] {
+        let mut export = std::process::Command::new("env");
+        export.args(["--default-signal=INT,HUP,TERM", program]).args([
+            "export",
+            "--what",
+            "traces",
+            "-o",
+            "traces.csv",
+        ]);
+        export.current_dir(folder.path()).process_group(0);
+        let mut child = export.stderr(Stdio::null()).spawn().unwrap();
+        let send = |signal: &str| {
+            let sent = std::process::Command::new("kill")
+                .args([signal, &child.id().to_string()])
+                .status();
+            assert!(sent.unwrap().success());
+        };
+        until("the file on its way", || !on_its_way(folder.path()).is_empty());
+        send("-STOP");
+        assert_eq!(on_its_way(folder.path()).len(), 1, "{name}: it was too quick");
+        send(&format!("-{name}"));
+        send("-CONT");
+        assert_eq!(child.wait().unwrap().signal(), Some(number), "{name}");
+        assert_eq!(on_its_way(folder.path()), [""; 0], "{name}");
+        assert!(!folder.join("traces.csv").exists());
+    }
+}
+
+/// As [`run_table`], with readings enough that they are written for a while.
+#[cfg(target_os = "linux")]
+fn long_table(seed: u32) -> String {
+    let table = run_table(seed);
+    let last = table.lines().last().unwrap().split_once(',').unwrap().1;
+    let rows: Vec<String> = (300..60_000).map(|t| format!("{t},{last}\n")).collect();
+    rows.iter().fold(table.clone(), |text, row| text + row)
 }
 
 #[test]
@@ -170,7 +227,9 @@ fn lives(folder: &CampaignFolder) -> bool {
 #[test]
 fn a_command_that_hangs_is_ended_and_the_rest_is_done() {
     let folder = hanging("command_time_limit_s = 0.5");
-    let done = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let done = folder
+        .ieap(&["run", "--no-diagnose", "--allow-command"])
+        .expect(0);
     assert!(
         done.stderr.contains("took longer than 0.5 s and was ended"),
         "{done:#?}"
@@ -184,7 +243,8 @@ fn a_command_that_hangs_is_ended_and_the_rest_is_done() {
 fn a_command_that_hangs_keeps_no_file_out_and_dies_with_the_watch() {
     for signal in ["-TERM", "-KILL"] {
         let folder = hanging("command_time_limit_s = 600");
-        let child = started(&folder, &["watch", "--quiet-s", "0.3", "--no-diagnose"]);
+        let watch = ["watch", "--quiet-s", "0.3", "--no-diagnose", "--allow-command"];
+        let child = started(&folder, &watch);
         until("the command", || {
             std::fs::read_to_string(folder.join("sleeper")).is_ok_and(|text| text.ends_with('\n'))
         });

@@ -120,3 +120,22 @@ fn a_new_run_waits_while_a_sheet_that_may_plan_it_cannot_be_read() {
     let document = fits(&folder, 0);
     assert_eq!(sample_of(&document, "runs/b.csv"), Some("S1"));
 }
+
+/// No file beside it can be called as it is and `.toml` more: there is none then, and the folder's tags hold.
+#[test]
+fn a_file_with_the_longest_name_that_there_is_has_tags() {
+    let folder = CampaignFolder::new();
+    let name = format!("runs/{}.csv", "n".repeat(251));
+    folder.write(&name, run_table(1));
+    let fitted = fits(&folder, 0);
+    assert_eq!(sample_of(&fitted, &name), Some("S1"), "{fitted:#}");
+    assert_eq!(unreadable_in_status(&folder), json!([]));
+    folder
+        .ieap(&["tag", &name, "relative_humidity_percent=40"])
+        .expect(0);
+    let runs = folder
+        .ieap(&["table", "runs", "--format", "csv"])
+        .expect(0)
+        .stdout;
+    assert!(runs.contains("40"), "{runs}");
+}

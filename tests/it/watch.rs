@@ -206,7 +206,7 @@ below = 1e6
         folder.write(&format!("runs/{run}.csv"), run_table(run));
     };
     (1..4).for_each(write);
-    let watching = Watching::start(&folder, &[]);
+    let watching = Watching::start(&folder, &["--allow-command"]);
     until("three runs", || fitted(&folder) == 3);
     // Four runs of a sample are needed before anything is monitored.
     assert!(!folder.join("told.txt").exists());

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::RunRecord;
+use crate::safe_text::one_line;
 
 /// What a person said of a whole run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,11 +87,8 @@ impl Standing {
     pub fn reason(&self) -> String {
         let said = |word: &RunWord, what: &str| {
             let day = word.said_at.split('T').next().unwrap_or_default();
-            format!(
-                "{} ({what} by {}, {day})",
-                word.why.as_deref().unwrap_or_default(),
-                word.said_by
-            )
+            let why = one_line(word.why.as_deref().unwrap_or_default());
+            format!("{why} ({what} by {}, {day})", one_line(&word.said_by))
         };
         match self {
             Standing::Speaks => String::new(),

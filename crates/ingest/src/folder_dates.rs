@@ -18,7 +18,8 @@ pub fn order_beside(file: &Path, date: &str) -> Option<DateOrder> {
     let mark = date.chars().find(|c| is_mark(*c))?;
     let extension = file.extension().map(|end| end.to_ascii_lowercase());
     // Files that nobody sees may contradict the others: the order is not shown then.
-    let mut others: Vec<_> = fs::entries(file.parent()?)
+    let folder = file.parent()?;
+    let mut others: Vec<_> = fs::entries(folder)
         .ok()?
         .into_iter()
         .map(|entry| entry.path())
@@ -28,7 +29,7 @@ pub fn order_beside(file: &Path, date: &str) -> Option<DateOrder> {
     let mut found = None;
     for other in others.into_iter().take(MOST_FILES) {
         let mut head = Vec::new();
-        let opened = fs::File::open_stated(&other);
+        let opened = fs::File::open_stated(folder, &other);
         if opened
             .and_then(|opened| opened.take(LOOKED_AT_BYTES).read_to_end(&mut head))
             .is_err()

@@ -3,7 +3,7 @@
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-pub use std::fs::{DirEntry, Metadata, Permissions, TryLockError};
+pub use std::fs::{FileType, Metadata, Permissions, TryLockError};
 
 use crate::regular::{self, Links};
 use crate::{Call, Kind, call, call_on};
@@ -36,8 +36,8 @@ impl File {
     ///
     /// # Errors
     /// As there.
-    pub fn open_stated(path: impl AsRef<Path>) -> io::Result<File> {
-        OpenOptions::stated().read(true).open(path)
+    pub fn open_stated(folder: impl AsRef<Path>, path: impl AsRef<Path>) -> io::Result<File> {
+        OpenOptions::stated(folder).read(true).open(path)
     }
 
     /// Returns when its bytes, or a folder's names, are on the disk.
@@ -192,8 +192,17 @@ impl OpenOptions {
         }
     }
 
-    /// The same for a file that people put into a campaign: a regular one, or a link to one.
-    pub fn stated() -> OpenOptions {
+    /// The same for a file that people put into a campaign, whose folder that is: a regular one, or a link to one that lies in
+    /// the folder, too. What a campaign of somebody else links to outside of it is none of its business.
+    pub fn stated(folder: impl AsRef<Path>) -> OpenOptions {
+        OpenOptions {
+            regular: Some(Links::Within(folder.as_ref().to_owned())),
+            ..OpenOptions::new()
+        }
+    }
+
+    /// The same for a file that a user names: a regular one, or a link to one.
+    pub fn named() -> OpenOptions {
         OpenOptions {
             regular: Some(Links::Followed),
             ..OpenOptions::new()
@@ -247,7 +256,7 @@ impl OpenOptions {
     pub fn open(&self, path: impl AsRef<Path>) -> io::Result<File> {
         let path = path.as_ref();
         let kind = if self.makes { Kind::Create } else { Kind::Open };
-        let file = call(kind, path, || match self.regular {
+        let file = call(kind, path, || match &self.regular {
             Some(links) => regular::open(&self.options, links, path),
             None => self.options.open(path),
         })?;
@@ -292,16 +301,24 @@ pub fn read_own_text(path: impl AsRef<Path>) -> io::Result<String> {
 ///
 /// # Errors
 /// As there.
-pub fn read_stated(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
-    read_all(&OpenOptions::stated(), path.as_ref())
+pub fn read_stated(folder: impl AsRef<Path>, path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+    read_all(&OpenOptions::stated(folder), path.as_ref())
 }
 
 /// The same as text.
 ///
 /// # Errors
 /// As there; it is no UTF-8.
-pub fn read_stated_text(path: impl AsRef<Path>) -> io::Result<String> {
-    read_stated(path).and_then(text)
+pub fn read_stated_text(folder: impl AsRef<Path>, path: impl AsRef<Path>) -> io::Result<String> {
+    read_stated(folder, path).and_then(text)
+}
+
+/// All bytes of a regular file that a user names: see [`OpenOptions::named`].
+///
+/// # Errors
+/// As there.
+pub fn read_named(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+    read_all(&OpenOptions::named(), path.as_ref())
 }
 
 fn read_all(options: &OpenOptions, path: &Path) -> io::Result<Vec<u8>> {
@@ -487,8 +504,42 @@ impl Iterator for ReadDir {
     fn next(&mut self) -> Option<io::Result<DirEntry>> {
         match self.to_ask.take().map(|path| crate::asked(Kind::List, &path)) {
             Some(Err(error)) => Some(Err(error)),
-            _ => self.entries.next(),
+            _ => Some(self.entries.next()?.map(|entry| DirEntry { entry })),
         }
+    }
+}
+
+/// A name in a folder.
+#[derive(Debug)]
+pub struct DirEntry {
+    entry: std::fs::DirEntry,
+}
+
+impl DirEntry {
+    /// The name.
+    pub fn file_name(&self) -> std::ffi::OsString {
+        self.entry.file_name()
+    }
+
+    /// The name behind the folder's path.
+    pub fn path(&self) -> PathBuf {
+        self.entry.path()
+    }
+
+    /// What has the name; a link is not followed.
+    ///
+    /// # Errors
+    /// What the system says: that an entry is there, and what it is, are two things that it may know of.
+    pub fn file_type(&self) -> io::Result<FileType> {
+        call(Kind::Stat, &self.path(), || self.entry.file_type())
+    }
+
+    /// Size, times and kind of what has the name; a link is not followed.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn metadata(&self) -> io::Result<Metadata> {
+        call(Kind::Stat, &self.path(), || self.entry.metadata())
     }
 }
 
@@ -517,6 +568,15 @@ pub fn symlink_metadata(path: impl AsRef<Path>) -> io::Result<Metadata> {
 pub fn canonicalize(path: impl AsRef<Path>) -> io::Result<PathBuf> {
     let path = path.as_ref();
     call(Kind::Stat, path, || std::fs::canonicalize(path))
+}
+
+/// The same of what has to lie in that folder, as a file that people put into a campaign: see [`OpenOptions::stated`].
+///
+/// # Errors
+/// It lies outside, or what the system says.
+pub fn canonicalize_within(folder: impl AsRef<Path>, path: impl AsRef<Path>) -> io::Result<PathBuf> {
+    let path = path.as_ref();
+    call(Kind::Stat, path, || regular::within(folder.as_ref(), path))
 }
 
 /// Whether something has that name, a link that leads nowhere left out.

@@ -5,6 +5,7 @@
 //! of power does. What SQLite does with its own files does not pass here.
 
 pub mod fs;
+pub mod passing;
 mod regular;
 mod temporary;
 

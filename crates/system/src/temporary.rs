@@ -5,13 +5,15 @@ use std::path::Path;
 
 use tempfile::NamedTempFile;
 
+use crate::passing::Passing;
 use crate::{Call, Kind, call, call_on};
 
-/// A file under a passing name; it goes when it is dropped.
+/// A file under a passing name; it goes when it is dropped, or when a signal ends the program.
 #[derive(Debug)]
 pub struct Temporary {
     /// None once it was given its name.
     file: Option<NamedTempFile>,
+    _passing: Passing,
 }
 
 impl Temporary {
@@ -26,8 +28,12 @@ impl Temporary {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(rights));
         #[cfg(not(unix))]
         let _ = rights;
-        let file = builder.tempfile_in(folder)?;
-        let file = Temporary { file: Some(file) };
+        let place = |file: &NamedTempFile| file.path().to_owned();
+        let (file, passing) = Passing::made(|| builder.tempfile_in(folder), place)?;
+        let file = Temporary {
+            file: Some(file),
+            _passing: passing,
+        };
         call(Kind::Create, file.path(), || Ok(()))?;
         Ok(file)
     }

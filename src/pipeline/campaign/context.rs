@@ -9,6 +9,7 @@ use crate::ingest::run_sheet::RunSheets;
 use crate::ingest::scan::{self, ReadFileError};
 use crate::pipeline::PipelineError;
 use crate::store::{InstanceLock, Store};
+use crate::system::passing::Passing;
 
 use super::holdings;
 
@@ -42,6 +43,8 @@ pub struct Context {
     /// How data files are read.
     pub read_file: ReadFile,
     pub(crate) lock: Option<InstanceLock>,
+    /// Where the database is, where it is made to take the place of another one.
+    pub(crate) aside: Option<Passing>,
 }
 
 impl Context {
@@ -97,6 +100,7 @@ impl Context {
             store,
             read_file: scan::read_stable,
             lock,
+            aside: None,
         })
     }
 }

@@ -95,7 +95,7 @@ fn current<'a>(context: &'a Context, group: &str) -> Option<&'a str> {
 /// Adds entries at the end of campaign.toml; the file is exchanged whole.
 fn append(context: &Context, adopted: &[Adopted]) -> Result<(), PipelineError> {
     let path = context.folder.join(FILE_NAME);
-    let mut text = fs::read_stated_text(&path).map_err(|source| PipelineError::File {
+    let mut text = fs::read_stated_text(&context.folder, &path).map_err(|source| PipelineError::File {
         path: path.clone(),
         doing: "reading",
         source,

@@ -13,6 +13,7 @@ use crate::domain::{Alarm, AlarmSign, Campaign, RunRecord};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::standing::{self, SetAside};
+use crate::pipeline::infra::allowed::AllowedCommands;
 use crate::pipeline::infra::command::{self, Ended};
 use crate::pipeline::infra::fault::step;
 use crate::pipeline::{Context, DiagnoseChoice, Observer, PipelineError};
@@ -23,6 +24,8 @@ pub struct RaiseAlarms {
     /// The diagnosis that follows, if one does: a new alarm waits until it is known which runs of its series that will
     /// condemn, and for no more of it.
     pub diagnosis: Option<DiagnoseChoice>,
+    /// Which commands may be run here; another one is said not to have been.
+    pub commands: AllowedCommands,
 }
 
 /// What was told.
@@ -32,7 +35,7 @@ pub struct AlarmSummary {
     pub new: Vec<String>,
     /// Alarms that stand and are not acknowledged, new ones counted.
     pub standing: usize,
-    /// Commands that could not be run or ended badly, with the reason.
+    /// Commands that were not or could not be run or ended badly, with the reason.
     pub failed_commands: Vec<String>,
 }
 
@@ -79,8 +82,8 @@ pub fn taken_back(context: &Context, set_aside: &[RunRecord]) -> Result<Vec<Take
 }
 
 impl RaiseAlarms {
-    /// Records every alarm that is new and then runs the campaign's command for it. A command that fails is told and
-    /// not run again.
+    /// Records every alarm that is new and then runs the campaign's command for it, where that was allowed. A command that
+    /// fails or was not allowed is told and not run later.
     ///
     /// # Errors
     /// The database fails.
@@ -97,10 +100,10 @@ impl RaiseAlarms {
             context.store.save_alarm(&now(), alarm)?;
             observer.warn(&format!("alarm: {}", alarm.message));
             summary.new.push(alarm.message.clone());
-            let Some(ended) = tell(&context.campaign, &context.folder, alarm) else {
+            let Some(ended) = tell(&context.campaign, &context.folder, alarm, &self.commands) else {
                 continue;
             };
-            let words = ended.words(&context.campaign.monitoring.command[0]);
+            let words = ended.words(&context.campaign.monitoring.command);
             if !ended.is_well() {
                 observer.warn(&format!("the command of [monitoring] {words}"));
                 summary.failed_commands.push(words.clone());
@@ -140,9 +143,21 @@ impl RaiseAlarms {
     }
 }
 
-/// Runs the campaign's command in its folder, and says how it ended; none where there is no command.
-fn tell(campaign: &Campaign, folder: &Path, alarm: &Alarm) -> Option<Ended> {
+/// Runs the campaign's command in its folder, where it was allowed, and says how it ended; none where there is no command.
+fn tell(campaign: &Campaign, folder: &Path, alarm: &Alarm, commands: &AllowedCommands) -> Option<Ended> {
     let rules = &campaign.monitoring;
+    if rules.command.is_empty() {
+        return None;
+    }
+    match commands.has(folder, &rules.command) {
+        Ok(true) => {}
+        Ok(false) => return Some(Ended::NotAllowed),
+        Err(error) => {
+            return Some(Ended::NotRun(format!(
+                "whether it is allowed cannot be read: {error}"
+            )));
+        }
+    }
     let listed = |of: fn(&AlarmSign) -> &String| {
         let mut names: Vec<&str> = Vec::new();
         for sign in &alarm.shown_by {
@@ -165,5 +180,5 @@ fn tell(campaign: &Campaign, folder: &Path, alarm: &Alarm) -> Option<Ended> {
         ("IEAP_ALARM_MESSAGE", alarm.message.as_str()),
     ];
     let limit = Duration::from_secs_f64(rules.command_time_limit_s);
-    (!rules.command.is_empty()).then(|| command::run(&rules.command, folder, &variables, limit))
+    Some(command::run(&rules.command, folder, &variables, limit))
 }

@@ -325,7 +325,7 @@ pub fn write_sheet(context: &Context, plan: &Plan, file: &Path) -> Result<SheetS
 
 /// Rows of the sheet that is there already.
 fn earlier_rows(file: &Path) -> Result<Vec<SheetRow>, PipelineError> {
-    let bytes = match fs::read_stated(file) {
+    let bytes = match fs::read_named(file) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(source) => {

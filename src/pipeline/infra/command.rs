@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use super::allowed::not_allowed;
 use crate::numerics::interrupt;
 
 /// How a command ended.
@@ -19,6 +20,8 @@ pub enum Ended {
     Interrupted,
     /// It did not begin, for this reason.
     NotRun(String),
+    /// Nobody who runs the program here allowed it.
+    NotAllowed,
 }
 
 impl Ended {
@@ -27,8 +30,9 @@ impl Ended {
         *self == Ended::Status(0)
     }
 
-    /// As a sentence's end; `program` is what was called.
-    pub fn words(&self, program: &str) -> String {
+    /// As a sentence's end; `command` is what was called.
+    pub fn words(&self, command: &[String]) -> String {
+        let program = command.first().map_or("", String::as_str);
         match self {
             Ended::Status(status @ 126..=127) => {
                 format!("ended with {status}: {program} is not there or cannot be run")
@@ -41,6 +45,7 @@ impl Ended {
             ),
             Ended::Interrupted => "was ended because ieap was asked to end".to_owned(),
             Ended::NotRun(reason) => format!("could not be run ({program}: {reason})"),
+            Ended::NotAllowed => format!("was not run: {}", not_allowed(command)),
         }
     }
 }
@@ -165,12 +170,10 @@ mod tests {
         );
         assert!(sh("exit 0", LONG).0.is_well());
         let (ended, ..) = sh("kill -TERM $$", LONG);
-        assert_eq!(ended.words("sh"), "was ended by signal 15");
-        let missing = run(&["no-such-program".to_owned()], Path::new("/"), &[], LONG);
-        assert!(
-            missing.words("no-such-program").contains("cannot be run"),
-            "{missing:?}"
-        );
+        assert_eq!(ended.words(&["sh".to_owned()]), "was ended by signal 15");
+        let command = ["no-such-program".to_owned()];
+        let missing = run(&command, Path::new("/"), &[], LONG);
+        assert!(missing.words(&command).contains("cannot be run"), "{missing:?}");
     }
 
     /// Whether a process that wrote its number into a file is still there.

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use crate::ingest::archive::{hash_of_file, is_hash};
 use crate::pipeline::PipelineError;
 use crate::system::fs;
+use crate::system::passing::Passing;
 
 /// Lists the files of a finished folder, one a line: the hash of its bytes, two blanks, its path in the folder.
 const WRITTEN: &str = ".written";
@@ -29,6 +30,8 @@ pub struct Fresh {
     path: PathBuf,
     /// Files taken over from another folder, with the hashes that they were found to have here.
     kept: Mutex<BTreeMap<String, String>>,
+    /// None from the moment on in which it may be what it is to become.
+    passing: Option<Passing>,
 }
 
 impl Fresh {
@@ -44,11 +47,12 @@ impl Fresh {
         });
         for name in names {
             let path = parent.join(&name);
-            match fs::create_dir(&path) {
-                Ok(()) => {
+            match Passing::made(|| fs::create_dir(&path), |()| path.clone()) {
+                Ok(((), passing)) => {
                     let fresh = Fresh {
                         path,
                         kept: Mutex::default(),
+                        passing: Some(passing),
                     };
                     // First of all: whatever cuts this short, the next one knows what it may remove.
                     mark(&fresh.path, &name)?;
@@ -137,8 +141,9 @@ impl Fresh {
     /// # Errors
     /// [`PipelineError::NotOurs`] where `target` holds what the program did not write; what the system says. `target`
     /// is then what it was, or the new folder.
-    pub fn put(self, target: &Path, is_earlier: &dyn Fn(&Path) -> bool) -> Result<(), PipelineError> {
+    pub fn put(mut self, target: &Path, is_earlier: &dyn Fn(&Path) -> bool) -> Result<(), PipelineError> {
         check(target, is_earlier)?;
+        self.passing = None;
         let failed = |source| PipelineError::File {
             path: target.to_owned(),
             doing: "putting the folder in place",

@@ -88,11 +88,12 @@ impl Answer {
 
     /// The file below `root` that `request` asks for.
     pub fn to(request: &Request, root: &Path) -> Answer {
-        let Some(file) = opened(root, &request.file) else {
-            return Answer::without_file(request);
-        };
-        let Ok((body, tag)) = tagged(file) else {
-            return Answer::told("500 Internal Server Error", "the file cannot be read");
+        let found = opened(root, &request.file).and_then(|file| file.map(tagged).transpose());
+        let (body, tag) = match found {
+            Ok(Some(found)) => found,
+            Ok(None) => return Answer::without_file(request),
+            Err(error) if is_of_too_few_files(&error) => return Answer::busy(),
+            Err(_) => return Answer::told("500 Internal Server Error", "the file cannot be read"),
         };
         let is_known = |known: &String| {
             known
@@ -161,14 +162,22 @@ impl Answer {
     }
 }
 
-/// A file of the folder. A link that leads out of it is none.
-fn opened(root: &Path, file: &Path) -> Option<File> {
-    let root = std::fs::canonicalize(root).ok()?;
-    let path = std::fs::canonicalize(root.join(file)).ok()?;
-    if !path.starts_with(&root) || !path.is_file() {
-        return None;
+/// Whether the program, or the system, has as many files open as it may.
+pub fn is_of_too_few_files(error: &io::Error) -> bool {
+    const ENFILE: i32 = 23;
+    const EMFILE: i32 = 24;
+    const WSAEMFILE: i32 = 10_024;
+    matches!(error.raw_os_error(), Some(ENFILE | EMFILE | WSAEMFILE))
+}
+
+/// A file of the folder; none where there is none. A link that leads out of it is none.
+fn opened(root: &Path, file: &Path) -> io::Result<Option<File>> {
+    let real = |path: &Path| std::fs::canonicalize(path).ok();
+    let found = real(root).and_then(|root| real(&root.join(file)).filter(|path| path.starts_with(&root)));
+    match found.filter(|path| path.is_file()).map(File::open) {
+        Some(Err(error)) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        opened => opened.transpose(),
     }
-    File::open(path).ok()
 }
 
 /// A file as a body, and the tag of its content.

@@ -2,7 +2,8 @@
 //!
 //! A report is a folder of files, so that the server sends one file a request and closes the connection: no library is
 //! needed for that, and none that is small is kept up. Only GET and HEAD of plain names below `report/` are answered.
-//! Whoever asks or takes too slowly is left ([`Limits`]), so that nobody keeps others from the report. On a loopback address the request must call the machine by a loopback name, so that no page of another
+//! Whoever asks or takes too slowly is left ([`Limits`]), so that nobody keeps others from the report; who cannot be served
+//! because the system has no more open files is told to come again. On a loopback address the request must call the machine by a loopback name, so that no page of another
 //! site reads the report through a name of its own.
 
 pub mod answer;
@@ -16,8 +17,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
+use crate::pipeline::Observer;
 use crate::pipeline::campaign::places::REPORT_FOLDER;
-use answer::Answer;
+use answer::{Answer, is_of_too_few_files};
 use deadline::Timed;
 
 /// Port that is taken without a wish.
@@ -84,23 +86,48 @@ impl Server {
         !self.address.ip().is_loopback()
     }
 
-    /// Answers until `stop`.
+    /// Answers until `stop`. A client that cannot be heard costs no other one its answer; `observer` hears of the first of a
+    /// row of them.
     ///
     /// # Errors
     /// The listening socket failed.
-    pub fn run(&self, stop: &AtomicBool) -> io::Result<()> {
+    pub fn run(&self, stop: &AtomicBool, observer: &dyn Observer) -> io::Result<()> {
         let clients = Arc::new(AtomicUsize::new(0));
+        let mut spare = self.listener.try_clone().ok();
+        let mut is_told = false;
         while !stop.load(Ordering::SeqCst) {
             match self.listener.accept() {
-                Ok((stream, _)) => self.hand_over(stream, &clients),
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => std::thread::sleep(GLANCE),
-                // A client that hung up between asking and being heard is no fault of the server.
-                Err(error) if error.kind() == io::ErrorKind::ConnectionAborted => {}
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(error),
+                Ok((stream, _)) => {
+                    is_told = false;
+                    self.hand_over(stream, &clients);
+                }
+                Err(error) => match error.kind() {
+                    io::ErrorKind::WouldBlock => std::thread::sleep(GLANCE),
+                    // A client that hung up between asking and being heard is no fault of the server.
+                    io::ErrorKind::ConnectionAborted | io::ErrorKind::Interrupted => {}
+                    // It does not listen.
+                    io::ErrorKind::InvalidInput => return Err(error),
+                    _ => {
+                        if !std::mem::replace(&mut is_told, true) {
+                            observer.warn(&unheard(&error));
+                        }
+                        self.turn_one_away(&mut spare);
+                        std::thread::sleep(GLANCE);
+                    }
+                },
             }
         }
         Ok(())
+    }
+
+    /// Gives an open file that is kept for this to a client for which the system has none, to tell it so: else it would wait,
+    /// and nobody would hear of it.
+    fn turn_one_away(&self, spare: &mut Option<TcpListener>) {
+        *spare = None;
+        if let Ok((stream, _)) = self.listener.accept() {
+            turn_away(&stream);
+        }
+        *spare = self.listener.try_clone().ok();
     }
 
     fn hand_over(&self, stream: TcpStream, clients: &Arc<AtomicUsize>) {
@@ -121,6 +148,16 @@ impl Server {
             let _ = serve(&stream, &root, only_loopback, limits);
         });
     }
+}
+
+/// What is said of a client that cannot be heard.
+fn unheard(error: &io::Error) -> String {
+    let mend = if is_of_too_few_files(error) {
+        "; more open files are needed: `ulimit -n` says how many there may be, and sets it"
+    } else {
+        ""
+    };
+    format!("a client could not be answered ({error}) and may come again{mend}")
 }
 
 /// A client that counts until it is gone, however that comes about.

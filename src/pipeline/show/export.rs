@@ -18,6 +18,7 @@ use crate::pipeline::infra::fault::step;
 use crate::pipeline::infra::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError};
 use crate::show::Frame;
+use crate::system::passing::Passing;
 
 /// What can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -148,7 +149,8 @@ impl Export {
             doing: "writing what goes to stdout",
             source,
         };
-        let folder = tempfile::tempdir().map_err(failed)?;
+        let made = Passing::made(tempfile::tempdir, |folder| folder.path().to_owned());
+        let (folder, _passing) = made.map_err(failed)?;
         let export = Export {
             table,
             path: folder.path().join(table.name()),

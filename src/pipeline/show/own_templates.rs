@@ -39,7 +39,7 @@ impl OwnTemplates {
     }
 
     fn take(&mut self, context: &Context, folder: &str, name: &str) {
-        let text = fs::read_own_text(context.folder.join(folder).join(name));
+        let text = fs::read_stated_text(&context.folder, context.folder.join(folder).join(name));
         let text = text.map_err(|error| error.to_string());
         let taken = text.and_then(|text| match refused_template(name, &text) {
             None => Ok(text),

@@ -45,7 +45,8 @@ pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<C
         source,
     };
     let stated_in = context.folder.join(campaign_file::FILE_NAME);
-    let text = fs::read_stated_text(&stated_in).map_err(|source| refused(&stated_in, "reading", source))?;
+    let text = fs::read_stated_text(&context.folder, &stated_in)
+        .map_err(|source| refused(&stated_in, "reading", source))?;
     let publication = campaign_file::publication(&text, &stated_in)?.unwrap_or_default();
     asked_for(&publication)?;
     put_file(path, overwrite, |part| {

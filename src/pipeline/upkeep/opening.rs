@@ -94,9 +94,13 @@ impl Context {
         let lock = InstanceLock::take(folder)?;
         Archive::new(folder).remove_partial()?;
         let aside = aside::emptied(folder)?;
-        let mut store = Store::open(&aside)?;
+        let mut store = Store::open(aside.path())?;
         store.keep_journal_in(None);
-        Context::with(folder, loaded, store, Some(lock))
+        let context = Context::with(folder, loaded, store, Some(lock))?;
+        Ok(Context {
+            aside: Some(aside),
+            ..context
+        })
     }
 
     /// Puts the database that was begun so in the place of the old one, which is moved aside; gives its new name.
@@ -109,8 +113,11 @@ impl Context {
             folder,
             store,
             mut lock,
+            aside,
             ..
         } = self;
+        // From here on it may be the only database that there is.
+        drop(aside);
         let mark = store::free_mark(&folder, &now());
         let closed = store.close_whole();
         let put = closed.and_then(|()| store::put_in_place(&aside::path_in(&folder), &folder, &mark));

@@ -49,7 +49,7 @@ pub struct Loaded {
 /// error names the place, what was found, what is needed and how to mend it.
 pub fn read(folder: &Path) -> Result<Loaded, CampaignFileError> {
     let path = folder.join(FILE_NAME);
-    let text = read_text(&path)?;
+    let text = read_text(folder, &path)?;
     let loaded = from_text(text, &path)?;
     check::runs_folder_stays_inside(folder, &loaded.campaign.runs_folder, &path)?;
     Ok(loaded)
@@ -63,8 +63,8 @@ pub fn find(start: &Path) -> Option<PathBuf> {
     start.ancestors().find(holds_campaign).map(Path::to_path_buf)
 }
 
-fn read_text(path: &Path) -> Result<String, CampaignFileError> {
-    let bytes = fs::read_stated(path).map_err(|source| match source.kind() {
+fn read_text(folder: &Path, path: &Path) -> Result<String, CampaignFileError> {
+    let bytes = fs::read_stated(folder, path).map_err(|source| match source.kind() {
         std::io::ErrorKind::NotFound => CampaignFileError::Missing { path: path.into() },
         _ => CampaignFileError::Unreadable {
             path: path.into(),

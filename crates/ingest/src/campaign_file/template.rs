@@ -91,7 +91,7 @@ title = {id}                            # what stands above the report
 # [monitoring]
 # reference = {{ environment = "air", voltage_v = 2.0, relative_humidity_percent = 35 }}
 # false_alarm_runs = 500                 # reference runs of a sample between two false alarms of all its charts, on average
-# command = ["notify-lab", "--urgent"]   # hears of every new alarm, in variables IEAP_ALARM_...
+# command = ["notify-lab", "--urgent"]   # hears of every new alarm, in variables IEAP_ALARM_...; runs where you allowed it (`ieap run --allow-command`)
 # command_time_limit_s = 60              # then it is ended
 # acknowledged = []                      # ids of alarms that are known
 # [[monitoring.limit]]

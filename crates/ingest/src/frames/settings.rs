@@ -154,13 +154,13 @@ impl FrameSettings {
     }
 }
 
-/// What `frames.toml` in a folder says; nothing where there is none.
+/// What `frames.toml` in a folder, which lies in that campaign or is it, says; nothing where there is none.
 ///
 /// # Errors
 /// It cannot be read, is no TOML, or states what cannot be.
-pub fn of_folder(folder: &Path) -> Result<FrameSettings, FramesError> {
+pub fn of_folder(campaign: &Path, folder: &Path) -> Result<FrameSettings, FramesError> {
     let path = folder.join(FILE_NAME);
-    let text = match fs::read_stated_text(&path) {
+    let text = match fs::read_stated_text(campaign, &path) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(FrameSettings::default()),
         Err(source) => return Err(FramesError::Unreadable { path, source }),
@@ -230,7 +230,7 @@ mod tests {
             "vectors = 2",
         ] {
             std::fs::write(folder.path().join(FILE_NAME), text).unwrap();
-            told += &format!("{}\n", of_folder(folder.path()).unwrap_err());
+            told += &format!("{}\n", of_folder(folder.path(), folder.path()).unwrap_err());
         }
         insta::assert_snapshot!(told);
     }

@@ -35,7 +35,7 @@ pub fn load(campaign: &Path) -> Result<Vec<Profile>, ProfileError> {
         if is_hidden || path.extension().is_none_or(|extension| extension != "toml") {
             continue;
         }
-        let bytes = fs::read_stated(&path).map_err(unreadable(&path))?;
+        let bytes = fs::read_stated(campaign, &path).map_err(unreadable(&path))?;
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
         let text = std::str::from_utf8(bytes).map_err(|_| ProfileError::NotUtf8 { path: path.clone() })?;
         profiles.push(from_text(&path, text)?);

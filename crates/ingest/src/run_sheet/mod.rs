@@ -110,7 +110,7 @@ impl RunSheets {
         let mut sheets = RunSheets::default();
         let paths: BTreeSet<&str> = paths.into_iter().collect();
         for path in paths {
-            let found = fs::read_stated(campaign.join(parse_display_path(path)));
+            let found = fs::read_stated(campaign, campaign.join(parse_display_path(path)));
             let outcome = match found {
                 Ok(bytes) => read(&bytes).map_err(|issue| DamagedSheet::new(&bytes, issue)),
                 Err(error) => Err(not_there_to_read(&error)),
@@ -221,7 +221,7 @@ fn may_be(name: &str) -> bool {
 
 fn starts_as_one(campaign: &Path, file: &SeenFile) -> bool {
     let mut head = Vec::new();
-    let opened = fs::File::open_stated(file.location(campaign));
+    let opened = fs::File::open_stated(campaign, file.location(campaign));
     let read = opened.and_then(|opened| opened.take(HEAD_BYTES as u64).read_to_end(&mut head));
     read.is_ok() && file.size_bytes <= LARGEST_BYTES && read::names_columns(&head)
 }

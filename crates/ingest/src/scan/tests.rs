@@ -7,7 +7,7 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use ieap_system::fs;
+use ieap_system::{Call, FaultInjector, Kind, fs, with_fs};
 
 use super::*;
 
@@ -60,6 +60,41 @@ fn data_is_found_sorted_and_the_rest_is_left_out() {
     let first = &found.files[0];
     assert_eq!(first.size_bytes, "runs/a.csv".len() as u64);
     assert!(first.inode > 0 && first.age.is_some_and(|age| age < Duration::from_secs(60)));
+}
+
+/// A system that lists a name and knows nothing of it then: some shares do, of names that they cannot spell.
+struct Unspelt(&'static str);
+
+impl FaultInjector for Unspelt {
+    fn before(&self, call: &Call<'_>) -> std::io::Result<()> {
+        match call.kind {
+            Kind::Stat if call.path.ends_with(self.0) => Err(std::io::ErrorKind::NotFound.into()),
+            _ => Ok(()),
+        }
+    }
+
+    fn after(&self, _call: &Call<'_>) {}
+
+    fn now(&self) -> SystemTime {
+        SystemTime::now()
+    }
+}
+
+#[test]
+fn what_is_listed_and_cannot_be_read_is_out_of_sight_and_not_gone() {
+    let folder = campaign(&["runs/a.csv", "runs/b/c.csv", "runs/f/frames.toml", "runs/f/1.png"]);
+    assert_eq!(shown(&look(&folder)), ["runs/a.csv", "runs/b/c.csv", "runs/f"]);
+    for (name, out_of_sight, left) in [
+        ("a.csv", "runs/a.csv", vec!["runs/b/c.csv", "runs/f"]),
+        ("b", "runs/b", vec!["runs/a.csv", "runs/f"]),
+        // One picture of a folder that is measured as a whole.
+        ("1.png", "runs/f", vec!["runs/a.csv", "runs/b/c.csv"]),
+    ] {
+        let found = with_fs(std::sync::Arc::new(Unspelt(name)), || look(&folder));
+        assert_eq!(shown(&found), left, "{name}");
+        assert_eq!(found.unreadable, [out_of_sight]);
+        assert_eq!(codes(&found), [(out_of_sight, "folder-unreadable")]);
+    }
 }
 
 #[test]

@@ -115,14 +115,14 @@ impl Walk<'_> {
 
     /// Whether an optional folder is there and lies in the campaign; a link that leads out of it is an issue.
     fn is_present(&mut self, relative: &Path) -> bool {
-        let Ok(real) = self.campaign.join(relative).canonicalize() else {
+        let Ok(real) = fs::canonicalize(self.campaign.join(relative)) else {
             return false;
         };
         let is_inside = real.starts_with(&self.campaign_real);
         if !is_inside {
             self.link_outside(relative, &real);
         }
-        is_inside && real.is_dir()
+        is_inside && fs::is_dir(&real).unwrap_or(false)
     }
 
     fn folder_tree(&mut self, start: PathBuf, depth: usize) {
@@ -137,9 +137,8 @@ impl Walk<'_> {
             }
             match self.folder(&relative, depth) {
                 Ok(below) => waiting.extend(below.into_iter().map(|folder| (folder, depth + 1))),
-                // Gone since the folder above was listed: what was in it is gone too.
-                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-                Err(error) => self.unreadable_folder(&relative, &error),
+                // Where it is gone, what was in it is gone too.
+                Err(error) => self.unreadable(&relative, &error),
             }
         }
     }
@@ -165,10 +164,8 @@ impl Walk<'_> {
             }
             let kind = match entry.file_type() {
                 Ok(kind) => kind,
-                // An entry that has gone since the folder was listed is no fault: the next scan shows it.
-                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 Err(error) => {
-                    self.unreadable_folder(&relative, &error);
+                    self.unreadable(&relative, &error);
                     continue;
                 }
             };
@@ -181,8 +178,7 @@ impl Walk<'_> {
             } else if kind.is_file() {
                 match entry.metadata() {
                     Ok(metadata) => self.file(relative, &metadata, None),
-                    Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-                    Err(error) => self.unreadable_folder(&relative, &error),
+                    Err(error) => self.unreadable(&relative, &error),
                 }
             } else {
                 self.special(&relative);
@@ -237,12 +233,27 @@ impl Walk<'_> {
         self.found
     }
 
-    fn unreadable_folder(&mut self, relative: &Path, error: &io::Error) {
+    /// Notes what cannot be read and may well be there. One that has gone since its folder was listed is no fault.
+    fn unreadable(&mut self, relative: &Path, error: &io::Error) {
+        if error.kind() == io::ErrorKind::NotFound && !self.is_listed(relative) {
+            return;
+        }
         let shown = display_path(relative);
         let issue = Issue::warning("folder-unreadable", format!("cannot be looked into: {error}"));
         let mend = "give your user the right to read it, or check the disk or share";
         self.found.issues.push(issue.at(&shown).mend(mend));
         self.found.unreadable.push(shown);
+    }
+
+    /// Whether a folder still has that name in it: some systems give names of which they say then that there is no such file.
+    fn is_listed(&self, relative: &Path) -> bool {
+        let above = relative.parent().unwrap_or(Path::new(""));
+        match fs::entries(self.campaign.join(above)) {
+            Ok(entries) => entries
+                .iter()
+                .any(|entry| Some(entry.file_name().as_os_str()) == relative.file_name()),
+            Err(error) => error.kind() != io::ErrorKind::NotFound,
+        }
     }
 
     fn too_deep(&mut self, relative: &Path) {

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -63,7 +63,7 @@ impl TagFiles {
         if let Some(known) = self.read.borrow().get(relative) {
             return known.clone();
         }
-        let found = match read_limited(&self.campaign.join(relative)) {
+        let found = match read_limited(&self.campaign, &self.campaign.join(relative)) {
             Ok(Some(bytes)) => TagFile::There(bytes.into()),
             Ok(None) => TagFile::Absent,
             Err(error) => TagFile::Unreadable(error.kind().to_string(), error.to_string()),
@@ -93,22 +93,25 @@ pub(super) fn relative_tag_files(data_file: &Path) -> Vec<(PathBuf, TagSource)> 
         .collect()
 }
 
-/// The bytes of a file of tags; none where it is not there.
-fn read_limited(path: &Path) -> io::Result<Option<Vec<u8>>> {
-    match fs::metadata(path) {
+/// The bytes of a file of tags; none where it is not there, or cannot be for its name would be longer than names may be.
+fn read_limited(campaign: &Path, path: &Path) -> io::Result<Option<Vec<u8>>> {
+    let mut file = match fs::File::open_stated(campaign, path) {
         Err(error)
             if matches!(
                 error.kind(),
-                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory | io::ErrorKind::InvalidFilename
             ) =>
         {
-            Ok(None)
+            return Ok(None);
         }
-        Err(error) => Err(error),
-        Ok(found) if found.len() > LARGEST_BYTES => {
-            let message = format!("it has {} bytes, more than {LARGEST_BYTES}", found.len());
-            Err(io::Error::new(io::ErrorKind::FileTooLarge, message))
-        }
-        Ok(_) => fs::read_stated(path).map(Some),
+        opened => opened?,
+    };
+    let size_bytes = file.metadata()?.len();
+    if size_bytes > LARGEST_BYTES {
+        let message = format!("it has {size_bytes} bytes, more than {LARGEST_BYTES}");
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
     }
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    Ok(Some(bytes))
 }

@@ -178,15 +178,16 @@ pub fn described(given: &[PathBuf], told: &FrameSettings) -> Result<Described, P
         }
     });
     let (mut base, mut length_mm) = (FrameSettings::default(), None);
-    if let Some(campaign) = beside.and_then(campaign_file::find) {
-        let loaded = campaign_file::read(&campaign)?;
+    let campaign = beside.and_then(campaign_file::find);
+    if let Some(campaign) = &campaign {
+        let loaded = campaign_file::read(campaign)?;
         base = frames::of_campaign(&loaded.text)?;
         if let [sample] = &loaded.campaign.samples[..] {
             length_mm = sample.length_mm;
         }
     }
     if let Some(beside) = beside {
-        base = frames::of_folder(beside)?.over(base);
+        base = frames::of_folder(campaign.as_deref().unwrap_or(beside), beside)?.over(base);
     }
     let told = told.clone().checked("the command line")?;
     Ok(Described {

@@ -102,7 +102,8 @@ pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<
         found.insert(wanted.path.clone(), wanted);
     };
     let root = &context.folder;
-    add(statement(root, Path::new(campaign_file::FILE_NAME)));
+    let own = statement(root, Path::new(campaign_file::FILE_NAME), &mut omitted.unread);
+    own.into_iter().for_each(&mut add);
     for folder in ["", profiles::FOLDER] {
         statements(root, Path::new(folder), &mut omitted.unread)
             .into_iter()
@@ -183,7 +184,7 @@ fn statements(root: &Path, folder: &Path, unread: &mut Vec<LeftOut>) -> Vec<Want
         is_statement(&name) && !is_passing_name(&name) && !entry.path().is_dir()
     });
     named
-        .map(|entry| statement(root, &folder.join(entry.file_name())))
+        .filter_map(|entry| statement(root, &folder.join(entry.file_name()), unread))
         .collect()
 }
 
@@ -196,14 +197,24 @@ fn shown(folder: &Path) -> String {
     }
 }
 
-fn statement(root: &Path, relative: &Path) -> Wanted {
+/// None where it is a link that leads out of the campaign, which is told.
+fn statement(root: &Path, relative: &Path, unread: &mut Vec<LeftOut>) -> Option<Wanted> {
     // A link keeps no meaning elsewhere: what it leads to is kept.
     let location = root.join(relative);
-    Wanted {
+    let location = match fs::canonicalize_within(root, &location) {
+        Ok(real) => real,
+        Err(error) if error.kind() == io::ErrorKind::InvalidInput => {
+            unread.push(reason(&display_path(relative), &error.to_string()));
+            return None;
+        }
+        // What is not there, or cannot be reached, is told when it is read.
+        Err(_) => location,
+    };
+    Some(Wanted {
         path: display_path(relative),
-        location: fs::canonicalize(&location).unwrap_or(location),
+        location,
         size_bytes: 0,
         hash: None,
         modified_ns: 0,
-    }
+    })
 }

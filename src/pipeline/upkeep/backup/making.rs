@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::system::fs;
+use crate::system::passing::Passing;
 
 /// How the name of such a folder begins.
 const PREFIX: &str = ".ieap-restoring-";
@@ -18,6 +19,7 @@ pub struct Making {
     folder: Option<tempfile::TempDir>,
     path: PathBuf,
     _lock: fs::File,
+    passing: Passing,
 }
 
 impl Making {
@@ -27,7 +29,8 @@ impl Making {
     /// What the system says.
     pub fn begin(parent: &Path) -> io::Result<Making> {
         remove_leftovers(parent);
-        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent)?;
+        let make = || tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent);
+        let (folder, passing) = Passing::made(make, |folder| folder.path().to_owned())?;
         let mut options = fs::OpenOptions::own();
         let lock = options
             .write(true)
@@ -38,6 +41,7 @@ impl Making {
             path: folder.path().to_owned(),
             folder: Some(folder),
             _lock: lock,
+            passing,
         })
     }
 
@@ -56,6 +60,7 @@ impl Making {
         if fs::exists(target)? {
             fs::remove_dir(target)?;
         }
+        drop(self.passing);
         fs::rename(&self.path, target)?;
         // It has another name now, under which nothing removes it.
         self.folder.take().map(tempfile::TempDir::keep);

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::pipeline::PipelineError;
 use crate::store::FILE_NAME;
 use crate::system::fs;
+use crate::system::passing::Passing;
 
 /// Its name inside a campaign; hidden, so that no scan takes it for data.
 const FOLDER: &str = ".ieap-rebuild";
@@ -19,11 +20,12 @@ pub fn path_in(campaign: &Path) -> PathBuf {
 ///
 /// # Errors
 /// It holds something else, or cannot be made.
-pub fn emptied(campaign: &Path) -> Result<PathBuf, PipelineError> {
+pub fn emptied(campaign: &Path) -> Result<Passing, PipelineError> {
     remove(campaign)?;
     let folder = path_in(campaign);
-    fs::create_dir(&folder).map_err(failed(&folder, "making the folder"))?;
-    Ok(folder)
+    let made = Passing::made(|| fs::create_dir(&folder), |()| folder.clone());
+    let ((), passing) = made.map_err(failed(&folder, "making the folder"))?;
+    Ok(passing)
 }
 
 /// Removes the folder with the database in it, and nothing else.

@@ -1,6 +1,7 @@
 //! Every current number derived again: readings from the raw bytes, results from the readings.
 
 use crate::domain::words::counted;
+use crate::system::passing::Passing;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -132,7 +133,8 @@ fn log_differs(archived: &ArchivedFiles<'_>, log: &StoredLog) -> Option<Issue> {
 /// # Errors
 /// The copy cannot be made, or a model is not known.
 pub fn results(context: &Context, diagnoses: bool, observer: &dyn Observer) -> Result<Part, PipelineError> {
-    let folder = tempfile::tempdir().map_err(|source| PipelineError::File {
+    let made = Passing::made(tempfile::tempdir, |folder| folder.path().to_owned());
+    let (folder, _passing) = made.map_err(|source| PipelineError::File {
         path: std::env::temp_dir(),
         doing: "making a folder for a copy of the database",
         source,
