@@ -14,7 +14,7 @@ JOIN fit ON fit.id = newest.id WHERE fit.asked IS NOT NULL;
 -- What follows from readings: fits, analyses of modulus logs, diagnoses, comparisons of models. Earlier ones stay.
 CREATE TABLE result (
     id            INTEGER NOT NULL PRIMARY KEY,
-    kind          TEXT    NOT NULL,              -- fit, modulus, comparison, group (its diagnosis) or run (its diagnosis by itself)
+    kind          TEXT    NOT NULL,              -- fit, modulus, comparison, alarms, group (its diagnosis) or run (its diagnosis by itself)
     name          TEXT    NOT NULL,              -- of the run, the modulus log or the group
     key           TEXT    NOT NULL,              -- BLAKE3 over everything that it depends on; empty: a fault stopped it
     version       TEXT    NOT NULL,              -- of the program that made it

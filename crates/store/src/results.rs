@@ -27,6 +27,8 @@ string_enum! {
         Group = "group",
         /// The diagnosis of one run alone.
         Run = "run",
+        /// The alarms of long-term monitoring.
+        Alarms = "alarms",
     }
 }
 
@@ -38,6 +40,7 @@ impl ResultKind {
             ResultKind::Modulus => "analysis",
             ResultKind::Comparison => "comparison of models",
             ResultKind::Group | ResultKind::Run => "diagnosis",
+            ResultKind::Alarms => "list of alarms",
         }
     }
 }

@@ -5,18 +5,21 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use super::diagnose::condemned_ahead;
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::monitoring::{Monitoring, monitor};
-use crate::domain::{Alarm, AlarmSign, Campaign, RunRecord};
+use crate::domain::{Alarm, AlarmSign, Campaign, InputHash, RunRecord};
 use crate::numerics::interrupt;
-use crate::pipeline::campaign::context::now;
+use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::campaign::standing::{self, SetAside};
 use crate::pipeline::infra::allowed::AllowedCommands;
 use crate::pipeline::infra::command::{self, Ended};
 use crate::pipeline::infra::fault::step;
 use crate::pipeline::{Context, DiagnoseChoice, Observer, PipelineError};
+use crate::store::{NewResult, ResultDocument, ResultKind, StoredResult};
 
 /// The verb that `run` and `watch` end with.
 #[derive(Debug, Clone, Default)]
@@ -39,17 +42,71 @@ pub struct AlarmSummary {
     pub failed_commands: Vec<String>,
 }
 
-/// Monitoring of a campaign, of whose runs these speak, without what only questions across all runs can say.
-///
-/// # Errors
-/// A fault of the program stops it.
-pub fn watched(context: &Context, runs: &[RunRecord]) -> Result<Monitoring, PipelineError> {
+/// What monitoring of these runs, which speak, comes to, without what only questions across all runs can say.
+fn watched(context: &Context, runs: &[RunRecord]) -> Result<Monitoring, PipelineError> {
     // The charge that passed is one axis among several and no alarm depends on it.
     let laws = || CampaignLaws {
         facts: facts(runs, &context.campaign, &vec![None; runs.len()]),
         ..CampaignLaws::default()
     };
     step("monitoring", || Ok(monitor(runs, &context.campaign, &laws())))
+}
+
+/// The alarms of a campaign. They are stored with what they depend on, for who only asks for them.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Alarms {
+    /// All of them, whether known or not.
+    pub alarms: Vec<Alarm>,
+    /// Why nothing is watched; none where something is.
+    pub not_watched: Option<String>,
+}
+
+impl ResultDocument for Alarms {}
+
+impl From<Monitoring> for Alarms {
+    fn from(found: Monitoring) -> Alarms {
+        Alarms {
+            alarms: found.alarms,
+            not_watched: found.reference.is_none().then_some(found.why_not),
+        }
+    }
+}
+
+/// Name of the one result of this kind.
+const OF: &str = "the campaign";
+
+/// The alarms of these runs, which speak: as they are stored, or found anew where that was made of something else.
+///
+/// # Errors
+/// The database cannot be read, or a fault of the program stops the monitoring.
+pub fn alarms(context: &Context, runs: &[RunRecord]) -> Result<Alarms, PipelineError> {
+    let stored = context.store.result::<Alarms>(ResultKind::Alarms, OF)?;
+    match stored.filter(|stored| stored.origin.key == key(context, runs)) {
+        Some(StoredResult { found: Ok(found), .. }) => Ok(found),
+        _ => Ok(watched(context, runs)?.into()),
+    }
+}
+
+/// Hash of everything that alarms of these runs depend on.
+fn key(context: &Context, runs: &[RunRecord]) -> String {
+    let mut hash = InputHash::new();
+    hash.text(CODE_VERSION).text(&context.campaign_digest);
+    for run in runs {
+        hash.text(&run.path)
+            .whole(run.revision.into())
+            .text(&run.data_hash);
+        for tag in &run.tags {
+            hash.text(&tag.key).text(&tag.value);
+        }
+        // Numbers that JSON does not hold come to nothing here as well.
+        for document in [
+            serde_json::to_string(&run.fit),
+            serde_json::to_string(&run.climate),
+        ] {
+            hash.text(&document.unwrap_or_default());
+        }
+    }
+    hash.finished()
 }
 
 /// An alarm that was told and is taken back, because its run was set aside later.
@@ -91,12 +148,15 @@ impl RaiseAlarms {
         let told = context.store.told_alarms()?;
         // A change is told once, whichever of its signs came first then.
         let is_new = |alarm: &&Alarm| !alarm.shown_by.iter().any(|sign| told.contains(&sign.id));
-        let standing = self.alarms(context, &is_new)?;
+        let (runs, found) = self.watched(context, &is_new)?;
+        keep(context, &key(context, &runs), &found)?;
+        let open = |alarm: &&Alarm| !alarm.acknowledged;
+        let standing: Vec<&Alarm> = found.alarms.iter().filter(open).collect();
         let mut summary = AlarmSummary {
             standing: standing.len(),
             ..AlarmSummary::default()
         };
-        for alarm in standing.iter().filter(is_new) {
+        for alarm in standing.into_iter().filter(is_new) {
             context.store.save_alarm(&now(), alarm)?;
             observer.warn(&format!("alarm: {}", alarm.message));
             summary.new.push(alarm.message.clone());
@@ -114,33 +174,51 @@ impl RaiseAlarms {
         Ok(summary)
     }
 
-    /// Alarms that are not acknowledged. Where one is new they are those without the runs that diagnoses will condemn.
-    fn alarms(
+    /// Runs that are watched, and their alarms. Where one is new they are without the runs that diagnoses will condemn.
+    fn watched(
         &self,
         context: &Context,
         is_new: &dyn Fn(&&Alarm) -> bool,
-    ) -> Result<Vec<Alarm>, PipelineError> {
+    ) -> Result<(Vec<RunRecord>, Alarms), PipelineError> {
         let runs = standing::speaking(context)?;
-        let mut found = watched(context, &runs)?;
+        let found = alarms(context, &runs)?;
         let open = |alarm: &&Alarm| !alarm.acknowledged;
-        let new: Vec<&Alarm> = found.alarms.iter().filter(open).filter(is_new).collect();
-        if let Some(choice) = self.diagnosis.as_ref().filter(|_| !new.is_empty()) {
-            let samples: BTreeSet<&str> = new.iter().map(|alarm| alarm.sample.as_str()).collect();
-            let of_new = found
-                .watched
-                .iter()
-                .filter(|one| samples.contains(one.sample.as_str()));
-            let asked = of_new
-                .flat_map(|one| &one.runs)
-                .map(|&run| runs[run].path.clone());
+        let new = found.alarms.iter().filter(open).filter(is_new);
+        let samples: BTreeSet<&str> = new.map(|alarm| alarm.sample.as_str()).collect();
+        if let Some(choice) = self.diagnosis.as_ref().filter(|_| !samples.is_empty()) {
+            let watched = watched(context, &runs)?.watched.into_iter();
+            let of_new = watched.filter(|one| samples.contains(one.sample.as_str()));
+            let asked = of_new.flat_map(|one| one.runs).map(|run| runs[run].path.clone());
             let ahead = condemned_ahead(context, choice, &asked.collect())?;
             if !ahead.is_empty() {
-                found = watched(context, &standing::speaking_without(context, ahead)?)?;
+                let runs = standing::speaking_without(context, ahead)?;
+                let found = alarms(context, &runs)?;
+                return Ok((runs, found));
             }
         }
-        found.alarms.retain(|alarm| !alarm.acknowledged);
-        Ok(found.alarms)
+        Ok((runs, found))
     }
+}
+
+/// Stores alarms, where they are not stored as made of that.
+fn keep(context: &mut Context, key: &str, found: &Alarms) -> Result<(), PipelineError> {
+    if context
+        .store
+        .result_keys(ResultKind::Alarms)?
+        .get(OF)
+        .is_some_and(|known| known == key)
+    {
+        return Ok(());
+    }
+    let result = NewResult {
+        name: OF,
+        key,
+        version: CODE_VERSION,
+        found: Ok(found),
+    };
+    Ok(context
+        .store
+        .keep_results(&now(), ResultKind::Alarms, &[result])?)
 }
 
 /// Runs the campaign's command in its folder, where it was allowed, and says how it ended; none where there is no command.

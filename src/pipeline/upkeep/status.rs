@@ -218,7 +218,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         })
         .collect();
     let mut faults = report_faults(&context.folder);
-    let watched = or_nothing(alarms::watched(context, &runs), &mut faults)?;
+    let watched = or_nothing(alarms::alarms(context, &runs), &mut faults)?;
     let untagged = reasoned(&runs, |run| run.state == RunState::Untagged);
     Ok(Status {
         proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
@@ -262,7 +262,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         groups_not_diagnosed: waiting.missing,
         findings_out_of_date: waiting.outdated,
         climate: climate(context, &runs)?,
-        monitoring: watched.reference.is_none().then_some(watched.why_not),
+        monitoring: watched.not_watched,
         alarms: watched.alarms,
         alarms_taken_back: alarms::taken_back(context, &set_aside)?,
         report_refused: not_ours(&context.folder)?,
