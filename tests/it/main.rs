@@ -19,6 +19,7 @@ mod climate_fixture;
 mod compare;
 mod derived_curvature;
 mod distributed;
+mod disturbed;
 mod dma;
 mod docs;
 mod doubted_fits;

@@ -12,6 +12,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::disk::{Disk, Image};
+use super::sqlite;
 
 /// What ends a program whose computer has no power.
 #[derive(Debug)]
@@ -79,6 +80,17 @@ impl Computer {
         (state.weather, state.calls, state.refused) = (weather, 0, 0);
     }
 
+    /// What lies in its folder now is safe, but for the files of databases: from here on a part of it that is changed and not
+    /// waited for may be lost.
+    pub fn knows_what_is_there(&self) {
+        self.state().disk.know_all(&OF_SQLITE);
+    }
+
+    /// The power goes now.
+    pub fn loses_power(&self) {
+        self.state().lose_power(&self.root);
+    }
+
     /// From here on all that is on the disk is safe: somebody else changed it.
     pub fn settle(&self) {
         self.state().disk.settle();
@@ -140,6 +152,10 @@ impl Computer {
 
 impl FaultInjector for Computer {
     fn before(&self, call: &Call<'_>) -> io::Result<()> {
+        // These worlds leave to SQLite what it reads.
+        if sqlite::is_read(call) {
+            return Ok(());
+        }
         let mut state = self.state();
         if state.left.is_none() && !std::thread::panicking() {
             state.calls += 1;

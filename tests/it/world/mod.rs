@@ -3,14 +3,14 @@
 //! A world is its seed: `IEAP_WORLD_SEED=n cargo test --test it world::` plays one again and tells what happens in it.
 
 mod back;
-mod computer;
+pub mod computer;
 mod day;
 mod disk;
 mod found;
 mod names;
 mod nth;
 mod people;
-mod sqlite;
+pub mod sqlite;
 
 use std::collections::BTreeSet;
 use std::panic::AssertUnwindSafe;
@@ -21,7 +21,7 @@ use ieap::domain::FileState;
 use ieap::pipeline::upkeep::verify::Verify;
 use ieap::pipeline::{Context, Ingest, PipelineError, Rebuild, RenderReport, SetTags, Silent};
 use ieap::store::Store;
-use ieap::system::with_fs;
+use ieap::system::{FaultInjector, with_fs};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tempfile::TempDir;
@@ -45,20 +45,27 @@ pub fn folder() -> TempDir {
     folder
 }
 
-/// Does `work` on that computer, in one thread; none where the power went meanwhile.
-pub fn on<T: Send>(computer: &Arc<Computer>, work: impl FnOnce() -> T + Send) -> Option<T> {
+/// Does `work` in that world, in one thread; the error is what it panicked with.
+pub fn within<T: Send>(
+    world: &Arc<dyn FaultInjector>,
+    work: impl FnOnce() -> T + Send,
+) -> std::thread::Result<T> {
     sqlite::through_worlds();
-    let world = Arc::clone(computer);
-    let done = std::panic::catch_unwind(AssertUnwindSafe(|| {
+    std::panic::catch_unwind(AssertUnwindSafe(|| {
         let build = rayon::ThreadPoolBuilder::new().num_threads(1);
         build
             .build_scoped(
-                |thread| with_fs(Arc::clone(&world) as Arc<_>, || thread.run()),
+                |thread| with_fs(Arc::clone(world), || thread.run()),
                 |pool| pool.install(work),
             )
             .unwrap()
-    }));
-    match done {
+    }))
+}
+
+/// Does `work` on that computer, in one thread; none where the power went meanwhile.
+pub fn on<T: Send>(computer: &Arc<Computer>, work: impl FnOnce() -> T + Send) -> Option<T> {
+    let world: Arc<dyn FaultInjector> = Arc::clone(computer) as Arc<_>;
+    match within(&world, work) {
         Ok(done) if !computer.is_dead() => Some(done),
         Err(panic) if panic.downcast_ref::<PowerLost>().is_none() => std::panic::resume_unwind(panic),
         _ => None,

@@ -1,15 +1,17 @@
-//! SQLite's own files in a world: a file system of SQLite that asks the world before each of its writes, cuts and waits.
+//! SQLite's own files in a world: a file system of SQLite that asks the world before each of its openings, readings, writes,
+//! cuts and waits.
 //!
-//! It is the system's own, but for these three calls on databases and their write-ahead logs; what the world refuses, SQLite
+//! It is the system's own, but for these calls on databases and their write-ahead logs; what the world refuses, SQLite
 //! is told as an error of the disk. It is the only unsafe code beside the Python package: SQLite has no other door to this.
 #![allow(unsafe_code)]
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char, c_int, c_void};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, Once, OnceLock, PoisonError};
 
-use ieap::system::{Kind, asked};
+use ieap::system::{Call, Kind, asked};
 use rusqlite::ffi;
 
 /// The calls of the system's own file system, and these with the asking before.
@@ -59,9 +61,18 @@ unsafe extern "C" fn open(
     got: *mut c_int,
 ) -> c_int {
     let system = SYSTEM.get().unwrap().0;
+    let is_ours = flags & (ffi::SQLITE_OPEN_MAIN_DB | ffi::SQLITE_OPEN_WAL) != 0;
+    if is_ours && !name.is_null() {
+        // SAFETY: a name that SQLite gives ends with a zero.
+        let path = unsafe { CStr::from_ptr(name) }.to_string_lossy().into_owned();
+        if let Some(refused) = refused_of(&PathBuf::from(path), Kind::Open, ffi::SQLITE_CANTOPEN) {
+            // SAFETY: SQLite's own argument; a file without methods is not closed.
+            unsafe { (*file).pMethods = std::ptr::null() };
+            return refused;
+        }
+    }
     // SAFETY: these are SQLite's own arguments, for the file system that they are made for.
     let opened = unsafe { (*system).xOpen.unwrap()(system, name, file, flags, got) };
-    let is_ours = flags & (ffi::SQLITE_OPEN_MAIN_DB | ffi::SQLITE_OPEN_WAL) != 0;
     if opened != ffi::SQLITE_OK || name.is_null() || !is_ours {
         return opened;
     }
@@ -81,6 +92,7 @@ unsafe extern "C" fn open(
 impl Table {
     fn asking(own: ffi::sqlite3_io_methods) -> Table {
         let mut asking = own;
+        asking.xRead = Some(read);
         asking.xWrite = Some(write);
         asking.xTruncate = Some(cut);
         asking.xSync = Some(wait);
@@ -101,11 +113,38 @@ fn names<T>(work: impl FnOnce(&mut BTreeMap<usize, PathBuf>) -> T) -> T {
 /// asked it hears of it at the next call.
 fn refused(file: *mut ffi::sqlite3_file, kind: Kind, otherwise: c_int) -> Option<c_int> {
     let path = names(|names| names.get(&file.addr()).cloned())?;
-    match std::panic::catch_unwind(|| asked(kind, &path)) {
+    refused_of(&path, kind, otherwise)
+}
+
+fn refused_of(path: &Path, kind: Kind, otherwise: c_int) -> Option<c_int> {
+    ASKS.set(true);
+    let answer = std::panic::catch_unwind(|| asked(kind, path));
+    ASKS.set(false);
+    match answer {
         Ok(Ok(())) => None,
         Ok(Err(error)) if error.kind() == std::io::ErrorKind::StorageFull => Some(ffi::SQLITE_FULL),
         _ => Some(otherwise),
     }
+}
+
+thread_local! {
+    static ASKS: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether it is SQLite that opens or reads one of its files here.
+pub fn is_read(call: &Call<'_>) -> bool {
+    ASKS.get() && matches!(call.kind, Kind::Open | Kind::Read)
+}
+
+unsafe extern "C" fn read(
+    file: *mut ffi::sqlite3_file,
+    into: *mut c_void,
+    count: c_int,
+    at: ffi::sqlite3_int64,
+) -> c_int {
+    // SAFETY: SQLite's own arguments, for the call that they are made for.
+    refused(file, Kind::Read, ffi::SQLITE_IOERR_READ)
+        .unwrap_or_else(|| unsafe { own().xRead.unwrap()(file, into, count, at) })
 }
 
 unsafe extern "C" fn write(
