@@ -18,14 +18,20 @@ CREATE TABLE result (
     name          TEXT    NOT NULL,              -- of the run, the modulus log or the group
     key           TEXT    NOT NULL,              -- BLAKE3 over everything that it depends on; empty: a fault stopped it
     version       TEXT    NOT NULL,              -- of the program that made it
-    document      TEXT    NOT NULL,              -- JSON: what was found, or the issue why nothing could be
-    hash          BLOB    NOT NULL,              -- of kind, name, key, version, document and made_at
     made_at       TEXT    NOT NULL,              -- when, RFC 3339 UTC
     superseded_at TEXT,                          -- when another took its place; NULL: it is current
+    hash          BLOB    NOT NULL,              -- of kind, name, key, version, document and made_at
+    document      TEXT    NOT NULL,              -- JSON: what was found, or the issue why nothing could be
     drawn         BLOB                           -- zstd of JSON: what pages draw of it; its hash stands in the document
 ) STRICT;
 CREATE UNIQUE INDEX result_current ON result (kind, name) WHERE superseded_at IS NULL;
 CREATE INDEX result_name ON result (name, kind);
+
+-- What tells that a current result is gone.
+CREATE TABLE result_sum (
+    kind TEXT NOT NULL PRIMARY KEY,              -- of the results
+    sum  BLOB NOT NULL                           -- hashes of all that are current, each bit added without carry
+) STRICT, WITHOUT ROWID;
 
 DROP TABLE diagnosis_condemned;
 DROP TABLE diagnosis_run;

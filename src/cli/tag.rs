@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::campaign::folder;
-use super::exit::{CliError, DONE};
+use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::global::Global;
 use super::output::Output;
 use crate::ingest::campaign_file;
@@ -53,7 +53,8 @@ pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         return Err(CliError::usage("found no run, needed one at least"));
     };
     output.document(&json!({ "schema": "ieap/tag/1", "tag": first, "others": others }))?;
-    Ok(DONE)
+    let waits = summaries.iter().any(|summary| summary.waits);
+    Ok(if waits { SOME_REFUSED } else { DONE })
 }
 
 /// Runs before the first pair, of which the first word always is one, and the words from that pair on.

@@ -51,9 +51,9 @@ const KINDS: [(&str, &[&str]); 13] = [
     ("earlier revision", &["SELECT run.path || ' revision ' || run.revision, run_file.path, run_file.hash FROM run
         JOIN run_file ON run_file.run_id = run.id WHERE run.superseded_at IS NOT NULL
         ORDER BY run.path, run.revision, run_file.ordinal"]),
-    ("tags set by hand", &["SELECT run_path, key, value, set_by, set_at FROM hand_tag ORDER BY run_path, id"]),
+    ("tags set by hand", &["SELECT run_path, key, value, set_by, set_at FROM hand_tag NOT INDEXED ORDER BY run_path, id"]),
     ("how a run is fitted", &["SELECT run_path, asked FROM asked_fit ORDER BY run_path"]),
-    ("words on a run", &["SELECT run_path, drops, why, said_by, said_at, data_hash FROM run_word ORDER BY run_path, id"]),
+    ("words on a run", &["SELECT run_path, drops, why, said_by, said_at, data_hash FROM run_word NOT INDEXED ORDER BY run_path, id"]),
     ("fit", &[FIT]),
     ("modulus analysis", &[ANALYSIS]),
     ("diagnosis", &[DIAGNOSIS]),
@@ -105,9 +105,9 @@ const RUN: [&str; 11] = [
 ];
 
 /// Current results, with what is drawn of them.
-const FIT: &str = "SELECT name, key, document, drawn FROM result WHERE kind = 'fit' AND superseded_at IS NULL ORDER BY name";
-const ANALYSIS: &str = "SELECT name, key, document, drawn FROM result WHERE kind = 'modulus' AND superseded_at IS NULL ORDER BY name";
-const DIAGNOSIS: &str = "SELECT kind || ' ' || name, key, document FROM result
+const FIT: &str = "SELECT name, key, document, drawn FROM result NOT INDEXED WHERE kind = 'fit' AND superseded_at IS NULL ORDER BY name";
+const ANALYSIS: &str = "SELECT name, key, document, drawn FROM result NOT INDEXED WHERE kind = 'modulus' AND superseded_at IS NULL ORDER BY name";
+const DIAGNOSIS: &str = "SELECT kind || ' ' || name, key, document FROM result NOT INDEXED
      WHERE kind IN ('group', 'run') AND superseded_at IS NULL ORDER BY kind, name";
 
 impl Store {

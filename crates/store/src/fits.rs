@@ -202,22 +202,33 @@ impl Store {
             .map_err(|e| self.failed("reading a run's name", e))
     }
 
-    /// Fills in the fit of a run, and why there is none where it was tried.
-    pub(super) fn fill_in_fit(&self, record: &mut RunRecord) -> Result<(), StoreError> {
-        match self.result::<Fit>(ResultKind::Fit, &record.path)? {
-            Some(StoredResult {
-                found: Ok(fit),
-                origin,
-            }) => {
-                record.fit = Some(fit);
-                record.fit_code_version = Some(origin.version);
-            }
-            Some(StoredResult {
-                found: Err(issue), ..
-            }) => record.issues.push(issue),
-            None => {}
+    /// Fills in the fits of runs, and why there is none where it was tried.
+    pub(super) fn fill_in_fits(&self, records: &mut [RunRecord]) -> Result<(), StoreError> {
+        let fits = self.results::<Fit>(ResultKind::Fit)?.into_iter();
+        let mut fits: BTreeMap<String, StoredResult<Fit>> =
+            fits.map(|stored| (stored.origin.name.clone(), stored)).collect();
+        for record in records {
+            let stored = fits.remove(&record.path);
+            fill_in_fit(record, stored);
         }
         Ok(())
+    }
+}
+
+/// Fills in the fit of a run, or why there is none where it was tried.
+pub(super) fn fill_in_fit(record: &mut RunRecord, stored: Option<StoredResult<Fit>>) {
+    match stored {
+        Some(StoredResult {
+            found: Ok(fit),
+            origin,
+        }) => {
+            record.fit = Some(fit);
+            record.fit_code_version = Some(origin.version);
+        }
+        Some(StoredResult {
+            found: Err(issue), ..
+        }) => record.issues.push(issue),
+        None => {}
     }
 }
 

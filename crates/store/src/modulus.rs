@@ -1,5 +1,7 @@
 //! Modulus logs with what was found in them.
 
+use std::collections::BTreeMap;
+
 use super::results::{ResultDocument, ResultKind};
 use super::{Store, StoreError};
 use ieap_domain::{ModulusAnalysis, ModulusLog, RunCurve};
@@ -20,10 +22,12 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn modulus_logs(&self) -> Result<Vec<ModulusLog>, StoreError> {
+        let stored = self.results::<ModulusAnalysis>(ResultKind::Modulus)?.into_iter();
+        let mut stored: BTreeMap<String, _> =
+            stored.map(|stored| (stored.origin.name, stored.found)).collect();
         let logs = self.dma_logs()?.into_iter();
         logs.map(|mut run| {
-            let stored = self.result::<ModulusAnalysis>(ResultKind::Modulus, &run.path)?;
-            let analysis = match stored.map(|stored| stored.found) {
+            let analysis = match stored.remove(&run.path) {
                 Some(Ok(mut analysis)) => {
                     let drawn: Option<Drawn> = self.drawn(ResultKind::Modulus, &run.path)?;
                     analysis.curves = drawn.unwrap_or_default().curves;

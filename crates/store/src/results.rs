@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use rusqlite::{Row, ToSql, params};
+use rusqlite::{Connection, OptionalExtension, Row, ToSql, params};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -155,14 +155,28 @@ impl Store {
         })
     }
 
-    /// The current results of a kind, by name.
+    /// The current results of a kind, by name. That none is missing is held against the sum of their hashes: they are read from
+    /// the table itself, and not by an index.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn results<T: ResultDocument>(&self, kind: ResultKind) -> Result<Vec<StoredResult<T>>, StoreError> {
+        let _moment = self.snapshot()?;
         let sql =
-            format!("SELECT {COLUMNS} FROM result WHERE kind = ?1 AND superseded_at IS NULL ORDER BY name");
-        self.rows("reading results", &sql, [kind.key()], read)
+            format!("SELECT {COLUMNS} FROM result NOT INDEXED WHERE kind = ?1 AND superseded_at IS NULL");
+        let found = self.rows("reading results", &sql, [kind.key()], |row| {
+            Ok((read(row)?, seal_in(row)?))
+        })?;
+        let stated = sum_of(&self.connection, kind).map_err(|e| self.failed("reading results", e))?;
+        let sum = found
+            .iter()
+            .fold(Seal::default(), |sum, (_, hash)| added(sum, *hash));
+        if sum != stated {
+            return Err(StoreError::Damaged { what: list_of(kind) });
+        }
+        let mut found: Vec<StoredResult<T>> = found.into_iter().map(|(result, _)| result).collect();
+        found.sort_by(|a, b| a.origin.name.cmp(&b.origin.name));
+        Ok(found)
     }
 
     /// The current result of a name.
@@ -253,14 +267,35 @@ impl Store {
     /// What is wrong with results, current and earlier ones, in the order in which they were made.
     pub(super) fn check_results(&self) -> Result<Vec<StoreError>, StoreError> {
         let sql = format!("SELECT {COLUMNS}, drawn FROM result ORDER BY id");
+        let mut sums: BTreeMap<String, Seal> = BTreeMap::new();
         let found = self.rows("checking results", &sql, [], |row| {
+            let is_current = row.get::<_, Option<String>>("superseded_at")?.is_none();
+            let current = if is_current {
+                Some((row.get::<_, String>("kind")?, seal_in(row)?))
+            } else {
+                None
+            };
             match check(row).and_then(|()| check_drawn(row)) {
-                Ok(()) => Ok(None),
-                Err(StepError::Store(error)) => Ok(Some(error)),
+                Ok(()) => Ok((current, None)),
+                Err(StepError::Store(error)) => Ok((current, Some(error))),
                 Err(other) => Err(other),
             }
         });
-        Ok(found?.into_iter().flatten().collect())
+        let mut wrong = Vec::new();
+        for (current, error) in found? {
+            if let Some((kind, hash)) = current {
+                let sum = sums.entry(kind).or_default();
+                *sum = added(*sum, hash);
+            }
+            wrong.extend(error);
+        }
+        for kind in ResultKind::ALL {
+            let stated = sum_of(&self.connection, kind).map_err(|e| self.failed("checking results", e))?;
+            if sums.get(kind.key()).copied().unwrap_or_default() != stated {
+                wrong.push(StoreError::Damaged { what: list_of(kind) });
+            }
+        }
+        Ok(wrong)
     }
 }
 
@@ -287,6 +322,7 @@ pub(super) fn keep<T: ResultDocument>(
         let [kind, name, key, version, document, made_at] = of;
         let values = params![kind, name, key, version, document, made_at, hash_of(of), drawn];
         transaction.prepare_cached(sql)?.execute(values)?;
+        add(transaction, kind, hash_of(of))?;
     }
     Ok(())
 }
@@ -298,11 +334,48 @@ pub(super) fn retire(
     kind: ResultKind,
     name: &str,
 ) -> Result<(), StepError> {
-    let sql = "UPDATE result SET superseded_at = ?3 WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL";
-    transaction
-        .prepare_cached(sql)?
-        .execute(params![kind.key(), name, now])?;
+    let sql = "UPDATE result SET superseded_at = ?3 WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL RETURNING hash";
+    let mut statement = transaction.prepare_cached(sql)?;
+    let mut rows = statement.query(params![kind.key(), name, now])?;
+    while let Some(row) = rows.next()? {
+        add(transaction, kind.key(), seal_in(row)?)?;
+    }
     Ok(())
+}
+
+/// Adds a hash to the sum of a kind, or takes it out again: without carry that is the same.
+fn add(transaction: &Transaction<'_>, kind: &str, hash: Seal) -> Result<(), StepError> {
+    let sum = sum_in(transaction, kind)?;
+    transaction
+        .prepare_cached("INSERT OR REPLACE INTO result_sum VALUES (?1, ?2)")?
+        .execute(params![kind, added(sum, hash)])?;
+    Ok(())
+}
+
+fn added(sum: Seal, hash: Seal) -> Seal {
+    std::array::from_fn(|k| sum[k] ^ hash[k])
+}
+
+fn sum_of(connection: &Connection, kind: ResultKind) -> rusqlite::Result<Seal> {
+    sum_in(connection, kind.key())
+}
+
+fn sum_in(connection: &Connection, kind: &str) -> rusqlite::Result<Seal> {
+    let sum = connection
+        .prepare_cached("SELECT sum FROM result_sum WHERE kind = ?1")?
+        .query_row([kind], |row| row.get(0))
+        .optional()?;
+    Ok(sum.unwrap_or_default())
+}
+
+/// The hash in a row; nothing of one that is none any more.
+fn seal_in(row: &Row<'_>) -> Result<Seal, StepError> {
+    let hash = row.get_ref("hash")?.as_blob().unwrap_or_default();
+    Ok(hash.try_into().unwrap_or_default())
+}
+
+fn list_of(kind: ResultKind) -> String {
+    format!("the list of results ({})", kind.words())
 }
 
 /// Takes what was found in the readings of a run, or a log, out of what is current.
@@ -324,9 +397,13 @@ pub(super) fn rename(transaction: &Transaction<'_>, old: &str, new: &str) -> Res
         let text = |column: &str| row.get::<_, String>(column);
         let (kind, key, version) = (text("kind")?, text("key")?, text("version")?);
         let hash = hash_of([&kind, new, &key, &version, &text("document")?, &text("made_at")?]);
-        renamed.push((row.get::<_, i64>("id")?, hash));
+        let is_current = row.get::<_, Option<String>>("superseded_at")?.is_none();
+        renamed.push((row.get::<_, i64>("id")?, kind, seal_in(row)?, hash, is_current));
     }
-    for (id, hash) in renamed {
+    for (id, kind, before, hash, is_current) in renamed {
+        if is_current {
+            add(transaction, &kind, added(before, hash))?;
+        }
         transaction
             .prepare_cached("UPDATE result SET name = ?2, hash = ?3 WHERE id = ?1")?
             .execute(params![id, new, hash])?;
@@ -563,7 +640,7 @@ mod tests {
             let told = read_back(&store).unwrap_err();
             assert!(matches!(told, StoreError::Damaged { .. }), "{tampering}: {told}");
             assert!(told.to_string().contains("the fit of runs/a.csv"), "{told}");
-            assert_eq!(store.check_results().unwrap().len(), 1, "{tampering}");
+            assert!(!store.check_results().unwrap().is_empty(), "{tampering}");
         }
         // Given to another run, it is damage there.
         let store = with(Ok(&made()));
@@ -572,6 +649,24 @@ mod tests {
             .execute_batch("UPDATE result SET name = 'runs/b.csv'")
             .unwrap();
         assert!(store.result::<Fit>(ResultKind::Fit, "runs/b.csv").is_err());
+    }
+
+    /// A fit that is not there is no fit that was never made.
+    #[test]
+    fn a_result_that_is_gone_is_damage_of_the_list() {
+        for tampering in [
+            "DELETE FROM result",
+            "UPDATE result SET superseded_at = '2026-01-02T00:00:00Z'",
+            "UPDATE result SET kind = 'comparison'",
+            "DELETE FROM result_sum",
+        ] {
+            let store = with(Ok(&made()));
+            assert_eq!(store.results::<Fit>(ResultKind::Fit).unwrap().len(), 1);
+            store.connection.execute_batch(tampering).unwrap();
+            let told = store.results::<Fit>(ResultKind::Fit).unwrap_err();
+            assert!(matches!(told, StoreError::Damaged { .. }), "{tampering}: {told}");
+            assert!(!store.check_results().unwrap().is_empty(), "{tampering}");
+        }
     }
 
     #[test]

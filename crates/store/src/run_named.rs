@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use rusqlite::OptionalExtension;
 
-use super::{Store, StoreError};
+use super::fits::fill_in_fit;
+use super::{ResultKind, Store, StoreError};
 use ieap_domain::{RunKind, RunRecord};
 
 impl Store {
@@ -22,7 +23,9 @@ impl Store {
         let Some(id) = id else { return Ok(None) };
         let own = format!("SELECT {id}");
         let mut found = self.records(&own, RunKind::Actuation, |record| {
-            self.complete(record, &BTreeMap::new())
+            self.complete(record, &BTreeMap::new())?;
+            fill_in_fit(record, self.result(ResultKind::Fit, path)?);
+            Ok(())
         })?;
         Ok(found.pop())
     }

@@ -357,7 +357,11 @@ impl Store {
                 kind.key()
             ),
         };
-        self.records(&sql, kind, |record| self.complete(record, &aliases))
+        let mut records = self.records(&sql, kind, |record| self.complete(record, &aliases))?;
+        if kind == RunKind::Actuation {
+            self.fill_in_fits(&mut records)?;
+        }
+        Ok(records)
     }
 
     /// The runs of a kind among those whose ids a query gives, with what `complete` fills in from other tables.
@@ -396,7 +400,7 @@ impl Store {
         record.origin = self.origin_of_checked(record.id)?;
         record.issues = self.run_issues(record.id)?;
         record.climate = self.run_climate(record.id)?;
-        self.fill_in_fit(record)
+        Ok(())
     }
 
     pub(super) fn run_files(

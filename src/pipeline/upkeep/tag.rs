@@ -33,6 +33,8 @@ pub struct TagSummary {
     pub state: &'static str,
     /// Its chosen tags now: key, value, source.
     pub tags: Vec<(String, String, String)>,
+    /// Whether a tag file cannot be read now: what was set is stored, and its tags are worked out when it can.
+    pub waits: bool,
     /// What a reader must know of its tags.
     pub issues: Vec<Issue>,
     /// Those among them that were not there before.
@@ -59,7 +61,9 @@ impl SetTags {
         context.store.add_hand_tags(&now, &tags)?;
         let mut retagged = IngestSummary::default();
         retag_runs(context, &mut retagged, observer)?;
-        for tags in unreadable_tags(context)? {
+        let unreadable = unreadable_tags(context)?;
+        let waits = !unreadable.is_empty();
+        for tags in unreadable {
             observer.warn(&format!(
                 "{}: {}; runs that it tags are tagged again later",
                 tags.issue.place, tags.issue.message
@@ -71,7 +75,7 @@ impl SetTags {
         let summary = |path: &String| {
             let run = stored.iter().find(|run| run.path == *path);
             let known = before.get(path).map_or(&[] as &[Issue], Vec::as_slice);
-            run.map(|run| TagSummary::of(run, known))
+            run.map(|run| TagSummary::of(run, known, waits))
                 .ok_or_else(|| unknown(path, ""))
         };
         runs.iter().map(summary).collect()
@@ -130,7 +134,7 @@ impl SetTags {
 }
 
 impl TagSummary {
-    fn of(run: &RunRecord, before: &[Issue]) -> TagSummary {
+    fn of(run: &RunRecord, before: &[Issue], waits: bool) -> TagSummary {
         let mut seen = std::collections::BTreeSet::new();
         let chosen = run.tags.iter().take_while(|tag| seen.insert(tag.key.clone()));
         let new_issues = run.issues.iter().filter(|issue| !before.contains(issue));
@@ -146,6 +150,7 @@ impl TagSummary {
             new_issues: new_issues.cloned().collect(),
             issues: run.issues.clone(),
             run: run.path.clone(),
+            waits,
         }
     }
 }

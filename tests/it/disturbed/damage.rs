@@ -142,14 +142,16 @@ fn text_of(bytes: &[u8]) -> String {
     words.join(" ")
 }
 
-/// Where the third byte of a λ that is shown lies in the database, as its file format writes a number.
+/// Where a digit of a λ that is shown lies in the database: the document of its fit holds it as JSON writes a number. Another
+/// last bit of a digit is another digit.
 fn number_shown(base: &Base) -> usize {
-    let number = base.lambda_per_s.to_be_bytes();
+    let number = serde_json::to_string(&base.lambda_per_s).unwrap();
     let found = base
         .database
         .windows(number.len())
-        .position(|window| window == number);
-    found.expect("the database holds the number") + 2
+        .position(|window| window == number.as_bytes());
+    let digit = number.rfind(|c: char| ('1'..='8').contains(&c)).unwrap();
+    found.expect("the database holds the number") + digit
 }
 
 /// What the database calls what begins on a page; nothing where a page goes on with what begins on another one.

@@ -68,7 +68,7 @@ impl Meets {
                 fs::remove_file(campaign.join("runs/b.csv")).unwrap();
                 settled()
             }
-            Meets::Tag => tag(&campaign, "runs/a.csv", "temperature_c", "21.5").map(|()| (0, None)),
+            Meets::Tag => tag(&campaign, "runs/a.csv", "temperature_c", "21.5").map(|status| (status, None)),
             Meets::Run => settled(),
             Meets::RunWithoutLock => {
                 let _ = fs::remove_file(campaign.join(LOCK));

@@ -117,7 +117,7 @@ impl Verb {
             Verb::Read => Ok((0, None)),
             Verb::Run => run(campaign).map(|status| (status, None)),
             Verb::Watch => watch(campaign).map(|status| (status, None)),
-            Verb::Tag => tag(campaign, "runs/b.csv", "temperature_c", "24.5").map(|()| (0, None)),
+            Verb::Tag => tag(campaign, "runs/b.csv", "temperature_c", "24.5").map(|status| (status, None)),
             Verb::Drop => drop_run(campaign, "runs/a.csv", "wet").map(|()| (0, None)),
             Verb::Rebuild => rebuild(campaign),
             Verb::Backup => backup(campaign, &room.join(AGAIN)).map(|status| (status, None)),
@@ -206,14 +206,15 @@ fn watch(campaign: &Path) -> Result<i32, PipelineError> {
     Ok(0)
 }
 
-pub fn tag(campaign: &Path, run: &str, key: &str, value: &str) -> Result<(), PipelineError> {
+pub fn tag(campaign: &Path, run: &str, key: &str, value: &str) -> Result<i32, PipelineError> {
     let mut context = Context::open_beside(campaign, false)?;
     let tags = SetTags {
         runs: vec![run.to_owned()],
         pairs: vec![(key.to_owned(), value.to_owned())],
         set_by: "ann".to_owned(),
     };
-    tags.run(&mut context, &Silent).map(drop)
+    let tagged = tags.run(&mut context, &Silent)?;
+    Ok(after(false, tagged.iter().all(|run| !run.waits)))
 }
 
 pub fn drop_run(campaign: &Path, run: &str, why: &str) -> Result<(), PipelineError> {
