@@ -157,11 +157,12 @@ impl CampaignFolder {
     }
 }
 
-/// Changes the current results of a kind in the database, each with a hash that is right for what it says then.
+/// Changes the current results of a kind in the database, with hashes and a sum that are right for what they say then.
 pub fn forge_results(folder: &Path, kind: &str, forge: impl Fn(&mut Value)) {
     let connection = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
     let sql = "SELECT id, kind, name, key, version, document, made_at FROM result
                WHERE kind = ?1 AND superseded_at IS NULL";
+    let mut sum = [0; 16];
     let mut statement = connection.prepare(sql).unwrap();
     let mut rows = statement.query([kind]).unwrap();
     while let Some(row) = rows.next().unwrap() {
@@ -170,25 +171,21 @@ pub fn forge_results(folder: &Path, kind: &str, forge: impl Fn(&mut Value)) {
         forge(&mut document);
         let document = document.to_string();
         let mut hasher = blake3::Hasher::new();
-        let of = [
-            text("kind"),
-            text("name"),
-            text("key"),
-            text("version"),
-            document.clone(),
-            text("made_at"),
-        ];
-        for text in of {
+        let [kind, name, key, version] = ["kind", "name", "key", "version"].map(text);
+        for text in [&kind, &name, &key, &version, &document, &text("made_at")] {
             hasher.update(&(text.len() as u64).to_le_bytes());
             hasher.update(text.as_bytes());
         }
         let hash = hasher.finalize().as_bytes()[..16].to_vec();
+        sum.iter_mut().zip(&hash).for_each(|(sum, hash)| *sum ^= hash);
         let id: i64 = row.get("id").unwrap();
         let sql = "UPDATE result SET document = ?2, hash = ?3 WHERE id = ?1";
         connection
             .execute(sql, rusqlite::params![id, document, hash])
             .unwrap();
     }
+    let sql = "UPDATE result_sum SET sum = ?2 WHERE kind = ?1";
+    connection.execute(sql, rusqlite::params![kind, sum]).unwrap();
 }
 
 /// Changes the database of a campaign behind the back of the program, with seals that are right for what it says then.
