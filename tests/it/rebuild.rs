@@ -260,7 +260,11 @@ fn an_old_database_that_cannot_be_read_is_a_loss_that_is_said() {
         let moved = rebuilt["rebuild"]["set_aside"].as_str().unwrap().to_owned();
         assert_eq!(fs::read_to_string(&moved).unwrap(), text);
         aside.push(moved);
-        // The journal is whole: nobody is asked after words.
+        // It is said until a person looked.
+        folder.ieap(&["status"]).expect(3);
+        folder
+            .ieap(&["run", "--no-diagnose", "--answer", "all tags are there"])
+            .expect(0);
         let tags = folder.ieap(&["tag", "runs/a.csv", "cycle=1"]).expect(0);
         assert!(tags.stdout.contains("note = said"), "{tags:?}");
         folder.ieap(&["run", "--no-diagnose"]).expect(0);

@@ -155,12 +155,35 @@ impl Store {
         })
     }
 
-    /// The current results of a kind, by name. That none is missing is held against the sum of their hashes: they are read from
-    /// the table itself, and not by an index.
+    /// The current results of a kind, by name.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn results<T: ResultDocument>(&self, kind: ResultKind) -> Result<Vec<StoredResult<T>>, StoreError> {
+        let mut found = self.current_results(kind, read)?;
+        found.sort_by(|a: &StoredResult<T>, b| a.origin.name.cmp(&b.origin.name));
+        Ok(found)
+    }
+
+    /// What the current results of a kind depend on, by name.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn result_keys(&self, kind: ResultKind) -> Result<BTreeMap<String, String>, StoreError> {
+        let keys = self.current_results(kind, |row| {
+            check(row)?;
+            Ok((row.get("name")?, row.get("key")?))
+        });
+        Ok(keys?.into_iter().collect())
+    }
+
+    /// Every current result of a kind, read from the table itself and not by an index; that none is missing is held against the
+    /// sum of their hashes.
+    fn current_results<T>(
+        &self,
+        kind: ResultKind,
+        read: impl Fn(&Row<'_>) -> Result<T, StepError>,
+    ) -> Result<Vec<T>, StoreError> {
         let _moment = self.snapshot()?;
         let sql =
             format!("SELECT {COLUMNS} FROM result NOT INDEXED WHERE kind = ?1 AND superseded_at IS NULL");
@@ -174,9 +197,7 @@ impl Store {
         if sum != stated {
             return Err(StoreError::Damaged { what: list_of(kind) });
         }
-        let mut found: Vec<StoredResult<T>> = found.into_iter().map(|(result, _)| result).collect();
-        found.sort_by(|a, b| a.origin.name.cmp(&b.origin.name));
-        Ok(found)
+        Ok(found.into_iter().map(|(result, _)| result).collect())
     }
 
     /// The current result of a name.
@@ -216,18 +237,6 @@ impl Store {
         );
         let found = self.rows("reading a result", &sql, values.as_slice(), read)?;
         Ok(found.into_iter().next())
-    }
-
-    /// What the current results of a kind depend on, by name.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn result_keys(&self, kind: ResultKind) -> Result<BTreeMap<String, String>, StoreError> {
-        let sql = "SELECT name, key FROM result WHERE kind = ?1 AND superseded_at IS NULL";
-        let keys = self.rows("reading what results depend on", sql, [kind.key()], |row| {
-            Ok((row.get("name")?, row.get("key")?))
-        });
-        Ok(keys?.into_iter().collect())
     }
 
     /// What pages draw of the current result of a name: the fields that [`ResultDocument::DRAWN`] names. None where there is

@@ -7,7 +7,7 @@
 -- One row a run: what was measured, under which tags, and whether anybody or anything speaks against it.
 CREATE VIEW runs_view AS
 WITH chosen AS (SELECT run_id, key, value FROM tag WHERE chosen = 1),
-fit AS (SELECT name, document FROM result WHERE kind = 'fit' AND superseded_at IS NULL AND document -> '$.found' IS NOT NULL),
+fit AS (SELECT name, document FROM result WHERE kind = 'fit' AND superseded_at IS NULL AND (document -> '$.found') IS NOT NULL),
 condemned AS (
     SELECT CAST(value ->> '$.run' AS VARCHAR) AS run, CAST(value ->> '$.reason' AS VARCHAR) AS reason
     FROM result, json_each(document, '$.found.condemned') WHERE kind IN ('group', 'run') AND superseded_at IS NULL

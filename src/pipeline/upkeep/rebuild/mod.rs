@@ -26,7 +26,7 @@ use crate::pipeline::{
     PipelineError,
 };
 use crate::store::journal::{self, Entry, Found, HeldJournal};
-use old::{OLD_NOT_READ, Old};
+use old::Old;
 use replay::Lost;
 
 /// The verb `rebuild`.
@@ -123,12 +123,9 @@ fn made(
     let held = journal::hold(folder)?;
     let mut kept = context.store.kept_for_later();
     say_what_came_meanwhile(context, &found, observer)?;
-    // That the old one could not be read is said by this rebuilding; what is certain to be missed is asked of a person.
-    let is_missed = |issue: &&Issue| issue.code != OLD_NOT_READ;
     let of_journal = old
         .wrong
         .iter()
-        .filter(is_missed)
         .map(|issue| format!("{}: {}", issue.place, issue.message));
     let of_runs = lost
         .iter()

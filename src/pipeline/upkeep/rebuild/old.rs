@@ -9,9 +9,6 @@ use crate::pipeline::{Context, PipelineError};
 use crate::store::journal::{self, Entry};
 use crate::store::{FILE_NAME, StoreError};
 
-/// Code of what is said where words of the old database could not be read.
-pub const OLD_NOT_READ: &str = "old-database-not-read";
-
 /// What looking at it came to.
 #[derive(Debug, Default)]
 pub struct Old {
@@ -47,8 +44,7 @@ pub fn brought_in(folder: &Path, allow_network: bool) -> Result<Old, PipelineErr
     } else {
         Vec::new()
     };
-    let is_whole = wrong.is_empty();
-    wrong.extend(union.unread.map(|why| not_read(&why, is_whole)));
+    wrong.extend(union.unread.map(|why| not_read(&why)));
     Ok(Old {
         of_database: carried.map(|line| line.entry.in_words()).collect(),
         wrong,
@@ -56,14 +52,10 @@ pub fn brought_in(folder: &Path, allow_network: bool) -> Result<Old, PipelineErr
 }
 
 /// What is said where words of the old database could not be read.
-fn not_read(why: &str, is_journal_whole: bool) -> Issue {
-    let told = if is_journal_whole {
-        "the journal is whole, and what is not in it was never acknowledged unless the journal is an older one"
-    } else {
-        "what neither it nor the journal gives is lost"
-    };
-    let message = format!("its words could not be read ({why}): {told}");
-    Issue::error(OLD_NOT_READ, message).at(FILE_NAME).mend(
+fn not_read(why: &str) -> Issue {
+    let message =
+        format!("its words could not be read ({why}); what the journal beside it does not say may be lost");
+    Issue::error("old-database-not-read", message).at(FILE_NAME).mend(
         "it lies beside the new one under the name that is told; where the reason has passed, put it back and rebuild once more",
     )
 }
