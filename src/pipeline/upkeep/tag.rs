@@ -55,7 +55,7 @@ impl SetTags {
     ) -> Result<Vec<TagSummary>, PipelineError> {
         self.check(&context.campaign)?;
         let runs = self.known_runs(context)?;
-        let before = issues_by_run(context)?;
+        let before = issues_by_run(context, &runs)?;
         let now = now();
         let tags: Vec<HandTag> = runs.iter().flat_map(|run| self.hand_tags(run, &now)).collect();
         context.store.add_hand_tags(&now, &tags)?;
@@ -71,7 +71,7 @@ impl SetTags {
         }
         let shelf = climate::Shelf::open(&context.store)?;
         climate::assess(context, &shelf)?;
-        let stored = stored_runs(context)?;
+        let stored = stored_runs(context, &runs)?;
         let summary = |path: &String| {
             let run = stored.iter().find(|run| run.path == *path);
             let known = before.get(path).map_or(&[] as &[Issue], Vec::as_slice);
@@ -155,16 +155,25 @@ impl TagSummary {
     }
 }
 
-/// Runs, modulus logs and spectra.
-fn stored_runs(context: &Context) -> Result<Vec<RunRecord>, PipelineError> {
-    let mut runs = context.store.runs()?;
-    runs.extend(context.store.dma_logs()?);
-    runs.extend(context.store.spectra()?);
+/// The runs, modulus logs and spectra of these names; the others are not read.
+fn stored_runs(context: &Context, names: &[String]) -> Result<Vec<RunRecord>, PipelineError> {
+    let mut runs = Vec::with_capacity(names.len());
+    for name in names {
+        runs.extend(context.store.run_named(name)?);
+    }
+    if runs.len() < names.len() {
+        let others = context
+            .store
+            .dma_logs()?
+            .into_iter()
+            .chain(context.store.spectra()?);
+        runs.extend(others.filter(|run| names.contains(&run.path)));
+    }
     Ok(runs)
 }
 
-fn issues_by_run(context: &Context) -> Result<BTreeMap<String, Vec<Issue>>, PipelineError> {
-    let runs = stored_runs(context)?.into_iter();
+fn issues_by_run(context: &Context, names: &[String]) -> Result<BTreeMap<String, Vec<Issue>>, PipelineError> {
+    let runs = stored_runs(context, names)?.into_iter();
     Ok(runs.map(|run| (run.path, run.issues)).collect())
 }
 
