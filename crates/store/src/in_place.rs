@@ -45,19 +45,31 @@ fn is_blank(path: &Path) -> bool {
 
 /// A mark for what is moved aside at `now`, under which nothing was before: two may be moved in one second. Whoever asks holds
 /// the lock of the campaign.
-pub fn free_mark(folder: &Path, now: &str) -> String {
-    let mark = now.replace([':', '-'], "");
-    let is_free = |mark: &String| {
-        let database = folder.join(format!("{FILE_NAME}.set-aside-{mark}"));
-        [database, journal::aside_in(folder, mark)]
-            .iter()
-            .all(|path| fs::symlink_metadata(path).is_err_and(|e| e.kind() == std::io::ErrorKind::NotFound))
-    };
-    let numbered = (2..).map(|n: u32| format!("{mark}-{n}"));
-    std::iter::once(mark.clone())
-        .chain(numbered)
-        .find(is_free)
-        .unwrap_or(mark)
+///
+/// # Errors
+/// The system cannot tell what is there.
+pub fn free_mark(folder: &Path, now: &str) -> Result<String, StoreError> {
+    let first = now.replace([':', '-'], "");
+    let (mut mark, mut more) = (first.clone(), 1);
+    while is_taken(&folder.join(format!("{FILE_NAME}.set-aside-{mark}")))?
+        || is_taken(&journal::aside_in(folder, &mark))?
+    {
+        more += 1;
+        mark = format!("{first}-{more}");
+    }
+    Ok(mark)
+}
+
+fn is_taken(path: &Path) -> Result<bool, StoreError> {
+    match fs::symlink_metadata(path) {
+        Ok(_) => Ok(true),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
+        Err(source) => Err(StoreError::File {
+            path: path.to_owned(),
+            doing: "looking for a free name",
+            source,
+        }),
+    }
 }
 
 /// Moves what lies in the place of the database aside, with its companions; gives the new name. `mark` tells it from
@@ -213,6 +225,21 @@ mod tests {
         std::fs::remove_file(&path).unwrap();
         drop(Store::open(folder.path()).unwrap());
         assert_eq!(found(folder.path()), Found::Something);
+    }
+
+    #[test]
+    fn what_is_set_aside_in_one_second_has_names_of_its_own_and_what_cannot_be_asked_ends() {
+        let folder = tempfile::tempdir().unwrap();
+        let mark = || free_mark(folder.path(), "2026-01-01T00:00:00Z");
+        assert_eq!(mark().unwrap(), "20260101T000000Z");
+        for expected in ["20260101T000000Z-2", "20260101T000000Z-3"] {
+            let taken = format!("{FILE_NAME}.set-aside-{}", mark().unwrap());
+            std::fs::write(folder.path().join(taken), "").unwrap();
+            assert_eq!(mark().unwrap(), expected);
+        }
+        let file = folder.path().join("no folder");
+        std::fs::write(&file, "").unwrap();
+        assert!(matches!(free_mark(&file, "now"), Err(StoreError::File { .. })));
     }
 
     #[test]

@@ -112,8 +112,6 @@ enum Document<T> {
 const DRAWN_HASH: &str = "drawn_hash";
 /// Level of compression of what is drawn.
 const ZSTD_LEVEL: i32 = 3;
-/// Larger is no curve of ours.
-const MOST_DRAWN_BYTES: usize = 1 << 30;
 const COLUMNS: &str = "id, superseded_at, kind, name, key, version, document, made_at, hash";
 
 impl Store {
@@ -253,7 +251,7 @@ impl Store {
             check(row)?;
             check_drawn(row)?;
             let drawn: Vec<u8> = row.get("drawn")?;
-            let text = zstd::bulk::decompress(&drawn, MOST_DRAWN_BYTES).map_err(|_| damaged(row))?;
+            let text = zstd::decode_all(drawn.as_slice()).map_err(|_| damaged(row))?;
             Ok(serde_json::from_slice(&text).map_err(|error| bad_value(&error))?)
         })?;
         Ok(found.into_iter().next())
@@ -552,160 +550,4 @@ fn bad_value(error: &serde_json::Error) -> StoreError {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use ieap_domain::testing::{fit, known};
-    use ieap_domain::{Fit, Quantity, RunCurve};
-
-    const NOW: &str = "2026-01-01T00:00:00Z";
-
-    /// A fit with numbers whose shortest decimals a careless reader misses by the last bit.
-    fn made() -> Fit {
-        let hard = vec![0.1 + 0.2, 1.0 / 3.0, 5e-324, 123456789.12345679];
-        let mut made = fit(&[("r1_ohm_cm2", known(hard[1], hard[0]))]);
-        made.curves = vec![RunCurve {
-            quantity: Quantity::Current,
-            time_s: hard.clone(),
-            measured: hard.clone(),
-            fitted: hard,
-            residual_sigma: vec![],
-            readings: 4,
-        }];
-        made
-    }
-
-    fn with(found: Result<&Fit, &Issue>) -> Store {
-        let mut store = Store::in_memory().unwrap();
-        let result = NewResult {
-            name: "runs/a.csv",
-            key: "k",
-            version: "1.0",
-            found,
-        };
-        store.keep_results(NOW, ResultKind::Fit, &[result]).unwrap();
-        store
-    }
-
-    fn read_back(store: &Store) -> Result<Option<StoredResult<Fit>>, StoreError> {
-        store.result(ResultKind::Fit, "runs/a.csv")
-    }
-
-    #[test]
-    fn a_result_comes_back_to_the_bit_and_its_curves_when_they_are_asked_for() {
-        let made = made();
-        let store = with(Ok(&made));
-        let stored = read_back(&store).unwrap().unwrap();
-        let found = stored.found.unwrap();
-        assert_eq!((&found.parameters, found.curves.len()), (&made.parameters, 0));
-        assert_eq!(store.fit_curves("runs/a.csv").unwrap().curves, made.curves);
-        let issue = Issue::warning("not-fitted", "too few readings");
-        let failed = with(Err(&issue));
-        assert_eq!(read_back(&failed).unwrap().unwrap().found, Err(issue));
-        assert_eq!(failed.fit_curves("runs/a.csv").unwrap().curves, []);
-        assert!(store.check_results().unwrap().is_empty() && failed.check_results().unwrap().is_empty());
-    }
-
-    #[test]
-    fn a_new_result_takes_the_place_of_the_one_before_and_a_retired_one_is_kept() {
-        let made = made();
-        let mut store = with(Ok(&made));
-        let newer = NewResult {
-            name: "runs/a.csv",
-            key: "k2",
-            version: "1.0",
-            found: Ok(&made),
-        };
-        store.keep_results(NOW, ResultKind::Fit, &[newer]).unwrap();
-        let keys = store.result_keys(ResultKind::Fit).unwrap();
-        assert_eq!(
-            keys.into_iter().collect::<Vec<_>>(),
-            [("runs/a.csv".to_owned(), "k2".to_owned())]
-        );
-        let before: StoredResult<Fit> = store
-            .result_then(ResultKind::Fit, "runs/a.csv", When::Before)
-            .unwrap()
-            .unwrap();
-        assert_eq!(before.origin.key, "k");
-        store
-            .retire_results(NOW, ResultKind::Fit, &["runs/a.csv".to_owned()])
-            .unwrap();
-        assert!(read_back(&store).unwrap().is_none());
-        assert!(store.check_results().unwrap().is_empty());
-    }
-
-    #[test]
-    fn whatever_changes_of_a_result_is_damage() {
-        for tampering in [
-            "UPDATE result SET name = 'runs/a.csv', document = replace(document, '0.3', '0.4')",
-            "UPDATE result SET key = 'other'",
-            "UPDATE result SET version = '1.1'",
-            "UPDATE result SET made_at = '2026-01-02T00:00:00Z'",
-            "UPDATE result SET document = substr(document, 2)",
-            "UPDATE result SET document = ''",
-            "UPDATE result SET hash = x''",
-        ] {
-            let store = with(Ok(&made()));
-            store.connection.execute_batch(tampering).unwrap();
-            let told = read_back(&store).unwrap_err();
-            assert!(matches!(told, StoreError::Damaged { .. }), "{tampering}: {told}");
-            assert!(told.to_string().contains("the fit of runs/a.csv"), "{told}");
-            assert!(!store.check_results().unwrap().is_empty(), "{tampering}");
-        }
-        // Given to another run, it is damage there.
-        let store = with(Ok(&made()));
-        store
-            .connection
-            .execute_batch("UPDATE result SET name = 'runs/b.csv'")
-            .unwrap();
-        assert!(store.result::<Fit>(ResultKind::Fit, "runs/b.csv").is_err());
-    }
-
-    /// A fit that is not there is no fit that was never made.
-    #[test]
-    fn a_result_that_is_gone_is_damage_of_the_list() {
-        for tampering in [
-            "DELETE FROM result",
-            "UPDATE result SET superseded_at = '2026-01-02T00:00:00Z'",
-            "UPDATE result SET kind = 'comparison'",
-            "DELETE FROM result_sum",
-        ] {
-            let store = with(Ok(&made()));
-            assert_eq!(store.results::<Fit>(ResultKind::Fit).unwrap().len(), 1);
-            store.connection.execute_batch(tampering).unwrap();
-            let told = store.results::<Fit>(ResultKind::Fit).unwrap_err();
-            assert!(matches!(told, StoreError::Damaged { .. }), "{tampering}: {told}");
-            assert!(!store.check_results().unwrap().is_empty(), "{tampering}");
-        }
-    }
-
-    #[test]
-    fn curves_that_changed_are_damage_and_numbers_are_read_without_them() {
-        let store = with(Ok(&made()));
-        let tampering = "UPDATE result SET drawn = zeroblob(length(drawn))";
-        store.connection.execute_batch(tampering).unwrap();
-        assert!(read_back(&store).unwrap().is_some());
-        assert!(matches!(
-            store.fit_curves("runs/a.csv"),
-            Err(StoreError::Damaged { .. })
-        ));
-        assert_eq!(store.check_results().unwrap().len(), 1);
-    }
-
-    #[test]
-    fn results_follow_a_run_to_its_new_name() {
-        let mut store = with(Ok(&made()));
-        store
-            .write("renaming", NOW, |transaction| {
-                rename(transaction, "runs/a.csv", "runs/b.csv")
-            })
-            .unwrap();
-        assert!(read_back(&store).unwrap().is_none());
-        assert!(
-            store
-                .result::<Fit>(ResultKind::Fit, "runs/b.csv")
-                .unwrap()
-                .is_some()
-        );
-        assert!(store.check_results().unwrap().is_empty());
-    }
-}
+mod tests;

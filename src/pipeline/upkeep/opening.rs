@@ -54,7 +54,7 @@ impl Context {
         archive.remove_partial()?;
         // Nobody says a word between the two.
         let _held = store::journal::hold(folder)?;
-        let mark = store::free_mark(folder, &now());
+        let mark = store::free_mark(folder, &now())?;
         let aside = store::set_aside(folder, &mark)?;
         store::journal::set_aside(folder, &mark)?;
         let store = Store::open(folder)?;
@@ -118,9 +118,10 @@ impl Context {
         } = self;
         // From here on it may be the only database that there is.
         drop(aside);
-        let mark = store::free_mark(&folder, &now());
-        let closed = store.close_whole();
-        let put = closed.and_then(|()| store::put_in_place(&aside::path_in(&folder), &folder, &mark));
+        let put = store.close_whole().and_then(|()| {
+            let mark = store::free_mark(&folder, &now())?;
+            store::put_in_place(&aside::path_in(&folder), &folder, &mark)
+        });
         let old = put.inspect_err(|_| aside::clear(&folder))?;
         aside::remove(&folder)?;
         if let Some(lock) = lock.as_mut() {
