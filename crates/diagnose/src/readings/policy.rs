@@ -76,6 +76,8 @@ pub(super) const KNOWN_FROM_SIGMAS: f64 = 5.0;
 
 /// Readings at rest from which a zero and a drift of the instrument are known. Chosen.
 pub(super) const FEWEST_AT_REST: usize = 8;
+/// Stretches of a rest whose means tell how well its mean is known. Chosen.
+pub(super) const REST_BLOCKS: usize = 4;
 /// Drift of an instrument over a record, current and curvature, as a part of the range that it reads, which is allowed for at
 /// most (standard deviation): an ammeter hardly drifts within a run, a laser or a camera's mount does. Chosen;
 /// `cargo run --release --example hide_and_seek -- null 40 1 zero laser` counts what it gives.

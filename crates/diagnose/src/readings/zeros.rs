@@ -9,7 +9,7 @@ use ieap_numerics::sums::sum;
 
 use crate::readings::group::{GroupRun, RunGroup};
 use crate::readings::left_open::LeftOpen;
-use crate::readings::policy::{FEWEST_AT_REST, MOST_DRIFT_PARTS};
+use crate::readings::policy::{FEWEST_AT_REST, MOST_DRIFT_PARTS, REST_BLOCKS};
 use ieap_domain::range_of;
 
 /// What the rest of a channel says of a zero and of a drift, each with its variance: in the unit of the channel, the drift over
@@ -18,9 +18,6 @@ struct AtRest {
     zero: (f64, f64),
     drift: (f64, f64),
 }
-
-/// Stretches of a rest whose means tell how well its mean is known.
-const BLOCKS: usize = 4;
 
 impl RunGroup<'_> {
     /// Finds anew how zeros and drifts change the whitened rows, beside a model that gives these values.
@@ -100,11 +97,11 @@ fn at_rest(run: &GroupRun, kind: usize, fitted: &[f64]) -> Option<AtRest> {
         .map(|(off, part)| off - mean - slope * (part - middle))
         .collect();
     // Means of neighbours hold what memory the noise has, and nothing that the model is asked about.
-    let blocks = left.chunks_exact(count / BLOCKS);
+    let blocks = left.chunks_exact(count / REST_BLOCKS);
     let of_mean = blocks
         .map(|block| (sum(block) / block.len() as f64).powi(2))
         .sum::<f64>()
-        / (BLOCKS * (BLOCKS - 2)) as f64;
+        / (REST_BLOCKS * (REST_BLOCKS - 2)) as f64;
     (square > 0.0).then(|| AtRest {
         zero: (mean, of_mean),
         drift: (slope, of_mean * n / square),
