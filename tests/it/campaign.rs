@@ -157,41 +157,46 @@ impl CampaignFolder {
     }
 }
 
-/// Changes the current results of a kind in the database, with hashes and a sum that are right for what they say then.
+/// Changes the current results of a kind in the database, with hashes that are right for what they say then.
 pub fn forge_results(folder: &Path, kind: &str, forge: impl Fn(&mut Value)) {
     let connection = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
-    let sql = "SELECT id, kind, name, key, version, document, made_at FROM result
-               WHERE kind = ?1 AND superseded_at IS NULL";
-    let mut sum = [0; 16];
+    let sql = "SELECT id, document FROM result WHERE kind = ?1 AND superseded_at IS NULL";
     let mut statement = connection.prepare(sql).unwrap();
-    let mut rows = statement.query([kind]).unwrap();
-    while let Some(row) = rows.next().unwrap() {
-        let text = |column: &str| row.get::<_, String>(column).unwrap();
-        let mut document: Value = serde_json::from_str(&text("document")).unwrap();
+    let rows = statement.query_map([kind], |row| {
+        Ok((row.get::<_, i64>(0)?, row.get::<_, String>(1)?))
+    });
+    let found: Vec<(i64, String)> = rows.unwrap().map(Result::unwrap).collect();
+    for (id, document) in found {
+        let mut document: Value = serde_json::from_str(&document).unwrap();
         forge(&mut document);
-        let document = document.to_string();
-        let mut hasher = blake3::Hasher::new();
-        let [kind, name, key, version] = ["kind", "name", "key", "version"].map(text);
-        for text in [&kind, &name, &key, &version, &document, &text("made_at")] {
-            hasher.update(&(text.len() as u64).to_le_bytes());
-            hasher.update(text.as_bytes());
-        }
-        let hash = hasher.finalize().as_bytes()[..16].to_vec();
-        sum.iter_mut().zip(&hash).for_each(|(sum, hash)| *sum ^= hash);
-        let id: i64 = row.get("id").unwrap();
-        let sql = "UPDATE result SET document = ?2, hash = ?3 WHERE id = ?1";
+        let sql = "UPDATE result SET document = ?2 WHERE id = ?1";
         connection
-            .execute(sql, rusqlite::params![id, document, hash])
+            .execute(sql, rusqlite::params![id, document.to_string()])
             .unwrap();
     }
-    let sql = "UPDATE result_sum SET sum = ?2 WHERE kind = ?1";
-    connection.execute(sql, rusqlite::params![kind, sum]).unwrap();
+    self::forge(folder, "");
 }
 
-/// Changes the database of a campaign behind the back of the program, with seals that are right for what it says then.
+/// Changes the database of a campaign behind the back of the program, with hashes that are right for what it says then.
 pub fn forge(folder: &Path, sql: &str) {
     let store = ieap::store::Store::open(folder).unwrap();
     let connection = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
     connection.execute_batch(sql).unwrap();
-    store.seal_anew().unwrap();
+    store.hash_anew().unwrap();
+}
+
+/// The value of a tag that holds for the current run of that name.
+pub fn chosen_tag(folder: &Path, run: &str, key: &str) -> Option<String> {
+    let sql = "SELECT value FROM tags_view WHERE run = ?1 AND key = ?2 AND chosen = 1";
+    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+    database.query_row(sql, [run, key], |row| row.get(0)).ok()
+}
+
+/// Current runs with an issue of that code, each with what it says.
+pub fn run_issues(folder: &Path, code: &str) -> Vec<(String, String)> {
+    let store = ieap::store::Store::open_read_only(folder).unwrap().unwrap();
+    let found = store.issues_of_code(code).unwrap().into_iter();
+    found
+        .map(|(run, issue)| (run, issue.message.to_string()))
+        .collect()
 }

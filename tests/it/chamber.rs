@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use crate::campaign::{CampaignFolder, run_table};
+use crate::campaign::{CampaignFolder, chosen_tag, run_issues, run_table};
 
 const TOML: &str = r#"
 [campaign]
@@ -88,21 +88,13 @@ fn folder() -> CampaignFolder {
 }
 
 fn tag(folder: &CampaignFolder, run: &str, key: &str) -> Option<f64> {
-    let sql = "SELECT value FROM tag JOIN run ON run.id = run_id \
-               WHERE path = ?1 AND key = ?2 AND chosen = 1 AND superseded_at IS NULL";
-    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
-    let found = database.query_row(sql, [run, key], |row| row.get::<_, String>(0));
-    found.ok().map(|value| value.parse().unwrap())
+    chosen_tag(folder.path(), run, key).map(|value| value.parse().unwrap())
 }
 
 /// Runs with an issue of that code.
 fn issues(folder: &CampaignFolder, code: &str) -> Vec<String> {
-    let sql = "SELECT path FROM run_issue JOIN run ON run.id = run_id \
-               WHERE code = ?1 AND superseded_at IS NULL ORDER BY path";
-    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
-    let mut statement = database.prepare(sql).unwrap();
-    let found = statement.query_map([code], |row| row.get(0)).unwrap();
-    found.map(Result::unwrap).collect()
+    let found = run_issues(folder.path(), code).into_iter();
+    found.map(|(run, _)| run).collect()
 }
 
 #[test]

@@ -139,10 +139,10 @@ fn a_number_that_changed_in_the_database_ends_with_status_4_and_a_way_to_mend() 
     for tampering in [
         "UPDATE result SET document = replace(document, '\"value\":', '\"value\":1')",
         "UPDATE result SET document = json_remove(document, '$.found.parameters[1]')",
-        "UPDATE result SET hash = x'00'",
-        "UPDATE tag SET value = 'vacuum' WHERE key = 'environment'",
-        "UPDATE run SET area_cm2 = area_cm2 * 2",
-        "DELETE FROM tag WHERE ordinal = 0",
+        "UPDATE result SET row_hash = x'00'",
+        "UPDATE run SET tagging = replace(tagging, 'environment', 'environmint')",
+        "UPDATE run SET tagging = json_set(tagging, '$.area_cm2', 2)",
+        "UPDATE run SET tagging = json_remove(tagging, '$.tags[0]')",
         "UPDATE run SET superseded_at = '2026-01-01T00:00:00Z'",
     ] {
         let folder = CampaignFolder::new();
@@ -175,7 +175,7 @@ fn readings_are_held_against_their_hash() {
     let folder = CampaignFolder::new();
     folder.write("runs/a.csv", run_table(1));
     folder.ieap(&["run", "--no-diagnose"]).expect(0);
-    // The seal is right, the hash of the readings is not.
+    // The hashes of the rows are right, that of the readings is not.
     forge(
         folder.path(),
         "UPDATE channel SET value_blob = (SELECT value_blob FROM channel WHERE ordinal = 0) WHERE ordinal = 1",
@@ -192,7 +192,7 @@ fn the_structure_is_looked_at_after_a_disorderly_end() {
     let page: usize = rusqlite::Connection::open(folder.join("campaign.db"))
         .unwrap()
         .query_row(
-            "SELECT rootpage FROM sqlite_schema WHERE name = 'tag_key'",
+            "SELECT rootpage FROM sqlite_schema WHERE name = 'result_name'",
             [],
             |row| Ok(row.get::<_, i64>(0)? as usize),
         )

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;
 
-use crate::campaign::{CampaignFolder, run_table};
+use crate::campaign::{CampaignFolder, chosen_tag, run_issues, run_table};
 
 /// Readings every third day from 1 March 2026: 2.5 Ohm/sq with an error of 2 %, a crack to 4 before the 15th.
 fn table(readings: usize) -> String {
@@ -47,10 +47,7 @@ fn folder() -> CampaignFolder {
 }
 
 fn tag(folder: &CampaignFolder, run: &str, key: &str) -> Option<f64> {
-    let sql = "SELECT value FROM tag JOIN run ON run.id = run_id WHERE path = ?1 AND key = ?2 AND chosen = 1";
-    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
-    let found = database.query_row(sql, [run, key], |row| row.get::<_, String>(0));
-    found.ok().map(|value| value.parse().unwrap())
+    chosen_tag(folder.path(), run, key).map(|value| value.parse().unwrap())
 }
 
 fn cell<'a>(document: &'a Value, row: usize, key: &str) -> &'a Value {
@@ -72,9 +69,7 @@ fn runs_get_what_the_probe_read_and_a_crack_is_told() {
         tag(&folder, "runs/late.csv", "electrode_resistance_ohm_per_sq"),
         None
     );
-    let issue = "SELECT message FROM run_issue WHERE code = 'probe-not-covered'";
-    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
-    let said: String = database.query_row(issue, [], |row| row.get(0)).unwrap();
+    let (_, said) = run_issues(folder.path(), "probe-not-covered").remove(0);
     assert!(said.contains("more than 7"), "{said}");
     let page = folder.report("monitoring.html");
     assert!(page.contains("Electrodes of S1: A crack"), "{page}");

@@ -4,6 +4,8 @@
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
+use ieap::pipeline::Context;
+
 use crate::campaign::CampaignFolder;
 
 /// Three runs: one tagged by hand, one dropped, all fitted with a model that was asked for by hand.
@@ -34,8 +36,15 @@ fn words_and_numbers_are_those_of_before() {
     // Whoever only reads says what to do.
     let refused = folder.ieap(&["table", "fits"]).expect(4);
     assert!(refused.stderr.contains("`ieap run`"), "{refused:?}");
+    let context = Context::open(folder.path(), false).unwrap();
+    let codes: Vec<&str> = context.agreed.iter().map(|issue| &*issue.code).collect();
+    assert_eq!(codes, ["database-made-anew"]);
+    drop(context);
     folder.ieap(&["run", "--no-diagnose"]).expect(0);
-    assert!(folder.join("campaign.db.schema-17.backup").exists());
+    let names = std::fs::read_dir(folder.path()).unwrap();
+    let names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let is_aside = |name: &String| name.starts_with("campaign.db.set-aside-") && name.ends_with('Z');
+    assert_eq!(names.filter(is_aside).count(), 1);
     let fits = folder.ieap(&["fit", "--json"]).expect(0).json();
     let mut compared = 0;
     for fit in fits["fits"].as_array().unwrap() {

@@ -121,7 +121,7 @@ impl Channel {
 }
 
 /// A channel without its readings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ChannelSummary {
     /// What is measured.
     pub quantity: Quantity,

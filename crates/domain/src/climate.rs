@@ -273,7 +273,7 @@ pub fn sensor_words(sensor: &str) -> String {
 }
 
 /// Climate around a run, thinned for drawing.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ClimateCurve {
     /// The sensor.
     pub sensor: String,

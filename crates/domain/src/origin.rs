@@ -34,7 +34,7 @@ pub struct StartedAt {
 }
 
 /// The clock of one file of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RunClock {
     /// Path of the file, relative to the campaign.
     pub file: String,
@@ -68,7 +68,7 @@ string_enum! {
 }
 
 /// What has to be added to the times of one clock to have those of the run's reference clock.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ClockOffset {
     /// Which of the run's clocks.
     pub clock: usize,
@@ -102,7 +102,7 @@ pub struct FlaggedStretch {
 }
 
 /// The profile that a file was read with.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct ProfileUse {
     /// Ordinal of the file among those of the run.
     pub file: usize,
@@ -118,7 +118,7 @@ pub struct ProfileUse {
 }
 
 /// What the readings of a run rest on beside their files.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RunOrigin {
     /// Clocks in the order of the run's files.
     pub clocks: Vec<RunClock>,

@@ -72,6 +72,44 @@ fn unpack<const WIDTH: usize>(packed: &[u8]) -> Result<Vec<[u8; WIDTH]>, StoreEr
     Ok((0..count).map(reading).collect())
 }
 
+/// BLAKE3 of blobs in order, hexadecimal.
+pub(super) fn hash_of(blobs: &[&[u8]]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for blob in blobs {
+        hasher.update(&(blob.len() as u64).to_le_bytes());
+        hasher.update(blob);
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// Level of compression of documents that are blobs.
+const DOCUMENT_LEVEL: i32 = 3;
+
+/// A value as compressed JSON.
+pub(super) fn packed_json<T: serde::Serialize + ?Sized>(
+    what: &'static str,
+    value: &T,
+) -> Result<Vec<u8>, StoreError> {
+    let text = serde_json::to_vec(value).map_err(|e| bad(what, &e))?;
+    zstd::bulk::compress(&text, DOCUMENT_LEVEL).map_err(|e| bad(what, &e))
+}
+
+/// The value of compressed JSON.
+pub(super) fn unpacked_json<T: serde::de::DeserializeOwned>(
+    what: &'static str,
+    packed: &[u8],
+) -> Result<T, StoreError> {
+    let text = zstd::decode_all(packed).map_err(|e| bad(what, &e))?;
+    serde_json::from_slice(&text).map_err(|e| bad(what, &e))
+}
+
+fn bad(what: &'static str, error: &dyn std::fmt::Display) -> StoreError {
+    StoreError::BadValue {
+        what,
+        detail: error.to_string(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;

@@ -1,13 +1,18 @@
 //! Climate logs: files of loggers, their series, and what they come to together.
 
-use rusqlite::{Row, params};
+use rusqlite::{OptionalExtension, Row, params};
+use serde::{Deserialize, Serialize};
 
-use super::blob::pack_f64;
-use super::columns::{count_in, json_in, key_in, series_in, to_json};
+use super::blob::{hash_of, pack_f64, unpack_f64};
+use super::columns::{json_in, to_json};
 use super::files::{take_new_name, upsert_file};
 use super::journal::{Entry, NamedBytes};
-use super::{FileRow, RunContent, StepError, Store, StoreError, Subject, Transaction};
+use super::results::ResultDocument;
+use super::rows::CLIMATE_LOG;
+use super::{FileRow, RunContent, StepError, Store, StoreError, Transaction};
 use ieap_domain::{ClimateAssessment, ClimateQuantity, Issue, LogReadings, LogSeries, RunStatus};
+
+impl ResultDocument for ClimateAssessment {}
 
 /// A log that was read from a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +66,47 @@ pub struct NewSeries {
     pub readings: LogReadings,
 }
 
+/// What stands in the column `reading`.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct LogDocument {
+    format: String,
+    reader_version: u32,
+    encoding: Option<String>,
+    status: RunStatus,
+    status_evidence: String,
+    started_raw: String,
+    clock_start_s: f64,
+    clock_offset: Option<String>,
+    clock_set_back: Vec<(f64, f64)>,
+    data_hash: String,
+    issues: Vec<Issue>,
+    series: Vec<SeriesDocument>,
+    original_metadata: Vec<(String, String)>,
+}
+
+/// A series without its readings, and the hash of the blobs that hold them.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct SeriesDocument {
+    sensor: String,
+    quantity: ClimateQuantity,
+    raw_name: String,
+    raw_unit: String,
+    not_used: Option<String>,
+    readings: usize,
+    interval_s: f64,
+    first_s: f64,
+    length_s: f64,
+    hash: String,
+}
+
+/// A revision of a log as it is stored.
+struct LogRow {
+    id: i64,
+    path: String,
+    hash: String,
+    reading: LogDocument,
+}
+
 /// A log without its series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogRecord {
@@ -88,7 +134,7 @@ impl Store {
                 file: file_of_log,
                 revision,
             };
-            transaction.says(now, entry);
+            transaction.says(now, entry)?;
             upsert_file(transaction, file)
         })
     }
@@ -99,11 +145,17 @@ impl Store {
     /// See [`StoreError`].
     pub fn rename_log(&mut self, now: &str, old: &str, new: &str, file: &FileRow) -> Result<(), StoreError> {
         self.write("renaming a climate log", now, |transaction| {
-            transaction.changes(Subject::Logs)?;
-            for id in transaction.ids("SELECT id FROM climate_log WHERE path = ?1", old)? {
-                transaction.changes(Subject::Log(id))?;
+            let ids: Vec<i64> = transaction
+                .prepare_cached("SELECT id FROM climate_log WHERE path = ?1")?
+                .query_map([old], |row| row.get(0))?
+                .collect::<rusqlite::Result<_>>()?;
+            for id in ids {
+                transaction.change(CLIMATE_LOG, ("id = ?1", &id), || {
+                    let sql = "UPDATE climate_log SET path = ?2 WHERE id = ?1";
+                    transaction.prepare_cached(sql)?.execute(params![id, new])?;
+                    Ok(())
+                })?;
             }
-            transaction.execute("UPDATE climate_log SET path = ?2 WHERE path = ?1", [old, new])?;
             take_new_name(transaction, now, old, file)
         })
     }
@@ -113,9 +165,15 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn logs_with_content(&self, hash: &str) -> Result<Vec<(String, String)>, StoreError> {
-        let sql = "SELECT path, format || '/' || reader_version FROM climate_log
-                   WHERE hash = ?1 AND superseded_at IS NULL ORDER BY path";
-        self.all_of(sql, [hash], |row| Ok((row.get(0)?, row.get(1)?)))
+        let mut logs = self.current_logs()?;
+        logs.retain(|log| log.hash == hash);
+        let of = |log: LogRow| {
+            (
+                log.path,
+                format!("{}/{}", log.reading.format, log.reading.reader_version),
+            )
+        };
+        Ok(logs.into_iter().map(of).collect())
     }
 
     /// Whether a log of that path was stored, now or earlier.
@@ -123,8 +181,11 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn has_log(&self, path: &str) -> Result<bool, StoreError> {
-        let sql = "SELECT 1 FROM climate_log WHERE path = ?1 LIMIT 1";
-        Ok(!self.all_of(sql, [path], |_| Ok(()))?.is_empty())
+        self.connection
+            .prepare_cached("SELECT 1 FROM climate_log WHERE path = ?1 LIMIT 1")
+            .and_then(|mut statement| statement.query_row([path], |_| Ok(())).optional())
+            .map(|found| found.is_some())
+            .map_err(|e| self.failed("looking for a climate log", e))
     }
 
     /// Every current log, by path.
@@ -132,15 +193,12 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn logs(&self) -> Result<Vec<LogRecord>, StoreError> {
-        self.check_logs()?;
-        let sql = "SELECT path, format, issues FROM climate_log WHERE superseded_at IS NULL ORDER BY path";
-        self.all_of(sql, [], |row| {
-            Ok(LogRecord {
-                path: row.get("path")?,
-                format: row.get("format")?,
-                issues: json_in(row, "issues", "a log's issues")?,
-            })
-        })
+        let of = |log: LogRow| LogRecord {
+            path: log.path,
+            format: log.reading.format,
+            issues: log.reading.issues,
+        };
+        Ok(self.current_logs()?.into_iter().map(of).collect())
     }
 
     /// Every series of the current logs, by path and order in the file.
@@ -148,12 +206,8 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn log_series(&self) -> Result<Vec<LogSeries>, StoreError> {
-        self.check_logs()?;
-        let sql = "SELECT id, ordinal, path, data_hash, sensor, quantity, not_used, readings, interval_s,
-                          clock_start_s, clock_offset, clock_set_back, first_s, length_s
-                   FROM climate_series JOIN climate_log ON climate_log.id = climate_series.log_id
-                   WHERE superseded_at IS NULL ORDER BY path, ordinal";
-        self.all_of(sql, [], read_series)
+        let logs = self.current_logs()?;
+        Ok(logs.into_iter().flat_map(series_of).collect())
     }
 
     /// Readings of a series.
@@ -161,177 +215,188 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn log_readings(&self, series: &LogSeries) -> Result<LogReadings, StoreError> {
-        self.check_seal(&Subject::Series(series.log_id, series.ordinal.into()))?;
+        let doing = "reading a climate series";
+        let _moment = self.snapshot()?;
+        let log = self.kept(
+            doing,
+            CLIMATE_LOG,
+            ("", "WHERE id = ?1"),
+            [series.log_id],
+            read_log,
+        )?;
+        let ordinal = series.ordinal as usize;
+        let document = log.first().and_then(|log| log.reading.series.get(ordinal));
         let sql = "SELECT coalesce(own.time_blob, shared.time_blob) AS time_blob, own.value_blob
                    FROM climate_series AS own
                    JOIN climate_series AS shared ON shared.log_id = own.log_id AND shared.ordinal = own.time_of
                    WHERE own.log_id = ?1 AND own.ordinal = ?2";
-        let found = self.all_of(sql, params![series.log_id, series.ordinal], |row| {
-            Ok(LogReadings {
-                elapsed_s: series_in(row, "time_blob")?,
-                values: series_in(row, "value_blob")?,
-            })
+        let blobs = self.rows(doing, sql, params![series.log_id, series.ordinal], |row| {
+            let time: Option<Vec<u8>> = row.get("time_blob")?;
+            Ok((time.unwrap_or_default(), row.get::<_, Vec<u8>>("value_blob")?))
         })?;
-        let whole = found
+        let is_whole = |(time, values): &&(Vec<u8>, Vec<u8>)| {
+            document.is_some_and(|document| document.hash == hash_of(&[time, values]))
+        };
+        let (time, values) = blobs.iter().find(is_whole).ok_or_else(|| StoreError::Damaged {
+            what: format!("series {} of climate log {}", series.ordinal, series.path),
+        })?;
+        Ok(LogReadings {
+            elapsed_s: unpack_f64(time)?,
+            values: unpack_f64(values)?,
+        })
+    }
+
+    /// Path and hash of the file of every current log.
+    pub(super) fn log_files(&self) -> Result<Vec<(String, String)>, StoreError> {
+        Ok(self
+            .current_logs()?
             .into_iter()
-            .find(|readings| readings.elapsed_s.len() == readings.values.len());
-        whole.ok_or_else(|| StoreError::BadValue {
-            what: "a climate series",
-            detail: format!("{} of {}", series.quantity.key(), series.path),
-        })
+            .map(|log| (log.path, log.hash))
+            .collect())
     }
 
-    /// What the logs came to when it was last computed, with the digest of what it was computed from.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn climate_assessment(&self) -> Result<Option<(String, ClimateAssessment)>, StoreError> {
-        self.check_seal(&Subject::Assessment)?;
-        let sql = "SELECT inputs, document FROM climate_assessment";
-        let found = self.rows("reading the climate", sql, [], |row| {
-            Ok((row.get("inputs")?, json_in(row, "document", "the climate")?))
-        });
-        Ok(found?.into_iter().next())
-    }
-
-    /// Puts a new assessment in place of the one before.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn save_climate_assessment(
-        &mut self,
-        now: &str,
-        inputs: &str,
-        assessment: &ClimateAssessment,
-    ) -> Result<(), StoreError> {
-        let document = to_json("the climate", assessment)?;
-        self.write("storing the climate", now, |transaction| {
-            transaction.changes(Subject::Assessment)?;
-            let sql = "INSERT OR REPLACE INTO climate_assessment VALUES (1, ?1, ?2)";
-            transaction.execute(sql, [inputs, &document])?;
-            Ok(())
-        })
-    }
-
-    /// Holds the current logs against their seals.
-    fn check_logs(&self) -> Result<(), StoreError> {
-        let _moment = self.snapshot()?;
-        self.check_seal(&Subject::Logs)?;
-        let sql = "SELECT id FROM climate_log WHERE superseded_at IS NULL ORDER BY path";
-        let ids: Vec<i64> = self.all_of(sql, [], |row| Ok(row.get(0)?))?;
-        ids.into_iter()
-            .try_for_each(|id| self.check_seal(&Subject::Log(id)))
-    }
-
-    /// Rows of `sql`, read one by one.
-    fn all_of<T>(
-        &self,
-        sql: &str,
-        parameters: impl rusqlite::Params,
-        read: impl Fn(&Row<'_>) -> Result<T, StepError>,
-    ) -> Result<Vec<T>, StoreError> {
-        self.rows("reading climate logs", sql, parameters, read)
+    /// Every current log as it is stored, by path.
+    fn current_logs(&self) -> Result<Vec<LogRow>, StoreError> {
+        let mut logs = self.listed("reading climate logs", CLIMATE_LOG, "climate_log", read_log)?;
+        logs.sort_by(|a, b| a.path.cmp(&b.path));
+        Ok(logs)
     }
 }
 
-fn read_series(row: &Row<'_>) -> Result<LogSeries, StepError> {
-    let first_s: f64 = row.get("first_s")?;
-    let set_back: Vec<(f64, f64)> = json_in(row, "clock_set_back", "a clock")?;
-    Ok(LogSeries {
-        log_id: row.get("id")?,
-        ordinal: row.get("ordinal")?,
+fn read_log(row: &Row<'_>) -> Result<LogRow, StepError> {
+    Ok(LogRow {
+        id: row.get("id")?,
         path: row.get("path")?,
-        data_hash: row.get("data_hash")?,
-        sensor: row.get("sensor")?,
-        quantity: key_in(row, "quantity", "a quantity", ClimateQuantity::from_key)?,
-        not_used: row.get("not_used")?,
-        readings: count_in(row, "readings")?,
-        interval_s: row.get("interval_s")?,
-        clock_start_s: row.get("clock_start_s")?,
-        first_s,
-        length_s: row.get("length_s")?,
-        clock_offset: row.get("clock_offset")?,
-        clock_set_back: set_back,
+        hash: row.get("hash")?,
+        reading: json_in(row, "reading", "what was read of a climate log")?,
     })
+}
+
+fn series_of(log: LogRow) -> Vec<LogSeries> {
+    let LogRow {
+        id, path, reading, ..
+    } = log;
+    let series = reading.series.into_iter().zip(0..);
+    let of = |(series, ordinal): (SeriesDocument, u32)| LogSeries {
+        log_id: id,
+        ordinal,
+        path: path.clone(),
+        data_hash: reading.data_hash.clone(),
+        sensor: series.sensor,
+        quantity: series.quantity,
+        not_used: series.not_used,
+        readings: series.readings,
+        interval_s: series.interval_s,
+        clock_start_s: reading.clock_start_s,
+        first_s: series.first_s,
+        length_s: series.length_s,
+        clock_offset: reading.clock_offset.clone(),
+        clock_set_back: reading.clock_set_back.clone(),
+    };
+    series.map(of).collect()
 }
 
 fn insert_log(transaction: &Transaction<'_>, now: &str, log: &NewLog) -> Result<i64, StepError> {
     let content = &log.content;
     content.insert(transaction, now)?;
-    transaction.changes(Subject::Logs)?;
-    let current = "SELECT id FROM climate_log WHERE path = ?1 AND superseded_at IS NULL";
-    for id in transaction.ids(current, &content.path)? {
-        transaction.changes(Subject::Log(id))?;
-    }
-    transaction
-        .prepare_cached(
-            "UPDATE climate_log SET superseded_at = ?2 WHERE path = ?1 AND superseded_at IS NULL",
-        )?
-        .execute(params![content.path, now])?;
-    let revision: i64 = transaction
-        .prepare_cached("SELECT coalesce(max(revision), 0) + 1 FROM climate_log WHERE path = ?1")?
-        .query_row([&content.path], |row| row.get(0))?;
-    let sql = "INSERT INTO climate_log (path, revision, hash, format, reader_version, encoding, status,
-                 status_evidence, started_raw, clock_start_s, clock_offset, clock_set_back, original_metadata,
-                 issues, data_hash, ingested_at)
-               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)";
-    transaction.prepare_cached(sql)?.execute(params![
-        content.path,
-        revision,
-        content.hash,
-        log.format,
-        log.reader_version,
-        log.encoding,
-        log.status.key(),
-        log.status_evidence,
-        log.started_raw,
-        log.clock_start_s,
-        log.clock_offset,
-        to_json("a clock", &log.clock_set_back)?,
-        to_json("a file's metadata", &log.original_metadata)?,
-        to_json("a log's issues", &log.issues)?,
-        log.data_hash,
-        now
-    ])?;
-    let log_id = transaction.last_insert_rowid();
-    transaction.made(Subject::Log(log_id));
-    insert_series(transaction, log_id, &log.series)?;
+    let packed = log
+        .series
+        .iter()
+        .map(PackedSeries::of)
+        .collect::<Result<Vec<_>, _>>()?;
+    let reading = to_json("what was read of a climate log", &log_document(log, &packed))?;
+    let current = (
+        "path = ?1 AND superseded_at IS NULL",
+        &content.path as &dyn rusqlite::ToSql,
+    );
+    let (log_id, revision) = transaction.change(CLIMATE_LOG, current, || {
+        transaction
+            .prepare_cached("UPDATE climate_log SET superseded_at = ?2 WHERE path = ?1 AND superseded_at IS NULL")?
+            .execute(params![content.path, now])?;
+        let revision: i64 = transaction
+            .prepare_cached("SELECT coalesce(max(revision), 0) + 1 FROM climate_log WHERE path = ?1")?
+            .query_row([&content.path], |row| row.get(0))?;
+        let sql = "INSERT INTO climate_log (path, revision, hash, ingested_at, reading) VALUES (?1, ?2, ?3, ?4, ?5)";
+        let values = params![content.path, revision, content.hash, now, reading];
+        transaction.prepare_cached(sql)?.execute(values)?;
+        Ok((transaction.last_insert_rowid(), revision))
+    })?;
+    insert_series(transaction, log_id, &packed)?;
     Ok(revision)
 }
 
-fn insert_series(transaction: &Transaction<'_>, log_id: i64, series: &[NewSeries]) -> Result<(), StepError> {
-    let sql =
-        "INSERT INTO climate_series VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)";
-    for (ordinal, one) in series.iter().enumerate() {
-        let times = &one.readings.elapsed_s;
-        let time_of = series[..ordinal]
-            .iter()
-            .position(|earlier| earlier.readings.elapsed_s == *times);
-        let time_blob = match time_of {
-            Some(_) => None,
-            None => Some(pack_f64(times)?),
-        };
+fn log_document(log: &NewLog, packed: &[PackedSeries]) -> LogDocument {
+    let series = log.series.iter().zip(packed);
+    let of = |(series, packed): (&NewSeries, &PackedSeries)| {
+        let times = &series.readings.elapsed_s;
         let (first_s, last_s) = (
             times.first().copied().unwrap_or(0.0),
             times.last().copied().unwrap_or(0.0),
         );
-        transaction.made(Subject::Series(log_id, ordinal as i64));
-        transaction.prepare_cached(sql)?.execute(params![
-            log_id,
-            ordinal as i64,
-            one.sensor,
-            one.quantity.key(),
-            one.raw_name,
-            one.raw_unit,
-            one.not_used,
-            one.readings.values.len() as i64,
-            one.interval_s,
+        SeriesDocument {
+            sensor: series.sensor.clone(),
+            quantity: series.quantity,
+            raw_name: series.raw_name.clone(),
+            raw_unit: series.raw_unit.clone(),
+            not_used: series.not_used.clone(),
+            readings: series.readings.values.len(),
+            interval_s: series.interval_s,
             first_s,
-            last_s - first_s,
-            time_of.unwrap_or(ordinal) as i64,
-            time_blob,
-            pack_f64(&one.readings.values)?,
-        ])?;
+            length_s: last_s - first_s,
+            hash: hash_of(&[&packed.time, &packed.values]),
+        }
+    };
+    LogDocument {
+        format: log.format.clone(),
+        reader_version: log.reader_version,
+        encoding: log.encoding.clone(),
+        status: log.status,
+        status_evidence: log.status_evidence.clone(),
+        started_raw: log.started_raw.clone(),
+        clock_start_s: log.clock_start_s,
+        clock_offset: log.clock_offset.clone(),
+        clock_set_back: log.clock_set_back.clone(),
+        data_hash: log.data_hash.clone(),
+        issues: log.issues.clone(),
+        series: series.map(of).collect(),
+        original_metadata: log.original_metadata.clone(),
+    }
+}
+
+/// The blobs of a series.
+struct PackedSeries {
+    time: Vec<u8>,
+    values: Vec<u8>,
+}
+
+impl PackedSeries {
+    fn of(series: &NewSeries) -> Result<PackedSeries, StoreError> {
+        Ok(PackedSeries {
+            time: pack_f64(&series.readings.elapsed_s)?,
+            values: pack_f64(&series.readings.values)?,
+        })
+    }
+}
+
+/// A series whose times are those of an earlier one is stored without them.
+fn insert_series(
+    transaction: &Transaction<'_>,
+    log_id: i64,
+    series: &[PackedSeries],
+) -> Result<(), StepError> {
+    for (ordinal, one) in series.iter().enumerate() {
+        let time_of = series[..ordinal]
+            .iter()
+            .position(|earlier| earlier.time == one.time);
+        transaction
+            .prepare_cached("INSERT INTO climate_series VALUES (?1, ?2, ?3, ?4, ?5)")?
+            .execute(params![
+                log_id,
+                ordinal as i64,
+                time_of.unwrap_or(ordinal) as i64,
+                time_of.is_none().then_some(&one.time),
+                one.values,
+            ])?;
     }
     Ok(())
 }

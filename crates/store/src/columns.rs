@@ -2,17 +2,11 @@
 
 use rusqlite::Row;
 
-use super::blob::unpack_f64;
 use super::{StepError, StoreError};
 
 /// A column's number of things.
 pub(super) fn count_in(row: &Row<'_>, column: &str) -> rusqlite::Result<usize> {
     Ok(row.get::<_, i64>(column)?.unsigned_abs() as usize)
-}
-
-/// A column's blob of numbers.
-pub(super) fn series_in(row: &Row<'_>, column: &str) -> Result<Vec<f64>, StepError> {
-    Ok(unpack_f64(&row.get::<_, Vec<u8>>(column)?)?)
 }
 
 /// The closed vocabulary's member that is stored under a column's key.

@@ -1,14 +1,15 @@
 //! Copies of a database that is in use.
 
-use crate::journal::Journal;
+use std::cell::RefCell;
 use std::path::Path;
 
 use rusqlite::backup::{Backup, StepResult};
 use rusqlite::{Connection, OpenFlags};
 
+use super::journal::Journal;
 use super::place::Place;
-use super::store::{as_uri, check_sqlite, named, open_to_read};
-use super::{Seals, Store, StoreError, migration};
+use super::store::{as_uri, check_sqlite, open_to_read};
+use super::{Store, StoreError, migration};
 
 /// Pages that are copied between two words of progress: 4 MB.
 const PAGES: std::ffi::c_int = 1024;
@@ -65,19 +66,12 @@ impl Store {
         let (connection, found) = open_to_read(path, &uri, flags)?;
         migration::refuse_unversioned(&connection, path, found)?;
         migration::refuse(found, path)?;
-        if found < migration::NEWEST {
-            return Err(StoreError::Older {
-                path: path.to_owned(),
-                found,
-                needed: migration::NEWEST,
-            });
-        }
         Ok(Store {
-            seals: Seals::of(&connection).map_err(named(path, "opening to read"))?,
             connection,
             path: path.to_owned(),
             place: Place::default(),
             journal: Journal::default(),
+            remembered: RefCell::default(),
         })
     }
 }

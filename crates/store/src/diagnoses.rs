@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::results::{ResultDocument, ResultKind, ResultOrigin};
-use super::{Store, StoreError, Subject};
-use ieap_domain::{CondemnedRun, GroupDiagnosis, RunComparison};
+use super::{Store, StoreError};
+use ieap_domain::{CondemnedRun, GroupDiagnosis, RunComparison, RunKind};
 
 impl ResultDocument for RunComparison {}
 
@@ -104,11 +104,7 @@ impl Store {
 
     /// Row id and revision of every current run, by name.
     fn current_revisions(&self) -> Result<BTreeMap<String, (i64, u32)>, StoreError> {
-        self.check_seal(&Subject::Runs)?;
-        let sql = "SELECT path, id, revision FROM run WHERE superseded_at IS NULL";
-        let found = self.rows("reading which runs are current", sql, [], |row| {
-            Ok((row.get("path")?, (row.get("id")?, row.get("revision")?)))
-        });
-        Ok(found?.into_iter().collect())
+        let runs = self.current_rows(RunKind::Actuation)?.into_iter();
+        Ok(runs.map(|run| (run.path, (run.id, run.revision))).collect())
     }
 }

@@ -48,9 +48,9 @@ pub enum StoreError {
         /// What SQLite says.
         detail: String,
     },
-    /// An older program made the database, and whoever only reads does not change it.
+    /// An older program made the database.
     #[error(
-        "{path}: the database has schema {found}, this program needs schema {needed}. `ieap run` or `ieap report` brings it up to date, after a backup; end any other ieap that works on the campaign before."
+        "{path}: the database has schema {found}, this program needs schema {needed}. `ieap run` makes a new one from archive and journal, and keeps the old one beside it; end any other ieap that works on the campaign before."
     )]
     Older {
         /// The database file.
@@ -58,18 +58,6 @@ pub enum StoreError {
         /// Schema version found.
         found: i64,
         /// Schema version needed.
-        needed: i64,
-    },
-    /// A program made the database that is too old to be followed from there.
-    #[error(
-        "{path}: the database has schema {found}, and this program brings up to date what has schema {needed} or later. `ieap rebuild` moves it aside and makes a new one from archive and journal."
-    )]
-    TooOld {
-        /// The database file.
-        path: PathBuf,
-        /// Schema version found.
-        found: i64,
-        /// Oldest schema version that is brought up to date.
         needed: i64,
     },
     /// What the database's tables, indexes or triggers are is not what ieap makes.
@@ -89,20 +77,6 @@ pub enum StoreError {
     NoVersion {
         /// The database file.
         path: PathBuf,
-    },
-    /// The schema could not be brought up to date.
-    #[error(
-        "{path}: the database could not be brought from schema {found} to {needed} ({detail}). It is as it was, and a copy lies beside it; restore a backup if it was changed by another program."
-    )]
-    Migration {
-        /// The database file.
-        path: PathBuf,
-        /// Schema version found.
-        found: i64,
-        /// Schema version needed.
-        needed: i64,
-        /// What SQLite says.
-        detail: String,
     },
     /// A newer program made the database.
     #[error(
@@ -253,8 +227,6 @@ impl StoreError {
                 | E::ChangedSchema { .. }
                 | E::NotALock { .. }
                 | E::Older { .. }
-                | E::TooOld { .. }
-                | E::Migration { .. }
                 | E::Newer { .. }
                 | E::Replaced { .. }
                 | E::Damaged { .. }
@@ -324,6 +296,17 @@ fn is_full(_file: &std::path::Path) -> bool {
 pub(super) enum StepError {
     Sql(rusqlite::Error),
     Store(StoreError),
+}
+
+/// Names what was being done with the database at `path` when a step failed.
+pub(super) fn named<'a>(
+    path: &'a std::path::Path,
+    doing: &'static str,
+) -> impl Fn(StepError) -> StoreError + use<'a> {
+    move |error| match error {
+        StepError::Sql(error) => StoreError::from_sql(path, doing, error),
+        StepError::Store(error) => error,
+    }
 }
 
 impl From<rusqlite::Error> for StepError {

@@ -6,8 +6,9 @@ use rusqlite::{Row, params};
 
 use super::columns::{from_json, json_in, key_in, to_json};
 use super::journal::{Entry, NamedBytes};
-use super::tags::stated_beside;
-use super::{RunContent, StepError, Store, StoreError, Subject, Transaction};
+use super::rows::{CONTENT, RUN_FILE, SOURCE_FILE};
+use super::run_changes::stated_beside;
+use super::{RunContent, StepError, Store, StoreError, Transaction};
 use ieap_domain::{FileState, Issue, SourceFile};
 
 /// A file as the last scan saw it and what became of it.
@@ -71,7 +72,12 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn files(&self) -> Result<Vec<FileRow>, StoreError> {
-        self.files_where("TRUE")
+        let _moment = self.snapshot()?;
+        // Whoever asks what the folder held asks next which run a file is of.
+        self.check_list(RUN_FILE, "run_file")?;
+        let mut files = self.listed("listing files", SOURCE_FILE, "source_file", read_file)?;
+        files.sort_by(|a, b| a.path.cmp(&b.path));
+        Ok(files)
     }
 
     /// The files that are there and were refused or wait, by path.
@@ -79,19 +85,11 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn unsettled_files(&self) -> Result<Vec<FileRow>, StoreError> {
-        self.files_where("state IN ('refused', 'pending') AND missing_since IS NULL")
-    }
-
-    fn files_where(&self, condition: &str) -> Result<Vec<FileRow>, StoreError> {
-        let sql = format!(
-            "SELECT source_file.*, seal.sum FROM source_file LEFT JOIN seal ON subject = 'file' AND seal.id = path
-             WHERE {condition} ORDER BY path"
-        );
-        self.rows("listing files", &sql, [], |row| {
-            let file = read_file(row)?;
-            self.check_sealed_row(&Subject::File(file.path.clone()), row)?;
-            Ok(file)
-        })
+        let mut files = self.files()?;
+        files.retain(|file| {
+            matches!(file.state, FileState::Refused | FileState::Pending) && file.missing_since.is_none()
+        });
+        Ok(files)
     }
 
     /// Records what became of files that hold no new run: refused, pending, aliases.
@@ -121,13 +119,14 @@ impl Store {
         }
         self.write("noting change times", now, |transaction| {
             let sql = "UPDATE source_file SET changed_ns = ?2 WHERE path = ?1";
-            for file in files {
-                transaction.changes(Subject::File(file.0.to_owned()))?;
-                transaction
-                    .prepare_cached(sql)?
-                    .execute(params![file.0, file.1])?;
-            }
-            Ok(())
+            files.iter().try_for_each(|(path, changed_ns)| {
+                transaction.change(SOURCE_FILE, ("path = ?1", path), || {
+                    transaction
+                        .prepare_cached(sql)?
+                        .execute(params![path, changed_ns])?;
+                    Ok(())
+                })
+            })
         })
     }
 
@@ -177,11 +176,13 @@ impl Store {
         self.write("marking missing files", now, |transaction| {
             let sql = "UPDATE source_file SET missing_since = ?2 WHERE path = ?1 AND missing_since IS NULL";
             for path in paths {
-                transaction.changes(Subject::File(path.clone()))?;
-                if transaction.prepare_cached(sql)?.execute(params![path, now])? > 0 {
+                let is_new = transaction.change(SOURCE_FILE, ("path = ?1", path), || {
+                    Ok(transaction.prepare_cached(sql)?.execute(params![path, now])? > 0)
+                })?;
+                if is_new {
                     let tags = stated_beside(transaction, path)?;
                     let path = path.clone();
-                    transaction.says(now, Entry::Gone { path, tags });
+                    transaction.says(now, Entry::Gone { path, tags })?;
                 }
             }
             Ok(())
@@ -197,13 +198,7 @@ impl Store {
             return Ok(());
         }
         self.write("forgetting files", now, |transaction| {
-            for path in paths {
-                transaction.changes(Subject::File(path.clone()))?;
-                transaction
-                    .prepare_cached("DELETE FROM source_file WHERE path = ?1")?
-                    .execute([path])?;
-            }
-            Ok(())
+            paths.iter().try_for_each(|path| forget(transaction, path))
         })
     }
 
@@ -213,11 +208,11 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn contents(&self) -> Result<Vec<RunContent>, StoreError> {
-        let sql = "SELECT coalesce((SELECT min(path) FROM run_file WHERE hash = content.hash),
-                                   (SELECT min(path) FROM climate_log WHERE hash = content.hash),
-                                   archive_path) AS path,
-                          hash, size_bytes, archive_path FROM content ORDER BY hash";
-        self.rows("listing raw files", sql, [], |row| {
+        let path = ", coalesce((SELECT min(path) FROM run_file WHERE hash = content.hash),
+                       (SELECT min(path) FROM climate_log WHERE hash = content.hash), archive_path) AS path";
+        let _moment = self.snapshot()?;
+        self.check_list(CONTENT, "content")?;
+        self.kept("listing raw files", CONTENT, (path, "ORDER BY hash"), [], |row| {
             Ok(RunContent {
                 path: row.get("path")?,
                 hash: row.get("hash")?,
@@ -260,25 +255,21 @@ impl Store {
     /// See [`StoreError`].
     pub fn read_again(&mut self, now: &str) -> Result<(), StoreError> {
         self.write("marking files to be read again", now, |transaction| {
-            let paths: Vec<String> = transaction
-                .prepare_cached("SELECT path FROM source_file")?
-                .query_map([], |row| row.get(0))?
-                .collect::<rusqlite::Result<_>>()?;
-            for path in paths {
-                transaction.changes(Subject::File(path))?;
-            }
-            transaction.execute("UPDATE source_file SET reader = ''", [])?;
-            Ok(())
+            transaction.change(SOURCE_FILE, ("?1 IS NULL", &rusqlite::types::Null), || {
+                transaction.execute("UPDATE source_file SET reader = ''", [])?;
+                Ok(())
+            })
         })
     }
 
     /// Other present paths of the same bytes, by hash.
     pub(super) fn aliases(&self) -> Result<BTreeMap<String, Vec<String>>, StoreError> {
-        let condition = "state = 'alias' AND hash IS NOT NULL AND missing_since IS NULL";
         let mut aliases: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for file in self.files_where(condition)? {
-            let hash = file.hash.unwrap_or_default();
-            aliases.entry(hash).or_default().push(file.path);
+        let is_alias = |file: &FileRow| file.state == FileState::Alias && file.missing_since.is_none();
+        for file in self.files()?.into_iter().filter(is_alias) {
+            if let Some(hash) = file.hash {
+                aliases.entry(hash).or_default().push(file.path);
+            }
         }
         Ok(aliases)
     }
@@ -291,23 +282,36 @@ pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Resu
         .as_ref()
         .map(|issue| to_json("a file's issue", issue))
         .transpose()?;
-    transaction.changes(Subject::File(file.path.clone()))?;
-    let sql = "INSERT OR REPLACE INTO source_file
-        (path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since, changed_ns)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
-    transaction.prepare_cached(sql)?.execute(params![
-        file.path,
-        file.size_bytes.cast_signed(),
-        file.modified_ns,
-        file.inode.cast_signed(),
-        file.hash,
-        file.state.key(),
-        file.reader,
-        issue,
-        file.missing_since,
-        file.changed_ns,
-    ])?;
-    Ok(())
+    let sql = "INSERT INTO source_file
+            (path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since, changed_ns)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)
+        ON CONFLICT (path) DO UPDATE SET size_bytes = ?2, modified_ns = ?3, inode = ?4, hash = ?5, state = ?6, reader = ?7,
+            issue = ?8, missing_since = ?9, changed_ns = ?10";
+    transaction.change(SOURCE_FILE, ("path = ?1", &file.path), || {
+        transaction.prepare_cached(sql)?.execute(params![
+            file.path,
+            file.size_bytes.cast_signed(),
+            file.modified_ns,
+            file.inode.cast_signed(),
+            file.hash,
+            file.state.key(),
+            file.reader,
+            issue,
+            file.missing_since,
+            file.changed_ns,
+        ])?;
+        Ok(())
+    })
+}
+
+/// Forgets a file.
+fn forget(transaction: &Transaction<'_>, path: &str) -> Result<(), StepError> {
+    transaction.change(SOURCE_FILE, ("path = ?1", &path), || {
+        transaction
+            .prepare_cached("DELETE FROM source_file WHERE path = ?1")?
+            .execute([path])?;
+        Ok(())
+    })
 }
 
 /// Says that a file holds the bytes of another, where that is news.
@@ -323,7 +327,7 @@ fn say_alias(transaction: &Transaction<'_>, now: &str, file: &FileRow) -> Result
     if !is_known {
         let (path, hash) = (file.path.clone(), hash.clone());
         let file = NamedBytes { path, hash };
-        transaction.says(now, Entry::Alias { file });
+        transaction.says(now, Entry::Alias { file })?;
     }
     Ok(())
 }
@@ -336,16 +340,14 @@ pub(super) fn take_new_name(
     old: &str,
     file: &FileRow,
 ) -> Result<(), StepError> {
-    transaction.changes(Subject::File(old.to_owned()))?;
-    transaction.execute("DELETE FROM source_file WHERE path = ?1", [old])?;
+    forget(transaction, old)?;
     upsert_file(transaction, file)?;
     let file = NamedBytes {
         path: file.path.clone(),
         hash: file.hash.clone().unwrap_or_default(),
     };
     let old = old.to_owned();
-    transaction.says(now, Entry::Renamed { old, file });
-    Ok(())
+    transaction.says(now, Entry::Renamed { old, file })
 }
 
 fn read_file(row: &Row<'_>) -> Result<FileRow, StepError> {

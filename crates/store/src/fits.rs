@@ -2,13 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use rusqlite::params;
-
-use super::columns::{json_in, to_json};
 use super::journal::Entry;
+use super::new_run::RunRow;
 use super::results::{self, NewResult, ResultDocument, ResultKind, StoredResult};
-use super::{StepError, Store, StoreError, Subject, Transaction};
-use ieap_domain::{AlongCurve, AskedFit, ClimateCurve, CurveSource, Drive, Fit, RunCurve, RunRecord};
+use super::rows::RUN;
+use super::{Store, StoreError};
+use ieap_domain::tag::keys;
+use ieap_domain::{
+    AlongCurve, AskedFit, ClimateCurve, CurveSource, Drive, Fit, RunCurve, RunKind, RunRecord, RunState,
+};
 
 /// A run that can be fitted, with what its last fit depended on.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,53 +61,11 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn fit_tasks(&self) -> Result<Vec<FitTask>, StoreError> {
-        let doing = "listing runs to fit";
         let _moment = self.snapshot()?;
-        let mut asked = self.asked_fits()?;
-        let sql = "SELECT run.id, run.path, run.revision, run.drive, run.area_cm2, run.length_cm,
-                          run.data_hash || coalesce((SELECT group_concat(':' || clock || '=' || offset_s, '')
-                              FROM clock_offset WHERE run_id = run.id AND applied = 1), '')
-                           || coalesce((SELECT group_concat(':' || key || '=' || value, '' ORDER BY key) FROM tag
-                              WHERE run_id = run.id AND chosen = 1 AND +key IN ('leave_out', 'leave_out_marked')), '')
-                          AS data_hash,
-                          run.electrode_resistance_ohm_per_sq,
-                          (SELECT CAST(value AS REAL) FROM tag WHERE run_id = run.id AND chosen = 1
-                              AND +key = 'electrode_resistance_error_ohm_per_sq')
-                          AS electrode_resistance_error_ohm_per_sq,
-                          (SELECT value FROM tag WHERE run_id = run.id AND chosen = 1 AND +key = 'sample') AS sample
-                   FROM run
-                   WHERE run.superseded_at IS NULL AND run.state = 'ready' AND run.kind = 'actuation'
-                     AND run.drive IS NOT NULL AND run.area_cm2 IS NOT NULL
-                   ORDER BY run.path";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
-        let mut tasks = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            self.check_seal(&Subject::Run(row.get("id").map_err(|e| self.failed(doing, e))?))?;
-            let mut read = || -> Result<FitTask, StepError> {
-                let path: String = row.get("path")?;
-                Ok(FitTask {
-                    run_id: row.get("id")?,
-                    last_asked: asked.remove(&path).unwrap_or_default(),
-                    path,
-                    revision: row.get("revision")?,
-                    drive: json_in(row, "drive", "a run's drive")?,
-                    area_cm2: row.get("area_cm2")?,
-                    length_cm: row.get("length_cm")?,
-                    data_hash: row.get("data_hash")?,
-                    electrode_resistance_ohm_per_sq: row.get("electrode_resistance_ohm_per_sq")?,
-                    electrode_resistance_error_ohm_per_sq: row
-                        .get::<_, Option<f64>>("electrode_resistance_error_ohm_per_sq")?
-                        .filter(|error| error.is_finite() && *error > 0.0),
-                    sample: row.get("sample")?,
-                })
-            };
-            tasks.push(read().map_err(self.named(doing))?);
-        }
-        Ok(tasks)
+        let asked = &self.words()?.asked;
+        let runs = self.current_rows(RunKind::Actuation)?.into_iter();
+        let ready = runs.filter(|run| run.state == RunState::Ready);
+        Ok(ready.filter_map(|run| fit_task(run, asked)).collect())
     }
 
     /// Stores fits, or why there are none, each as the current result of its run, and how those were asked for that came out.
@@ -121,40 +81,18 @@ impl Store {
         if fits.is_empty() {
             return Ok(());
         }
-        let (known, open) = (self.asked_fits()?, AskedFit::default());
+        let (words, open) = (self.words()?, AskedFit::default());
         self.write("storing fits", now, |transaction| {
             results::keep(transaction, now, ResultKind::Fit, fits)?;
             for &(run, asked) in asked {
                 let asked = if asked.is_open() { &open } else { asked };
-                if asked != known.get(run).unwrap_or(&open) {
-                    say_how_asked(transaction, now, run, asked)?;
+                if asked != words.asked.get(run).unwrap_or(&open) {
+                    let (run, asked) = (run.to_owned(), asked.clone());
+                    transaction.says(now, Entry::Asked { run, asked })?;
                 }
             }
             Ok(())
         })
-    }
-
-    /// Records how a run was asked to be fitted, of which somebody was told already.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn ask_fit(&mut self, now: &str, run: &str, asked: &AskedFit) -> Result<(), StoreError> {
-        self.write("storing how a fit was asked for", now, |transaction| {
-            put_asked(transaction, run, asked)
-        })
-    }
-
-    /// How runs were last asked to be fitted by hand, by their names.
-    fn asked_fits(&self) -> Result<BTreeMap<String, AskedFit>, StoreError> {
-        self.check_seal(&Subject::AskedFits)?;
-        let sql = "SELECT run_path, asked FROM asked_fit";
-        let asked = self.rows("reading how fits were asked for", sql, [], |row| {
-            Ok((
-                row.get("run_path")?,
-                json_in(row, "asked", "how a fit was asked for")?,
-            ))
-        });
-        Ok(asked?.into_iter().collect())
     }
 
     /// What pages draw of the current fit of a run; nothing where there is none.
@@ -165,41 +103,27 @@ impl Store {
         Ok(self.drawn(ResultKind::Fit, run)?.unwrap_or_default())
     }
 
-    /// What tells whether anything changed that curves of a run are drawn from; none where the database has no seals.
+    /// What tells whether anything changed that curves of a run are drawn from.
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn seals_of_curves(&self, run_id: i64) -> Result<Option<String>, StoreError> {
-        let subjects = [Subject::Readings(run_id), Subject::ClimateCurves(run_id)];
-        let seals: Result<Option<Vec<String>>, StoreError> = subjects
-            .iter()
-            .map(|subject| self.seal_in_words(subject))
-            .collect();
-        let drawn = self
-            .drawn_hash(ResultKind::Fit, &self.name_of(run_id)?)?
-            .unwrap_or_default();
-        Ok(seals?.map(|seals| format!("{} {drawn}", seals.join(" "))))
+    pub fn state_of_curves(&self, run_id: i64) -> Result<String, StoreError> {
+        let run = self.run_of(run_id)?;
+        let drawn = self.drawn_hash(ResultKind::Fit, &run.path)?.unwrap_or_default();
+        let climate = run.tagging.climate_curves_hash.unwrap_or_default();
+        Ok(format!("{} {climate} {drawn}", run.data_hash))
     }
 
-    /// The seals of a run and of its readings, by which anyone knows whether they changed; none where the database has no
-    /// seals.
+    /// What tells whether anything changed of a run and its readings.
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn seals_of_readings(&self, run_id: i64) -> Result<Option<String>, StoreError> {
-        let run = self.seal_in_words(&Subject::Run(run_id))?;
-        let readings = self.seal_in_words(&Subject::Readings(run_id))?;
-        Ok(run
-            .zip(readings)
-            .map(|(run, readings)| format!("{run} {readings}")))
-    }
-
-    /// Name of a run.
-    fn name_of(&self, run_id: i64) -> Result<String, StoreError> {
-        self.connection
-            .prepare_cached("SELECT path FROM run WHERE id = ?1")
-            .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)))
-            .map_err(|e| self.failed("reading a run's name", e))
+    pub fn state_of_run(&self, run_id: i64) -> Result<String, StoreError> {
+        let rest = ("", "WHERE id = ?1");
+        let read = |row: &rusqlite::Row<'_>| Ok(row.get::<_, Vec<u8>>("row_hash")?);
+        let found = self.kept("reading a run", RUN, rest, [run_id], read)?;
+        let hex = |hash: &Vec<u8>| hash.iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(found.first().map_or_else(String::new, hex))
     }
 
     /// Fills in the fits of runs, and why there is none where it was tried.
@@ -234,8 +158,8 @@ pub(super) fn fill_in_fit(record: &mut RunRecord, stored: Option<StoredResult<Fi
 
 impl CurveSource for Store {
     fn curves(&self, run_id: i64) -> Result<Vec<RunCurve>, String> {
-        let name = self.name_of(run_id).map_err(|e| e.to_string())?;
-        let curves = self.fit_curves(&name).map_err(|e| e.to_string())?.curves;
+        let run = self.run_of(run_id).map_err(|e| e.to_string())?;
+        let curves = self.fit_curves(&run.path).map_err(|e| e.to_string())?.curves;
         if !curves.is_empty() {
             return Ok(curves);
         }
@@ -252,33 +176,35 @@ impl CurveSource for Store {
     }
 
     fn drawn_from(&self, run_id: i64) -> Result<Option<String>, String> {
-        self.seals_of_curves(run_id).map_err(|e| e.to_string())
+        self.state_of_curves(run_id).map(Some).map_err(|e| e.to_string())
     }
 }
 
-/// Says how a run was asked to be fitted, which is another way than before.
-fn say_how_asked(
-    transaction: &Transaction<'_>,
-    now: &str,
-    run: &str,
-    asked: &AskedFit,
-) -> Result<(), StepError> {
-    put_asked(transaction, run, asked)?;
-    let (run, asked) = (run.to_owned(), asked.clone());
-    transaction.says(now, Entry::Asked { run, asked });
-    Ok(())
-}
-
-fn put_asked(transaction: &Transaction<'_>, run: &str, asked: &AskedFit) -> Result<(), StepError> {
-    transaction.changes(Subject::AskedFits)?;
-    if asked.is_open() {
-        transaction
-            .prepare_cached("DELETE FROM asked_fit WHERE run_path = ?1")?
-            .execute([run])?;
-    } else {
-        transaction
-            .prepare_cached("INSERT OR REPLACE INTO asked_fit VALUES (?1, ?2)")?
-            .execute(params![run, to_json("how a fit was asked for", asked)?])?;
+/// What is to be fitted of a run, where its drive and area are known.
+fn fit_task(run: RunRow, asked: &BTreeMap<String, AskedFit>) -> Option<FitTask> {
+    let mut data_hash = run.data_hash.clone();
+    for offset in run.origin().offsets.iter().filter(|offset| offset.applied) {
+        data_hash += &format!(":{}={:?}", offset.clock, offset.offset_s);
     }
-    Ok(())
+    let tagging = run.tagging;
+    for key in [keys::LEAVE_OUT, keys::LEAVE_OUT_MARKED] {
+        if let Some(value) = tagging.chosen.get(key) {
+            data_hash += &format!(":{key}={value}");
+        }
+    }
+    let error = tagging.chosen.get(keys::ELECTRODE_RESISTANCE_ERROR);
+    let error: Option<f64> = error.and_then(|error| error.parse().ok());
+    Some(FitTask {
+        run_id: run.id,
+        revision: run.revision,
+        drive: tagging.drive?,
+        area_cm2: tagging.area_cm2?,
+        length_cm: tagging.length_cm,
+        electrode_resistance_ohm_per_sq: tagging.electrode_resistance_ohm_per_sq,
+        electrode_resistance_error_ohm_per_sq: error.filter(|error| error.is_finite() && *error > 0.0),
+        sample: tagging.chosen.get(keys::SAMPLE).cloned(),
+        data_hash,
+        last_asked: asked.get(&run.path).cloned().unwrap_or_default(),
+        path: run.path,
+    })
 }

@@ -1,8 +1,8 @@
 //! What stood in the database earlier: runs with the fits, and modulus logs with the analyses, that they had then.
 
-use std::collections::BTreeMap;
-
+use super::new_run::RunRow;
 use super::results::{ResultKind, When};
+use super::rows::RUN;
 use super::{Store, StoreError};
 use ieap_domain::{Fit, ModulusAnalysis, ModulusLog, RunKind, RunRecord};
 
@@ -15,29 +15,17 @@ pub enum Earlier {
     At(String),
 }
 
-const SUPERSEDED: &str = "SELECT id FROM run WHERE superseded_at IS NOT NULL ORDER BY path, revision";
-
 impl Store {
     /// Every superseded revision of an actuation run, by path and revision.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn superseded_runs(&self) -> Result<Vec<RunRecord>, StoreError> {
-        let aliases = self.aliases()?;
-        self.records(SUPERSEDED, RunKind::Actuation, |record| {
-            self.complete(record, &aliases)
-        })
-    }
-
-    /// The same with their files alone: of a run that is written anew all day there are thousands.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn earlier_revisions(&self) -> Result<Vec<RunRecord>, StoreError> {
-        self.records(SUPERSEDED, RunKind::Actuation, |record| {
-            record.files = self.run_files(record.id, &BTreeMap::new())?;
-            Ok(())
-        })
+        let _moment = self.snapshot()?;
+        let rest = "WHERE superseded_at IS NOT NULL AND kind = ?1 ORDER BY path, revision";
+        let kind = RunKind::Actuation.key();
+        let rows = self.kept("reading earlier runs", RUN, ("", rest), [kind], RunRow::read)?;
+        self.records(rows, &self.aliases()?)
     }
 
     /// Actuation runs as they were, by path.

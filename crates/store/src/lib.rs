@@ -4,8 +4,8 @@
 //! like beside it. Every change goes through `Store::write`, one transaction a step, so nothing half-done
 //! is ever visible.
 
-mod alarms;
 mod blob;
+mod checks;
 mod climate;
 mod columns;
 mod content;
@@ -18,34 +18,32 @@ mod hand_tag;
 mod history;
 mod in_place;
 pub mod journal;
-mod listed;
+mod lists;
 mod lock;
 mod migration;
 mod missing_files;
 mod modulus;
 mod new_run;
-mod origin;
 mod place;
 mod published_view;
+mod readings;
 #[cfg(test)]
 mod renamed_tests;
 mod results;
-mod run_climate;
-mod run_named;
+mod rows;
+mod run_changes;
 mod runs;
 mod schema;
 #[cfg(test)]
 mod schema_page_tests;
-mod seal;
 mod snapshot;
 mod standing;
 mod store;
-mod tags;
 #[cfg(test)]
 mod testing;
 mod transaction;
-mod unreadable_tags;
 mod views;
+mod words;
 
 pub use climate::{LogRecord, NewLog, NewSeries};
 pub use content::Content;
@@ -62,7 +60,6 @@ pub use new_run::{NewRun, RunContent, Tagging};
 pub use place::FILE_NAME;
 pub use published_view::PublishedRows;
 pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, StoredResult};
-use seal::{Seals, Subject};
 pub use snapshot::Snapshot;
 pub use store::Store;
 use transaction::Transaction;

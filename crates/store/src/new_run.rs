@@ -1,15 +1,18 @@
-//! A run on its way into the database: what was read from its files, and the rows that it becomes.
+//! A run on its way into the database: what was read from its files, its tags, and the documents that both become.
 
-use rusqlite::params;
+use std::collections::BTreeMap;
 
-use super::blob::{pack_f64, pack_u32};
-use super::columns::to_json;
-use super::origin::{insert_origin, insert_stated_offset};
+use rusqlite::{Row, params};
+use serde::{Deserialize, Serialize};
+
+use super::blob::{hash_of, pack_f64, pack_u32, packed_json};
+use super::columns::{json_in, key_in, to_json};
 use super::results::retire_of_run;
-use super::run_climate::replace_climate;
-use super::{StepError, Subject, Transaction};
+use super::rows::{CONTENT, RUN, RUN_FILE};
+use super::{StepError, StoreError, Transaction};
 use ieap_domain::{
-    Channel, ClimateCurve, Drive, Issue, RunClimate, RunKind, RunOrigin, RunState, RunStatus, Tag,
+    Channel, ChannelSummary, ClimateCurve, Drive, Issue, RunClimate, RunFile, RunKind, RunOrigin, RunState,
+    RunStatus, Tag,
 };
 
 /// Raw bytes that are archived.
@@ -28,15 +31,20 @@ pub struct RunContent {
 impl RunContent {
     /// Lists its bytes as archived, where they are not yet.
     pub(super) fn insert(&self, transaction: &Transaction<'_>, now: &str) -> Result<(), StepError> {
-        transaction
-            .prepare_cached("INSERT OR IGNORE INTO content VALUES (?1, ?2, ?3, ?4)")?
-            .execute(params![
-                self.hash,
-                self.size_bytes.cast_signed(),
-                self.archive_path,
-                now
-            ])?;
-        Ok(())
+        transaction.change(CONTENT, ("hash = ?1", &self.hash), || {
+            transaction
+                .prepare_cached(
+                    "INSERT OR IGNORE INTO content (hash, size_bytes, archive_path, ingested_at)
+                     VALUES (?1, ?2, ?3, ?4)",
+                )?
+                .execute(params![
+                    self.hash,
+                    self.size_bytes.cast_signed(),
+                    self.archive_path,
+                    now
+                ])?;
+            Ok(())
+        })
     }
 }
 
@@ -108,74 +116,191 @@ pub struct NewRun {
     pub tagging: Tagging,
 }
 
-/// What the column `state` holds of a state: [`RunState::NoSteps`] is a mark beside it.
-pub(super) fn stored_state(state: RunState) -> RunState {
-    match state {
-        RunState::NoSteps => RunState::NotFitted,
-        other => other,
+/// What stands in the column `reading`.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct ReadDocument {
+    pub format: String,
+    pub reader_version: u32,
+    pub technique: Option<String>,
+    pub is_step_response: bool,
+    pub encoding: Option<String>,
+    pub status: RunStatus,
+    pub status_evidence: String,
+    pub time_zero_is_step: bool,
+    pub files: Vec<RunFile>,
+    pub channels: Vec<ChannelDocument>,
+    pub origin: RunOrigin,
+    pub issues: Vec<Issue>,
+    pub original_metadata: Vec<(String, String)>,
+}
+
+/// A channel without its readings, and the hash of the blobs that hold them.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct ChannelDocument {
+    pub ordinal: usize,
+    pub hash: String,
+    #[serde(flatten)]
+    pub summary: ChannelSummary,
+}
+
+/// What stands in the column `tagging`.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct TagDocument {
+    pub chosen: BTreeMap<String, String>,
+    pub tags: Vec<TagOfSource>,
+    pub issues: Vec<Issue>,
+    pub drive: Option<Drive>,
+    pub area_cm2: Option<f64>,
+    pub length_cm: Option<f64>,
+    pub electrode_resistance_ohm_per_sq: Option<f64>,
+    pub clock_offset_s: Option<f64>,
+    pub climate: Vec<RunClimate>,
+    /// Hash of the climate around the run, which stands in a column of its own.
+    pub climate_curves_hash: Option<String>,
+}
+
+/// A tag and whether its value holds.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct TagOfSource {
+    #[serde(flatten)]
+    pub tag: Tag,
+    pub chosen: bool,
+}
+
+/// A revision of a run as it is stored.
+#[derive(Debug, Clone)]
+pub(super) struct RunRow {
+    pub id: i64,
+    pub path: String,
+    pub revision: u32,
+    pub kind: RunKind,
+    pub state: RunState,
+    pub data_hash: String,
+    pub ingested_at: String,
+    pub reading: ReadDocument,
+    pub tagging: TagDocument,
+}
+
+impl RunRow {
+    /// From a row of [`RUN`].
+    pub fn read(row: &Row<'_>) -> Result<RunRow, StepError> {
+        Ok(RunRow {
+            id: row.get("id")?,
+            path: row.get("path")?,
+            revision: row.get("revision")?,
+            kind: key_in(row, "kind", "a run's kind", RunKind::from_key)?,
+            state: key_in(row, "state", "a run's state", RunState::from_key)?,
+            data_hash: row.get("data_hash")?,
+            ingested_at: row.get("ingested_at")?,
+            reading: json_in(row, "reading", "what was read of a run")?,
+            tagging: json_in(row, "tagging", "the tags of a run")?,
+        })
     }
 }
 
 /// Stores a run as the new current revision of its name; gives its number.
 pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun) -> Result<i64, StepError> {
     let revision = supersede(transaction, now, &run.path)? + 1;
-    let tagging = &run.tagging;
-    let drive = tagging
-        .drive
-        .as_ref()
-        .map(|drive| to_json("a drive", drive))
-        .transpose()?;
-    let sql =
-        "INSERT INTO run (path, revision, state, status, status_evidence, format, reader_version, technique,
-                 is_step_response, encoding, time_zero_is_step, original_metadata, drive, area_cm2, length_cm,
-                 data_hash, tag_digest, ingested_at, electrode_resistance_ohm_per_sq, kind, no_steps)
-               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19,
-                 ?20, ?21)";
-    transaction.prepare_cached(sql)?.execute(params![
-        run.path,
-        revision,
-        stored_state(tagging.state).key(),
-        run.status.key(),
-        run.status_evidence,
-        run.format,
-        run.reader_version,
-        run.technique,
-        run.is_step_response,
-        run.encoding,
-        run.time_zero_is_step,
-        to_json("a file's metadata", &run.original_metadata)?,
-        drive,
-        tagging.area_cm2,
-        tagging.length_cm,
-        run.data_hash,
-        tagging.digest,
-        now,
-        tagging.electrode_resistance_ohm_per_sq,
-        run.kind.key(),
-        tagging.state == RunState::NoSteps,
-    ])?;
-    let run_id = transaction.last_insert_rowid();
-    transaction.made(Subject::Run(run_id));
-    transaction.made(Subject::Readings(run_id));
-    transaction.made(Subject::ClimateCurves(run_id));
+    let channels = run.channels.iter().enumerate();
+    let packed = channels
+        .map(|(ordinal, channel)| PackedChannel::of(&run.channels[..ordinal], channel))
+        .collect::<Result<Vec<_>, StoreError>>()?;
+    let reading = to_json("what was read of a run", &read_document(run, &packed))?;
+    let (tagging, curves) = run.tagging.documents()?;
+    let run_id = transaction.change(RUN, ("path = ?1 AND superseded_at IS NULL", &run.path), || {
+        let sql = "INSERT INTO run (path, revision, kind, state, data_hash, tag_digest, ingested_at, reading, tagging,
+                     climate_curves)
+                   VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
+        transaction.prepare_cached(sql)?.execute(params![
+            run.path,
+            revision,
+            run.kind.key(),
+            run.tagging.state.key(),
+            run.data_hash,
+            run.tagging.digest,
+            now,
+            reading,
+            tagging,
+            curves,
+        ])?;
+        Ok(transaction.last_insert_rowid())
+    })?;
     insert_contents(transaction, now, run_id, &run.contents)?;
-    insert_channels(transaction, run_id, &run.channels)?;
-    insert_origin(transaction, now, run_id, &run.origin)?;
-    insert_issues(transaction, run_id, "read", 0, &run.issues)?;
-    insert_tagging(transaction, run_id, tagging)?;
+    insert_profiles(transaction, now, &run.origin)?;
+    for (ordinal, channel) in packed.iter().enumerate() {
+        channel.insert(transaction, run_id, ordinal)?;
+    }
     Ok(revision)
 }
 
-/// Retires the current revision of a run; gives the newest revision number so far (0: none).
-fn supersede(transaction: &Transaction<'_>, now: &str, path: &str) -> Result<i64, StepError> {
-    transaction.changes(Subject::Runs)?;
-    let current = "SELECT id FROM run WHERE path = ?1 AND superseded_at IS NULL";
-    for id in transaction.ids(current, path)? {
-        transaction.changes(Subject::Run(id))?;
+fn read_document(run: &NewRun, packed: &[PackedChannel]) -> ReadDocument {
+    let file = |content: &RunContent| RunFile {
+        path: content.path.clone(),
+        hash: content.hash.clone(),
+        size_bytes: content.size_bytes,
+        aliases: Vec::new(),
+    };
+    let channels = run.channels.iter().zip(packed).enumerate();
+    let channel = |(ordinal, (channel, packed)): (usize, (&Channel, &PackedChannel))| ChannelDocument {
+        ordinal,
+        hash: packed.hash.clone(),
+        summary: channel.summary(),
+    };
+    ReadDocument {
+        format: run.format.clone(),
+        reader_version: run.reader_version,
+        technique: run.technique.clone(),
+        is_step_response: run.is_step_response,
+        encoding: run.encoding.clone(),
+        status: run.status,
+        status_evidence: run.status_evidence.clone(),
+        time_zero_is_step: run.time_zero_is_step,
+        files: run.contents.iter().map(file).collect(),
+        channels: channels.map(channel).collect(),
+        origin: run.origin.clone(),
+        issues: run.issues.clone(),
+        original_metadata: run.original_metadata.clone(),
     }
-    transaction
-        .prepare_cached("UPDATE run SET superseded_at = ?2 WHERE path = ?1 AND superseded_at IS NULL")?
-        .execute(params![path, now])?;
+}
+
+impl Tagging {
+    /// What stands in the columns `tagging` and `climate_curves`.
+    pub(super) fn documents(&self) -> Result<(String, Option<Vec<u8>>), StoreError> {
+        let curves = match &self.climate_curves[..] {
+            [] => None,
+            curves => Some(packed_json("the climate around a run", curves)?),
+        };
+        let chosen = self.tags.iter().take(self.chosen);
+        let tags = self.tags.iter().enumerate();
+        let document = TagDocument {
+            chosen: chosen.map(|tag| (tag.key.clone(), tag.value.clone())).collect(),
+            tags: tags
+                .map(|(ordinal, tag)| TagOfSource {
+                    tag: tag.clone(),
+                    chosen: ordinal < self.chosen,
+                })
+                .collect(),
+            issues: self.issues.clone(),
+            drive: self.drive.clone(),
+            area_cm2: self.area_cm2,
+            length_cm: self.length_cm,
+            electrode_resistance_ohm_per_sq: self.electrode_resistance_ohm_per_sq,
+            clock_offset_s: self.clock_offset_s,
+            climate: self.climate.clone(),
+            climate_curves_hash: curves.as_ref().map(|curves| hash_of(&[curves])),
+        };
+        Ok((to_json("the tags of a run", &document)?, curves))
+    }
+}
+
+/// Retires the current revision of a run; gives the newest revision number so far (0: none).
+fn supersede(transaction: &Transaction<'_>, now: &str, path: &String) -> Result<i64, StepError> {
+    transaction.change(RUN, ("path = ?1 AND superseded_at IS NULL", path), || {
+        transaction
+            .prepare_cached("UPDATE run SET superseded_at = ?2 WHERE path = ?1 AND superseded_at IS NULL")?
+            .execute(params![path, now])?;
+        Ok(())
+    })?;
     retire_of_run(transaction, now, path)?;
     Ok(transaction
         .prepare_cached("SELECT coalesce(max(revision), 0) FROM run WHERE path = ?1")?
@@ -188,102 +313,71 @@ fn insert_contents(
     run_id: i64,
     contents: &[RunContent],
 ) -> Result<(), StepError> {
-    for (ordinal, content) in contents.iter().enumerate() {
-        content.insert(transaction, now)?;
+    contents
+        .iter()
+        .try_for_each(|content| content.insert(transaction, now))?;
+    transaction.change(RUN_FILE, ("run_id = ?1", &run_id), || {
+        for (ordinal, content) in contents.iter().enumerate() {
+            transaction
+                .prepare_cached("INSERT INTO run_file (run_id, ordinal, path, hash) VALUES (?1, ?2, ?3, ?4)")?
+                .execute(params![run_id, ordinal as i64, content.path, content.hash])?;
+        }
+        Ok(())
+    })
+}
+
+fn insert_profiles(transaction: &Transaction<'_>, now: &str, origin: &RunOrigin) -> Result<(), StepError> {
+    for profile in &origin.profiles {
         transaction
-            .prepare_cached("INSERT INTO run_file VALUES (?1, ?2, ?3, ?4)")?
-            .execute(params![run_id, ordinal as i64, content.path, content.hash])?;
+            .prepare_cached("INSERT OR IGNORE INTO profile VALUES (?1, ?2, ?3, ?4, ?5)")?
+            .execute(params![
+                profile.digest,
+                profile.id,
+                profile.version,
+                profile.text,
+                now
+            ])?;
     }
     Ok(())
 }
 
-fn insert_channels(
-    transaction: &Transaction<'_>,
-    run_id: i64,
-    channels: &[Channel],
-) -> Result<(), StepError> {
-    let sql =
-        "INSERT INTO channel VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)";
-    for (ordinal, channel) in channels.iter().enumerate() {
-        let time_of = channels[..ordinal]
+/// The blobs of a channel.
+struct PackedChannel {
+    time_of: Option<usize>,
+    time: Vec<u8>,
+    values: Vec<u8>,
+    excluded: Vec<u8>,
+    hash: String,
+}
+
+impl PackedChannel {
+    /// `earlier` are the channels before it, one of which may have its times.
+    fn of(earlier: &[Channel], channel: &Channel) -> Result<PackedChannel, StoreError> {
+        let time_of = earlier
             .iter()
             .position(|earlier| earlier.time_s == channel.time_s);
-        let time_blob = match time_of {
-            Some(_) => None,
-            None => Some(pack_f64(&channel.time_s)?),
-        };
-        let summary = channel.summary();
-        transaction.prepare_cached(sql)?.execute(params![
-            run_id,
-            ordinal as i64,
-            channel.quantity.key(),
-            channel.raw_name,
-            channel.raw_unit,
-            channel.position_mm,
-            channel.len() as i64,
-            channel.excluded.len() as i64,
-            summary.first_time_s,
-            summary.last_time_s,
-            summary.first,
-            summary.last,
-            time_of.unwrap_or(ordinal) as i64,
-            time_blob,
-            pack_f64(&channel.values)?,
-            pack_u32(&channel.excluded)?,
-        ])?;
+        let (time, values) = (pack_f64(&channel.time_s)?, pack_f64(&channel.values)?);
+        let excluded = pack_u32(&channel.excluded)?;
+        Ok(PackedChannel {
+            time_of,
+            hash: hash_of(&[&time, &values, &excluded]),
+            time,
+            values,
+            excluded,
+        })
     }
-    Ok(())
-}
 
-/// Adds the tags of a run and what is to be known of them.
-pub(super) fn insert_tagging(
-    transaction: &Transaction<'_>,
-    run_id: i64,
-    tagging: &Tagging,
-) -> Result<(), StepError> {
-    replace_climate(transaction, run_id, &tagging.climate, &tagging.climate_curves)?;
-    for (ordinal, tag) in tagging.tags.iter().enumerate() {
+    fn insert(&self, transaction: &Transaction<'_>, run_id: i64, ordinal: usize) -> Result<(), StepError> {
         transaction
-            .prepare_cached("INSERT INTO tag VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")?
+            .prepare_cached("INSERT INTO channel VALUES (?1, ?2, ?3, ?4, ?5, ?6)")?
             .execute(params![
                 run_id,
                 ordinal as i64,
-                tag.key,
-                tag.value,
-                tag.source.key(),
-                tag.detail,
-                ordinal < tagging.chosen
+                self.time_of.unwrap_or(ordinal) as i64,
+                self.time_of.is_none().then_some(&self.time),
+                self.values,
+                self.excluded,
             ])?;
+        Ok(())
     }
-    if let Some(offset_s) = tagging.clock_offset_s {
-        insert_stated_offset(transaction, run_id, offset_s)?;
-    }
-    let first: i64 = transaction
-        .prepare_cached("SELECT coalesce(max(ordinal) + 1, 0) FROM run_issue WHERE run_id = ?1")?
-        .query_row([run_id], |row| row.get(0))?;
-    insert_issues(transaction, run_id, "tag", first, &tagging.issues)
-}
-
-pub(super) fn insert_issues(
-    transaction: &Transaction<'_>,
-    run_id: i64,
-    stage: &str,
-    first: i64,
-    issues: &[Issue],
-) -> Result<(), StepError> {
-    for (ordinal, issue) in (first..).zip(issues) {
-        transaction
-            .prepare_cached("INSERT INTO run_issue VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")?
-            .execute(params![
-                run_id,
-                ordinal,
-                stage,
-                issue.severity.key(),
-                issue.code,
-                issue.place,
-                issue.message,
-                issue.mend
-            ])?;
-    }
-    Ok(())
 }

@@ -3,13 +3,14 @@
 
 use std::collections::BTreeMap;
 
-use rusqlite::{Connection, OptionalExtension, Row, ToSql, params};
+use rusqlite::{Row, ToSql, params};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use super::blob::{packed_json, unpacked_json};
 use super::columns::{from_json, to_json};
-use super::seal::{Seal, finished};
+use super::rows::RESULT;
 use super::{StepError, Store, StoreError, Transaction};
 use ieap_domain::{Issue, string_enum};
 
@@ -29,6 +30,12 @@ string_enum! {
         Run = "run",
         /// The alarms of long-term monitoring.
         Alarms = "alarms",
+        /// What the climate logs come to.
+        Climate = "climate",
+        /// A few readings of a run, by which others with the same ones are found.
+        Marks = "marks",
+        /// In which runs the readings of a run stand too.
+        Same = "same",
     }
 }
 
@@ -41,6 +48,9 @@ impl ResultKind {
             ResultKind::Comparison => "comparison of models",
             ResultKind::Group | ResultKind::Run => "diagnosis",
             ResultKind::Alarms => "list of alarms",
+            ResultKind::Climate => "assessment",
+            ResultKind::Marks => "list of marks",
+            ResultKind::Same => "list of copies",
         }
     }
 }
@@ -110,10 +120,6 @@ enum Document<T> {
 
 /// Key of a document under which the hash of what is drawn stands.
 const DRAWN_HASH: &str = "drawn_hash";
-/// Level of compression of what is drawn.
-const ZSTD_LEVEL: i32 = 3;
-const COLUMNS: &str = "id, superseded_at, kind, name, key, version, document, made_at, hash";
-
 impl Store {
     /// Stores results of a kind, each as the current one of its name.
     ///
@@ -158,7 +164,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn results<T: ResultDocument>(&self, kind: ResultKind) -> Result<Vec<StoredResult<T>>, StoreError> {
-        let mut found = self.current_results(kind, read)?;
+        let mut found = self.listed("reading results", RESULT, &list_of(kind), read)?;
         found.sort_by(|a: &StoredResult<T>, b| a.origin.name.cmp(&b.origin.name));
         Ok(found)
     }
@@ -168,34 +174,9 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn result_keys(&self, kind: ResultKind) -> Result<BTreeMap<String, String>, StoreError> {
-        let keys = self.current_results(kind, |row| {
-            check(row)?;
-            Ok((row.get("name")?, row.get("key")?))
-        });
-        Ok(keys?.into_iter().collect())
-    }
-
-    /// Every current result of a kind, read from the table itself and not by an index; that none is missing is held against the
-    /// sum of their hashes.
-    fn current_results<T>(
-        &self,
-        kind: ResultKind,
-        read: impl Fn(&Row<'_>) -> Result<T, StepError>,
-    ) -> Result<Vec<T>, StoreError> {
-        let _moment = self.snapshot()?;
-        let sql =
-            format!("SELECT {COLUMNS} FROM result NOT INDEXED WHERE kind = ?1 AND superseded_at IS NULL");
-        let found = self.rows("reading results", &sql, [kind.key()], |row| {
-            Ok((read(row)?, seal_in(row)?))
-        })?;
-        let stated = sum_of(&self.connection, kind).map_err(|e| self.failed("reading results", e))?;
-        let sum = found
-            .iter()
-            .fold(Seal::default(), |sum, (_, hash)| added(sum, *hash));
-        if sum != stated {
-            return Err(StoreError::Damaged { what: list_of(kind) });
-        }
-        Ok(found.into_iter().map(|(result, _)| result).collect())
+        let read = |row: &Row<'_>| Ok((row.get("name")?, row.get("key")?));
+        let keys = self.listed("reading what results depend on", RESULT, &list_of(kind), read)?;
+        Ok(keys.into_iter().collect())
     }
 
     /// The current result of a name.
@@ -230,10 +211,8 @@ impl Store {
                 vec![&kind, &name, moment],
             ),
         };
-        let sql = format!(
-            "SELECT {COLUMNS} FROM result WHERE kind = ?1 AND name = ?2 AND {condition} ORDER BY id DESC LIMIT 1"
-        );
-        let found = self.rows("reading a result", &sql, values.as_slice(), read)?;
+        let rest = format!("WHERE kind = ?1 AND name = ?2 AND {condition} ORDER BY id DESC LIMIT 1");
+        let found = self.kept("reading a result", RESULT, ("", &rest), values.as_slice(), read)?;
         Ok(found.into_iter().next())
     }
 
@@ -243,17 +222,18 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn drawn<D: DeserializeOwned>(&self, kind: ResultKind, name: &str) -> Result<Option<D>, StoreError> {
-        let sql = format!(
-            "SELECT {COLUMNS}, drawn FROM result
-             WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL AND drawn IS NOT NULL"
-        );
-        let found = self.rows("reading curves", &sql, [kind.key(), name], |row| {
-            check(row)?;
-            check_drawn(row)?;
-            let drawn: Vec<u8> = row.get("drawn")?;
-            let text = zstd::decode_all(drawn.as_slice()).map_err(|_| damaged(row))?;
-            Ok(serde_json::from_slice(&text).map_err(|error| bad_value(&error))?)
-        })?;
+        let rest = "WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL AND drawn IS NOT NULL";
+        let found = self.kept(
+            "reading curves",
+            RESULT,
+            (", drawn", rest),
+            [kind.key(), name],
+            |row| {
+                check_drawn(row)?;
+                let drawn: Vec<u8> = row.get("drawn")?;
+                Ok(unpacked_json("curves", &drawn)?)
+            },
+        )?;
         Ok(found.into_iter().next())
     }
 
@@ -262,48 +242,24 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn drawn_hash(&self, kind: ResultKind, name: &str) -> Result<Option<String>, StoreError> {
-        let sql =
-            format!("SELECT {COLUMNS} FROM result WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL");
-        let found = self.rows("reading a hash of curves", &sql, [kind.key(), name], |row| {
-            check(row)?;
-            stated_drawn_hash(row)
-        })?;
+        let rest = ("", "WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL");
+        let doing = "reading a hash of curves";
+        let found = self.kept(doing, RESULT, rest, [kind.key(), name], stated_drawn_hash)?;
         Ok(found.into_iter().flatten().next())
     }
 
-    /// What is wrong with results, current and earlier ones, in the order in which they were made.
-    pub(super) fn check_results(&self) -> Result<Vec<StoreError>, StoreError> {
-        let sql = format!("SELECT {COLUMNS}, drawn FROM result ORDER BY id");
-        let mut sums: BTreeMap<String, Seal> = BTreeMap::new();
-        let found = self.rows("checking results", &sql, [], |row| {
-            let is_current = row.get::<_, Option<String>>("superseded_at")?.is_none();
-            let current = if is_current {
-                Some((row.get::<_, String>("kind")?, seal_in(row)?))
-            } else {
-                None
-            };
-            match check(row).and_then(|()| check_drawn(row)) {
-                Ok(()) => Ok((current, None)),
-                Err(StepError::Store(error)) => Ok((current, Some(error))),
-                Err(other) => Err(other),
-            }
-        });
-        let mut wrong = Vec::new();
-        for (current, error) in found? {
-            if let Some((kind, hash)) = current {
-                let sum = sums.entry(kind).or_default();
-                *sum = added(*sum, hash);
-            }
-            wrong.extend(error);
-        }
-        for kind in ResultKind::ALL {
-            let stated = sum_of(&self.connection, kind).map_err(|e| self.failed("checking results", e))?;
-            if sums.get(kind.key()).copied().unwrap_or_default() != stated {
-                wrong.push(StoreError::Damaged { what: list_of(kind) });
-            }
-        }
-        Ok(wrong)
+    /// What is wrong with what is drawn of results, current and earlier ones, in the order in which they were made.
+    pub(super) fn check_all_drawn(&self) -> Result<Vec<StoreError>, StoreError> {
+        let doing = "checking curves";
+        // A document that is damaged is told with its row.
+        let sql = "SELECT id, kind, name, document, drawn FROM result ORDER BY id";
+        let found = self.rows(doing, sql, [], |row| Ok(check_drawn(row).err()))?;
+        Ok(found.into_iter().flatten().map(self.named(doing)).collect())
     }
+}
+
+fn list_of(kind: ResultKind) -> String {
+    format!("result {}", kind.key())
 }
 
 /// Stores results of a kind, each as the current one of its name.
@@ -316,20 +272,27 @@ pub(super) fn keep<T: ResultDocument>(
     for result in results {
         retire(transaction, now, kind, result.name)?;
         let (document, drawn) = written(kind, result.found)?;
-        let of = [
-            kind.key(),
-            result.name,
-            result.key,
-            result.version,
-            &document,
-            now,
-        ];
-        let sql = "INSERT INTO result (kind, name, key, version, document, made_at, hash, drawn)
-                   VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)";
-        let [kind, name, key, version, document, made_at] = of;
-        let values = params![kind, name, key, version, document, made_at, hash_of(of), drawn];
-        transaction.prepare_cached(sql)?.execute(values)?;
-        add(transaction, kind, hash_of(of))?;
+        transaction.change(
+            RESULT,
+            ("name = ?1 AND superseded_at IS NULL", &result.name),
+            || {
+                transaction
+                    .prepare_cached(
+                        "INSERT INTO result (kind, name, key, version, document, made_at, drawn)
+                     VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+                    )?
+                    .execute(params![
+                        kind.key(),
+                        result.name,
+                        result.key,
+                        result.version,
+                        document,
+                        now,
+                        drawn
+                    ])?;
+                Ok(())
+            },
+        )?;
     }
     Ok(())
 }
@@ -341,53 +304,28 @@ pub(super) fn retire(
     kind: ResultKind,
     name: &str,
 ) -> Result<(), StepError> {
-    let sql = "UPDATE result SET superseded_at = ?3 WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL RETURNING hash";
+    let sql = "SELECT id FROM result WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL";
     let mut statement = transaction.prepare_cached(sql)?;
-    let mut rows = statement.query(params![kind.key(), name, now])?;
-    while let Some(row) = rows.next()? {
-        add(transaction, kind.key(), seal_in(row)?)?;
+    let ids = statement.query_map([kind.key(), name], |row| row.get::<_, i64>(0))?;
+    for id in ids.collect::<rusqlite::Result<Vec<_>>>()? {
+        transaction.change(RESULT, ("id = ?1", &id), || {
+            transaction
+                .prepare_cached("UPDATE result SET superseded_at = ?2 WHERE id = ?1")?
+                .execute(params![id, now])?;
+            Ok(())
+        })?;
     }
     Ok(())
 }
 
-/// Adds a hash to the sum of a kind, or takes it out again: without carry that is the same.
-fn add(transaction: &Transaction<'_>, kind: &str, hash: Seal) -> Result<(), StepError> {
-    let sum = sum_in(transaction, kind)?;
-    transaction
-        .prepare_cached("INSERT OR REPLACE INTO result_sum VALUES (?1, ?2)")?
-        .execute(params![kind, added(sum, hash)])?;
-    Ok(())
-}
-
-fn added(sum: Seal, hash: Seal) -> Seal {
-    std::array::from_fn(|k| sum[k] ^ hash[k])
-}
-
-fn sum_of(connection: &Connection, kind: ResultKind) -> rusqlite::Result<Seal> {
-    sum_in(connection, kind.key())
-}
-
-fn sum_in(connection: &Connection, kind: &str) -> rusqlite::Result<Seal> {
-    let sum = connection
-        .prepare_cached("SELECT sum FROM result_sum WHERE kind = ?1")?
-        .query_row([kind], |row| row.get(0))
-        .optional()?;
-    Ok(sum.unwrap_or_default())
-}
-
-/// The hash in a row; nothing of one that is none any more.
-fn seal_in(row: &Row<'_>) -> Result<Seal, StepError> {
-    let hash = row.get_ref("hash")?.as_blob().unwrap_or_default();
-    Ok(hash.try_into().unwrap_or_default())
-}
-
-fn list_of(kind: ResultKind) -> String {
-    format!("the list of results ({})", kind.words())
-}
-
 /// Takes what was found in the readings of a run, or a log, out of what is current.
 pub(super) fn retire_of_run(transaction: &Transaction<'_>, now: &str, name: &str) -> Result<(), StepError> {
-    let kinds = [ResultKind::Fit, ResultKind::Modulus];
+    let kinds = [
+        ResultKind::Fit,
+        ResultKind::Modulus,
+        ResultKind::Marks,
+        ResultKind::Same,
+    ];
     kinds
         .into_iter()
         .try_for_each(|kind| retire(transaction, now, kind, name))
@@ -395,27 +333,13 @@ pub(super) fn retire_of_run(transaction: &Transaction<'_>, now: &str, name: &str
 
 /// Gives the results of a run, or a log, its new name.
 pub(super) fn rename(transaction: &Transaction<'_>, old: &str, new: &str) -> Result<(), StepError> {
-    let sql = format!("SELECT {COLUMNS} FROM result WHERE name = ?1 AND kind <> 'group'");
-    let mut statement = transaction.prepare_cached(&sql)?;
-    let mut rows = statement.query([old])?;
-    let mut renamed = Vec::new();
-    while let Some(row) = rows.next()? {
-        check(row)?;
-        let text = |column: &str| row.get::<_, String>(column);
-        let (kind, key, version) = (text("kind")?, text("key")?, text("version")?);
-        let hash = hash_of([&kind, new, &key, &version, &text("document")?, &text("made_at")?]);
-        let is_current = row.get::<_, Option<String>>("superseded_at")?.is_none();
-        renamed.push((row.get::<_, i64>("id")?, kind, seal_in(row)?, hash, is_current));
-    }
-    for (id, kind, before, hash, is_current) in renamed {
-        if is_current {
-            add(transaction, &kind, added(before, hash))?;
-        }
+    let condition = "name = ?1 AND kind <> 'group'";
+    transaction.change(RESULT, (condition, &old), || {
         transaction
-            .prepare_cached("UPDATE result SET name = ?2, hash = ?3 WHERE id = ?1")?
-            .execute(params![id, new, hash])?;
-    }
-    Ok(())
+            .prepare_cached(&format!("UPDATE result SET name = ?2 WHERE {condition}"))?
+            .execute([old, new])?;
+        Ok(())
+    })
 }
 
 /// The document of a result, and what is drawn of it.
@@ -440,12 +364,7 @@ fn written<T: ResultDocument>(
     let mut packed = None;
     if let Value::Object(fields) = &mut value {
         drawn.extend(T::DRAWN.iter().filter_map(|key| fields.shift_remove_entry(*key)));
-        let text = to_json("curves", &drawn)?;
-        let bytes =
-            zstd::bulk::compress(text.as_bytes(), ZSTD_LEVEL).map_err(|error| StoreError::BadValue {
-                what: "curves",
-                detail: error.to_string(),
-            })?;
+        let bytes = packed_json("curves", &drawn)?;
         let hash = blake3::hash(&bytes).to_hex().to_string();
         fields.insert(DRAWN_HASH.to_owned(), Value::String(hash));
         packed = Some(bytes);
@@ -453,9 +372,8 @@ fn written<T: ResultDocument>(
     Ok((to_json(kind.words(), &Document::Found(value))?, packed))
 }
 
-/// A result from a row of [`COLUMNS`], held against its hash.
+/// A result from a row of [`RESULT`].
 fn read<T: ResultDocument>(row: &Row<'_>) -> Result<StoredResult<T>, StepError> {
-    check(row)?;
     let found = match from_json("a result", &row.get::<_, String>("document")?)? {
         Document::Found(found) => Ok(found),
         Document::Issue(issue) => Err(issue),
@@ -472,28 +390,6 @@ fn read_origin(row: &Row<'_>) -> Result<ResultOrigin, StepError> {
         version: row.get("version")?,
         made_at: row.get("made_at")?,
     })
-}
-
-/// Holds a row of [`COLUMNS`] against its hash. What is no text any more has none that matches.
-fn check(row: &Row<'_>) -> Result<(), StepError> {
-    let text = |column: &str| {
-        row.get_ref(column)
-            .map(|value| value.as_str().unwrap_or_default())
-    };
-    let of = [
-        text("kind")?,
-        text("name")?,
-        text("key")?,
-        text("version")?,
-        text("document")?,
-        text("made_at")?,
-    ];
-    let stored = row.get_ref("hash")?.as_blob().unwrap_or_default();
-    if stored == hash_of(of) {
-        Ok(())
-    } else {
-        Err(damaged(row).into())
-    }
 }
 
 /// Holds what is drawn of a checked row against the hash in its document.
@@ -517,16 +413,6 @@ fn stated_drawn_hash(row: &Row<'_>) -> Result<Option<String>, StepError> {
         Document::Found(found) => found.drawn_hash,
         Document::Issue(_) => None,
     })
-}
-
-/// The hash of a result: over its kind, name, key, version, document and when it was made.
-fn hash_of(texts: [&str; 6]) -> Seal {
-    let mut hasher = blake3::Hasher::new();
-    for text in texts {
-        hasher.update(&(text.len() as u64).to_le_bytes());
-        hasher.update(text.as_bytes());
-    }
-    finished(&hasher)
 }
 
 fn damaged(row: &Row<'_>) -> StoreError {

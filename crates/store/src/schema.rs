@@ -1,7 +1,7 @@
-//! Whether the database's own tables, indexes and triggers are those that its migrations make.
+//! Whether the database's own tables, indexes and triggers are those that this program makes.
 //!
 //! A trigger that somebody puts into the file changes numbers on their way in, and every checksum is then right. So what SQLite
-//! keeps of the schema is held against what the migrations give in an empty database, at every opening. Tables of others that
+//! keeps of the schema is held against what this program makes in an empty database, at every opening. Tables of others that
 //! touch none of ours may stand beside; views are put right elsewhere ([`super::views`]).
 
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use rusqlite::Connection;
 
 use super::StoreError;
-use super::migration::HISTORY;
+use super::migration::SCHEMA;
 
 /// Kind and name of what a schema holds.
 type Named = (String, String);
@@ -32,7 +32,7 @@ pub(super) fn refuse_changed(connection: &Connection, path: &Path) -> Result<(),
     }
 }
 
-/// What is not as the migrations make it, in words.
+/// What is not as this program makes it, in words.
 fn first_difference(stored: &Schema, wanted: &Schema) -> Option<String> {
     let named = |(kind, name): &Named| format!("the {kind} \"{name}\"");
     let lost = wanted.iter().find_map(|(own, (sql, _))| match stored.get(own) {
@@ -50,14 +50,14 @@ fn first_difference(stored: &Schema, wanted: &Schema) -> Option<String> {
     })
 }
 
-/// What the migrations make.
+/// What this program makes.
 fn wanted() -> rusqlite::Result<&'static Schema> {
     static WANTED: OnceLock<Schema> = OnceLock::new();
     if let Some(wanted) = WANTED.get() {
         return Ok(wanted);
     }
     let connection = Connection::open_in_memory()?;
-    HISTORY.iter().try_for_each(|sql| connection.execute_batch(sql))?;
+    connection.execute_batch(SCHEMA)?;
     let wanted = of(&connection)?;
     Ok(WANTED.get_or_init(|| wanted))
 }
@@ -92,14 +92,13 @@ mod tests {
             difference("CREATE TABLE notes (text TEXT); CREATE INDEX n ON notes (text)"),
             None
         );
-        let trigger =
-            "CREATE TRIGGER t AFTER INSERT ON run BEGIN UPDATE run SET area_cm2 = 2 * area_cm2; END";
+        let trigger = "CREATE TRIGGER t AFTER INSERT ON run BEGIN UPDATE run SET revision = 2; END";
         assert_eq!(
             difference(trigger).unwrap(),
             "the trigger \"t\" on \"run\" is not of ieap"
         );
         assert!(
-            difference("CREATE UNIQUE INDEX u ON run (area_cm2)")
+            difference("CREATE UNIQUE INDEX u ON run (data_hash)")
                 .unwrap()
                 .contains("\"u\"")
         );
@@ -122,7 +121,7 @@ mod tests {
         let path = folder.path().join(crate::FILE_NAME);
         let connection = Connection::open(&path).unwrap();
         connection
-            .execute_batch("CREATE TRIGGER t AFTER INSERT ON run BEGIN UPDATE run SET area_cm2 = 1; END")
+            .execute_batch("CREATE TRIGGER t AFTER INSERT ON run BEGIN UPDATE run SET revision = 1; END")
             .unwrap();
         drop(connection);
         for refused in [

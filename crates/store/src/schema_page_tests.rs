@@ -43,12 +43,10 @@ fn comment<'a>(sql: &'a str, column: &str) -> Option<&'a str> {
 
 /// The comment above a view, and above a table in the migrations.
 fn about(name: &str, kind: &str) -> String {
-    let history = super::migration::HISTORY.iter().copied();
-    let texts = history.chain([super::views::VIEWS]);
+    let texts = [super::migration::SCHEMA, super::views::VIEWS].into_iter();
     let head = format!("CREATE {} {name} ", kind.to_uppercase());
-    let renamed = format!("CREATE {} {name}_2 ", kind.to_uppercase());
     let mut found = texts.filter_map(|text| {
-        let at = text.find(&head).or_else(|| text.find(&renamed))?;
+        let at = text.find(&head)?;
         let above: Vec<&str> = text[..at]
             .lines()
             .rev()
@@ -61,7 +59,6 @@ fn about(name: &str, kind: &str) -> String {
             .map(|line| line.trim_start_matches("--").trim());
         Some(words.collect::<Vec<_>>().join(" "))
     });
-    // Made anew for another CHECK, a table is still what it was first said to be.
     found.find(|words| !words.is_empty()).unwrap_or_default()
 }
 

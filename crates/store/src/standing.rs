@@ -1,91 +1,56 @@
-//! What decides whether runs take part in results: words of people, readings that stand in two runs, what diagnoses found.
+//! Readings that stand in two runs, and other names of runs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rusqlite::params;
+use serde::{Deserialize, Serialize};
 
-use super::journal::Entry;
-use super::{StepError, Store, StoreError, Subject};
-use ieap_domain::{RunWord, SameReadings};
+use super::new_run::RunRow;
+use super::results::{self, NewResult, ResultDocument, ResultKind};
+use super::{Store, StoreError};
+use ieap_domain::{RunKind, SameReadings};
 
-/// Every word on a run, the oldest first.
-pub(super) const RUN_WORDS: &str =
-    "SELECT run_path, drops, why, said_by, said_at, data_hash FROM run_word ORDER BY id";
-
-/// A word from a row of [`RUN_WORDS`].
-pub(super) fn read_word(row: &rusqlite::Row<'_>) -> Result<RunWord, StepError> {
-    Ok(RunWord {
-        run_path: row.get("run_path")?,
-        drops: row.get("drops")?,
-        why: row.get("why")?,
-        said_by: row.get("said_by")?,
-        said_at: row.get("said_at")?,
-        data_hash: row.get("data_hash")?,
-    })
+/// A few readings of a run as hashes, the smallest ones: runs that hold the same readings share some.
+#[derive(Serialize, Deserialize)]
+struct Marks {
+    marks: Vec<u64>,
 }
 
+impl ResultDocument for Marks {}
+
+/// Runs in which the readings of a run stand too.
+#[derive(Serialize, Deserialize)]
+struct Same {
+    standing_in: Vec<StandingIn>,
+}
+
+/// One of them, by what tells its readings: a name may change.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct StandingIn {
+    data_hash: String,
+    /// Whether the other holds nothing more.
+    whole: bool,
+}
+
+impl ResultDocument for Same {}
+
 impl Store {
-    /// Records what a person said of runs.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn add_run_words(&mut self, now: &str, words: &[RunWord]) -> Result<(), StoreError> {
-        self.write("storing what was said of runs", now, |transaction| {
-            transaction.changes(Subject::RunWords)?;
-            let sql = "INSERT INTO run_word (run_path, drops, why, said_by, said_at, data_hash)
-                       VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
-            for word in words {
-                transaction.prepare_cached(sql)?.execute(params![
-                    word.run_path,
-                    word.drops,
-                    word.why,
-                    word.said_by,
-                    word.said_at,
-                    word.data_hash
-                ])?;
-                transaction.says(&word.said_at, Entry::Word(word.clone()));
-            }
-            Ok(())
-        })
-    }
-
-    /// The newest word on each run, by the run's name.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn run_words(&self) -> Result<BTreeMap<String, RunWord>, StoreError> {
-        let _moment = self.snapshot()?;
-        self.check_seal(&Subject::RunWords)?;
-        let words = self.rows("reading what was said of runs", RUN_WORDS, [], read_word)?;
-        // Later words come later and stay.
-        Ok(words
-            .into_iter()
-            .map(|word| (word.run_path.clone(), word))
-            .collect())
-    }
-
     /// Current actuation runs by row id, each with its marks; empty where it has none of that version.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn marks(&self, version: u32) -> Result<BTreeMap<i64, Option<Vec<u64>>>, StoreError> {
-        let sql = format!(
-            "SELECT run.id, run_marks.marks FROM run
-             LEFT JOIN run_marks ON run_marks.run_id = run.id AND run_marks.version = {version}
-             WHERE run.superseded_at IS NULL AND run.kind = 'actuation'"
-        );
         let _moment = self.snapshot()?;
-        self.check_seal(&Subject::Runs)?;
-        self.check_seal(&Subject::Marks)?;
-        let found = self.rows("reading marks of readings", &sql, [], |row| {
-            let bytes: Option<Vec<u8>> = row.get("marks")?;
-            let number = |bytes: &[u8]| bytes.try_into().map_or(0, u64::from_le_bytes);
-            Ok((
-                row.get("id")?,
-                bytes.map(|bytes| bytes.chunks_exact(8).map(number).collect()),
-            ))
-        })?;
-        Ok(found.into_iter().collect())
+        let stored = self.results::<Marks>(ResultKind::Marks)?.into_iter();
+        let mut stored: BTreeMap<String, _> = stored
+            .map(|stored| (stored.origin.name.clone(), stored))
+            .collect();
+        let of = |run: RunRow| {
+            let marks = stored.remove(&run.path);
+            let marks = marks.filter(|stored| stored.origin.key == key(version, &run.data_hash));
+            (run.id, marks.and_then(|stored| Some(stored.found.ok()?.marks)))
+        };
+        let runs = self.current_rows(RunKind::Actuation)?;
+        Ok(runs.into_iter().map(of).collect())
     }
 
     /// Stores the marks of runs that had none, and in which runs their readings stand too.
@@ -99,47 +64,84 @@ impl Store {
         marks: &[(i64, Vec<u64>)],
         same: &[SameReadings],
     ) -> Result<(), StoreError> {
+        let runs = self.current_rows(RunKind::Actuation)?.into_iter();
+        let runs: BTreeMap<i64, (String, String)> =
+            runs.map(|run| (run.id, (run.path, run.data_hash))).collect();
+        let mut known = self.standing_in()?;
+        let mut changed = BTreeSet::new();
+        for pair in same {
+            let (Some((path, _)), Some((_, data_hash))) = (runs.get(&pair.run_id), runs.get(&pair.in_run_id))
+            else {
+                continue;
+            };
+            let all = known.entry(path.clone()).or_default();
+            all.retain(|other| other.data_hash != *data_hash);
+            let (data_hash, whole) = (data_hash.clone(), pair.whole);
+            all.push(StandingIn { data_hash, whole });
+            changed.insert((path.clone(), pair.run_id));
+        }
         self.write("storing marks of readings", now, |transaction| {
-            transaction.changes(Subject::Marks)?;
-            transaction.changes(Subject::SameReadings)?;
             for (run_id, marks) in marks {
-                let bytes: Vec<u8> = marks.iter().flat_map(|mark| mark.to_le_bytes()).collect();
-                transaction
-                    .prepare_cached("INSERT OR REPLACE INTO run_marks VALUES (?1, ?2, ?3)")?
-                    .execute(params![run_id, version, bytes])?;
+                let Some((name, data_hash)) = runs.get(run_id) else {
+                    continue;
+                };
+                let (marks, key) = (Marks { marks: marks.clone() }, key(version, data_hash));
+                let result = NewResult {
+                    name,
+                    key: &key,
+                    version: "",
+                    found: Ok(&marks),
+                };
+                results::keep(transaction, now, ResultKind::Marks, &[result])?;
             }
-            for pair in same {
-                transaction
-                    .prepare_cached("INSERT OR REPLACE INTO same_readings VALUES (?1, ?2, ?3)")?
-                    .execute(params![pair.run_id, pair.in_run_id, pair.whole])?;
+            for (name, run_id) in &changed {
+                let same = Same {
+                    standing_in: known.get(name).cloned().unwrap_or_default(),
+                };
+                let (key, found) = (&runs[run_id].1, Ok(&same));
+                let result = NewResult {
+                    name,
+                    key,
+                    version: "",
+                    found,
+                };
+                results::keep(transaction, now, ResultKind::Same, &[result])?;
             }
             Ok(())
         })
     }
 
-    /// Current runs whose readings stand in another current run.
+    /// Where the readings of runs stand too, by the runs' names.
+    fn standing_in(&self) -> Result<BTreeMap<String, Vec<StandingIn>>, StoreError> {
+        let stored = self.results::<Same>(ResultKind::Same)?.into_iter();
+        let of =
+            |stored: super::StoredResult<Same>| Some((stored.origin.name, stored.found.ok()?.standing_in));
+        Ok(stored.filter_map(of).collect())
+    }
+
+    /// Current runs whose readings stand in another current run, in the order of their names.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn same_readings(&self) -> Result<Vec<SameReadings>, StoreError> {
-        let doing = "reading which runs hold the same readings";
         let _moment = self.snapshot()?;
-        self.check_seal(&Subject::SameReadings)?;
-        let sql = "SELECT run_id, in_run_id, whole FROM same_readings ORDER BY run_id, in_run_id";
-        let mut found = self.rows(doing, sql, [], |row| {
-            Ok(SameReadings {
-                run_id: row.get("run_id")?,
-                in_run_id: row.get("in_run_id")?,
-                whole: row.get("whole")?,
-            })
-        })?;
-        if found.is_empty() {
-            return Ok(found);
+        let standing_in = self.standing_in()?;
+        if standing_in.is_empty() {
+            return Ok(Vec::new());
         }
-        let runs = self.current_places(doing)?;
-        let places = |pair: &SameReadings| Some((*runs.get(&pair.run_id)?, *runs.get(&pair.in_run_id)?));
-        found.retain(|pair| places(pair).is_some());
-        found.sort_by_key(places);
+        let runs = self.current_rows(RunKind::Actuation)?;
+        let mut found = Vec::new();
+        for run in runs.iter().filter(|run| standing_in.contains_key(&run.path)) {
+            for other in runs.iter().filter(|other| other.id != run.id) {
+                let mut pairs = standing_in[&run.path].iter();
+                let pair = pairs.find(|pair| pair.data_hash == other.data_hash);
+                found.extend(pair.map(|pair| SameReadings {
+                    run_id: run.id,
+                    in_run_id: other.id,
+                    whole: pair.whole,
+                }));
+            }
+        }
         Ok(found)
     }
 
@@ -149,93 +151,31 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn other_names(&self) -> Result<BTreeMap<i64, Vec<String>>, StoreError> {
-        let doing = "reading other names of runs";
         let _moment = self.snapshot()?;
         let aliases = self.aliases()?;
-        let sql = "SELECT run.id, run_file.hash FROM run JOIN run_file ON run_file.run_id = run.id
-                   WHERE run.superseded_at IS NULL
-                     AND (SELECT count(*) FROM run_file AS part WHERE part.run_id = run.id) = 1";
+        let same = self.same_readings()?;
         let mut names: BTreeMap<i64, BTreeSet<String>> = BTreeMap::new();
-        if !aliases.is_empty() {
-            let alone: Vec<(i64, String)> =
-                self.rows(doing, sql, [], |row| Ok((row.get("id")?, row.get("hash")?)))?;
-            for (run_id, hash) in alone {
-                let Some(paths) = aliases.get(&hash) else { continue };
-                self.check_seal(&Subject::Run(run_id))?;
-                names.entry(run_id).or_default().extend(paths.iter().cloned());
+        if aliases.is_empty() && same.is_empty() {
+            return Ok(BTreeMap::new());
+        }
+        let runs = self.all_current_rows()?;
+        for run in &runs {
+            if let [file] = &run.reading.files[..]
+                && let Some(paths) = aliases.get(&file.hash)
+            {
+                names.entry(run.id).or_default().extend(paths.iter().cloned());
             }
         }
-        for pair in self.same_readings()?.into_iter().filter(|pair| pair.whole) {
-            self.check_seal(&Subject::Run(pair.in_run_id))?;
-            let sql = "SELECT path FROM run WHERE id = ?1";
-            let other: Vec<String> = self.rows(doing, sql, [pair.in_run_id], |row| Ok(row.get(0)?))?;
+        let by_id: BTreeMap<i64, &RunRow> = runs.iter().map(|run| (run.id, run)).collect();
+        for pair in same.iter().filter(|pair| pair.whole) {
+            let other = by_id.get(&pair.in_run_id).map(|run| run.path.clone());
             names.entry(pair.run_id).or_default().extend(other);
         }
         let listed = |(run_id, paths): (i64, BTreeSet<String>)| (run_id, paths.into_iter().collect());
         Ok(names.into_iter().map(listed).collect())
     }
-
-    /// The place of each current run, by row id, in the order of their names.
-    fn current_places(&self, doing: &'static str) -> Result<BTreeMap<i64, usize>, StoreError> {
-        self.check_seal(&Subject::Runs)?;
-        let sql = "SELECT id FROM run WHERE superseded_at IS NULL ORDER BY path";
-        let ids: Vec<i64> = self.rows(doing, sql, [], |row| Ok(row.get(0)?))?;
-        Ok(ids.into_iter().zip(0..).collect())
-    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_newest_word_on_a_run_holds() {
-        let mut store = Store::in_memory().unwrap();
-        let word = |run: &str, drops: bool, why: Option<&str>| RunWord {
-            run_path: run.into(),
-            drops,
-            why: why.map(str::to_owned),
-            said_by: "tester".into(),
-            said_at: "2026-01-01T00:00:00Z".into(),
-            data_hash: "0".into(),
-        };
-        let first = [
-            word("a", true, Some("clip slipped")),
-            word("b", true, Some("wet")),
-        ];
-        store.add_run_words("now", &first).unwrap();
-        store.add_run_words("now", &[word("a", false, None)]).unwrap();
-        let words = store.run_words().unwrap();
-        assert_eq!(words["a"], word("a", false, None));
-        assert_eq!(words["b"], first[1]);
-        assert!(store.same_readings().unwrap().is_empty());
-    }
-
-    #[test]
-    fn a_word_that_changed_behind_the_back_of_the_store_is_noticed() {
-        for tampering in [
-            "UPDATE run_word SET drops = 0",
-            "DELETE FROM run_word",
-            "DELETE FROM seal WHERE subject = 'run words'",
-        ] {
-            let mut store = Store::in_memory().unwrap();
-            let word = RunWord {
-                run_path: "a".into(),
-                drops: true,
-                why: Some("wet".into()),
-                said_by: "tester".into(),
-                said_at: "2026-01-01T00:00:00Z".into(),
-                data_hash: "0".into(),
-            };
-            store.add_run_words("now", std::slice::from_ref(&word)).unwrap();
-            assert_eq!(store.check_all().unwrap(), Vec::<String>::new());
-            store.connection.execute_batch(tampering).unwrap();
-            let damaged = |error| matches!(error, StoreError::Damaged { .. });
-            assert!(store.run_words().is_err_and(damaged), "{tampering}");
-            assert!(
-                store.add_run_words("now", &[word]).is_err_and(damaged),
-                "{tampering}"
-            );
-        }
-    }
+fn key(version: u32, data_hash: &str) -> String {
+    format!("{version} {data_hash}")
 }

@@ -1,13 +1,16 @@
 //! The open database: how it is opened, and how rows are read from it.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use rusqlite::{Connection, OpenFlags};
 
+use super::error::named;
 use super::journal::Journal;
 use super::place::{FILE_NAME, Place, refuse_other_than_files};
-use super::seal::{Seals, Subject};
+use super::rows::CHANGE_COUNT;
+use super::words::Remembered;
 use super::{StepError, StoreError, migration, schema, views};
 use ieap_system::fs;
 
@@ -27,16 +30,15 @@ pub struct Store {
     pub(super) connection: Connection,
     pub(super) path: PathBuf,
     pub(super) place: Place,
-    pub(super) seals: Seals,
     pub(super) journal: Journal,
+    pub(super) remembered: RefCell<Remembered>,
 }
 
 impl Store {
-    /// Opens the database of the campaign in `folder` for writing; makes it where there is none, and brings
-    /// an older schema up to date after a backup.
+    /// Opens the database of the campaign in `folder` for writing; makes it where there is none.
     ///
     /// # Errors
-    /// See [`StoreError`]; a newer schema is refused.
+    /// See [`StoreError`]; a newer schema is refused, and an older one: such a database is made anew.
     pub fn open(folder: &Path) -> Result<Store, StoreError> {
         check_sqlite()?;
         let path = folder.join(FILE_NAME);
@@ -49,16 +51,15 @@ impl Store {
         )
         .map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
-        migration::migrate(&mut connection, &path)?;
+        migration::make(&mut connection, &path)?;
         schema::refuse_changed(&connection, &path)?;
         views::put(&mut connection).map_err(|e| StoreError::from_sql(&path, "making the views", e))?;
-        let seals = Seals::of(&connection).map_err(named(&path, "opening"))?;
         Ok(Store {
             connection,
             place: Place::of(&path)?,
             path,
-            seals,
             journal: Journal::of(folder),
+            remembered: RefCell::default(),
         })
     }
 
@@ -98,21 +99,16 @@ impl Store {
         if found == migration::NEWEST {
             schema::refuse_changed(&connection, &path)?;
         }
-        match found {
-            migration::NEWEST => Ok(Some(Store {
-                seals: Seals::of(&connection).map_err(named(&path, "opening to read"))?,
-                connection,
-                path,
-                place: Place::default(),
-                journal: Journal::default(),
-            })),
-            0 => Ok(None),
-            found => Err(StoreError::Older {
-                path,
-                found,
-                needed: migration::NEWEST,
-            }),
+        if found == 0 {
+            return Ok(None);
         }
+        Ok(Some(Store {
+            connection,
+            path,
+            place: Place::default(),
+            journal: Journal::default(),
+            remembered: RefCell::default(),
+        }))
     }
 
     /// A database in memory, for tests.
@@ -124,15 +120,14 @@ impl Store {
         let mut connection =
             Connection::open_in_memory().map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
-        migration::migrate(&mut connection, &path)?;
+        migration::make(&mut connection, &path)?;
         views::put(&mut connection).map_err(|e| StoreError::from_sql(&path, "making the views", e))?;
-        let seals = Seals::of(&connection).map_err(named(&path, "opening"))?;
         Ok(Store {
             connection,
             path,
             place: Place::default(),
-            seals,
             journal: Journal::default(),
+            remembered: RefCell::default(),
         })
     }
 
@@ -146,12 +141,16 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn changes(&self) -> Result<(u64, String), StoreError> {
-        self.check_seal(&Subject::Changes)?;
-        self.connection
-            .query_row("SELECT changes, changed_at FROM change_count", [], |row| {
-                Ok((row.get::<_, i64>(0)?.unsigned_abs(), row.get(1)?))
-            })
-            .map_err(|e| self.failed("counting changes", e))
+        let read = |row: &rusqlite::Row<'_>| {
+            Ok((
+                row.get::<_, i64>("changes")?.unsigned_abs(),
+                row.get("changed_at")?,
+            ))
+        };
+        let found = self.listed("counting changes", CHANGE_COUNT, "change_count", read)?;
+        found.into_iter().next().ok_or_else(|| StoreError::Damaged {
+            what: "the count of changes".to_owned(),
+        })
     }
 
     /// Rows of `sql`, read one by one.
@@ -180,14 +179,6 @@ impl Store {
 
     pub(super) fn named(&self, doing: &'static str) -> impl Fn(StepError) -> StoreError + '_ {
         named(&self.path, doing)
-    }
-}
-
-/// Names what was being done with the database at `path` when a step failed.
-pub(super) fn named<'a>(path: &'a Path, doing: &'static str) -> impl Fn(StepError) -> StoreError + use<'a> {
-    move |error| match error {
-        StepError::Sql(error) => StoreError::from_sql(path, doing, error),
-        StepError::Store(error) => error,
     }
 }
 

@@ -5,13 +5,13 @@ use std::ops::Deref;
 use rusqlite::{Connection, ToSql, TransactionBehavior};
 
 use super::journal::{Entry, Intended, Journal};
-use super::{Seals, Snapshot, StepError, Store, StoreError, Subject};
+use super::rows::{self, CHANGE_COUNT, Table};
+use super::{Snapshot, StepError, Store, StoreError};
 
 /// The transaction that a change is made in.
 pub(super) struct Transaction<'c> {
     connection: &'c Connection,
-    seals: &'c Seals,
-    journal: &'c Journal,
+    pub(super) journal: &'c Journal,
 }
 
 impl Deref for Transaction<'_> {
@@ -23,27 +23,21 @@ impl Deref for Transaction<'_> {
 }
 
 impl Transaction<'_> {
-    /// To be said before rows change: they are held against their seal, and sealed again at the end.
-    pub fn changes(&self, subject: Subject) -> Result<(), StepError> {
-        self.seals.open(self.connection, subject)
-    }
-
-    /// To be said of rows that were just made under a new id.
-    pub fn made(&self, subject: Subject) {
-        self.seals.open_new(subject);
+    /// Changes rows of a table: they are held against their hashes before, and hashed anew after. `condition` has one
+    /// parameter, and finds the rows before or after or both.
+    pub fn change<T>(
+        &self,
+        table: Table,
+        condition: (&str, &dyn ToSql),
+        work: impl FnOnce() -> Result<T, StepError>,
+    ) -> Result<T, StepError> {
+        rows::change(self.connection, table, condition, work)
     }
 
     /// To be said of what no file holds, with the time at which it was said (RFC 3339 UTC): it is on the disk before this
     /// is committed.
-    pub fn says(&self, at: &str, entry: Entry) {
-        self.journal.says(at, entry);
-    }
-
-    /// Ids that a query of one parameter gives.
-    pub fn ids(&self, sql: &str, key: impl ToSql) -> rusqlite::Result<Vec<i64>> {
-        self.prepare_cached(sql)?
-            .query_map([key], |row| row.get(0))?
-            .collect()
+    pub fn says(&self, at: &str, entry: Entry) -> Result<(), StepError> {
+        self.journal.says(self.connection, at, entry)
     }
 }
 
@@ -72,19 +66,13 @@ impl Store {
             self.forget_changes();
         }
         let said_before = self.journal.len();
-        let (seals, journal, place, path) = (&self.seals, &self.journal, &self.place, &self.path);
+        let (journal, place, path) = (&self.journal, &self.place, &self.path);
         let whole = |connection: &Connection| {
-            let outcome = work(&Transaction {
-                connection,
-                seals,
-                journal,
-            })?;
-            seals.open(connection, Subject::Changes)?;
-            let sql = "UPDATE change_count SET changes = changes + 1, changed_at = ?1";
-            connection.prepare_cached(sql)?.execute([now])?;
+            let outcome = work(&Transaction { connection, journal })?;
+            count_change(connection, now)?;
             let mut intended = None;
             if !in_batch {
-                intended = end_changes((seals, journal), connection, || place.check(path))?;
+                intended = journal.write(connection, || place.check(path))?;
             }
             Ok((outcome, intended))
         };
@@ -95,9 +83,7 @@ impl Store {
         };
         if outcome.is_err() {
             self.journal.keep_first(said_before);
-            if !in_batch {
-                self.seals.forget();
-            }
+            self.journal.changed();
         }
         outcome.map_err(self.named(doing))
     }
@@ -122,8 +108,8 @@ impl Store {
     /// See [`StoreError`]; also where the database gave the batch up because of an earlier error.
     pub fn commit_batch(&mut self) -> Result<(), StoreError> {
         let ended = if self.in_batch() {
-            let in_place = || self.place.check(&self.path);
-            end_changes((&self.seals, &self.journal), &self.connection, in_place)
+            self.journal
+                .write(&self.connection, || self.place.check(&self.path))
         } else {
             Ok(None)
         };
@@ -136,6 +122,9 @@ impl Store {
             or_taken_back(&self.journal, intended, committed)
         });
         self.forget_changes();
+        if committed.is_err() {
+            self.journal.changed();
+        }
         if self.in_batch() {
             let _ = self.connection.execute_batch("ROLLBACK");
         }
@@ -143,7 +132,6 @@ impl Store {
     }
 
     fn forget_changes(&self) {
-        self.seals.forget();
         self.journal.keep_first(0);
     }
 
@@ -152,17 +140,12 @@ impl Store {
     }
 }
 
-/// Seals what changed and writes down what was said.
-fn end_changes(
-    (seals, journal): (&Seals, &Journal),
-    connection: &Connection,
-    in_place: impl Fn() -> Result<(), StoreError>,
-) -> Result<Option<Intended>, StepError> {
-    if journal.len() > 0 {
-        seals.check(connection, &Subject::JournalEnd)?;
-    }
-    seals.close(connection)?;
-    journal.write(connection, in_place)
+fn count_change(connection: &Connection, now: &str) -> Result<(), StepError> {
+    rows::change(connection, CHANGE_COUNT, ("only_row = ?1", &1), || {
+        let sql = "UPDATE change_count SET changes = changes + 1, changed_at = ?1";
+        connection.prepare_cached(sql)?.execute([now])?;
+        Ok(())
+    })
 }
 
 fn alone<T>(

@@ -23,8 +23,7 @@ pub(super) fn put(connection: &mut Connection) -> rusqlite::Result<()> {
     transaction.commit()
 }
 
-/// Takes the views out, so that a migration can change the tables that they read.
-pub(super) fn drop_all(connection: &Connection) -> rusqlite::Result<()> {
+fn drop_all(connection: &Connection) -> rusqlite::Result<()> {
     for name in stored(connection)?.keys() {
         connection.execute_batch(&format!("DROP VIEW \"{}\"", name.replace('"', "\"\"")))?;
     }

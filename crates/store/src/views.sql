@@ -1,16 +1,19 @@
 -- Views for people who ask the database in SQL. They hold no data and the program reads none of them: they are made anew
--- whenever their text changes, so that no migration has to keep them.
+-- whenever their text changes.
 -- Their text is what SQLite and DuckDB both understand (DuckDB makes its own views of it): numbers are CAST AS DOUBLE, for
 -- REAL has four bytes there, and what JSON holds is taken out with ->>. Lists are JSON arrays.
 -- Words are those of GLOSSARY.md; a column's name ends in its unit. Only current runs, fits and findings are shown.
 
 -- One row a run: what was measured, under which tags, and whether anybody or anything speaks against it.
 CREATE VIEW runs_view AS
-WITH chosen AS (SELECT run_id, key, value FROM tag WHERE chosen = 1),
-fit AS (SELECT name, document FROM result WHERE kind = 'fit' AND superseded_at IS NULL AND (document -> '$.found') IS NOT NULL),
+WITH fit AS (SELECT name, document FROM result WHERE kind = 'fit' AND superseded_at IS NULL AND (document -> '$.found') IS NOT NULL),
 condemned AS (
     SELECT CAST(value ->> '$.run' AS VARCHAR) AS run, CAST(value ->> '$.reason' AS VARCHAR) AS reason
     FROM result, json_each(document, '$.found.condemned') WHERE kind IN ('group', 'run') AND superseded_at IS NULL
+),
+same AS MATERIALIZED (
+    SELECT name AS run, CAST(value ->> '$.data_hash' AS VARCHAR) AS data_hash
+    FROM result, json_each(document, '$.found.standing_in') WHERE kind = 'same' AND superseded_at IS NULL
 ),
 shown_run AS (
     SELECT document ->> '$.run' AS path, document ->> '$.material' AS material, document ->> '$.standing' AS standing,
@@ -31,21 +34,20 @@ FROM (SELECT
     run.id AS run_id,
     run.path AS run,
     run.kind,
-    CASE WHEN fit.name IS NOT NULL THEN 'fitted' WHEN run.no_steps THEN 'no_steps' ELSE run.state END AS state,
-    (SELECT value FROM chosen WHERE run_id = run.id AND key = 'sample') AS sample,
+    CASE WHEN fit.name IS NOT NULL THEN 'fitted' ELSE run.state END AS state,
+    CAST(run.tagging ->> '$.chosen.sample' AS VARCHAR) AS sample,
     (SELECT material FROM shown_run WHERE shown_run.path = run.path) AS material,
-    (SELECT value FROM chosen WHERE run_id = run.id AND key = 'environment') AS environment,
-    (SELECT CAST(value AS DOUBLE) FROM chosen WHERE run_id = run.id AND key = 'voltage_v') AS voltage_v,
-    (SELECT CAST(value AS DOUBLE) FROM chosen WHERE run_id = run.id AND key = 'relative_humidity_percent')
-        AS relative_humidity_percent,
-    (SELECT CAST(value AS DOUBLE) FROM chosen WHERE run_id = run.id AND key = 'temperature_c') AS temperature_c,
-    (SELECT CAST(value AS INTEGER) FROM chosen WHERE run_id = run.id AND key = 'cycle') AS cycle,
-    (SELECT value FROM chosen WHERE run_id = run.id AND key = 'started_at') AS started_at,
-    run.area_cm2,
-    run.length_cm,
-    run.format,
-    run.technique,
-    run.status,
+    CAST(run.tagging ->> '$.chosen.environment' AS VARCHAR) AS environment,
+    CAST(run.tagging ->> '$.chosen.voltage_v' AS DOUBLE) AS voltage_v,
+    CAST(run.tagging ->> '$.chosen.relative_humidity_percent' AS DOUBLE) AS relative_humidity_percent,
+    CAST(run.tagging ->> '$.chosen.temperature_c' AS DOUBLE) AS temperature_c,
+    CAST(run.tagging ->> '$.chosen.cycle' AS INTEGER) AS cycle,
+    CAST(run.tagging ->> '$.chosen.started_at' AS VARCHAR) AS started_at,
+    CAST(run.tagging ->> '$.area_cm2' AS DOUBLE) AS area_cm2,
+    CAST(run.tagging ->> '$.length_cm' AS DOUBLE) AS length_cm,
+    CAST(run.reading ->> '$.format' AS VARCHAR) AS format,
+    CAST(run.reading ->> '$.technique' AS VARCHAR) AS technique,
+    CAST(run.reading ->> '$.status' AS VARCHAR) AS status,
     run.revision,
     run.ingested_at,
     run.data_hash,
@@ -55,12 +57,13 @@ FROM (SELECT
     CAST(fit.document ->> '$.found.r_squared_curvature' AS DOUBLE) AS r_squared_curvature,
     CAST((SELECT json_group_array(path) FROM (SELECT path FROM run_file WHERE run_id = run.id ORDER BY ordinal)) AS VARCHAR)
         AS files,
-    (SELECT CASE WHEN drops THEN coalesce(why, '') END FROM run_word WHERE run_path = run.path ORDER BY id DESC LIMIT 1)
-        AS dropped_why,
+    (SELECT CASE WHEN CAST(line ->> '$.entry.drops' AS VARCHAR) IN ('1', 'true')
+        THEN coalesce(CAST(line ->> '$.entry.why' AS VARCHAR), '') END
+     FROM journal_line WHERE what = 'word' AND journal_line.name = run.path ORDER BY n DESC LIMIT 1) AS dropped_why,
     (SELECT condemned.reason FROM condemned WHERE condemned.run = run.path LIMIT 1) AS condemned_why,
-    nullif(CAST((SELECT json_group_array(other.path) FROM same_readings
-     JOIN run AS other ON other.id = in_run_id AND other.superseded_at IS NULL
-     WHERE same_readings.run_id = run.id) AS VARCHAR), '[]') AS same_readings_in,
+    nullif(CAST((SELECT json_group_array(other.path) FROM same
+     JOIN run AS other ON other.data_hash = same.data_hash AND other.superseded_at IS NULL AND other.path <> same.run
+     WHERE same.run = run.path) AS VARCHAR), '[]') AS same_readings_in,
     (SELECT standing FROM shown_run WHERE shown_run.path = run.path) AS shown_standing,
     (SELECT reason FROM shown_run WHERE shown_run.path = run.path) AS shown_reason
 FROM run
@@ -165,8 +168,13 @@ FROM runs_view AS runs JOIN (
 
 -- One row a run and tag, from every source; chosen = 1 marks the value that holds.
 CREATE VIEW tags_view AS
-SELECT run.id AS run_id, run.path AS run, tag.key, tag.value, tag.source, tag.detail, tag.chosen
-FROM run JOIN tag ON tag.run_id = run.id
+SELECT run.id AS run_id, run.path AS run,
+    CAST(own.value ->> '$.key' AS VARCHAR) AS key,
+    CAST(own.value ->> '$.value' AS VARCHAR) AS value,
+    CAST(own.value ->> '$.source' AS VARCHAR) AS source,
+    CAST(own.value ->> '$.detail' AS VARCHAR) AS detail,
+    CAST(CAST(own.value ->> '$.chosen' AS VARCHAR) IN ('1', 'true') AS INTEGER) AS chosen
+FROM run, json_each(run.tagging, '$.tags') AS own
 WHERE run.superseded_at IS NULL;
 
 -- One row a finding: of a group of runs, or of one run by itself.
@@ -277,8 +285,8 @@ SELECT
     run.id AS run_id,
     run.path AS run,
     channel.ordinal,
-    channel.quantity,
-    CASE channel.quantity
+    own.quantity,
+    CASE own.quantity
         WHEN 'voltage' THEN 'V' WHEN 'control_voltage' THEN 'V' WHEN 'current' THEN 'A'
         WHEN 'current_density' THEN 'A/cm2' WHEN 'curvature' THEN '1/cm' WHEN 'tip_displacement' THEN 'mm'
         WHEN 'blocking_force' THEN 'mN' WHEN 'temperature' THEN '°C' WHEN 'relative_humidity' THEN '%'
@@ -287,13 +295,22 @@ SELECT
         WHEN 'impedance_real' THEN 'Ohm' WHEN 'impedance_imaginary' THEN 'Ohm' WHEN 'impedance_magnitude' THEN 'Ohm'
         WHEN 'impedance_phase' THEN 'degree' ELSE ''
     END AS unit,
-    channel.position_mm,
-    channel.readings,
-    channel.excluded,
+    own.position_mm,
+    own.readings,
+    own.excluded,
     clock.time_blob AS time_s_blob,
     channel.value_blob,
     channel.excluded_blob
 FROM run
-JOIN channel ON channel.run_id = run.id
+JOIN (
+    SELECT run_of,
+        CAST(value ->> '$.ordinal' AS INTEGER) AS ordinal,
+        CAST(value ->> '$.quantity' AS VARCHAR) AS quantity,
+        CAST(value ->> '$.position_mm' AS DOUBLE) AS position_mm,
+        CAST(value ->> '$.readings' AS INTEGER) AS readings,
+        CAST(value ->> '$.excluded' AS INTEGER) AS excluded
+    FROM (SELECT id AS run_of, reading FROM run), json_each(reading, '$.channels')
+) AS own ON own.run_of = run.id
+JOIN channel ON channel.run_id = run.id AND channel.ordinal = own.ordinal
 JOIN channel AS clock ON clock.run_id = run.id AND clock.ordinal = channel.time_of
 WHERE run.superseded_at IS NULL;

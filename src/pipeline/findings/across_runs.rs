@@ -55,10 +55,8 @@ fn charges(context: &Context, runs: &[RunRecord], kept: &Cache) -> Result<Vec<Op
         if run.fit.is_none() {
             return Ok(None);
         }
-        let Some(seals) = context.store.seals_of_curves(run.id)? else {
-            return read(run);
-        };
-        let hash = Hash::default().with(&"charge").with(&seals).text();
+        let state = context.store.state_of_curves(run.id)?;
+        let hash = Hash::default().with(&"charge").with(&state).text();
         if let Some(charge) = kept.earlier(&hash) {
             return Ok(charge);
         }

@@ -78,9 +78,8 @@ pub fn curves_after_steps(
             return Ok((None, Ok(StepCurves::default())));
         }
         let sample = run.tag(keys::SAMPLE).and_then(|id| context.campaign.sample(id));
-        let seals = context.store.seals_of_readings(run.id)?;
-        let of = |seals| Hash::default().with(&"curves").with(&seals).with(&sample).text();
-        let hash: Option<String> = seals.map(of);
+        let state = context.store.state_of_run(run.id)?;
+        let hash = Some(Hash::default().with(&"curves").with(&state).with(&sample).text());
         match hash.as_deref().and_then(|hash| kept.earlier(hash)) {
             Some(known) => Ok((hash, Ok(known))),
             None => Ok((hash, Err(channels(context, run)?))),
@@ -106,11 +105,9 @@ fn asked<'a>(
     let sample = run.tag(keys::SAMPLE).and_then(|id| campaign.sample(id));
     let humidity = run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
     let (modulus_mpa, _) = sample_modulus(logs, campaign, sample, humidity);
-    let seals = context.store.seals_of_readings(run.id)?;
-    let hash = seals.map(|seals| {
-        let hash = Hash::default().with(&"without a model").with(&seals);
-        hash.with(&sample).with(&modulus_mpa).text()
-    });
+    let state = context.store.state_of_run(run.id)?;
+    let hash = Hash::default().with(&"without a model").with(&state);
+    let hash = Some(hash.with(&sample).with(&modulus_mpa).text());
     Ok(Asked {
         run,
         sample,

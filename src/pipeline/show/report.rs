@@ -31,7 +31,7 @@ use crate::pipeline::findings::model_free::{curves_after_steps, without_model};
 use crate::pipeline::findings::next_runs::{self, PlannedIds};
 use crate::pipeline::infra::fault::{or_nothing, step};
 use crate::pipeline::infra::own_folder::{self, Altered, Fresh};
-use crate::pipeline::intake::climate::electrode_courses;
+use crate::pipeline::intake::climate::{assess, electrode_courses};
 use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::report;
@@ -448,7 +448,7 @@ pub(crate) fn input(
         cycles: without_model.trains,
         electrodes,
         set_aside,
-        superseded: context.store.earlier_revisions()?,
+        superseded: context.store.superseded_runs()?,
         files: source_files(context)?,
         origin: report::Origin {
             program: format!("ieap {CODE_VERSION}"),
@@ -457,11 +457,7 @@ pub(crate) fn input(
                 crate::pipeline::Zone::of(&context.campaign).moment(changed_at)
             ),
         },
-        climate: context
-            .store
-            .climate_assessment()?
-            .map(|(_, climate)| climate)
-            .unwrap_or_default(),
+        climate: assess::stored(&context.store)?.unwrap_or_default(),
         run_spans_s: runs
             .iter()
             .filter_map(run_window)

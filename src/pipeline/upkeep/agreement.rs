@@ -41,7 +41,7 @@ fn told(code: &str, message: &str, lines: &[Line]) -> Issue {
 /// Says to the database what the journal has and it lacks.
 fn say_again(context: &mut Context, lines: &[Line]) -> Result<(), PipelineError> {
     let folder = context.folder.clone();
-    context.store.keep_journal_in(None);
+    context.store.keep_journal_heard();
     let replayed = replay::replay(context, lines, &Silent);
     context.store.keep_journal_in(Some(&folder));
     let replayed = replayed?;

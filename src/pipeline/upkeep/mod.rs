@@ -7,7 +7,6 @@ pub(super) mod drop;
 pub mod import_fits;
 pub(super) mod opening;
 pub(super) mod rebuild;
-pub(super) mod reported;
 pub mod status;
 pub(super) mod tag;
 pub mod verify;

@@ -3,21 +3,39 @@
 
 use std::path::{Path, PathBuf};
 
-use super::rebuild::aside;
+use super::rebuild::{Rebuild, RebuildSummary, aside};
 use super::{agreement, verify};
+use crate::domain::Issue;
+use crate::domain::words::counted;
 use crate::ingest::archive::Archive;
 use crate::ingest::{campaign_file, filesystem};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::holdings;
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, Silent};
 use crate::store::{self, InstanceLock, Store, StoreError};
 
 impl Context {
-    /// Opens a campaign to work on it; takes the lock that keeps a second instance out.
+    /// Opens a campaign to work on it; takes the lock that keeps a second instance out. A database that an earlier version
+    /// made is made anew first.
     ///
     /// # Errors
     /// campaign.toml or a profile is wrong or missing; another instance works; the database cannot be used.
     pub fn open(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
+        let opened = Context::open_as_made(folder, allow_network);
+        let Err(PipelineError::Store(StoreError::Older { found, .. })) = opened else {
+            return opened;
+        };
+        let rebuilt = Rebuild { allow_network }.run(folder, &Silent)?;
+        let mut context = Context::open_as_made(folder, allow_network)?;
+        context.agreed.push(made_anew(found, &rebuilt));
+        Ok(context)
+    }
+
+    /// The same, but a database of an earlier version is refused.
+    ///
+    /// # Errors
+    /// As [`Context::open`].
+    pub(super) fn open_as_made(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
         refuse_network(folder, allow_network)?;
         let mut lock = InstanceLock::take(folder)?;
@@ -95,7 +113,7 @@ impl Context {
         Archive::new(folder).remove_partial()?;
         let aside = aside::emptied(folder)?;
         let mut store = Store::open(aside.path())?;
-        store.keep_journal_in(None);
+        store.keep_journal_heard();
         let context = Context::with(folder, loaded, store, Some(lock))?;
         Ok(Context {
             aside: Some(aside),
@@ -220,6 +238,19 @@ impl Context {
         };
         Context::with(folder, loaded, store, None)
     }
+}
+
+/// What is said where the database of an earlier version was made anew.
+fn made_anew(schema: i64, rebuilt: &RebuildSummary) -> Issue {
+    let aside = rebuilt.set_aside.as_deref().and_then(Path::file_name);
+    let message = format!(
+        "an earlier version of the program made the database (schema {schema}): it was made anew from archive, journal and folder \
+         ({} with their tags, {}); fits and findings are made again, and the old one lies beside it as {}",
+        counted(rebuilt.runs, "run"),
+        counted(rebuilt.words, "word"),
+        aside.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+    );
+    Issue::note("database-made-anew", message)
 }
 
 /// Opens the database for whoever holds the lock; after a disorderly end its structure is looked at first.

@@ -23,6 +23,7 @@ use crate::pipeline::findings::diagnose;
 use crate::pipeline::fits::outcome::is_of_failed_fit;
 use crate::pipeline::infra::fault::or_nothing;
 use crate::pipeline::infra::mends::{Reasoned, Together};
+use crate::pipeline::intake::climate::assess;
 use crate::pipeline::intake::ingest::unread::RESPONSE_MISSING;
 use crate::pipeline::intake::ingest::waiting::{proposed_pattern, undeclared_tags};
 use crate::pipeline::intake::ingest::{UnreadableTags, unreadable_tags};
@@ -283,8 +284,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
 }
 
 fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, PipelineError> {
-    let stored = context.store.climate_assessment()?;
-    let mut assessment = stored.map(|(_, assessment)| assessment).unwrap_or_default();
+    let mut assessment = assess::stored(&context.store)?.unwrap_or_default();
     for sensor in &mut assessment.sensors {
         sensor.curve = Default::default();
     }

@@ -3,11 +3,10 @@
 use std::path::Path;
 
 use super::bring_up::{brought_up, parted};
-use super::entry::{Entry, Line};
+use super::entry::{End, Entry, Line};
 use super::file::{HeldJournal, failed, locked, path_in, read};
 use super::{Compared, course, tail};
-use crate::seal::Subject;
-use crate::{FILE_NAME as DATABASE, StepError, Store, StoreError};
+use crate::{FILE_NAME as DATABASE, Store, StoreError};
 use ieap_system::fs::File;
 
 /// What it came to.
@@ -34,9 +33,7 @@ impl Store {
                     tail::last(file, size).map_err(|source| failed(&path, source))?
                 }
             };
-            self.check_seal(&Subject::JournalEnd)?;
-            let stored = course::last(&self.connection).map_err(self.named(DOING))?;
-            Ok((in_file.n, in_file.sum) == stored)
+            Ok(in_file.end() == self.last_said()?)
         };
         let opened = || match File::open_own(&path) {
             Ok(file) => Ok(Some(file)),
@@ -70,15 +67,14 @@ impl Store {
         let Some(campaign) = self.journal.campaign().map(Path::to_owned) else {
             return Ok(Agreed::default());
         };
-        if !path_in(&campaign).exists() && self.last_said()?.is_none() {
+        if !path_in(&campaign).exists() && self.last_said()? == End::default() {
             return Ok(Agreed::default());
         }
         self.begin_batch()?;
-        let sound = self.check_seal(&Subject::JournalEnd);
-        let brought = sound
-            .and_then(|()| locked(&campaign))
-            .map_err(StepError::from)
-            .and_then(|file| brought_up(&self.connection, &campaign, file));
+        let brought = course::last(&self.connection).and_then(|end| {
+            let file = locked(&campaign)?;
+            brought_up(&self.connection, &campaign, file, end.n)
+        });
         let ended = self.commit_batch();
         let (compared, _file) = brought.map_err(self.named(DOING))?;
         ended?;
@@ -101,7 +97,7 @@ impl Store {
     /// See [`StoreError`].
     pub fn hear(&mut self, now: &str, lines: &[Line]) -> Result<(), StoreError> {
         self.write(DOING, now, |transaction| {
-            transaction.changes(Subject::JournalEnd)?;
+            transaction.journal.changed();
             course::store(transaction, lines)
         })
     }
@@ -115,9 +111,8 @@ impl Store {
             return Ok(());
         }
         self.write("writing the journal", now, |transaction| {
-            let each = entries.into_iter();
-            each.for_each(|(at, entry)| transaction.says(&at, entry));
-            Ok(())
+            let mut each = entries.into_iter();
+            each.try_for_each(|(at, entry)| transaction.says(&at, entry))
         })
     }
 
@@ -126,18 +121,17 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn course(&self) -> Result<Vec<Line>, StoreError> {
-        self.check_seal(&Subject::JournalEnd)?;
-        course::stored(&self.connection, course::ALL).map_err(self.named(DOING))
+        let _moment = self.snapshot()?;
+        let end = self.last_said()?;
+        course::stored(&self.connection, end.n).map_err(self.named(DOING))
     }
 
-    /// Number of the last line of the journal that it has; none where it has none.
+    /// Where the lines of the journal end that it has.
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn last_said(&self) -> Result<Option<u64>, StoreError> {
-        self.check_seal(&Subject::JournalEnd)?;
-        let (n, line) = course::last(&self.connection).map_err(self.named(DOING))?;
-        Ok(line.map(|_| n))
+    pub fn last_said(&self) -> Result<End, StoreError> {
+        course::last(&self.connection).map_err(self.named(DOING))
     }
 
     /// What may be lost, in words, until a person answered.
@@ -145,17 +139,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn words_missed(&self) -> Result<Vec<String>, StoreError> {
-        let mut missed = Vec::new();
-        self.check_seal(&Subject::JournalEnd)?;
-        let lines = course::stored(&self.connection, course::LOST).map_err(self.named(DOING))?;
-        for line in lines {
-            match line.entry {
-                Entry::Missed { lost } => missed.push(lost),
-                Entry::Answered { .. } => missed.clear(),
-                _ => {}
-            }
-        }
-        Ok(missed)
+        Ok(self.words()?.missed.clone())
     }
 }
 

@@ -17,13 +17,14 @@ use ieap_system::fs;
 const MARK_DIGITS: usize = 12;
 
 /// Holds the lines of a database against the journal and writes into the journal what it lacks; gives the
-/// journal as it is then.
+/// journal as it is then. Lines of the database after `up_to` are of a transaction under way.
 pub(super) fn brought_up(
     connection: &Connection,
     campaign: &Path,
     file: Locked,
+    up_to: u64,
 ) -> Result<(Compared, Locked), StepError> {
-    let stored = course::stored(connection, course::ALL)?;
+    let stored = course::stored(connection, up_to)?;
     let found = read(campaign)?.unwrap_or_default();
     let compared = Compared::of(&stored, &found).map_err(|detail| parted(campaign, detail))?;
     if compared.of_database.is_empty() {

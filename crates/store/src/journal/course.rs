@@ -15,55 +15,84 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rusqlite::{Connection, params};
+use rusqlite::{Connection, OptionalExtension, Row, params};
 
-use super::entry::{Entry, Line};
+use super::entry::{End, Entry, Line};
 use super::{Found, line};
-use crate::seal::{self, Subject};
+use crate::rows::{self, JOURNAL_LINE};
 use crate::{StepError, StoreError};
 
 /// Lines that a message names of each side.
 const NAMED: usize = 5;
 
-/// Every line that a database has.
-pub(super) const ALL: &str = "SELECT n, line FROM journal_line ORDER BY n";
-/// Those of them that say that words may be lost, or answer that.
-pub(super) const LOST: &str = "SELECT n, line FROM journal_line WHERE is_lost = 1 ORDER BY n";
-
-/// Lines of a database, in order; one that is not as it was written is damage.
-pub(super) fn stored(connection: &Connection, sql: &str) -> Result<Vec<Line>, StepError> {
-    let mut statement = connection.prepare_cached(sql)?;
-    let mut rows = statement.query([])?;
+/// Lines of a database up to a number, in order; one that is not as it was written is damage.
+pub(super) fn stored(connection: &Connection, up_to: u64) -> Result<Vec<Line>, StepError> {
+    let sql = rows::JOURNAL_LINE.select("", "WHERE n <= ?1 ORDER BY n");
+    let mut statement = connection.prepare_cached(&sql)?;
+    let mut found = statement.query([up_to.cast_signed()])?;
     let mut lines = Vec::new();
-    while let Some(row) = rows.next()? {
-        let n: i64 = row.get("n")?;
-        let text = row.get_ref("line")?.as_bytes().unwrap_or_default();
-        let read = line::read(text).ok().filter(|line| line.n == n.unsigned_abs());
-        lines.push(read.ok_or_else(|| StoreError::Damaged {
-            what: format!("line {n} of the journal in it"),
-        })?);
+    while let Some(row) = found.next()? {
+        rows::check(JOURNAL_LINE, row)?;
+        lines.push(read(row)?);
     }
     Ok(lines)
 }
 
-/// Number and checksum of the last line that a database has. That there is none after it says its seal.
-pub(super) fn last(connection: &Connection) -> Result<(u64, Option<String>), StepError> {
-    let last = stored(
-        connection,
-        "SELECT n, line FROM journal_line ORDER BY n DESC LIMIT 1",
-    )?;
-    let end = last.first().map(|line| (line.n, Some(line.sum().to_owned())));
-    Ok(end.unwrap_or_default())
+/// A line from a row that was held against its hash.
+pub(crate) fn read(row: &Row<'_>) -> Result<Line, StepError> {
+    let n: i64 = row.get("n")?;
+    let text = row.get_ref("line")?.as_bytes().unwrap_or_default();
+    let read = line::read(text).ok().filter(|line| line.n == n.unsigned_abs());
+    Ok(read.ok_or_else(|| damaged(n))?)
 }
 
-/// Writes lines into a database, which says from then on that it has what they say.
-pub(super) fn store(connection: &Connection, lines: &[Line]) -> Result<(), StepError> {
-    let mut statement = connection.prepare_cached("INSERT INTO journal_line VALUES (?1, ?2, ?3)")?;
-    for line in lines {
-        let is_lost = matches!(line.entry, Entry::Missed { .. } | Entry::Answered { .. });
-        statement.execute(params![line.n.cast_signed(), line.text, is_lost])?;
+/// The end of the course of a database. That there is no line after it says the hash of the last.
+pub(super) fn last(connection: &Connection) -> Result<End, StepError> {
+    let sql = rows::JOURNAL_LINE.select("", "ORDER BY n DESC LIMIT 1");
+    let mut statement = connection.prepare_cached(&sql)?;
+    let mut found = statement.query([])?;
+    let line = match found.next()? {
+        Some(row) => Some(read(row)?),
+        None => None,
+    };
+    let sum = connection
+        .prepare_cached("SELECT sum FROM list_sum WHERE list = ?1")?
+        .query_row([rows::JOURNAL_END], |row| row.get::<_, Vec<u8>>(0))
+        .optional()?;
+    if sum != line.as_ref().map(end_hash) {
+        let what = "the end of the journal in it".to_owned();
+        return Err(StoreError::Damaged { what }.into());
     }
-    Ok(seal::close(connection, &Subject::JournalEnd)?)
+    Ok(line.as_ref().map_or_else(End::default, End::after))
+}
+
+/// Writes lines that follow the last.
+pub(super) fn store(connection: &Connection, lines: &[Line]) -> Result<(), StepError> {
+    for line in lines {
+        let n = line.n.cast_signed();
+        rows::change(connection, JOURNAL_LINE, ("n = ?1", &n), || {
+            connection
+                .prepare_cached("INSERT INTO journal_line (n, line, what, name) VALUES (?1, ?2, ?3, ?4)")?
+                .execute(params![n, line.text, line.entry.what(), line.entry.name()])?;
+            Ok(())
+        })?;
+    }
+    if let Some(last) = lines.last() {
+        connection
+            .prepare_cached("INSERT OR REPLACE INTO list_sum VALUES (?1, ?2)")?
+            .execute(params![rows::JOURNAL_END, end_hash(last)])?;
+    }
+    Ok(())
+}
+
+fn end_hash(line: &Line) -> Vec<u8> {
+    blake3::hash(line.text.as_bytes()).as_bytes()[..16].to_vec()
+}
+
+fn damaged(n: i64) -> StoreError {
+    StoreError::Damaged {
+        what: format!("line {n} of the journal in it"),
+    }
 }
 
 /// The lines of the database and of the journal, held against each other.

@@ -134,6 +134,36 @@ pub struct Line {
 }
 
 impl Entry {
+    /// What it says, in the word under which it is stored.
+    pub fn what(&self) -> &'static str {
+        match self {
+            Entry::Read { .. } => "read",
+            Entry::Log { .. } => "log",
+            Entry::Alias { .. } => "alias",
+            Entry::Renamed { .. } => "renamed",
+            Entry::Gone { .. } => "gone",
+            Entry::Tag(_) => "tag",
+            Entry::Word(_) => "word",
+            Entry::Asked { .. } => "asked",
+            Entry::Told(_) => "told",
+            Entry::Command { .. } => "command",
+            Entry::Missed { .. } => "missed",
+            Entry::Answered { .. } => "answered",
+        }
+    }
+
+    /// The run that a word is about, by the name that it had then, or the alarm.
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Entry::Tag(tag) => Some(&tag.run_path),
+            Entry::Word(word) => Some(&word.run_path),
+            Entry::Asked { run, .. } => Some(run),
+            Entry::Told(alarm) => Some(&alarm.id),
+            Entry::Command { id, .. } => Some(id),
+            _ => None,
+        }
+    }
+
     /// What it says, for a person who has to tell two entries from each other.
     pub fn in_words(&self) -> String {
         match self {
@@ -162,6 +192,25 @@ impl Entry {
             Entry::Command { id, .. } => format!("command of alarm {id} ended"),
             Entry::Missed { lost } => format!("words may be lost: {lost}"),
             Entry::Answered { why, by } => format!("lost words answered by {by} ({why})"),
+        }
+    }
+}
+
+/// Where a course ends.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct End {
+    /// Number of its last line; 0 where there is none.
+    pub n: u64,
+    /// Its checksum; none where there is no line.
+    pub sum: Option<String>,
+}
+
+impl End {
+    /// That which a line makes.
+    pub fn after(line: &Line) -> End {
+        End {
+            n: line.n,
+            sum: Some(line.sum().to_owned()),
         }
     }
 }

@@ -10,7 +10,6 @@ mod bring_up;
 mod course;
 mod entry;
 mod file;
-mod from_database;
 mod line;
 mod salvage;
 mod tail;
@@ -23,8 +22,9 @@ use std::path::Path;
 use super::{Store, StoreError};
 
 pub use agree::Agreed;
+pub(crate) use course::read as read_line;
 pub use course::{Compared, in_words};
-pub use entry::{Entry, Line, NamedBytes, NamedRun, ToldAlarm};
+pub use entry::{End, Entry, Line, NamedBytes, NamedRun, ToldAlarm};
 pub(crate) use file::aside_in;
 pub use file::{Found, HeldJournal, found, hold, path_in, read, set_aside};
 pub use salvage::{Union, union};
@@ -32,9 +32,14 @@ pub use tail::without_torn_end;
 pub(super) use write::{Intended, Journal};
 
 impl Store {
-    /// From here on, what is said goes to the journal of the campaign in `folder`; nowhere where there is none.
+    /// From here on, what is said goes to the journal of the campaign in `folder`; where there is none it stays in the database.
     pub fn keep_journal_in(&mut self, folder: Option<&Path>) {
         self.journal.keep_in(folder);
+    }
+
+    /// From here on, what is said is said again by whoever hears lines ([`Store::hear`]): nothing is kept of it.
+    pub fn keep_journal_heard(&mut self) {
+        self.journal.keep_heard();
     }
 
     /// From here on, what is said is kept, to be said at a time of its own.
@@ -42,7 +47,7 @@ impl Store {
         self.journal.keep_for_later();
     }
 
-    /// What was kept for later; from here on what is said goes nowhere.
+    /// What was kept for later; from here on nothing is kept of what is said.
     pub fn kept_for_later(&mut self) -> Vec<(String, Entry)> {
         self.journal.kept_for_later()
     }
@@ -59,13 +64,5 @@ impl Store {
     ) -> Result<(), StoreError> {
         self.journal.keep_in_held(folder, held)?;
         self.say(now, entries)
-    }
-
-    /// What the journal of this campaign would say had it been written from the database.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn journal_entries(&self) -> Result<Vec<(String, Entry)>, StoreError> {
-        from_database::entries(&self.connection).map_err(self.named("reading what no file holds"))
     }
 }

@@ -2,6 +2,7 @@
 
 use std::io::{self, Read, Seek, SeekFrom};
 
+use super::entry::End;
 use super::line;
 use ieap_system::fs::File;
 
@@ -17,6 +18,16 @@ pub(super) struct Last {
     pub sum: Option<String>,
     /// Bytes up to its end.
     pub bytes: u64,
+}
+
+impl Last {
+    /// The same as an end of a course.
+    pub fn end(&self) -> End {
+        End {
+            n: self.n,
+            sum: self.sum.clone(),
+        }
+    }
 }
 
 /// The bytes without the part after the last line feed: a line whose writing was cut short, of which nobody was told. A

@@ -42,7 +42,7 @@ fn what_is_said_is_in_the_journal_and_what_is_taken_back_is_not() {
     store.begin_batch().unwrap();
     say(&mut store, "two");
     let refused: Result<(), StoreError> = store.write("trying", "now", |transaction| {
-        transaction.says("now", Entry::Tag(tag("never")));
+        transaction.says("now", Entry::Tag(tag("never")))?;
         transaction.execute("INSERT INTO no_such_table VALUES (1)", [])?;
         Ok(())
     });
@@ -279,9 +279,12 @@ fn what_is_refused_at_the_last_step_is_taken_back_from_the_journal() {
             store.begin_batch().unwrap();
         }
         let work = store.write("trying", "now", |transaction| {
-            transaction.says("now", Entry::Tag(tag("never")));
+            transaction.says("now", Entry::Tag(tag("never")))?;
             transaction.execute_batch("PRAGMA defer_foreign_keys = ON")?;
-            transaction.execute("INSERT INTO run_file VALUES (77, 0, 'a', 'b')", [])?;
+            transaction.execute(
+                "INSERT INTO run_file (run_id, ordinal, path, hash) VALUES (77, 0, 'a', 'b')",
+                [],
+            )?;
             Ok(())
         });
         let ended = if in_batch { store.commit_batch() } else { work };
@@ -328,7 +331,7 @@ fn a_rebuilding_takes_what_can_be_read_of_a_broken_database_and_of_no_foreign_on
     // Its schema is no longer one that can be opened to be worked with.
     let broken = rusqlite::Connection::open(folder.path().join("campaign.db")).unwrap();
     broken
-        .execute_batch("PRAGMA user_version = 0; DROP TABLE seal")
+        .execute_batch("PRAGMA user_version = 0; DROP TABLE list_sum")
         .unwrap();
     drop(broken);
     assert!(Store::open(folder.path()).is_err());
@@ -347,7 +350,7 @@ fn a_line_that_changed_or_vanished_in_the_database_is_damage_and_not_said_again(
         "DELETE FROM journal_line WHERE n = 2",
         "UPDATE journal_line SET line = replace(line, 'two', 'tWo')",
         "UPDATE journal_line SET n = 7 WHERE n = 2",
-        "UPDATE journal_line SET is_lost = 1 WHERE n = 1",
+        "UPDATE journal_line SET line = 'x' WHERE n = 2",
     ] {
         let (folder, mut store) = said(&["one", "two"]);
         store.connection.execute_batch(tampering).unwrap();

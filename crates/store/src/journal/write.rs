@@ -1,4 +1,4 @@
-//! Writes what a transaction says: to the journal, then into the database, both before it commits.
+//! Writes what a transaction says: into the database as it is said, and to the journal before it commits.
 
 use std::cell::{Cell, RefCell};
 use std::io::Write;
@@ -7,23 +7,45 @@ use std::path::{Path, PathBuf};
 use rusqlite::Connection;
 
 use super::bring_up::brought_up;
-use super::entry::{Entry, Line};
+use super::entry::{End, Entry, Line};
 use super::file::{HeldJournal, Locked, failed, locked, opened_in, path_in};
 use super::{course, tail};
 use crate::{StepError, StoreError};
 use ieap_system::fs::File;
 
+/// Where the lines go that an open database says.
+#[derive(Debug, Default)]
+enum Kept {
+    /// Into the database alone: it is in memory, or a copy to try something with.
+    #[default]
+    InDatabase,
+    /// Nowhere: what is said is heard from lines that are there already.
+    Heard,
+    /// They are said at a time of their own.
+    Later(RefCell<Vec<(String, Entry)>>),
+    /// Into the journal of a campaign too.
+    InCampaign {
+        folder: PathBuf,
+        /// The hold on the journal, where this program has it.
+        held: Option<HeldJournal>,
+    },
+}
+
+/// What a transaction under way said: it is in the database, and not in the journal yet.
+#[derive(Debug, Default)]
+struct Said {
+    /// The end of the course before.
+    before: End,
+    lines: Vec<Line>,
+}
+
 /// The journal that the changes of an open database go to.
 #[derive(Debug, Default)]
 pub(crate) struct Journal {
-    /// The campaign; none where nothing is to be kept.
-    campaign: Option<PathBuf>,
-    /// What the transaction under way says.
-    said: RefCell<Vec<(String, Entry)>>,
-    /// What was said since it is kept for later.
-    later: RefCell<Option<Vec<(String, Entry)>>>,
-    /// The hold on the journal of the campaign, where this program has it.
-    held: Option<HeldJournal>,
+    kept: Kept,
+    said: RefCell<Said>,
+    /// How often the words in the database changed by this connection.
+    changes: Cell<u64>,
     /// Up to where the journal holds, where a line was refused and could not be taken back.
     owed: Cell<Option<u64>>,
 }
@@ -41,93 +63,135 @@ impl Journal {
     /// That of the campaign in `folder`.
     pub fn of(folder: &Path) -> Journal {
         Journal {
-            campaign: Some(folder.to_owned()),
+            kept: Kept::InCampaign {
+                folder: folder.to_owned(),
+                held: None,
+            },
             ..Journal::default()
         }
     }
 
-    /// From here on it is that of the campaign in `folder`; nothing is kept where there is none.
+    /// From here on it is that of the campaign in `folder`; lines stay in the database where there is none.
     pub fn keep_in(&mut self, folder: Option<&Path>) {
-        *self = folder.map_or_else(Journal::default, Journal::of);
+        self.kept = folder.map_or_else(Journal::default, Journal::of).kept;
+    }
+
+    /// From here on nothing is kept of what is said: it is heard.
+    pub fn keep_heard(&mut self) {
+        self.kept = Kept::Heard;
     }
 
     /// From here on what is said is kept, to be said at a time of its own.
     pub fn keep_for_later(&mut self) {
-        *self = Journal::default();
-        self.later = RefCell::new(Some(Vec::new()));
+        self.kept = Kept::Later(RefCell::default());
     }
 
-    /// What was kept for later; from here on nothing is kept.
+    /// What was kept for later; from here on what is said is heard.
     pub fn kept_for_later(&mut self) -> Vec<(String, Entry)> {
-        std::mem::take(self).later.take().unwrap_or_default()
+        match std::mem::replace(&mut self.kept, Kept::Heard) {
+            Kept::Later(said) => said.into_inner(),
+            _ => Vec::new(),
+        }
     }
 
     /// From here on it is that of the campaign in `folder`, which this program holds.
     pub fn keep_in_held(&mut self, folder: &Path, held: &HeldJournal) -> Result<(), StoreError> {
-        *self = Journal::of(folder);
-        self.held = Some(held.shared(folder)?);
+        self.kept = Kept::InCampaign {
+            folder: folder.to_owned(),
+            held: Some(held.shared(folder)?),
+        };
         Ok(())
     }
 
     /// The campaign whose journal it is.
     pub fn campaign(&self) -> Option<&Path> {
-        self.campaign.as_deref()
+        match &self.kept {
+            Kept::InCampaign { folder, .. } => Some(folder),
+            _ => None,
+        }
     }
 
-    /// To be written before the transaction under way commits.
-    pub fn says(&self, at: &str, entry: Entry) {
-        self.said.borrow_mut().push((at.to_owned(), entry));
+    /// How often the words in the database changed by this connection.
+    pub fn changes(&self) -> u64 {
+        self.changes.get()
     }
 
-    /// How much is to be written.
+    /// The words in the database changed.
+    pub fn changed(&self) {
+        self.changes.set(self.changes.get() + 1);
+    }
+
+    /// Writes what is said into the database; it goes to the journal before the transaction under way commits.
+    pub fn says(&self, connection: &Connection, at: &str, entry: Entry) -> Result<(), StepError> {
+        match &self.kept {
+            Kept::Heard => return Ok(()),
+            Kept::Later(said) => {
+                said.borrow_mut().push((at.to_owned(), entry));
+                return Ok(());
+            }
+            Kept::InDatabase | Kept::InCampaign { .. } => {}
+        }
+        let mut said = self.said.borrow_mut();
+        if said.lines.is_empty() {
+            said.before = course::last(connection)?;
+        }
+        let end = said.lines.last().map_or_else(|| said.before.clone(), End::after);
+        let line = Line::following(end.sum.as_deref(), end.n + 1, (at.to_owned(), entry));
+        let line = line.map_err(|e| StoreError::BadValue {
+            what: "an entry of the journal",
+            detail: e.to_string(),
+        })?;
+        course::store(connection, std::slice::from_ref(&line))?;
+        said.lines.push(line);
+        self.changed();
+        Ok(())
+    }
+
+    /// How many lines are to go to the journal.
     pub fn len(&self) -> usize {
-        self.said.borrow().len()
+        self.said.borrow().lines.len()
     }
 
     /// Forgets what was said after the first `kept`: it was taken back.
     pub fn keep_first(&self, kept: usize) {
-        self.said.borrow_mut().truncate(kept);
+        self.said.borrow_mut().lines.truncate(kept);
     }
 
-    /// Brings what was said to the disk, and into the database. `in_place` is asked when nobody else can write any more.
+    /// Brings what was said to the disk. `in_place` is asked when nobody else can write any more.
     pub fn write(
         &self,
         connection: &Connection,
         in_place: impl Fn() -> Result<(), StoreError>,
     ) -> Result<Option<Intended>, StepError> {
-        let said = self.said.take();
-        if said.is_empty() {
-            return Ok(None);
-        }
-        let Some(campaign) = &self.campaign else {
-            if let Some(later) = self.later.borrow_mut().as_mut() {
-                later.extend(said);
-            }
+        let Said { before, lines } = self.said.take();
+        let Kept::InCampaign { folder, held } = &self.kept else {
             return Ok(None);
         };
-        let path = path_in(campaign);
-        let mut journal = self.locked(campaign)?;
+        if lines.is_empty() {
+            return Ok(None);
+        }
+        let path = path_in(folder);
+        let mut journal = match held {
+            Some(held) => opened_in(folder, held.shared(folder)?)?,
+            None => locked(folder)?,
+        };
         in_place()?;
-        self.pay(connection, &mut journal.file)
+        self.pay(&before, &mut journal.file)
             .map_err(|source| failed(&path, source))?;
         let mut last = tail::mended(&mut journal.file).map_err(|source| failed(&path, source))?;
-        let mut before = course::last(connection)?;
-        if (last.n, &last.sum) != (before.0, &before.1) {
-            let (compared, again) = brought_up(connection, campaign, journal)?;
+        if last.end() != before {
+            let (compared, again) = brought_up(connection, folder, journal, before.n)?;
             journal = again;
-            if !compared.is_database_whole() {
+            last = tail::mended(&mut journal.file).map_err(|source| failed(&path, source))?;
+            if !compared.is_database_whole() || last.end() != before {
                 return Err(StoreError::Lags {
-                    path: campaign.join(crate::FILE_NAME),
+                    path: folder.join(crate::FILE_NAME),
                     lacks: compared.lacks(),
                     why: "end this program, then run `ieap run`".to_owned(),
                 }
                 .into());
             }
-            last = tail::mended(&mut journal.file).map_err(|source| failed(&path, source))?;
-            before = course::last(connection)?;
         }
-        let lines = following(last.n.max(before.0), before.1, said)?;
-        course::store(connection, &lines)?;
         let text: String = lines.iter().map(|line| format!("{}\n", line.text)).collect();
         let file = &mut journal.file;
         let added = file.write_all(text.as_bytes()).and_then(|()| file.sync_all());
@@ -156,43 +220,15 @@ impl Journal {
     }
 
     /// Cuts off what was refused and could not be cut off then, where nobody has taken it up since.
-    fn pay(&self, connection: &Connection, file: &mut File) -> std::io::Result<()> {
-        let Some(bytes) = self.owed.take().filter(|_| self.campaign.is_some()) else {
+    fn pay(&self, before: &End, file: &mut File) -> std::io::Result<()> {
+        let Some(bytes) = self.owed.take() else {
             return Ok(());
         };
         let last = tail::last(file, bytes.min(file.metadata()?.len()))?;
-        let stored = course::last(connection).ok();
-        if stored == Some((last.n, last.sum)) && last.bytes == bytes {
+        if last.end() == *before && last.bytes == bytes {
             file.set_len(bytes).inspect_err(|_| self.owed.set(Some(bytes)))
         } else {
             Ok(())
         }
     }
-
-    /// The journal, which nobody else can write then; an empty one where there is none.
-    fn locked(&self, campaign: &Path) -> Result<Locked, StoreError> {
-        match &self.held {
-            Some(held) => opened_in(campaign, held.shared(campaign)?),
-            None => locked(campaign),
-        }
-    }
-}
-
-/// Entries as the lines that follow the one of that number and checksum.
-fn following(
-    mut n: u64,
-    mut after: Option<String>,
-    said: Vec<(String, Entry)>,
-) -> Result<Vec<Line>, StoreError> {
-    let mut lines = Vec::with_capacity(said.len());
-    for said in said {
-        n += 1;
-        let line = Line::following(after.as_deref(), n, said).map_err(|e| StoreError::BadValue {
-            what: "an entry of the journal",
-            detail: e.to_string(),
-        })?;
-        after = Some(line.sum().to_owned());
-        lines.push(line);
-    }
-    Ok(lines)
 }

@@ -16,9 +16,10 @@ use crate::domain::{
     ChannelSummary, ClimateAssessment, ClimateQuantity, ClimateRules, Exposure, Issue, RunRecord, SensorPair,
     SensorSummary,
 };
-use crate::pipeline::campaign::context::now;
+use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, PipelineError};
+use crate::store::{NewResult, ResultKind, Store, StoreError};
 
 /// Stretches that an overview curve is thinned over.
 const DRAWN: usize = 400;
@@ -29,24 +30,44 @@ const SHORTEST_RECORD_S: f64 = 43_200.0;
 /// Version of what is computed here: another one makes stored assessments out of date.
 const VERSION: u32 = 2;
 
+/// Name of the one assessment that there is.
+const NAME: &str = "all sensors";
+
 /// Brings the stored assessment up to date where it is not.
 ///
 /// # Errors
 /// The database refuses.
 pub fn assess(context: &mut Context, shelf: &Shelf) -> Result<(), PipelineError> {
-    let stored = context.store.climate_assessment()?;
+    let stored = context
+        .store
+        .result::<ClimateAssessment>(ResultKind::Climate, NAME)?;
     if stored.is_none() && shelf.series.is_empty() {
         return Ok(());
     }
     let runs = context.store.runs()?;
     let inputs = inputs(context, shelf, &runs);
-    if stored.is_some_and(|(found, _)| found == inputs) {
+    if stored.is_some_and(|stored| stored.origin.key == inputs) {
         return Ok(());
     }
     let assessment = assessment(context, shelf, &runs)?;
+    let result = NewResult {
+        name: NAME,
+        key: &inputs,
+        version: CODE_VERSION,
+        found: Ok(&assessment),
+    };
     Ok(context
         .store
-        .save_climate_assessment(&now(), &inputs, &assessment)?)
+        .keep_results(&now(), ResultKind::Climate, &[result])?)
+}
+
+/// What the logs came to when it was last computed.
+///
+/// # Errors
+/// See [`StoreError`].
+pub fn stored(store: &Store) -> Result<Option<ClimateAssessment>, StoreError> {
+    let stored = store.result(ResultKind::Climate, NAME)?;
+    Ok(stored.and_then(|stored| stored.found.ok()))
 }
 
 fn inputs(context: &Context, shelf: &Shelf, runs: &[RunRecord]) -> String {

@@ -1,7 +1,7 @@
 //! Climate logs at work: taking them in, joining runs with them, comparing sensors.
 
 mod asked;
-mod assess;
+pub mod assess;
 mod covering;
 mod gather;
 mod moisture;

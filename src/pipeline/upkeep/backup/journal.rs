@@ -4,9 +4,9 @@ use super::contents::{IN_ITS_PLACE, reason};
 use super::manifest::{JOURNAL, LeftOut, Manifest, StoredFile};
 use super::shelf::Shelf;
 use crate::domain::Severity;
+use crate::domain::words::counted;
 use crate::ingest::archive;
 use crate::pipeline::upkeep::rebuild::what_is_wrong;
-use crate::pipeline::upkeep::verify;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{Store, journal};
 use crate::system::fs;
@@ -30,7 +30,7 @@ pub fn kept(
     let read = fs::read_own(&path).map(|bytes| journal::without_torn_end(&bytes).to_vec());
     let doubt = match &read {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            let nothing_was_said = earlier.is_none() && copy.journal_entries()?.is_empty();
+            let nothing_was_said = earlier.is_none() && copy.last_said()? == journal::End::default();
             (!nothing_was_said)
                 .then(|| "it is not there; the next `ieap run` writes it from the database".to_owned())
         }
@@ -104,9 +104,12 @@ fn doubt(
             )));
         }
     }
-    let differences = verify::journal_against(|| Ok(found), copy)?;
-    Ok(differences
-        .into_iter()
-        .next()
-        .map(|issue| format!("{}. {}", issue.message, issue.mend)))
+    Ok(match journal::Compared::of(&copy.course()?, &found) {
+        Err(parted) => Some(parted),
+        Ok(compared) if !compared.of_database.is_empty() => Some(format!(
+            "it lacks {} that the database has; the next `ieap run` writes them",
+            counted(compared.of_database.len(), "line")
+        )),
+        Ok(_) => None,
+    })
 }

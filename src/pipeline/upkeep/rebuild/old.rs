@@ -25,7 +25,7 @@ pub struct Old {
 pub fn brought_in(folder: &Path, allow_network: bool) -> Result<Old, PipelineError> {
     let before = journal::read(folder)?;
     // As at every opening, where it can be opened; the rest is taken as far as it can be read.
-    match Context::open(folder, allow_network) {
+    match Context::open_as_made(folder, allow_network) {
         Ok(_) | Err(PipelineError::Holdings(_)) => {}
         Err(PipelineError::Store(error)) if is_damage(&error) => {}
         Err(error) => return Err(error),
@@ -67,9 +67,8 @@ fn is_damage(error: &StoreError) -> bool {
         error,
         E::NotADatabase { .. }
             | E::NoVersion { .. }
-            | E::TooOld { .. }
+            | E::Older { .. }
             | E::ChangedSchema { .. }
-            | E::Migration { .. }
             | E::BadValue { .. }
             | E::Damaged { .. }
             | E::Lags { .. }

@@ -60,10 +60,15 @@ pub fn replay(
             .map(|line| read_again(&archived, line))
             .collect();
         together(context, |context| {
-            let mut of_batch = holding.into_iter().zip(read);
-            of_batch.try_for_each(|(line, read)| replayed.say(context, line, read))?;
-            // With what they say, or a program that is ended here would say it twice.
-            Ok(context.store.hear(&now(), batch)?)
+            let mut of_batch = holding.into_iter().zip(read).peekable();
+            batch.iter().try_for_each(|line| {
+                // With what it says, or a program that is ended here would say it twice.
+                context.store.hear(&now(), std::slice::from_ref(line))?;
+                match of_batch.next_if(|(holding, _)| holding.n == line.n) {
+                    Some((_, read)) => replayed.say(context, line, read),
+                    None => Ok(()),
+                }
+            })
         })?;
         batch.iter().for_each(|_| observer.advance());
     }
@@ -115,22 +120,9 @@ impl Replayed {
                 store.mark_missing(at, std::slice::from_ref(path))?;
                 store.keep_tags(at, path, tags)?;
             }
-            Entry::Tag(tag) => {
-                self.words += 1;
-                store.add_hand_tags(at, std::slice::from_ref(tag))?;
-            }
-            Entry::Word(word) => {
-                self.words += 1;
-                store.add_run_words(at, std::slice::from_ref(word))?;
-            }
-            Entry::Asked { run, asked } => {
-                self.words += 1;
-                store.ask_fit(at, run, asked)?;
-            }
-            Entry::Told(alarm) => store.save_told(at, alarm)?,
-            Entry::Command { id, status } => store.save_alarm_command(at, id, status)?,
-            // The line itself is all that is stored of it.
-            Entry::Missed { .. } | Entry::Answered { .. } => {}
+            // The line itself is all that is stored of a word.
+            Entry::Tag(_) | Entry::Word(_) | Entry::Asked { .. } => self.words += 1,
+            Entry::Told(_) | Entry::Command { .. } | Entry::Missed { .. } | Entry::Answered { .. } => {}
         }
         Ok(())
     }

@@ -6,10 +6,9 @@ use std::path::Path;
 use super::part::Part;
 use crate::domain::Issue;
 use crate::pipeline::upkeep::rebuild::what_is_wrong;
-use crate::pipeline::upkeep::reported::Told;
 use crate::pipeline::{Context, PipelineError};
+use crate::store::StoreError;
 use crate::store::journal::{self, Found};
-use crate::store::{Store, StoreError};
 
 /// Name of the part.
 const NAME: &str = "journal";
@@ -29,7 +28,7 @@ pub fn alone(folder: &Path) -> Result<Part, PipelineError> {
 /// It or the database cannot be read.
 pub fn part(context: &Context) -> Result<Part, PipelineError> {
     let found = journal::read(&context.folder)?;
-    if found.is_none() && context.store.journal_entries()?.is_empty() {
+    if found.is_none() && context.store.last_said()? == journal::End::default() {
         return Ok(Part {
             part: NAME,
             looked_at: "nothing was said yet".to_owned(),
@@ -57,30 +56,7 @@ fn of_lines(found: Option<&Found>) -> Part {
     }
 }
 
-/// Where what a database says is not what a journal says up to the last line that the database has. The journal is read
-/// after it: there everything is said first, and what was said meanwhile is left out.
-///
-/// # Errors
-/// One of them cannot be read.
-pub fn against(
-    found: impl FnOnce() -> Result<Found, PipelineError>,
-    store: &Store,
-) -> Result<Vec<Issue>, PipelineError> {
-    let moment = store.snapshot()?;
-    let (stored, last) = (store.journal_entries()?, store.last_said()?);
-    drop(moment);
-    let stored = Told::of(stored.iter().map(|(_, entry)| entry));
-    let mut lines = found()?.lines;
-    lines.retain(|line| last.is_none_or(|last| line.n <= last));
-    let told = Told::of(lines.iter().map(|line| &line.entry));
-    let issue = |(what, of): (String, String)| {
-        let message = format!("{what} of {of} in the database is not as in the journal");
-        Issue::error("journal-differs", message).mend("`ieap rebuild` makes it anew as the journal says")
-    };
-    Ok(told.differences(&stored).into_iter().map(issue).collect())
-}
-
-/// What one of them lacks, or what is not the same in both though none lacks anything.
+/// What one of them lacks.
 fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     let mut found = Vec::new();
     let compared = match context.store.compared(&context.folder) {
@@ -91,10 +67,6 @@ fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
         }
         Err(error) => return Err(error.into()),
     };
-    if context.store.is_agreed(&context.folder)? {
-        let read = || Ok(journal::read(&context.folder)?.unwrap_or_default());
-        return against(read, &context.store);
-    }
     if !compared.is_database_whole() {
         let message = format!("the database lacks what the journal says: {}", compared.lacks());
         let mend = if compared.can_be_said_again() {

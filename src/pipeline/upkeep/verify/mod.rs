@@ -17,7 +17,6 @@ use serde::Serialize;
 
 use crate::domain::Issue;
 use crate::pipeline::{Context, Observer, PipelineError};
-pub(crate) use journal::against as journal_against;
 pub use journal::missed;
 pub use part::Part;
 pub(crate) use short::of_archive;

@@ -1,0 +1,247 @@
+//! What changes runs: new revisions, tags, names.
+
+use rusqlite::{Row, params};
+
+use super::columns::{json_in, to_json};
+use super::files::{take_new_name, upsert_file};
+use super::journal::{Entry, NamedBytes, NamedRun};
+use super::new_run::{NewRun, ReadDocument, TagDocument, TagOfSource, Tagging, insert_run};
+use super::results::{self, retire_of_run};
+use super::rows::{JOURNAL_LINE, RUN, RUN_FILE};
+use super::{FileRow, RunContent, StepError, Store, StoreError, Transaction};
+use ieap_domain::tag::UNREADABLE;
+use ieap_domain::{Issue, RunState, Tag, TagSource};
+
+impl Store {
+    /// Stores what was read from files, whole or not at all: the files, their contents, and each run as the
+    /// new current revision of its name.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_runs(&mut self, now: &str, files: &[FileRow], runs: &[NewRun]) -> Result<(), StoreError> {
+        self.write("storing a run", now, |transaction| {
+            let mut named = Vec::with_capacity(runs.len());
+            for run in runs {
+                let revision = insert_run(transaction, now, run)?;
+                let name = run.path.clone();
+                named.push(NamedRun { name, revision });
+            }
+            if let Some(first) = runs.first() {
+                let named_bytes = |content: &RunContent| NamedBytes {
+                    path: content.path.clone(),
+                    hash: content.hash.clone(),
+                };
+                let read = Entry::Read {
+                    kind: first.kind,
+                    reader: first.format.clone(),
+                    files: first.contents.iter().map(named_bytes).collect(),
+                    runs: named,
+                };
+                transaction.says(now, read)?;
+            }
+            files.iter().try_for_each(|file| upsert_file(transaction, file))
+        })
+    }
+
+    /// Puts new tags, and what follows from them, in place of those of a run.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn retag(&mut self, now: &str, run_id: i64, tagging: &Tagging) -> Result<(), StoreError> {
+        self.write("storing tags", now, |transaction| {
+            let (document, curves) = tagging.documents()?;
+            transaction.change(RUN, ("id = ?1", &run_id), || {
+                let sql = "UPDATE run SET state = ?2, tag_digest = ?3, tagging = ?4, climate_curves = ?5 WHERE id = ?1";
+                let values = params![run_id, tagging.state.key(), tagging.digest, document, curves];
+                transaction.prepare_cached(sql)?.execute(values)?;
+                Ok(())
+            })?;
+            if tagging.state != RunState::Ready {
+                let name: String = transaction
+                    .prepare_cached("SELECT path FROM run WHERE id = ?1")?
+                    .query_row([run_id], |row| row.get(0))?;
+                retire_of_run(transaction, now, &name)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Leaves the tags of a run and what follows from them as they are, and records why: what states them cannot be read.
+    /// `digest` is that of the sources as they are now.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn hold_tags(
+        &mut self,
+        now: &str,
+        run_id: i64,
+        digest: &str,
+        issues: &[Issue],
+    ) -> Result<(), StoreError> {
+        self.write("holding tags", now, |transaction| {
+            change_tags(transaction, run_id, digest, |tagging| {
+                tagging.issues.retain(|issue| !UNREADABLE.contains(&&*issue.code));
+                tagging.issues.extend_from_slice(issues);
+            })
+        })
+    }
+
+    /// Gives the current runs in a file what was stated beside it, in place of what they have of it, and has them tagged again:
+    /// of a file that is gone this holds ([`Entry::Gone`]).
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn keep_tags(&mut self, now: &str, path: &str, tags: &[Tag]) -> Result<(), StoreError> {
+        self.write("keeping tags", now, |transaction| {
+            for run_id in current_runs_in(transaction, path)? {
+                change_tags(transaction, run_id, "", |tagging| {
+                    tagging.tags.retain(|tag| !is_stated_beside(&tag.tag));
+                    let kept = tags.iter().cloned();
+                    tagging
+                        .tags
+                        .extend(kept.map(|tag| TagOfSource { tag, chosen: false }));
+                })?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Says of a file that is gone what is stated beside it now: the files that state it may go as well.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn say_stated_beside(&mut self, now: &str, path: &str) -> Result<(), StoreError> {
+        self.write("noting tags", now, |transaction| {
+            let (path, tags) = (path.to_owned(), stated_beside(transaction, path)?);
+            transaction.says(now, Entry::Gone { path, tags })
+        })
+    }
+
+    /// Gives a run the name of the file that now holds its bytes.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn rename_run(&mut self, now: &str, old: &str, new: &str, file: &FileRow) -> Result<(), StoreError> {
+        self.write("renaming a run", now, |transaction| {
+            for (id, mut reading) in documents::<ReadDocument>(transaction, "reading", "path = ?1", old)? {
+                reading
+                    .files
+                    .iter_mut()
+                    .for_each(|file| renamed(&mut file.path, old, new));
+                let clocks = &mut reading.origin.clocks;
+                clocks
+                    .iter_mut()
+                    .for_each(|clock| renamed(&mut clock.file, old, new));
+                let reading = to_json("what was read of a run", &reading)?;
+                transaction.change(RUN, ("id = ?1", &id), || {
+                    let sql = "UPDATE run SET path = ?2, reading = ?3 WHERE id = ?1";
+                    transaction
+                        .prepare_cached(sql)?
+                        .execute(params![id, new, reading])?;
+                    Ok(())
+                })?;
+                transaction.change(RUN_FILE, ("run_id = ?1", &id), || {
+                    let sql = "UPDATE run_file SET path = ?3 WHERE run_id = ?1 AND path = ?2";
+                    transaction.prepare_cached(sql)?.execute(params![id, old, new])?;
+                    Ok(())
+                })?;
+            }
+            rename_words(transaction, old, new)?;
+            results::rename(transaction, old, new)?;
+            take_new_name(transaction, now, old, file)
+        })
+    }
+}
+
+/// Gives the words on a run its new name.
+fn rename_words(transaction: &Transaction<'_>, old: &str, new: &str) -> Result<(), StepError> {
+    transaction.journal.changed();
+    let condition = "name = ?1 AND what IN ('tag', 'word', 'asked')";
+    transaction.change(JOURNAL_LINE, (condition, &old), || {
+        transaction
+            .prepare_cached(&format!("UPDATE journal_line SET name = ?2 WHERE {condition}"))?
+            .execute([old, new])?;
+        Ok(())
+    })
+}
+
+fn renamed(name: &mut String, old: &str, new: &str) {
+    if name == old {
+        new.clone_into(name);
+    }
+}
+
+/// Changes the tags of a run, and writes down what they came from.
+fn change_tags(
+    transaction: &Transaction<'_>,
+    run_id: i64,
+    digest: &str,
+    change: impl Fn(&mut TagDocument),
+) -> Result<(), StepError> {
+    for (id, mut tagging) in documents::<TagDocument>(transaction, "tagging", "id = ?1", run_id)? {
+        change(&mut tagging);
+        let tagging = to_json("the tags of a run", &tagging)?;
+        transaction.change(RUN, ("id = ?1", &id), || {
+            let sql = "UPDATE run SET tag_digest = ?2, tagging = ?3 WHERE id = ?1";
+            transaction
+                .prepare_cached(sql)?
+                .execute(params![id, digest, tagging])?;
+            Ok(())
+        })?;
+    }
+    Ok(())
+}
+
+/// Row ids of runs and a document of each.
+fn documents<T: serde::de::DeserializeOwned>(
+    transaction: &Transaction<'_>,
+    column: &'static str,
+    condition: &str,
+    key: impl rusqlite::ToSql,
+) -> Result<Vec<(i64, T)>, StepError> {
+    let sql = format!("SELECT id, {column} FROM run WHERE {condition} ORDER BY id");
+    let mut statement = transaction.prepare_cached(&sql)?;
+    let mut rows = statement.query([key])?;
+    let mut found = Vec::new();
+    let read = |row: &Row<'_>| -> Result<(i64, T), StepError> {
+        Ok((row.get("id")?, json_in(row, column, column)?))
+    };
+    while let Some(row) = rows.next()? {
+        found.push(read(row)?);
+    }
+    Ok(found)
+}
+
+/// Current runs in a file: under its name, with the bytes that it had.
+fn current_runs_in(transaction: &Transaction<'_>, path: &str) -> Result<Vec<i64>, StepError> {
+    let sql = "SELECT DISTINCT run.id FROM run JOIN run_file ON run_file.run_id = run.id
+               WHERE superseded_at IS NULL AND run_file.path = ?1
+                 AND run_file.hash = (SELECT hash FROM source_file WHERE path = ?1) ORDER BY run.id";
+    let mut statement = transaction.prepare_cached(sql)?;
+    let ids = statement.query_map([path], |row| row.get(0))?;
+    Ok(ids.collect::<rusqlite::Result<_>>()?)
+}
+
+/// Whether a tag stands in files that may be gone with the readings.
+fn is_stated_beside(tag: &Tag) -> bool {
+    matches!(
+        tag.source,
+        TagSource::Sidecar | TagSource::Folder | TagSource::RunSheet
+    )
+}
+
+/// What files beside a file and run sheets stated of the current runs in it, each once.
+pub(super) fn stated_beside(transaction: &Transaction<'_>, path: &str) -> Result<Vec<Tag>, StepError> {
+    let mut stated: Vec<Tag> = Vec::new();
+    for run_id in current_runs_in(transaction, path)? {
+        for (_, tagging) in documents::<TagDocument>(transaction, "tagging", "id = ?1", run_id)? {
+            let beside = tagging.tags.into_iter().map(|of| of.tag).filter(is_stated_beside);
+            for tag in beside {
+                if !stated.contains(&tag) {
+                    stated.push(tag);
+                }
+            }
+        }
+    }
+    Ok(stated)
+}
