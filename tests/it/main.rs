@@ -25,6 +25,7 @@ mod docs;
 mod doubted_fits;
 mod effects;
 mod elsewhere;
+mod errors_stay_errors;
 mod findings;
 mod findings_fixture;
 mod fit_groups;

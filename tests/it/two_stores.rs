@@ -244,6 +244,30 @@ fn words_that_may_be_lost_are_told_until_a_person_answers() {
     }
 }
 
+/// Journal and database of yesterday agree with each other; the report knows better.
+#[test]
+fn words_that_both_lost_are_told_by_the_report() {
+    let folder = campaign();
+    let [database, journal] = [folder.join("campaign.db"), journal(&folder)];
+    let before = [&database, &journal].map(|path| fs::read(path).unwrap());
+    drops(&folder, "runs/2.csv");
+    folder.ieap(&["report"]).expect(0);
+    assert_eq!(errors(&folder), Vec::<String>::new());
+    without_database(folder.path());
+    fs::write(&database, &before[0]).unwrap();
+    fs::write(&journal, &before[1]).unwrap();
+    assert_eq!(errors(&folder), ["words-may-be-lost"]);
+    // Told also when the report that knew of it is made anew.
+    for _ in 0..2 {
+        let told = run(&folder).expect(3);
+        assert!(told.stderr.contains("both end at line 4"), "{told:?}");
+    }
+    let why = &["run", "--no-diagnose", "--answer", "the drop is said again"];
+    folder.ieap(why).expect(0);
+    run(&folder).expect(0);
+    assert_eq!(errors(&folder), Vec::<String>::new());
+}
+
 /// Codes of the errors that `verify` finds.
 fn errors(folder: &CampaignFolder) -> Vec<String> {
     let found = folder.ieap(&["verify", "--json"]).json();

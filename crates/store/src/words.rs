@@ -24,6 +24,8 @@ pub(super) struct Words {
     pub told: Vec<ToldAlarm>,
     /// What may be lost and nobody answered.
     pub missed: Vec<String>,
+    /// The same with what was answered.
+    pub ever_missed: Vec<String>,
 }
 
 /// Words with the state of the database that they are of: what other connections changed, and what this one did.
@@ -53,7 +55,10 @@ impl Words {
             Entry::Asked { asked, .. } if asked.is_open() => drop(self.asked.remove(&name)),
             Entry::Asked { asked, .. } => drop(self.asked.insert(name, asked)),
             Entry::Told(alarm) => self.told.push(alarm),
-            Entry::Missed { lost } => self.missed.push(lost),
+            Entry::Missed { lost } => {
+                self.ever_missed.push(lost.clone());
+                self.missed.push(lost);
+            }
             Entry::Answered { .. } => self.missed.clear(),
             _ => {}
         }

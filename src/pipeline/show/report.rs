@@ -36,6 +36,7 @@ use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::report;
 use crate::report::kept::{self, Earlier, Made};
+use crate::store::journal::End;
 use crate::system::{fs, program_mark};
 
 /// The verb `report`.
@@ -99,7 +100,7 @@ impl RenderReport {
         let snapshot = context.store.snapshot()?;
         let (changes, changed_at) = context.store.changes()?;
         let own = OwnTemplates::of(context);
-        let stamp = stamp(context, changes, &changed_at, &own);
+        let stamp = stamp(context, changes, &changed_at, &own)?;
         let altered = own_folder::altered(&target)
             .map_err(failed(&target, "looking whether it is as it was written"))?;
         let current = stands(context, &stamp) && altered.is_empty();
@@ -178,17 +179,51 @@ impl RenderReport {
     }
 }
 
-/// What a report of the campaign as it is would say that it was made from.
-fn stamp(context: &Context, changes: u64, changed_at: &str, own: &OwnTemplates) -> String {
+/// What a report of the campaign as it is would say that it was made from. Its last words are the id of the database, and
+/// number and checksum of the last line of the journal.
+fn stamp(
+    context: &Context,
+    changes: u64,
+    changed_at: &str,
+    own: &OwnTemplates,
+) -> Result<String, PipelineError> {
     let (digest, own) = (&context.campaign_digest, own.mark());
-    format!("{CODE_VERSION} {changes} {changed_at} {digest}{own}\n")
+    let (id, End { n, sum }) = (context.store.identity()?, context.store.last_said()?);
+    let sum = sum.unwrap_or_else(|| "-".to_owned());
+    Ok(format!(
+        "{CODE_VERSION} {changes} {changed_at} {digest}{own} {id} {n} {sum}\n"
+    ))
+}
+
+/// What the report that is there says that it was made from.
+fn made_from(campaign: &Path) -> Option<String> {
+    let stamp = fs::read_own_text(campaign.join(REPORT_FOLDER).join(STAMP)).ok();
+    stamp.or_else(|| Some(faulty(campaign)?.made_from))
+}
+
+/// Number and checksum of the last line of the journal when the report was made from this database: a third witness beside
+/// journal and database, which may both have been cut.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn line_of_report(context: &Context) -> Result<Option<(u64, String)>, PipelineError> {
+    let id = context.store.identity()?;
+    let Some(stamp) = made_from(&context.folder) else {
+        return Ok(None);
+    };
+    let mut words = stamp.split_whitespace().rev();
+    let (sum, n, of) = (words.next(), words.next(), words.next());
+    let line = of
+        .filter(|of| *of == id)
+        .and(n.and_then(|n| n.parse().ok()))
+        .zip(sum.map(str::to_owned));
+    Ok(line.filter(|(n, _)| *n > 0))
 }
 
 /// Whether a report with that stamp is there.
 fn stands(context: &Context, stamp: &str) -> bool {
     let folder = context.folder.join(REPORT_FOLDER);
-    let made_from = fs::read_own_text(folder.join(STAMP)).ok();
-    let made_from = made_from.or_else(|| Some(faulty(&context.folder)?.made_from));
+    let made_from = made_from(&context.folder);
     let is_whole = folder.join("index.html").exists() && own_folder::is_hashed(&folder);
     is_whole && made_from.is_some_and(|found| found == stamp)
 }
@@ -200,7 +235,7 @@ fn stands(context: &Context, stamp: &str) -> bool {
 pub fn is_current(context: &Context) -> Result<bool, PipelineError> {
     let (changes, changed_at) = context.store.changes()?;
     let own = OwnTemplates::of(context);
-    Ok(stands(context, &stamp(context, changes, &changed_at, &own)))
+    Ok(stands(context, &stamp(context, changes, &changed_at, &own)?))
 }
 
 /// How the name of a report in the making begins.

@@ -12,6 +12,7 @@ use crate::ingest::{campaign_file, filesystem};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::holdings;
 use crate::pipeline::{Context, PipelineError, Silent};
+use crate::store::journal::Entry;
 use crate::store::{self, InstanceLock, Store, StoreError};
 
 impl Context {
@@ -50,6 +51,9 @@ impl Context {
         context.agreed = agreement::agree(&mut context, !ended_in_order)?;
         lock.found_sound();
         context.lock = Some(lock);
+        if let Some(lost) = verify::cut(&context)? {
+            context.store.say(&now(), vec![(now(), Entry::Missed { lost })])?;
+        }
         context.agreed.extend(verify::missed(&context)?);
         if !ended_in_order {
             context.damage = verify::of_archive(&context)?;

@@ -6,6 +6,7 @@ use super::bring_up::{brought_up, parted};
 use super::entry::{End, Entry, Line};
 use super::file::{HeldJournal, failed, locked, path_in, read};
 use super::{Compared, course, tail};
+use crate::rows::JOURNAL_LINE;
 use crate::{FILE_NAME as DATABASE, Store, StoreError};
 use ieap_system::fs::File;
 
@@ -132,6 +133,24 @@ impl Store {
     /// See [`StoreError`].
     pub fn last_said(&self) -> Result<End, StoreError> {
         course::last(&self.connection).map_err(self.named(DOING))
+    }
+
+    /// Whether the database has the line of that number and checksum.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn has_line(&self, n: u64, sum: &str) -> Result<bool, StoreError> {
+        let rest = ("", "WHERE n = ?1");
+        let lines = self.kept(DOING, JOURNAL_LINE, rest, [n.cast_signed()], course::read)?;
+        Ok(lines.first().is_some_and(|line| line.sum() == sum))
+    }
+
+    /// Whether somebody was ever told that words may be lost, in words that name this.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn was_missed(&self, named: &str) -> Result<bool, StoreError> {
+        Ok(self.words()?.ever_missed.iter().any(|lost| lost.contains(named)))
     }
 
     /// What may be lost, in words, until a person answered.

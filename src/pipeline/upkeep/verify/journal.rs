@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::part::Part;
 use crate::domain::Issue;
+use crate::pipeline::show::report::line_of_report;
 use crate::pipeline::upkeep::rebuild::what_is_wrong;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::StoreError;
@@ -89,6 +90,26 @@ fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     Ok(found)
 }
 
+/// What journal and database both lack, in words, where nobody was told yet: the report was made when they had more.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn cut(context: &Context) -> Result<Option<String>, PipelineError> {
+    // Whoever is asked already looks after all that may be lost.
+    let is_asked = !context.store.words_missed()?.is_empty();
+    let Some((n, sum)) = line_of_report(context)?.filter(|_| !is_asked) else {
+        return Ok(None);
+    };
+    if context.store.has_line(n, &sum)? || context.store.was_missed(&sum)? {
+        return Ok(None);
+    }
+    Ok(Some(format!(
+        "the report was made when line {n} of the journal was the last ({sum}), and neither journal nor database has that line: \
+         both end at line {}",
+        context.store.last_said()?.n
+    )))
+}
+
 /// What may be lost since a rebuilding, until a person answers.
 pub fn missed(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     let issue = |lost: String| {
@@ -97,5 +118,6 @@ pub fn missed(context: &Context) -> Result<Vec<Issue>, PipelineError> {
              `ieap run --answer ...`",
         )
     };
-    Ok(context.store.words_missed()?.into_iter().map(issue).collect())
+    let missed = context.store.words_missed()?.into_iter().chain(cut(context)?);
+    Ok(missed.map(issue).collect())
 }
