@@ -21,13 +21,16 @@ mod fit;
 mod fit_choice;
 mod fit_group;
 mod formats;
+mod former;
 mod global;
+mod help;
 mod impedance;
 mod import_fits;
 mod ingest;
 mod init;
 mod inspect;
 mod interrupted;
+mod list;
 mod man;
 mod models;
 mod next;
@@ -49,6 +52,7 @@ mod study;
 mod table;
 mod tag;
 mod threads;
+mod told;
 mod trace;
 mod typed;
 mod user_folders;
@@ -57,7 +61,7 @@ mod watch;
 
 use std::ffi::OsString;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -67,22 +71,13 @@ use exit::CliError;
 use global::Global;
 use output::Output;
 
-/// Database and report pipeline for step-response campaigns of ionic electroactive polymer actuators.
+/// From the instrument files of ionic actuator strips to fitted parameters, causes and a report.
 ///
-/// A campaign is a folder with a campaign.toml and instrument files under runs/. Start one with `ieap init`,
-/// drop files in, then `ieap run`; or leave `ieap watch` running beside the instrument.
+/// A campaign is a folder with a campaign.toml and instrument files under runs/. `ieap init FOLDER --from FILES`
+/// makes one of your files, `ieap run FOLDER` makes its report.
 #[derive(Debug, Parser)]
-#[command(
-    name = "ieap",
-    version,
-    max_term_width = 100,
-    propagate_version = true,
-    disable_help_subcommand = true
-)]
+#[command(name = "ieap", version, max_term_width = 100, propagate_version = true)]
 struct Cli {
-    /// Work as if started in that folder; stands before the verb, as with git and make
-    #[arg(short = 'C', value_name = "DIR")]
-    folder: Option<PathBuf>,
     #[command(flatten)]
     global: Global,
     #[command(subcommand)]
@@ -107,7 +102,6 @@ enum Verb {
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
     Drop(drop::DropArgs),
-    Undrop(drop::UndropArgs),
     Status(status::StatusArgs),
     Verify(verify::VerifyArgs),
     Rebuild(rebuild::RebuildArgs),
@@ -125,12 +119,11 @@ enum Verb {
     Convert(convert::ConvertArgs),
     Backup(backup::BackupArgs),
     Restore(backup::RestoreArgs),
-    Formats(formats::FormatsArgs),
-    Models(models::ModelsArgs),
-    Effects(effects::EffectsArgs),
-    Schema(schema::SchemaArgs),
+    List(list::ListArgs),
     Man(man::ManArgs),
     Completions(completions::CompletionsArgs),
+    #[command(flatten)]
+    Former(former::Former),
 }
 
 /// Parses the command line, runs the verb and gives its exit status.
@@ -143,7 +136,7 @@ pub fn main() -> ExitCode {
 /// The same for a command line that is given, the name of the program first: the exit status.
 pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
-    let command = Cli::command().color(colour::asked(arguments.iter().cloned()));
+    let command = help::arranged(Cli::command()).color(colour::asked(arguments.iter().cloned()));
     let parsed = command
         .try_get_matches_from(arguments)
         .and_then(|found| Cli::from_arg_matches(&found));
@@ -155,7 +148,7 @@ pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     };
     let output = Output::new(&cli.global);
     let work = || {
-        go_to(cli.folder.as_deref())?;
+        go_to(cli.global.work_in.as_deref())?;
         threads::set(cli.global.threads, &output)?;
         dispatch(&cli, &output)
     };
@@ -215,7 +208,6 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),
         Verb::Drop(args) => drop::run(args, global, output),
-        Verb::Undrop(args) => drop::run_undrop(args, global, output),
         Verb::Status(args) => status::run(args, output),
         Verb::Verify(args) => verify::run(args, output),
         Verb::Rebuild(args) => rebuild::run(args, global, output),
@@ -233,11 +225,9 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Convert(args) => convert::run(args, output),
         Verb::Backup(args) => backup::run(args, global, output),
         Verb::Restore(args) => backup::run_restore(args, output),
-        Verb::Formats(args) => formats::run(args, output),
-        Verb::Models(args) => models::run(args, output),
-        Verb::Effects(args) => effects::run(args, output),
-        Verb::Schema(args) => schema::run(args, output),
+        Verb::List(args) => list::run(args, output),
         Verb::Man(args) => man::run(args, Cli::command(), output),
         Verb::Completions(args) => completions::run(args, &mut Cli::command(), output),
+        Verb::Former(word) => former::run(word, global, output),
     }
 }

@@ -18,7 +18,9 @@ use crate::pipeline::infra::mends::together;
 use crate::pipeline::upkeep::status::{Status, WAITS, status};
 use crate::pipeline::{Context, TakenBack};
 
-/// Count runs by state; list refused files with reasons, gaps in the condition matrix, and what is out of date
+/// Count runs; list what was refused, lacks or is due
+///
+/// Files refused come with their reasons, gaps with their conditions.
 #[derive(Debug, Args)]
 pub struct StatusArgs {
     #[command(flatten)]

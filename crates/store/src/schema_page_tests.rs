@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use rusqlite::Connection;
 
 use super::Store;
-use ieap_domain::unit_of_key;
 
 /// Meanings that stand in no migration.
 const MEANINGS: &str = include_str!("../../../migrations/meanings.txt");
@@ -70,15 +69,13 @@ fn section(connection: &Connection, kind: &str, name: &str, sql: &str, page: &mu
     let mut lacking = Vec::new();
     let _ = writeln!(
         page,
-        "\n### {name}\n{}\n\n| column | type | unit | meaning |\n|---|---|---|---|",
+        "\n### {name}\n{}\n\n| column | meaning |\n|---|---|",
         about(name, kind)
     );
     let mut statement = connection.prepare(&format!("PRAGMA table_info({name})")).unwrap();
-    let columns = statement.query_map([], |row| {
-        Ok((row.get::<_, String>("name")?, row.get::<_, String>("type")?))
-    });
+    let columns = statement.query_map([], |row| row.get::<_, String>("name"));
     for column in columns.unwrap() {
-        let (column, kind) = column.unwrap();
+        let column = column.unwrap();
         let own = format!("{name}.{column}");
         let known = meanings.get(own.as_str()).copied();
         let said = known
@@ -88,9 +85,8 @@ fn section(connection: &Connection, kind: &str, name: &str, sql: &str, page: &mu
             lacking.push(own);
             continue;
         };
-        let unit = unit_of_key(&column).unwrap_or("");
         let said = said.replace('|', "\\|");
-        let _ = writeln!(page, "| `{column}` | {} | {unit} | {said} |", kind.to_lowercase());
+        let _ = writeln!(page, "| `{column}` | {said} |");
     }
     lacking
 }
@@ -106,14 +102,16 @@ fn made() -> String {
     });
     let rows: Vec<(String, String, String)> = rows.unwrap().map(Result::unwrap).collect();
     let mut page = format!("{BEGIN}\n");
-    let (mut lacking, mut heading) = (Vec::new(), String::new());
-    for (kind, name, sql) in &rows {
-        if *kind != heading {
-            heading.clone_from(kind);
-            let title = if kind == "view" { "Views" } else { "Tables" };
-            let _ = writeln!(page, "\n## {title}");
-        }
+    let mut lacking = Vec::new();
+    page += "\n## Views\n";
+    for (kind, name, sql) in rows.iter().filter(|(kind, ..)| kind == "view") {
         lacking.extend(section(&store.connection, kind, name, sql, &mut page));
+    }
+    page += "\n## Tables behind the views\n| table | what it holds |\n|---|---|\n";
+    for (kind, name, sql) in rows.iter().filter(|(kind, ..)| kind == "table") {
+        // Every column has a meaning, though the page shows those of views alone.
+        lacking.extend(section(&store.connection, kind, name, sql, &mut String::new()));
+        let _ = writeln!(page, "| `{name}` | {} |", about(name, kind).replace('|', "\\|"));
     }
     assert!(
         lacking.is_empty(),

@@ -21,7 +21,7 @@ title = {id}                            # what stands above the report
 
 # How all runs are fitted; without it `ieap fit --method ..` or `--simultaneous` holds for the runs that were there.
 # [fit]
-# method = "variable-projection"         # `ieap models` lists the methods
+# method = "variable-projection"         # `ieap list models` lists the methods
 # simultaneous = true                    # both responses at once, instead of one after the other
 
 # What tables leave open, answered once for all files; `ieap status` asks (docs/profiles.md lists the questions).
