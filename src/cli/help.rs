@@ -1,5 +1,7 @@
 //! What `ieap --help` shows: verbs by what a person is about to do, and the options of every verb once.
 
+use std::ffi::OsString;
+
 use clap::Command;
 
 /// Verbs by what a person is about to do, those that everybody needs first. A verb that is not here is not shown, which a
@@ -31,8 +33,33 @@ pub const GROUPS: [(&str, &[&str]); 7] = [
     ),
 ];
 
-/// The command line with its help arranged.
-pub fn arranged(program: Command) -> Command {
+/// The help that a command line asks for: of the program, or of the first verb in it. Short where `-h` asks.
+pub fn text(program: Command, words: &[OsString], is_coloured: bool) -> String {
+    let mut program = arranged(program);
+    let verb = words.iter().skip(1).find_map(|word| {
+        let word = word.to_str().filter(|word| *word != "help")?;
+        Some(program.find_subcommand(word)?.get_name().to_owned())
+    });
+    let command = match verb {
+        Some(verb) => program.find_subcommand_mut(&verb),
+        None => Some(&mut program),
+    };
+    let help = command.map_or_else(Default::default, |command| {
+        if words.iter().any(|word| word == "-h") {
+            command.render_help()
+        } else {
+            command.render_long_help()
+        }
+    });
+    if is_coloured {
+        help.ansi().to_string()
+    } else {
+        help.to_string()
+    }
+}
+
+/// The command line with its help arranged. It parses nothing: options that were changed once all is built are lost to it.
+fn arranged(program: Command) -> Command {
     let template = format!(
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n{}\n\nOptions of every verb:\n{{options}}\n\n\
          `ieap help VERB` says more of a verb. Exit status: 0 done, 1 a fault of the program, 2 wrong usage,\n\

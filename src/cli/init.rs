@@ -18,9 +18,6 @@ use crate::pipeline::{InitFrom, PlannedFile, Proposed, Taken};
 /// Writes a commented campaign.toml and the folders runs/, dma/ and ambient/. With --from it looks at the files
 /// of another folder and shows the campaign that they would make; with --yes it makes it, with copies of the
 /// files.
-///
-/// With --from it looks at the files of another folder and shows the campaign that they would make; with --yes it makes
-/// it, with copies of the files.
 #[derive(Debug, Args)]
 pub struct InitArgs {
     /// Folder to make a campaign; made where it is not there

@@ -43,6 +43,7 @@ mod rebuild;
 mod report;
 mod run;
 mod schema;
+mod sections;
 mod serve;
 mod signals;
 mod simulate;
@@ -60,10 +61,11 @@ mod verify;
 mod watch;
 
 use std::ffi::OsString;
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::domain::fault::caught;
@@ -76,7 +78,7 @@ use output::Output;
 /// A campaign is a folder with a campaign.toml and instrument files under runs/. `ieap init FOLDER --from FILES`
 /// makes one of your files, `ieap run FOLDER` makes its report.
 #[derive(Debug, Parser)]
-#[command(name = "ieap", version, max_term_width = 100, propagate_version = true)]
+#[command(name = "ieap", version, max_term_width = 100)]
 struct Cli {
     #[command(flatten)]
     global: Global,
@@ -136,15 +138,26 @@ pub fn main() -> ExitCode {
 /// The same for a command line that is given, the name of the program first: the exit status.
 pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
-    let command = help::arranged(Cli::command()).color(colour::asked(arguments.iter().cloned()));
-    let parsed = command
-        .try_get_matches_from(arguments)
+    let choice = colour::asked(arguments.iter().cloned());
+    let parsed = Cli::command()
+        .color(choice)
+        .try_get_matches_from(&arguments)
         .and_then(|found| Cli::from_arg_matches(&found));
     let cli = match parsed {
         Ok(cli) => cli,
-        Err(error) => {
-            return said_by_clap(&error);
+        Err(error) if asks_for_help(&error) => {
+            let is_coloured = colour::is_wanted(choice, std::io::stdout().is_terminal());
+            let text = help::text(Cli::command(), &arguments, is_coloured);
+            let print = || {
+                if error.use_stderr() {
+                    std::io::stderr().write_all(text.as_bytes())
+                } else {
+                    std::io::stdout().write_all(text.as_bytes())
+                }
+            };
+            return said(&error, print);
         }
+        Err(error) => return said(&error, || error.print()),
     };
     let output = Output::new(&cli.global);
     let work = || {
@@ -165,6 +178,13 @@ pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     output.ended(status)
 }
 
+fn asks_for_help(error: &clap::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    )
+}
+
 /// Works in that folder from now on.
 fn go_to(folder: Option<&Path>) -> Result<(), CliError> {
     let Some(folder) = folder else { return Ok(()) };
@@ -177,8 +197,8 @@ fn go_to(folder: Option<&Path>) -> Result<(), CliError> {
 }
 
 /// Prints help, or what is wrong in the command line, and gives the exit status.
-fn said_by_clap(error: &clap::Error) -> u8 {
-    let printed = error.print().and_then(|()| std::io::stdout().flush());
+fn said(error: &clap::Error, print: impl FnOnce() -> std::io::Result<()>) -> u8 {
+    let printed = print().and_then(|()| std::io::stdout().flush());
     match printed {
         _ if error.use_stderr() => exit::USAGE,
         Err(failed) if failed.kind() != std::io::ErrorKind::BrokenPipe => {

@@ -43,15 +43,13 @@ fn the_page_of_commands() {
     let help = ieap(Path::new("."), &["help"]).expect(0).stdout;
     let (_, list) = help.split_once("\nstart\n").unwrap();
     let (list, _) = list.split_once("\nOptions of every verb:").unwrap();
-    let mut made = "| | verb | what it does |\n|---|---|---|\n".to_owned();
-    let mut group = "start";
+    let mut made = "**start**\n\n".to_owned();
     for line in list.lines().filter(|line| !line.is_empty()) {
         match line.strip_prefix("  ") {
-            None => group = line,
+            None => made += &format!("\n**{line}**\n\n"),
             Some(verb) => {
                 let (name, about) = verb.split_once(' ').unwrap();
-                made += &format!("| {group} | `{name}` | {} |\n", cell(about.trim()));
-                group = "";
+                made += &format!("- `{name}`: {}\n", about.trim());
             }
         }
     }
@@ -61,24 +59,37 @@ fn the_page_of_commands() {
 
 #[test]
 fn the_page_of_models() {
+    let models = listed("models");
     let mut made = String::new();
-    for model in listed("models") {
-        made += &format!("### {}\n{}.\n", text(&model["id"]), text(&model["description"]));
+    let mut parameters: Vec<(String, String)> = Vec::new();
+    for model in &models {
+        let [id, description] = ["id", "description"].map(|key| text(&model[key]));
+        made += &format!("- `{id}`: {description}");
         if let Some(equation) = model["law"]["equation"].as_str() {
             made += &format!(
-                "`{}`; limits: {}.\n",
+                "; `{}`; limits: {}",
                 cell(equation),
                 text(&model["law"]["limits"])
             );
         }
-        made += "\n| parameter | symbol | unit | what it is |\n|---|---|---|---|\n";
+        made += "\n";
         for own in model["parameters"].as_array().unwrap() {
             let [key, symbol, unit, meaning] =
                 ["key", "symbol", "unit", "meaning"].map(|key| text(&own[key]));
-            made += &format!("| `{key}` | {symbol} | {unit} | {meaning} |\n");
+            // A key that several models have means the same in each.
+            if parameters.iter().all(|(known, _)| *known != key) {
+                let unit = if unit.is_empty() {
+                    unit
+                } else {
+                    format!(", {unit}")
+                };
+                let line = format!("- `{key}` ({symbol}{unit}): {meaning}\n");
+                parameters.push((key, line));
+            }
         }
-        made += "\n";
     }
+    made += "\nTheir parameters:\n\n";
+    parameters.iter().for_each(|(_, line)| made += line);
     hold("models.md", "the_page_of_models", &made);
 }
 
@@ -86,11 +97,20 @@ fn the_page_of_models() {
 fn the_page_of_effects() {
     let effects = listed("effects");
     assert!(effects.len() > 40, "{}", effects.len());
-    let mut made = "| id | acts on | what | equation |\n|---|---|---|---|\n".to_owned();
+    let mut made = String::new();
     for effect in effects {
-        let [id, site, summary, equation] =
-            ["id", "site", "summary", "equation"].map(|key| text(&effect[key]));
-        made += &format!("| `{id}` | {site} | {summary} | `{equation}` |\n");
+        let [id, site, summary] = ["id", "site", "summary"].map(|key| text(&effect[key]));
+        made += &format!("- `{id}` ({site}): {summary}\n");
     }
     hold("effects.md", "the_page_of_effects", &made);
+}
+
+#[test]
+fn the_page_of_figures() {
+    let mut made = String::new();
+    for figure in listed("figures") {
+        let [name, alias, about] = ["name", "alias", "about"].map(|key| text(&figure[key]));
+        made += &format!("- `{name}`, `{alias}` ({} mm): {about}\n", figure["width_mm"]);
+    }
+    hold("figures.md", "the_page_of_figures", &made);
 }

@@ -83,7 +83,7 @@ title = {id}                            # what stands above the report
 # scatter_percent = 10                   # from run to run, where every condition has one run
 # alike_percent = 25                     # an effect that is no larger is none
 
-# Ratios on the comparison pages are to this condition; what it leaves out is held equal (docs/comparison.md).
+# Ratios on the comparison pages are to this condition; what it leaves out is held equal (docs/study.md).
 # [compare]                              # without it: the condition with the most runs
 # reference = {{ environment = "air", relative_humidity_percent = 34 }}
 
