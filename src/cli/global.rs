@@ -39,6 +39,6 @@ pub struct Global {
     #[arg(long, global = true, value_name = "N")]
     pub seed: Option<u64>,
     /// Keep the database on a network file system at your own risk
-    #[arg(long, global = true, hide_short_help = true)]
+    #[arg(long, global = true)]
     pub i_know: bool,
 }

@@ -40,17 +40,12 @@ pub fn text(program: Command, words: &[OsString], is_coloured: bool) -> String {
         let word = word.to_str().filter(|word| *word != "help")?;
         Some(program.find_subcommand(word)?.get_name().to_owned())
     });
-    let command = match verb {
-        Some(verb) => program.find_subcommand_mut(&verb),
-        None => Some(&mut program),
+    let verb = verb.and_then(|verb| program.find_subcommand_mut(&verb).cloned());
+    let help = match verb {
+        Some(mut verb) if words.iter().all(|word| word != "-h") => verb.render_long_help(),
+        Some(mut verb) => verb.render_help(),
+        None => program.render_help(),
     };
-    let help = command.map_or_else(Default::default, |command| {
-        if words.iter().any(|word| word == "-h") {
-            command.render_help()
-        } else {
-            command.render_long_help()
-        }
-    });
     if is_coloured {
         help.ansi().to_string()
     } else {
@@ -61,7 +56,10 @@ pub fn text(program: Command, words: &[OsString], is_coloured: bool) -> String {
 /// The command line with its help arranged. It parses nothing: options that were changed once all is built are lost to it.
 fn arranged(program: Command) -> Command {
     let template = format!(
-        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n{}\n\nOptions of every verb:\n{{options}}\n\n\
+        "{{about-with-newline}}\n\
+         A campaign is a folder with a campaign.toml and instrument files under runs/. `ieap init FOLDER\n\
+         --from FILES` makes one of your files, `ieap run FOLDER` makes its report.\n\n\
+         {{usage-heading}} {{usage}}\n{}\n\nOptions of every verb:\n{{options}}\n\n\
          `ieap help VERB` says more of a verb. Exit status: 0 done, 1 a fault of the program, 2 wrong usage,\n\
          3 done but some inputs were refused, 4 the database or the disk refused, 5 an alarm.\n",
         verbs(&program)

@@ -53,7 +53,8 @@ pub fn run(args: &ManArgs, mut program: Command, output: &Output) -> Result<u8, 
         output.write(&page(command)?);
         return Ok(DONE);
     };
-    let verbs = program.get_subcommands().filter(|verb| !verb.is_hide_set());
+    let is_shown = |verb: &&Command| !verb.is_hide_set() && verb.get_name() != "help";
+    let verbs = program.get_subcommands().filter(is_shown);
     for command in std::iter::once(&program).chain(verbs) {
         let name = format!("{}.1", name(command));
         user_folders::put(&folder, &name, &page(command)?, args.overwrite, output)?;

@@ -74,9 +74,6 @@ use global::Global;
 use output::Output;
 
 /// From the instrument files of ionic actuator strips to fitted parameters, causes and a report.
-///
-/// A campaign is a folder with a campaign.toml and instrument files under runs/. `ieap init FOLDER --from FILES`
-/// makes one of your files, `ieap run FOLDER` makes its report.
 #[derive(Debug, Parser)]
 #[command(name = "ieap", version, max_term_width = 100)]
 struct Cli {

@@ -1,7 +1,7 @@
 //! What `ieap status` lists: sections of names with what is said of them, in which no name is printed twice. A name that belongs
 //! to several sections is printed in the first, with what the later ones say of it; these only count it.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write;
 
 use super::output::Output;
@@ -20,6 +20,18 @@ pub struct Sections {
 struct Section {
     heading: String,
     entries: Vec<Entry>,
+}
+
+impl Section {
+    /// Its heading, with the number of its names that an earlier section has.
+    fn heading_beside(&self, mentions: &HashMap<&str, Vec<(usize, &Entry)>>, at: usize) -> String {
+        let names = self.entries.iter().flat_map(|entry| &entry.names);
+        let above: BTreeSet<&String> = names.filter(|name| mentions[name.as_str()][0].0 < at).collect();
+        match (above.len(), self.heading.strip_suffix(':')) {
+            (0, _) | (_, None) => self.heading.clone(),
+            (above, Some(heading)) => format!("{heading} ({above} named above):"),
+        }
+    }
 }
 
 /// Names of which the same is said.
@@ -90,41 +102,44 @@ impl Sections {
         let mut text = String::new();
         let mentions = self.mentions();
         for (at, section) in self.list.iter().enumerate() {
-            let names = section.entries.iter().flat_map(|entry| &entry.names);
-            let above = names.filter(|name| mentions[name.as_str()][0].0 < at).count();
-            let note = match above {
-                0 => String::new(),
-                above => format!(" ({above} named above)"),
-            };
-            let heading = section.heading.strip_suffix(':');
-            let _ = match heading {
-                Some(heading) => writeln!(text, "{heading}{note}:"),
-                None => writeln!(text, "{}", section.heading),
-            };
+            let _ = writeln!(text, "{}", section.heading_beside(&mentions, at));
             for entry in &section.entries {
                 let is_first = |name: &&String| std::ptr::eq(mentions[name.as_str()][0].1, entry);
                 let own: Vec<&String> = entry.names.iter().filter(is_first).collect();
-                for name in &own {
-                    let _ = writeln!(text, "  {name}");
-                    for (later, said) in &mentions[name.as_str()][1..] {
-                        if *later > at {
-                            let heading = self.list[*later].heading.trim_end_matches(':');
-                            let _ = writeln!(text, "      also among: {heading}");
-                        }
-                        said.lines
-                            .iter()
-                            .for_each(|line| text += &format!("      {line}\n"));
+                let lines = || entry.lines.iter().map(|line| format!("      {line}\n"));
+                match own.as_slice() {
+                    [] if entry.names.is_empty() => text.extend(lines()),
+                    [] => {}
+                    [only] => {
+                        let _ = writeln!(text, "  {only}");
+                        text.extend(lines());
+                        self.later(&mentions[only.as_str()], &mut text);
                     }
-                }
-                if entry.names.is_empty() || !own.is_empty() {
-                    entry
-                        .lines
-                        .iter()
-                        .for_each(|line| text += &format!("      {line}\n"));
+                    several => {
+                        for name in several {
+                            let _ = writeln!(text, "  {name}");
+                            self.later(&mentions[name.as_str()], &mut text);
+                        }
+                        text.extend(lines());
+                    }
                 }
             }
         }
         text
+    }
+
+    /// What comes after the first mention of a name, each section by the beginning of its heading.
+    fn later(&self, mentions: &[(usize, &Entry)], text: &mut String) {
+        let mut last = mentions[0].0;
+        for (at, entry) in &mentions[1..] {
+            if *at != last {
+                let heading = self.list[*at].heading.trim_end_matches(':');
+                let heading = heading.split([':', '(', ';']).next().unwrap_or_default();
+                let _ = writeln!(text, "      also among {}", heading.trim_end());
+                last = *at;
+            }
+            text.extend(entry.lines.iter().map(|line| format!("      {line}\n")));
+        }
     }
 
     /// The sections and entries that each name is in, in order.
@@ -182,9 +197,9 @@ mod tests {
         sections.list("run", "not covered", &["x1".to_owned(), "z3".to_owned()]);
         assert_eq!(
             sections.text(),
-            "2 runs without tags:\n  x1\n      also among: 2 runs not covered\n  y2\n      also among: 2 runs without a response\n      \
+            "2 runs without tags:\n  x1\n      also among 2 runs not covered\n  y2\n      also among 2 runs without a response\n      \
              no current\n      -> mend it\n      no sample\n      -> mend it\n2 runs without a response (1 named above):\n  z3\n      \
-             also among: 2 runs not covered\n      no time\n      -> mend it\n2 runs not covered (2 named above):\n"
+             no time\n      -> mend it\n      also among 2 runs not covered\n2 runs not covered (2 named above):\n"
         );
     }
 

@@ -1,5 +1,7 @@
 //! `ieap status`.
 
+use std::collections::BTreeSet;
+
 use crate::domain::number::fixed;
 use crate::domain::words::counted;
 use clap::Args;
@@ -14,6 +16,7 @@ use super::ingest;
 use super::output::Output;
 use super::sections::Sections;
 use crate::domain::{Alarm, Fault, Issue};
+use crate::pipeline::documents::diagnosis::group_title;
 use crate::pipeline::infra::mends::Reasoned;
 use crate::pipeline::upkeep::status::{Status, WAITS, status};
 use crate::pipeline::{Context, TakenBack};
@@ -175,12 +178,7 @@ fn collect(status: &Status, told: &mut Sections) {
     told.section("modulus log", "not analysed", logs);
     let spectra = &status.spectra_untagged;
     told.section("spectrum", "without a sample", spectra);
-    let aliases: Vec<String> = status
-        .alias_files
-        .iter()
-        .map(|alias| format!("{} (of {})", alias.path, alias.run))
-        .collect();
-    told.list("file", "with the bytes of a run's file", &aliases);
+    aliases(status, told);
     let missing = "no longer in the folder; the runs stay (`ieap drop --deleted --why ...` takes them out of all results)";
     told.list("file", missing, &status.missing_files);
     let gaps: Vec<String> = status
@@ -195,11 +193,37 @@ fn collect(status: &Status, told: &mut Sections) {
     alarms(status, told);
     let older = "fitted by another version of ieap";
     told.list("run", older, &status.fitted_by_older_program);
-    told.list("group", "not diagnosed yet", &status.groups_not_diagnosed);
+    let titles = |groups: &[String]| groups.iter().map(|name| group_title(name)).collect::<Vec<_>>();
+    told.list(
+        "group",
+        "not diagnosed yet",
+        &titles(&status.groups_not_diagnosed),
+    );
     let outdated = "with a finding that is out of date (`ieap diagnose` makes it anew)";
-    told.list("group", outdated, &status.findings_out_of_date);
+    told.list("group", outdated, &titles(&status.findings_out_of_date));
     if let Some(refused) = &status.report_refused {
         told.say(&format!("report that cannot be written anew:\n  {refused}"));
+    }
+}
+
+/// Files that are no runs, for their bytes are those of a run's file, by that run.
+fn aliases(status: &Status, told: &mut Sections) {
+    let found = &status.alias_files;
+    if found.is_empty() {
+        return;
+    }
+    told.say(&format!(
+        "{} with the bytes of a run's file:",
+        counted(found.len(), "file")
+    ));
+    let runs: BTreeSet<&str> = found.iter().map(|alias| alias.run.as_str()).collect();
+    for run in runs {
+        let own = found.iter().filter(|alias| alias.run == run);
+        let files: Vec<&str> = own.map(|alias| alias.path.as_str()).collect();
+        told.entry(
+            vec![run.to_owned()],
+            vec![format!("also as {}", files.join(", "))],
+        );
     }
 }
 

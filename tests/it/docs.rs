@@ -163,6 +163,8 @@ fn world() -> CampaignFolder {
         }
         ieap(&root, &["run", "--no-diagnose"]).expect(0);
     }
+    // Files of an instrument that are no campaign yet.
+    copy(&thesis.join("runs/CNaf/air"), &folder.join("my-files"));
     for k in 0..3 {
         let frame = Scene::default().draw(200.0, |_| 4e-4 * f64::from(k));
         folder.write(&format!("frames/f{k:04}.png"), png_bytes(&frame));
