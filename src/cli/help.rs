@@ -115,7 +115,8 @@ mod tests {
             .iter()
             .flat_map(|(_, names)| names.iter().copied())
             .collect();
-        (shown.sort_unstable(), listed.sort_unstable());
+        shown.sort_unstable();
+        listed.sort_unstable();
         assert_eq!(listed, shown);
         let text = verbs(&program);
         let long: Vec<&str> = text.lines().filter(|line| line.chars().count() > 70).collect();
