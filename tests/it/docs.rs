@@ -296,14 +296,14 @@ fn obey(folder: &CampaignFolder, page: &str, line: &str, reason: Option<&str>) -
     assert!(!ended.stderr.contains("panicked"), "{page}: `{line}`: {ended:#?}");
     let said = match reason {
         Some(reason) => format!("  not tried: {reason}\n"),
-        None => outline(&ended).replace(&*folder.path().to_string_lossy(), "FOLDER"),
+        None => outline(&ended, &folder.path().to_string_lossy()),
     };
     assert!(!said.is_empty(), "{page}: `{line}` says nothing: {ended:#?}");
     format!("$ {line}\n{said}")
 }
 
 /// The first lines that a command said, without its numbers: enough to see that it did what the page says.
-fn outline(ended: &Ended) -> String {
+fn outline(ended: &Ended, folder: &str) -> String {
     let mut said = String::new();
     for (stream, mark) in [(&ended.stdout, "  "), (&ended.stderr, "! ")] {
         let lines = stream.lines().filter(|line| !line.trim().is_empty());
@@ -312,6 +312,7 @@ fn outline(ended: &Ended) -> String {
             let is_text = line
                 .chars()
                 .all(|c| c == '\t' || !(c.is_control() || c == '\u{fffd}'));
+            let line = line.replace(folder, "FOLDER");
             let line: String = line.chars().take(100).collect();
             if !is_text {
                 said += &format!("{mark}(bytes)\n");
