@@ -46,7 +46,7 @@ __all__ = [
 
 
 def read_all(path: str | PathLike[str]) -> list[Table]:
-    """Reads every table of a file of any format that `ieap formats` lists.
+    """Reads every table of a file of any format that `ieap list formats` lists.
 
     Raises:
         InputError: no reader can read the file; ``place`` has line and column, ``remedy`` says what helps.
@@ -57,7 +57,7 @@ def read_all(path: str | PathLike[str]) -> list[Table]:
 
 
 def read(path: str | PathLike[str], table: str | None = None) -> Table:
-    """Reads a run from a file of any format that `ieap formats` lists.
+    """Reads a run from a file of any format that `ieap list formats` lists.
 
     Args:
         path: the file. Saved profiles of the campaign that it lies in are obeyed.
@@ -109,7 +109,7 @@ def fit(
         area_cm2: active area of the strip, cm2; or length and width.
         length_mm: free length, mm. A tip displacement gives a curvature only with it.
         width_mm: width, mm.
-        model: ``lumped-1`` to ``lumped-4``, ``distributed``, or a rival, as ``ieap models`` lists them; None: ``lumped-2``.
+        model: ``lumped-1`` to ``lumped-4``, ``distributed``, or a rival, as ``ieap list models`` lists them; None: ``lumped-2``.
         voltage_v: the step at time zero, V, where no voltage was recorded.
         drive: start (s) and voltage (V; None: open circuit) of each segment, in place of what was recorded.
         baseline_v: voltage held before `drive`, V.
@@ -214,7 +214,7 @@ def simulate(
         parameters: a `Fit`, which gives model, area, length, drive and places too; or values by key (``r1_ohm_cm2``,
             ``c1_f_per_cm2``, ..., ``rss_ohm_cm2``, ``alpha_per_c_cm``, ``lambda_per_s``). Those left out are 0, or absent
             branches; those of a rival's bending cannot be left out.
-        model: the model that values by key are of, as ``ieap models`` lists them; None: ``lumped-2``.
+        model: the model that values by key are of, as ``ieap list models`` lists them; None: ``lumped-2``.
         drive: start (s) and voltage (V; None: open circuit) of each segment. None: that of the fit, its edges where the
             fit takes them to be.
         effects: effects that act in the run of a lumped model, ``{"faradaic-leak": {"onset_v": 1.2, ...}}``;

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import os
-import re
 from pathlib import Path
 
 import ieap
@@ -13,6 +12,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "python-reference.md"
 HEAD = """# Python reference
 
 Made of the docstrings of the package by a test; [python.md](python.md) shows how it is used.
+`help(ieap.fit)` says what each argument is, in which unit, what comes back and what is refused.
 """
 
 
@@ -23,44 +23,43 @@ def shown(docstring: str | None, name: str) -> str:
     return text.replace("``", "`")
 
 
-def signature(name: str, own: object) -> str:
+def summary(docstring: str | None, name: str) -> str:
+    """The first paragraph, for a cell of a table."""
+    return " ".join(shown(docstring, name).split("\n\n")[0].split()).replace("|", "\\|")
+
+
+def names(function: object) -> str:
+    """The names of its arguments; their types and meanings are in `help(ieap.fit)`."""
     try:
-        # Annotations are texts, whose quotes say nothing.
-        text = re.sub(r"(: |-> )'([^']*)'", r"\1\2", str(inspect.signature(own)))
+        own = [name for name in inspect.signature(function).parameters if name not in ("self", "cls")]
     except (TypeError, ValueError):
-        text = "(...)"
-    return f"    {name}{text.replace('(self, ', '(').replace('(self)', '()')}"
+        return "..."
+    return ", ".join(own)
 
 
-def parts(owner: type) -> list[str]:
-    lines = []
+def parts(owner: type) -> str:
     # By name: the order in which a compiled class lists its parts changes from build to build.
-    for name, own in sorted(vars(owner).items()):
-        if name.startswith("_"):
-            continue
-        if isinstance(own, property):
-            lines += [f"- `{name}`: {' '.join(shown(own.fget.__doc__, name).split())}"]
-        elif inspect.isgetsetdescriptor(own):
-            lines += [f"- `{name}`"]
-        elif callable(own):
-            lines += [f"- `{signature(name, own).strip()}`: {' '.join(shown(own.__doc__, name).split())}"]
-    return lines
+    public = sorted(name for name in vars(owner) if not name.startswith("_"))
+    for name in public:
+        if callable(vars(owner)[name]) or isinstance(vars(owner)[name], property):
+            shown(getattr(vars(owner)[name], "__doc__", None), name)
+    return ", ".join(f"`{name}`" for name in public)
 
 
 def page() -> str:
     functions = [name for name in ieap.__all__ if inspect.isfunction(getattr(ieap, name))]
     classes = [name for name in ieap.__all__ if inspect.isclass(getattr(ieap, name))]
-    blocks = [HEAD]
+    lines = [HEAD, "| function | arguments | what it does |", "|---|---|---|"]
     for name in functions:
         own = getattr(ieap, name)
-        blocks += [f"## {name}", signature(name, own), "```text\n" + shown(own.__doc__, name) + "\n```"]
+        lines += [f"| `{name}` | {names(own)} | {summary(own.__doc__, name)} |"]
+    lines += ["", "| class | what it is | parts |", "|---|---|---|"]
     for name in classes:
         own = getattr(ieap, name)
-        blocks += [f"## {name}", "```text\n" + shown(own.__doc__, name) + "\n```"]
-        own_parts = [] if issubclass(own, BaseException) else parts(own)
-        blocks += ["\n".join(own_parts)] if own_parts else []
+        own_parts = "" if issubclass(own, BaseException) else parts(own)
+        lines += [f"| `{name}` | {summary(own.__doc__, name)} | {own_parts} |"]
     assert len(functions) + len(classes) == len(ieap.__all__)
-    return "\n\n".join(block.strip("\n") for block in blocks) + "\n"
+    return "\n".join(lines) + "\n"
 
 
 def test_the_reference_is_that_of_the_docstrings():

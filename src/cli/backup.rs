@@ -15,7 +15,9 @@ use crate::domain::Issue;
 use crate::pipeline::upkeep::backup::manifest::LeftOut;
 use crate::pipeline::upkeep::backup::{Backup, KEEP, Restore};
 
-/// Copy the campaign into a folder elsewhere, while everything runs; the next time only what is new is copied
+/// Copy the campaign elsewhere, while everything runs
+///
+/// The next time only what is new is copied.
 #[derive(Debug, Args)]
 pub struct BackupArgs {
     /// Folder of the backup: a new one, or that of an earlier backup of this campaign
@@ -31,7 +33,9 @@ pub struct BackupArgs {
     keep: usize,
 }
 
-/// Make a campaign of a backup, in a new folder, and try it
+/// Make a campaign of a backup, in a new folder
+///
+/// And try it.
 #[derive(Debug, Args)]
 pub struct RestoreArgs {
     /// Folder of the backup; or one of its lists, DIR/backup-NUMBER-TIME.json, for an earlier backup

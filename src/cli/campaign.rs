@@ -16,14 +16,6 @@ pub struct CampaignArg {
     /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
     #[arg(value_name = "CAMPAIGN")]
     campaign: Option<PathBuf>,
-    /// The same
-    #[arg(
-        long = "campaign",
-        short = 'C',
-        value_name = "CAMPAIGN",
-        conflicts_with = "campaign"
-    )]
-    at: Option<PathBuf>,
 }
 
 impl CampaignArg {
@@ -34,7 +26,7 @@ impl CampaignArg {
 
     /// The folder named, if any.
     pub fn given(&self) -> Option<&Path> {
-        self.campaign.as_deref().or(self.at.as_deref())
+        self.campaign.as_deref()
     }
 
     /// What a verb is asked for by name, and the folder named: `table table5`, `table table5 FOLDER`, `table FOLDER` and

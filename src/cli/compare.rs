@@ -14,8 +14,10 @@ use super::output::Output;
 use crate::pipeline::documents::comparison::comparison_document;
 use crate::pipeline::{CompareModels, CompareSummary, ComparedCondition, ComparedModel, Ingest};
 
-/// Hold several models against each other on the same runs: what each leaves in units of the noise, what it predicts of
-/// later times and of other voltages, and which is best for which material in which environment
+/// Hold several models against the same runs
+///
+/// What each leaves in units of the noise, what it predicts of later times and of other voltages, and which is
+/// best for which material in which environment.
 ///
 /// The campaign's fits stay as they are. The report shows what was compared last, as do `ieap table models` and
 /// `ieap figure models`.
@@ -23,7 +25,7 @@ use crate::pipeline::{CompareModels, CompareSummary, ComparedCondition, Compared
 pub struct CompareArgs {
     #[command(flatten)]
     campaign: CampaignArg,
-    /// Models, with commas between them [default: lumped-1, lumped-2 and every rival; `ieap models` lists them]
+    /// Models, with commas between them [default: lumped-1, lumped-2 and every rival; `ieap list models` lists them]
     #[arg(long, value_name = "MODELS", value_delimiter = ',')]
     models: Vec<String>,
     /// Compare again even where nothing changed

@@ -9,7 +9,7 @@ use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::user_folders;
 
-/// Print a completion script for a shell, or install it where your shell looks for completions
+/// Print or install completions for a shell
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {
     /// The shell [default: the one that $SHELL names]

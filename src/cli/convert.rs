@@ -1,7 +1,5 @@
 //! `ieap convert`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 
 use super::exit::{CliError, DONE};
@@ -14,7 +12,10 @@ use crate::pipeline::Context;
 use crate::pipeline::findings::strip_modulus::strip_modulus;
 use crate::pipeline::standalone::convert::{MeasuredStrip, convert};
 
-/// Convert a measure of bending into all others: displacement, curvature, angle, strains, moment, energy
+/// Convert curvature, displacement, strain, moment
+///
+/// From one measure of bending all others follow: displacement, curvature, angle, strains, moment, energy. It
+/// needs no campaign.
 ///
 /// Values carry their unit, and an error where one is known: `displacement=1.2±0.05mm`.
 #[derive(Debug, Args)]
@@ -44,15 +45,12 @@ pub struct ConvertArgs {
     /// Mean elongation of the strip, for the exact strain difference [default: 0%]
     #[arg(long, value_name = "0%", value_parser = typed::strain, allow_hyphen_values = true)]
     elongation: Option<Measured>,
-    /// Take what is not given from this sample of the campaign
+    /// Take what is not given from this sample of the campaign of this folder (or of -C)
     #[arg(long, value_name = "SAMPLE")]
     sample: Option<String>,
     /// Relative humidity at which the sample's modulus is taken
     #[arg(long, value_name = "PERCENT", value_parser = typed::humidity, requires = "sample")]
     rh: Option<f64>,
-    /// Campaign folder of the sample [default: this folder, or the nearest one above it with a campaign.toml]
-    #[arg(long, short = 'C', value_name = "CAMPAIGN", requires = "sample")]
-    campaign: Option<PathBuf>,
 }
 
 pub fn run(args: &ConvertArgs, output: &Output) -> Result<u8, CliError> {
@@ -87,7 +85,7 @@ pub fn run(args: &ConvertArgs, output: &Output) -> Result<u8, CliError> {
 
 /// Takes what is not given from a sample of the campaign; says where the modulus is from, or why there is none.
 fn fill(strip: &mut MeasuredStrip, id: &str, args: &ConvertArgs) -> Result<String, CliError> {
-    let context = Context::open_read_only(&super::campaign::folder(args.campaign.as_deref())?)?;
+    let context = Context::open_read_only(&super::campaign::folder(None)?)?;
     let sample = context.campaign.sample(id).ok_or_else(|| {
         let known: Vec<&str> = context.campaign.samples.iter().map(|s| s.id.as_str()).collect();
         CliError::usage(&format!(

@@ -18,8 +18,10 @@ use crate::pipeline::{
     Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest, stands_in,
 };
 
-/// Say what the simulation gets wrong in each group of runs, name the cause, and measure what the extended
-/// model gains; after taking in new files and fitting what is due
+/// Say what the model gets wrong, and name the cause
+///
+/// New files are taken in and what is due is fitted before. What the extended model gains is measured on runs
+/// that it has not seen.
 #[derive(Debug, Args)]
 pub struct DiagnoseArgs {
     #[command(flatten)]

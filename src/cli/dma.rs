@@ -10,7 +10,9 @@ use super::output::Output;
 use crate::pipeline::documents::dma::{SCHEMA, dma};
 use crate::pipeline::{AnalyseModulus, Ingest};
 
-/// Find the humidity steps in the modulus logs under dma/ and what the modulus does at each, after taking in new files
+/// A step of `run`: humidity steps in modulus logs
+///
+/// Finds the steps in the logs under dma/ and what the modulus does at each, after taking in new files.
 #[derive(Debug, Args)]
 pub struct DmaArgs {
     #[command(flatten)]

@@ -18,7 +18,9 @@ use crate::pipeline::Context;
 use crate::pipeline::standalone::forward::drive_file::{read_course, write_drive};
 use crate::pipeline::standalone::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
 
-/// Find the voltage that brings the tip to a wanted course within limits, open loop, from the stored fits
+/// Find the voltage that gives a wanted motion
+///
+/// Within limits, open loop, from the stored fits.
 ///
 /// The drive is written with -o FILE.csv as the source takes it: time_s, voltage_v, each row held until the next.
 #[derive(Debug, Args)]

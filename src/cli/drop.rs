@@ -1,4 +1,4 @@
-//! `ieap drop` and `ieap undrop`.
+//! `ieap drop`, and the way back.
 
 use crate::domain::words::counted;
 use std::path::{Path, PathBuf};
@@ -14,15 +14,21 @@ use crate::ingest::campaign_file;
 use crate::pipeline::campaign::standing::SetAside;
 use crate::pipeline::{Context, SpeakOfRuns};
 
-/// Take runs out of all results; they stay in the lists of runs with the reason, and `undrop` takes it back
+/// Take runs out of all results; --undo puts them back
+///
+/// They stay in the lists of runs with the reason.
 #[derive(Debug, Args)]
 pub struct DropArgs {
     /// The runs: their names in the report, or paths to their files. The campaign folder may stand last
     #[arg(value_name = "RUN", required_unless_present = "deleted")]
     runs: Vec<String>,
-    /// Why: it is shown with the runs
-    #[arg(long, value_name = "TEXT")]
-    why: String,
+    /// Why: it is shown with the runs. With --undo it also puts back runs that the program set aside: you looked, and they
+    /// are right
+    #[arg(long, value_name = "TEXT", required_unless_present = "undo")]
+    why: Option<String>,
+    /// Put the runs back into all results
+    #[arg(long, conflicts_with = "deleted")]
+    undo: bool,
     /// Also every run whose files are gone from the folder
     #[arg(long)]
     deleted: bool,
@@ -31,36 +37,24 @@ pub struct DropArgs {
     by: Option<String>,
 }
 
-/// Put runs back into all results; with --why also those that the program set aside: you looked, and they are right
-#[derive(Debug, Args)]
-pub struct UndropArgs {
-    /// The runs: their names in the report, or paths to their files. The campaign folder may stand last
-    #[arg(value_name = "RUN", required = true)]
-    runs: Vec<String>,
-    /// Why a run is right that the program set aside: it is shown with the run
-    #[arg(long, value_name = "TEXT")]
-    why: Option<String>,
-    /// Who says it [default: the user's name]
-    #[arg(long, value_name = "NAME")]
-    by: Option<String>,
+impl DropArgs {
+    /// Puts runs back.
+    pub fn undo(runs: Vec<String>, why: Option<String>, by: Option<String>) -> DropArgs {
+        DropArgs {
+            runs,
+            why,
+            undo: true,
+            deleted: false,
+            by,
+        }
+    }
 }
 
 pub fn run(args: &DropArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let said = SpeakOfRuns {
         runs: args.runs.clone(),
         deleted: args.deleted,
-        drops: true,
-        why: Some(args.why.clone()),
-        said_by: args.by.clone().unwrap_or_else(user_name),
-    };
-    speak(said, global, output)
-}
-
-pub fn run_undrop(args: &UndropArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let said = SpeakOfRuns {
-        runs: args.runs.clone(),
-        deleted: false,
-        drops: false,
+        drops: !args.undo,
         why: args.why.clone(),
         said_by: args.by.clone().unwrap_or_else(user_name),
     };

@@ -1,26 +1,18 @@
-//! `ieap effects`.
+//! `ieap list effects`.
 
-use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use crate::model::effects::{ALL, About, effect, mechanism_of};
 
-/// List the effects that a model may be missing; with an ID, everything that is known of one
-#[derive(Debug, Args)]
-pub struct EffectsArgs {
-    /// Id of one effect, as listed
-    #[arg(value_name = "ID")]
-    id: Option<String>,
-}
-
-pub fn run(args: &EffectsArgs, output: &Output) -> Result<u8, CliError> {
-    let chosen: Vec<&About> = match &args.id {
+/// Lists the effects that a model may be missing; of one that is named, everything that is known of it.
+pub fn run(id: Option<&str>, output: &Output) -> Result<u8, CliError> {
+    let chosen: Vec<&About> = match id {
         None => ALL.iter().map(|effect| effect.about()).collect(),
         Some(id) => vec![one(id)?],
     };
-    if args.id.is_some() {
+    if id.is_some() {
         chosen.iter().for_each(|about| everything(about, output));
     } else {
         list(&chosen, output);
@@ -33,7 +25,7 @@ pub fn run(args: &EffectsArgs, output: &Output) -> Result<u8, CliError> {
 fn one(id: &str) -> Result<&'static About, CliError> {
     effect(id).map(|effect| effect.about()).ok_or_else(|| {
         CliError::usage(&format!(
-            "there is no effect `{id}`. `ieap effects` lists the ids, `series-resistance` for one."
+            "there is no effect `{id}`. `ieap list effects` lists the ids, `series-resistance` for one."
         ))
     })
 }

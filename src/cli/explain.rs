@@ -11,7 +11,9 @@ use crate::domain::number::estimates::{ends, in_words};
 use crate::pipeline::Context;
 use crate::pipeline::show::explain::{Evidence, Explanation, explain, rows_and_columns};
 
-/// Say which runs, files, fits and versions stand behind a cell of a table
+/// Say which runs and files a number is made from
+///
+/// Also which fits and versions.
 ///
 /// Without a row and a column it lists those of the table.
 #[derive(Debug, Args)]
@@ -23,15 +25,12 @@ pub struct ExplainArgs {
     /// Its column: number, key, symbol, or a part of one
     column: Option<String>,
     /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
-    #[arg(long, short = 'C', value_name = "CAMPAIGN")]
-    campaign: Option<PathBuf>,
-    /// The same
-    #[arg(value_name = "CAMPAIGN", conflicts_with = "campaign")]
+    #[arg(value_name = "CAMPAIGN")]
     folder: Option<PathBuf>,
 }
 
 pub fn run(args: &ExplainArgs, output: &Output) -> Result<u8, CliError> {
-    let folder = args.campaign.as_deref().or(args.folder.as_deref());
+    let folder = args.folder.as_deref();
     let (row, folder) = match (&args.row, &args.column) {
         // `explain TABLE FOLDER` lists, as `explain TABLE` does.
         (Some(only), None) if folder.is_none() && Path::new(only).is_dir() => (None, Some(Path::new(only))),

@@ -15,7 +15,9 @@ use crate::pipeline::show::partitioned::ExportPartitioned;
 use crate::pipeline::show::research_crate::export_crate;
 use crate::pipeline::{Context, PipelineError};
 
-/// Write runs, fits, findings, laws, readings and other tables as CSV, Parquet or JSON, units in the column names
+/// Write data and results as CSV, Parquet or JSON
+///
+/// Runs, fits, findings, laws, readings and other tables, with units in the column names.
 #[derive(Debug, Args)]
 pub struct ExportArgs {
     #[command(flatten)]

@@ -12,7 +12,9 @@ use super::table::write;
 use crate::pipeline::Context;
 use crate::pipeline::show::figures::{MakeFigure, formats, listed, needs_no_campaign};
 
-/// Draw a figure of the thesis, or of the campaign, for print: SVG, PNG or PDF at the width it will have
+/// Draw a figure for print: SVG, PNG or PDF
+///
+/// At the width that it will have in print.
 ///
 /// Without a name it lists the figures. Simulated ones (figures 13, 16, 18, answers of models to a step) need no campaign.
 #[derive(Debug, Args)]
@@ -94,7 +96,7 @@ fn format_of(args: &FigureArgs) -> String {
     args.format.clone().or(ending).unwrap_or_else(|| "svg".to_owned())
 }
 
-fn list(output: &Output) -> Result<u8, CliError> {
+pub(super) fn list(output: &Output) -> Result<u8, CliError> {
     for (name, alias, width_mm, about) in listed() {
         output.result(&format!("{name:<26} {alias:<22} {width_mm:>4} mm  {about}"));
     }

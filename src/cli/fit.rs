@@ -19,7 +19,9 @@ use crate::pipeline::documents::fits::{FitEntry, fits_document};
 use crate::pipeline::documents::groups::entry;
 use crate::pipeline::{Context, FitRuns, FitSummary, Ingest, PipelineError, files_due};
 
-/// Fit every run that has no fit yet or whose data, tags or model changed, after taking in new files
+/// A step of `run`: fit what is new or changed
+///
+/// New files are taken in before. A run is fitted again where its data, its tags or its model changed.
 #[derive(Debug, Args)]
 pub struct FitArgs {
     #[command(flatten)]

@@ -9,10 +9,10 @@ use crate::pipeline::FitChoice;
 /// How runs are fitted.
 #[derive(Debug, Args)]
 pub struct FitChoiceArgs {
-    /// Model to fit with [default: the campaign's; `ieap models` lists them]
+    /// Model to fit with [default: the campaign's; `ieap list models` lists them]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
-    /// Method that searches minima [default: variable-projection; `ieap models` lists them]
+    /// Method that searches minima [default: variable-projection; `ieap list models` lists them]
     #[arg(long, value_name = "METHOD")]
     method: Option<String>,
     /// Fit current and curvature together, each weighted by its noise, instead of one after the other

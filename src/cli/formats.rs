@@ -1,17 +1,13 @@
-//! `ieap formats`.
+//! `ieap list formats`.
 
-use clap::Args;
 use serde_json::json;
 
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use crate::ingest::formats;
 
-/// List the instrument formats that can be read
-#[derive(Debug, Args)]
-pub struct FormatsArgs {}
-
-pub fn run(_args: &FormatsArgs, output: &Output) -> Result<u8, CliError> {
+/// Lists the instrument formats that can be read.
+pub fn run(output: &Output) -> Result<u8, CliError> {
     for format in formats::ALL {
         let extensions = format.extensions().join(", ");
         output.result(&format!(

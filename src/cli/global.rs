@@ -1,10 +1,15 @@
 //! Options of every verb.
 
+use std::path::PathBuf;
+
 use clap::{Args, ColorChoice};
 
 /// Options of every verb.
 #[derive(Debug, Clone, Args)]
 pub struct Global {
+    /// Work as if started in that folder, as with git and make
+    #[arg(short = 'C', global = true, value_name = "DIR")]
+    pub work_in: Option<PathBuf>,
     /// Print one JSON document on stdout and nothing else there
     #[arg(long, global = true)]
     pub json: bool,
@@ -34,6 +39,6 @@ pub struct Global {
     #[arg(long, global = true, value_name = "N")]
     pub seed: Option<u64>,
     /// Keep the database on a network file system at your own risk
-    #[arg(long, global = true, hide_short_help = true)]
+    #[arg(long, global = true)]
     pub i_know: bool,
 }

@@ -11,8 +11,9 @@ use crate::model::impedance::{SpectrumCircuit, circuit};
 use crate::pipeline::Ingest;
 use crate::pipeline::findings::impedance::{SCHEMA, has_fault, spectra, view};
 
-/// Test the impedance spectra of a campaign, fit circuits to them, and set them beside the steps of the same samples,
-/// after taking in new files
+/// A step of `run`: test and fit impedance spectra
+///
+/// Sets them beside the steps of the same samples, after taking in new files.
 #[derive(Debug, Args)]
 pub struct ImpedanceArgs {
     #[command(flatten)]

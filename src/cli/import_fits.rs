@@ -13,7 +13,7 @@ use super::output::Output;
 use crate::pipeline::Context;
 use crate::pipeline::upkeep::import_fits::{ImportFits, ImportSummary};
 
-/// Bring fits that were computed elsewhere into the campaign: through Python, on a cluster
+/// Bring in fits that were computed elsewhere
 ///
 /// A row is taken where its checksum holds, it is of a run as it is now and was fitted as the campaign would fit it; every other
 /// row is listed with the reason. Every twentieth run, the first 20 rows and those that look odd are fitted again before: where
@@ -23,13 +23,10 @@ pub struct ImportFitsArgs {
     /// Parquet files with a row a run, or folders of them
     #[arg(value_name = "FILES", required = true)]
     files: Vec<PathBuf>,
-    /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
-    #[arg(long, short = 'C', value_name = "CAMPAIGN")]
-    campaign: Option<PathBuf>,
 }
 
 pub fn run(args: &ImportFitsArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let mut context = Context::open(&folder(args.campaign.as_deref())?, global.i_know)?;
+    let mut context = Context::open(&folder(None)?, global.i_know)?;
     say_what_is_not_understood(&context, output);
     let import = ImportFits {
         files: args.files.clone(),

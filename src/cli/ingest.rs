@@ -15,7 +15,9 @@ use crate::ingest::name_pattern::ProposedPattern;
 use crate::pipeline::infra::mends::{Together, together};
 use crate::pipeline::{Ingest, IngestSummary};
 
-/// Take in new files: recognise, read, tag, archive and store them
+/// A step of `run`: take in new files
+///
+/// Recognises, reads, tags, archives and stores them.
 #[derive(Debug, Args)]
 pub struct IngestArgs {
     #[command(flatten)]

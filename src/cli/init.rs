@@ -13,10 +13,11 @@ use crate::domain::tag::keys;
 use crate::pipeline::init;
 use crate::pipeline::{InitFrom, PlannedFile, Proposed, Taken};
 
-/// Make a folder a campaign: writes a commented campaign.toml and the folders runs/, dma/ and ambient/
+/// Make a folder a campaign, of the files of --from
 ///
-/// With --from it looks at the files of another folder and shows the campaign that they would make; with --yes it makes
-/// it, with copies of the files.
+/// Writes a commented campaign.toml and the folders runs/, dma/ and ambient/. With --from it looks at the files
+/// of another folder and shows the campaign that they would make; with --yes it makes it, with copies of the
+/// files.
 #[derive(Debug, Args)]
 pub struct InitArgs {
     /// Folder to make a campaign; made where it is not there

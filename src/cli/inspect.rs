@@ -8,7 +8,7 @@ use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::Output;
 use crate::pipeline::standalone::inspect::{Inspection, inspect};
 
-/// Show what a reader makes of a file, without storing it
+/// Show what is read of a file, without storing it
 #[derive(Debug, Args)]
 pub struct InspectArgs {
     /// The file

@@ -10,7 +10,9 @@ use super::output::Output;
 use super::user_folders;
 use crate::pipeline::CODE_VERSION;
 
-/// Print the man page of the program or of a verb, or install all of them for `man ieap` and `man ieap-run`
+/// Print or install man pages
+///
+/// All of them with --install, for `man ieap` and `man ieap-run`.
 #[derive(Debug, Args)]
 pub struct ManArgs {
     /// A verb [default: the program]
@@ -45,13 +47,14 @@ pub fn run(args: &ManArgs, mut program: Command, output: &Output) -> Result<u8, 
         };
         if output.json {
             return Err(CliError::usage(
-                "man: a page is no document; leave --json out, or ask `ieap schema` for what the verbs print with it",
+                "man: a page is no document; leave --json out, or ask `ieap list schemas` for what the verbs print with it",
             ));
         }
         output.write(&page(command)?);
         return Ok(DONE);
     };
-    let verbs = program.get_subcommands().filter(|verb| !verb.is_hide_set());
+    let is_shown = |verb: &&Command| !verb.is_hide_set() && verb.get_name() != "help";
+    let verbs = program.get_subcommands().filter(is_shown);
     for command in std::iter::once(&program).chain(verbs) {
         let name = format!("{}.1", name(command));
         user_folders::put(&folder, &name, &page(command)?, args.overwrite, output)?;

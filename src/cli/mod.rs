@@ -21,13 +21,16 @@ mod fit;
 mod fit_choice;
 mod fit_group;
 mod formats;
+mod former;
 mod global;
+mod help;
 mod impedance;
 mod import_fits;
 mod ingest;
 mod init;
 mod inspect;
 mod interrupted;
+mod list;
 mod man;
 mod models;
 mod next;
@@ -40,6 +43,7 @@ mod rebuild;
 mod report;
 mod run;
 mod schema;
+mod sections;
 mod serve;
 mod signals;
 mod simulate;
@@ -49,6 +53,7 @@ mod study;
 mod table;
 mod tag;
 mod threads;
+mod told;
 mod trace;
 mod typed;
 mod user_folders;
@@ -56,10 +61,11 @@ mod verify;
 mod watch;
 
 use std::ffi::OsString;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::io::{IsTerminal, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::domain::fault::caught;
@@ -67,22 +73,10 @@ use exit::CliError;
 use global::Global;
 use output::Output;
 
-/// Database and report pipeline for step-response campaigns of ionic electroactive polymer actuators.
-///
-/// A campaign is a folder with a campaign.toml and instrument files under runs/. Start one with `ieap init`,
-/// drop files in, then `ieap run`; or leave `ieap watch` running beside the instrument.
+/// From the instrument files of ionic actuator strips to fitted parameters, causes and a report.
 #[derive(Debug, Parser)]
-#[command(
-    name = "ieap",
-    version,
-    max_term_width = 100,
-    propagate_version = true,
-    disable_help_subcommand = true
-)]
+#[command(name = "ieap", version, max_term_width = 100)]
 struct Cli {
-    /// Work as if started in that folder; stands before the verb, as with git and make
-    #[arg(short = 'C', value_name = "DIR")]
-    folder: Option<PathBuf>,
     #[command(flatten)]
     global: Global,
     #[command(subcommand)]
@@ -107,7 +101,6 @@ enum Verb {
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
     Drop(drop::DropArgs),
-    Undrop(drop::UndropArgs),
     Status(status::StatusArgs),
     Verify(verify::VerifyArgs),
     Rebuild(rebuild::RebuildArgs),
@@ -125,12 +118,11 @@ enum Verb {
     Convert(convert::ConvertArgs),
     Backup(backup::BackupArgs),
     Restore(backup::RestoreArgs),
-    Formats(formats::FormatsArgs),
-    Models(models::ModelsArgs),
-    Effects(effects::EffectsArgs),
-    Schema(schema::SchemaArgs),
+    List(list::ListArgs),
     Man(man::ManArgs),
     Completions(completions::CompletionsArgs),
+    #[command(flatten)]
+    Former(former::Former),
 }
 
 /// Parses the command line, runs the verb and gives its exit status.
@@ -143,19 +135,30 @@ pub fn main() -> ExitCode {
 /// The same for a command line that is given, the name of the program first: the exit status.
 pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
-    let command = Cli::command().color(colour::asked(arguments.iter().cloned()));
-    let parsed = command
-        .try_get_matches_from(arguments)
+    let choice = colour::asked(arguments.iter().cloned());
+    let parsed = Cli::command()
+        .color(choice)
+        .try_get_matches_from(&arguments)
         .and_then(|found| Cli::from_arg_matches(&found));
     let cli = match parsed {
         Ok(cli) => cli,
-        Err(error) => {
-            return said_by_clap(&error);
+        Err(error) if asks_for_help(&error) => {
+            let is_coloured = colour::is_wanted(choice, std::io::stdout().is_terminal());
+            let text = help::text(Cli::command(), &arguments, is_coloured);
+            let print = || {
+                if error.use_stderr() {
+                    std::io::stderr().write_all(text.as_bytes())
+                } else {
+                    std::io::stdout().write_all(text.as_bytes())
+                }
+            };
+            return said(&error, print);
         }
+        Err(error) => return said(&error, || error.print()),
     };
     let output = Output::new(&cli.global);
     let work = || {
-        go_to(cli.folder.as_deref())?;
+        go_to(cli.global.work_in.as_deref())?;
         threads::set(cli.global.threads, &output)?;
         dispatch(&cli, &output)
     };
@@ -172,6 +175,13 @@ pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     output.ended(status)
 }
 
+fn asks_for_help(error: &clap::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    )
+}
+
 /// Works in that folder from now on.
 fn go_to(folder: Option<&Path>) -> Result<(), CliError> {
     let Some(folder) = folder else { return Ok(()) };
@@ -184,8 +194,8 @@ fn go_to(folder: Option<&Path>) -> Result<(), CliError> {
 }
 
 /// Prints help, or what is wrong in the command line, and gives the exit status.
-fn said_by_clap(error: &clap::Error) -> u8 {
-    let printed = error.print().and_then(|()| std::io::stdout().flush());
+fn said(error: &clap::Error, print: impl FnOnce() -> std::io::Result<()>) -> u8 {
+    let printed = print().and_then(|()| std::io::stdout().flush());
     match printed {
         _ if error.use_stderr() => exit::USAGE,
         Err(failed) if failed.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -215,7 +225,6 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),
         Verb::Drop(args) => drop::run(args, global, output),
-        Verb::Undrop(args) => drop::run_undrop(args, global, output),
         Verb::Status(args) => status::run(args, output),
         Verb::Verify(args) => verify::run(args, output),
         Verb::Rebuild(args) => rebuild::run(args, global, output),
@@ -233,11 +242,9 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Convert(args) => convert::run(args, output),
         Verb::Backup(args) => backup::run(args, global, output),
         Verb::Restore(args) => backup::run_restore(args, output),
-        Verb::Formats(args) => formats::run(args, output),
-        Verb::Models(args) => models::run(args, output),
-        Verb::Effects(args) => effects::run(args, output),
-        Verb::Schema(args) => schema::run(args, output),
+        Verb::List(args) => list::run(args, output),
         Verb::Man(args) => man::run(args, Cli::command(), output),
         Verb::Completions(args) => completions::run(args, &mut Cli::command(), output),
+        Verb::Former(word) => former::run(word, global, output),
     }
 }

@@ -1,15 +1,10 @@
-//! `ieap models`.
+//! `ieap list models`.
 
-use clap::Args;
 use serde_json::json;
 
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use crate::{model, pipeline};
-
-/// List the models that runs can be fitted with, their parameters, and the methods that search the minimum
-#[derive(Debug, Args)]
-pub struct ModelsArgs {}
 
 fn law_text(about: &model::bending::LawText) -> serde_json::Value {
     json!({
@@ -20,7 +15,8 @@ fn law_text(about: &model::bending::LawText) -> serde_json::Value {
     })
 }
 
-pub fn run(_args: &ModelsArgs, output: &Output) -> Result<u8, CliError> {
+/// Lists the models that runs can be fitted with, their parameters, and the methods that search the minimum.
+pub fn run(output: &Output) -> Result<u8, CliError> {
     for model in model::fit_models() {
         output.result(&format!(
             "{}  (version {})  {}",

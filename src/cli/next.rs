@@ -14,7 +14,9 @@ use crate::pipeline::findings::next_runs::{
     NextRunEntry, SheetSummary, entries, plan, untying_entries, write_sheet,
 };
 
-/// Which runs to make next, and what each would tell apart; as a run sheet for the bench with --sheet
+/// List the runs to make next, and what each tells
+///
+/// With --sheet as a run sheet for the bench.
 #[derive(Debug, Args)]
 pub struct NextArgs {
     #[command(flatten)]

@@ -13,6 +13,7 @@ use super::colour::{self, Ink};
 use super::exit::{self, CliError};
 use super::global::Global;
 use super::printable::printable;
+use super::told::Told;
 use crate::domain::Issue;
 use crate::domain::safe_text::json_text;
 use crate::pipeline::Observer;
@@ -30,11 +31,14 @@ pub struct Output {
     quiet: bool,
     verbose: bool,
     progress: bool,
+    /// Whether long work says a line now and then, in place of a bar.
+    tells: bool,
     colours_stdout: bool,
     colours_stderr: bool,
     /// Where set, each line begins with the time by this clock.
     clock: OnceLock<TimeZone>,
     bar: Mutex<Option<ProgressBar>>,
+    told: Mutex<Option<Told>>,
     stdout: Mutex<Stdout>,
 }
 
@@ -52,15 +56,18 @@ enum Stdout {
 impl Output {
     /// As the global options ask.
     pub(super) fn new(global: &Global) -> Output {
+        let wants_progress = !global.no_progress && !global.quiet;
         Output {
             json: global.json,
             quiet: global.quiet,
             verbose: global.verbose,
-            progress: !global.no_progress && !global.quiet && io::stderr().is_terminal(),
+            progress: wants_progress && io::stderr().is_terminal(),
+            tells: wants_progress && !io::stderr().is_terminal(),
             colours_stdout: colour::is_wanted(global.color, io::stdout().is_terminal()),
             colours_stderr: colour::is_wanted(global.color, io::stderr().is_terminal()),
             clock: OnceLock::new(),
             bar: Mutex::new(None),
+            told: Mutex::new(None),
             stdout: Mutex::new(Stdout::Open),
         }
     }
@@ -258,6 +265,12 @@ pub fn to_stderr(text: &str) {
 
 impl Observer for Output {
     fn begin(&self, step: &str, total: u64) {
+        if self.tells && total > 0 {
+            let told = Told::begin(step, total, to_stderr);
+            if let Ok(mut slot) = self.told.lock() {
+                *slot = Some(told);
+            }
+        }
         if !self.progress || total == 0 {
             return;
         }
@@ -272,18 +285,25 @@ impl Observer for Output {
     }
 
     fn advance(&self) {
+        if let Ok(Some(told)) = self.told.lock().as_deref() {
+            told.advance();
+        }
         if let Some(bar) = self.bar.lock().ok().and_then(|bar| bar.clone()) {
             bar.inc(1);
         }
     }
 
     fn reach(&self, done: u64) {
+        if let Ok(Some(told)) = self.told.lock().as_deref() {
+            told.reach(done);
+        }
         if let Some(bar) = self.bar.lock().ok().and_then(|bar| bar.clone()) {
             bar.set_position(done);
         }
     }
 
     fn end(&self) {
+        drop(self.told.lock().ok().and_then(|mut told| told.take()));
         if let Some(bar) = self.bar.lock().ok().and_then(|mut bar| bar.take()) {
             bar.finish_and_clear();
         }

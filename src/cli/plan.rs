@@ -16,7 +16,7 @@ use crate::pipeline::standalone::forward::AskedStrip;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
 use crate::pipeline::standalone::preflight::{DRAWS, Named, PlanDocument, Preflight, Subject, Trial, table};
 
-/// Say before a run is made which parameters it will determine and how well, and what to change
+/// Say what a run will determine, before it is made
 ///
 /// The run is simulated with its noise several times, and each is fitted as the run itself will be.
 #[derive(Debug, Args)]
@@ -37,7 +37,7 @@ pub struct PlanArgs {
     #[arg(long, value_name = "RUN")]
     run: Option<String>,
     /// Parameters and noise from a file as `ieap simulate` takes it, in place of a campaign
-    #[arg(long, value_name = "SPEC.toml", conflicts_with_all = ["campaign", "at", "length", "width"])]
+    #[arg(long, value_name = "SPEC.toml", conflicts_with_all = ["campaign", "length", "width"])]
     spec: Option<PathBuf>,
     /// Length of another strip of the laminate, as 12mm [default: the sample's]
     #[arg(long, value_name = "LENGTH", value_parser = typed::length)]

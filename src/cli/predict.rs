@@ -19,7 +19,7 @@ use crate::pipeline::standalone::forward::document::Predicted;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
 use crate::pipeline::standalone::forward::{Predict, PredictedRow, PredictionDocument, prediction_figure};
 
-/// Predict from the stored fits what a strip will do: another size, voltage or drive, with intervals
+/// Predict another strip, voltage or drive from fits
 ///
 /// Each number has the interval in which a further run lies in 95 of 100 cases.
 #[derive(Debug, Args)]

@@ -14,7 +14,7 @@ use crate::ingest::profiles::StatedColumn;
 use crate::ingest::table::Answers;
 use crate::pipeline::standalone::profile::{ProposedProfile, propose};
 
-/// Propose a profile for a file that no reader understands, and show what it would read
+/// Propose how to read a file that no reader knows
 ///
 /// What the rows show is written down; what they do not show, such as a unit, is left open with a comment.
 #[derive(Debug, Args)]
@@ -33,9 +33,6 @@ pub struct ProfileArgs {
     /// Save it as profiles/NAME.toml of the campaign (NAME.toml.draft where something is open)
     #[arg(long, value_name = "NAME")]
     write: Option<String>,
-    /// Campaign folder [default: that of the file, or the nearest one above this folder]
-    #[arg(long, short = 'C', value_name = "CAMPAIGN")]
-    campaign: Option<PathBuf>,
 }
 
 pub fn run(args: &ProfileArgs, output: &Output) -> Result<u8, CliError> {
@@ -100,10 +97,7 @@ fn stated(text: &str) -> Result<StatedColumn, String> {
 fn campaign(args: &ProfileArgs) -> Result<PathBuf, CliError> {
     let absolute = std::path::absolute(&args.file).unwrap_or_else(|_| args.file.clone());
     let beside = absolute.parent().and_then(campaign_file::find);
-    match (&args.campaign, beside) {
-        (None, Some(campaign)) => Ok(campaign),
-        (given, _) => folder(given.as_deref()),
-    }
+    beside.map_or_else(|| folder(None), Ok)
 }
 
 fn print(proposed: &ProposedProfile, output: &Output) {

@@ -11,7 +11,9 @@ use super::ingest;
 use super::output::Output;
 use crate::pipeline::{Rebuild, RebuildSummary};
 
-/// Make the database anew from archive and journal, where it is lost or damaged; the old one is kept under another name
+/// Make the database anew from archive and journal
+///
+/// For a database that is lost or damaged; the old one is kept under another name.
 ///
 /// Runs, earlier revisions, tags set by hand, dropped runs and deleted files come back, and runs are fitted. `ieap run`
 /// then diagnoses and renders.

@@ -11,7 +11,7 @@ use super::global::Global;
 use super::output::Output;
 use crate::pipeline::{RenderReport, ReportSummary};
 
-/// Render the report from the database, without looking for new files
+/// Write the report anew, without looking for files
 #[derive(Debug, Args)]
 pub struct ReportArgs {
     #[command(flatten)]

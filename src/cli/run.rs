@@ -18,7 +18,9 @@ use crate::pipeline::upkeep::verify::archive::raw_files_lost;
 use crate::pipeline::upkeep::verify::missed;
 use crate::pipeline::{Context, DiagnoseSummary, Made, Run, RunSummary, answer};
 
-/// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
+/// Read new files, fit, diagnose and write the report
+///
+/// Running it again does only what is new.
 #[derive(Debug, Args)]
 pub struct RunArgs {
     #[command(flatten)]

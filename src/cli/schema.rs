@@ -1,19 +1,9 @@
-//! `ieap schema`: the JSON Schemas of what `--json` prints. A document is one file in schemas/ and one row in [`SCHEMAS`].
+//! `ieap list schemas`: the JSON Schemas of what `--json` prints. A document is one file in schemas/ and one row in [`SCHEMAS`].
 
-use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit::{CliError, DONE};
 use super::output::Output;
-
-/// Print the JSON Schema (draft 2020-12) of a document that --json prints
-///
-/// Without a name it lists them. A schema says what is always there; later versions of the program may add keys.
-#[derive(Debug, Args)]
-pub struct SchemaArgs {
-    /// Which document: fits, or ieap/fits/1 as its key "schema" says; none: list them
-    name: Option<String>,
-}
 
 /// The schema of one document.
 #[derive(Debug)]
@@ -75,8 +65,10 @@ pub const SCHEMAS: [Schema; 41] = schemas![
     "verify",
 ];
 
-pub fn run(args: &SchemaArgs, output: &Output) -> Result<u8, CliError> {
-    let Some(name) = &args.name else {
+/// Lists the schemas of what `--json` prints, or prints that of one document: `fits`, or `ieap/fits/1` as its key "schema"
+/// says. A schema says what is always there; later versions of the program may add keys.
+pub fn run(name: Option<&str>, output: &Output) -> Result<u8, CliError> {
+    let Some(name) = name else {
         return list(output);
     };
     let is_meant = |schema: &&Schema| schema.name == name || title(schema).as_deref() == Some(name);

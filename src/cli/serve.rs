@@ -13,7 +13,9 @@ use super::signals;
 use crate::pipeline::Observer;
 use crate::pipeline::serve::{DEFAULT_BIND, DEFAULT_PORT, Limits, Server};
 
-/// Show the report in a browser of this machine, until stopped (Ctrl-C); pages follow what `watch` renders
+/// Show the report in a browser of this machine
+///
+/// Until stopped with Ctrl-C; pages follow what `watch` renders.
 #[derive(Debug, Args)]
 pub struct ServeArgs {
     #[command(flatten)]

@@ -11,7 +11,9 @@ use super::output::Output;
 use crate::domain::words::counted;
 use crate::pipeline::standalone::simulate::Simulate;
 
-/// Write run files of a model with noise and sampling, seeded: the same spec gives the same bytes
+/// Write run files of a model, with noise, seeded
+///
+/// The same spec gives the same bytes.
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
     /// What to simulate; campaigns/thesis/simulation.toml shows how

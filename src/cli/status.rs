@@ -1,5 +1,7 @@
 //! `ieap status`.
 
+use std::collections::BTreeSet;
+
 use crate::domain::number::fixed;
 use crate::domain::words::counted;
 use clap::Args;
@@ -12,13 +14,16 @@ use super::campaign::{CampaignArg, say_what_is_not_understood, say_what_opening_
 use super::exit::{self, ALARM, CliError, DONE};
 use super::ingest;
 use super::output::Output;
+use super::sections::Sections;
 use crate::domain::{Alarm, Fault, Issue};
+use crate::pipeline::documents::diagnosis::group_title;
 use crate::pipeline::infra::mends::Reasoned;
-use crate::pipeline::infra::mends::together;
 use crate::pipeline::upkeep::status::{Status, WAITS, status};
 use crate::pipeline::{Context, TakenBack};
 
-/// Count runs by state; list refused files with reasons, gaps in the condition matrix, and what is out of date
+/// Count runs; list what was refused, lacks or is due
+///
+/// Files refused come with their reasons, gaps with their conditions.
 #[derive(Debug, Args)]
 pub struct StatusArgs {
     #[command(flatten)]
@@ -60,7 +65,9 @@ pub(super) struct AlarmsDocument<'a> {
 
 /// The alarms alone, with an exit status that scripts can act on.
 fn alarms_only(status: &Status, output: &Output) -> Result<u8, CliError> {
-    alarms(status, output);
+    let mut told = Sections::default();
+    alarms(status, &mut told);
+    told.print(output);
     if status.alarms.is_empty() {
         output.result(&match &status.monitoring {
             Some(reason) => format!("nothing is watched: {reason}"),
@@ -80,14 +87,14 @@ fn alarms_only(status: &Status, output: &Output) -> Result<u8, CliError> {
     })
 }
 
-fn alarms(status: &Status, output: &Output) {
+fn alarms(status: &Status, told: &mut Sections) {
     let (known, new): (Vec<_>, Vec<_>) = status.alarms.iter().partition(|alarm| alarm.acknowledged);
     for (alarms, title) in [(new, "of monitoring"), (known, "of monitoring that is known")] {
         let lines: Vec<String> = alarms
             .iter()
             .map(|alarm| format!("{} {}", alarm.id, alarm.message))
             .collect();
-        list(output, "alarm", title, &lines);
+        told.list("alarm", title, &lines);
     }
     let taken_back: Vec<String> = status
         .alarms_taken_back
@@ -95,13 +102,20 @@ fn alarms(status: &Status, output: &Output) {
         .map(|one| format!("{} {} But {}", one.id, one.message, one.set_aside.reason))
         .collect();
     let title = "that was told and is taken back, for its run is set aside";
-    list(output, "alarm", title, &taken_back);
+    told.list("alarm", title, &taken_back);
 }
 
 fn print(status: &Status, output: &Output) {
+    let mut told = Sections::default();
+    collect(status, &mut told);
+    told.print(output);
+    ingest::pattern(output, status.proposed_pattern.as_ref());
+}
+
+fn collect(status: &Status, told: &mut Sections) {
     let faults: Vec<String> = status.faults.iter().map(Fault::sentence).collect();
     let title = "of the report that a fault of the program left out; report it with the files of the runs";
-    list(output, "part", title, &faults);
+    told.list("part", title, &faults);
     let states: Vec<String> = status
         .runs_by_state
         .iter()
@@ -110,154 +124,163 @@ fn print(status: &Status, output: &Output) {
             _ => format!("{count} {}", state.replace('_', " ")),
         })
         .collect();
-    output.result(&format!(
+    told.say(&format!(
         "{}: {} ({})",
         status.campaign,
         counted(status.runs, "run"),
         states.join(", ")
     ));
     if !status.campaign_file.is_empty() {
-        output.result("campaign.toml:");
+        told.say("campaign.toml:");
         let odd = status.campaign_file.iter();
-        odd.for_each(|found| issue(output, "  ", found));
+        odd.for_each(|found| told.issue(found));
     }
     if !status.modulus_logs_by_state.is_empty() {
         let states = status.modulus_logs_by_state.iter();
         let states: Vec<String> = states
             .map(|(state, count)| format!("{count} {}", state.replace('_', " ")))
             .collect();
-        output.result(&format!("modulus logs: {}", states.join(", ")));
+        told.say(&format!("modulus logs: {}", states.join(", ")));
     }
     if status.spectra > 0 {
-        output.result(&format!("impedance spectra: {}", status.spectra));
+        told.say(&format!("impedance spectra: {}", status.spectra));
     }
-    set_aside(status, output);
-    section(output, "file", "refused", &status.refused);
-    section(output, "file", ingest::NOT_READ, &status.unread);
-    unreadable_tags(status, output);
+    set_aside(status, told);
+    told.section("file", "refused", &status.refused);
+    told.section("file", ingest::NOT_READ, &status.unread);
+    unreadable_tags(status, told);
     let waiting = "waiting (empty, header only, or still growing)";
-    section(output, "file", waiting, &status.pending);
-    section(
-        output,
-        "raw file",
-        "lost from the archive",
-        &status.raw_files_lost,
-    );
-    words_missed(status, output);
+    told.section("file", waiting, &status.pending);
+    told.section("raw file", "lost from the archive", &status.raw_files_lost);
+    words_missed(status, told);
     let untagged = "without the tags to be fitted";
-    section(output, "run", untagged, &status.untagged);
-    ingest::pattern(output, status.proposed_pattern.as_ref());
+    told.section("run", untagged, &status.untagged);
     let no_steps = "whose voltage does not go in steps (a sweep, or another technique): kept, not fitted";
-    section(output, "run", no_steps, &status.no_steps);
+    told.section("run", no_steps, &status.no_steps);
     let lacking = "fitted without a response that the file holds";
-    section(output, "run", lacking, &status.fitted_without_response);
+    told.section("run", lacking, &status.fitted_without_response);
     let dry = "without a humidity, where others state one: laws of it are told from those \
                (`ieap tag \"PATTERN\" relative_humidity_percent=0`, or once under [[environment]] in campaign.toml)";
-    list(output, "run", dry, &status.without_humidity);
+    told.list("run", dry, &status.without_humidity);
     let left_out = "with readings that are no numbers: these are left out";
-    section(output, "run", left_out, &status.readings_left_out);
-    undeclared_tags(status, output);
+    told.section("run", left_out, &status.readings_left_out);
+    undeclared_tags(status, told);
     let waits = |run: &&Reasoned| run.issues.iter().any(|issue| issue.code == WAITS);
     let failed = status.not_fitted.iter().filter(|run| !waits(run)).cloned();
-    section(
-        output,
-        "run",
-        "that could not be fitted",
-        &failed.collect::<Vec<_>>(),
-    );
+    told.section("run", "that could not be fitted", &failed.collect::<Vec<_>>());
     let waiting = status.not_fitted.iter().filter(waits);
     let waiting: Vec<String> = waiting.map(|run| run.path.clone()).collect();
     let title = "waiting for a fit (`ieap fit` or `ieap run` makes it)";
-    list(output, "run", title, &waiting);
+    told.list("run", title, &waiting);
     let contradict = "under several names that are tagged differently";
-    section(output, "run", contradict, &status.names_contradict);
+    told.section("run", contradict, &status.names_contradict);
     let logs = &status.modulus_logs_not_analysed;
-    section(output, "modulus log", "not analysed", logs);
+    told.section("modulus log", "not analysed", logs);
     let spectra = &status.spectra_untagged;
-    section(output, "spectrum", "without a sample", spectra);
-    let aliases: Vec<String> = status
-        .alias_files
-        .iter()
-        .map(|alias| format!("{} (of {})", alias.path, alias.run))
-        .collect();
-    list(output, "file", "with the bytes of a run's file", &aliases);
+    told.section("spectrum", "without a sample", spectra);
+    aliases(status, told);
     let missing = "no longer in the folder; the runs stay (`ieap drop --deleted --why ...` takes them out of all results)";
-    list(output, "file", missing, &status.missing_files);
+    told.list("file", missing, &status.missing_files);
     let gaps: Vec<String> = status
         .gaps
         .iter()
         .map(|gap| format!("{} in {} at {} V", gap.material, gap.environment, gap.voltage_v))
         .collect();
-    list(output, "condition", "without a run", &gaps);
-    lumped_or_distributed(status, output);
-    planned(status, output);
-    climate(status, output);
-    alarms(status, output);
+    told.list("condition", "without a run", &gaps);
+    lumped_or_distributed(status, told);
+    planned(status, told);
+    climate(status, told);
+    alarms(status, told);
     let older = "fitted by another version of ieap";
-    list(output, "run", older, &status.fitted_by_older_program);
-    list(output, "group", "not diagnosed yet", &status.groups_not_diagnosed);
+    told.list("run", older, &status.fitted_by_older_program);
+    let titles = |groups: &[String]| groups.iter().map(|name| group_title(name)).collect::<Vec<_>>();
+    told.list(
+        "group",
+        "not diagnosed yet",
+        &titles(&status.groups_not_diagnosed),
+    );
     let outdated = "with a finding that is out of date (`ieap diagnose` makes it anew)";
-    list(output, "group", outdated, &status.findings_out_of_date);
+    told.list("group", outdated, &titles(&status.findings_out_of_date));
     if let Some(refused) = &status.report_refused {
-        output.result(&format!("report that cannot be written anew:\n  {refused}"));
+        told.say(&format!("report that cannot be written anew:\n  {refused}"));
+    }
+}
+
+/// Files that are no runs, for their bytes are those of a run's file, by that run.
+fn aliases(status: &Status, told: &mut Sections) {
+    let found = &status.alias_files;
+    if found.is_empty() {
+        return;
+    }
+    told.say(&format!(
+        "{} with the bytes of a run's file:",
+        counted(found.len(), "file")
+    ));
+    let runs: BTreeSet<&str> = found.iter().map(|alias| alias.run.as_str()).collect();
+    for run in runs {
+        let own = found.iter().filter(|alias| alias.run == run);
+        let files: Vec<&str> = own.map(|alias| alias.path.as_str()).collect();
+        told.entry(
+            vec![run.to_owned()],
+            vec![format!("also as {}", files.join(", "))],
+        );
     }
 }
 
 /// Words that may be lost since a rebuilding.
-fn words_missed(status: &Status, output: &Output) {
+fn words_missed(status: &Status, told: &mut Sections) {
     if status.words_missed.is_empty() {
         return;
     }
-    output.result("words that may be lost:");
+    told.say("words that may be lost:");
     for missed in &status.words_missed {
-        issue(output, "  ", missed);
+        told.issue(missed);
     }
 }
 
 /// Tag files that cannot be read, and for how many runs each speaks.
-fn unreadable_tags(status: &Status, output: &Output) {
+fn unreadable_tags(status: &Status, told: &mut Sections) {
     let found = &status.unreadable_tags;
     if found.is_empty() {
         return;
     }
-    output.result(&format!(
+    told.say(&format!(
         "{} of tags cannot be read; the runs that they speak for keep the tags that they had, or wait:",
         counted(found.len(), "statement")
     ));
     for tags in found {
-        issue(output, "  ", &tags.issue);
-        output.result(&format!("      it speaks for {}", counted(tags.runs, "run")));
+        told.issue(&tags.issue);
+        let runs = counted(tags.runs, "run");
+        told.entry(Vec::new(), vec![format!("it speaks for {runs}")]);
     }
 }
 
 /// How many runs need the distributed model; those that do not are counted only.
-fn lumped_or_distributed(status: &Status, output: &Output) {
-    let told = &status.lumped_or_distributed;
+fn lumped_or_distributed(status: &Status, told: &mut Sections) {
+    let decided = &status.lumped_or_distributed;
     let counts = ["distributed", "lumped", "open", "cannot be told"].map(|verdict| {
-        let count = told.iter().filter(|entry| entry.verdict == verdict).count();
+        let count = decided.iter().filter(|entry| entry.verdict == verdict).count();
         (count > 0).then(|| format!("{count} {verdict}"))
     });
     let counts: Vec<String> = counts.into_iter().flatten().collect();
     if counts.is_empty() {
         return;
     }
-    output.result(&format!("lumped or distributed: {}", counts.join(", ")));
-    for entry in told.iter().filter(|entry| entry.verdict != "lumped") {
-        output.result(&format!("  {}: {}", entry.run, entry.sentence));
-        entry
-            .mend
-            .iter()
-            .for_each(|mend| output.result(&format!("      -> {mend}")));
+    told.say(&format!("lumped or distributed: {}", counts.join(", ")));
+    for entry in decided.iter().filter(|entry| entry.verdict != "lumped") {
+        let mends = entry.mend.iter().map(|mend| format!("-> {mend}"));
+        let lines = std::iter::once(entry.sentence.clone()).chain(mends);
+        told.entry(vec![entry.run.clone()], lines.collect());
     }
 }
 
 /// Run sheets: how many of their runs have been made, and which have not.
-fn planned(status: &Status, output: &Output) {
+fn planned(status: &Status, told: &mut Sections) {
     let planned = &status.planned;
     if planned.sheets.is_empty() && planned.damaged_sheets.is_empty() {
         return;
     }
-    output.result(&format!(
+    told.say(&format!(
         "planned runs: {} done, {} open on {}",
         planned.done.len(),
         planned.open.len(),
@@ -267,21 +290,16 @@ fn planned(status: &Status, output: &Output) {
         let passed = if row.passed_over { ", passed over" } else { "" };
         let row = &row.row;
         let sample = row.sample.as_deref().unwrap_or("");
-        output.result(&format!(
+        told.say(&format!(
             "  {} {sample}: {}, to be saved as {} ({}{passed})",
             row.planned, row.drive, row.file, row.sheet
         ));
     }
-    list(
-        output,
-        "run sheet",
-        "that cannot be used",
-        &planned.damaged_sheets,
-    );
+    told.list("run sheet", "that cannot be used", &planned.damaged_sheets);
 }
 
 /// Climate logs: how many, which runs they cover, what is wrong with them.
-fn climate(status: &Status, output: &Output) {
+fn climate(status: &Status, told: &mut Sections) {
     let climate = &status.climate;
     if climate.logs == 0 {
         return;
@@ -294,33 +312,25 @@ fn climate(status: &Status, output: &Output) {
         .collect();
     sensors.sort_unstable();
     sensors.dedup();
-    output.result(&format!(
+    told.say(&format!(
         "climate: {} of {} in ambient/, covering {} of {}",
         counted(climate.logs, "log"),
         counted(sensors.len(), "sensor"),
         climate.runs_covered,
         counted(status.runs, "run")
     ));
-    list(
-        output,
+    told.list(
         "run",
         "whose climate left the tolerance",
         &climate.runs_left_tolerance,
     );
-    list(
-        output,
+    told.list(
         "run",
         "whose label differs from the measured climate",
         &climate.runs_label_differs,
     );
-    list(
-        output,
-        "run",
-        "without a log that covers them",
-        &climate.runs_not_covered,
-    );
-    list(
-        output,
+    told.list("run", "without a log that covers them", &climate.runs_not_covered);
+    told.list(
         "run",
         "that no log can be held against, for no start of them is known (`ieap tag RUN started_at=...`)",
         &climate.runs_without_start,
@@ -341,8 +351,7 @@ fn climate(status: &Status, output: &Output) {
             ),
         })
         .collect();
-    list(
-        output,
+    told.list(
         "sample",
         "with an exposure between the first and the last run",
         &exposures,
@@ -354,87 +363,39 @@ fn climate(status: &Status, output: &Output) {
         .filter(|issue| issue.severity > crate::domain::Severity::Note)
         .collect();
     if !problems.is_empty() {
-        output.result(&format!(
+        told.say(&format!(
             "{} of climate logs:",
             counted(problems.len(), "problem")
         ));
-        problems.iter().for_each(|problem| issue(output, "  ", problem));
+        problems.iter().for_each(|problem| told.issue(problem));
     }
 }
 
 /// Runs that no result is made from, with the reason and the way back.
-fn set_aside(status: &Status, output: &Output) {
+fn set_aside(status: &Status, told: &mut Sections) {
     if status.set_aside.is_empty() {
         return;
     }
     let runs = counted(status.set_aside.len(), "run");
-    output.result(&format!("{runs} set aside, in no result:"));
+    told.say(&format!("{runs} set aside, in no result:"));
     for run in &status.set_aside {
-        output.result(&format!("  {}", run.run));
-        output.result(&format!("      {}: {}", run.standing, run.reason));
-        output.result(&format!("      -> {}", run.mend));
-    }
-}
-
-/// An issue with its place and the way to mend it.
-fn issue(output: &Output, indent: &str, issue: &Issue) {
-    let place = if issue.place.is_empty() {
-        String::new()
-    } else {
-        format!("{}: ", issue.place)
-    };
-    output.result(&format!("{indent}{place}{}", issue.message));
-    if !issue.mend.is_empty() {
-        output.result(&format!("{indent}-> {}", issue.mend));
-    }
-}
-
-fn section(output: &Output, thing: &str, title: &str, entries: &[Reasoned]) {
-    if entries.is_empty() {
-        return;
-    }
-    output.result(&format!("{} {title}:", counted(entries.len(), thing)));
-    let worth = |entry: &Reasoned| -> Vec<Issue> {
-        let issues = entry.issues.iter().cloned();
-        issues
-            .filter(|issue| issue.severity > crate::domain::Severity::Note)
-            .collect()
-    };
-    for told in together(entries.iter().map(|entry| (entry.path.as_str(), worth(entry)))) {
-        told.paths
-            .iter()
-            .for_each(|path| output.result(&format!("  {path}")));
-        told.issues
-            .iter()
-            .for_each(|found| issue(output, "      ", found));
+        let lines = vec![
+            format!("{}: {}", run.standing, run.reason),
+            format!("-> {}", run.mend),
+        ];
+        told.entry(vec![run.run.clone()], lines);
     }
 }
 
 /// Tag keys that are neither known nor declared, with the runs that have them.
-fn undeclared_tags(status: &Status, output: &Output) {
+fn undeclared_tags(status: &Status, told: &mut Sections) {
     let tags = &status.undeclared_tags;
     if tags.is_empty() {
         return;
     }
-    output.result(&format!(
+    told.say(&format!(
         "{} that nothing is asked of:",
         counted(tags.len(), "tag key")
     ));
-    for told in tags {
-        told.paths
-            .iter()
-            .for_each(|path| output.result(&format!("  {path}")));
-        told.issues
-            .iter()
-            .for_each(|found| issue(output, "      ", found));
-    }
-}
-
-fn list(output: &Output, thing: &str, title: &str, entries: &[String]) {
-    if !entries.is_empty() {
-        output.result(&format!("{} {title}:", counted(entries.len(), thing)));
-        entries
-            .iter()
-            .for_each(|entry| output.result(&format!("  {entry}")));
-    }
+    told.alike(tags);
 }

@@ -8,7 +8,9 @@ use super::global::Global;
 use super::output::Output;
 use crate::pipeline::findings::study::{SCHEMA, lines, study};
 
-/// Answer what the study asked: what environment, humidity, voltage and material do to each parameter, from the current fits
+/// Answer what the study asked, from current fits
+///
+/// What environment, humidity, voltage and material do to each parameter.
 #[derive(Debug, Args)]
 pub struct StudyArgs {
     #[command(flatten)]

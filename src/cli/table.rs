@@ -17,8 +17,9 @@ use crate::pipeline::show::tables::{
 };
 use crate::pipeline::{Context, Earlier};
 
-/// Print a table of the thesis, or of the campaign, with uncertainties: as text, CSV, Markdown, LaTeX, Typst, HTML
-/// or JSON
+/// Print a table with uncertainties, in any format
+///
+/// Text, CSV, Markdown, LaTeX, Typst, HTML or JSON.
 ///
 /// Without a name it lists the tables.
 #[derive(Debug, Args)]
@@ -143,7 +144,7 @@ pub(super) fn write(path: &Path, bytes: &[u8], overwrite: bool, output: &Output)
     Ok(())
 }
 
-fn list(output: &Output) -> Result<u8, CliError> {
+pub(super) fn list(output: &Output) -> Result<u8, CliError> {
     for (name, about) in listed() {
         output.result(&format!("{name:<12} {about}"));
     }

@@ -12,7 +12,9 @@ use super::output::Output;
 use crate::ingest::campaign_file;
 use crate::pipeline::{Context, SetTags};
 
-/// Set tags of runs by hand: they count more than any other source, and who set them when is recorded
+/// Set tags of runs by hand
+///
+/// They count more than any other source, and who set them when is recorded.
 #[derive(Debug, Args)]
 pub struct TagArgs {
     /// Runs: names in the report, patterns of them ("*_rh30_*"), or paths to files; then tags as key=value, of which `key=`
@@ -22,15 +24,11 @@ pub struct TagArgs {
     /// Who sets them [default: the user's name]
     #[arg(long, value_name = "NAME")]
     by: Option<String>,
-    /// Campaign folder [default: that of the run's file, this folder, or the nearest one above it with a campaign.toml]
-    #[arg(long, short = 'C', value_name = "CAMPAIGN")]
-    campaign: Option<PathBuf>,
 }
 
 pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let (mut runs, words) = split_runs(&args.words);
     let (pairs, named) = split(words)?;
-    let named = named.or_else(|| args.campaign.clone());
     let folder = places(&mut runs, named.as_deref())?;
     let mut context = Context::open_beside(&folder, global.i_know)?;
     super::campaign::say_what_was_agreed(&context, output);

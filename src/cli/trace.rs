@@ -12,7 +12,7 @@ use crate::ingest::frames::{FrameSettings, Numbers};
 use crate::pipeline::intake::trace::{TraceFrames, TraceSummary};
 use crate::strip::{Side, Tone};
 
-/// Trace frames of a strip seen from its side: curvature along it and displacement of its tip
+/// Trace frames of a strip: curvature and tip
 ///
 /// Writes a run table, its standard errors, and a picture of each frame with the traced line over it. What the view
 /// is like stands in frames.toml beside the frames, in [frames] of campaign.toml, or in options here; docs/frames.md

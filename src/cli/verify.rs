@@ -8,7 +8,9 @@ use super::exit::{CliError, DONE, STORAGE};
 use super::output::Output;
 use crate::pipeline::upkeep::verify::{Part, Verified, Verify};
 
-/// Check that nothing is lost or damaged: database, raw files, journal, report; with --deep that every number can be derived again
+/// Check that nothing is lost or damaged
+///
+/// Looks at database, raw files, journal and report; with --deep also whether every number can be derived again.
 ///
 /// Nothing is changed, and `ieap watch` may go on beside it. Ends with status 4 where something is lost or damaged; each
 /// finding says how to mend it.

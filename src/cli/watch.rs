@@ -14,7 +14,9 @@ use super::output::Output;
 use super::{ingest, report, run, signals};
 use crate::pipeline::{Run, Watch, WatchSettings, Watched};
 
-/// Do what `run` does, then the same for every file that arrives, until stopped (Ctrl-C)
+/// Do what `run` does for every file that arrives
+///
+/// Until stopped with Ctrl-C.
 #[derive(Debug, Args)]
 pub struct WatchArgs {
     #[command(flatten)]

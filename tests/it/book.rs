@@ -1,5 +1,5 @@
 //! The book in docs/ is whole, without the tool that makes it: every link and every path leads somewhere, every page stands in
-//! SUMMARY.md once, and GLOSSARY.md defines each word once.
+//! SUMMARY.md once, and the glossary defines each word once.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -177,7 +177,7 @@ fn links_are_told_from_what_looks_like_one() {
     let readme = repository().join("README.md");
     for wrong in [
         "docs/no-such-page.md",
-        "GLOSSARY.md#no-such-heading",
+        "docs/glossary.md#no-such-heading",
         "#no-such-heading",
     ] {
         assert!(fault(&pages, &readme, wrong).is_some(), "{wrong}");
@@ -202,6 +202,23 @@ fn every_page_stands_in_the_summary_once() {
         .collect();
     there.sort();
     assert_eq!(listed, there, "pages in SUMMARY.md, and pages in docs/");
+}
+
+/// Words that the pages of docs/ may have together.
+const MOST_WORDS: usize = 50_000;
+
+#[test]
+fn the_book_stays_short() {
+    let pages = pages_in(&repository().join("docs"));
+    let words = pages.iter().map(|path| {
+        let text = std::fs::read_to_string(path).unwrap();
+        text.split_whitespace().count()
+    });
+    let words: usize = words.sum();
+    assert!(
+        words <= MOST_WORDS,
+        "{words} words in docs/, {MOST_WORDS} are the most"
+    );
 }
 
 /// `crates/fit/src/lib.rs` in a page is there; patterns as `crates/report/src/pages/<page>.rs` are not asked for.
@@ -244,7 +261,7 @@ fn every_path_of_the_code_that_a_page_names_is_there() {
 
 #[test]
 fn the_glossary_defines_each_word_once() {
-    let text = std::fs::read_to_string(repository().join("GLOSSARY.md")).unwrap();
+    let text = std::fs::read_to_string(repository().join("docs/glossary.md")).unwrap();
     let rows = text.lines().filter(|line| line.starts_with("| "));
     // `source (of a cell)` defines "source"; `mark, flag` defines both.
     let cells = rows.map(|row| row.replace("\\|", "").split('|').nth(1).unwrap().to_owned());

@@ -1,5 +1,5 @@
-//! Every command and every file printed in README.md and docs/ works as it stands there. `IEAP_LONG=1` also runs what takes
-//! long; without it those are held against the command line alone.
+//! Every command and every file printed in README.md and docs/ works as it stands there, and what each command says is a line of
+//! a snapshot. Without `IEAP_LONG=1` `run` leaves its diagnosis out, and `diagnose` draws less.
 
 use std::path::{Path, PathBuf};
 
@@ -8,60 +8,9 @@ use crate::campaign::{CampaignFolder, Ended, counted, ieap, run_table};
 use crate::frames::png_bytes;
 use crate::rendered::Scene;
 
-/// What is in commands that are not run to their end, with the reason; whether a long test runs them.
-const HELD_BACK: [(&str, &str, bool); 15] = [
-    (
-        "ieap watch",
-        "runs until it is stopped; tests/it/watch.rs starts it",
-        false,
-    ),
-    (
-        "ieap serve",
-        "runs until it is stopped; tests/it/serve.rs starts it",
-        false,
-    ),
-    (
-        "curvature-map",
-        "needs runs along a strip; tests/it/along.rs draws it",
-        false,
-    ),
-    (
-        "--rh 45",
-        "needs a law across runs; tests/it/brought.rs has one",
-        false,
-    ),
-    (
-        "figure laws",
-        "needs a law across runs; tests/it/hidden_across.rs draws it",
-        false,
-    ),
-    (
-        "explain cycles",
-        "needs a run of many cycles; the unit tests of cycles have them",
-        false,
-    ),
-    ("explain model-free", "names a run of the reader's own", false),
-    ("explain energy", "names a run of the reader's own", false),
-    (
-        "figure frequency",
-        "needs runs under a sine; tests/it/moving_voltage.rs draws it",
-        false,
-    ),
-    (
-        "--what crate",
-        "needs a licence and an author; tests/it/published.rs states them",
-        false,
-    ),
-    (
-        "--install",
-        "writes into the home folder; tests/it/terminal.rs gives it another",
-        false,
-    ),
-    ("ieap diagnose", "searches for minutes", true),
-    ("ieap run campaigns/", "fits and searches for minutes", true),
-    ("--bootstrap", "fits some hundred times", true),
-    ("--profile", "fits some hundred times", true),
-];
+/// Behind a command in a block: why it is not run here.
+const NOT_TRIED: &str = "# not tried: ";
+
 /// Words in capitals that stand for something: `ieap inspect FILE` is a pattern and no command.
 fn is_pattern(word: &str) -> bool {
     let word = word.split('=').next_back().unwrap_or_default();
@@ -111,30 +60,46 @@ fn blocks(page: &str) -> Vec<Block> {
     blocks
 }
 
-/// Command lines of a page: in blocks, and between back-ticks in its text.
-fn commands(page: &str, blocks: &[Block]) -> Vec<String> {
+/// Command lines of a page: those in blocks, and in its text what stands between back-ticks with more than a verb. What is marked
+/// as not tried comes with its reason.
+fn commands(page: &str, blocks: &[Block]) -> Vec<(String, Option<String>)> {
     let lines = blocks.iter().flat_map(|block| block.text.lines());
-    let spans = page.lines().filter(|line| !line.starts_with("    "));
-    let spans = spans.flat_map(|line| line.split('`').skip(1).step_by(2));
-    let all = lines
-        .chain(spans)
-        .map(|line| line.trim().trim_start_matches("$ "));
-    let mut found: Vec<String> = Vec::new();
-    for line in all.filter(|line| line.starts_with("ieap ")) {
-        // What follows a # is said of the command.
+    let lines = lines
+        .map(|line| (line, false))
+        .chain(spans(page).map(|line| (line, true)));
+    let mut found: Vec<(String, Option<String>)> = Vec::new();
+    for (line, is_span) in lines {
+        let line = line.trim().trim_start_matches("$ ");
+        if !line.starts_with("ieap ") {
+            continue;
+        }
+        let reason = line.split_once(NOT_TRIED).map(|(_, reason)| reason.to_owned());
+        // What follows a # is said of the command, and what takes its output is another program.
         let line = line.split(" #").next().unwrap_or_default();
-        // What takes its output is another program.
-        let line = line
-            .split(['|', '>'])
-            .next()
-            .unwrap_or_default()
-            .trim()
-            .to_owned();
-        if !found.contains(&line) && !words(&line).iter().any(|word| is_pattern(word)) {
-            found.push(line);
+        let line = line.split(['|', '>']).next().unwrap_or_default().trim();
+        let words = words(line);
+        if words.len() > 1 || !is_span {
+            let is_known = found.iter().any(|(known, _)| known == line);
+            if !is_known && !words.iter().any(|word| is_pattern(word)) {
+                found.push((line.to_owned(), reason));
+            }
         }
     }
     found
+}
+
+/// What stands between back-ticks in the text of a page.
+fn spans(page: &str) -> impl Iterator<Item = &str> {
+    let lines = page.lines().filter(|line| !line.starts_with("    "));
+    lines.flat_map(|line| line.split('`').skip(1).step_by(2))
+}
+
+/// Verbs that a page names by themselves: `ieap status`.
+fn names(page: &str) -> Vec<&str> {
+    let named = spans(page).filter_map(|span| span.strip_prefix("ieap "));
+    named
+        .filter(|verb| !verb.contains(' ') && !is_pattern(verb))
+        .collect()
 }
 
 /// The words of a command line after the program's name, as a shell would part them.
@@ -196,8 +161,14 @@ fn world() -> CampaignFolder {
         for name in ["CNaf.csv", "CNaf.csv.toml"] {
             std::fs::copy(thesis.join("dma").join(name), root.join("dma").join(name)).unwrap();
         }
+        std::fs::create_dir_all(root.join("impedance")).unwrap();
+        std::fs::write(root.join("impedance/eis.csv"), spectrum()).unwrap();
+        let tags = "sample = \"CNaf-1\"\nenvironment = \"air\"\n";
+        std::fs::write(root.join("impedance/eis.csv.toml"), tags).unwrap();
         ieap(&root, &["run", "--no-diagnose"]).expect(0);
     }
+    // Files of an instrument that are no campaign yet.
+    copy(&thesis.join("runs/CNaf/air"), &folder.join("my-files"));
     for k in 0..3 {
         let frame = Scene::default().draw(200.0, |_| 4e-4 * f64::from(k));
         folder.write(&format!("frames/f{k:04}.png"), png_bytes(&frame));
@@ -207,6 +178,18 @@ fn world() -> CampaignFolder {
         "sensor export\n\nEpoch time (ms);Distance1 (mm)\n1728937444032,000;12,50000\n1728937444033,000;12,51130\n",
     );
     folder
+}
+
+/// A spectrum of a resistor before a resistor beside a capacitor, from 10 mHz to 10 kHz.
+fn spectrum() -> String {
+    let mut text = "frequency_hz,impedance_real_ohm,impedance_imaginary_ohm\n".to_owned();
+    for k in 0..31 {
+        let frequency_hz = 10f64.powf(4.0 - 0.2 * f64::from(k));
+        let product = 2.0 * std::f64::consts::PI * frequency_hz * 0.5;
+        let share = 100.0 / (1.0 + product * product);
+        text += &format!("{frequency_hz},{},{}\n", 20.0 + share, -share * product);
+    }
+    text
 }
 
 fn copy(from: &Path, to: &Path) {
@@ -286,27 +269,89 @@ fn read_table(folder: &CampaignFolder, page: &str, text: &str) {
     std::fs::remove_file(folder.join("runs/page.csv")).unwrap();
 }
 
-/// Runs a command line, or holds it against the command line where it is held back.
-fn obey(folder: &CampaignFolder, page: &str, line: &str) {
+/// Runs a command line and gives what it said, shortened. What is not tried is held against the command line alone.
+fn obey(folder: &CampaignFolder, page: &str, line: &str, reason: Option<&str>) -> String {
     let mut words = words(line);
-    let held = HELD_BACK.iter().find(|(what, ..)| line.contains(what));
     let is_long = counted(0, 1) == 1;
-    if held.is_some_and(|&(.., in_long)| !(in_long && is_long)) {
-        words.push("--help".to_owned());
-    } else if words[0] == "run" && !is_long {
-        words.push("--no-diagnose".to_owned());
+    match words[0].as_str() {
+        _ if reason.is_some() => words.push("--help".to_owned()),
+        "run" if !is_long && !words.contains(&"--no-diagnose".to_owned()) => {
+            words.push("--no-diagnose".to_owned());
+        }
+        "diagnose" if !is_long => words.extend(["--draws", "99"].map(str::to_owned)),
+        "init" => {
+            words.retain(|word| word != "my-campaign");
+            words.insert(1, "made".to_owned());
+            let _ = std::fs::remove_dir_all(folder.join("made"));
+        }
+        _ => {}
     }
-    if words[0] == "init" {
-        words.resize(2, "made".to_owned());
-        let _ = std::fs::remove_dir_all(folder.join(&words[1]));
+    // How long work takes is no part of what a page says.
+    if words[0] != "help" {
+        words.push("--no-progress".to_owned());
     }
     let arguments: Vec<&str> = words.iter().map(String::as_str).collect();
     let ended = folder.ieap(&arguments);
-    // The verb alone names it: `ieap tag`.
-    let is_name = words.len() == 1 && ended.stderr.contains("required arguments");
-    let documented = [0, 3, 5].contains(&ended.status);
-    assert!(documented || is_name, "{page}: `{line}`: {ended:#?}");
+    assert!([0, 3, 5].contains(&ended.status), "{page}: `{line}`: {ended:#?}");
     assert!(!ended.stderr.contains("panicked"), "{page}: `{line}`: {ended:#?}");
+    let said = match reason {
+        Some(reason) => format!("  not tried: {reason}\n"),
+        None => outline(&ended, &folder.path().to_string_lossy()),
+    };
+    assert!(!said.is_empty(), "{page}: `{line}` says nothing: {ended:#?}");
+    format!("$ {line}\n{said}")
+}
+
+/// The first lines that a command said, without its numbers: enough to see that it did what the page says.
+fn outline(ended: &Ended, folder: &str) -> String {
+    let mut said = String::new();
+    for (stream, mark) in [(&ended.stdout, "  "), (&ended.stderr, "! ")] {
+        let lines = stream.lines().filter(|line| !line.trim().is_empty());
+        for line in lines.take(3) {
+            // Parquet on stdout is no text.
+            let is_text = line
+                .chars()
+                .all(|c| c == '\t' || !(c.is_control() || c == '\u{fffd}'));
+            let line = line.replace(folder, "FOLDER");
+            let line: String = line.chars().take(100).collect();
+            if !is_text {
+                said += &format!("{mark}(bytes)\n");
+                break;
+            }
+            let words = line.split(' ').map(|word| {
+                if is_hash(word) {
+                    "HASH".to_owned()
+                } else {
+                    without_numbers(word)
+                }
+            });
+            said += &format!("{mark}{}\n", words.collect::<Vec<_>>().join(" "));
+        }
+    }
+    match ended.status {
+        0 => said,
+        status => format!("{said}= {status}\n"),
+    }
+}
+
+/// Whether a word is a hash, which changes with the program.
+fn is_hash(word: &str) -> bool {
+    let digits = word.chars().filter(char::is_ascii_hexdigit).count();
+    digits >= 16 && digits == word.trim_matches(['"', ',']).len()
+}
+
+/// Runs of digits, and what stands in numbers, as one `#`.
+fn without_numbers(line: &str) -> String {
+    let mut text = String::new();
+    for c in line.chars() {
+        match (c.is_ascii_digit(), text.ends_with('#')) {
+            (true, true) => {}
+            (true, false) => text.push('#'),
+            (false, true) if ".,-+:".contains(c) => {}
+            (false, _) => text.push(c),
+        }
+    }
+    text
 }
 
 /// README.md and the pages of docs/, by their path.
@@ -325,15 +370,26 @@ fn pages() -> Vec<(String, String)> {
 #[ignore = "slow: cargo test -- --ignored"]
 fn every_command_and_every_file_on_a_page_works() {
     let whole = world();
+    let verbs = ieap(Path::new("."), &["help"]).expect(0).stdout;
     let (mut ran, mut read) = (0, 0);
+    let mut said = String::new();
     let mut faults = Vec::new();
     // All faults of all pages are told at once.
-    let mut tried = |what: &dyn Fn()| {
-        if let Err(fault) = std::panic::catch_unwind(std::panic::AssertUnwindSafe(what)) {
+    let mut tried = |what: &dyn Fn() -> String| {
+        let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(what));
+        done.unwrap_or_else(|fault| {
             faults.push(fault.downcast_ref::<String>().cloned().unwrap_or_default());
-        }
+            String::new()
+        })
     };
     for (name, page) in pages() {
+        for verb in names(&page) {
+            let is_listed = verbs.contains(&format!("\n  {verb} ")) || ["help", "formats"].contains(&verb);
+            tried(&|| {
+                assert!(is_listed, "{name}: there is no verb `{verb}`");
+                String::new()
+            });
+        }
         let blocks = blocks(&page);
         let commands = commands(&page, &blocks);
         let is_file = |block: &Block| is_toml(block) || is_table(block);
@@ -343,21 +399,89 @@ fn every_command_and_every_file_on_a_page_works() {
         let folder = CampaignFolder::new();
         copy_all(whole.path(), folder.path());
         for block in blocks.iter().filter(|block| is_toml(block)) {
-            tried(&|| read_toml(&folder, &name, &block.text));
+            tried(&|| {
+                read_toml(&folder, &name, &block.text);
+                String::new()
+            });
             read += 1;
         }
         for block in blocks.iter().filter(|block| !is_toml(block) && is_table(block)) {
-            tried(&|| read_table(&folder, &name, &block.text));
+            tried(&|| {
+                read_table(&folder, &name, &block.text);
+                String::new()
+            });
             read += 1;
         }
-        for line in commands {
-            tried(&|| obey(&folder, &name, &line));
+        said += &format!("{name}\n");
+        for (line, reason) in commands {
+            said += &tried(&|| obey(&folder, &name, &line, reason.as_deref()));
             ran += 1;
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n\n"));
     // The pages are read: a change of their form must not leave the test without commands.
     assert!(ran > 60 && read > 10, "{ran} commands, {read} files");
+    if counted(0, 1) == 0 {
+        insta::assert_snapshot!("commands_of_pages", said);
+    }
+}
+
+/// A command of cargo on a page names a target and tests that are there.
+#[test]
+fn every_test_and_example_that_a_page_names_is_there() {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut sources = String::new();
+    for folder in ["crates", "src", "tests", "examples", "benches"] {
+        collect(&repository.join(folder), &mut sources);
+    }
+    let mut faults = Vec::new();
+    let mut count = 0;
+    for (name, page) in pages() {
+        let blocks = blocks(&page);
+        let lines = blocks.iter().flat_map(|block| block.text.lines());
+        for line in lines.chain(spans(&page)).filter(|line| line.contains("cargo ")) {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            for pair in words.windows(2) {
+                let is_named = match pair[0] {
+                    "--example" | "--bench" | "--test" => sources.contains(&format!("\nfile {}\n", pair[1])),
+                    "it" | "unit" if !pair[1].starts_with('-') => {
+                        let part = pair[1]
+                            .trim_end_matches("::")
+                            .rsplit("::")
+                            .next()
+                            .unwrap_or_default();
+                        is_pattern(part) || sources.contains(part)
+                    }
+                    _ => continue,
+                };
+                count += 1;
+                if !is_named {
+                    faults.push(format!("{name}: `{line}`: no {}", pair[1]));
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(count > 40, "{count}");
+}
+
+/// Names of files, modules and functions of a folder, each in a line.
+fn collect(folder: &Path, found: &mut String) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            let name = path.file_name().unwrap().to_string_lossy();
+            *found += &format!("\nfile {name}\n");
+            collect(&path, found);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            *found += &format!("\nfile {}\n", path.file_stem().unwrap().to_string_lossy());
+            let text = std::fs::read_to_string(&path).unwrap();
+            let named = text
+                .lines()
+                .filter(|line| line.contains("fn ") || line.contains("mod "));
+            named.for_each(|line| *found += &format!("{line}\n"));
+        }
+    }
 }
 
 /// A folder with everything in it, databases too.

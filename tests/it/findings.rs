@@ -210,17 +210,17 @@ fn runs_of_another_date_are_a_data_problem_of_their_own_and_only_new_runs_are_di
         .json();
     assert_eq!(one["groups"].as_array().unwrap().len(), 1);
     assert_eq!(one["runs"][0]["run"], "runs/other.csv");
+    // The name that is printed means the same group.
+    let printed = folder.ieap(&["diagnose", "--draws", "199", "--group", "S1 in vacuum"]);
+    let heading = printed.expect(0).stdout;
+    assert!(heading.starts_with("S1 in vacuum (1 run): "), "{heading}");
     let rival = folder.ieap(&["diagnose", "--model", "maxwell"]).expect(2);
     assert!(
         rival.stderr.contains("maxwell cannot be diagnosed") && rival.stderr.contains("lumped-1, lumped-2"),
         "{rival:#?}"
     );
     let unknown = folder.ieap(&["diagnose", "--group", "nothing"]).expect(2);
-    assert!(
-        unknown.stderr.contains("sample=S1,environment=vacuum"),
-        "{}",
-        unknown.stderr
-    );
+    assert!(unknown.stderr.contains("S1 in vacuum"), "{}", unknown.stderr);
 }
 
 #[test]

@@ -264,6 +264,8 @@ fn a_humidity_law_stands_first_and_vacuum_runs_without_a_humidity_do_not_hide_it
     folder
         .ieap(&["figure", "figure26", "--parameter", "lambda", "-o", "none.pdf"])
         .expect(2);
+    let slip = folder.ieap(&["figure", "laws", "--parameter", "lamda", "-o", "none.pdf"]);
+    assert!(slip.expect(2).stderr.contains("a parameter by its key or symbol"));
     // Said of the environment once, the runs in vacuum are of the law.
     let text = std::fs::read_to_string(folder.join("campaign.toml")).unwrap();
     folder.write(

@@ -81,7 +81,7 @@ fn whatever_changes_the_report_is_the_one_made_from_nothing() {
     change(&["drop", "runs/inert/1.csv", "--why", "the strip was torn"]);
     // The run has a page of its own from now on.
     assert_eq!(kept_pages(&folder, "a run set aside"), 2);
-    change(&["undrop", "runs/inert/1.csv"]);
+    change(&["drop", "--undo", "runs/inert/1.csv"]);
     assert_eq!(kept_pages(&folder, "a run taken back"), 2);
     folder.write("runs/vacuum/3.csv", run_table(77));
     change(&["ingest"]);

@@ -100,6 +100,9 @@ fn what_cannot_be_known_is_refused_with_what_can() {
         let ended = folder.ieap(&["fit", "--set", set]).expect(2);
         assert!(ended.stderr.contains(needed), "{set}: {}", ended.stderr);
     }
+    // Where what is known is not used, a slip in a name is refused all the same.
+    let rival = folder.ieap(&["fit", "--model", "maxwell", "--set", "lamda_per_s=0.1"]);
+    assert!(rival.expect(2).stderr.contains("no model has such a parameter"));
     let grouped = folder
         .ieap(&["fit", "--group", "--set", "lambda_per_s=0.002"])
         .expect(2);

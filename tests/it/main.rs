@@ -51,6 +51,8 @@ mod kill_loop;
 mod known;
 mod lab_origin;
 mod lumped_or_distributed;
+
+mod made_pages;
 mod main_job;
 mod methods;
 mod model_free;

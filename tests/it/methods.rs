@@ -170,7 +170,9 @@ fn the_method_is_chosen_on_the_command_line_and_part_of_what_is_up_to_date() {
             .contains("variable-projection, differential-evolution"),
         "{refused:?}"
     );
-    let models = ieap(folder.path(), &["models", "--json"]).expect(0).json();
+    let models = ieap(folder.path(), &["list", "models", "--json"])
+        .expect(0)
+        .json();
     assert_eq!(models["methods"][1]["id"], "differential-evolution");
 }
 

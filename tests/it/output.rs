@@ -17,7 +17,7 @@ fn fitted() -> CampaignFolder {
 /// Verbs that print a result, long ones first.
 const PRINT: [&[&str]; 20] = [
     &["completions", "bash"],
-    &["effects"],
+    &["list", "effects"],
     &["--help"],
     &["fit", "--json"],
     &["fit"],
@@ -34,8 +34,8 @@ const PRINT: [&[&str]; 20] = [
     &["inspect", "runs/a.csv"],
     &["profile", "runs/a.csv"],
     &["next"],
-    &["formats"],
-    &["models", "--json"],
+    &["list", "formats"],
+    &["list", "models", "--json"],
 ];
 
 #[test]

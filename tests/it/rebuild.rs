@@ -45,7 +45,7 @@ fn campaign() -> CampaignFolder {
     folder
         .ieap(&["drop", "runs/deleted.csv", "--why", "wet"])
         .expect(0);
-    folder.ieap(&["undrop", "runs/deleted.csv"]).expect(0);
+    folder.ieap(&["drop", "--undo", "runs/deleted.csv"]).expect(0);
     folder.ieap(&["fit", "--simultaneous"]).expect(3);
     run(&folder);
     folder

@@ -346,7 +346,9 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_document_has_its_schema_and_every_schema_its_document() {
-    let listed = ieap(Path::new("."), &["schema", "--json"]).expect(0).json();
+    let listed = ieap(Path::new("."), &["list", "schemas", "--json"])
+        .expect(0)
+        .json();
     let ids: Vec<String> = listed["schemas"]
         .as_array()
         .unwrap()
@@ -361,11 +363,11 @@ fn every_document_has_its_schema_and_every_schema_its_document() {
         .collect();
     for id in &ids {
         let (name, _) = id.split_once('/').unwrap();
-        let printed = ieap(Path::new("."), &["schema", name]).expect(0);
+        let printed = ieap(Path::new("."), &["list", "schemas", name]).expect(0);
         let file = std::fs::read_to_string(folder().join(format!("{name}.json"))).unwrap();
         assert_eq!(printed.stdout, file);
         assert_eq!(
-            ieap(Path::new("."), &["schema", &format!("ieap/{id}")]).stdout,
+            ieap(Path::new("."), &["list", "schemas", &format!("ieap/{id}")]).stdout,
             file
         );
     }
@@ -388,7 +390,7 @@ fn every_document_has_its_schema_and_every_schema_its_document() {
     for id in &ids {
         assert!(in_code.contains(id), "no verb prints ieap/{id}");
     }
-    let unknown = ieap(Path::new("."), &["schema", "nothing"]).expect(2);
+    let unknown = ieap(Path::new("."), &["list", "schemas", "nothing"]).expect(2);
     assert!(unknown.stderr.contains("needed one of"), "{unknown:?}");
 }
 
@@ -440,11 +442,11 @@ fn what_each_verb_prints_is_as_its_schema_says() {
         schemas.push(seen(folder.ieap(&words)));
     }
     for words in [
-        &["formats"][..],
-        &["models"],
-        &["effects"],
-        &["effects", "faradaic-leak"],
-        &["schema"],
+        &["list", "formats"][..],
+        &["list", "models"],
+        &["list", "effects"],
+        &["list", "effects", "faradaic-leak"],
+        &["list", "schemas"],
     ] {
         schemas.push(seen(folder.ieap(&[words, &["--json"]].concat())));
     }

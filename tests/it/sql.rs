@@ -233,8 +233,8 @@ fn exports_of_findings_laws_and_monitoring_hold_what_the_views_show() {
 fn keys_of_parameters_end_in_the_units_that_are_printed() {
     let folder = CampaignFolder::new();
     let (models, effects) = (
-        folder.ieap(&["models", "--json"]).json(),
-        folder.ieap(&["effects", "--json"]).json(),
+        folder.ieap(&["list", "models", "--json"]).json(),
+        folder.ieap(&["list", "effects", "--json"]).json(),
     );
     let lists = [
         models["models"].as_array().unwrap(),

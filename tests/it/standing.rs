@@ -411,9 +411,9 @@ fn a_run_is_dropped_and_comes_back_and_deleted_files_go_at_once() {
     assert_eq!(fits["fits"].as_array().unwrap().len(), 6);
     assert_eq!(fits["set_aside"][0]["run"], "runs/air/a.csv");
     let _ = folder
-        .ieap(&["undrop", "runs/air/a.csv", "runs/air/b.csv"])
+        .ieap(&["drop", "--undo", "runs/air/a.csv", "runs/air/b.csv"])
         .expect(0);
-    let again = folder.ieap(&["undrop", "runs/air/c.csv"]).expect(2);
+    let again = folder.ieap(&["drop", "--undo", "runs/air/c.csv"]).expect(2);
     assert!(again.stderr.contains("which is not dropped"), "{again:?}");
     let _ = folder.run_json();
     for ((name, before), (_, after)) in before.iter().zip(&results(&folder)) {
@@ -443,10 +443,10 @@ fn a_person_s_word_lets_a_condemned_run_speak() {
     );
     let _ = folder.run_json();
     assert_eq!(aside(&folder)[0].1, "condemned");
-    let bare = folder.ieap(&["undrop", "runs/air/odd.csv"]).expect(2);
+    let bare = folder.ieap(&["drop", "--undo", "runs/air/odd.csv"]).expect(2);
     assert!(bare.stderr.contains("its current is a 1000th of"), "{bare:?}");
     let said = folder
-        .ieap(&["undrop", "runs/air/odd.csv", "--why", "a dry strip"])
+        .ieap(&["drop", "--undo", "runs/air/odd.csv", "--why", "a dry strip"])
         .expect(0);
     assert!(said.stdout.contains("against the program's"), "{said:?}");
     let _ = folder.run_json();
@@ -482,10 +482,7 @@ fn one_measurement_under_two_names_joins_their_tags_and_says_where_they_contradi
         status.contains("1 run under several names that are tagged differently"),
         "{status}"
     );
-    assert!(
-        status.contains("runs/inert/a.csv (of runs/air/a.csv)"),
-        "{status}"
-    );
+    assert!(status.contains("also as runs/inert/a.csv"), "{status}");
     let fits = folder.ieap(&["fit", "--json"]).expect(0).json();
     assert_eq!(fits["fits"][0]["environment"], "air");
     let issues = fits["fits"][0]["issues"].to_string();

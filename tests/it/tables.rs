@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use crate::campaign::{CampaignFolder, run_table};
 use crate::findings_fixture::input_with_findings;
+use crate::made_pages;
 use crate::report_fixture::{input, run, troubled_input};
 
 fn table(input: &Input, name: &str) -> Table {
@@ -186,21 +187,9 @@ fn all(input: &Input) -> Vec<NameAndTable> {
 
 #[test]
 fn the_page_of_tables_lists_all() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/tables.md");
-    let page = std::fs::read_to_string(path).unwrap();
-    let (before, rest) = page.split_once("the_page_of_tables -->\n").unwrap();
-    let after = &rest[rest.find("<!-- End").unwrap()..];
-    let row = |named: &NamedTable| format!("| `{}` | {} |\n", named.name, named.about.replace('|', "\\|"));
-    let rows: String = TABLES.iter().map(row).collect();
-    let whole = format!("{before}the_page_of_tables -->\n| name | what it shows |\n|---|---|\n{rows}{after}");
-    if std::env::var_os("IEAP_UPDATE_EXPECTED").is_some() {
-        std::fs::write(path, whole).unwrap();
-    } else {
-        assert!(
-            page == whole,
-            "docs/tables.md lists other tables: IEAP_UPDATE_EXPECTED=1 cargo it the_page_of_tables"
-        );
-    }
+    let line = |named: &NamedTable| format!("- `{}`: {}\n", named.name, named.about);
+    let made: String = TABLES.iter().map(line).collect();
+    made_pages::hold("tables.md", "the_page_of_tables", &made);
 }
 
 #[test]

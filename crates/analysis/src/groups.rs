@@ -157,6 +157,11 @@ pub fn title(name: &str) -> String {
     rest.join(", ")
 }
 
+/// Whether a person means that group: by its name, or by its title as it is printed.
+pub fn is_called(name: &str, asked: &str) -> bool {
+    asked == name || asked == title(name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -175,6 +180,9 @@ mod tests {
             "S in air, started at 2020-02-03"
         );
         assert_eq!(said("a run"), "a run");
+        let name = "sample=CNaf-1,environment=air";
+        assert!(is_called(name, name) && is_called(name, "CNaf-1 in air"));
+        assert!(!is_called(name, "CNaf-1"));
     }
 
     fn named(runs: &[RunRecord], group_by: &[String]) -> Vec<(String, Vec<usize>)> {

@@ -122,11 +122,26 @@ pub const COMPARED: [&str; 5] = [
     "rss_ohm_cm2",
 ];
 
+/// Whether `asked` is a key, or its beginning up to a unit: `lambda` of `lambda_per_s`.
+pub fn begins_key(key: &str, asked: &str) -> bool {
+    key.strip_prefix(asked)
+        .is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+}
+
 impl ParameterInfo {
     /// The parameter stored under `key`; none for a parameter of another model.
     pub fn of(key: &str) -> Option<&'static ParameterInfo> {
-        let mut known = PARAMETERS.iter().chain(&FURTHER);
-        known.find(|parameter| parameter.key == key)
+        ParameterInfo::all().find(|parameter| parameter.key == key)
+    }
+
+    /// Every parameter that has a place in comparisons.
+    pub fn all() -> impl Iterator<Item = &'static ParameterInfo> {
+        PARAMETERS.iter().chain(&FURTHER)
+    }
+
+    /// Whether a person means it: by its key, the beginning of its key, or its symbol.
+    pub fn is_called(&self, asked: &str) -> bool {
+        self.symbol == asked || begins_key(self.key, asked)
     }
 
     /// As tables show it.

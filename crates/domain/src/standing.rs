@@ -104,10 +104,10 @@ impl Standing {
 
     /// How a run that does not speak comes to speak again; nothing for one that does.
     pub fn mend(&self, run: &str) -> String {
-        let vouch = format!("ieap undrop \"{run}\" --why \"...\"");
+        let vouch = format!("ieap drop \"{run}\" --undo --why \"...\"");
         match self {
             Standing::Speaks | Standing::Vouched(_) => String::new(),
-            Standing::Dropped(_) => format!("ieap undrop \"{run}\" takes that back"),
+            Standing::Dropped(_) => format!("ieap drop \"{run}\" --undo takes that back"),
             Standing::Condemned { mend, .. } => {
                 format!("{mend}; if you looked and it is right, say so: {vouch}")
             }

@@ -31,7 +31,7 @@ pub enum ChoiceError {
         known: String,
     },
     /// A part after a `+` is no effect.
-    #[error("there is no effect \"{found}\" to extend the model by; `ieap effects` lists them{near}")]
+    #[error("there is no effect \"{found}\" to extend the model by; `ieap list effects` lists them{near}")]
     Effect {
         /// The part found.
         found: String,

@@ -144,8 +144,8 @@ impl Store {
         })
     }
 
-    /// Records these as all files that the system could not give; no change where they are known as such. They have no
-    /// seal: no result is made from them, and the next scan writes them anew.
+    /// Records these as all files that the system could not give; no change where they are known as such. They carry no
+    /// hash: no result is made from them, and the next scan writes them anew.
     ///
     /// # Errors
     /// See [`StoreError`].

@@ -1,6 +1,6 @@
 //! Rows that follow from everything else, kept for whoever asks the database in SQL.
 //!
-//! They are no change of the campaign: nothing counts them, no result is made from them, and so no seal is on them.
+//! They are no change of the campaign: nothing counts them, no result is made from them, and so they carry no hash.
 
 use rusqlite::TransactionBehavior;
 

@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use rusqlite::Connection;
 
 use super::Store;
-use ieap_domain::unit_of_key;
 
 /// Meanings that stand in no migration.
 const MEANINGS: &str = include_str!("../../../migrations/meanings.txt");
@@ -65,17 +64,11 @@ fn about(name: &str, kind: &str) -> String {
 fn section(connection: &Connection, kind: &str, name: &str, sql: &str, page: &mut String) -> Vec<String> {
     let meanings = meanings();
     let mut lacking = Vec::new();
-    let _ = writeln!(
-        page,
-        "\n### {name}\n{}\n\n| column | type | unit | meaning |\n|---|---|---|---|",
-        about(name, kind)
-    );
+    let _ = writeln!(page, "\n### {name}\n{}\n", about(name, kind));
     let mut statement = connection.prepare(&format!("PRAGMA table_info({name})")).unwrap();
-    let columns = statement.query_map([], |row| {
-        Ok((row.get::<_, String>("name")?, row.get::<_, String>("type")?))
-    });
+    let columns = statement.query_map([], |row| row.get::<_, String>("name"));
     for column in columns.unwrap() {
-        let (column, kind) = column.unwrap();
+        let column = column.unwrap();
         let own = format!("{name}.{column}");
         let known = meanings.get(own.as_str()).copied();
         let said = known
@@ -85,15 +78,17 @@ fn section(connection: &Connection, kind: &str, name: &str, sql: &str, page: &mu
             lacking.push(own);
             continue;
         };
-        let unit = unit_of_key(&column).unwrap_or("");
-        let said = said.replace('|', "\\|");
-        let _ = writeln!(page, "| `{column}` | {} | {unit} | {said} |", kind.to_lowercase());
+        match page.strip_suffix(&format!(": {said}\n")) {
+            // Columns of one meaning, as of one that another view has, share a line.
+            Some(line) => *page = format!("{line}, `{column}`: {said}\n"),
+            None => page.push_str(&format!("- `{column}`: {said}\n")),
+        }
     }
     lacking
 }
 
-/// The part of the page that is made.
-fn made() -> String {
+/// The part of the page that is made, and what it leaves out: the columns of tables.
+fn made() -> (String, String) {
     let store = Store::in_memory().unwrap();
     let sql = "SELECT type, name, sql FROM sqlite_schema
                WHERE type IN ('table', 'view') AND name NOT LIKE 'sqlite_%' ORDER BY type DESC, name";
@@ -103,20 +98,28 @@ fn made() -> String {
     });
     let rows: Vec<(String, String, String)> = rows.unwrap().map(Result::unwrap).collect();
     let mut page = format!("{BEGIN}\n");
-    let (mut lacking, mut heading) = (Vec::new(), String::new());
-    for (kind, name, sql) in &rows {
-        if *kind != heading {
-            heading.clone_from(kind);
-            let title = if kind == "view" { "Views" } else { "Tables" };
-            let _ = writeln!(page, "\n## {title}");
-        }
+    let (mut lacking, mut columns_of_tables) = (Vec::new(), String::new());
+    page += "\n## Views\n";
+    for (kind, name, sql) in rows.iter().filter(|(kind, ..)| kind == "view") {
         lacking.extend(section(&store.connection, kind, name, sql, &mut page));
+    }
+    page += "\n## Tables behind the views\n\n";
+    for (kind, name, sql) in rows.iter().filter(|(kind, ..)| kind == "table") {
+        // Every column has a meaning, though the page shows those of views alone.
+        lacking.extend(section(
+            &store.connection,
+            kind,
+            name,
+            sql,
+            &mut columns_of_tables,
+        ));
+        let _ = writeln!(page, "- `{name}`: {}", about(name, kind));
     }
     assert!(
         lacking.is_empty(),
         "columns without a meaning; write one into migrations/meanings.txt: {lacking:?}"
     );
-    page
+    (page, columns_of_tables)
 }
 
 fn path() -> PathBuf {
@@ -127,7 +130,7 @@ fn path() -> PathBuf {
 fn schema_page_tells_of_every_column() {
     let page = std::fs::read_to_string(path()).unwrap();
     let by_hand = page.split(BEGIN).next().unwrap_or_default();
-    let whole = format!("{by_hand}{}", made());
+    let whole = format!("{by_hand}{}", made().0);
     if std::env::var_os(UPDATE).is_some() {
         std::fs::write(path(), whole).unwrap();
     } else {
@@ -140,9 +143,10 @@ fn schema_page_tells_of_every_column() {
 
 #[test]
 fn no_meaning_is_of_a_column_that_is_gone() {
-    let page = made();
+    let (page, columns_of_tables) = made();
     for name in meanings().keys() {
         let column = name.rsplit('.').next().unwrap();
-        assert!(page.contains(&format!("| `{column}` |")), "{name}");
+        let row = format!("`{column}`");
+        assert!(page.contains(&row) || columns_of_tables.contains(&row), "{name}");
     }
 }

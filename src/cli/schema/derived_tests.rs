@@ -73,7 +73,7 @@ fn derived() -> Vec<Derived> {
             let mut schema = keys([("drop", value::<SpokenOf>(of))]);
             schema.insert(
                 "description".to_owned(),
-                "`ieap undrop RUN --json` prints the same.".into(),
+                "`ieap drop RUN --undo --json` prints the same.".into(),
             );
             schema
         }),

@@ -1,6 +1,7 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
 use crate::analysis::cache::Cache;
+use crate::analysis::groups::is_called;
 pub use crate::analysis::groups::title as group_title;
 pub use std::collections::BTreeMap;
 
@@ -217,7 +218,7 @@ pub fn diagnosis_document(
     let all = standing::all(context)?;
     let mut findings = findings_among(context, &all)?;
     if let Some(name) = group {
-        findings.groups.retain(|found| found.group == name);
+        findings.groups.retain(|found| is_called(&found.group, name));
         let members: Vec<String> = findings
             .groups
             .iter()

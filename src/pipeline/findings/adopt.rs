@@ -5,6 +5,7 @@
 
 use std::fmt::Write as _;
 
+use crate::analysis::groups::is_called;
 use crate::domain::campaign::Adopted;
 use crate::domain::{GroupDiagnosis, Verdict};
 use crate::ingest::campaign_file::FILE_NAME;
@@ -38,7 +39,11 @@ impl Adopt {
     /// The group named has no finding or none that names a cause; the file or the database cannot be read or written.
     pub fn run(&self, context: &mut Context) -> Result<AdoptSummary, PipelineError> {
         let findings = current_findings(context)?.groups;
-        let asked = |found: &&GroupDiagnosis| self.group.as_ref().is_none_or(|name| *name == found.group);
+        let asked = |found: &&GroupDiagnosis| {
+            self.group
+                .as_ref()
+                .is_none_or(|name| is_called(&found.group, name))
+        };
         let mut summary = AdoptSummary::default();
         for found in findings.iter().filter(asked) {
             match wanted(found) {

@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::domain::words::counted;
 use crate::domain::{AskedFit, Campaign, KnownParameter};
 use crate::fit::{FitError, FitOptions, Steps, can_be_known};
-use crate::model::{FitModel, ModelChoice};
+use crate::model::{FitModel, ModelChoice, fit_models};
 
 /// How runs are fitted.
 #[derive(Debug, Clone, Default)]
@@ -110,6 +110,11 @@ pub(crate) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOpti
     }
     if takes_known(model.base) && !model.is_extended() {
         can_be_known(&said.known, model.base)?;
+    } else if let Some(unknown) = said.known.iter().find(|known| !is_parameter(&known.parameter)) {
+        return Err(FitError::Known {
+            found: unknown.to_string(),
+            reason: "no model has such a parameter; `ieap list models` lists them".to_owned(),
+        });
     }
     if said.simultaneous == Some(true) {
         options.steps = Steps::Simultaneous;
@@ -117,6 +122,12 @@ pub(crate) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOpti
     options.describes_noise = true;
     options.seed = said.seed.unwrap_or(options.seed);
     Ok(options)
+}
+
+/// Whether a model has a parameter of that key.
+fn is_parameter(key: &str) -> bool {
+    let mut models = fit_models().iter();
+    models.any(|model| model.parameters.iter().any(|own| own.key == key))
 }
 
 /// Whether what is known of parameters is taken into fits with the model.

@@ -104,7 +104,7 @@ fn fit_group(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
                 group.choice
             ),
         )
-        .mend("`ieap effects ID` says what an effect needs; take it out of the model, or fit with the base alone"))
+        .mend("`ieap list effects ID` says what an effect needs; take it out of the model, or fit with the base alone"))
     };
     let mut outcomes: Vec<Outcome> = group.runs.iter().map(|_| missing()).collect();
     for (place, mut fit) in found {

@@ -3,7 +3,10 @@
 use super::along::PageCurves;
 use super::report::input;
 use super::simulated_figures::{SIMULATED, simulated_named};
+use crate::analysis::ParameterInfo;
 use crate::analysis::cache::Cache;
+use crate::analysis::parameters::begins_key;
+use crate::model::fit_models;
 use crate::pipeline::{Context, PipelineError};
 use crate::report::Site;
 use crate::report::print_figures::{
@@ -126,6 +129,10 @@ impl MakeFigure {
             let needed = "no parameter: only the figures laws and monitoring are of one".to_owned();
             return Err(bad("--parameter", parameter.clone(), needed));
         }
+        if let Some(unknown) = self.parameter.as_ref().filter(|asked| !is_parameter(asked)) {
+            let needed = "a parameter by its key or symbol, as `ieap list models` lists them".to_owned();
+            return Err(bad("--parameter", format!("{unknown:?}"), needed));
+        }
         let only = self.run.as_ref().map(|path| {
             let found = (0..input.runs.len())
                 .find(|&run| input.runs[run].path == *path || site.run_name(run) == path);
@@ -148,6 +155,13 @@ impl MakeFigure {
             reason,
         })
     }
+}
+
+/// Whether a parameter of a model, or one that comparisons show, is called so.
+fn is_parameter(asked: &str) -> bool {
+    let mut of_models = fit_models().iter().flat_map(|model| model.parameters);
+    ParameterInfo::all().any(|known| known.is_called(asked))
+        || of_models.any(|known| begins_key(known.key, asked) || known.symbol == asked)
 }
 
 fn within(

@@ -11,7 +11,7 @@ use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::standing::{self, SetAside};
 use crate::pipeline::{Context, PipelineError};
 
-/// The verbs `drop` and `undrop`.
+/// The verb `drop`, and `drop --undo`.
 #[derive(Debug, Clone)]
 pub struct SpeakOfRuns {
     /// Names of the runs, as `tag` takes them.
@@ -95,7 +95,7 @@ fn comes_back(run: &RunRecord) -> Result<(), PipelineError> {
     match &run.standing {
         Standing::Dropped(_) | Standing::Vouched(_) => Ok(()),
         Standing::Speaks => Err(PipelineError::BadArgument {
-            what: "undrop",
+            what: "drop --undo",
             found: format!("{}, which is not dropped", run.path),
             needed: "a run that is set aside; `ieap status` lists them".to_owned(),
         }),

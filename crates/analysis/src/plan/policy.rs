@@ -20,7 +20,7 @@ pub const MOST_INFLATION: f64 = 1e4;
 pub const REPEATS: usize = 4;
 
 /// Candidates that are judged at most: with more conditions, fewer samples are looked at. Chosen; a
-/// plan for 999 runs of 111 samples took 6.5 s with this, [`MOST_SAMPLES`] and [`JUDGED_BY`] (docs/methods/next-runs.md).
+/// plan for 999 runs of 111 samples took 6.5 s with this, [`MOST_SAMPLES`] and [`JUDGED_BY`] (docs/methods/across-runs.md).
 pub const MOST_CANDIDATES: usize = 160;
 /// Samples that are looked at, most. Chosen.
 pub const MOST_SAMPLES: usize = 6;

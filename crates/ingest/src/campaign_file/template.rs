@@ -21,7 +21,7 @@ title = {id}                            # what stands above the report
 
 # How all runs are fitted; without it `ieap fit --method ..` or `--simultaneous` holds for the runs that were there.
 # [fit]
-# method = "variable-projection"         # `ieap models` lists the methods
+# method = "variable-projection"         # `ieap list models` lists the methods
 # simultaneous = true                    # both responses at once, instead of one after the other
 
 # What tables leave open, answered once for all files; `ieap status` asks (docs/profiles.md lists the questions).
@@ -83,7 +83,7 @@ title = {id}                            # what stands above the report
 # scatter_percent = 10                   # from run to run, where every condition has one run
 # alike_percent = 25                     # an effect that is no larger is none
 
-# Ratios on the comparison pages are to this condition; what it leaves out is held equal (docs/comparison.md).
+# Ratios on the comparison pages are to this condition; what it leaves out is held equal (docs/study.md).
 # [compare]                              # without it: the condition with the most runs
 # reference = {{ environment = "air", relative_humidity_percent = 34 }}
 

@@ -309,10 +309,12 @@ impl ReadError {
             }
             ReadError::Structure { .. } => "copy the file again from the instrument's computer",
             ReadError::UnknownFormat { .. } => {
-                "export the run as one of the formats of `ieap formats`, for instance a plain table with the header \
+                "export the run as one of the formats of `ieap list formats`, for instance a plain table with the header \
                  time_s,voltage_v,current_a,curvature_per_cm"
             }
-            ReadError::AmbiguousFormat { .. } => "rename the columns as `ieap formats` shows, or export anew",
+            ReadError::AmbiguousFormat { .. } => {
+                "rename the columns as `ieap list formats` shows, or export anew"
+            }
             ReadError::AmbiguousNumbers { mend, .. } | ReadError::NoReading { mend, .. } => mend,
             ReadError::AmbiguousDates { .. } => {
                 "state date_order = \"day-first\" (or month-first, year-first) in campaign.toml, [campaign], or `order` in a \

@@ -108,7 +108,7 @@ impl Default for ReadContext {
 pub trait Format: Sync {
     /// Stable id, `gamry-dta`; stored with every run.
     fn id(&self) -> &'static str;
-    /// What it is, in words, for `ieap formats`.
+    /// What it is, in words, for `ieap list formats`.
     fn title(&self) -> &'static str;
     /// Usual extensions, lower case without the dot; they break ties only.
     fn extensions(&self) -> &'static [&'static str];

@@ -9,6 +9,7 @@ use crate::pages::{humidity, law_cards};
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::laws::words;
 use ieap_analysis::monitoring::view::printed;
+use ieap_analysis::parameters::begins_key;
 use ieap_show::Chart;
 
 /// Height of a panel, px.
@@ -81,9 +82,6 @@ const MARKERS: [&str; 5] = ["●", "■", "▲", "◆", "▼"];
 /// Whether the parameter is the one that is asked for, by its key, the beginning of its key, or its symbol.
 fn is_asked(input: &FigureInput, key: &str) -> bool {
     input.parameter.is_none_or(|asked| {
-        let begins = key
-            .strip_prefix(asked)
-            .is_some_and(|rest| rest.is_empty() || rest.starts_with('_'));
-        begins || ParameterInfo::of(key).is_some_and(|info| info.symbol == asked)
+        begins_key(key, asked) || ParameterInfo::of(key).is_some_and(|info| info.is_called(asked))
     })
 }

@@ -10,6 +10,7 @@ mod subject;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::analysis::groups::{is_called, title};
 use crate::diagnose::{DiagnoseOptions, diagnose_group, with_places};
 use crate::domain::fault::caught;
 use crate::domain::{Channel, GroupDiagnosis};
@@ -188,12 +189,12 @@ impl DiagnoseRuns {
         let Some(name) = &self.group else {
             return Ok(all.iter().collect());
         };
-        let is_it = |subject: &&Subject| subject.kind == ResultKind::Group && subject.name == *name;
+        let is_it = |subject: &&Subject| subject.kind == ResultKind::Group && is_called(&subject.name, name);
         let Some(group) = all.iter().find(is_it) else {
-            let names: Vec<&str> = all
+            let names: Vec<String> = all
                 .iter()
                 .filter(|subject| subject.kind == ResultKind::Group)
-                .map(|subject| subject.name.as_str())
+                .map(|subject| title(&subject.name))
                 .collect();
             return Err(PipelineError::BadArgument {
                 what: "--group",
