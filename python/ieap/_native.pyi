@@ -86,16 +86,14 @@ class Campaign:
     def compare(self, models: Sequence[str]) -> str: ...
     def predict(
         self,
-        sample: str,
-        environment: str | None,
+        of: tuple[str, str | None, Sequence[tuple[float, float]]],
         numbers: Mapping[str, tuple[float, float]],
         drive: tuple[float, Sequence[tuple[float, float | None]]],
         at_s: Sequence[float],
     ) -> str: ...
     def drive(
         self,
-        sample: str,
-        environment: str | None,
+        of: tuple[str, str | None, Sequence[tuple[float, float]]],
         numbers: Mapping[str, tuple[float, float]],
         course: Sequence[tuple[float, float]],
     ) -> str: ...

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
     ArrowPrimitiveType, Decimal32Type, Decimal64Type, Decimal128Type, DurationMicrosecondType,
-    DurationMillisecondType, DurationNanosecondType, DurationSecondType, Float16Type, Float32Type, Float64Type,
-    Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
+    DurationMillisecondType, DurationNanosecondType, DurationSecondType, Float16Type, Float32Type,
+    Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
 };
 use arrow_array::{Array, ArrayRef, Float64Array, PrimitiveArray, StringArray};
 use arrow_schema::{DataType, TimeUnit};
@@ -62,9 +62,18 @@ fn fixed<T: ArrowPrimitiveType>(
 fn durations(array: &dyn Array, unit: TimeUnit) -> Vec<f64> {
     let (numbers, per_s) = match unit {
         TimeUnit::Second => (of(array.as_primitive::<DurationSecondType>(), |x| x as f64), 1.0),
-        TimeUnit::Millisecond => (of(array.as_primitive::<DurationMillisecondType>(), |x| x as f64), 1e3),
-        TimeUnit::Microsecond => (of(array.as_primitive::<DurationMicrosecondType>(), |x| x as f64), 1e6),
-        TimeUnit::Nanosecond => (of(array.as_primitive::<DurationNanosecondType>(), |x| x as f64), 1e9),
+        TimeUnit::Millisecond => (
+            of(array.as_primitive::<DurationMillisecondType>(), |x| x as f64),
+            1e3,
+        ),
+        TimeUnit::Microsecond => (
+            of(array.as_primitive::<DurationMicrosecondType>(), |x| x as f64),
+            1e6,
+        ),
+        TimeUnit::Nanosecond => (
+            of(array.as_primitive::<DurationNanosecondType>(), |x| x as f64),
+            1e9,
+        ),
     };
     numbers.into_iter().map(|number| number / per_s).collect()
 }
@@ -87,7 +96,10 @@ pub fn plain(column: &ArrayRef) -> ArrayRef {
         return Arc::new(texts.collect::<StringArray>());
     }
     match numbers(values) {
-        Some(numbers) => Arc::new(rows.map(|row| key(row).map(|key| numbers[key])).collect::<Float64Array>()),
+        Some(numbers) => Arc::new(
+            rows.map(|row| key(row).map(|key| numbers[key]))
+                .collect::<Float64Array>(),
+        ),
         None => column.clone(),
     }
 }

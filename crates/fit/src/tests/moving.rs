@@ -319,7 +319,7 @@ fn a_curvature_without_a_current_under_a_moving_voltage_ends_no_fit() {
         1,
     );
     let current = &mut record.channels[0];
-    current.excluded = (3..current.values.len()).collect();
+    current.excluded = (3..current.values.len() as u32).collect();
     let fit = record.fitted();
     let reason = fit.parameter("alpha_per_c_cm").unwrap().reason.as_deref();
     assert!(
@@ -328,4 +328,48 @@ fn a_curvature_without_a_current_under_a_moving_voltage_ends_no_fit() {
     );
     assert_eq!(fit.noise[0].character, Default::default());
     assert_eq!(fit.curves[0].readings, 2001);
+}
+
+#[test]
+#[ignore = "probe"]
+fn probe_voltmeter() {
+    let model = seen();
+    for (every_s, until_s) in [(1.0, 3600.0), (0.25, 1800.0)] {
+        for volts_sd in [0.0, 2e-3, 2e-2] {
+            for relative in [1e-4, 1e-3, 1e-2] {
+                let mut held = std::collections::BTreeMap::<&str, (i32, i32, f64, f64)>::new();
+                for seed in 0..12 {
+                    let run = record(
+                        &model,
+                        chirp(2.0, 5e-4, 0.05, until_s),
+                        (every_s, until_s),
+                        (volts_sd, relative),
+                        500 + seed,
+                    );
+                    let fit = run.fitted();
+                    for (key, expected) in truth(&model) {
+                        let estimate = fit.parameter(key).unwrap();
+                        let own = held.entry(key).or_default();
+                        let (Some(value), Some(error)) = (estimate.value, estimate.standard_error) else {
+                            continue;
+                        };
+                        own.1 += 1;
+                        own.0 += i32::from(
+                            estimate.low_95.unwrap() <= expected && expected <= estimate.high_95.unwrap(),
+                        );
+                        own.2 += (value / expected - 1.0).powi(2);
+                        own.3 += (error / expected).powi(2);
+                    }
+                }
+                eprintln!("every {every_s} volts {volts_sd} noise {relative}");
+                for (key, (h, n, off, err)) in held {
+                    eprintln!(
+                        "   {key:20} {h}/{n} rms off {:.2e} stated {:.2e}",
+                        (off / f64::from(n)).sqrt(),
+                        (err / f64::from(n)).sqrt()
+                    );
+                }
+            }
+        }
+    }
 }

@@ -202,6 +202,12 @@ impl DriveCourse {
             .ok_or_else(|| PipelineError::bad_argument("--for", "0 s".to_owned(), "a longer course"))?;
         let mut remarks = remarks(&grounds, &forecasts, &drive);
         remarks.retain(|remark| !remark.contains("locked moment"));
+        if !self.strip.humidity_course.is_empty() {
+            remarks.push(
+                "The least error is that of a strip whose humidity stays: with one that changes it is a guide only."
+                    .to_owned(),
+            );
+        }
         if end_s > grounds.longest_s() {
             remarks.push(format!(
                 "The course is longer than the longest run ({} s): nothing was seen after that.",

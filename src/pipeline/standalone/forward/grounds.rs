@@ -132,7 +132,10 @@ impl Grounds {
         };
         let findings = current_findings(context)?;
         let humidity_percent = asked
-            .relative_humidity_percent
+            .humidity_course
+            .first()
+            .map(|row| row.1)
+            .or(asked.relative_humidity_percent)
             .or_else(|| mean_humidity(runs, &sample.id));
         let modulus = match asked.modulus_mpa {
             Some(given) => StripModulus {
@@ -301,6 +304,7 @@ impl Grounds {
     fn variant(&self, which: usize) -> Grounds {
         let varied = |source: &Source| Source {
             model: source.variants[which].clone(),
+            changes: source.variant_changes.get(which).cloned().unwrap_or_default(),
             ..without_errors(source)
         };
         self.with(self.sources.iter().map(varied).collect())
