@@ -105,7 +105,7 @@ def fit(
         readings: a `Table`; a table of any library that speaks Arrow; or a mapping of names to one-dimensional arrays of
             one length. Names are as in a plain run table, with units: ``time_s``, ``current_a`` (or ``I/mA``, ...),
             ``curvature_per_cm``, ``tip_displacement_mm``, ``voltage_v``. NaN or None is an empty cell. Time zero is the
-            voltage step.
+            voltage step. Arrays of pint, astropy and xarray are converted to the unit that their name says.
         area_cm2: active area of the strip, cm2; or length and width.
         length_mm: free length, mm. A tip displacement gives a curvature only with it.
         width_mm: width, mm.
