@@ -194,6 +194,11 @@ impl Grounds {
             .any(|source| source.sample == 0 && source.bends)
     }
 
+    /// Whether the parameters change under the drive.
+    pub fn changes(&self) -> bool {
+        self.sources.iter().any(|source| !source.changes.is_empty())
+    }
+
     /// The last time that a run of the sample shows, s after its drive began.
     pub fn longest_s(&self) -> f64 {
         let own = self.sources.iter().filter(|source| source.sample == 0);
