@@ -50,9 +50,12 @@ pub fn read(columns: Vec<Column>) -> Result<Reading, Issue> {
             .at(format!("column {}", other.name))
             .mend("give all columns the same length; NaN or None is an empty cell"));
     }
-    let header = |column: &Column| match column.are_durations {
-        true => Header::of_durations(&column.name),
-        false => Header::parse(&column.name),
+    let header = |column: &Column| {
+        if column.are_durations {
+            Header::of_durations(&column.name)
+        } else {
+            Header::parse(&column.name)
+        }
     };
     let headers = columns.iter().map(header).collect();
     let cells = CellTable {

@@ -133,11 +133,12 @@ impl Stretch {
         let lasting_s = end_s - self.response.start_s;
         let volts = self.model.voltages_after(self.level, &self.volts, lasting_s);
         let branches = self.model.branches.iter().zip(&next.branches);
-        let at_one_charge = |(volts, (own, next)): (f64, (&Branch, &Branch))| match own.capacitance_f_per_cm2
-            == next.capacitance_f_per_cm2
-        {
-            true => volts,
-            false => volts * own.capacitance_f_per_cm2 / next.capacitance_f_per_cm2,
+        let at_one_charge = |(volts, (own, next)): (f64, (&Branch, &Branch))| {
+            if own.capacitance_f_per_cm2 == next.capacitance_f_per_cm2 {
+                volts
+            } else {
+                volts * own.capacitance_f_per_cm2 / next.capacitance_f_per_cm2
+            }
         };
         (
             volts.into_iter().zip(branches).map(at_one_charge).collect(),
