@@ -47,16 +47,14 @@ impl Store {
     pub fn put_shown_of_kind(&self, rows: &PublishedRows) -> Result<(), StoreError> {
         self.check_in_place()?;
         let put = || -> rusqlite::Result<()> {
-            let transaction =
-                rusqlite::Transaction::new_unchecked(&self.connection, TransactionBehavior::Immediate)?;
             let sql = "SELECT document FROM shown WHERE kind = ?1 ORDER BY ordinal";
-            let stand: Vec<String> = transaction
-                .prepare_cached(sql)?
-                .query_map([rows.0], |row| row.get(0))?
-                .collect::<rusqlite::Result<_>>()?;
-            if stand == rows.1 {
+            let mut stand = self.connection.prepare_cached(sql)?;
+            let stand = stand.query_map([rows.0], |row| row.get(0))?;
+            if stand.collect::<rusqlite::Result<Vec<String>>>()? == rows.1 {
                 return Ok(());
             }
+            let transaction =
+                rusqlite::Transaction::new_unchecked(&self.connection, TransactionBehavior::Immediate)?;
             transaction.execute("DELETE FROM shown WHERE kind = ?1", [rows.0])?;
             insert(&transaction, rows)?;
             transaction.commit()
