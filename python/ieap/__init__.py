@@ -105,7 +105,7 @@ def fit(
         readings: a `Table`; a table of any library that speaks Arrow; or a mapping of names to one-dimensional arrays of
             one length. Names are as in a plain run table, with units: ``time_s``, ``current_a`` (or ``I/mA``, ...),
             ``curvature_per_cm``, ``tip_displacement_mm``, ``voltage_v``. NaN or None is an empty cell. Time zero is the
-            voltage step.
+            voltage step. Arrays of pint, astropy and xarray are converted to the unit that their name says.
         area_cm2: active area of the strip, cm2; or length and width.
         length_mm: free length, mm. A tip displacement gives a curvature only with it.
         width_mm: width, mm.
@@ -314,6 +314,16 @@ def _known(fit: Fit) -> dict[str, float]:
     return {key: own.value for key, own in needed.items() if own.value is not None}
 
 
+def _course_of(rows: Sequence[tuple[float, float]], one: float | None) -> list[tuple[float, float]]:
+    """A humidity that changes: times (s) that increase, and percents."""
+    course = [(float(time_s), float(percent)) for time_s, percent in rows]
+    increase = all(later[0] > earlier[0] for earlier, later in zip(course, course[1:]))
+    if course and (one is not None or not increase or not all(0.0 <= percent <= 100.0 for _, percent in course)):
+        needed = "give rows of time (s), which increases, and percent, 0 to 100; or one humidity"
+        raise InputError(f"found {rows!r}", "relative_humidity_course", needed, "bad-argument")
+    return course
+
+
 def fit_many(
     rows: Any,
     *,
@@ -481,6 +491,7 @@ class Campaign:
         at_s: Sequence[float] = (),
         environment: str | None = None,
         relative_humidity_percent: float | None = None,
+        relative_humidity_course: Sequence[tuple[float, float]] = (),
         temperature_c: float | None = None,
         age_h: float | None = None,
         length_mm: Measured | None = None,
@@ -493,8 +504,10 @@ class Campaign:
 
         `sample` names the strip whose fits tell; `voltage_v` is a step at time zero, `drive` start (s) and voltage (V) of each
         segment; `at_s` the times asked for. Another size has ``length_mm=12`` or, with its standard error, ``(12, 0.1)``.
-        A humidity, temperature or age between those of the runs is reached by the laws across them.
+        A humidity, temperature or age between those of the runs is reached by the laws across them; `relative_humidity_course`,
+        rows of time (s) and percent, each held until the next, is one that changes meanwhile.
         """
+        humidity = _course_of(relative_humidity_course, relative_humidity_percent)
         if (voltage_v is None) == (drive is None):
             found = f"voltage_v is {voltage_v}, drive is {drive!r}"
             raise InputError(found, "drive", "give one of both: voltage_v=1.5, or drive=[(0, 1.5), (300, 0.0)]", "bad-argument")
@@ -507,7 +520,8 @@ class Campaign:
             electrode_resistance_ohm_per_sq=electrode_resistance_ohm_per_sq,
         )
         times = [float(time_s) for time_s in at_s]
-        return json.loads(self._native.predict(sample, environment, numbers, (baseline_v, segments), times))
+        of = (sample, environment, humidity)
+        return json.loads(self._native.predict(of, numbers, (baseline_v, segments), times))
 
     def drive(
         self,
@@ -522,6 +536,7 @@ class Campaign:
         onset_v: Measured | None = None,
         environment: str | None = None,
         relative_humidity_percent: float | None = None,
+        relative_humidity_course: Sequence[tuple[float, float]] = (),
         temperature_c: float | None = None,
         age_h: float | None = None,
         length_mm: Measured | None = None,
@@ -532,7 +547,9 @@ class Campaign:
         """The voltage that brings the tip to a wanted course, open loop: the document `ieap/drive/2` of the program.
 
         The tip is held at `hold_mm` for `for_s`, or follows `course`, rows of time (s) and displacement (mm).
+        `relative_humidity_course` is as of `predict`.
         """
+        humidity = _course_of(relative_humidity_course, relative_humidity_percent)
         is_held = hold_mm is not None and for_s is not None
         if is_held == (course is not None) or (hold_mm is None) != (for_s is None):
             found = f"hold_mm={hold_mm}, for_s={for_s}, course={course!r}"
@@ -552,7 +569,7 @@ class Campaign:
             age_h=age_h,
             electrode_resistance_ohm_per_sq=electrode_resistance_ohm_per_sq,
         )
-        return json.loads(self._native.drive(sample, environment, numbers, rows))
+        return json.loads(self._native.drive((sample, environment, humidity), numbers, rows))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Campaign, (self._native.folder,)

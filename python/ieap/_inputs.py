@@ -77,13 +77,42 @@ def _column(name: str) -> str:
     return f"column {name}"
 
 
+def _with_unit(name: str, values: Any) -> tuple[str, Any]:
+    """A column whose array has a unit of its own (pint, astropy, xarray), as plain numbers under a name that says it.
+
+    Numbers are converted to the unit that the name says; where it says none, the array's own is put into the name.
+    """
+    wanted = _native.unit_of(name)
+    if hasattr(values, "m_as") and hasattr(values, "units"):  # pint
+        own, converted, plain = f"{values.units:~C}" or "1", values.m_as, values.magnitude
+    elif hasattr(values, "to_value") and hasattr(values, "unit"):  # astropy
+        own, converted, plain = str(values.unit) or "1", values.to_value, values.value
+    elif hasattr(values, "attrs") and hasattr(values, "dims") and hasattr(values, "values"):  # xarray
+        own, plain = str(values.attrs.get("units", "")), values.values
+        if own and wanted and own != wanted:
+            found = f"its attribute says {own}, and its name says {wanted}"
+            raise InputError(found, _column(name), "name the unit that the numbers are in", "contradiction")
+        return (f"{name} ({own})", plain) if own and not wanted else (name, plain)
+    else:
+        return name, values
+    if not wanted:
+        return f"{name} ({own})", plain
+    try:
+        return name, converted(wanted)
+    except Exception as error:  # of a class of their own
+        found = f"its numbers are in {own}, and its name says {wanted}: {error}"
+        raise InputError(found, _column(name), "name the unit that the numbers are in", "contradiction") from None
+
+
 def table_of(readings: Any) -> _native.Table:
     """Readings in any form as a table of the engine."""
     if isinstance(readings, _native.Table):
         return readings
+    if hasattr(readings, "data_vars") and hasattr(readings, "coords"):  # xarray: the times are a coordinate
+        readings = {**readings.coords, **readings.data_vars}
     if isinstance(readings, Mapping):
-        columns = [(str(name), *_doubles(str(name), values)) for name, values in readings.items()]
-        return _native.arrays(columns)
+        named = (_with_unit(str(name), values) for name, values in readings.items())
+        return _native.arrays([(name, *_doubles(name, values)) for name, values in named])
     return _native.from_arrow(readings)
 
 
@@ -101,11 +130,13 @@ def stated(
     """What is stated of readings."""
     words = {key: _word(key, value) for key, value in (tags or {}).items()}
     if voltage_v is not None:
-        said = _word("voltage_v", voltage_v)
-        if float(words.get("voltage_v", said)) != float(said):
-            found = f"voltage_v is {said}, and tags say {words['voltage_v']}"
+        volts = _number("voltage_v", voltage_v)
+        if not isfinite(volts):
+            raise InputError(f"found {voltage_v!r}", "voltage_v", "give a voltage, V, or leave it out", "bad-argument")
+        tagged = words.setdefault("voltage_v", repr(volts))
+        if _number("tag voltage_v", tagged) != volts:
+            found = f"voltage_v is {volts!r}, and tags say {tagged}"
             raise InputError(found, "voltage_v", "state it once", "contradiction")
-        words["voltage_v"] = said
     segments = segments_of(drive)
     if baseline_v and not segments:
         found = f"baseline_v is {baseline_v} V, and there is no drive that it stands before"
@@ -139,6 +170,13 @@ def threads_of(threads: int | None) -> int | None:
     if threads > cores:
         warn(f"threads={threads}: more than the {cores} cores are of no use; {cores} are taken", stacklevel=3)
     return min(threads, cores)
+
+
+def _number(key: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"found {value!r}", key, "give a number", "bad-argument") from None
 
 
 def _word(key: str, value: Any) -> str:
@@ -192,6 +230,10 @@ def known_of(known: "Mapping[str, Known] | None") -> list[str]:
             continue
         for value, error in numbers_of(**{key: own}).values():
             has_error = isinstance(own, (tuple, list))
+            if error >= abs(value) and has_error:  # nothing would be known; two limits are meant
+                found = f"{own!r} is {value:g} with a standard error of {error:g}, which is no smaller than itself"
+                needed = f"limits are a text: {key}=\"{value:g}..{error:g}\"; a standard error is smaller than its number"
+                raise InputError(found, f"known, {key}", needed, "bad-argument")
             said.append(f"{key}={value!r}±{error!r}" if has_error else f"{key}={value!r}")
     return said
 

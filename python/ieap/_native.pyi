@@ -86,16 +86,14 @@ class Campaign:
     def compare(self, models: Sequence[str]) -> str: ...
     def predict(
         self,
-        sample: str,
-        environment: str | None,
+        of: tuple[str, str | None, Sequence[tuple[float, float]]],
         numbers: Mapping[str, tuple[float, float]],
         drive: tuple[float, Sequence[tuple[float, float | None]]],
         at_s: Sequence[float],
     ) -> str: ...
     def drive(
         self,
-        sample: str,
-        environment: str | None,
+        of: tuple[str, str | None, Sequence[tuple[float, float]]],
         numbers: Mapping[str, tuple[float, float]],
         course: Sequence[tuple[float, float]],
     ) -> str: ...
@@ -106,6 +104,8 @@ def stated_again(document: str) -> Stated: ...
 def program(arguments: Sequence[str]) -> int: ...
 def read(path: str | PathLike[str]) -> list[Table]: ...
 def arrays(columns: Sequence[tuple[str, bytes, int]]) -> Table: ...
+def unit_of(name: str) -> str:
+    """The unit that a column's name says; empty where it says none."""
 def from_arrow(table: Any) -> Table: ...
 def fit(
     name: str,

@@ -1,16 +1,19 @@
 //! Arrow tables to and from other libraries by the PyCapsule interface: no library of theirs is needed, and nothing is copied.
 
 use std::ffi::CStr;
+use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::ffi::{FFI_ArrowArray, FFI_ArrowSchema, from_ffi};
 use arrow_array::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
-use arrow_array::{Array, RecordBatch, RecordBatchIterator, RecordBatchReader, make_array};
-use arrow_schema::{ArrowError, SchemaRef};
+use arrow_array::{
+    Array, ArrayRef, RecordBatch, RecordBatchIterator, RecordBatchOptions, RecordBatchReader, make_array,
+};
+use arrow_schema::{ArrowError, Field, Schema, SchemaRef};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList, PyTuple};
 
-use crate::columns::{list_at, numbers, text_at};
+use crate::columns::{list_at, numbers, plain, text_at};
 use crate::error::bad_argument;
 
 // The names that the interface fixes.
@@ -162,11 +165,37 @@ pub fn schema<'py>(py: Python<'py>, schema: &SchemaRef) -> PyResult<Bound<'py, P
     PyCapsule::new_with_value(py, schema, SCHEMA)
 }
 
-/// The batches of a table of any library that speaks Arrow.
+/// The batches of a table of any library that speaks Arrow, with every column's values in their rows.
 ///
 /// # Errors
 /// `InputError` where it does not, or hands on something else than a table.
 pub fn batches(object: &Bound<'_, PyAny>) -> PyResult<Vec<RecordBatch>> {
+    let told = |error: ArrowError| unusable(object.py(), &error);
+    let handed = handed_on(object)?.into_iter();
+    handed.map(|batch| unpacked(batch).map_err(told)).collect()
+}
+
+/// A batch whose columns hold their values themselves.
+fn unpacked(batch: RecordBatch) -> Result<RecordBatch, ArrowError> {
+    let columns: Vec<ArrayRef> = batch.columns().iter().map(plain).collect();
+    let schema = batch.schema();
+    let fields = schema.fields().iter().zip(&columns);
+    let fields: Vec<Field> = fields
+        .map(|(field, column)| {
+            let field = field.as_ref().clone().with_data_type(column.data_type().clone());
+            let may_be_empty = field.is_nullable() || column.null_count() > 0;
+            field.with_nullable(may_be_empty)
+        })
+        .collect();
+    let schema = Schema::new_with_metadata(fields, schema.metadata().clone());
+    RecordBatch::try_new_with_options(
+        Arc::new(schema),
+        columns,
+        &RecordBatchOptions::new().with_row_count(Some(batch.num_rows())),
+    )
+}
+
+fn handed_on(object: &Bound<'_, PyAny>) -> PyResult<Vec<RecordBatch>> {
     let py = object.py();
     if object.hasattr("__arrow_c_stream__")? {
         let capsule = object

@@ -164,8 +164,7 @@ impl Campaign {
     fn predict(
         &self,
         py: Python<'_>,
-        sample: String,
-        environment: Option<String>,
+        of: forward::Strip,
         numbers: Numbers,
         drive: (f64, Vec<(f64, Option<f64>)>),
         at_s: Vec<f64>,
@@ -174,7 +173,7 @@ impl Campaign {
             let remedy = "give a segment or more: [(0, 1.5), (300, 0.0)]";
             return Err(bad_argument(py, "drive", "found no segment", remedy));
         };
-        let predict = forward::predict(sample, environment, &numbers, drive, at_s);
+        let predict = forward::predict(of, &numbers, drive, at_s);
         let document = self.ask(py, |context| predict.run(context))?;
         json(py, &document)
     }
@@ -183,12 +182,11 @@ impl Campaign {
     fn drive(
         &self,
         py: Python<'_>,
-        sample: String,
-        environment: Option<String>,
+        of: forward::Strip,
         numbers: Numbers,
         course: Vec<(f64, f64)>,
     ) -> PyResult<String> {
-        let drive = forward::drive(sample, environment, &numbers, course);
+        let drive = forward::drive(of, &numbers, course);
         let document = self.ask(py, |context| drive.run(context))?;
         json(py, &document)
     }

@@ -1,17 +1,25 @@
 //! Arrow columns as numbers and words.
 
+use std::sync::Arc;
+
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
-    ArrowPrimitiveType, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type,
-    UInt16Type, UInt32Type, UInt64Type,
+    ArrowPrimitiveType, Decimal32Type, Decimal64Type, Decimal128Type, DurationMicrosecondType,
+    DurationMillisecondType, DurationNanosecondType, DurationSecondType, Float16Type, Float32Type,
+    Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
 };
-use arrow_array::{Array, ArrayRef, PrimitiveArray};
-use arrow_schema::DataType;
+use arrow_array::{Array, ArrayRef, Float64Array, PrimitiveArray, StringArray};
+use arrow_schema::{DataType, TimeUnit};
 
-/// The cells of a column of numbers or flags; an empty one is NaN. None where the column holds something else.
+/// The cells of a column of numbers, flags or durations (s); an empty one is NaN. None where the column holds something else.
 pub fn numbers(array: &dyn Array) -> Option<Vec<f64>> {
     use DataType as T;
     Some(match array.data_type() {
+        T::Float16 => of(array.as_primitive::<Float16Type>(), f64::from),
+        T::Decimal32(_, scale) => fixed(array.as_primitive::<Decimal32Type>(), *scale, |x| f64::from(x)),
+        T::Decimal64(_, scale) => fixed(array.as_primitive::<Decimal64Type>(), *scale, |x| x as f64),
+        T::Decimal128(_, scale) => fixed(array.as_primitive::<Decimal128Type>(), *scale, |x| x as f64),
+        T::Duration(unit) => durations(array, *unit),
         T::Float64 => of(array.as_primitive::<Float64Type>(), |x| x),
         T::Float32 => of(array.as_primitive::<Float32Type>(), f64::from),
         T::Int8 => of(array.as_primitive::<Int8Type>(), f64::from),
@@ -40,6 +48,62 @@ fn of<T: ArrowPrimitiveType>(array: &PrimitiveArray<T>, number: fn(T::Native) ->
     }
 }
 
+/// Numbers of fixed point: whole ones over a power of ten, which rounds once.
+fn fixed<T: ArrowPrimitiveType>(
+    array: &PrimitiveArray<T>,
+    scale: i8,
+    number: fn(T::Native) -> f64,
+) -> Vec<f64> {
+    let ten = 10f64.powi(i32::from(scale.unsigned_abs()));
+    let at_scale = |whole: f64| if scale < 0 { whole * ten } else { whole / ten };
+    of(array, number).into_iter().map(at_scale).collect()
+}
+
+fn durations(array: &dyn Array, unit: TimeUnit) -> Vec<f64> {
+    let (numbers, per_s) = match unit {
+        TimeUnit::Second => (of(array.as_primitive::<DurationSecondType>(), |x| x as f64), 1.0),
+        TimeUnit::Millisecond => (
+            of(array.as_primitive::<DurationMillisecondType>(), |x| x as f64),
+            1e3,
+        ),
+        TimeUnit::Microsecond => (
+            of(array.as_primitive::<DurationMicrosecondType>(), |x| x as f64),
+            1e6,
+        ),
+        TimeUnit::Nanosecond => (
+            of(array.as_primitive::<DurationNanosecondType>(), |x| x as f64),
+            1e9,
+        ),
+    };
+    numbers.into_iter().map(|number| number / per_s).collect()
+}
+
+/// A column that names its values by their number among a few, as the values themselves; any other as it is.
+pub fn plain(column: &ArrayRef) -> ArrayRef {
+    let DataType::Dictionary(_, _) = column.data_type() else {
+        return column.clone();
+    };
+    let dictionary = column.as_any_dictionary();
+    let values = dictionary.values();
+    if values.is_empty() {
+        return Arc::new(Float64Array::new_null(column.len()));
+    }
+    let keys = dictionary.normalized_keys();
+    let key = |row: usize| (!column.is_null(row)).then(|| keys[row]);
+    let rows = 0..column.len();
+    if is_text(values.data_type()) {
+        let texts = rows.map(|row| key(row).and_then(|key| text_at(values, key)));
+        return Arc::new(texts.collect::<StringArray>());
+    }
+    match numbers(values) {
+        Some(numbers) => Arc::new(
+            rows.map(|row| key(row).map(|key| numbers[key]))
+                .collect::<Float64Array>(),
+        ),
+        None => column.clone(),
+    }
+}
+
 /// The word in a row of a column of texts; none where the cell is empty or the column holds something else.
 pub fn text_at(array: &dyn Array, row: usize) -> Option<&str> {
     if array.is_null(row) {
@@ -51,6 +115,11 @@ pub fn text_at(array: &dyn Array, row: usize) -> Option<&str> {
         DataType::Utf8View => Some(array.as_string_view().value(row)),
         _ => None,
     }
+}
+
+/// Whether a column holds durations, which have a unit of their own.
+pub fn is_duration(kind: &DataType) -> bool {
+    matches!(kind, DataType::Duration(_))
 }
 
 /// Whether a column holds texts.
@@ -66,15 +135,16 @@ pub fn is_list(kind: &DataType) -> bool {
     )
 }
 
-/// The list in a row; none where the cell is empty.
+/// The list in a row, with its values in their places; none where the cell is empty.
 pub fn list_at(array: &dyn Array, row: usize) -> Option<ArrayRef> {
     if array.is_null(row) {
         return None;
     }
-    match array.data_type() {
-        DataType::List(_) => Some(array.as_list::<i32>().value(row)),
-        DataType::LargeList(_) => Some(array.as_list::<i64>().value(row)),
-        DataType::FixedSizeList(_, _) => Some(array.as_fixed_size_list().value(row)),
-        _ => None,
-    }
+    let list = match array.data_type() {
+        DataType::List(_) => array.as_list::<i32>().value(row),
+        DataType::LargeList(_) => array.as_list::<i64>().value(row),
+        DataType::FixedSizeList(_, _) => array.as_fixed_size_list().value(row),
+        _ => return None,
+    };
+    Some(plain(&list))
 }

@@ -25,10 +25,14 @@ fn value(numbers: &Numbers, key: &str) -> Option<f64> {
     numbers.get(key).map(|number| number.0)
 }
 
-fn strip(sample: String, environment: Option<String>, numbers: &Numbers) -> AskedStrip {
+/// A strip and its surroundings: its sample, their environment, and a humidity that changes, rows of time (s) and percent.
+pub type Strip = (String, Option<String>, Vec<(f64, f64)>);
+
+fn strip((sample, environment, humidity_course): Strip, numbers: &Numbers) -> AskedStrip {
     AskedStrip {
         sample,
         environment,
+        humidity_course,
         relative_humidity_percent: value(numbers, "relative_humidity_percent"),
         temperature_c: value(numbers, "temperature_c"),
         age_h: value(numbers, "age_h"),
@@ -41,33 +45,22 @@ fn strip(sample: String, environment: Option<String>, numbers: &Numbers) -> Aske
 }
 
 /// What is asked of `ieap predict`.
-pub fn predict(
-    sample: String,
-    environment: Option<String>,
-    numbers: &Numbers,
-    drive: Drive,
-    at_s: Vec<f64>,
-) -> Predict {
+pub fn predict(of: Strip, numbers: &Numbers, drive: Drive, at_s: Vec<f64>) -> Predict {
     Predict {
-        strip: strip(sample, environment, numbers),
+        strip: strip(of, numbers),
         drive,
         at_s,
     }
 }
 
 /// What is asked of `ieap drive`; a course of one row is held for as long as its time says.
-pub fn drive(
-    sample: String,
-    environment: Option<String>,
-    numbers: &Numbers,
-    course: Vec<(f64, f64)>,
-) -> DriveCourse {
+pub fn drive(of: Strip, numbers: &Numbers, course: Vec<(f64, f64)>) -> DriveCourse {
     let wanted = match course[..] {
         [(for_s, tip_mm)] => Wanted::Hold { tip_mm, for_s },
         _ => Wanted::Course(course),
     };
     DriveCourse {
-        strip: strip(sample, environment, numbers),
+        strip: strip(of, numbers),
         wanted,
         every_s: value(numbers, "every_s"),
         max_voltage_v: value(numbers, "max_voltage_v"),

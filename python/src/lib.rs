@@ -40,6 +40,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(program, module)?)?;
     module.add_function(wrap_pyfunction!(table::read, module)?)?;
     module.add_function(wrap_pyfunction!(table::arrays, module)?)?;
+    module.add_function(wrap_pyfunction!(table::unit_of, module)?)?;
     module.add_function(wrap_pyfunction!(table::from_arrow, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(fit::diagnose, module)?)?;

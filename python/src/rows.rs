@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use arrow_array::{Array, RecordBatch};
 use ieap::domain::{Issue, Severity};
-use ieap::pipeline::standalone::in_memory::{self, CampaignRow, RunAtHand, Stated};
+use ieap::pipeline::standalone::in_memory::{self, CampaignRow, Column, RunAtHand, Stated};
 
 use crate::campaign_rows;
-use crate::columns::{is_list, is_text, list_at, numbers, text_at};
+use crate::columns::{is_duration, is_list, is_text, list_at, numbers, text_at};
 use crate::stated::drive_of;
 
 /// Column with the name of the run.
@@ -93,7 +93,7 @@ fn stated(
     let list = |key: &str| -> Result<Vec<f64>, Issue> {
         let column = batch.column_by_name(key);
         let found = column.map(|column| readings(column, row, key)).transpose()?;
-        Ok(found.flatten().map(|(_, numbers)| numbers).unwrap_or_default())
+        Ok(found.flatten().map(|own| own.numbers).unwrap_or_default())
     };
     let (starts, voltages) = (list(DRIVE_START_S)?, list(DRIVE_VOLTAGE_V)?);
     if starts.len() != voltages.len() {
@@ -135,12 +135,15 @@ fn as_warning(issue: Issue) -> Issue {
 }
 
 /// The readings of a row; none where it has none.
-fn readings(column: &dyn Array, row: usize, name: &str) -> Result<Option<(String, Vec<f64>)>, Issue> {
+fn readings(column: &dyn Array, row: usize, name: &str) -> Result<Option<Column>, Issue> {
     let Some(list) = list_at(column, row) else {
         return Ok(None);
     };
     match numbers(&list) {
-        Some(numbers) => Ok(Some((name.to_owned(), numbers))),
+        Some(numbers) => Ok(Some(Column {
+            are_durations: is_duration(list.data_type()),
+            ..Column::new(name.to_owned(), numbers)
+        })),
         None => {
             let message = format!("a list of {} holds no readings", list.data_type());
             let issue = Issue::error("column-unusable", message).at(format!("column {name}"));

@@ -67,7 +67,10 @@ pub fn simulate(
         let open = curves.is_open.iter().map(|&is_open| f64::from(u8::from(is_open)));
         columns.push(("open_circuit".to_owned(), open.collect()));
     }
-    let read = in_memory::arrays(columns).map_err(|issue| refused(py, &issue))?;
+    let columns = columns
+        .into_iter()
+        .map(|(name, numbers)| in_memory::Column::new(name, numbers));
+    let read = in_memory::arrays(columns.collect()).map_err(|issue| refused(py, &issue))?;
     Ok(Table {
         // What was stated of the simulation is known of its readings: the strip, and when the voltage changed.
         stated: Some(Arc::new(stated.inner.clone())),

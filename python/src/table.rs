@@ -9,12 +9,12 @@ use arrow_buffer::{Buffer, ScalarBuffer};
 use arrow_schema::{ArrowError, DataType, Field, Schema};
 use bytes::Bytes;
 use ieap::domain::{Channel, Issue, Quantity};
-use ieap::pipeline::standalone::in_memory::{self, ReadTable};
+use ieap::pipeline::standalone::in_memory::{self, Column, ReadTable};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule};
 
 use crate::arrow::{batches, schema, stream};
-use crate::columns::numbers;
+use crate::columns::{is_duration, numbers};
 use crate::error::{bad_argument, failed, fault, refused};
 use crate::pickled;
 
@@ -204,13 +204,19 @@ pub fn arrays(py: Python<'_>, columns: Vec<(String, Bound<'_, PyBytes>, usize)>)
         .collect();
     let columns = columns
         .iter()
-        .map(|(name, bytes, _)| (name.clone(), doubles(bytes)))
+        .map(|(name, bytes, _)| Column::new(name.clone(), doubles(bytes)))
         .collect();
     let mut read = py
         .detach(|| in_memory::arrays(columns))
         .map_err(|issue| refused(py, &issue))?;
     read.issues.extend(told);
     Ok(Table::new(read, "arrays".to_owned()))
+}
+
+/// The unit that a column's name says; empty where it says none.
+#[pyfunction]
+pub fn unit_of(name: &str) -> String {
+    in_memory::unit_of(name)
 }
 
 /// A table of any library that speaks Arrow; its columns are named as those of a plain run table.
@@ -222,7 +228,10 @@ pub fn from_arrow(py: Python<'_>, table: &Bound<'_, PyAny>) -> PyResult<Table> {
     for (index, field) in schema.fields().iter().enumerate() {
         let parts: Option<Vec<Vec<f64>>> = batches.iter().map(|batch| numbers(batch.column(index))).collect();
         match parts {
-            Some(parts) => columns.push((field.name().clone(), parts.concat())),
+            Some(parts) => columns.push(Column {
+                are_durations: is_duration(field.data_type()),
+                ..Column::new(field.name().clone(), parts.concat())
+            }),
             None => {
                 let message = format!("a column of {} is not read", field.data_type());
                 unread.push(Issue::note("column-unread", message).at(format!("column {}", field.name())));

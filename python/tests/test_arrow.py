@@ -75,6 +75,25 @@ def test_tables_of_others_give_the_same_fit(table, library):
     assert ieap.fit(other, **STRIP).to_dict()["parameters"] == own
 
 
+def test_every_kind_of_number_is_read(table):
+    import decimal
+
+    arrow = pa.table(table)
+    known = {key: own.value for key, own in ieap.fit(arrow, **STRIP).parameters.items()}
+    times = pa.array([round(1e6 * own) for own in table.column("time_s")], pa.duration("us"))
+    cents = [decimal.Decimal(round(1e9 * own)).scaleb(-9) for own in table.column("current_a")]
+    others = {
+        "time": times,
+        "voltage_v": arrow["voltage_v"].combine_chunks().dictionary_encode(),
+        "current_a": pa.array(cents, pa.decimal128(20, 9)),
+        "curvature_per_cm": arrow["curvature_per_cm"].cast(pa.float16()),
+    }
+    fit = ieap.fit(pa.table(others), **STRIP)
+    assert not [issue for issue in fit.issues if issue["code"] == "column-unread"], fit.issues
+    for key in ("r1_ohm_cm2", "c1_f_per_cm2"):
+        assert fit[key].value == pytest.approx(known[key], rel=1e-3)
+
+
 def test_a_column_that_is_no_number_is_pointed_out(table):
     arrow = pa.table(table).append_column("note", pa.array(["x"] * len(table)))
     issues = ieap.fit(arrow, **STRIP).issues

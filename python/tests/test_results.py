@@ -57,6 +57,12 @@ def test_what_is_known_is_taken_and_said():
     for known in ({"r1_ohm_cm2": "much"}, {"r1_ohm_cm2": (1.0, -1.0)}, {"volts": 1.0}):
         with pytest.raises(ieap.InputError):
             ieap.fit(table, known=known)
+    # Two limits are no number with its error.
+    with pytest.raises(ieap.InputError, match="standard error of 200") as raised:
+        ieap.fit(table, known={"r1_ohm_cm2": (60, 200)})
+    assert '"60..200"' in raised.value.remedy
+    between = ieap.fit(table, known={"r1_ohm_cm2": "60..200"})
+    assert "known-parameter" in {issue["code"] for issue in between.issues}
 
 
 def _rows(table):

@@ -101,6 +101,11 @@ def test_what_is_predicted_and_driven(campaign, fits):
         own.predict("S", drive=[])
     with pytest.raises(ieap.InputError, match="its error is not used here"):
         own.predict("S", voltage_v=1.5, relative_humidity_percent=(40, 2))
+    for wrong in ([(0, 40), (0, 50)], [(0, 130)]):
+        with pytest.raises(ieap.InputError, match="relative_humidity_course"):
+            own.predict("S", voltage_v=1.5, relative_humidity_course=wrong)
+    with pytest.raises(ieap.InputError, match="rh-course|humidity"):
+        own.predict("S", voltage_v=1.5, relative_humidity_course=[(0, 40), (60, 50)])
     with pytest.raises(ieap.InputError, match="no-such-sample"):
         own.predict("no-such-sample", voltage_v=1.5)
 

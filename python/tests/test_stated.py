@@ -109,6 +109,9 @@ def test_what_contradicts_itself_names_both():
         ({"area_cm2": 0.1, "baseline_v": 1}, ["baseline_v is 1", "drive"]),
         ({"area_cm2": 0.1, "drive": [(0, 1.5), (0, 2)]}, ["0.0 s after 0.0 s"]),
         ({"area_cm2": 0.1, "drive": 2.0}, ["found 2.0"]),
+        ({"area_cm2": 0.1, "voltage_v": float("nan")}, ["found nan", "voltage_v"]),
+        ({"area_cm2": 0.1, "voltage_v": "two"}, ["found 'two'", "voltage_v"]),
+        ({"area_cm2": 0.1, "voltage_v": 2, "tags": {"voltage_v": "two"}}, ["found 'two'", "voltage_v"]),
     ]:
         with pytest.raises(ieap.InputError) as raised:
             ieap.fit(columns, **stated)
@@ -158,3 +161,61 @@ def test_readings_win_over_a_stated_drive_that_they_contradict():
     fit = ieap.fit(columns, drive=[(0.0, 3.0)], **STRIP)
     assert "drive-contradicted" in {issue["code"] for issue in fit.issues}
     assert abs(fit["r2_ohm_cm2"].value / PARAMETERS["r2_ohm_cm2"] - 1) < 0.05
+
+
+class _OfPint:
+    """What is asked of a quantity of pint."""
+
+    def __init__(self, numbers, unit, factors):
+        self.magnitude, self.units, self.factors = numbers, _Unit(unit), factors
+
+    def m_as(self, unit):
+        if unit not in self.factors:
+            raise ValueError(f"Cannot convert to {unit}")
+        return [number * self.factors[unit] for number in self.magnitude]
+
+
+class _Unit(str):
+    def __format__(self, spec):
+        assert spec == "~C"
+        return str(self)
+
+
+def test_arrays_with_units_of_their_own_are_converted_or_refused():
+    table = ieap.simulate(PARAMETERS, drive=[(0, 2.0)], area_cm2=0.1, noise=NOISE)
+    columns = plain(table)
+    known = ieap.fit(columns, area_cm2=0.1).parameters
+    milli = {
+        "time_s": _OfPint([1e3 * own for own in columns["time_s"]], "ms", {"s": 1e-3}),
+        "current": _OfPint([1e3 * own for own in columns["current_a"]], "mA", {}),
+    }
+    rest = {name: columns[name] for name in ("voltage_v", "curvature_per_cm")}
+    found = ieap.fit({**milli, **rest}, area_cm2=0.1)
+    assert found["r1"].value == pytest.approx(known["r1_ohm_cm2"].value, rel=1e-6)
+    with pytest.raises(ieap.InputError, match="in V, and its name says A") as raised:
+        ieap.fit({**columns, "current_a": _OfPint(columns["current_a"], "V", {})}, area_cm2=0.1)
+    assert raised.value.place == "column current_a" and raised.value.remedy
+
+
+@pytest.mark.parametrize("library", ["pint", "astropy", "xarray"])
+def test_quantities_of_other_libraries_give_the_same_fit(library):
+    numpy = pytest.importorskip("numpy")
+    table = ieap.simulate(PARAMETERS, drive=[(0, 2.0)], area_cm2=0.1, noise=NOISE)
+    columns = {name: numpy.array(values) for name, values in plain(table).items()}
+    known = ieap.fit(columns, area_cm2=0.1)["r1"].value
+    rest = {name: columns[name] for name in ("voltage_v", "curvature_per_cm")}
+    time_ms, current_ma = 1e3 * columns["time_s"], 1e3 * columns["current_a"]
+    if library == "pint":
+        quantity = pytest.importorskip("pint").UnitRegistry().Quantity
+        given = {**rest, "time_s": quantity(time_ms, "ms"), "current": quantity(current_ma, "mA")}
+    elif library == "astropy":
+        units = pytest.importorskip("astropy.units")
+        given = {**rest, "time_s": time_ms * units.ms, "current": current_ma * units.mA}
+    else:
+        xarray = pytest.importorskip("xarray")
+        arrays = {name: ("time", values) for name, values in rest.items()}
+        arrays["current"] = ("time", current_ma, {"units": "mA"})
+        given = xarray.Dataset(arrays, coords={"time": ("time", columns["time_s"], {"units": "s"})})
+        with pytest.raises(ieap.InputError, match="attribute says mA"):
+            ieap.fit({**columns, "current_a": given["current"]}, area_cm2=0.1)
+    assert ieap.fit(given, area_cm2=0.1)["r1"].value == pytest.approx(known, rel=1e-6)

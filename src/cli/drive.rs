@@ -65,7 +65,7 @@ pub fn run(args: &DriveArgs, output: &Output) -> Result<u8, CliError> {
         },
     };
     let drive = DriveCourse {
-        strip: args.strip.asked(None),
+        strip: args.strip.asked(None)?,
         wanted,
         every_s: args.every,
         max_voltage_v: args.max_voltage,

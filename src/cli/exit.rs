@@ -6,11 +6,11 @@ use crate::pipeline::PipelineError;
 
 /// Done.
 pub const DONE: u8 = 0;
-/// A fault of the program.
+/// A fault of the program ended the verb.
 pub const INTERNAL: u8 = 1;
 /// Wrong usage: an option, an argument, campaign.toml.
 pub const USAGE: u8 = 2;
-/// Done, but some inputs were refused.
+/// Done, but some inputs were refused, or a fault of the program left out a part.
 pub const SOME_REFUSED: u8 = 3;
 /// The database or the disk refused.
 pub const STORAGE: u8 = 4;
@@ -19,10 +19,10 @@ pub const ALARM: u8 = 5;
 
 /// The status of work that was done: whether a fault of the program left out part of it, and whether every input was taken.
 pub fn after(has_fault: bool, all_taken: bool) -> u8 {
-    match (has_fault, all_taken) {
-        (true, _) => INTERNAL,
-        (false, false) => SOME_REFUSED,
-        (false, true) => DONE,
+    if all_taken && !has_fault {
+        DONE
+    } else {
+        SOME_REFUSED
     }
 }
 

@@ -91,13 +91,13 @@ const END: &str = r#".SH "EXIT STATUS"
 done
 .TP
 \fB1\fR
-a fault of the program left something out; please report it
+a fault of the program ended the work; please report it
 .TP
 \fB2\fR
 wrong usage: an option, an argument, campaign.toml
 .TP
 \fB3\fR
-done, but some inputs were refused
+done, but some inputs were refused, or a fault of the program left out a part
 .TP
 \fB4\fR
 the database or the disk refused

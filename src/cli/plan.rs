@@ -120,12 +120,12 @@ fn subject(args: &PlanArgs, drive: Option<&Drive>) -> Result<Subject, CliError> 
     };
     let named = match &args.run {
         Some(run) => Named::Run(run.clone()),
-        None => Named::Sample(AskedStrip {
+        None => Named::Sample(Box::new(AskedStrip {
             sample: args.sample.clone().unwrap_or_default(),
             environment: args.environment.clone(),
             relative_humidity_percent: args.rh,
             ..AskedStrip::default()
-        }),
+        })),
     };
     Ok(Subject::of_campaign(
         &context,

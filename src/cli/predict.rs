@@ -51,7 +51,7 @@ pub fn run(args: &PredictArgs, output: &Output) -> Result<u8, CliError> {
         (None, volts) => Drive::step(volts.unwrap_or_default()),
     };
     let predict = Predict {
-        strip: args.strip.asked(args.modulus),
+        strip: args.strip.asked(args.modulus)?,
         drive,
         at_s: args.times.clone(),
     };

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::exit::CliError;
 use super::typed;
 use crate::domain::typed_value::Measured;
 use crate::pipeline::standalone::forward::AskedStrip;
+use crate::pipeline::standalone::forward::drive_file::read_humidity;
 
 /// A strip of the laminate of a sample.
 #[derive(Debug, Args)]
@@ -20,6 +22,10 @@ pub struct StripArgs {
     /// Relative humidity: of the runs, to 5 %, or between theirs, by the laws across runs [default: all runs]
     #[arg(long, value_name = "PERCENT", value_parser = typed::humidity)]
     rh: Option<f64>,
+    /// A humidity that changes meanwhile, by the laws across runs: a table of time_s and relative_humidity_percent, each row
+    /// held until the next
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "rh")]
+    rh_course: Option<PathBuf>,
     /// Temperature, as 25C: of the runs, to 1 °C, or between theirs, by the laws [default: all runs]
     #[arg(long, value_name = "TEMPERATURE", value_parser = typed::temperature, allow_hyphen_values = true)]
     temperature: Option<f64>,
@@ -43,11 +49,16 @@ pub struct StripArgs {
 
 impl StripArgs {
     /// The strip, with a modulus where one is given.
-    pub fn asked(&self, modulus_mpa: Option<Measured>) -> AskedStrip {
-        AskedStrip {
+    ///
+    /// # Errors
+    /// The file of a humidity that changes cannot be read.
+    pub fn asked(&self, modulus_mpa: Option<Measured>) -> Result<AskedStrip, CliError> {
+        let humidity_course = self.rh_course.as_deref().map(read_humidity).transpose()?;
+        Ok(AskedStrip {
             sample: self.sample.clone(),
             environment: self.environment.clone(),
             relative_humidity_percent: self.rh,
+            humidity_course: humidity_course.unwrap_or_default(),
             temperature_c: self.temperature,
             age_h: self.age.map(|age_s| age_s / 3600.0),
             length_mm: self.length,
@@ -55,7 +66,7 @@ impl StripArgs {
             thickness_mm: self.thickness,
             modulus_mpa,
             electrode_resistance_ohm_per_sq: self.electrode_resistance,
-        }
+        })
     }
 }
 

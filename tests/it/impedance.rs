@@ -279,3 +279,51 @@ fn spectra_are_runs_of_their_own_kind_for_every_verb() {
     assert_eq!(document["spectra"].as_array().unwrap().len(), 1);
     assert_eq!(document["set_aside"][0]["run"], "impedance/CNaf-01.csv");
 }
+
+/// Sweeps of one strip at several voltages, with no step beside them, and times too coarse to tell the frequencies apart.
+#[test]
+fn a_campaign_of_spectra_says_what_it_has_and_draws_the_capacitance() {
+    let folder = CampaignFolder::new();
+    folder.write("impedance/tags.toml", "sample = \"S1\"\nenvironment = \"air\"\n");
+    for (k, volts) in [-1.0, -0.5, 0.0, 0.5, 1.0, 1.0].into_iter().enumerate() {
+        let mut text = "Time (s),Frequency (Hz),Zre (Ohm),Zim (Ohm)\n".to_owned();
+        let mut strip = STRIP;
+        strip[3] *= 1.0 + 0.3 * volts * volts;
+        for (at, (hz, real, imaginary)) in spectrum(&strip, 40 + k as u64).into_iter().enumerate() {
+            writeln!(text, "{},{hz:.6e},{real:.6e},{imaginary:.6e}", at / 8).unwrap();
+        }
+        folder.write(&format!("impedance/s{k}.csv"), text);
+        folder.write(
+            &format!("impedance/s{k}.csv.toml"),
+            format!("voltage_v = {volts:?}\n"),
+        );
+    }
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let document = folder.ieap(&["impedance", "--json"]).expect(0).json();
+    let spectra = document["spectra"].as_array().unwrap();
+    assert_eq!(spectra.len(), 6);
+    for found in spectra {
+        assert_eq!(
+            (&found["frequencies"], &found["best"]),
+            (&45.into(), &"lumped-2".into())
+        );
+    }
+    let page = std::fs::read_to_string(folder.join("report/impedance.html")).unwrap();
+    assert!(page.contains("Capacitance over voltage"));
+    let titles: Vec<&str> = page
+        .split("<h2")
+        .skip(1)
+        .filter(|part| part.contains("S1, air"))
+        .collect();
+    let titles: std::collections::BTreeSet<&str> = titles
+        .iter()
+        .filter_map(|part| part.split_once('>')?.1.split_once("</h2>"))
+        .map(|own| own.0)
+        .collect();
+    assert_eq!(titles.len(), 6, "{titles:?}");
+    let overview = std::fs::read_to_string(folder.join("report/index.html")).unwrap();
+    assert!(
+        overview.contains("6 impedance spectra; no run of a step."),
+        "{overview}"
+    );
+}

@@ -188,6 +188,33 @@ fn the_ten_questions_of_the_page_are_answered() {
 }
 
 #[test]
+fn a_run_has_its_material_and_speaks_before_any_report_and_after_an_old_one() {
+    use rusqlite::types::Value::{Integer, Text};
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.write("runs/b.csv", run_table(2));
+    folder.ieap(&["ingest"]).expect(0);
+    folder.ieap(&["fit"]).expect(0);
+    let of_runs = "SELECT material, standing, speaks FROM runs_view ORDER BY run";
+    let text = |text: &str| Text(text.to_owned());
+    let known = vec![text("CNaf"), text("speaks"), Integer(1)];
+    assert_eq!(query(&folder, of_runs), [known.clone(), known.clone()]);
+    let of_fits =
+        "SELECT count(*) FROM fits_view WHERE parameter = 'r1_ohm_cm2' AND material = 'CNaf' AND speaks = 1";
+    assert_eq!(query(&folder, of_fits), [[Integer(2)]]);
+    // A run that is newer than the report stands in averages like the others; a word against one holds at once.
+    folder.ieap(&["report"]).expect(0);
+    folder.write("runs/c.csv", run_table(3));
+    folder.ieap(&["fit"]).expect(0);
+    folder
+        .ieap(&["drop", "runs/b.csv", "--why", "clip slipped"])
+        .expect(0);
+    let dropped = vec![text("CNaf"), text("dropped"), Integer(0)];
+    assert_eq!(query(&folder, of_runs), [known.clone(), dropped, known]);
+    assert_eq!(query(&folder, of_fits), [[Integer(2)]]);
+}
+
+#[test]
 fn exports_of_findings_laws_and_monitoring_hold_what_the_views_show() {
     let (_above, folder) = world();
     folder.ieap(&["diagnose", "--draws", "99"]).expect(0);

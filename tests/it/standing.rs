@@ -358,7 +358,7 @@ fn a_report_with_a_fault_is_not_made_again_until_something_changes() {
     let written = format!("{}\n{hash}  .faults.json\n", lines.join("\n"));
     std::fs::write(report.join(".written"), written).unwrap();
     // It stands, and the fault is told again.
-    let again = folder.ieap(&["report", "--json"]).expect(1).json();
+    let again = folder.ieap(&["report", "--json"]).expect(3).json();
     assert_eq!(again["report"]["rendered"], false, "{again:#}");
     assert_eq!(again["report"]["faults"][0]["reason"], "a fault");
     folder.write("runs/b.csv", Written::of(2, 2.0).text());

@@ -10,23 +10,56 @@ use crate::text::header::Header;
 /// Stands for a format's id with readings that came from no file.
 pub const FORMAT: &str = "arrays";
 
+/// A column of a caller.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Its name, with a unit.
+    pub name: String,
+    /// Its cells; NaN is an empty one.
+    pub numbers: Vec<f64>,
+    /// Whether they are durations, s: whatever unit the name says.
+    pub are_durations: bool,
+}
+
+impl Column {
+    /// A column of numbers in the unit that its name says.
+    pub fn new(name: String, numbers: Vec<f64>) -> Column {
+        Column {
+            name,
+            numbers,
+            are_durations: false,
+        }
+    }
+}
+
 /// Reads columns with the names that a plain run table may have (`time_s`, `I/mA`, `curvature_per_cm`). A cell that is NaN is
 /// empty, as a slower instrument leaves it. Time zero is the voltage step, as in a plain run table.
 ///
 /// # Errors
 /// No row, no usable time column, time out of order, or columns of different lengths; places are indices and names.
-pub fn read(columns: Vec<(String, Vec<f64>)>) -> Result<Reading, Issue> {
-    let names: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
-    let rows = columns.first().map_or(0, |(_, numbers)| numbers.len());
-    if let Some((name, numbers)) = columns.iter().find(|(_, numbers)| numbers.len() != rows) {
-        let message = format!("it has {} values, and {} has {rows}", numbers.len(), names[0]);
+pub fn read(columns: Vec<Column>) -> Result<Reading, Issue> {
+    let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+    let rows = columns.first().map_or(0, |first| first.numbers.len());
+    if let Some(other) = columns.iter().find(|column| column.numbers.len() != rows) {
+        let message = format!(
+            "it has {} values, and {} has {rows}",
+            other.numbers.len(),
+            names[0]
+        );
         return Err(Issue::error("column-unusable", message)
-            .at(format!("column {name}"))
+            .at(format!("column {}", other.name))
             .mend("give all columns the same length; NaN or None is an empty cell"));
     }
-    let headers = columns.iter().map(|(name, _)| Header::parse(name)).collect();
+    let header = |column: &Column| {
+        if column.are_durations {
+            Header::of_durations(&column.name)
+        } else {
+            Header::parse(&column.name)
+        }
+    };
+    let headers = columns.iter().map(header).collect();
     let cells = CellTable {
-        columns: columns.into_iter().map(|(_, numbers)| column(numbers)).collect(),
+        columns: columns.into_iter().map(|own| column(own.numbers)).collect(),
         line_of_row: (1..=rows as u32).collect(),
         ..CellTable::default()
     };
@@ -135,8 +168,8 @@ mod tests {
     use super::*;
     use ieap_domain::Quantity;
 
-    fn columns(pairs: &[(&str, &[f64])]) -> Vec<(String, Vec<f64>)> {
-        let own = |(name, numbers): &(&str, &[f64])| ((*name).to_owned(), numbers.to_vec());
+    fn columns(pairs: &[(&str, &[f64])]) -> Vec<Column> {
+        let own = |(name, numbers): &(&str, &[f64])| Column::new((*name).to_owned(), numbers.to_vec());
         pairs.iter().map(own).collect()
     }
 
@@ -155,6 +188,16 @@ mod tests {
         assert_eq!(table.channels[0].quantity, Quantity::Current);
         assert_eq!(table.channels[1].len(), 2);
         assert!(table.time_zero_is_step);
+    }
+
+    #[test]
+    fn durations_are_seconds_whatever_their_name_says() {
+        for name in ["time", "t/ms", "Test Time [min]", "time_s"] {
+            let mut given = columns(&[(name, &[0.0, 0.5, 1.0]), ("current_a", &[1.0, 2.0, 3.0])]);
+            given[0].are_durations = true;
+            let table = &read(given).unwrap().tables[0];
+            assert_eq!(table.channels[0].time_s.to_vec(), [0.0, 0.5, 1.0], "{name}");
+        }
     }
 
     #[test]

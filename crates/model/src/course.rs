@@ -2,7 +2,7 @@
 //!
 //! Between samples the voltage is held. What a strip with the step response h does at the samples is then
 //! `y_j = SUM_(k<=j) p_(j-k) V_k` with the pulse response `p_m = h((m+1) dt) - h(m dt)`: a triangular system, solved
-//! from the front where no limit stands in the way. Where one does, the sum of squares within the limits is a quadratic
+//! from the front where no limit stands in the way. A strip that changes meanwhile answers every pulse in its own way. Where one does, the sum of squares within the limits is a quadratic
 //! programme, whose interior is followed to its least (Mehrotra, SIAM Journal on Optimization 2, 575, 1992): the prices
 //! of the limits, which the search finds beside the voltages, say what no course within them goes below.
 
@@ -67,16 +67,41 @@ pub struct WantedAt<'a> {
     pub weight: &'a [f64],
 }
 
+/// What a volt that is held in a sample does at it and at those after it, for every sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pulses(Vec<Vec<f64>>);
+
+impl Pulses {
+    /// Of a strip that answers in every sample as in the first: as many samples as the answer has.
+    pub fn alike(pulse: &[f64]) -> Pulses {
+        Pulses(
+            (0..pulse.len())
+                .map(|k| pulse[..pulse.len() - k].to_vec())
+                .collect(),
+        )
+    }
+
+    /// The answer to each sample, which has a value for it and for each after it.
+    pub fn of(answers: Vec<Vec<f64>>) -> Pulses {
+        Pulses(answers)
+    }
+
+    /// At sample `j` by one that is no later.
+    fn at(&self, j: usize, k: usize) -> f64 {
+        self.0[k][j - k]
+    }
+}
+
 /// Response at the samples to held voltages.
-pub fn response(pulse: &[f64], course_v: &[f64]) -> Vec<f64> {
-    let at = |j: usize| (0..=j).map(|k| pulse[j - k] * course_v[k]).sum();
+pub fn response(pulses: &Pulses, course_v: &[f64]) -> Vec<f64> {
+    let at = |j: usize| (0..=j).map(|k| pulses.at(j, k) * course_v[k]).sum();
     (0..course_v.len()).map(at).collect()
 }
 
 /// Voltages, one a sample, whose response comes nearest to what is wanted; as many as there are wanted values.
 ///
-/// `pulse` has at least as many values, the first of them not zero.
-pub fn course(pulse: &[f64], wanted: WantedAt, limits: &VoltageLimits) -> Course {
+/// `pulses` are of as many samples; at its own sample none of them is zero.
+pub fn course(pulse: &Pulses, wanted: WantedAt, limits: &VoltageLimits) -> Course {
     let (greedy, is_free) = forward(pulse, wanted.value, limits);
     if is_free || greedy.is_empty() {
         return Course {
@@ -97,7 +122,7 @@ pub fn course(pulse: &[f64], wanted: WantedAt, limits: &VoltageLimits) -> Course
     }
 }
 
-fn miss(pulse: &[f64], wanted: WantedAt, course_v: &[f64]) -> f64 {
+fn miss(pulse: &Pulses, wanted: WantedAt, course_v: &[f64]) -> f64 {
     let reached = response(pulse, course_v).into_iter();
     let pairs = reached.zip(wanted.value.iter().zip(wanted.weight));
     pairs
@@ -106,12 +131,12 @@ fn miss(pulse: &[f64], wanted: WantedAt, course_v: &[f64]) -> f64 {
 }
 
 /// Every sample's voltage from those before it, as near as the limits allow; whether none stood in the way.
-fn forward(pulse: &[f64], wanted: &[f64], limits: &VoltageLimits) -> (Vec<f64>, bool) {
+fn forward(pulse: &Pulses, wanted: &[f64], limits: &VoltageLimits) -> (Vec<f64>, bool) {
     let (mut course_v, mut is_free) = (Vec::with_capacity(wanted.len()), true);
     let mut before = limits.from_v;
     for (j, wanted) in wanted.iter().enumerate() {
-        let so_far: f64 = (0..j).map(|k| pulse[j - k] * course_v[k]).sum();
-        let needed = (wanted - so_far) / pulse[0];
+        let so_far: f64 = (0..j).map(|k| pulse.at(j, k) * course_v[k]).sum();
+        let needed = (wanted - so_far) / pulse.at(j, j);
         let allowed = limits.nearest(needed, before);
         is_free &= (allowed - needed).abs() <= 1e-12 * needed.abs();
         course_v.push(allowed);
@@ -189,11 +214,11 @@ impl Rows {
 }
 
 /// `H = P' W^2 P` with the calm added.
-fn squares(pulse: &[f64], weight: &[f64]) -> Symmetric {
+fn squares(pulse: &Pulses, weight: &[f64]) -> Symmetric {
     let n = weight.len();
     let product = |a: usize, b: usize| -> f64 {
         (a.max(b)..n)
-            .map(|j| weight[j] * weight[j] * pulse[j - a] * pulse[j - b])
+            .map(|j| weight[j] * weight[j] * pulse.at(j, a) * pulse.at(j, b))
             .sum()
     };
     let mut squares = Symmetric::from_fn(n, product);
@@ -209,7 +234,7 @@ fn squares(pulse: &[f64], weight: &[f64]) -> Symmetric {
 }
 
 /// Voltages within the limits whose squares are least, and what is found to be possible at best.
-fn search(pulse: &[f64], wanted: WantedAt, limits: &VoltageLimits) -> (Vec<f64>, f64) {
+fn search(pulse: &Pulses, wanted: WantedAt, limits: &VoltageLimits) -> (Vec<f64>, f64) {
     let n = wanted.value.len();
     let (squares, rows) = (squares(pulse, wanted.weight), Rows::of(limits, n));
     let weighed: Vec<f64> = wanted
@@ -218,7 +243,7 @@ fn search(pulse: &[f64], wanted: WantedAt, limits: &VoltageLimits) -> (Vec<f64>,
         .zip(wanted.value)
         .map(|(w, y)| w * w * y)
         .collect();
-    let pull: Vec<f64> = (0..n).map(|k| dot(&pulse[..n - k], &weighed[k..])).collect();
+    let pull: Vec<f64> = (0..n).map(|k| dot(&pulse.0[k], &weighed[k..])).collect();
     let all: f64 = weighed.iter().zip(wanted.value).map(|(a, b)| a * b).sum();
     let mut v = vec![0.0; n];
     let largest = limits.highest_v.abs().max(limits.lowest_v.abs());
@@ -323,12 +348,12 @@ mod tests {
         (wanted, vec![1.0; wanted.len()])
     }
 
-    fn course(pulse: &[f64], (value, weight): (&[f64], Vec<f64>), limits: &VoltageLimits) -> Course {
+    fn course(pulse: &Pulses, (value, weight): (&[f64], Vec<f64>), limits: &VoltageLimits) -> Course {
         let weight = &weight;
         super::course(pulse, WantedAt { value, weight }, limits)
     }
 
-    fn miss(pulse: &[f64], value: &[f64], course_v: &[f64]) -> f64 {
+    fn miss(pulse: &Pulses, value: &[f64], course_v: &[f64]) -> f64 {
         let weight = &vec![1.0; value.len()];
         super::miss(pulse, WantedAt { value, weight }, course_v)
     }
@@ -337,13 +362,11 @@ mod tests {
         (1..=samples).map(|k| EVERY_S * k as f64).collect()
     }
 
-    fn pulse(samples: usize) -> Vec<f64> {
+    fn pulse(samples: usize) -> Pulses {
         let step = cnaf().curvature_per_cm(&Drive::step(1.0), 0.1, &times(samples));
         let before = std::iter::once(0.0).chain(step.iter().copied());
-        step.iter()
-            .zip(before)
-            .map(|(now, before)| now - before)
-            .collect()
+        let pulse = step.iter().zip(before).map(|(now, before)| now - before);
+        Pulses::alike(&pulse.collect::<Vec<f64>>())
     }
 
     fn simulated(course_v: &[f64]) -> Vec<f64> {
@@ -455,7 +478,7 @@ mod tests {
             let off: Vec<f64> = (0..samples)
                 .map(|j| weight[j] * weight[j] * (reached[j] - wanted[j]))
                 .collect();
-            let slope = |k: usize| dot(&pulse[..samples - k], &off[k..]);
+            let slope = |k: usize| dot(&pulse.0[k], &off[k..]);
             v = (0..samples)
                 .map(|k| (v[k] - slope(k) / most).clamp(-1.2, 1.2))
                 .collect();

@@ -3,6 +3,7 @@
 //! bending against them.
 
 pub mod bending;
+pub mod changing;
 pub mod choice;
 pub mod circuit;
 #[cfg(test)]

@@ -32,19 +32,43 @@ impl Store {
             let transaction =
                 rusqlite::Transaction::new_unchecked(&self.connection, TransactionBehavior::Immediate)?;
             transaction.execute("DELETE FROM shown", [])?;
-            let mut insert = transaction.prepare_cached("INSERT INTO shown VALUES (?1, ?2, ?3)")?;
-            for (kind, documents) in rows {
-                for (ordinal, document) in documents.iter().enumerate() {
-                    insert.execute((kind, ordinal as i64, document))?;
-                }
-            }
-            drop(insert);
+            rows.iter().try_for_each(|rows| insert(&transaction, rows))?;
             let sql = "UPDATE shown_of SET changes = ?1, made_at = ?2";
             transaction.execute(sql, (changes as i64, now))?;
             transaction.commit()
         };
         put().map_err(|e| self.failed("storing what is shown", e))
     }
+
+    /// Puts rows in place of those of their kind, where they differ; what the others are made from stays.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn put_shown_of_kind(&self, rows: &PublishedRows) -> Result<(), StoreError> {
+        self.check_in_place()?;
+        let put = || -> rusqlite::Result<()> {
+            let sql = "SELECT document FROM shown WHERE kind = ?1 ORDER BY ordinal";
+            let mut stand = self.connection.prepare_cached(sql)?;
+            let stand = stand.query_map([rows.0], |row| row.get(0))?;
+            if stand.collect::<rusqlite::Result<Vec<String>>>()? == rows.1 {
+                return Ok(());
+            }
+            let transaction =
+                rusqlite::Transaction::new_unchecked(&self.connection, TransactionBehavior::Immediate)?;
+            transaction.execute("DELETE FROM shown WHERE kind = ?1", [rows.0])?;
+            insert(&transaction, rows)?;
+            transaction.commit()
+        };
+        put().map_err(|e| self.failed("storing what is shown", e))
+    }
+}
+
+fn insert(into: &rusqlite::Transaction<'_>, (kind, documents): &PublishedRows) -> rusqlite::Result<()> {
+    let mut insert = into.prepare_cached("INSERT INTO shown VALUES (?1, ?2, ?3)")?;
+    for (ordinal, document) in documents.iter().enumerate() {
+        insert.execute((kind, ordinal as i64, document))?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -72,5 +96,16 @@ mod tests {
             })
             .unwrap();
         assert_eq!(seen, ("C".to_owned(), 0.01, "2026-01-02T00:00:00Z".to_owned()));
+        // Rows of another kind leave them, and what they were made from, as they are.
+        let samples = ("sample", vec!["{\"sample\":\"A\",\"material\":\"M\"}".to_owned()]);
+        store.put_shown_of_kind(&samples).unwrap();
+        store.put_shown_of_kind(&samples).unwrap();
+        let counts =
+            "SELECT count(*) FILTER (WHERE kind = 'law'), count(*) FILTER (WHERE kind = 'sample') FROM shown";
+        let counts: (i64, i64) = store
+            .connection
+            .query_row(counts, [], |row| Ok((row.get(0)?, row.get(1)?)))
+            .unwrap();
+        assert_eq!((counts, store.shown_of().unwrap()), ((1, 1), Some(8)));
     }
 }

@@ -16,27 +16,36 @@ same AS MATERIALIZED (
     FROM result, json_each(document, '$.found.standing_in') WHERE kind = 'same' AND superseded_at IS NULL
 ),
 shown_run AS (
-    SELECT document ->> '$.run' AS path, document ->> '$.material' AS material, document ->> '$.standing' AS standing,
-        document ->> '$.standing_reason' AS reason
+    SELECT document ->> '$.run' AS path, document ->> '$.standing' AS standing, document ->> '$.standing_reason' AS reason
     FROM shown WHERE kind = 'run'
+),
+shown_sample AS (
+    SELECT document ->> '$.sample' AS id, CAST(document ->> '$.material' AS VARCHAR) AS material FROM shown WHERE kind = 'sample'
 )
 SELECT
-    run_id, run, kind, state, sample, material, environment, voltage_v, relative_humidity_percent,
+    run_id, run, kind, state, sample, shown_sample.material AS material, environment, voltage_v, relative_humidity_percent,
     temperature_c, cycle, started_at, area_cm2, length_cm, format, technique, status, revision, ingested_at,
     data_hash, model, converged, r_squared_current, r_squared_curvature, files, dropped_why, condemned_why,
     same_readings_in,
-    -- A person's word holds at once, the rest as of the last report.
-    CASE WHEN dropped_why IS NOT NULL THEN 'dropped' ELSE shown_standing END AS standing,
-    CASE WHEN dropped_why IS NOT NULL THEN dropped_why ELSE shown_reason END AS standing_reason,
-    CASE WHEN dropped_why IS NOT NULL THEN 0 WHEN shown_standing IN ('speaks', 'vouched') THEN 1 WHEN shown_standing IS NOT NULL THEN 0 END
-        AS speaks
+    standing,
+    CASE WHEN dropped_why IS NOT NULL THEN dropped_why WHEN shown_standing IS NOT NULL THEN shown_reason ELSE condemned_why END
+        AS standing_reason,
+    CASE WHEN standing IN ('speaks', 'vouched') THEN 1 WHEN standing IS NOT NULL THEN 0 END AS speaks
+FROM (SELECT *,
+    -- A person's word holds at once, the rest as of the last report; a run that it does not know speaks unless something that is
+    -- known already is against it: of two with the same readings the report decides which is the copy.
+    CASE
+        WHEN dropped_why IS NOT NULL THEN 'dropped'
+        WHEN shown_standing IS NOT NULL THEN shown_standing
+        WHEN condemned_why IS NOT NULL THEN 'condemned'
+        WHEN same_readings_in IS NULL THEN 'speaks'
+    END AS standing
 FROM (SELECT
     run.id AS run_id,
     run.path AS run,
     run.kind,
     CASE WHEN fit.name IS NOT NULL THEN 'fitted' ELSE run.state END AS state,
     CAST(run.tagging ->> '$.chosen.sample' AS VARCHAR) AS sample,
-    (SELECT material FROM shown_run WHERE shown_run.path = run.path) AS material,
     CAST(run.tagging ->> '$.chosen.environment' AS VARCHAR) AS environment,
     CAST(run.tagging ->> '$.chosen.voltage_v' AS DOUBLE) AS voltage_v,
     CAST(run.tagging ->> '$.chosen.relative_humidity_percent' AS DOUBLE) AS relative_humidity_percent,
@@ -68,7 +77,8 @@ FROM (SELECT
     (SELECT reason FROM shown_run WHERE shown_run.path = run.path) AS shown_reason
 FROM run
 LEFT JOIN fit ON fit.name = run.path
-WHERE run.superseded_at IS NULL) AS told;
+WHERE run.superseded_at IS NULL) AS known) AS told
+LEFT JOIN shown_sample ON shown_sample.id = told.sample;
 
 -- One row a run and parameter of its current fit.
 CREATE VIEW fits_view AS

@@ -3,10 +3,13 @@
 
 use std::collections::BTreeMap;
 
+use serde_json::json;
+
 use crate::analysis::standing::{Grounds, decide};
 pub use crate::domain::SetAside;
-use crate::domain::{ModulusLog, RunRecord, Standing};
+use crate::domain::{Campaign, ModulusLog, RunRecord, Sample, Standing};
 use crate::pipeline::{Context, PipelineError};
+use crate::store::PublishedRows;
 
 /// Runs, by whether results are made from them; each by path.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -23,6 +26,12 @@ impl Runs {
         let (speaking, set_aside) = all.into_iter().partition(|run| run.standing.speaks());
         Runs { speaking, set_aside }
     }
+}
+
+/// The material of every sample, as rows for who asks the database in SQL: what a run is of is known before any report.
+pub(crate) fn shown_samples(campaign: &Campaign) -> PublishedRows {
+    let row = |sample: &Sample| json!({ "sample": sample.id, "material": sample.material }).to_string();
+    ("sample", campaign.samples.iter().map(row).collect())
 }
 
 /// Every current actuation run with its standing, by path.

@@ -11,6 +11,7 @@ use crate::analysis::monitoring::{Monitoring, Watched, series::Reaches, words};
 use crate::analysis::run_tables::runs_table;
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, GroupDiagnosis, HeldOutGain, RunRecord};
+use crate::pipeline::campaign::standing;
 use crate::pipeline::documents::campaign::{CampaignEntry, CampaignTest, entries, tests};
 use crate::report;
 use crate::show::{Frame, Sheet};
@@ -190,7 +191,7 @@ fn alarms(own: &Watched, monitoring: &Monitoring) -> Vec<String> {
 pub fn shown(input: &report::Input) -> Vec<PublishedRows> {
     let every: Vec<RunRecord> = input.runs.iter().chain(&input.set_aside).cloned().collect();
     let mut runs = runs_table(&every, &input.campaign);
-    let kept = ["run", "material", "standing", "standing_reason"];
+    let kept = ["run", "standing", "standing_reason"];
     runs.retain(|column| kept.contains(&column.name.as_str()));
     let found = (input.findings.groups.as_slice(), input.findings.runs.as_slice());
     let in_json = |frame: &Frame| {
@@ -200,6 +201,7 @@ pub fn shown(input: &report::Input) -> Vec<PublishedRows> {
     };
     vec![
         ("run", in_json(&runs)),
+        standing::shown_samples(&input.campaign),
         (
             "finding",
             in_json(&findings_table(found, &input.runs, &input.campaign)),

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::domain::{FlaggedStretch, Issue, Quantity};
 use crate::ingest::campaign_file;
-use crate::ingest::formats::{ReadContext, ReadError};
+use crate::ingest::formats::{ReadContext, ReadError, unpacking};
 use crate::ingest::profiles::{self, Choice, Claim, Profile, Reader};
 use crate::ingest::run_sheet;
 use crate::ingest::{Reading, RunTable, StartedAt};
@@ -200,13 +200,15 @@ pub fn inspect_bytes(file: &Path, bytes: &[u8], profiles: &[Profile], context: &
     if let Some(format) = strip::format(bytes) {
         return picture(file, format, bytes);
     }
-    let choice = match profiles::choose(profiles, &name, bytes) {
-        Ok(choice) => choice,
+    let plain = unpacking::of_gzip(&name, bytes, context.max_unpacked_bytes);
+    let chosen = plain.and_then(|(name, bytes)| Ok((profiles::choose(profiles, name, &bytes)?, bytes)));
+    let (choice, bytes) = match chosen {
+        Ok(chosen) => chosen,
         Err(error) => return refused(shown, &[], &error),
     };
     let read = match choice.reader {
-        Reader::Format(format) => format.read(bytes, context),
-        Reader::Profile(profile) => profile.read(bytes, context),
+        Reader::Format(format) => format.read(&bytes, context),
+        Reader::Profile(profile) => profile.read(&bytes, context),
     };
     match read {
         Ok(reading) => of_reading(shown, &choice, &reading),

@@ -1,6 +1,11 @@
 //! Pictures of an impedance spectrum.
 
-use ieap_domain::{CircuitFit, KramersKronig, RelaxationTimes, Spectrum, SpectrumAnalysis, Sweep};
+use std::collections::BTreeMap;
+
+use ieap_domain::tag::keys;
+use ieap_domain::{
+    CircuitFit, KramersKronig, RelaxationTimes, Spectrum, SpectrumAnalysis, SpectrumRun, Sweep,
+};
 use ieap_show::{Chart, Form, Ink, Layer, Mark, Panel, Range};
 
 /// Circuits that every spectrum is fitted with; others were asked for, and are drawn.
@@ -11,6 +16,9 @@ const BUILT_IN: [&str; 5] = [
     "warburg-finite",
     "warburg-parallel",
 ];
+
+/// Key of the total capacitance of a circuit.
+const TOTAL: &str = "c_total_f";
 
 /// Circuits that are drawn: that of the step's fit, the best one, and those that were asked for.
 pub fn drawn(found: &SpectrumAnalysis) -> Vec<(&CircuitFit, Ink)> {
@@ -77,6 +85,47 @@ fn phase_deg(spectrum: &Spectrum) -> Vec<f64> {
     parts
         .map(|(real, imaginary)| imaginary.atan2(*real).to_degrees())
         .collect()
+}
+
+/// Capacitance over the voltage at which spectra were taken, a series for each sample; none where no sample has two voltages.
+///
+/// The capacitance is that of the best of those circuits that have one.
+pub fn over_voltage(spectra: &[SpectrumRun]) -> Option<Chart> {
+    let point = |run: &SpectrumRun, found: &SpectrumAnalysis| {
+        let volts = run.run.tag_number(keys::VOLTAGE_V)?;
+        let known = |fit: &CircuitFit| {
+            let own = fit.parameter(TOTAL)?;
+            let ends = own.low_95.zip(own.high_95)?;
+            Some((fit.bic_above_best, own.value?, ends))
+        };
+        let all = found.circuits.iter().filter_map(known);
+        let (_, farad, ends) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(((volts, farad), ends, run.run.path.clone()))
+    };
+    let mut of_samples = BTreeMap::<&str, Vec<_>>::new();
+    for run in spectra {
+        let told = run
+            .sweeps
+            .iter()
+            .filter_map(|sweep| point(run, sweep.analysis.as_ref().ok()?));
+        if let Some(sample) = run.run.tag(keys::SAMPLE) {
+            of_samples.entry(sample).or_default().extend(told);
+        }
+    }
+    of_samples.retain(|_, told| told.windows(2).any(|pair| pair[0].0.0 != pair[1].0.0));
+    let layers = of_samples.into_iter().enumerate().map(|(k, (sample, told))| {
+        let points: Vec<(f64, f64)> = told.iter().map(|own| own.0).collect();
+        Layer::new(sample, Mark::Marks, Ink::Series(k), points)
+            .with_bars(told.iter().map(|own| own.1).collect())
+            .of_runs(told.into_iter().map(|own| own.2).collect())
+    });
+    let panel = Panel {
+        x: Range::linear("Voltage", "V"),
+        y: Range::linear("C_total", "F").with(0.0),
+        layers: layers.collect(),
+    };
+    let told = "Total capacitance of the best circuit that has one, with its 95\u{202f}% interval, over the voltage at which the spectrum was taken.";
+    (!panel.layers.is_empty()).then(|| Chart::new("Capacitance over voltage", vec![panel]).told(told))
 }
 
 /// What the Kramers-Kronig test leaves.

@@ -41,9 +41,10 @@ pub fn view(spectra: &Spectra, campaign: &Campaign) -> Vec<Block> {
             blocks_of,
         ));
     }
+    blocks.extend(charts::over_voltage(&spectra.runs).map(Block::Chart));
     for run in &spectra.runs {
         let sweeps = run.sweeps.iter().enumerate();
-        blocks.extend(sweeps.map(|(at, sweep)| of_sweep(run, at, sweep, campaign)));
+        blocks.extend(sweeps.map(|(at, sweep)| of_sweep(spectra, (run, at), sweep, campaign)));
     }
     blocks
 }
@@ -72,17 +73,12 @@ pub fn findings(spectra: &Spectra) -> Vec<String> {
     sentences
 }
 
-/// Sample and surroundings, else the file.
-fn title(run: &SpectrumRun, sweep: usize) -> String {
-    let record = &run.run;
-    let mut words: Vec<String> = match record.tag(keys::SAMPLE) {
-        None => vec![record.path.clone()],
-        Some(sample) => vec![sample.to_owned()],
-    };
-    if record.tag(keys::SAMPLE).is_some() {
-        words.extend(record.tag(keys::ENVIRONMENT).map(str::to_owned));
-        let humidity = record.tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
-        words.extend(humidity.map(|percent| format!("{}\u{a0}%\u{a0}RH", fixed(percent, 0))));
+/// Sample and surroundings, with the file where several spectra have those; else the file.
+fn title(spectra: &Spectra, run: &SpectrumRun, sweep: usize) -> String {
+    let mut words = surroundings(run);
+    let alike = spectra.runs.iter().filter(|other| surroundings(other) == words);
+    if words.is_empty() || alike.count() > 1 {
+        words.push(run.run.path.clone());
     }
     if run.sweeps.len() > 1 {
         words.push(format!("sweep {}", sweep + 1));
@@ -90,9 +86,26 @@ fn title(run: &SpectrumRun, sweep: usize) -> String {
     words.join(", ")
 }
 
+/// Sample, environment, humidity and voltage, as far as they are stated; empty without a sample.
+fn surroundings(run: &SpectrumRun) -> Vec<String> {
+    let record = &run.run;
+    let Some(sample) = record.tag(keys::SAMPLE) else {
+        return Vec::new();
+    };
+    let humidity = record.tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
+    let volts = record.tag_number(keys::VOLTAGE_V);
+    let stated = [
+        Some(sample.to_owned()),
+        record.tag(keys::ENVIRONMENT).map(str::to_owned),
+        humidity.map(|percent| format!("{}\u{a0}%\u{a0}RH", fixed(percent, 0))),
+        volts.map(|volts| format!("{}\u{a0}V", plain(volts))),
+    ];
+    stated.into_iter().flatten().collect()
+}
+
 fn title_of(spectra: &Spectra, found: &Comparison) -> String {
     let run = spectra.runs.iter().find(|run| run.run.path == found.spectrum);
-    run.map_or(found.spectrum.clone(), |run| title(run, found.sweep - 1))
+    run.map_or(found.spectrum.clone(), |run| title(spectra, run, found.sweep - 1))
 }
 
 fn of_comparison(spectra: &Spectra, found: &Comparison) -> Block {
@@ -107,7 +120,12 @@ fn of_comparison(spectra: &Spectra, found: &Comparison) -> Block {
     Block::part(title_of(spectra, found), said.chain(shown).collect())
 }
 
-fn of_sweep(run: &SpectrumRun, at: usize, sweep: &Sweep, campaign: &Campaign) -> Block {
+fn of_sweep(
+    spectra: &Spectra,
+    (run, at): (&SpectrumRun, usize),
+    sweep: &Sweep,
+    campaign: &Campaign,
+) -> Block {
     let mut blocks = Vec::new();
     let own = match &sweep.analysis {
         Err(issue) => vec![issue],
@@ -118,7 +136,7 @@ fn of_sweep(run: &SpectrumRun, at: usize, sweep: &Sweep, campaign: &Campaign) ->
     };
     blocks.extend(Block::issues(run.run.issues.iter().chain(own)));
     blocks.push(Block::facts_of(&run.run, campaign, facts(run, sweep)));
-    Block::part(title(run, at), blocks)
+    Block::part(title(spectra, run, at), blocks)
 }
 
 fn of_analysis(run: &SpectrumRun, at: usize, sweep: &Sweep, found: &SpectrumAnalysis) -> Vec<Block> {

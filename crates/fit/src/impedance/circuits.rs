@@ -60,6 +60,26 @@ pub(super) fn fit(circuit: &SpectrumCircuit, spectrum: &Spectrum) -> Option<(Cir
     Some((fit, bic))
 }
 
+/// A circuit as it is, or behind the inductance of its leads where the highest frequency asks for it: nothing else in a sample is a
+/// coil. Of both the one with the lower criterion.
+pub(super) fn behind_leads_or_not(
+    circuit: &SpectrumCircuit,
+    spectrum: &Spectrum,
+) -> Option<(CircuitFit, f64)> {
+    let plain = fit(circuit, spectrum);
+    if !is_coil_at_its_highest(spectrum) {
+        return plain;
+    }
+    let behind = fit(&circuit.behind_leads(), spectrum);
+    plain.into_iter().chain(behind).min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+fn is_coil_at_its_highest(spectrum: &Spectrum) -> bool {
+    let readings = spectrum.frequency_hz.iter().zip(&spectrum.imaginary_ohm);
+    let highest = readings.max_by(|a, b| a.0.total_cmp(b.0));
+    highest.is_some_and(|(_, imaginary_ohm)| *imaginary_ohm > 0.0)
+}
+
 /// Parts that are alike in the order of their times, the fastest first, as fits of steps have their chains.
 fn in_order(problem: &Simulated<'_>, found: Minimum) -> Minimum {
     let mut at = found.at.clone();

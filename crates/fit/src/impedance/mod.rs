@@ -21,7 +21,7 @@ use ieap_model::impedance::{SpectrumCircuit, circuits as built_in};
 use policy::{DESCRIBES_WITHIN, FINE_RMS};
 
 /// Version of the analysis: raised when the same spectrum would give other numbers.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// Tests a spectrum and fits every circuit to it: those that every spectrum is fitted with, then those asked for.
 ///
@@ -48,10 +48,13 @@ pub fn analyse(spectrum: &Spectrum, asked: &[SpectrumCircuit]) -> Result<Spectru
         ));
     }
     let tested = kramers_kronig::test(spectrum);
+    let asked = asked
+        .iter()
+        .filter_map(|circuit| circuits::fit(circuit, spectrum));
     let fitted: Vec<(CircuitFit, f64)> = built_in()
         .iter()
+        .filter_map(|circuit| circuits::behind_leads_or_not(circuit, spectrum))
         .chain(asked)
-        .filter_map(|circuit| circuits::fit(circuit, spectrum))
         .collect();
     let lowest = fitted.iter().map(|(_, bic)| *bic).fold(f64::INFINITY, f64::min);
     let best = fitted.iter().find(|(_, bic)| *bic <= lowest);

@@ -60,6 +60,39 @@ fn of_circuit(circuit: &SpectrumCircuit, values: &[f64], noise: f64, seed: u64, 
     spectrum
 }
 
+/// Leads of 1 uH make a coil of every spectrum from some kHz on: the circuit behind them keeps its numbers.
+#[test]
+fn leads_are_a_coil_and_no_part_of_the_sample() {
+    for (id, truth) in [
+        ("lumped-2", &THICK.map(|own| own / 1e3)[..]),
+        ("constant-phase", &[0.22, 5.0, 0.8, 30.0]),
+        ("warburg-finite", &[0.2, 0.9, 15.0, 30.0]),
+    ] {
+        let mut truth = truth.to_vec();
+        if id == "lumped-2" {
+            (truth[1], truth[3]) = (4.0, 12.0);
+        }
+        let plain = spectrum_circuit(id).unwrap();
+        let mut behind = truth.clone();
+        behind.push(1e-5);
+        let spectrum = of_circuit(&plain.behind_leads(), &behind, 0.003, 5, 60);
+        let found = analyse(&spectrum, &[]).unwrap();
+        let fit = found.circuit(id).unwrap();
+        assert!(fit.describes, "{id} leaves {}", fit.residual_rms_percent);
+        assert_eq!(found.best, id);
+        for (parameter, truth) in fit.parameters.iter().zip(&behind) {
+            let own = &parameter.estimate;
+            let holds = own.low_95.is_none_or(|low| low < 1.005 * truth)
+                && own.high_95.is_none_or(|high| high > 0.995 * truth);
+            assert!(holds, "{id}, {}: {own:?} for {truth}", parameter.key);
+        }
+        assert_eq!(fit.parameters[truth.len()].key, ieap_model::impedance::LEADS);
+        // Without leads there are none.
+        let without = analyse(&of_circuit(plain, &truth, 0.003, 5, 60), &[]).unwrap();
+        assert!(without.circuit(id).unwrap().parameter("l_h").is_none());
+    }
+}
+
 /// What the thesis's thick electrodes are like, on 0.1 cm2: R1, C1, R2, C2, R_ss.
 const THICK: [f64; 5] = [220.0, 4e-3, 1500.0, 1.2e-2, 3e4];
 

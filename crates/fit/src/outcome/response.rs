@@ -81,7 +81,8 @@ impl Response {
                 character: match (wanted.describes_noise, sampled.moves) {
                     (false, _) => NoiseCharacter::default(),
                     (true, false) => character(sampled, left),
-                    // No sum of exponentials follows a voltage that moves.
+                    // No sum of exponentials follows a voltage that moves: what no fit was subtracted from says nothing.
+                    (true, true) if left.is_empty() => NoiseCharacter::default(),
                     (true, true) => character(&sampled.rest(left), &[]),
                 },
                 residual_autocorrelation: lag_one(left),

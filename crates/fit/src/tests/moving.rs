@@ -307,3 +307,25 @@ fn a_sine_from_its_peak_states_no_bending_where_the_capacitance_is_open() {
     }
     assert!(open > 5, "{open}");
 }
+
+/// A curvature that no charge explains is drawn all the same.
+#[test]
+fn a_curvature_without_a_current_under_a_moving_voltage_ends_no_fit() {
+    let mut record = record(
+        &seen(),
+        chirp(2.0, 5e-4, 5e-2, 2000.0),
+        (1.0, 2000.0),
+        (0.0, 0.003),
+        1,
+    );
+    let current = &mut record.channels[0];
+    current.excluded = (3..current.values.len() as u32).collect();
+    let fit = record.fitted();
+    let reason = fit.parameter("alpha_per_c_cm").unwrap().reason.as_deref();
+    assert!(
+        reason.is_some_and(|reason| reason.contains("charge")),
+        "{reason:?}"
+    );
+    assert_eq!(fit.noise[0].character, Default::default());
+    assert_eq!(fit.curves[0].readings, 2001);
+}

@@ -85,8 +85,13 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
     check_ragged(raw, issues)?;
     read_flags(raw);
     let meanings = judge_columns(raw, issues);
-    let mut time_index = time_column(raw, &meanings)?;
     let is_spectrum = is_spectrum(&meanings);
+    // Rows of a spectrum stand for frequencies: a time that is that of its start, or too coarse to tell them apart, orders none.
+    let orders = |index: &usize| {
+        let times = &raw.cells.columns[*index].numbers;
+        !is_spectrum || times.windows(2).all(|pair| pair[1] > pair[0])
+    };
+    let time_index = time_column(raw, &meanings)?.filter(orders);
     let axis = match time_index {
         Some(index) => {
             let conversion = conversion_of(&meanings[index]);
@@ -96,14 +101,7 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
                 .iter()
                 .map(|&t| conversion.apply(t))
                 .collect();
-            match time_axis::increasing(&time_s, &raw.cells, column, issues) {
-                // The time of a spectrum is that of its start, or too coarse to tell its frequencies apart.
-                Err(ReadError::TimeOrder { .. }) if is_spectrum => {
-                    time_index = None;
-                    TimeAxis::of_rows(rows)
-                }
-                axis => axis?,
-            }
+            time_axis::increasing(&time_s, &raw.cells, column, issues)?
         }
         None if raw.must_be_run && !is_spectrum => {
             let message = "no column of times: the readings of the sweep are numbered by row";
@@ -535,6 +533,37 @@ mod tests {
         for as_measured in [[-1.0, -5.0, -20.0, -40.0], [3.0, 1.0, -20.0, -40.0]] {
             let (values, codes) = imaginary_of(&as_measured);
             assert_eq!((values.as_slice(), codes.len()), (&as_measured[..], 0));
+        }
+    }
+
+    /// Constant, whole seconds of a fast sweep, one repeat among many, and a clock that is set back.
+    #[test]
+    fn no_frequency_is_lost_for_a_time_that_tells_them_not_apart() {
+        let count = 40;
+        let rows = || (0..count).map(f64::from);
+        let hz: Vec<f64> = rows().map(|k| 1e4 * 0.8f64.powf(k)).collect();
+        let ohm: Vec<f64> = rows().map(|k| 50.0 + k).collect();
+        let one_repeat = |k: f64| if k == 7.0 { 6.0 } else { k };
+        let times: [&dyn Fn(f64) -> f64; 4] = [&|_| 0.0, &|k| (k / 5.0).floor(), &one_repeat, &|k| {
+            (k - 20.0).abs()
+        }];
+        for time in times {
+            let time: Vec<f64> = rows().map(time).collect();
+            let columns = [
+                ("Time (s)", &time[..]),
+                ("Frequency (Hz)", &hz),
+                ("Z' (ohm)", &ohm),
+                ("-Z'' (ohm)", &ohm),
+            ];
+            let mut issues = Vec::new();
+            let table = assemble(raw(&columns), &mut issues).unwrap();
+            let found = ieap_domain::Spectrum::of(&table.channels);
+            assert_eq!(
+                (found.len(), found[0].frequency_hz.as_slice()),
+                (1, &hz[..]),
+                "{time:?}"
+            );
+            assert!(issues.is_empty(), "{issues:?}");
         }
     }
 

@@ -23,6 +23,11 @@ fn binary(head: &FileHead<'_>) -> Option<Kind> {
         [0x89, b'H', b'D', b'F', ..] => {
             Some(("an HDF5 or NetCDF-4 file", "it begins with \\x89HDF", AS_TABLE))
         }
+        [b'A', b'R', b'R', b'O', b'W', b'1', ..] | [b'F', b'E', b'A', b'1', ..] => Some((
+            "a Feather or Arrow file (.feather, .arrow, .ipc)",
+            "it begins with ARROW1 or FEA1",
+            "write the table as Parquet, which keeps its columns and units: pyarrow.parquet.write_table, or to_parquet of pandas",
+        )),
         [b'C', b'D', b'F', 1 | 2 | 5, ..] => Some(("a NetCDF-3 file", "it begins with CDF", AS_TABLE)),
         [b'P', b'K', 3, 4, ..] => zip(head),
         [b'N', b'E', b'W', b'A', b'R', b'E', ..] => Some((

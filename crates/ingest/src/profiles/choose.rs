@@ -3,6 +3,7 @@
 use super::Profile;
 use crate::Reading;
 use crate::formats::recognition::{self, Candidate};
+use crate::formats::unpacking;
 use crate::formats::{FileHead, Format, ReadContext, ReadError};
 use crate::profiles::policy::{FITS, GENERIC_BESIDE, OVER_VENDOR};
 
@@ -90,7 +91,7 @@ pub fn choose<'p>(profiles: &'p [Profile], name: &str, bytes: &[u8]) -> Result<C
     }
 }
 
-/// Chooses the reader of a file and reads it.
+/// Chooses the reader of a file and reads it; what gzip packed is unpacked first.
 ///
 /// # Errors
 /// As [`choose`], and as the reader.
@@ -100,9 +101,10 @@ pub fn read<'p>(
     bytes: &[u8],
     context: &ReadContext,
 ) -> Result<(Reading, Option<&'p Profile>), ReadError> {
-    match choose(profiles, name, bytes)?.reader {
-        Reader::Format(format) => Ok((format.read(bytes, context)?, None)),
-        Reader::Profile(profile) => Ok((profile.read(bytes, context)?, Some(profile))),
+    let (name, bytes) = unpacking::of_gzip(name, bytes, context.max_unpacked_bytes)?;
+    match choose(profiles, name, &bytes)?.reader {
+        Reader::Format(format) => Ok((format.read(&bytes, context)?, None)),
+        Reader::Profile(profile) => Ok((profile.read(&bytes, context)?, Some(profile))),
     }
 }
 

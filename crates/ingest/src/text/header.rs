@@ -92,6 +92,23 @@ impl Header {
         }
     }
 
+    /// The header of a column whose cells are durations, s: they have their unit, whatever the name says.
+    pub fn of_durations(cell: &str) -> Header {
+        let header = Header::parse(cell);
+        let meaning = match header.meaning.named_quantity() {
+            Some(quantity) if quantity == Quantity::Time => Meaning::Known {
+                quantity,
+                conversion: Conversion::IDENTITY,
+            },
+            _ => Meaning::Other,
+        };
+        Header {
+            raw_unit: "s".to_owned(),
+            meaning,
+            ..header
+        }
+    }
+
     /// A column kept under its own name, with the unit that stands in it.
     pub fn other(cell: &str) -> Header {
         Header {

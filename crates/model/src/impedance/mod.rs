@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 
 pub use elements::{ELEMENTS, Element, Immittance, LEAST_EXPONENT, Scale};
 pub use notation::{LONGEST, NotationError, circuit};
-pub use tree::{CircuitParameter, Derived, Part, SpectrumCircuit};
+pub use tree::{CircuitParameter, Derived, LEADS, Part, SpectrumCircuit};
 
 /// A circuit that every spectrum is fitted with. Its chains stand beside the steady-state resistance R_ss, the last
 /// parameter of each, as in [`super::circuit`].

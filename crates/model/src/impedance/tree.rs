@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use ieap_numerics::complex::Complex;
 
-use super::elements::{Element, Immittance, Scale};
+use super::elements::{ELEMENTS, Element, Immittance, Scale};
 
 /// A part of a circuit.
 #[derive(Debug, Clone)]
@@ -101,7 +101,25 @@ pub struct SpectrumCircuit {
     pub derived: Vec<Derived>,
 }
 
+/// Key of the inductance of the leads, H.
+pub const LEADS: &str = "l_h";
+
 impl SpectrumCircuit {
+    /// The same behind the inductance of its leads, the last parameter.
+    pub fn behind_leads(&self) -> SpectrumCircuit {
+        let mut own = self.clone();
+        let inductors = ELEMENTS.iter().filter(|element| element.symbol == "L");
+        let leads = inductors.map(|inductor| Part::Element(inductor, self.parameters.len()));
+        own.root = Part::Series(leads.chain([self.root.clone()]).collect());
+        own.notation = format!("L-{}", self.notation);
+        own.title += ", behind the inductance of its leads";
+        own.parameters.push(CircuitParameter {
+            key: LEADS.to_owned(),
+            scale: Scale::Inductance,
+        });
+        own
+    }
+
     /// Impedance at a frequency, Hz, with parameters in their order, Ohm.
     pub fn impedance(&self, values: &[f64], frequency_hz: f64) -> Complex {
         self.root.immittance(values, TAU * frequency_hz).impedance()

@@ -43,6 +43,11 @@ pub enum ScalingError {
         "the strip charges unevenly along its length, and an open circuit cannot be predicted there: hold a voltage in its place"
     )]
     OpenCircuitAlong,
+    /// The distributed model is needed, and its strip does not change.
+    #[error(
+        "the strip charges unevenly along its length, and a humidity that changes cannot be predicted there: ask for one humidity, --rh"
+    )]
+    ChangesAlong,
     /// The covariance belongs to other parameters.
     #[error("the covariance has {found} entries; {parameters} parameters need {needed}")]
     CovarianceSize {

@@ -2,13 +2,14 @@
 
 use super::propagation::{Identified, derivatives, deviations, values};
 use super::{ScalingError, StripSize, lumped_model};
+use crate::changing::{Change, Changing, Now};
 use crate::coupling::CurvaturePerArealCharge;
-use crate::distributed::branched::{BranchedStrip, voltage_time_integral};
+use crate::distributed::branched::BranchedStrip;
 use crate::distributed::criterion::LUMPED_TOLERANCE;
 use crate::distributed::{Laminate, LumpedError};
 use crate::geometry::Shape;
 use crate::lumped::{Branch, LumpedModel};
-use ieap_domain::{Drive, Level};
+use ieap_domain::Drive;
 
 /// Links of the chain that a strip's shape is drawn with.
 pub const LINKS: usize = 40;
@@ -86,8 +87,12 @@ pub fn predict(
     let electrodes = identified
         .electrode_resistance_ohm_per_sq
         .filter(|_| lumped_error.is_some_and(needed));
+    if electrodes.is_some() && !identified.changes.is_empty() {
+        return Err(ScalingError::ChangesAlong);
+    }
     let asked = Asked {
         electrodes,
+        changes: identified.changes,
         drive,
         time_s,
     };
@@ -150,6 +155,7 @@ struct Found {
 struct Asked<'a> {
     /// Ohm per square; none for the lumped model.
     electrodes: Option<f64>,
+    changes: &'a [Change],
     drive: &'a Drive,
     time_s: &'a [f64],
 }
@@ -161,18 +167,16 @@ impl Asked<'_> {
         let (drive, time_s) = (self.drive, self.time_s);
         let link_cm = area.length_cm / LINKS as f64;
         let Some(electrode_resistance_ohm_per_sq) = self.electrodes else {
-            let curvature = model.curvature_per_cm(drive, area.area_cm2(), time_s);
+            let changing = Changing::new(model, self.changes, drive);
+            let now: Vec<Now> = time_s.iter().map(|t| changing.at(*t, area.area_cm2())).collect();
+            let of = |one: fn(&Now) -> f64| -> Vec<f64> { now.iter().map(one).collect() };
+            let curvature = of(|now| now.curvature_per_cm);
             let tip =
                 |curvature: &f64| 10.0 * Shape::from_curvature(&[*curvature], area.length_cm).tip_cm().1;
-            let leak = area.area_cm2() / model.steady_state_resistance_ohm_cm2;
-            let without_signs = without_signs(drive);
             let mut series = vec![
-                model.current_a(drive, area.area_cm2(), time_s),
-                model.charge_c(drive, area.area_cm2(), time_s),
-                time_s
-                    .iter()
-                    .map(|t| leak * voltage_time_integral(&without_signs, *t))
-                    .collect(),
+                of(|now| now.current_a),
+                of(|now| now.charge_c),
+                of(|now| now.leaked_charge_c),
                 curvature.clone(),
                 curvature.iter().map(tip).collect(),
             ];
@@ -235,17 +239,6 @@ impl Asked<'_> {
         };
         Ok(pairs.map(slope).collect())
     }
-}
-
-/// The drive with every voltage positive.
-fn without_signs(drive: &Drive) -> Drive {
-    let mut drive = drive.clone();
-    for segment in &mut drive.segments {
-        if let Level::Voltage(volts) = &mut segment.level {
-            *volts = volts.abs();
-        }
-    }
-    drive
 }
 
 /// What flowed from time to time, summed whichever way it flowed.

@@ -4,6 +4,7 @@ use ieap_domain::Drive;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::size::{StripSize, UNIT_SIZE};
+use crate::changing::Change;
 use crate::lumped::{Branch, LumpedModel};
 
 /// Information that every parameter has of itself beside the readings, in units of its standard error: it keeps those
@@ -23,6 +24,8 @@ pub struct Identified<'a> {
     pub size: &'a StripSize,
     /// Resistance of both electrodes along the strip, Ohm per square, where it was measured.
     pub electrode_resistance_ohm_per_sq: Option<f64>,
+    /// How its parameters change while it is driven; empty where they do not.
+    pub changes: &'a [Change],
 }
 
 /// The parameters in the covariance's order: R_1, C_1, R_2, C_2, ..., R_ss, alpha, lambda.
@@ -141,6 +144,7 @@ pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -
         covariance: &diagonal,
         size: &UNIT_SIZE,
         electrode_resistance_ohm_per_sq: None,
+        changes: &[],
     };
     let at = respond(model).unwrap_or_default();
     let slopes = derivatives(&identified, &at, respond);

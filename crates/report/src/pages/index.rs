@@ -1,6 +1,6 @@
 //! The overview: what needs a person, what was found, the parameters over the conditions, every run.
 
-use ieap_domain::words::counted;
+use ieap_domain::words::{counted, in_a_row};
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -137,12 +137,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
 fn lead(site: &Site) -> String {
     let runs = &site.input.runs;
     if runs.is_empty() {
-        let said = if site.input.set_aside.is_empty() {
-            "No run has been taken in yet."
-        } else {
-            "Every run is set aside: see below."
-        };
-        return said.to_owned();
+        return without_runs(site);
     }
     let fitted = runs.iter().filter(|run| run.fit.is_some()).count();
     format!(
@@ -155,6 +150,26 @@ fn lead(site: &Site) -> String {
             format!("{fitted} {}", if fitted == 1 { "is" } else { "are" })
         }
     )
+}
+
+/// What is there beside runs of a step.
+fn without_runs(site: &Site) -> String {
+    let input = site.input;
+    let others = [
+        (input.spectra.runs.len(), "impedance spectrum"),
+        (input.modulus_logs.len(), "modulus log"),
+    ];
+    let others = others.into_iter().filter(|(count, _)| *count > 0);
+    let others: Vec<String> = others.map(|(count, noun)| counted(count, noun)).collect();
+    match (others.is_empty(), input.set_aside.is_empty()) {
+        (true, true) => "No run has been taken in yet.".to_owned(),
+        (true, false) => "Every run is set aside: see below.".to_owned(),
+        (false, true) => format!("{}; no run of a step.", in_a_row(&others)),
+        (false, false) => format!(
+            "{}; no run of a step; what is set aside stands below.",
+            in_a_row(&others)
+        ),
+    }
 }
 
 fn counts(site: &Site) -> Vec<Count> {

@@ -33,6 +33,10 @@ const SHRINK: &str = "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\w
 /// Rows of a table on one page; a longer one goes on in a table of its own, for what is shrunk to a width has no page breaks.
 const MOST_ROWS: usize = 30;
 
+/// Lines of a page that rows and notes share, and letters in a line of notes: of a landscape page of A4.
+const LINES_OF_PAGE: usize = 42;
+const LETTERS_OF_LINE: usize = 190;
+
 /// Writes the table.
 pub fn write(table: &Table) -> String {
     let cells = grid(table);
@@ -47,6 +51,8 @@ pub fn write(table: &Table) -> String {
     let lines = lines(table, &cells);
     let parts: Vec<&[String]> = lines.chunks(MOST_ROWS).collect();
     let last = parts.len().saturating_sub(1);
+    let rows_before = parts.last().map_or(0, |rows| rows.len());
+    let mut notes = pages_of_notes(&notes(table), rows_before).into_iter();
     for at in 0..parts.len().max(1) {
         let (caption, label) = match at {
             0 => (words(&caption(table)), format!("\\label{{tab:{}}}\n", table.name)),
@@ -64,9 +70,16 @@ pub fn write(table: &Table) -> String {
         out += &parts.get(at).map_or_else(String::new, |rows| rows.concat());
         out += "\\bottomrule\n\\end{tabular}}\n";
         if at == last {
-            out += &foot(table);
+            out += &notes.next().map_or_else(String::new, |lines| foot(&lines));
         }
         out += "\\end{table}\n";
+    }
+    for lines in notes {
+        let title = words(&table.title);
+        out += &format!(
+            "\\begin{{table}}[htbp]\n\\centering\n\\caption{{{title} (notes)}}\n{}\\end{{table}}\n",
+            foot(&lines)
+        );
     }
     out + "\\ieapend\n"
 }
@@ -146,7 +159,8 @@ fn num(number: &Rounded) -> String {
     format!("\\num{{{}{}}}", number.concise(), power.unwrap_or_default())
 }
 
-fn foot(table: &Table) -> String {
+/// Notes and remarks below the rows.
+fn notes(table: &Table) -> Vec<String> {
     let notes = table
         .notes
         .iter()
@@ -154,7 +168,28 @@ fn foot(table: &Table) -> String {
         .map(|(at, note)| format!("\\textsuperscript{{{})}}~{}", note_letter(at), words(note)));
     let concise = has_errors(table).then(|| CONCISE.to_owned());
     let remarks: Vec<String> = remarks(table).into_iter().chain(concise).collect();
-    let lines: Vec<String> = notes.chain(remarks.iter().map(|remark| words(remark))).collect();
+    notes.chain(remarks.iter().map(|remark| words(remark))).collect()
+}
+
+/// Notes by the page that they stand on, the first of them below so many rows: what floats has no page breaks.
+fn pages_of_notes(notes: &[String], rows: usize) -> Vec<Vec<String>> {
+    let (mut pages, mut used) = (vec![Vec::new()], rows);
+    for note in notes {
+        let lines = note.chars().count().div_ceil(LETTERS_OF_LINE);
+        if used + lines > LINES_OF_PAGE {
+            pages.push(Vec::new());
+            used = 0;
+        }
+        used += lines;
+        pages
+            .last_mut()
+            .into_iter()
+            .for_each(|page| page.push(note.clone()));
+    }
+    pages
+}
+
+fn foot(lines: &[String]) -> String {
     if lines.is_empty() {
         String::new()
     } else {
@@ -187,6 +222,17 @@ mod tests {
             (0..91).all(|at| text.contains(&format!("& \\num{{{at}}} "))),
             "{text}"
         );
+    }
+
+    #[test]
+    fn notes_that_a_page_has_no_room_for_stand_on_the_next() {
+        let notes: Vec<String> = (0..60).map(|at| format!("{at} {}", "x".repeat(200))).collect();
+        let pages = pages_of_notes(&notes, 30);
+        let lengths: Vec<usize> = pages.iter().map(Vec::len).collect();
+        assert_eq!(lengths, [6, 21, 21, 12]);
+        assert_eq!(pages.concat(), notes);
+        assert_eq!(pages_of_notes(&notes[..3], 30).len(), 1);
+        assert_eq!(pages_of_notes(&[], 30), [Vec::<String>::new()]);
     }
 
     #[test]

@@ -11,8 +11,10 @@ use ieap_domain::number::Rounded;
 /// Words longer than this many characters share the width that is left.
 const LONGEST_LINE: usize = 40;
 
-/// Captions stand above tables; a table that is wider than the text is made smaller, never larger.
+/// Captions stand above tables, and one that is longer than a page goes on on the next; a table that is wider than the text is made
+/// smaller, never larger.
 const HEAD: &str = "#show figure.where(kind: table): set figure.caption(position: top)
+#show figure.where(kind: table): set block(breakable: true)
 #let fitted(body) = layout(size => {
   let width = measure(body).width
   if width > size.width { scale(100% * (size.width / width), reflow: true, body) } else { body }

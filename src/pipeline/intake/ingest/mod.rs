@@ -70,6 +70,9 @@ impl Ingest<'_> {
         context: &mut Context,
         observer: &dyn Observer,
     ) -> Result<IngestSummary, PipelineError> {
+        context
+            .store
+            .put_shown_of_kind(&standing::shown_samples(&context.campaign))?;
         let runs_folder = context.campaign.runs_folder.clone();
         let mut seen = scan::scan(
             &context.folder,

@@ -16,6 +16,8 @@ pub struct AskedStrip {
     pub environment: Option<String>,
     /// Relative humidity, percent; none: that of all runs.
     pub relative_humidity_percent: Option<f64>,
+    /// A humidity that changes meanwhile: times, s, from which on it is so many percent; empty where it does not.
+    pub humidity_course: Vec<(f64, f64)>,
     /// Temperature, °C; none: that of all runs.
     pub temperature_c: Option<f64>,
     /// Hours since the start of the sample's first run; none: those of all runs.
@@ -56,8 +58,11 @@ impl AskedStrip {
         let all = [
             (
                 Covariate::RelativeHumidity,
-                "--rh",
-                self.relative_humidity_percent,
+                self.humidity_option(),
+                self.humidity_course
+                    .first()
+                    .map(|row| row.1)
+                    .or(self.relative_humidity_percent),
                 HUMIDITY_GAP_PERCENT,
             ),
             (
@@ -77,6 +82,14 @@ impl AskedStrip {
             })
         };
         all.into_iter().filter_map(condition).collect()
+    }
+
+    fn humidity_option(&self) -> &'static str {
+        if self.humidity_course.is_empty() {
+            "--rh"
+        } else {
+            "--rh-course"
+        }
     }
 
     /// Whether it is another strip than the sample itself.

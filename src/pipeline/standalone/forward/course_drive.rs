@@ -10,7 +10,7 @@ use super::predict::{left_out, model_word, remarks};
 use crate::domain::number::fixed;
 use crate::domain::typed_value::Measured;
 use crate::domain::{Drive, Estimate, Level, Segment};
-use crate::model::course::{Course, VoltageLimits, WantedAt, course, response};
+use crate::model::course::{Course, Pulses, VoltageLimits, WantedAt, course, response};
 use crate::model::geometry::conversion::{curvature_from_tip, tip_displacement_mm};
 use crate::pipeline::{Context, PipelineError};
 
@@ -306,6 +306,7 @@ fn search(
 ) -> Result<(Drive, f64), PipelineError> {
     let length_mm = grounds.to.length.value_mm;
     let (mut reference_v, mut best): (f64, Option<(f64, Drive)>) = (limits.highest_v, None);
+    let mut pulses = pulses(grounds, times, (reference_v, every_s))?;
     let mut asked = bent(wanted, length_mm)?;
     let slopes = |curvatures: &[f64]| -> Vec<f64> {
         let slope = |curvature: &f64| tip_slope(*curvature, length_mm);
@@ -315,13 +316,6 @@ fn search(
     // Whether the tip is taken about a course that was found, and no longer about the wanted one.
     let mut about_found = false;
     for _ in 0..ROUNDS {
-        let (step, _) = grounds.centre(&Drive::step(reference_v), times)?;
-        let before = std::iter::once(0.0).chain(step.iter().copied());
-        let pulse: Vec<f64> = step
-            .iter()
-            .zip(before)
-            .map(|(now, before)| (now - before) / reference_v)
-            .collect();
         let at = WantedAt {
             value: &asked,
             weight: &weight,
@@ -329,7 +323,7 @@ fn search(
         let Course {
             voltage_v,
             least_square: possible,
-        } = course(&pulse, at, limits);
+        } = course(&pulses, at, limits);
         let drive = drive_of(&voltage_v, every_s);
         let (curvature, tip) = grounds.centre(&drive, times)?;
         let miss: f64 = tip
@@ -347,6 +341,7 @@ fn search(
         // Runs at other voltages tell of a drive with another typical one: only else is there something to mend.
         if (typical_v - reference_v).abs() > SAME_VOLTAGE * limits.highest_v && typical_v != 0.0 {
             reference_v = typical_v;
+            pulses = self::pulses(grounds, times, (reference_v, every_s))?;
             continue;
         }
         least_square = possible;
@@ -356,13 +351,49 @@ fn search(
         about_found = true;
         weight = slopes(&curvature);
         // From what the pulses add up to: what they leave of the course found stays as it is.
-        let linear = response(&pulse, &voltage_v);
+        let linear = response(&pulses, &voltage_v);
         for k in 0..asked.len() {
             asked[k] = linear[k] + (wanted[k] - tip[k]) / weight[k];
         }
     }
     best.map(|(miss, drive)| (drive, least_square.min(miss)))
         .ok_or_else(|| PipelineError::bad_argument("--for", "0 s".to_owned(), "a longer course"))
+}
+
+/// What a volt held in a sample makes of the curvature from then on, 1/(cm V), told by steps of that voltage: one from the
+/// beginning, or of a strip that changes meanwhile one from each sample.
+fn pulses(
+    grounds: &Grounds,
+    times: &[f64],
+    (reference_v, every_s): (f64, f64),
+) -> Result<Pulses, PipelineError> {
+    let from = |k: usize| -> Result<Vec<f64>, PipelineError> {
+        let step = Drive {
+            baseline_v: 0.0,
+            segments: vec![Segment::at(every_s * k as f64, Level::Voltage(reference_v))],
+        };
+        Ok(grounds.centre(&step, times)?.0)
+    };
+    if !grounds.changes() {
+        let step = from(0)?;
+        let before = std::iter::once(0.0).chain(step.iter().copied());
+        let pulse = step
+            .iter()
+            .zip(before)
+            .map(|(now, before)| (now - before) / reference_v);
+        return Ok(Pulses::alike(&pulse.collect::<Vec<f64>>()));
+    }
+    let steps: Vec<Vec<f64>> = (0..times.len()).map(from).collect::<Result<_, _>>()?;
+    let next = steps.iter().skip(1).map(Some).chain([None]);
+    let answer = |(k, (own, next)): (usize, (&Vec<f64>, Option<&Vec<f64>>))| {
+        let after = |j: usize| next.map_or(0.0, |next| next[j]);
+        (k..times.len())
+            .map(|j| (own[j] - after(j)) / reference_v)
+            .collect()
+    };
+    Ok(Pulses::of(
+        steps.iter().zip(next).enumerate().map(answer).collect(),
+    ))
 }
 
 /// Curvatures, 1/cm, at which a strip that bends evenly has its tip where it is wanted, mm.

@@ -1,4 +1,5 @@
-//! Drives and wanted courses as tables of two columns: `time_s,voltage_v` and `time_s,tip_displacement_mm`.
+//! Drives, wanted courses and humidities as tables of two columns: `time_s,voltage_v`, `time_s,tip_displacement_mm` and
+//! `time_s,relative_humidity_percent`.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -26,6 +27,23 @@ pub fn read_drive(path: &Path) -> Result<Drive, PipelineError> {
 /// The file cannot be read, or is not such a table.
 pub fn read_course(path: &Path) -> Result<Vec<(f64, f64)>, PipelineError> {
     read(path, "tip_displacement_mm")
+}
+
+/// A humidity that changes: from each time, s, on it is so many percent.
+///
+/// # Errors
+/// The file cannot be read, is not such a table, or holds what is no humidity.
+pub fn read_humidity(path: &Path) -> Result<Vec<(f64, f64)>, PipelineError> {
+    let rows = read(path, "relative_humidity_percent")?;
+    match rows.iter().find(|(_, percent)| !(0.0..=100.0).contains(percent)) {
+        Some((time_s, percent)) => Err(PipelineError::DriveFile {
+            path: path.to_owned(),
+            place: format!("time {time_s} s"),
+            found: format!("{percent} %"),
+            needed: "relative humidities between 0 and 100 %",
+        }),
+        None => Ok(rows),
+    }
 }
 
 /// The drive as such a table.
@@ -65,6 +83,7 @@ fn parse(text: &str, column: &'static str) -> Result<Vec<(f64, f64)>, Refused> {
         .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
     let needed = match column {
         "voltage_v" => "a header with the columns time_s and voltage_v",
+        "relative_humidity_percent" => "a header with the columns time_s and relative_humidity_percent",
         _ => "a header with the columns time_s and tip_displacement_mm",
     };
     let (first, header) = lines.next().ok_or((1, "no line".to_owned(), needed))?;

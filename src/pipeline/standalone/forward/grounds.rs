@@ -132,7 +132,10 @@ impl Grounds {
         };
         let findings = current_findings(context)?;
         let humidity_percent = asked
-            .relative_humidity_percent
+            .humidity_course
+            .first()
+            .map(|row| row.1)
+            .or(asked.relative_humidity_percent)
             .or_else(|| mean_humidity(runs, &sample.id));
         let modulus = match asked.modulus_mpa {
             Some(given) => StripModulus {
@@ -189,6 +192,11 @@ impl Grounds {
         self.sources
             .iter()
             .any(|source| source.sample == 0 && source.bends)
+    }
+
+    /// Whether the parameters change under the drive.
+    pub fn changes(&self) -> bool {
+        self.sources.iter().any(|source| !source.changes.is_empty())
     }
 
     /// The last time that a run of the sample shows, s after its drive began.
@@ -301,6 +309,7 @@ impl Grounds {
     fn variant(&self, which: usize) -> Grounds {
         let varied = |source: &Source| Source {
             model: source.variants[which].clone(),
+            changes: source.variant_changes.get(which).cloned().unwrap_or_default(),
             ..without_errors(source)
         };
         self.with(self.sources.iter().map(varied).collect())

@@ -4,6 +4,7 @@ use crate::analysis::forecast::Applied;
 use crate::domain::quantiles::NORMAL_95;
 use crate::domain::{Drive, Estimate, Fit, Level, Quantity, RunCurve, RunRecord};
 use crate::fit::EdgeTimes;
+use crate::model::changing::Change;
 use crate::model::scaling::propagation::{ReadAt, covariance};
 use crate::model::scaling::{Identified, StripSize};
 use crate::model::{Branch, LumpedModel};
@@ -28,6 +29,9 @@ pub(in crate::pipeline::standalone) struct Source {
     pub model: LumpedModel,
     /// Models that the laws allow as well which brought it to the conditions asked for.
     pub variants: Vec<LumpedModel>,
+    /// How the parameters change under the drive: those of the model, and of each variant; empty where they do not.
+    pub changes: Vec<Change>,
+    pub variant_changes: Vec<Vec<Change>>,
     /// Covariance of the model's parameters.
     pub covariance: Vec<f64>,
     /// Its strip.
@@ -71,6 +75,8 @@ impl Source {
             keys: read.keys,
             model: read.model,
             variants: Vec::new(),
+            changes: Vec::new(),
+            variant_changes: Vec::new(),
             size: *size,
             electrode_resistance_ohm_per_sq: fit.parameter("re_ohm_per_sq").and_then(|e| e.value),
             bends: read.bends,
@@ -86,6 +92,7 @@ impl Source {
             covariance: &self.covariance,
             size: &self.size,
             electrode_resistance_ohm_per_sq,
+            changes: &self.changes,
         }
     }
 }

@@ -22,6 +22,7 @@ use crate::analysis::laws::{Covariate, Dependence};
 use crate::domain::quantiles::NORMAL_95;
 use crate::domain::tag::keys;
 use crate::domain::{RunRecord, range_of};
+use crate::model::changing::Change;
 use crate::model::scaling::propagation::{values, with_values};
 use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::current::current_findings;
@@ -36,6 +37,8 @@ pub(super) struct Surroundings {
     pub left_out: Vec<(String, String)>,
     /// What brings them there; empty where they were made there.
     ways: Vec<Way>,
+    /// How the humidity goes on from there, as [`AskedStrip::humidity_course`] has it.
+    humidity_course: Vec<(f64, f64)>,
 }
 
 /// A condition to which runs are brought, with the laws that do it.
@@ -55,8 +58,12 @@ pub struct BroughtEntry {
     pub covariate: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// What was asked for.
+    /// What was asked for; of a course its beginning.
     pub to: f64,
+    /// The smallest that was asked for.
+    pub to_low: f64,
+    /// The largest.
+    pub to_high: f64,
     /// The smallest of the runs.
     pub from_low: f64,
     /// The largest of them.
@@ -81,6 +88,7 @@ impl Surroundings {
             runs,
             left_out: Vec::new(),
             ways: Vec::new(),
+            humidity_course: asked.humidity_course.clone(),
         };
         let conditions = asked.conditions();
         if conditions.is_empty() {
@@ -97,16 +105,16 @@ impl Surroundings {
         }
         let near = |run: &&RunRecord| found.ways.iter().all(|way| way.is_near(run));
         let near: Vec<RunRecord> = found.runs.iter().filter(near).cloned().collect();
-        if near
-            .iter()
-            .any(|run| run.tag(keys::SAMPLE) == Some(&asked.sample))
-        {
+        let is_of_sample = |run: &RunRecord| run.tag(keys::SAMPLE) == Some(&asked.sample);
+        if found.humidity_course.is_empty() && near.iter().any(is_of_sample) {
             found.runs = near;
             found.ways.clear();
             return Ok(found);
         }
         for way in &found.ways {
-            way.refuse_outside(&found.runs)?;
+            found
+                .all_asked(way)
+                .try_for_each(|to| way.refuse_outside(to, &found.runs))?;
         }
         let laws = campaign_laws(
             context,
@@ -151,18 +159,32 @@ impl Surroundings {
         }
     }
 
+    /// Everything that is asked for of a condition: one number, or those of a course.
+    fn all_asked(&self, way: &Way) -> impl Iterator<Item = f64> {
+        let course = self.humidity_course.iter().map(|(_, percent)| *percent);
+        let course: Vec<f64> = course.filter(|_| way.is_of_humidity()).collect();
+        course.into_iter().chain([way.condition.to])
+    }
+
     /// Takes the parameters of a run to the conditions, their errors in proportion.
     pub fn bring(&self, source: &mut Source) {
         if self.ways.is_empty() {
             return;
         }
         let before = values(&source.model);
-        let after = self.taken(source, &before, None);
+        let after = self.taken(source, &before, None, None);
         let variants = self.variants();
-        let models = variants
+        let models: Vec<Vec<f64>> = variants
             .iter()
-            .map(|variant| self.taken(source, &before, Some(variant)));
-        source.variants = models.map(|values| with_values(&values)).collect();
+            .map(|variant| self.taken(source, &before, Some(variant), None))
+            .collect();
+        source.changes = self.changes(source, &before, None, &after);
+        source.variant_changes = variants
+            .iter()
+            .zip(&models)
+            .map(|(variant, first)| self.changes(source, &before, Some(variant), first))
+            .collect();
+        source.variants = models.iter().map(|values| with_values(values)).collect();
         let n = before.len();
         let ratio = |k: usize| {
             if before[k] == 0.0 {
@@ -177,11 +199,37 @@ impl Surroundings {
         source.model = with_values(&after);
     }
 
-    /// The parameters of a run at the conditions, one law in another variant where one is given.
-    fn taken(&self, source: &Source, before: &[f64], variant: Option<&Variant>) -> Vec<f64> {
+    /// What the parameters are of `first`, those at the beginning of the course of the humidity, from each of its times on.
+    fn changes(
+        &self,
+        source: &Source,
+        before: &[f64],
+        variant: Option<&Variant>,
+        first: &[f64],
+    ) -> Vec<Change> {
+        let change = |&(from_s, percent): &(f64, f64)| {
+            let then = self.taken(source, before, variant, Some(percent));
+            let factor = |(then, first): (&f64, &f64)| if then == first { 1.0 } else { then / first };
+            (from_s, then.iter().zip(first).map(factor).collect())
+        };
+        self.humidity_course.iter().map(change).collect()
+    }
+
+    /// The parameters of a run at the conditions, one law in another variant where one is given, at another humidity where one
+    /// is given.
+    fn taken(
+        &self,
+        source: &Source,
+        before: &[f64],
+        variant: Option<&Variant>,
+        humidity_percent: Option<f64>,
+    ) -> Vec<f64> {
         let mut after = before.to_vec();
         for (w, way) in self.ways.iter().enumerate() {
-            let own = way.own.get(&source.run).copied().unwrap_or(way.condition.to);
+            let to = humidity_percent
+                .filter(|_| way.is_of_humidity())
+                .unwrap_or(way.condition.to);
+            let own = way.own.get(&source.run).copied().unwrap_or(to);
             for (l, law) in way.laws.iter().enumerate() {
                 let (Some(at), Some(best)) = (
                     source.keys.iter().position(|key| *key == law.parameter),
@@ -193,7 +241,7 @@ impl Surroundings {
                     Some(variant) => (&variant.fitted, variant.size),
                     None => (best, best.size.value),
                 };
-                after[at] = moved(law, fitted, size, (own, way.condition.to), after[at]);
+                after[at] = moved(law, fitted, size, (own, to), after[at]);
             }
         }
         after
@@ -215,10 +263,13 @@ impl Surroundings {
     pub fn brought(&self) -> Vec<BroughtEntry> {
         let entry = |way: &Way| {
             let (from_low, from_high) = way.range(&self.runs);
+            let (to_low, to_high) = range_of(self.all_asked(way));
             BroughtEntry {
                 covariate: way.condition.covariate.key(),
                 unit: way.condition.covariate.unit(),
                 to: way.condition.to,
+                to_low,
+                to_high,
                 from_low,
                 from_high,
                 by_law: way.laws.iter().map(|law| law.parameter.clone()).collect(),
@@ -227,11 +278,25 @@ impl Surroundings {
         self.ways.iter().map(entry).collect()
     }
 
+    /// Where the runs were taken, in the beginning of a sentence.
+    fn lead(&self, way: &Way) -> String {
+        let Condition { covariate, to, .. } = way.condition;
+        let unit = covariate.unit();
+        if way.is_of_humidity() && !self.humidity_course.is_empty() {
+            let (low, high) = range_of(self.all_asked(way));
+            format!(
+                "The humidity goes from {to} {unit} on between {low} and {high} {unit}, and the strip is taken to follow it at once: "
+            )
+        } else {
+            format!("No run of the sample was made at {to} {unit}: ")
+        }
+    }
+
     /// The same as sentences; `keys` are the parameters that the runs' models have.
     pub fn sentences(&self, keys: &[String]) -> Vec<String> {
         self.ways
             .iter()
-            .map(|way| way.sentence(&self.runs, keys))
+            .map(|way| format!("{}{}", self.lead(way), way.sentence(&self.runs, keys)))
             .collect()
     }
 }
@@ -330,12 +395,13 @@ impl Way {
         range_of(runs.iter().filter_map(|run| self.own.get(&run.path).copied()))
     }
 
-    fn refuse_outside(&self, runs: &[RunRecord]) -> Result<(), PipelineError> {
+    fn is_of_humidity(&self) -> bool {
+        self.condition.covariate == Covariate::RelativeHumidity
+    }
+
+    fn refuse_outside(&self, to: f64, runs: &[RunRecord]) -> Result<(), PipelineError> {
         let Condition {
-            covariate,
-            option,
-            to,
-            ..
+            covariate, option, ..
         } = self.condition;
         let (low, high) = self.range(runs);
         if (low..=high).contains(&to) {
@@ -386,7 +452,7 @@ impl Way {
     }
 
     fn sentence(&self, runs: &[RunRecord], keys: &[String]) -> String {
-        let Condition { covariate, to, .. } = self.condition;
+        let covariate = self.condition.covariate;
         let (label, unit) = (covariate.label(), covariate.unit());
         let (low, high) = self.range(runs);
         let has_law = |key: &&String| self.laws.iter().any(|law| law.parameter == **key);
@@ -394,7 +460,7 @@ impl Way {
         let names =
             |keys: &[&String]| in_a_row(&keys.iter().map(|key| symbol(key).to_owned()).collect::<Vec<_>>());
         let mut sentence = format!(
-            "No run of the sample was made at {to} {unit}: runs at {low} to {high} {unit} were taken there by the laws across runs, with what these leave open ({}).",
+            "runs at {low} to {high} {unit} were taken there by the laws across runs, with what these leave open ({}).",
             names(&with)
         );
         if !without.is_empty() {

@@ -18,6 +18,6 @@ pub use campaign_row::CampaignRow;
 pub use diagnose::diagnose;
 pub use fit::{FitAtHand, drive_as_fitted, fit, fit_options};
 pub use needed::{fitted_places_mm, needed_keys};
-pub use read::{ReadTable, arrays, read};
+pub use read::{Column, ReadTable, arrays, read, unit_of};
 pub use run::{RunAtHand, Stated, Strip};
 pub use simulate::{Curvature, Curves, CurvesAsked, simulate};

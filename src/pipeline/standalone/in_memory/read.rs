@@ -6,9 +6,11 @@ use crate::domain::fault::caught;
 use crate::domain::{Channel, FlaggedStretch, Issue, RunKind, StartedAt};
 use crate::ingest::Reading;
 use crate::ingest::arrays as in_memory;
+pub use crate::ingest::arrays::Column;
 use crate::ingest::campaign_file;
 use crate::ingest::formats::ReadContext;
 use crate::ingest::profiles;
+use crate::ingest::text::header::Header;
 use crate::pipeline::PipelineError;
 use crate::pipeline::intake::ingest::run_parts;
 use crate::system::fs;
@@ -87,10 +89,15 @@ pub fn read(file: &Path) -> Result<Result<Vec<ReadTable>, Issue>, PipelineError>
 ///
 /// # Errors
 /// What is no table says why.
-pub fn arrays(columns: Vec<(String, Vec<f64>)>) -> Result<ReadTable, Issue> {
+pub fn arrays(columns: Vec<Column>) -> Result<ReadTable, Issue> {
     let reading = in_memory::read(columns)?;
     let no_table = || Issue::error("no-header", "there is no table");
     tables(&reading).pop().ok_or_else(no_table)
+}
+
+/// The unit that a column's name says; empty where it says none.
+pub fn unit_of(name: &str) -> String {
+    Header::parse(name).raw_unit
 }
 
 fn tables(reading: &Reading) -> Vec<ReadTable> {

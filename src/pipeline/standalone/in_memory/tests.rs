@@ -110,8 +110,8 @@ fn a_fit_of_a_file_and_of_arrays_is_the_campaigns() {
     let values = table.channels.iter().map(|channel| channel.values.to_vec());
     let columns = columns
         .iter()
-        .map(|name| (*name).to_owned())
-        .zip([time_s].into_iter().chain(values));
+        .zip([time_s].into_iter().chain(values))
+        .map(|(name, numbers)| Column::new((*name).to_owned(), numbers));
     let arrays = arrays(columns.collect()).unwrap();
     let of_arrays = fit(&RunAtHand::new("b", &arrays, &strip()).unwrap(), &options, &[])
         .unwrap()
@@ -274,11 +274,12 @@ fn asked(effects: Vec<HiddenEffect>) -> CurvesAsked {
 fn what_is_missing_or_wrong_is_said_with_its_remedy() {
     let columns = |voltage_v: Option<f64>| {
         let time_s: Vec<f64> = (0..50).map(f64::from).collect();
+        let column = |name: &str, numbers| Column::new(name.to_owned(), numbers);
         let mut columns = vec![
-            ("time_s".to_owned(), time_s.clone()),
-            ("current_a".to_owned(), vec![1e-3; 50]),
+            column("time_s", time_s.clone()),
+            column("current_a", vec![1e-3; 50]),
         ];
-        columns.extend(voltage_v.map(|v| ("voltage_v".to_owned(), vec![v; 50])));
+        columns.extend(voltage_v.map(|v| column("voltage_v", vec![v; 50])));
         arrays(columns).unwrap()
     };
     let area = RunAtHand::new("a", &columns(Some(1.0)), &Stated::default()).unwrap_err();

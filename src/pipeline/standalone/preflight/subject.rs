@@ -52,7 +52,7 @@ pub enum Named {
     /// By an earlier run: its path.
     Run(String),
     /// By sample and surroundings: the run whose voltage is nearest tells.
-    Sample(AskedStrip),
+    Sample(Box<AskedStrip>),
 }
 
 impl Subject {
@@ -69,7 +69,7 @@ impl Subject {
     ) -> Result<Subject, PipelineError> {
         let runs = standing::speaking(context)?;
         let (asked, path) = match named {
-            Named::Sample(asked) => (asked.clone(), None),
+            Named::Sample(asked) => (asked.as_ref().clone(), None),
             Named::Run(path) => (surroundings(&runs, path)?, Some(path)),
         };
         let asked = AskedStrip {

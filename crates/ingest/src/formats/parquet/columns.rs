@@ -21,13 +21,17 @@ pub enum Kind {
     Number,
     /// Whole numbers without a sign: the bytes are those of numbers with one.
     Unsigned,
+    /// Numbers of fixed point: whole ones with so many digits behind the point. Durations are such, of seconds.
+    Fixed(i32),
+    /// Numbers of two bytes.
+    Half,
     /// Texts.
     Text,
 }
 
 impl Kind {
-    /// What the column holds, or in words what it holds that is not read.
-    pub fn of(column: &ColumnDescriptor) -> Result<Kind, &'static str> {
+    /// What the column holds, or in words what it holds that is not read; of a duration with its digits behind the second.
+    pub fn of(column: &ColumnDescriptor, of_duration: Option<i32>) -> Result<Kind, &'static str> {
         if column.path().parts().len() > 1 || column.max_rep_level() > 0 {
             return Err("lists or groups");
         }
@@ -40,12 +44,17 @@ impl Kind {
                     Ok(Kind::Unsigned)
                 }
             }
+            (_, Some(LogicalType::Decimal(decimal))) => Ok(Kind::Fixed(decimal.scale)),
+            (_, None) if column.converted_type() == ConvertedType::DECIMAL => {
+                Ok(Kind::Fixed(column.type_scale()))
+            }
+            (Type::FIXED_LEN_BYTE_ARRAY, Some(LogicalType::Float16)) => Ok(Kind::Half),
+            (Type::INT64, None) if of_duration.is_some() => Ok(Kind::Fixed(of_duration.unwrap_or_default())),
             (Type::INT32 | Type::INT64, None) => of_older_files(column.converted_type()),
             (Type::BYTE_ARRAY, Some(LogicalType::String)) => Ok(Kind::Text),
             (Type::BYTE_ARRAY, None) if column.converted_type() == ConvertedType::UTF8 => Ok(Kind::Text),
             (_, Some(LogicalType::Timestamp(_))) | (Type::INT96, _) => Err("points in time"),
             (_, Some(LogicalType::Date | LogicalType::Time(_))) => Err("dates or times of day"),
-            (_, Some(LogicalType::Decimal(_))) => Err("decimal numbers of fixed point"),
             _ => Err("bytes without a meaning"),
         }
     }
@@ -63,7 +72,6 @@ fn of_older_files(kind: ConvertedType) -> Result<Kind, &'static str> {
     match kind {
         C::NONE | C::INT_8 | C::INT_16 | C::INT_32 | C::INT_64 => Ok(Kind::Number),
         C::UINT_8 | C::UINT_16 | C::UINT_32 | C::UINT_64 => Ok(Kind::Unsigned),
-        C::DECIMAL => Err("decimal numbers of fixed point"),
         _ => Err("dates or times"),
     }
 }
@@ -76,6 +84,10 @@ pub fn fill(
     max_level: i16,
 ) -> Result<(), ReadError> {
     let unsigned = kind == Kind::Unsigned;
+    let scale = match kind {
+        Kind::Fixed(scale) => scale,
+        _ => 0,
+    };
     match reader {
         ColumnReader::BoolColumnReader(reader) => {
             numbers(column, reader, max_level, |&yes| f64::from(u8::from(yes)))
@@ -83,11 +95,26 @@ pub fn fill(
         ColumnReader::Int32ColumnReader(reader) if unsigned => {
             numbers(column, reader, max_level, |&n| f64::from(n as u32))
         }
-        ColumnReader::Int32ColumnReader(reader) => numbers(column, reader, max_level, |&n| f64::from(n)),
+        ColumnReader::Int32ColumnReader(reader) => {
+            numbers(column, reader, max_level, |&n| at_scale(f64::from(n), scale))
+        }
         ColumnReader::Int64ColumnReader(reader) if unsigned => {
             numbers(column, reader, max_level, |&n| n as u64 as f64)
         }
-        ColumnReader::Int64ColumnReader(reader) => numbers(column, reader, max_level, |&n| n as f64),
+        ColumnReader::Int64ColumnReader(reader) => {
+            numbers(column, reader, max_level, |&n| at_scale(n as f64, scale))
+        }
+        ColumnReader::FixedLenByteArrayColumnReader(reader) if kind == Kind::Half => {
+            numbers(column, reader, max_level, |bytes| half(bytes.data()))
+        }
+        ColumnReader::FixedLenByteArrayColumnReader(reader) => numbers(column, reader, max_level, |bytes| {
+            at_scale(whole(bytes.data()), scale)
+        }),
+        ColumnReader::ByteArrayColumnReader(reader) if matches!(kind, Kind::Fixed(_)) => {
+            numbers(column, reader, max_level, |bytes| {
+                at_scale(whole(bytes.data()), scale)
+            })
+        }
         ColumnReader::FloatColumnReader(reader) => numbers(column, reader, max_level, |&n| f64::from(n)),
         ColumnReader::DoubleColumnReader(reader) => numbers(column, reader, max_level, |&n| n),
         ColumnReader::ByteArrayColumnReader(reader) => rows(reader, max_level, |text| {
@@ -103,6 +130,39 @@ pub fn fill(
         }),
         _ => Err(broken("a column is of another kind than its schema says")),
     }
+}
+
+/// A whole number with so many digits behind the point, rounded once.
+fn at_scale(whole: f64, digits: i32) -> f64 {
+    let ten = 10f64.powi(digits.abs());
+    if digits < 0 { whole * ten } else { whole / ten }
+}
+
+/// A whole number with its sign, the highest byte first; NaN where it is longer than any decimal.
+fn whole(bytes: &[u8]) -> f64 {
+    if bytes.len() > size_of::<i128>() {
+        return f64::NAN;
+    }
+    let sign = bytes
+        .first()
+        .map_or(0, |first| i128::from((*first).cast_signed() >> 7));
+    bytes.iter().fold(sign, |all, byte| all << 8 | i128::from(*byte)) as f64
+}
+
+/// A number of IEEE 754's binary16, the lowest byte first.
+fn half(bytes: &[u8]) -> f64 {
+    let &[low, high] = bytes else {
+        return f64::NAN;
+    };
+    let bits = u16::from_le_bytes([low, high]);
+    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023) / 1024.0);
+    let size = match exponent {
+        0 => fraction * 2f64.powi(-14),
+        31 if fraction == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        _ => (1.0 + fraction) * 2f64.powi(exponent - 15),
+    };
+    if bits >> 15 == 1 { -size } else { size }
 }
 
 fn numbers<T: DataType>(

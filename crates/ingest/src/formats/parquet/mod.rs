@@ -4,6 +4,7 @@
 //! that a damaged page can end the program or give other numbers. The library of the Arrow project refuses such pages;
 //! what their heads declare is checked before it reserves memory by it (`pages`).
 
+mod arrow_schema;
 mod columns;
 mod error;
 mod pages;
@@ -50,7 +51,7 @@ impl Format for Parquet {
     }
 
     fn version(&self) -> u32 {
-        4
+        5
     }
 
     fn is_generic(&self) -> bool {
@@ -121,13 +122,17 @@ fn read_columns(
 ) -> Result<(Vec<Header>, CellTable), ReadError> {
     let file = SerializedFileReader::new(Bytes::copy_from_slice(bytes)).map_err(failed)?;
     let rows = checked_rows(&file, max_bytes)?;
-    let kept = kept(&file, issues);
+    let durations = arrow_schema::durations(file.metadata().file_metadata());
+    let kept = kept(&file, &durations, issues);
     check_compression(&file, &kept)?;
     pages::check(bytes, file.metadata(), &kept)?;
     let schema = file.metadata().file_metadata().schema_descr();
     let headers: Vec<Header> = kept
         .iter()
-        .map(|(leaf, _)| Header::parse(schema.column(*leaf).name()))
+        .map(|(leaf, _)| match schema.column(*leaf).name() {
+            name if duration(&durations, name).is_some() => Header::of_durations(name),
+            name => Header::parse(name),
+        })
         .collect();
     let keep_text: Vec<bool> = headers.iter().map(plain_table::is_flag).collect();
     // No room by the declared number of rows: a damaged file may declare any.
@@ -209,8 +214,18 @@ fn check_compression(file: &SerializedFileReader<Bytes>, kept: &[(usize, Kind)])
     Ok(())
 }
 
+/// Digits behind the second of a column of durations; none of any other.
+fn duration(durations: &[(String, i32)], name: &str) -> Option<i32> {
+    let own = durations.iter().find(|(own, _)| own == name);
+    own.map(|(_, digits)| *digits)
+}
+
 /// The columns that are read, by their number among the leaves of the schema; the others become issues.
-fn kept(file: &SerializedFileReader<Bytes>, issues: &mut Vec<Issue>) -> Vec<(usize, Kind)> {
+fn kept(
+    file: &SerializedFileReader<Bytes>,
+    durations: &[(String, i32)],
+    issues: &mut Vec<Issue>,
+) -> Vec<(usize, Kind)> {
     let schema = file.metadata().file_metadata().schema_descr();
     let mut kept = Vec::new();
     let mut left_out: Vec<&str> = Vec::new();
@@ -222,7 +237,8 @@ fn kept(file: &SerializedFileReader<Bytes>, issues: &mut Vec<Issue>) -> Vec<(usi
         let kind = if by_delta {
             Err("texts in an encoding that is not read (write them as PLAIN or with a dictionary)")
         } else {
-            Kind::of(&schema.column(leaf))
+            let column = schema.column(leaf);
+            Kind::of(&column, duration(durations, column.name()))
         };
         match kind {
             Ok(kind) => kept.push((leaf, kind)),

@@ -3,6 +3,7 @@
 //! A head is a record in the compact protocol of Thrift (Apache Thrift, doc/specs/thrift-compact-protocol.md); its fields
 //! are those of `PageHeader` in the Parquet format's parquet.thrift. Only whole numbers are looked at.
 
+use parquet::basic::Type;
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
 
 use super::columns::Kind;
@@ -11,8 +12,14 @@ use crate::formats::error::ReadError;
 
 /// Deepest nesting of records in a head; the format itself needs three.
 const DEEPEST: u32 = 8;
-/// Fewest bytes that a value of a dictionary takes: four of a number or of the length of a text.
-const LEAST_BYTES: i64 = 4;
+/// Fewest bytes that a value of a dictionary takes: four of a number or of the length of a text, fewer of what has a length of
+/// its own.
+fn least_bytes(column: &ColumnChunkMetaData) -> i64 {
+    match column.column_type() {
+        Type::FIXED_LEN_BYTE_ARRAY => i64::from(column.column_descr().type_length().max(1)),
+        _ => 4,
+    }
+}
 
 /// Encodings of texts, as parquet.thrift numbers them, whose pages state beside their head how many texts they hold: the
 /// library makes room for that number as it is. Columns in them are left out.
@@ -77,7 +84,7 @@ fn check_column(bytes: &[u8], column: &ColumnChunkMetaData, rows: i64) -> Result
             .and_then(|packed| head.rest.get(packed..))
             .ok_or_else(|| format!("a page declares {} bytes", declared.packed_bytes))?;
         if declared.dictionary_values < 0
-            || declared.dictionary_values > declared.unpacked_bytes.max(0) / LEAST_BYTES
+            || declared.dictionary_values > declared.unpacked_bytes.max(0) / least_bytes(column)
         {
             return Err(format!(
                 "a dictionary declares {} values in {} bytes",

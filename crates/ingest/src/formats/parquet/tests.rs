@@ -1,5 +1,13 @@
 //! Parquet files as polars writes them, whole, cut, changed and declared otherwise than they are.
 
+use std::sync::Arc;
+
+use parquet::basic::{LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{ByteArray, DoubleType, FixedLenByteArray, FixedLenByteArrayType, Int64Type};
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 use polars_io::parquet::write::{ParquetCompression, ParquetWriter};
 
@@ -146,4 +154,138 @@ fn what_is_compressed_with_brotli_is_not_called_damaged() {
     let error = read("run.parquet", &bytes, &ReadContext::default()).unwrap_err();
     assert!(error.to_string().contains("compressed with Brotli"), "{error}");
     assert!(error.mend().contains("Snappy"));
+}
+
+/// Columns of one row group: their types and their cells.
+enum Cells {
+    Whole(Vec<i64>),
+    Bytes(Vec<Vec<u8>>),
+    Double(Vec<f64>),
+}
+
+fn plain(name: &str, physical: Physical) -> Type {
+    let built = Type::primitive_type_builder(name, physical);
+    built.with_repetition(Repetition::REQUIRED).build().unwrap()
+}
+
+/// A file that the format's own library writes, with Arrow's schema beside it.
+fn by_its_own_library(columns: &[(Type, Cells)], arrow_schema: Option<&str>) -> Vec<u8> {
+    let fields = columns.iter().map(|(own, _)| Arc::new(own.clone())).collect();
+    let schema = Type::group_type_builder("m").with_fields(fields).build().unwrap();
+    let said = arrow_schema.map(|text| vec![KeyValue::new("ARROW:schema".to_owned(), text.to_owned())]);
+    let settings = WriterProperties::builder().set_key_value_metadata(said).build();
+    let mut bytes = Vec::new();
+    let mut writer = SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(settings)).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    for (_, cells) in columns {
+        let mut column = group.next_column().unwrap().unwrap();
+        let written = match cells {
+            Cells::Whole(numbers) => column.typed::<Int64Type>().write_batch(numbers, None, None),
+            Cells::Double(numbers) => column.typed::<DoubleType>().write_batch(numbers, None, None),
+            Cells::Bytes(cells) => {
+                let cells: Vec<FixedLenByteArray> = cells
+                    .iter()
+                    .map(|own| ByteArray::from(own.clone()).into())
+                    .collect();
+                column
+                    .typed::<FixedLenByteArrayType>()
+                    .write_batch(&cells, None, None)
+            }
+        };
+        written.unwrap();
+        column.close().unwrap();
+    }
+    group.close().unwrap();
+    writer.close().unwrap();
+    bytes
+}
+
+/// What pyarrow 26 and polars 1 write beside durations: Parquet itself has no word for them.
+const OF_PYARROW: &str = "/////9gAAAAQAAAAAAAKAAwABgAFAAgACgAAAAABBAAMAAAACAAIAAAABAAIAAAABAAAAAMAAAB0AAAAOAAAAAQAAACo////AAABAxAAAAAcAAAABAAAAAAAAAAJAAAAY3VycmVudF9hAAAAnv///wAAAgDY////AAABEhAAAAAUAAAABAAAAAAAAAADAAAAbGFnAMb///8AAAAAEAAUAAgABgAHAAwAAAAQABAAAAAAAAESEAAAABwAAAAEAAAAAAAAAAQAAAB0aW1lAAAGAAgABgAGAAAAAAACAAAAAAA=";
+const OF_POLARS: &str = "/////20AAAAEAAAA8v///xQAAAAEAAEAAAAKAAsACAAKAAQA+P///wwAAAAIAAgAAAAEAAEAAAAEAAAA7P///ywAAAAgAAAAGAAAAAESAAAQABIABAAQABEACAAAAAwAAAAAAPz///8EAAQABAAAAHQvbXMA";
+
+#[test]
+fn durations_are_seconds_whatever_their_unit_is() {
+    for (arrow_schema, name, per_s) in [(OF_PYARROW, "time", 1_000_000), (OF_POLARS, "t/ms", 1_000)] {
+        let whole = |name| plain(name, Physical::INT64);
+        let current = plain("current_a", Physical::DOUBLE);
+        let columns = [
+            (whole(name), Cells::Whole(vec![0, per_s / 2, 90_000 * per_s])),
+            (whole("lag"), Cells::Whole(vec![0, 1, 2])),
+            (current, Cells::Double(vec![1.0, 2.0, 3.0])),
+        ];
+        let bytes = by_its_own_library(&columns, Some(arrow_schema));
+        let reading = read("run.parquet", &bytes, &ReadContext::default()).unwrap();
+        let channels = &reading.tables[0].channels;
+        let current = channels
+            .iter()
+            .find(|channel| channel.quantity == Quantity::Current);
+        assert_eq!(current.unwrap().time_s.to_vec(), [0.0, 0.5, 90_000.0], "{name}");
+        // Without it nothing says what they are, and a time without a unit is refused.
+        let bytes = by_its_own_library(&columns, None);
+        let plain = read("run.parquet", &bytes, &ReadContext::default());
+        match name {
+            "time" => assert!(plain.is_err(), "{plain:?}"),
+            _ => assert_eq!(plain.unwrap().tables[0].channels[0].time_s[1], 0.5),
+        }
+    }
+}
+
+#[test]
+fn numbers_of_fixed_point_and_of_two_bytes_keep_their_value() {
+    let required =
+        |name, physical| Type::primitive_type_builder(name, physical).with_repetition(Repetition::REQUIRED);
+    let decimal = |name, physical, digits| {
+        let built = required(name, physical).with_logical_type(Some(LogicalType::decimal(digits, 18)));
+        built
+            .with_precision(18)
+            .with_scale(digits)
+            .with_length(9)
+            .build()
+            .unwrap()
+    };
+    let half = required("curvature_per_cm", Physical::FIXED_LEN_BYTE_ARRAY);
+    let half = half
+        .with_length(2)
+        .with_logical_type(Some(LogicalType::Float16))
+        .build()
+        .unwrap();
+    let long = |number: i128| number.to_be_bytes()[7..].to_vec();
+    let columns = [
+        (
+            plain("time_s", Physical::DOUBLE),
+            Cells::Double(vec![0.0, 1.0, 2.0]),
+        ),
+        (
+            decimal("voltage_v", Physical::INT64, 3),
+            Cells::Whole(vec![125, -1_500, 1_000_000]),
+        ),
+        (
+            decimal("current_a", Physical::FIXED_LEN_BYTE_ARRAY, 6),
+            Cells::Bytes(vec![long(1_250), long(-3), long(7_000_000_000_000_000)]),
+        ),
+        (
+            half,
+            Cells::Bytes(vec![vec![0x00, 0x38], vec![0x00, 0xc0], vec![0x01, 0x00]]),
+        ),
+    ];
+    let reading = read(
+        "run.parquet",
+        &by_its_own_library(&columns, None),
+        &ReadContext::default(),
+    )
+    .unwrap();
+    let values: Vec<_> = reading.tables[0]
+        .channels
+        .iter()
+        .map(|own| own.values.to_vec())
+        .collect();
+    assert_eq!(
+        values,
+        [
+            vec![0.125, -1.5, 1e3],
+            vec![1.25e-3, -3e-6, 7e9],
+            vec![0.5, -2.0, 2f64.powi(-24)]
+        ]
+    );
 }

@@ -97,6 +97,7 @@ fn predicted(from: &StripSize, to: &StripSize, resistance: Option<f64>) -> Predi
         covariance: &covariance(),
         size: from,
         electrode_resistance_ohm_per_sq: resistance,
+        changes: &[],
     };
     predict(&identified, to, &Drive::step(2.0), &TIME_S).unwrap()
 }
@@ -167,6 +168,7 @@ fn the_distributed_model_is_taken_where_the_lumped_one_is_not_enough() {
         covariance: &covariance(),
         size: &from,
         electrode_resistance_ohm_per_sq: Some(2.5),
+        changes: &[],
     };
     let refused = predict(&identified, &long, &open, &TIME_S).unwrap_err();
     assert_eq!(refused, ScalingError::OpenCircuitAlong);
@@ -180,6 +182,7 @@ fn a_covariance_of_another_model_is_refused() {
         covariance: &[1.0; 25],
         size: &strip,
         electrode_resistance_ohm_per_sq: None,
+        changes: &[],
     };
     let error = predict(&identified, &strip, &Drive::step(1.0), &TIME_S).unwrap_err();
     assert_eq!(
