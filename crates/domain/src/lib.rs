@@ -38,6 +38,7 @@ pub mod safe_text;
 mod samples;
 pub mod standing;
 mod string_enum;
+pub mod surroundings;
 pub mod tag;
 #[doc(hidden)]
 pub mod testing;

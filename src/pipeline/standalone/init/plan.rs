@@ -158,7 +158,7 @@ fn named(seen: &Seen, stem: &str) -> BTreeMap<String, String> {
     let environment = folders.filter_map(environment_of).next();
     if let Some(environment) = environment {
         let known = tags.entry(keys::ENVIRONMENT.to_owned());
-        known.or_insert_with(|| environment.to_owned());
+        known.or_insert(environment);
     }
     tags
 }
