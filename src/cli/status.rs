@@ -12,9 +12,11 @@ use super::campaign::{CampaignArg, say_what_is_not_understood, say_what_opening_
 use super::exit::{self, ALARM, CliError, DONE};
 use super::ingest;
 use super::output::Output;
+use crate::domain::file_story::FileStory;
 use crate::domain::{Alarm, Fault, Issue};
 use crate::pipeline::infra::mends::Reasoned;
 use crate::pipeline::infra::mends::together;
+use crate::pipeline::intake::files::{lone, stories};
 use crate::pipeline::upkeep::status::{Status, WAITS, status};
 use crate::pipeline::{Context, TakenBack};
 
@@ -26,11 +28,28 @@ pub struct StatusArgs {
     /// Only the alarms of long-term monitoring; ends with status 5 where one stands that is not acknowledged
     #[arg(long)]
     alarms: bool,
+    /// Every file, what became of it and why, the words of its name and where its tags come from
+    #[arg(long, conflicts_with = "alarms")]
+    files: bool,
+}
+
+/// Every file, and what became of it.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct FilesDocument {
+    /// The files by path.
+    files: Vec<FileStory>,
 }
 
 pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
     // What is odd in campaign.toml is part of the answer.
     let context = Context::open_read_only(&args.campaign.folder()?)?;
+    if args.files {
+        say_what_is_not_understood(&context, output);
+        let files = stories(&context)?;
+        let shown = crate::analysis::files::view(&files);
+        output.show("ieap/files/1", &FilesDocument { files }, &shown)?;
+        return Ok(DONE);
+    }
     let status = status(&context)?;
     say_what_is_not_allowed(&context, output);
     if args.alarms {
@@ -132,6 +151,7 @@ fn print(status: &Status, output: &Output) {
         output.result(&format!("impedance spectra: {}", status.spectra));
     }
     set_aside(status, output);
+    halves(status, output);
     section(output, "file", "refused", &status.refused);
     section(output, "file", ingest::NOT_READ, &status.unread);
     unreadable_tags(status, output);
@@ -201,6 +221,26 @@ fn print(status: &Status, output: &Output) {
     if let Some(refused) = &status.report_refused {
         output.result(&format!("report that cannot be written anew:\n  {refused}"));
     }
+}
+
+/// Runs in two files, and halves whose partner is not there.
+fn halves(status: &Status, output: &Output) {
+    if !status.pairs.is_empty() {
+        let runs = counted(status.pairs.len(), "run");
+        output.result(&format!("{runs} in two files (`ieap status --files` shows the pairs)"));
+    }
+    let lone: Vec<Reasoned> = status
+        .lone_halves
+        .iter()
+        .map(|half| Reasoned {
+            path: half.path.clone(),
+            issues: vec![Issue {
+                place: String::new(),
+                ..lone(half)
+            }],
+        })
+        .collect();
+    section(output, "file", "that hold half of a run", &lone);
 }
 
 /// Words that may be lost since a rebuilding.

@@ -8,6 +8,7 @@ use crate::tags::value::shortest;
 use ieap_domain::surroundings::id_of_word;
 use ieap_domain::tag::keys;
 
+pub(crate) use number::number as number_of_name;
 pub use propose::{ProposedPattern, environment_of, explained, propose, tags_of_name};
 pub use words::parts_of_name;
 
@@ -171,6 +172,75 @@ impl NamePattern {
             })
             .find(|found| *found != NameMatch::None)
             .unwrap_or(NameMatch::None)
+    }
+}
+
+/// Where a name leaves its pattern.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Mismatch {
+    /// What the pattern reads of the name.
+    pub read: String,
+    /// What stands behind it.
+    pub rest: String,
+    /// What the pattern wants there: `{voltage_v}`, `V`, or the end of the name.
+    pub wanted: String,
+}
+
+impl NamePattern {
+    /// The words of a name, each with what it is taken for, of the first way to read it; none where the pattern does not
+    /// read it.
+    pub fn words(&self, stem: &str, known: KnownIds) -> Option<Vec<(String, String)>> {
+        let search = Search::new(&self.parts, stem, known);
+        let search = if search.leads_to_end[0][0] {
+            search
+        } else {
+            Search::new(&self.parts, stem, KnownIds::default())
+        };
+        let (mut start, mut words) = (0, Vec::new());
+        for (part, of) in self.parts.iter().enumerate() {
+            let end = search.ends(part, start).find(|&end| search.leads_to_end[part + 1][end])?;
+            let text = &stem[start..end];
+            start = end;
+            match of {
+                Part::Literal(literal) if literal.contains(char::is_alphanumeric) => {
+                    words.push((text.to_owned(), "part of the pattern".to_owned()));
+                }
+                Part::Literal(_) => {}
+                Part::Tag(key) if key == IGNORED => words.push((text.to_owned(), "ignored".to_owned())),
+                Part::Tag(key) => {
+                    let value = search.value(key, text);
+                    let taken = if value == text { key.clone() } else { format!("{key} = {value}") };
+                    words.push((text.to_owned(), taken));
+                }
+            }
+        }
+        (start == stem.len()).then_some(words)
+    }
+
+    /// Where a name that the pattern does not read leaves it: behind the longest beginning that it reads.
+    pub fn mismatch(&self, stem: &str, known: KnownIds) -> Mismatch {
+        let search = Search::new(&self.parts, stem, known);
+        let mut at: std::collections::BTreeSet<usize> = [0].into();
+        let (mut part, mut reached) = (0, 0);
+        while part < self.parts.len() {
+            let next = at.iter().flat_map(|&start| search.ends(part, start).collect::<Vec<_>>());
+            let next: std::collections::BTreeSet<usize> = next.collect();
+            if next.is_empty() {
+                break;
+            }
+            (at, part) = (next, part + 1);
+            // The furthest place from which the next part has a way, or the nearest where none has.
+            reached = at.first().copied().unwrap_or(0);
+        }
+        Mismatch {
+            read: stem[..reached].to_owned(),
+            rest: stem[reached..].to_owned(),
+            wanted: match self.parts.get(part) {
+                Some(Part::Literal(text)) => format!("\"{text}\""),
+                Some(Part::Tag(key)) => format!("{{{key}}}"),
+                None => "the end of the name".to_owned(),
+            },
+        }
     }
 }
 

@@ -29,6 +29,7 @@ mod place;
 mod published_view;
 #[cfg(test)]
 mod renamed_tests;
+mod read_files;
 mod results;
 mod run_climate;
 mod run_named;
@@ -61,6 +62,7 @@ pub use lock::InstanceLock;
 pub use new_run::{NewRun, RunContent, Tagging};
 pub use place::FILE_NAME;
 pub use published_view::PublishedRows;
+pub use read_files::ReadFile;
 pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, StoredResult};
 use seal::{Seals, Subject};
 pub use snapshot::Snapshot;

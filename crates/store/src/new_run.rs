@@ -167,7 +167,7 @@ pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun)
 }
 
 /// Retires the current revision of a run; gives the newest revision number so far (0: none).
-fn supersede(transaction: &Transaction<'_>, now: &str, path: &str) -> Result<i64, StepError> {
+pub(super) fn supersede(transaction: &Transaction<'_>, now: &str, path: &str) -> Result<i64, StepError> {
     transaction.changes(Subject::Runs)?;
     let current = "SELECT id FROM run WHERE path = ?1 AND superseded_at IS NULL";
     for id in transaction.ids(current, path)? {

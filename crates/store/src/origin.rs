@@ -80,9 +80,10 @@ pub(super) fn shift(channels: &mut [Channel], offset_s: f64) {
     }
 }
 
-fn read_clock(row: &Row<'_>) -> Result<RunClock, StepError> {
+/// The date and time that a file states, from the columns of its clock.
+pub(super) fn read_stamp(row: &Row<'_>) -> Result<Option<StartedAt>, StepError> {
     let raw: Option<String> = row.get("stamp_raw")?;
-    let stamp = match raw {
+    Ok(match raw {
         None => None,
         Some(raw) => Some(StartedAt {
             raw,
@@ -91,7 +92,11 @@ fn read_clock(row: &Row<'_>) -> Result<RunClock, StepError> {
             offset: row.get("stamp_offset")?,
             basis: row.get("stamp_basis")?,
         }),
-    };
+    })
+}
+
+fn read_clock(row: &Row<'_>) -> Result<RunClock, StepError> {
+    let stamp = read_stamp(row)?;
     Ok(RunClock {
         file: row.get("file")?,
         is_reference: row.get("is_reference")?,

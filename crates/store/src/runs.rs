@@ -11,6 +11,7 @@ use super::files::{take_new_name, upsert_file};
 use super::journal::{Entry, NamedBytes, NamedRun};
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging, stored_state};
 use super::origin::{delete_stated_offset, shift};
+use super::read_files::supersede_parts;
 use super::results::{self, retire_of_run};
 use super::tags::read_tag;
 use super::{FileRow, RunContent, StepError, Store, StoreError, Subject};
@@ -49,6 +50,7 @@ impl Store {
                 };
                 transaction.says(now, read);
             }
+            supersede_parts(transaction, now, runs)?;
             files.iter().try_for_each(|file| upsert_file(transaction, file))
         })
     }

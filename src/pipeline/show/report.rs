@@ -33,6 +33,7 @@ use crate::pipeline::infra::fault::{or_nothing, step};
 use crate::pipeline::infra::own_folder::{self, Altered, Fresh};
 use crate::pipeline::intake::climate::electrode_courses;
 use crate::pipeline::intake::ingest::run_window;
+use crate::pipeline::intake::files::stories;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::report;
 use crate::report::kept::{self, Earlier, Made};
@@ -450,6 +451,7 @@ pub(crate) fn input(
         set_aside,
         superseded: context.store.earlier_revisions()?,
         files: source_files(context)?,
+        file_stories: stories(context)?,
         origin: report::Origin {
             program: format!("ieap {CODE_VERSION}"),
             database: format!(

@@ -34,7 +34,7 @@ pub(super) const HUMIDITY: [&str; 10] = [
 const MILLIVOLTS: [&str; 2] = ["mv", "m"];
 
 /// The number that a text stands for under that key: `2.5`, `+2`, `m2` (minus two), `2V0`, `2,0V`, `-2000mV`, `35%`.
-pub(super) fn number(key: &str, text: &str) -> Option<f64> {
+pub(crate) fn number(key: &str, text: &str) -> Option<f64> {
     let lower = text.to_lowercase();
     let is_signed = matches!(key, keys::VOLTAGE_V | keys::TEMPERATURE_C) || lower.starts_with('-');
     let signed = SIGNS

@@ -78,17 +78,30 @@ pub(super) fn words(stem: &str) -> Vec<Word> {
     with_number_of_sample(words.into_iter().map(word).collect())
 }
 
-/// The words of a name as what they mean, `voltage_v=2` or `cnaf`: two names of one run share them,
-/// whatever their spelling.
+/// The words of a name as what they mean, `voltage_v=2` or `cnaf`, between signs of any kind: two names of one run share
+/// them, whatever their spelling.
 pub fn parts_of_name(stem: &str) -> Vec<String> {
-    let meant = |word: Word| match word.says {
+    let letters: Vec<char> = stem.chars().collect();
+    let is_digit = |at: Option<usize>| at.and_then(|at| letters.get(at)).is_some_and(char::is_ascii_digit);
+    let mut words = vec![String::new()];
+    for (at, &c) in letters.iter().enumerate() {
+        let starts = words.last().is_some_and(String::is_empty);
+        let is_sign = c == '-' && starts && is_digit(Some(at + 1));
+        let is_point = c == '.' && is_digit(at.checked_sub(1)) && is_digit(Some(at + 1));
+        match words.last_mut() {
+            Some(word) if !matches!(c, '_' | '-' | ' ' | '.') || is_sign || is_point => word.push(c),
+            _ => words.push(String::new()),
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    let meant = |word: String| match says(&word) {
         Says::Tag { key, meant, .. } => match meant.parse::<f64>() {
             Ok(number) => format!("{key}={}", shortest(number)),
             Err(_) => format!("{key}={meant}"),
         },
-        Says::Day | Says::Other => word.text.to_lowercase(),
+        Says::Day | Says::Other => word.to_lowercase(),
     };
-    words(stem).into_iter().map(meant).collect()
+    words.into_iter().map(meant).collect()
 }
 
 /// A bare number right behind the first other word, which has none itself, is the sample's where more stands behind it:

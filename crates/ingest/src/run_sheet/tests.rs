@@ -50,7 +50,7 @@ fn what_a_spreadsheet_saves_is_read() {
 #[test]
 fn a_fault_has_its_place_and_its_mend() {
     for (text, place, found) in [
-        ("file,sample\na,S1\n", "line 1", "planned and file"),
+        ("file,drive\na,hold\n", "line 1", "planned and file"),
         ("planned,file\nP01,\n", "line 2, column file", "empty"),
         ("planned,file\nP01,a\nP02,a\n", "line 3", "on line 2 already"),
         ("planned,file\nP01,a\nP01,b\n", "line 3", "the planned id"),

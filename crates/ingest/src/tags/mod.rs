@@ -269,6 +269,7 @@ fn missing_tag(request: &TagRequest, key: &str) -> Issue {
             "",
         ),
     };
+    let reason = sources::not_in_name(request, key).unwrap_or_else(|| reason.to_owned());
     let mend =
         format!("such as: ieap tag \"{run}\" {key}={value}, or {key} = {quote}{value}{quote} in {run}.toml");
     Issue::error(MISSING, format!("`{key}` is missing: {reason}"))

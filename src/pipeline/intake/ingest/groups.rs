@@ -44,11 +44,23 @@ pub fn run_name(path: &str) -> String {
     }
 }
 
-/// Groups paths by the run they belong to, both in order.
-pub fn grouped<'a>(paths: impl Iterator<Item = &'a str>) -> BTreeMap<String, Vec<&'a str>> {
+/// Groups paths by the run they belong to, both in order; files of a pair stay together.
+pub fn grouped<'a>(
+    paths: impl Iterator<Item = &'a str>,
+    pairs: &[(String, [String; 2])],
+) -> BTreeMap<String, Vec<&'a str>> {
+    let of_pair: BTreeMap<&str, (&String, usize)> = pairs
+        .iter()
+        .flat_map(|(run, files)| files.iter().enumerate().map(move |(at, file)| (file.as_str(), (run, at))))
+        .collect();
     let mut groups: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for path in paths {
-        groups.entry(run_name(path)).or_default().push(path);
+        let run = of_pair.get(path).map_or_else(|| run_name(path), |(run, _)| (*run).clone());
+        groups.entry(run).or_default().push(path);
+    }
+    // A pair is in the order in which it was joined, the current first.
+    for group in groups.values_mut() {
+        group.sort_by_key(|path| of_pair.get(path).map(|(_, at)| *at));
     }
     groups
 }
@@ -64,7 +76,7 @@ mod tests {
         assert_eq!(run_name("runs/a.b.csv"), "runs/a.b.csv");
         assert_eq!(run_name("current.csv"), "current.csv");
         assert_eq!(run_name("runs/a.frames"), "runs/a.csv");
-        let groups = grouped(["r/a.current.csv", "r/a.curvature.csv", "r/b.csv"].into_iter());
+        let groups = grouped(["r/a.current.csv", "r/a.curvature.csv", "r/b.csv"].into_iter(), &[]);
         assert_eq!(groups.len(), 2);
         assert_eq!(groups["r/a.csv"].len(), 2);
     }

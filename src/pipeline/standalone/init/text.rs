@@ -92,6 +92,14 @@ pub fn campaign_text(id: &str, from: &str, timezone: Option<&str>, looked: &Look
         );
     }
     let _ = writeln!(text, "\n[runs]\nfolder = \"runs\"");
+    if !plan.pairs.is_empty() {
+        let _ = writeln!(
+            text,
+            "# {} in two files each, paired by what they hold and by names or times, as `ieap init` showed; \
+             `pair_by = []` takes that back, and [[pair]] says which belong together.",
+            counted(plan.pairs.len(), "run")
+        );
+    }
     if let Some(pattern) = &plan.pattern {
         let _ = writeln!(
             text,

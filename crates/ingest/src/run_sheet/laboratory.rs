@@ -1,0 +1,284 @@
+//! Run sheets as laboratories keep them: a workbook or a text with names of columns in any language, titles above the
+//! table, cells that are merged, no planned ids. They become the text that the reader of run sheets reads.
+
+use super::{LARGEST_BYTES, SAID};
+use crate::formats::sheet_cells::{self, Place, SheetCell};
+use crate::name_pattern::number_of_name;
+use crate::tags::value::shortest;
+use crate::text::header::{Header, Meaning};
+use ieap_domain::safe_text::from_csv_text;
+use ieap_domain::Quantity;
+use ieap_domain::tag::keys;
+
+/// Words for columns whose names are no quantities: the tag or column, and its names in small letters.
+const COLUMNS: [(&str, &str); 8] = [
+    (
+        "file",
+        "file;filename;file name;fichier;nom du fichier;nom de fichier;datei;dateiname;fail;failinimi;faili nimi;archivo;\
+         fichero;nombre de archivo;arquivo;файл;имя файла;ファイル;文件",
+    ),
+    (
+        keys::SAMPLE,
+        "sample;strip;specimen;échantillon;echantillon;éprouvette;eprouvette;probe;streifen;muster;proov;katsekeha;riba;\
+         muestra;campione;amostra;образец;試料;样品",
+    ),
+    (
+        keys::ENVIRONMENT,
+        "environment;atmosphere;atmosphère;milieu;environnement;gaz;gas;umgebung;atmosphäre;keskkond;atmosfäär;ambiente;\
+         atmósfera;atmosfera;среда;атмосфера;雰囲気;环境",
+    ),
+    (
+        keys::CYCLE,
+        "cycle;zyklus;tsükkel;répétition;repetition;repeat;wiederholung;kordus;essai;ciclo;цикл",
+    ),
+    (
+        keys::OPERATOR,
+        "operator;opérateur;operateur;bediener;mõõtja;operaator;operador;operatore;оператор",
+    ),
+    (
+        keys::INSTRUMENT,
+        "instrument;appareil;gerät;geraet;seade;instrumento;strumento;прибор",
+    ),
+    (
+        keys::NOTE,
+        "note;notes;remark;remarks;remarque;remarques;commentaire;commentaires;bemerkung;bemerkungen;kommentar;märkus;\
+         märkused;nota;notas;osservazioni;примечание;備考;备注",
+    ),
+    (
+        keys::REST_BEFORE_S,
+        "rest_before_s;repos (s);rest (s);pause (s);ruhe (s);paus (s);reposo (s);riposo (s)",
+    ),
+];
+/// Rows above the names that are looked through.
+const MOST_TITLES: usize = 30;
+/// Rows and columns beyond which nothing is looked for.
+const MOST_ROWS: usize = 10_000;
+const MOST_COLUMNS: usize = 256;
+
+/// A sheet of a laboratory as the text of a run sheet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Rewritten {
+    /// With tabs between the cells, the names of the columns as tags have them in the first line.
+    pub text: String,
+    /// Columns that are none of a run sheet's.
+    pub unused: Vec<String>,
+    /// Rows that name no file.
+    pub nameless: usize,
+}
+
+/// What a column of a laboratory's sheet states.
+enum Column {
+    /// A tag, or the name of the file.
+    Text(&'static str),
+    /// A number in this unit.
+    Number(&'static str, Header),
+}
+
+fn column(name: &str) -> Option<Column> {
+    let plain = name.trim().to_lowercase().replace(['\n', '\r'], " ");
+    let named = COLUMNS
+        .iter()
+        .find(|(key, names)| *key == plain || names.split(';').any(|known| known == plain));
+    if let Some((key, _)) = named {
+        return Some(Column::Text(key));
+    }
+    let header = Header::parse(name);
+    let key = match header.meaning.named_quantity()? {
+        Quantity::Voltage | Quantity::ControlVoltage => keys::VOLTAGE_V,
+        Quantity::RelativeHumidity => keys::RELATIVE_HUMIDITY_PERCENT,
+        Quantity::Temperature => keys::TEMPERATURE_C,
+        Quantity::Pressure => keys::PRESSURE_PA,
+        _ => return None,
+    };
+    Some(Column::Number(key, header))
+}
+
+/// Whether a workbook may be one, by its name.
+pub(super) fn may_be_workbook(name: &str) -> bool {
+    let name = name.to_lowercase();
+    [".xlsx", ".xlsm", ".xls"].iter().any(|end| name.ends_with(end))
+}
+
+/// The sheet that a workbook or a text of a laboratory holds; none where it is something else, or a run sheet as the
+/// program writes it.
+pub(super) fn rewritten(bytes: &[u8]) -> Option<Rewritten> {
+    if bytes.len() as u64 > LARGEST_BYTES {
+        return None;
+    }
+    let is_workbook = bytes.starts_with(b"PK") || bytes.starts_with(&[0xD0, 0xCF, 0x11, 0xE0]);
+    let grids = if is_workbook {
+        let merged = sheet_cells::merged(bytes);
+        let of = |(at, sheet)| grid(sheet, merged.get(at).map_or(&[], Vec::as_slice));
+        sheet_cells::read(bytes).ok()?.iter().enumerate().map(of).collect()
+    } else {
+        super::read::grids(bytes)
+    };
+    grids.iter().find_map(|grid| of_grid(grid))
+}
+
+/// The cells of a sheet as texts; a merged cell stands in all places that it covers.
+fn grid(sheet: &sheet_cells::Sheet, merged: &[(Place, Place)]) -> Vec<Vec<String>> {
+    let mut grid: Vec<Vec<String>> = Vec::new();
+    let mut put = |row: u32, column: u32, text: &str| {
+        let (row, column) = (row as usize, column as usize);
+        if row >= MOST_ROWS || column >= MOST_COLUMNS {
+            return;
+        }
+        if grid.len() <= row {
+            grid.resize(row + 1, Vec::new());
+        }
+        if grid[row].len() <= column {
+            grid[row].resize(column + 1, String::new());
+        }
+        text.clone_into(&mut grid[row][column]);
+    };
+    for row in &sheet.rows {
+        for (column, cell) in &row.cells {
+            let text = match cell {
+                SheetCell::Number(number) => shortest(*number),
+                SheetCell::Text(text) | SheetCell::Date(text) | SheetCell::Error(text) => text.clone(),
+            };
+            put(row.number.saturating_sub(1), *column, &text);
+            let from = (row.number.saturating_sub(1), *column);
+            for (first, last) in merged.iter().filter(|(first, _)| *first == from) {
+                for at in first.0..=last.0.min(MOST_ROWS as u32) {
+                    (first.1..=last.1.min(MOST_COLUMNS as u32)).for_each(|column| put(at, column, &text));
+                }
+            }
+        }
+    }
+    grid
+}
+
+fn of_grid(grid: &[Vec<String>]) -> Option<Rewritten> {
+    let names_at = grid.iter().take(MOST_TITLES).position(|row| is_header(row))?;
+    let columns: Vec<Option<Column>> = grid[names_at].iter().map(|name| column(name)).collect();
+    let unused = grid[names_at].iter().zip(&columns);
+    let unused = unused.filter(|(name, column)| column.is_none() && !name.trim().is_empty());
+    let mut rewritten = Rewritten {
+        unused: unused.map(|(name, _)| name.trim().to_owned()).collect(),
+        text: String::new(),
+        nameless: 0,
+    };
+    let mut writer = csv::WriterBuilder::new().delimiter(b'\t').from_writer(Vec::new());
+    let used: Vec<(usize, &Column)> = columns
+        .iter()
+        .enumerate()
+        .filter_map(|(at, column)| Some((at, column.as_ref()?)))
+        .collect();
+    let key = |column: &Column| match column {
+        Column::Text(key) | Column::Number(key, _) => (*key).to_owned(),
+    };
+    let file_at = used.iter().position(|(_, column)| key(column) == "file")?;
+    let head = std::iter::once("planned".to_owned()).chain(used.iter().map(|(_, column)| key(column)));
+    writer.write_record(head).ok()?;
+    for row in &grid[names_at + 1..] {
+        let cell = |at: usize| row.get(at).map_or("", |cell| cell.trim());
+        let mut values: Vec<String> = used.iter().map(|(at, column)| value(column, cell(*at))).collect();
+        values[file_at] = stem_of(&values[file_at]);
+        if values[file_at].is_empty() {
+            rewritten.nameless += usize::from(row.iter().any(|cell| !cell.trim().is_empty()));
+            continue;
+        }
+        let planned = values[file_at].replace(',', ".");
+        writer.write_record(std::iter::once(planned).chain(values)).ok()?;
+    }
+    rewritten.text = String::from_utf8(writer.into_inner().ok()?).ok()?;
+    Some(rewritten)
+}
+
+/// Whether a row names a column of files and one that tells what is measured, and has no column of the program's own sheets.
+fn is_header(row: &[String]) -> bool {
+    let plain: Vec<String> = row.iter().map(|cell| from_csv_text(cell.trim()).to_lowercase()).collect();
+    let of_program = plain.iter().any(|cell| cell == "planned" || SAID.contains(&cell.as_str()));
+    let found: Vec<Column> = row.iter().filter_map(|cell| column(cell)).collect();
+    let has = |wanted: &str| {
+        let mut keys = found.iter().map(|column| match column {
+            Column::Text(key) | Column::Number(key, _) => *key,
+        });
+        keys.any(|key| key == wanted)
+    };
+    let tells = [keys::SAMPLE, keys::ENVIRONMENT, keys::VOLTAGE_V, keys::RELATIVE_HUMIDITY_PERCENT];
+    !of_program && has("file") && tells.iter().any(|key| has(key))
+}
+
+/// The name of a file without its folder and its ending.
+fn stem_of(cell: &str) -> String {
+    let name = cell.rsplit(['/', '\\']).next().unwrap_or(cell);
+    let is_ending = |end: &str| {
+        (1..=5).contains(&end.len()) && end.starts_with(|c: char| c.is_ascii_alphabetic()) && end.chars().all(char::is_alphanumeric)
+    };
+    match name.rsplit_once('.') {
+        Some((stem, end)) if is_ending(end) => stem.to_owned(),
+        _ => name.to_owned(),
+    }
+}
+
+/// The value of a cell as a tag states it; what is no number stays, and is refused with its place.
+fn value(column: &Column, cell: &str) -> String {
+    let Column::Number(key, header) = column else {
+        return cell.to_owned();
+    };
+    match (number_of_name(key, cell), &header.meaning) {
+        (Some(number), Meaning::Known { conversion, .. }) => shortest(conversion.apply(number)),
+        (Some(number), _) => shortest(number),
+        (None, _) => cell.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{is_sheet, read};
+    use super::*;
+    use crate::formats::sheet_writer::{Xml, merged_workbook, sheet};
+
+    #[test]
+    fn a_workbook_of_a_laboratory_with_titles_and_merged_cells_is_a_run_sheet() {
+        use Xml::{None as Gap, Number, Text};
+        let rows = sheet(&[
+            &[Text("Campagne mars 2026"), Gap, Gap, Gap, Gap, Gap],
+            &[
+                Text("N°"),
+                Text("Échantillon"),
+                Text("Atmosphère"),
+                Text("HR (%)"),
+                Text("Tension (mV)"),
+                Text("Fichier"),
+            ],
+            &[Number(1.0), Text("PtNaf-1"), Text("vide"), Number(0.0), Number(2000.0), Text("m0001.txt")],
+            &[Number(2.0), Gap, Gap, Gap, Text("-2000"), Text("m0002.txt")],
+            &[Number(3.0), Gap, Text("air"), Number(35.5), Text("+1000"), Text("pot/m0003.txt")],
+            &[Text("pause"), Gap, Gap, Gap, Gap, Gap],
+        ]);
+        let bytes = merged_workbook(&[rows], "A1:F1 B3:B5 C3:C4 D3:D4");
+        assert!(is_sheet("Feuille de route.xlsx", &bytes));
+        let found = rewritten(&bytes).unwrap();
+        assert_eq!((found.unused, found.nameless), (vec!["N°".to_owned()], 1));
+        let rows = read(&bytes).unwrap();
+        let shown: Vec<(&str, Option<&str>, Option<&str>, Option<&str>, Option<&str>)> = rows
+            .iter()
+            .map(|row| {
+                let of = |key| row.tag(key);
+                (row.file.as_str(), of("sample"), of("environment"), of("relative_humidity_percent"), of("voltage_v"))
+            })
+            .collect();
+        assert_eq!(
+            shown,
+            [
+                ("m0001", Some("PtNaf-1"), Some("vide"), Some("0"), Some("2")),
+                ("m0002", Some("PtNaf-1"), Some("vide"), Some("0"), Some("-2")),
+                ("m0003", Some("PtNaf-1"), Some("air"), Some("35.5"), Some("1")),
+            ]
+        );
+    }
+
+    #[test]
+    fn a_text_of_a_laboratory_is_one_and_a_table_of_readings_is_none() {
+        let text = "Datei;Probe;Umgebung;%rF;U [V]\r\na_2.5V;S1;Luft;35,5;2,5\r\n";
+        assert!(is_sheet("Messplan.csv", text.as_bytes()));
+        let rows = read(text.as_bytes()).unwrap();
+        assert_eq!((rows[0].file.as_str(), rows[0].tag("voltage_v")), ("a_2.5V", Some("2.5")));
+        assert_eq!(rows[0].tag("relative_humidity_percent"), Some("35.5"));
+        assert!(!is_sheet("a.csv", b"Zeit;Probe;U [V]\n0;1;2\n"));
+    }
+}
