@@ -86,7 +86,7 @@ fn pairs(summary: &IngestSummary, output: &Output) {
     list(output, "pair", "of files joined to a run", &joined.collect::<Vec<_>>());
     let waits = |half: &LoneHalf| format!("{} ({}) waits for {}", half.path, half.holds.label(), half.waits_for);
     let lone: Vec<String> = summary.lone_halves.iter().map(waits).collect();
-    list(output, "file", "that hold half of a run", &lone);
+    list(output, "file", "with half of a run alone", &lone);
 }
 
 /// What could not be used: files that were refused or that the system could not give, tag files that cannot be read.

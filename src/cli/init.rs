@@ -66,6 +66,7 @@ fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
         (Taken::RunSheet, "run sheet"),
         (Taken::Logger, "climate log"),
         (Taken::ModulusLog, "modulus log"),
+        (Taken::Copy, "copy of a run's file"),
         (Taken::NotRead, "file not read"),
         (Taken::LeftOut, "file left out"),
     ];
@@ -76,6 +77,7 @@ fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
         .filter(|(count, _)| *count > 0)
         .map(|(count, name)| match (count, name.split_once(' ')) {
             (1, _) => format!("1 {name}"),
+            (_, Some(("copy", rest))) => format!("{count} copies {rest}"),
             (_, Some((first @ ("run" | "file"), rest))) => format!("{count} {first}s {rest}"),
             _ => counted(count, name),
         })

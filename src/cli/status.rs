@@ -240,7 +240,7 @@ fn halves(status: &Status, output: &Output) {
             }],
         })
         .collect();
-    section(output, "file", "that hold half of a run", &lone);
+    section(output, "file", "with half of a run alone", &lone);
 }
 
 /// Words that may be lost since a rebuilding.

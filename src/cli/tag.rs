@@ -22,6 +22,9 @@ pub struct TagArgs {
     /// Who sets them [default: the user's name]
     #[arg(long, value_name = "NAME")]
     by: Option<String>,
+    /// Set a voltage though the readings say one of another size
+    #[arg(long)]
+    even_so: bool,
     /// Campaign folder [default: that of the run's file, this folder, or the nearest one above it with a campaign.toml]
     #[arg(long, short = 'C', value_name = "CAMPAIGN")]
     campaign: Option<PathBuf>,
@@ -38,6 +41,7 @@ pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         runs,
         pairs,
         set_by: args.by.clone().unwrap_or_else(user_name),
+        even_so: args.even_so,
     };
     let summaries = set.run(&mut context, output)?;
     for summary in &summaries {

@@ -56,6 +56,7 @@ mod model_free;
 mod moving_voltage;
 mod mutations;
 mod needs_shared;
+mod new_laboratory;
 mod next_runs;
 mod not_read;
 mod output;
@@ -83,6 +84,9 @@ mod schema_17;
 mod schemas;
 mod sentences;
 mod serve;
+#[allow(dead_code)]
+#[path = "../../crates/ingest/src/formats/sheet_writer.rs"]
+mod sheet_writer;
 mod shared_effects;
 mod sidecars;
 mod sql;

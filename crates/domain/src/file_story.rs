@@ -5,6 +5,9 @@ use serde::Serialize;
 
 use super::Issue;
 
+/// What a file became that holds half of a run and whose partner is not there.
+pub const HALF_WITHOUT_PARTNER: &str = "half without partner";
+
 /// A word of a file's name with what it was taken for.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct WordOfName {

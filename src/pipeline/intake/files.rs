@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::ingest::pairs::paired;
-use crate::domain::file_story::{FileStory, TagOfFile, WordOfName};
+use crate::domain::file_story::{FileStory, HALF_WITHOUT_PARTNER, TagOfFile, WordOfName};
 use crate::domain::pairs::{LoneHalf, Pair};
 use crate::domain::{FileState, Issue, RunRecord, RunState, Severity};
 use crate::ingest::name_pattern::{KnownIds, NamePattern};
@@ -90,7 +90,12 @@ fn story(context: &Context, file: &FileRow, runs: &[&RunRecord], paired: &Paired
         run: run.map(|run| run.path.clone()),
         partner: partner(file, (pair, half)),
         read_by: run.map(|run| run.format.clone()),
-        words: words(context, &file.path),
+        // The name of a bending says nothing: the run has that of the current.
+        words: match pair {
+            Some(pair) if pair.bending == file.path => Vec::new(),
+            _ if file.state != FileState::Run => Vec::new(),
+            _ => words(context, &file.path),
+        },
         tags: run.map(tags_of).unwrap_or_default(),
         why: file.issue.iter().cloned().collect(),
     };
@@ -105,7 +110,7 @@ fn became(file: &FileRow, runs: &[&RunRecord], (pair, half): (Option<&Pair>, Opt
     match file.state {
         _ if file.missing_since.is_some() => "gone from the folder",
         FileState::Run if pair.is_some() => "half of a run",
-        FileState::Run if half.is_some() => "half without partner",
+        FileState::Run if half.is_some() => HALF_WITHOUT_PARTNER,
         FileState::Run => match runs {
             [run, ..] if run.standing.reason().is_empty() => match run.state {
                 RunState::Untagged => "run that waits for tags",

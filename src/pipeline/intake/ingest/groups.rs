@@ -65,9 +65,32 @@ pub fn grouped<'a>(
     groups
 }
 
+/// Words that programs and people put into the name of a copy.
+const OF_A_COPY: [&str; 7] = ["copy", "copie", "kopie", "koopia", "copia", "cópia", "копия"];
+
+/// Whether a name is that of a copy: `a (copie).txt`, `a - Kopie.txt`, `a (2).txt`.
+pub fn is_named_as_copy(path: &str) -> bool {
+    let file = path.rsplit('/').next().unwrap_or(path).to_lowercase();
+    let stem = file.rsplit_once('.').map_or(file.as_str(), |(stem, _)| stem);
+    let is_word = |word: &str| OF_A_COPY.contains(&word);
+    let numbered = stem.strip_suffix(')').and_then(|rest| rest.rsplit_once('('));
+    let is_number = |(_, number): (&str, &str)| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
+    stem.split(|c: char| !c.is_alphabetic()).any(is_word) || numbered.is_some_and(is_number)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn copies_are_told_by_their_names() {
+        for name in ["r/a (copie).txt", "r/a - Kopie.txt", "a (2).txt", "copy of a.csv"] {
+            assert!(is_named_as_copy(name), "{name}");
+        }
+        for name in ["r/a.txt", "copyright.txt", "a (air).txt", "a().txt"] {
+            assert!(!is_named_as_copy(name), "{name}");
+        }
+    }
 
     #[test]
     fn parts_of_one_stem_share_a_run() {

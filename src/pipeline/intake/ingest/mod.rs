@@ -3,7 +3,7 @@
 mod batch;
 mod copies;
 pub(crate) mod frame_folder;
-mod groups;
+pub(crate) mod groups;
 mod known;
 mod left_out;
 pub(crate) mod pairs;
@@ -225,7 +225,10 @@ fn groups_with(
     let waiting: BTreeSet<&str> = summary.waiting.iter().map(String::as_str).collect();
     let by_path: BTreeMap<&str, &Arc<SeenFile>> =
         seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
-    groups::grouped(by_path.keys().copied(), pairs)
+    // Of two files with the same bytes the first is the run: a copy comes after what it is of.
+    let mut groups: Vec<_> = groups::grouped(by_path.keys().copied(), pairs).into_iter().collect();
+    groups.sort_by_key(|(run_name, _)| groups::is_named_as_copy(run_name));
+    groups
         .into_iter()
         .filter(|(_, paths)| paths.iter().any(|path| due(path)))
         .filter(|(_, paths)| !paths.iter().any(|path| waiting.contains(path)))

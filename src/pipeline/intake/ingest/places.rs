@@ -1,7 +1,7 @@
 //! Whether places along the strip fit the sample's free length.
 
 use crate::domain::number::fixed;
-use crate::domain::{Channel, Issue, Quantity};
+use crate::domain::{Channel, Issue, Quantity, RunClock, RunOrigin};
 
 /// Part of the free length by which what frames show may differ from what a ruler does.
 const ALIKE: f64 = 0.05;
@@ -43,10 +43,12 @@ pub(super) fn misplaced(channels: &[Channel], length_mm: f64) -> Option<Issue> {
 pub const BEYOND_STRIP: &str = "displacement-beyond-strip";
 
 /// A tip that moves further than its strip is long was not measured in that unit: nothing is made of such readings.
-pub(super) fn beyond_strip(channels: &[Channel], length_mm: f64, run: &str) -> Option<Issue> {
-    let tip = channels
-        .iter()
-        .find(|channel| channel.quantity == Quantity::TipDisplacement && !channel.is_empty())?;
+pub(super) fn beyond_strip(channels: &[Channel], length_mm: f64, origin: &RunOrigin) -> Option<Issue> {
+    let is_tip = |channel: &Channel| channel.quantity == Quantity::TipDisplacement && !channel.is_empty();
+    let at = channels.iter().position(is_tip)?;
+    let (tip, clock) = (&channels[at], origin.clocks.iter());
+    let of_tip = |clock: &&RunClock| (clock.first_channel..clock.first_channel + clock.channels).contains(&at);
+    let file = clock.into_iter().find(of_tip).map_or("FILE", |clock| clock.file.as_str());
     let (_, readings_mm) = tip.included();
     let (low, high) = readings_mm
         .iter()
@@ -60,8 +62,8 @@ pub(super) fn beyond_strip(channels: &[Channel], length_mm: f64, run: &str) -> O
             if tip.raw_unit.is_empty() { "mm" } else { &tip.raw_unit }
         );
         let mend = format!(
-            "say its unit for all files of this source: ieap profile \"{run}\" --column \"{name}=tip_displacement,um\" \
-             --write displacement; or correct length_mm of the sample in campaign.toml"
+            "correct the unit in this file's header; or, if all files with these columns are so, ieap profile \"{file}\" \
+             --column \"{name}=tip_displacement,um\" --write displacement; or length_mm of the sample in campaign.toml"
         );
         Issue::error(BEYOND_STRIP, message)
             .at(Quantity::TipDisplacement.column())
@@ -119,10 +121,10 @@ mod tests {
             channel.raw_name = "d (mm)".to_owned();
             channel
         };
-        let told = beyond_strip(&[tip(5636.0)], 8.0, "runs/a.csv").unwrap();
+        let told = beyond_strip(&[tip(5636.0)], 8.0, &RunOrigin::default()).unwrap();
         assert_eq!(told.code, BEYOND_STRIP);
         assert!(told.message.contains("5636.0 mm") && told.mend.contains("d (mm)=tip_displacement,um"));
-        assert_eq!(beyond_strip(&[tip(-12.0)], 8.0, "runs/a.csv"), None);
+        assert_eq!(beyond_strip(&[tip(-12.0)], 8.0, &RunOrigin::default()), None);
     }
 
     #[test]

@@ -483,7 +483,7 @@ pub(crate) fn conclude(
     }
     let length_mm = sample.and_then(|sample| sample.length_mm);
     issues.extend(length_mm.and_then(|length_mm| misplaced(input.channels, length_mm)));
-    let beyond = length_mm.and_then(|length_mm| beyond_strip(input.channels, length_mm, input.run_path));
+    let beyond = length_mm.and_then(|length_mm| beyond_strip(input.channels, length_mm, input.origin));
     let is_beyond = beyond.is_some();
     issues.extend(beyond);
     let stated = found.drive.as_ref().filter(|_| input.is_step_response);

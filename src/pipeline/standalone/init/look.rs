@@ -1,5 +1,7 @@
 //! Looks at the files of a folder: what each is, what is read of it, and by which profile where no reader knows it.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -8,6 +10,7 @@ use serde::Serialize;
 
 use crate::domain::pairs::HalfKind;
 use crate::domain::{Channel, DateOrder, Issue, Quantity};
+use crate::ingest::archive;
 use crate::ingest::folder_dates::order_beside;
 use crate::ingest::formats::{ReadContext, ReadError};
 use crate::ingest::pairs::{half_of, window_s};
@@ -15,6 +18,7 @@ use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet::SheetRow;
 use crate::ingest::scan::{is_own_product, is_passing_name, is_statement};
 use crate::ingest::{Reading, climate_log, drive, run_sheet};
+use crate::pipeline::intake::ingest::groups::is_named_as_copy;
 use crate::pipeline::intake::ingest::unread::missing_responses;
 
 /// Most files that are looked at.
@@ -38,6 +42,8 @@ pub enum Taken {
     RunSheet,
     /// A sidecar of an instrument, or a file of tags.
     Sidecar,
+    /// The bytes of another file.
+    Copy,
     /// Nothing that is read; it is copied to the runs, where it is listed with its reason.
     NotRead,
     /// Nothing: too large, or it cannot be opened.
@@ -54,6 +60,7 @@ impl Taken {
             Taken::ModulusLog => "modulus log",
             Taken::RunSheet => "run sheet",
             Taken::Sidecar => "beside a run",
+            Taken::Copy => "copy of a file",
             Taken::NotRead => "not read",
             Taken::LeftOut => "left out",
         }
@@ -62,7 +69,9 @@ impl Taken {
     /// The campaign's folder that it is copied to; none where it is not.
     pub fn folder(self) -> Option<&'static str> {
         match self {
-            Taken::Run | Taken::NoSteps | Taken::RunSheet | Taken::Sidecar | Taken::NotRead => Some("runs"),
+            Taken::Run | Taken::NoSteps | Taken::RunSheet | Taken::Sidecar | Taken::Copy | Taken::NotRead => {
+                Some("runs")
+            }
             Taken::Logger => Some("ambient"),
             Taken::ModulusLog => Some("dma"),
             Taken::LeftOut => None,
@@ -156,12 +165,35 @@ pub fn files_below(folder: &Path, without: &Path) -> std::io::Result<Vec<PathBuf
 pub fn look(folder: &Path, paths: &[PathBuf]) -> Looked {
     let mut looked = Looked::default();
     let mut usable: Vec<Profile> = Vec::new();
-    for path in paths {
+    let mut in_order: Vec<&PathBuf> = paths.iter().collect();
+    // A copy comes after what it is of.
+    in_order.sort_by_key(|path| is_named_as_copy(&path.to_string_lossy()));
+    let mut known: HashMap<String, String> = HashMap::new();
+    for path in in_order {
         let shown = path.strip_prefix(folder).unwrap_or(path);
         let shown = shown.to_string_lossy().replace('\\', "/");
-        let seen = one(path, shown, &mut usable, &mut looked);
+        let mut seen = one(path, shown, &mut usable, &mut looked);
+        if seen.taken == Taken::Run
+            && let Ok(bytes) = fs::read(path)
+        {
+            match known.entry(archive::hash(&bytes)) {
+                Entry::Occupied(first) => {
+                    let issue = Issue::note("same-bytes", format!("it has the bytes of {}", first.get()));
+                    seen = Seen {
+                        taken: Taken::Copy,
+                        half: None,
+                        issues: vec![issue],
+                        ..seen
+                    };
+                }
+                Entry::Vacant(place) => {
+                    place.insert(seen.path.clone());
+                }
+            }
+        }
         looked.files.push(seen);
     }
+    looked.files.sort_by(|a, b| a.path.cmp(&b.path));
     looked
 }
 
