@@ -83,8 +83,20 @@ pub fn print(summary: &IngestSummary, output: &Output) {
 fn pairs(summary: &IngestSummary, output: &Output) {
     let joined = summary.paired.iter();
     let joined = joined.map(|pair| format!("{} + {}, by {}", pair.electrical, pair.bending, pair.by.label()));
-    list(output, "pair", "of files joined to a run", &joined.collect::<Vec<_>>());
-    let waits = |half: &LoneHalf| format!("{} ({}) waits for {}", half.path, half.holds.label(), half.waits_for);
+    list(
+        output,
+        "pair",
+        "of files joined to a run",
+        &joined.collect::<Vec<_>>(),
+    );
+    let waits = |half: &LoneHalf| {
+        format!(
+            "{} ({}) waits for {}",
+            half.path,
+            half.holds.label(),
+            half.waits_for
+        )
+    };
     let lone: Vec<String> = summary.lone_halves.iter().map(waits).collect();
     list(output, "file", "with half of a run alone", &lone);
 }

@@ -85,7 +85,9 @@ fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
     output.result(&format!("\n{}", counts.join(", ")));
     if halves > 0 {
         let runs = counted(halves, "run");
-        output.result(&format!("{runs} in two files each: each half stands above with its partner"));
+        output.result(&format!(
+            "{runs} in two files each: each half stands above with its partner"
+        ));
     }
     if let Some(pattern) = &proposed.name_pattern {
         let (text, explains, names) = (&pattern.pattern, pattern.explains, pattern.names);

@@ -227,7 +227,9 @@ fn print(status: &Status, output: &Output) {
 fn halves(status: &Status, output: &Output) {
     if !status.pairs.is_empty() {
         let runs = counted(status.pairs.len(), "run");
-        output.result(&format!("{runs} in two files (`ieap status --files` shows the pairs)"));
+        output.result(&format!(
+            "{runs} in two files (`ieap status --files` shows the pairs)"
+        ));
     }
     let lone: Vec<Reasoned> = status
         .lone_halves

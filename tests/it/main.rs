@@ -63,6 +63,7 @@ mod output;
 mod own_climate;
 mod own_files;
 mod own_templates;
+mod pairs;
 mod plan;
 mod prints;
 mod probe;
@@ -84,10 +85,10 @@ mod schema_17;
 mod schemas;
 mod sentences;
 mod serve;
+mod shared_effects;
 #[allow(dead_code)]
 #[path = "../../crates/ingest/src/formats/sheet_writer.rs"]
 mod sheet_writer;
-mod shared_effects;
 mod sidecars;
 mod sql;
 mod standing;

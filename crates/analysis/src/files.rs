@@ -9,7 +9,10 @@ use std::collections::BTreeMap;
 /// One row a file.
 pub fn table(files: &[FileStory]) -> Table {
     let words = |file: &&FileStory| {
-        let words = file.words.iter().map(|word| format!("{}: {}", word.word, word.taken_for));
+        let words = file
+            .words
+            .iter()
+            .map(|word| format!("{}: {}", word.word, word.taken_for));
         words.collect::<Vec<_>>().join("; ")
     };
     let tags = |file: &&FileStory| {
@@ -25,18 +28,50 @@ pub fn table(files: &[FileStory]) -> Table {
         why.collect::<Vec<_>>().join("; ")
     };
     Sheet::<&FileStory>::new("files", "Every file, and what became of it", 1)
-        .column(Quantity::plain("file", "File", "the file, relative to the campaign"), |file| file.path.clone())
-        .column(Quantity::plain("became", "Became", "what it was taken for"), |file| file.became.clone())
-        .column(Quantity::plain("run", "Run", "the run that it holds or is part of"), |file| {
-            file.run.clone().filter(|run| *run != file.path)
-        })
-        .column(Quantity::plain("partner", "Partner", "the other file of the run, or the one that it waits for"), |file| {
-            file.partner.clone()
-        })
-        .column(Quantity::plain("read_by", "Read by", "the format or profile that read it"), |file| file.read_by.clone())
-        .column(Quantity::plain("words", "Words of its name", "what each word of the name was taken for"), words)
-        .column(Quantity::plain("tags", "Tags", "the tags of its run, each with its source"), tags)
-        .column(Quantity::plain("why", "To know", "why nothing, or not everything, is made of it, and what to do"), why)
+        .column(
+            Quantity::plain("file", "File", "the file, relative to the campaign"),
+            |file| file.path.clone(),
+        )
+        .column(
+            Quantity::plain("became", "Became", "what it was taken for"),
+            |file| file.became.clone(),
+        )
+        .column(
+            Quantity::plain("run", "Run", "the run that it holds or is part of"),
+            |file| file.run.clone().filter(|run| *run != file.path),
+        )
+        .column(
+            Quantity::plain(
+                "partner",
+                "Partner",
+                "the other file of the run, or the one that it waits for",
+            ),
+            |file| file.partner.clone(),
+        )
+        .column(
+            Quantity::plain("read_by", "Read by", "the format or profile that read it"),
+            |file| file.read_by.clone(),
+        )
+        .column(
+            Quantity::plain(
+                "words",
+                "Words of its name",
+                "what each word of the name was taken for",
+            ),
+            words,
+        )
+        .column(
+            Quantity::plain("tags", "Tags", "the tags of its run, each with its source"),
+            tags,
+        )
+        .column(
+            Quantity::plain(
+                "why",
+                "To know",
+                "why nothing, or not everything, is made of it, and what to do",
+            ),
+            why,
+        )
         .over(files.iter())
 }
 
@@ -46,7 +81,10 @@ pub fn view(files: &[FileStory]) -> Vec<Block> {
     for file in files {
         *counts.entry(&file.became).or_insert(0) += 1;
     }
-    let told: Vec<String> = counts.iter().map(|(became, count)| format!("{count} {became}")).collect();
+    let told: Vec<String> = counts
+        .iter()
+        .map(|(became, count)| format!("{count} {became}"))
+        .collect();
     let say = format!("{}: {}.", counted(files.len(), "file"), told.join(", "));
     vec![Block::say(say), Block::Table(table(files))]
 }

@@ -13,10 +13,7 @@ const WORDS: [(&str, &str); 3] = [
         "vacuum;vac;vakuum;vide;sousvide;vacío;vacio;vuoto;vácuo;vacuo;vaakum;вакуум;\
          真空",
     ),
-    (
-        "inert",
-        "inert;inerte;inertgas;inertne;glovebox;schutzgas",
-    ),
+    ("inert", "inert;inerte;inertgas;inertne;glovebox;schutzgas"),
 ];
 /// Gases that hold no water and take no part.
 const GASES: &str = "argon;ar;argón;argoon;nitrogen;n2;stickstoff;azote;nitrógeno;nitrogeno;azoto;\
@@ -73,6 +70,8 @@ mod tests {
         ] {
             assert_eq!(id_of_word(word).as_deref(), id, "{word}");
         }
-        assert!(is_waterless("argon") && is_waterless("vide") && !is_waterless("air") && !is_waterless("fog"));
+        assert!(
+            is_waterless("argon") && is_waterless("vide") && !is_waterless("air") && !is_waterless("fog")
+        );
     }
 }

@@ -198,7 +198,9 @@ impl NamePattern {
         };
         let (mut start, mut words) = (0, Vec::new());
         for (part, of) in self.parts.iter().enumerate() {
-            let end = search.ends(part, start).find(|&end| search.leads_to_end[part + 1][end])?;
+            let end = search
+                .ends(part, start)
+                .find(|&end| search.leads_to_end[part + 1][end])?;
             let text = &stem[start..end];
             start = end;
             match of {
@@ -209,7 +211,11 @@ impl NamePattern {
                 Part::Tag(key) if key == IGNORED => words.push((text.to_owned(), "ignored".to_owned())),
                 Part::Tag(key) => {
                     let value = search.value(key, text);
-                    let taken = if value == text { key.clone() } else { format!("{key} = {value}") };
+                    let taken = if value == text {
+                        key.clone()
+                    } else {
+                        format!("{key} = {value}")
+                    };
                     words.push((text.to_owned(), taken));
                 }
             }
@@ -223,7 +229,9 @@ impl NamePattern {
         let mut at: std::collections::BTreeSet<usize> = [0].into();
         let (mut part, mut reached) = (0, 0);
         while part < self.parts.len() {
-            let next = at.iter().flat_map(|&start| search.ends(part, start).collect::<Vec<_>>());
+            let next = at
+                .iter()
+                .flat_map(|&start| search.ends(part, start).collect::<Vec<_>>());
             let next: std::collections::BTreeSet<usize> = next.collect();
             if next.is_empty() {
                 break;
@@ -354,7 +362,9 @@ impl<'a> Search<'a> {
         };
         match key {
             _ if is_plain_number(text) => text.to_owned(),
-            keys::ENVIRONMENT => environment(text, self.known.environments).unwrap_or_else(|| text.to_owned()),
+            keys::ENVIRONMENT => {
+                environment(text, self.known.environments).unwrap_or_else(|| text.to_owned())
+            }
             _ => number().map_or_else(|| text.to_owned(), shortest),
         }
     }

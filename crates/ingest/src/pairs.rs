@@ -124,12 +124,7 @@ impl Open {
         }
     }
 
-    fn take(
-        &mut self,
-        found: &[(usize, usize)],
-        by: PairedBy,
-        pairs: &mut Vec<(usize, usize, PairedBy)>,
-    ) {
+    fn take(&mut self, found: &[(usize, usize)], by: PairedBy, pairs: &mut Vec<(usize, usize, PairedBy)>) {
         self.electrical.retain(|at| found.iter().all(|(e, _)| e != at));
         self.bending.retain(|at| found.iter().all(|(_, b)| b != at));
         pairs.extend(found.iter().map(|&(e, b)| (e, b, by)));
@@ -169,7 +164,9 @@ fn by_rule(halves: &[Half], open: &Open, rule: &PairNames, runs_folder: &str) ->
         .collect();
     let key = |pattern: &NamePattern, at: usize| {
         let path = &halves[at].path;
-        let below = path.strip_prefix(runs_folder).and_then(|rest| rest.strip_prefix('/'));
+        let below = path
+            .strip_prefix(runs_folder)
+            .and_then(|rest| rest.strip_prefix('/'));
         match pattern.match_stem(below.unwrap_or(path), KnownIds::default()) {
             NameMatch::One(found) => {
                 let value = |key: &&str| found.iter().find(|(known, _)| known == key).cloned();

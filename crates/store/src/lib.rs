@@ -27,9 +27,9 @@ mod new_run;
 mod origin;
 mod place;
 mod published_view;
+mod read_files;
 #[cfg(test)]
 mod renamed_tests;
-mod read_files;
 mod results;
 mod run_climate;
 mod run_named;

@@ -31,7 +31,8 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn read_files(&self) -> Result<Vec<ReadFile>, StoreError> {
-        let sql = "SELECT run.path AS run, file, stamp_raw, stamp_kind, stamp_local, stamp_offset, stamp_basis,
+        let sql =
+            "SELECT run.path AS run, file, stamp_raw, stamp_kind, stamp_local, stamp_offset, stamp_basis,
                      (SELECT count(*) FROM run_file WHERE run_id = run.id) AS files,
                      group_concat(DISTINCT channel.quantity) AS quantities,
                      min(first_time_s) AS first_s, max(last_time_s) AS last_s
@@ -76,7 +77,10 @@ pub(super) fn supersede_parts(
         let several = first.contents.len() > 1;
         let rows = statement.query_map(params![content.path, first.kind.key(), several], |row| row.get(0))?;
         let found: Vec<String> = rows.collect::<Result<_, _>>()?;
-        for name in found.iter().filter(|name| runs.iter().all(|run| run.path != **name)) {
+        for name in found
+            .iter()
+            .filter(|name| runs.iter().all(|run| run.path != **name))
+        {
             supersede(transaction, now, name)?;
         }
     }

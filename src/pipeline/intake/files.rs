@@ -37,7 +37,11 @@ pub fn lone(half: &LoneHalf) -> Issue {
 /// The database cannot be read.
 pub fn stories(context: &Context) -> Result<Vec<FileStory>, PipelineError> {
     let runs = standing::all(context)?;
-    let others = context.store.dma_logs()?.into_iter().chain(context.store.spectra()?);
+    let others = context
+        .store
+        .dma_logs()?
+        .into_iter()
+        .chain(context.store.spectra()?);
     let runs: Vec<RunRecord> = runs.into_iter().chain(others).collect();
     let paired = paired(context)?;
     let mut of_file: BTreeMap<&str, Vec<&RunRecord>> = BTreeMap::new();
@@ -101,11 +105,17 @@ fn story(context: &Context, file: &FileRow, runs: &[&RunRecord], paired: &Paired
     };
     // That the partner is missing comes before what follows from it.
     story.why.extend(half.map(lone));
-    story.why.extend(run.into_iter().flat_map(|run| worth_knowing(&run.issues)));
+    story
+        .why
+        .extend(run.into_iter().flat_map(|run| worth_knowing(&run.issues)));
     story
 }
 
-fn became(file: &FileRow, runs: &[&RunRecord], (pair, half): (Option<&Pair>, Option<&LoneHalf>)) -> &'static str {
+fn became(
+    file: &FileRow,
+    runs: &[&RunRecord],
+    (pair, half): (Option<&Pair>, Option<&LoneHalf>),
+) -> &'static str {
     let is_sheet = file.issue.as_ref().is_some_and(|issue| issue.code == IS_SHEET);
     match file.state {
         _ if file.missing_since.is_some() => "gone from the folder",
@@ -193,7 +203,11 @@ fn words(context: &Context, path: &str) -> Vec<WordOfName> {
             let found = pattern.mismatch(&stem, KnownIds::default());
             let rest = (found.rest, format!("not read: {} is wanted here", found.wanted));
             let read = (found.read, "read by name_pattern".to_owned());
-            [read, rest].into_iter().filter(|(text, _)| !text.is_empty()).map(word).collect()
+            [read, rest]
+                .into_iter()
+                .filter(|(text, _)| !text.is_empty())
+                .map(word)
+                .collect()
         }
     }
 }

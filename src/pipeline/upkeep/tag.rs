@@ -120,18 +120,26 @@ impl SetTags {
         };
         let read = |run: &RunRecord| {
             let read = [TagSource::Channel, TagSource::Header];
-            let mut tags = run.tags.iter().filter(|tag| tag.key == keys::VOLTAGE_V && read.contains(&tag.source));
+            let mut tags = run
+                .tags
+                .iter()
+                .filter(|tag| tag.key == keys::VOLTAGE_V && read.contains(&tag.source));
             tags.next().and_then(|tag| tag.value.parse::<f64>().ok())
         };
         let is_other = |read_v: f64| {
             let times = (stated_v / read_v).abs();
             read_v != 0.0 && stated_v != 0.0 && !(OTHER_UNIT.recip()..=OTHER_UNIT).contains(&times)
         };
-        let found = runs.iter().find_map(|run| Some((run, read(run).filter(|read_v| is_other(*read_v))?)));
+        let found = runs
+            .iter()
+            .find_map(|run| Some((run, read(run).filter(|read_v| is_other(*read_v))?)));
         match found {
             None => Ok(()),
             Some((run, read_v)) => Err(PipelineError::TagRefused {
-                found: format!("voltage_v = {stated_v} V, and the readings of {} say {read_v} V", run.path),
+                found: format!(
+                    "voltage_v = {stated_v} V, and the readings of {} say {read_v} V",
+                    run.path
+                ),
                 mend: "write it in volts, or say --even-so if the readings are wrong".to_owned(),
             }),
         }

@@ -37,7 +37,15 @@ fn truths() -> Vec<(String, Truth)> {
                     environment,
                     voltage_v,
                     humidity_percent,
-                    parameters: [520.0 * of_sample, 0.02, 400.0, 0.06, 5600.0, 14.0 * wet, 4e-3 * wet],
+                    parameters: [
+                        520.0 * of_sample,
+                        0.02,
+                        400.0,
+                        0.06,
+                        5600.0,
+                        14.0 * wet,
+                        4e-3 * wet,
+                    ],
                 };
                 truths.push((stem, truth));
             }
@@ -51,9 +59,9 @@ fn moment(minutes: usize) -> String {
 }
 
 fn potentiostat(start_min: usize, rows: &[Row]) -> String {
-    let rows = rows.iter().map(|[t, v, i, _]| {
-        format!("{}\t{}\t{}\r\n", comma(*t, 2), comma(*v, 3), comma(i * 1e3, 5))
-    });
+    let rows = rows
+        .iter()
+        .map(|[t, v, i, _]| format!("{}\t{}\t{}\r\n", comma(*t, 2), comma(*v, 3), comma(i * 1e3, 5)));
     format!(
         "Potentiostat du laboratoire\r\nDébut : {}\r\n\r\nTemps (s)\tTension (V)\tCourant (mA)\r\n{}",
         moment(start_min),
@@ -63,9 +71,16 @@ fn potentiostat(start_min: usize, rows: &[Row]) -> String {
 
 fn laser(rows: &[Row], unit_per_mm: f64) -> String {
     let row = |[t, _, _, kappa]: &Row| {
-        format!("{};{}\n", comma(*t, 2), comma(tip_mm(*kappa, LENGTH_MM) * unit_per_mm, 5))
+        format!(
+            "{};{}\n",
+            comma(*t, 2),
+            comma(tip_mm(*kappa, LENGTH_MM) * unit_per_mm, 5)
+        )
     };
-    format!("Temps (s);Déplacement (mm)\n{}", rows.iter().map(row).collect::<String>())
+    format!(
+        "Temps (s);Déplacement (mm)\n{}",
+        rows.iter().map(row).collect::<String>()
+    )
 }
 
 /// The room's logger: its humidity is that of the runs in air, whatever surrounds the strip.
@@ -74,8 +89,15 @@ fn logger(truths: &[(String, Truth)]) -> String {
     for minutes in (FIRST_MIN - 30..FIRST_MIN + EVERY_MIN * truths.len() + 60).step_by(1) {
         let at = minutes.saturating_sub(FIRST_MIN) / EVERY_MIN;
         let truth = &truths[at.min(truths.len() - 1)].1;
-        let room = if truth.environment == "air" { truth.humidity_percent } else { 45.0 };
-        let (date, time) = moment(minutes).split_once(' ').map(|(d, t)| (d.to_owned(), t.to_owned())).unwrap();
+        let room = if truth.environment == "air" {
+            truth.humidity_percent
+        } else {
+            45.0
+        };
+        let (date, time) = moment(minutes)
+            .split_once(' ')
+            .map(|(d, t)| (d.to_owned(), t.to_owned()))
+            .unwrap();
         text += &format!("{date};{time};{};{}\n", comma(21.5, 1), comma(room + 0.3, 1));
     }
     text
@@ -84,7 +106,10 @@ fn logger(truths: &[(String, Truth)]) -> String {
 /// The run sheet: sample and atmosphere are merged over their runs.
 fn run_sheet(truths: &[(String, Truth)]) -> Vec<u8> {
     let files: Vec<String> = truths.iter().map(|(stem, _)| format!("{stem}.txt")).collect();
-    let words: Vec<&str> = truths.iter().map(|(stem, _)| stem.split('_').nth(1).unwrap()).collect();
+    let words: Vec<&str> = truths
+        .iter()
+        .map(|(stem, _)| stem.split('_').nth(1).unwrap())
+        .collect();
     let mut rows: Vec<Vec<Xml<'_>>> = vec![
         vec![Text("Feuille de route, mars 2026")],
         vec![],
@@ -160,28 +185,43 @@ fn a_french_laboratory_goes_from_its_folder_to_a_true_report() {
     write("notes.docx", b"PK not really");
 
     // Everything is shown before it is taken.
-    let shown = person.types(&["init", "etude", "--from", "mesures"]).expect(0).stdout;
+    let shown = person
+        .types(&["init", "etude", "--from", "mesures"])
+        .expect(0)
+        .stdout;
     for told in [
         "24 runs", // the lone half among them
         "23 runs in two files each",
         "1 climate log",
         "1 run sheet",
+        "1 copy of a run's file",
         "waits for laser/laser_PtNaf2_air_m2V_2.csv with the bending",
     ] {
         assert!(shown.contains(told), "{told} in {shown}");
     }
-    person.types(&["init", "etude", "--from", "mesures", "--yes"]).expect(0);
+    person
+        .types(&["init", "etude", "--from", "mesures", "--yes"])
+        .expect(0);
     person.edits(
         "etude/campaign.toml",
-        &[("# length_mm = 0.0", "length_mm = 8.0"), ("# width_mm = 0.0", "width_mm = 2.0")],
+        &[
+            ("# length_mm = 0.0", "length_mm = 8.0"),
+            ("# width_mm = 0.0", "width_mm = 2.0"),
+        ],
     );
     let first = person.types(&["run", "etude", "--no-diagnose"]);
     assert_eq!(first.status, 3, "{first:#?}");
     // One tip moves further than its strip is long.
     let status = person.types(&["status", "etude"]);
-    assert!(status.stdout.contains("the strip is 8 mm long"), "{}", status.stdout);
+    assert!(
+        status.stdout.contains("the strip is 8 mm long"),
+        "{}",
+        status.stdout
+    );
     let name = format!("{micrometres}.txt");
-    person.types(&["drop", &name, "--why", "laser en micromètres", "-C", "etude"]).expect(0);
+    person
+        .types(&["drop", &name, "etude", "--why", "laser en micromètres"])
+        .expect(0);
     person.types(&["run", "etude", "--no-diagnose"]);
 
     let stories = person.stories("etude");
@@ -197,18 +237,37 @@ fn a_french_laboratory_goes_from_its_folder_to_a_true_report() {
         .as_array()
         .unwrap()
         .iter()
-        .map(|word| format!("{}: {}", word["word"].as_str().unwrap(), word["taken_for"].as_str().unwrap()))
+        .map(|word| {
+            format!(
+                "{}: {}",
+                word["word"].as_str().unwrap(),
+                word["taken_for"].as_str().unwrap()
+            )
+        })
         .collect();
     assert_eq!(words[..2], ["PtNaf1: sample", "vide: environment = vacuum"]);
     let tag = |key: &str| {
         let tags = half["tags"].as_array().unwrap();
         let found = tags.iter().find(|tag| tag["key"] == key).unwrap();
-        (found["value"].as_str().unwrap().to_owned(), found["from"].as_str().unwrap().to_owned())
+        (
+            found["value"].as_str().unwrap().to_owned(),
+            found["from"].as_str().unwrap().to_owned(),
+        )
     };
     assert_eq!(tag("environment").0, "vacuum");
-    assert!(tag("environment").1.starts_with("run sheet: runs/feuille de route.xlsx"), "{:?}", tag("environment"));
+    assert!(
+        tag("environment")
+            .1
+            .starts_with("run sheet: runs/feuille de route.xlsx"),
+        "{:?}",
+        tag("environment")
+    );
     assert_eq!(tag("operator").0, "Anaïs");
-    assert!(tag("started_at").0.starts_with("2026-03-16T09:15:00"), "{:?}", tag("started_at"));
+    assert!(
+        tag("started_at").0.starts_with("2026-03-16T09:15:00"),
+        "{:?}",
+        tag("started_at")
+    );
     assert_eq!(of(lone)["became"], "half without partner");
     assert_eq!(of("PtNaf1_vide_+2V_1 (copie)")["became"], "copy of a file");
     let page = fs::read_to_string(person.path("etude/report/files.html")).unwrap();

@@ -49,7 +49,10 @@ impl Person {
 
     /// Looks closer than a person would have to: a command that is not counted.
     fn looks(&self, arguments: &[&str]) -> Ended {
-        let output = command(self.root.path(), arguments).env("TZ", self.zone).output().unwrap();
+        let output = command(self.root.path(), arguments)
+            .env("TZ", self.zone)
+            .output()
+            .unwrap();
         Ended {
             status: output.status.code().unwrap_or(-1),
             stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
@@ -83,7 +86,10 @@ impl Person {
 
     /// What became of the files, by path.
     fn stories(&self, campaign: &str) -> Vec<Value> {
-        let told = self.looks(&["status", "--files", "--json", campaign]).expect(0).json();
+        let told = self
+            .looks(&["status", "--files", "--json", campaign])
+            .expect(0)
+            .json();
         told["files"].as_array().unwrap().clone()
     }
 }
@@ -110,12 +116,28 @@ fn story<'s>(stories: &'s [Value], path: &str) -> &'s Value {
 /// Every file of the folder is told of, each that is not used with its cause.
 fn nothing_is_lost(stories: &[Value], folder: &Path) {
     for path in files_below(folder) {
-        let shown = path.strip_prefix(folder).unwrap().to_string_lossy().replace('\\', "/");
-        let told = stories.iter().find(|story| story["path"].as_str().unwrap().ends_with(&shown));
+        let shown = path
+            .strip_prefix(folder)
+            .unwrap()
+            .to_string_lossy()
+            .replace('\\', "/");
+        let told = stories
+            .iter()
+            .find(|story| story["path"].as_str().unwrap().ends_with(&shown));
         let told = told.unwrap_or_else(|| panic!("nothing is said of {shown}"));
         let became = told["became"].as_str().unwrap();
-        let is_used = ["run", "half of a run", "climate log", "run sheet", "copy of a file"].contains(&became);
-        assert!(is_used || told["why"].as_array().is_some_and(|why| !why.is_empty()), "{told:#}");
+        let is_used = [
+            "run",
+            "half of a run",
+            "climate log",
+            "run sheet",
+            "copy of a file",
+        ]
+        .contains(&became);
+        assert!(
+            is_used || told["why"].as_array().is_some_and(|why| !why.is_empty()),
+            "{told:#}"
+        );
     }
 }
 
@@ -138,7 +160,11 @@ fn is_true(person: &Person, campaign: &str, (truths, others): (&[Truth], &[&str]
         assert_eq!(fit["voltage_v"], truth.voltage_v, "{}", truth.run);
         let humidity = fit["relative_humidity_percent"].as_f64();
         let stated = humidity.unwrap_or_else(|| panic!("{} has no humidity", truth.run));
-        assert!((stated - truth.humidity_percent).abs() < 3.0, "{}: {stated}", truth.run);
+        assert!(
+            (stated - truth.humidity_percent).abs() < 3.0,
+            "{}: {stated}",
+            truth.run
+        );
         for (key, value) in truth.told() {
             let parameter = &fit["parameters"][key];
             let (low, high) = (parameter["low_95"].as_f64(), parameter["high_95"].as_f64());
@@ -147,7 +173,11 @@ fn is_true(person: &Person, campaign: &str, (truths, others): (&[Truth], &[&str]
             };
             // Of some hundred intervals a few miss by chance: a half more of the interval on each side misses none.
             let room = 0.5 * (high - low);
-            assert!(low - room <= value && value <= high + room, "{key} of {}: {value} in {low} .. {high}", truth.run);
+            assert!(
+                low - room <= value && value <= high + room,
+                "{key} of {}: {value} in {low} .. {high}",
+                truth.run
+            );
         }
     }
 }

@@ -21,7 +21,11 @@ impl Truth {
     /// Parameters that a run of some minutes tells.
     pub fn told(&self) -> [(&'static str, f64); 3] {
         let [_, c1, _, c2, _, alpha, lambda] = self.parameters;
-        [("c_total_f_per_cm2", c1 + c2), ("alpha_per_c_cm", alpha), ("lambda_per_s", lambda)]
+        [
+            ("c_total_f_per_cm2", c1 + c2),
+            ("alpha_per_c_cm", alpha),
+            ("lambda_per_s", lambda),
+        ]
     }
 }
 

@@ -55,7 +55,8 @@ impl Checker<'_> {
         if of_current.iter().any(|key| of_bending.contains(key)) {
             Ok(names)
         } else {
-            let reason = "the two names share no word in braces, such as {run}: nothing says which belong together";
+            let reason =
+                "the two names share no word in braces, such as {run}: nothing says which belong together";
             Err(bad(reason.to_owned()))
         }
     }

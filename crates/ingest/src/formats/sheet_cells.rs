@@ -70,11 +70,17 @@ pub fn merged(bytes: &[u8]) -> Vec<Vec<(Place, Place)>> {
         let names = book.sheet_names();
         let of_sheet = |name: String| {
             let found = book.merge_cells_by_sheet_name(&name).unwrap_or_default();
-            found.into_iter().map(|region| (region.start, region.end)).collect()
+            found
+                .into_iter()
+                .map(|region| (region.start, region.end))
+                .collect()
         };
         Some(names.into_iter().map(of_sheet).collect())
     };
-    catch_unwind(AssertUnwindSafe(regions)).ok().flatten().unwrap_or_default()
+    catch_unwind(AssertUnwindSafe(regions))
+        .ok()
+        .flatten()
+        .unwrap_or_default()
 }
 
 /// Reads every sheet of an .xlsx or .xls workbook.

@@ -87,7 +87,10 @@ pub fn merged_workbook(sheets: &[String], merged: &str) -> Vec<u8> {
         ("xl/styles.xml".to_owned(), styles),
     ];
     let ranges: Vec<&str> = merged.split_whitespace().collect();
-    let cells: String = ranges.iter().map(|range| format!(r#"<mergeCell ref="{range}"/>"#)).collect();
+    let cells: String = ranges
+        .iter()
+        .map(|range| format!(r#"<mergeCell ref="{range}"/>"#))
+        .collect();
     let merges = if ranges.is_empty() {
         String::new()
     } else {

@@ -97,7 +97,12 @@ mod tests {
         ] {
             assert_eq!(number(keys::VOLTAGE_V, text), volts, "{text}");
         }
-        for (text, percent) in [("35%", Some(35.0)), ("34rh", Some(34.0)), ("m34", None), ("2V0", None)] {
+        for (text, percent) in [
+            ("35%", Some(35.0)),
+            ("34rh", Some(34.0)),
+            ("m34", None),
+            ("2V0", None),
+        ] {
             assert_eq!(number(keys::RELATIVE_HUMIDITY_PERCENT, text), percent, "{text}");
         }
     }

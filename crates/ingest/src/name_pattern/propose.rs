@@ -125,8 +125,12 @@ fn pattern_of(names: &[Vec<Word>]) -> Option<(String, Vec<String>)> {
             }
         }
     }
-    let says_anything = !used.is_empty();
-    says_anything.then_some((text, ignored))
+    // A number of a record alone tells nothing of the run.
+    let tells = [keys::SAMPLE, keys::ENVIRONMENT, keys::VOLTAGE_V];
+    tells
+        .iter()
+        .any(|key| used.contains(key))
+        .then_some((text, ignored))
 }
 
 /// What stands around the value in all these words; nothing where they differ, for then it is part of its spelling.
@@ -180,14 +184,24 @@ mod tests {
         assert_eq!(days.pattern, "{sample}_{_}_{environment}");
         assert_eq!(days.explains, 2);
         assert_eq!(propose(&["20260302"]), None);
+        assert_eq!(propose(&["0001", "0002"]), None);
     }
 
     #[test]
     fn signs_and_spellings_of_a_voltage_are_one_pattern() {
         for (stems, pattern) in [
-            (&["S1_vide_+2V", "S1_vide_-2V", "S1_argon_+1V"], "{sample}_{environment}_{voltage_v}V"),
-            (&["S1_vide_m2V", "S1_Luft_p2V", "S1_vide_1V0"], "{sample}_{environment}_{voltage_v}"),
-            (&["S1_õhk_-2000mV", "S1_vaakum_2,0V", "S1_argoon_+1,5V"], "{sample}_{environment}_{voltage_v}"),
+            (
+                &["S1_vide_+2V", "S1_vide_-2V", "S1_argon_+1V"],
+                "{sample}_{environment}_{voltage_v}V",
+            ),
+            (
+                &["S1_vide_m2V", "S1_Luft_p2V", "S1_vide_1V0"],
+                "{sample}_{environment}_{voltage_v}",
+            ),
+            (
+                &["S1_õhk_-2000mV", "S1_vaakum_2,0V", "S1_argoon_+1,5V"],
+                "{sample}_{environment}_{voltage_v}",
+            ),
         ] {
             let found = propose(stems).unwrap();
             assert_eq!((found.pattern.as_str(), found.explains), (pattern, 3));

@@ -8,8 +8,8 @@ use ieap_domain::tag::keys;
 
 /// What a number is called that counts runs; single letters are more often those of samples.
 const COUNTERS: [&str; 19] = [
-    "", "#", "cycle", "zyklus", "run", "lauf", "nr", "no", "n°", "messung", "rep", "essai", "mesure", "prova", "medida",
-    "katse", "tsukkel", "tsükkel", "versuch",
+    "", "#", "cycle", "zyklus", "run", "lauf", "nr", "no", "n°", "messung", "rep", "essai", "mesure",
+    "prova", "medida", "katse", "tsukkel", "tsükkel", "versuch",
 ];
 /// Digits of a number that counts runs, at most; more are a date.
 const MOST_DIGITS: usize = 4;
@@ -82,7 +82,10 @@ pub(super) fn words(stem: &str) -> Vec<Word> {
 /// them, whatever their spelling.
 pub fn parts_of_name(stem: &str) -> Vec<String> {
     let letters: Vec<char> = stem.chars().collect();
-    let is_digit = |at: Option<usize>| at.and_then(|at| letters.get(at)).is_some_and(char::is_ascii_digit);
+    let is_digit = |at: Option<usize>| {
+        at.and_then(|at| letters.get(at))
+            .is_some_and(char::is_ascii_digit)
+    };
     let mut words = vec![String::new()];
     for (at, &c) in letters.iter().enumerate() {
         let starts = words.last().is_some_and(String::is_empty);
@@ -140,9 +143,13 @@ fn says(text: &str) -> Says {
     let (before, behind) = (prefix.to_lowercase(), suffix.to_lowercase());
     let is_whole = written.bytes().all(|byte| byte.is_ascii_digit());
     match (before.as_str(), behind.as_str()) {
-        ("" | "u" | "e" | "v" | "+", "v" | "volt") => {
-            tag(keys::VOLTAGE_V, prefix.trim_end_matches('+'), written, suffix, &meant)
-        }
+        ("" | "u" | "e" | "v" | "+", "v" | "volt") => tag(
+            keys::VOLTAGE_V,
+            prefix.trim_end_matches('+'),
+            written,
+            suffix,
+            &meant,
+        ),
         (before, behind)
             if (HUMIDITY.contains(&before) && (behind.is_empty() || behind == "%"))
                 || (before.is_empty() && HUMIDITY.contains(&behind)) =>

@@ -97,7 +97,10 @@ impl<'a> Shared<'a> {
         if telling.count() == 0 || !own.iter().all(says_nothing) {
             return None;
         }
-        let folders = words.folders.iter().filter(|word| self.folders.contains(word.as_str()));
+        let folders = words
+            .folders
+            .iter()
+            .filter(|word| self.folders.contains(word.as_str()));
         // A word of a half that both sides write, as `current` in a comment, tells nothing either.
         let key = shared.into_iter().filter(|word| !is_of_a_half(word));
         Some(key.chain(folders).cloned().collect())
@@ -111,7 +114,10 @@ fn is_of_a_half(word: &str) -> bool {
 /// Six digits and more: a day, a time of day, or both.
 fn is_date(word: &str) -> bool {
     let digits = word.bytes().filter(u8::is_ascii_digit).count();
-    digits >= 6 && word.bytes().all(|byte| byte.is_ascii_digit() || matches!(byte, b'-' | b'.' | b't' | b'h'))
+    digits >= 6
+        && word
+            .bytes()
+            .all(|byte| byte.is_ascii_digit() || matches!(byte, b'-' | b'.' | b't' | b'h'))
 }
 
 /// Whether two names state different values of one thing. Two instruments count by themselves: numbers of records are none.
@@ -120,7 +126,9 @@ pub(super) fn contradict(one: &str, other: &str) -> bool {
     let stated = |words: &[String]| -> Vec<(String, String)> {
         let pairs = words.iter().filter_map(|word| word.split_once('='));
         let pairs = pairs.filter(|(key, _)| *key != keys::CYCLE);
-        pairs.map(|(key, value)| (key.to_owned(), value.to_owned())).collect()
+        pairs
+            .map(|(key, value)| (key.to_owned(), value.to_owned()))
+            .collect()
     };
     let other = stated(&other);
     stated(&one).iter().any(|(key, value)| {
@@ -149,7 +157,10 @@ pub(super) fn partner_of(halves: &[Half], lone: usize, pairs: &[(usize, usize, P
             let values: Vec<&str> = words
                 .map(|word| word.split_once('=').map_or(word.as_str(), |(_, value)| value))
                 .collect();
-            format!("a file with {holds} whose name shares the words {}", values.join(", "))
+            format!(
+                "a file with {holds} whose name shares the words {}",
+                values.join(", ")
+            )
         }
     }
 }
@@ -172,7 +183,9 @@ fn translated(path: &str, own: &str, partner: &str) -> Option<String> {
         return None;
     }
     let moved = |piece: &String| {
-        let at = own.iter().position(|known| known == piece && known.chars().any(char::is_alphanumeric));
+        let at = own
+            .iter()
+            .position(|known| known == piece && known.chars().any(char::is_alphanumeric));
         at.map_or(piece, |at| &path[at]).clone()
     };
     // What differs between the two of one side must have been found on the other side.

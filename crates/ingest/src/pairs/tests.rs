@@ -18,7 +18,10 @@ fn halves(electrical: &[&str], bending: &[&str]) -> Vec<Half> {
 
 fn paired(electrical: &[&str], bending: &[&str]) -> (Vec<(String, String)>, Vec<LoneHalf>) {
     let found = pair(&halves(electrical, bending), &PairRules::default(), "runs");
-    let pairs = found.pairs.into_iter().map(|pair| (pair.electrical, pair.bending));
+    let pairs = found
+        .pairs
+        .into_iter()
+        .map(|pair| (pair.electrical, pair.bending));
     (pairs.collect(), found.lone)
 }
 
@@ -26,13 +29,27 @@ fn paired(electrical: &[&str], bending: &[&str]) -> (Vec<(String, String)>, Vec<
 fn words_of_names_pair_across_endings_folders_and_spellings() {
     for (electrical, bending) in [
         // The stem alone.
-        (&["runs/a.txt", "runs/b.txt"][..], &["runs/a.csv", "runs/b.csv"][..]),
+        (
+            &["runs/a.txt", "runs/b.txt"][..],
+            &["runs/a.csv", "runs/b.csv"][..],
+        ),
         (&["runs/a.current.txt"], &["runs/a.displacement.csv"]),
-        (&["runs/pot/S1_2V_1.txt", "runs/pot/S1_2V_2.txt"], &["runs/laser/S1_2V_1.csv", "runs/laser/S1_2V_2.csv"]),
+        (
+            &["runs/pot/S1_2V_1.txt", "runs/pot/S1_2V_2.txt"],
+            &["runs/laser/S1_2V_1.csv", "runs/laser/S1_2V_2.csv"],
+        ),
         // A word that all names of a side have, another order, another spelling of the voltage, dates on one side.
         (
-            &["runs/pot/S1_vide_+2V.txt", "runs/pot/S1_vide_-2V.txt", "runs/pot/S2_vide_+2V.txt"],
-            &["runs/l/laser-m2V-vide-S1.csv", "runs/l/laser-p2V-vide-S1.csv", "runs/l/laser-2V0-vide-S2.csv"],
+            &[
+                "runs/pot/S1_vide_+2V.txt",
+                "runs/pot/S1_vide_-2V.txt",
+                "runs/pot/S2_vide_+2V.txt",
+            ],
+            &[
+                "runs/l/laser-m2V-vide-S1.csv",
+                "runs/l/laser-p2V-vide-S1.csv",
+                "runs/l/laser-2V0-vide-S2.csv",
+            ],
         ),
         (&["runs/S1_Luft_2,0V.txt"], &["runs/20260302_S1_Luft_2000mV.csv"]),
         // The same name on two days.
@@ -42,13 +59,23 @@ fn words_of_names_pair_across_endings_folders_and_spellings() {
         ),
     ] {
         let (pairs, lone) = paired(electrical, bending);
-        assert_eq!((pairs.len(), lone), (electrical.len(), vec![]), "{electrical:?} {bending:?}");
+        assert_eq!(
+            (pairs.len(), lone),
+            (electrical.len(), vec![]),
+            "{electrical:?} {bending:?}"
+        );
     }
     let (pairs, _) = paired(
         &["runs/pot/S1_vide_+2V.txt", "runs/pot/S1_vide_-2V.txt"],
         &["runs/l/S1_vide_m2V.csv", "runs/l/S1_vide_p2V.csv"],
     );
-    assert_eq!(pairs[1], ("runs/pot/S1_vide_-2V.txt".to_owned(), "runs/l/S1_vide_m2V.csv".to_owned()));
+    assert_eq!(
+        pairs[1],
+        (
+            "runs/pot/S1_vide_-2V.txt".to_owned(),
+            "runs/l/S1_vide_m2V.csv".to_owned()
+        )
+    );
 }
 
 #[test]
@@ -57,7 +84,10 @@ fn what_may_be_another_run_is_no_partner_and_says_whom_it_waits_for() {
     for (electrical, bending) in [
         (&["runs/S3_air_2V.txt"][..], &["runs/laser_S1_air_2V.csv"][..]),
         (&["runs/S1_air_2V_3.txt"], &["runs/S1_air_2V_4.csv"]),
-        (&["runs/S1_air_2V.txt"], &["runs/a/S1_air_2V.csv", "runs/b/S1_air_2V.csv"]),
+        (
+            &["runs/S1_air_2V.txt"],
+            &["runs/a/S1_air_2V.csv", "runs/b/S1_air_2V.csv"],
+        ),
     ] {
         let (pairs, lone) = paired(electrical, bending);
         assert_eq!(pairs, [], "{electrical:?}");
@@ -68,15 +98,24 @@ fn what_may_be_another_run_is_no_partner_and_says_whom_it_waits_for() {
         &["runs/laser/S1_air_+2V_laser.csv"],
     );
     assert_eq!(pairs.len(), 1);
-    assert_eq!(lone[0].waits_for, "runs/laser/S1_air_-2V_laser.csv with the bending");
+    assert_eq!(
+        lone[0].waits_for,
+        "runs/laser/S1_air_-2V_laser.csv with the bending"
+    );
     // Where nothing bends nothing is a half.
     assert_eq!(paired(&["runs/a.txt", "runs/b.txt"], &[]).1, []);
 }
 
 #[test]
 fn times_pair_what_names_do_not_and_rules_go_before_both() {
-    let mut all = halves(&["runs/0001.txt", "runs/0002.txt"], &["runs/m-17.csv", "runs/m-18.csv"]);
-    for (at, window) in [(0.0, 600.0), (3600.0, 4200.0), (3590.0, 4300.0), (-20.0, 650.0)].into_iter().enumerate() {
+    let mut all = halves(
+        &["runs/0001.txt", "runs/0002.txt"],
+        &["runs/m-17.csv", "runs/m-18.csv"],
+    );
+    for (at, window) in [(0.0, 600.0), (3600.0, 4200.0), (3590.0, 4300.0), (-20.0, 650.0)]
+        .into_iter()
+        .enumerate()
+    {
         all[at].window_s = Some(window);
     }
     let found = pair(&all, &PairRules::default(), "runs");
@@ -86,7 +125,13 @@ fn times_pair_what_names_do_not_and_rules_go_before_both() {
         .map(|pair| (pair.electrical.as_str(), pair.bending.as_str(), pair.by))
         .collect();
     let by = PairedBy::Times;
-    assert_eq!(shown, [("runs/0001.txt", "runs/m-18.csv", by), ("runs/0002.txt", "runs/m-17.csv", by)]);
+    assert_eq!(
+        shown,
+        [
+            ("runs/0001.txt", "runs/m-18.csv", by),
+            ("runs/0002.txt", "runs/m-17.csv", by)
+        ]
+    );
     let rules = PairRules {
         by: Vec::new(),
         named: vec![PairNames {
@@ -102,11 +147,21 @@ fn times_pair_what_names_do_not_and_rules_go_before_both() {
         }],
         ..rules
     };
-    let ruled = pair(&halves(&["runs/pot/x 1.txt"], &["runs/laser/x 1_cam.csv"]), &rules, "runs");
+    let ruled = pair(
+        &halves(&["runs/pot/x 1.txt"], &["runs/laser/x 1_cam.csv"]),
+        &rules,
+        "runs",
+    );
     assert_eq!(ruled.pairs[0].by, PairedBy::Rule);
     // A third that runs at the same time leaves a choice, and names that contradict are no pair.
     let mut three = all[..1].to_vec();
-    three.extend([all[3].clone(), Half { path: "runs/m-19.csv".to_owned(), ..all[3].clone() }]);
+    three.extend([
+        all[3].clone(),
+        Half {
+            path: "runs/m-19.csv".to_owned(),
+            ..all[3].clone()
+        },
+    ]);
     assert_eq!(pair(&three, &PairRules::default(), "runs").pairs, []);
     let mut odd = halves(&["runs/x_2V.txt"], &["runs/y_-2V.csv"]);
     odd.iter_mut().for_each(|half| half.window_s = Some((0.0, 9.0)));

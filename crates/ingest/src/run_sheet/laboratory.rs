@@ -6,8 +6,8 @@ use crate::formats::sheet_cells::{self, Place, SheetCell};
 use crate::name_pattern::number_of_name;
 use crate::tags::value::shortest;
 use crate::text::header::{Header, Meaning};
-use ieap_domain::safe_text::from_csv_text;
 use ieap_domain::Quantity;
+use ieap_domain::safe_text::from_csv_text;
 use ieap_domain::tag::keys;
 
 /// Words for columns whose names are no quantities: the tag or column, and its names in small letters.
@@ -109,7 +109,12 @@ pub(super) fn rewritten(bytes: &[u8]) -> Option<Rewritten> {
     let grids = if is_workbook {
         let merged = sheet_cells::merged(bytes);
         let of = |(at, sheet)| grid(sheet, merged.get(at).map_or(&[], Vec::as_slice));
-        sheet_cells::read(bytes).ok()?.iter().enumerate().map(of).collect()
+        sheet_cells::read(bytes)
+            .ok()?
+            .iter()
+            .enumerate()
+            .map(of)
+            .collect()
     } else {
         super::read::grids(bytes)
     };
@@ -189,8 +194,13 @@ fn of_grid(grid: &[Vec<String>]) -> Option<Rewritten> {
 
 /// Whether a row names a column of files and one that tells what is measured, and has no column of the program's own sheets.
 fn is_header(row: &[String]) -> bool {
-    let plain: Vec<String> = row.iter().map(|cell| from_csv_text(cell.trim()).to_lowercase()).collect();
-    let of_program = plain.iter().any(|cell| cell == "planned" || SAID.contains(&cell.as_str()));
+    let plain: Vec<String> = row
+        .iter()
+        .map(|cell| from_csv_text(cell.trim()).to_lowercase())
+        .collect();
+    let of_program = plain
+        .iter()
+        .any(|cell| cell == "planned" || SAID.contains(&cell.as_str()));
     let found: Vec<Column> = row.iter().filter_map(|cell| column(cell)).collect();
     let has = |wanted: &str| {
         let mut keys = found.iter().map(|column| match column {
@@ -198,7 +208,12 @@ fn is_header(row: &[String]) -> bool {
         });
         keys.any(|key| key == wanted)
     };
-    let tells = [keys::SAMPLE, keys::ENVIRONMENT, keys::VOLTAGE_V, keys::RELATIVE_HUMIDITY_PERCENT];
+    let tells = [
+        keys::SAMPLE,
+        keys::ENVIRONMENT,
+        keys::VOLTAGE_V,
+        keys::RELATIVE_HUMIDITY_PERCENT,
+    ];
     !of_program && has("file") && tells.iter().any(|key| has(key))
 }
 
@@ -206,7 +221,9 @@ fn is_header(row: &[String]) -> bool {
 fn stem_of(cell: &str) -> String {
     let name = cell.rsplit(['/', '\\']).next().unwrap_or(cell);
     let is_ending = |end: &str| {
-        (1..=5).contains(&end.len()) && end.starts_with(|c: char| c.is_ascii_alphabetic()) && end.chars().all(char::is_alphanumeric)
+        (1..=5).contains(&end.len())
+            && end.starts_with(|c: char| c.is_ascii_alphabetic())
+            && end.chars().all(char::is_alphanumeric)
     };
     match name.rsplit_once('.') {
         Some((stem, end)) if is_ending(end) => stem.to_owned(),
@@ -245,9 +262,23 @@ mod tests {
                 Text("Tension (mV)"),
                 Text("Fichier"),
             ],
-            &[Number(1.0), Text("PtNaf-1"), Text("vide"), Number(0.0), Number(2000.0), Text("m0001.txt")],
+            &[
+                Number(1.0),
+                Text("PtNaf-1"),
+                Text("vide"),
+                Number(0.0),
+                Number(2000.0),
+                Text("m0001.txt"),
+            ],
             &[Number(2.0), Gap, Gap, Gap, Text("-2000"), Text("m0002.txt")],
-            &[Number(3.0), Gap, Text("air"), Number(35.5), Text("+1000"), Text("pot/m0003.txt")],
+            &[
+                Number(3.0),
+                Gap,
+                Text("air"),
+                Number(35.5),
+                Text("+1000"),
+                Text("pot/m0003.txt"),
+            ],
             &[Text("pause"), Gap, Gap, Gap, Gap, Gap],
         ]);
         let bytes = merged_workbook(&[rows], "A1:F1 B3:B5 C3:C4 D3:D4");
@@ -259,7 +290,13 @@ mod tests {
             .iter()
             .map(|row| {
                 let of = |key| row.tag(key);
-                (row.file.as_str(), of("sample"), of("environment"), of("relative_humidity_percent"), of("voltage_v"))
+                (
+                    row.file.as_str(),
+                    of("sample"),
+                    of("environment"),
+                    of("relative_humidity_percent"),
+                    of("voltage_v"),
+                )
             })
             .collect();
         assert_eq!(
@@ -277,7 +314,10 @@ mod tests {
         let text = "Datei;Probe;Umgebung;%rF;U [V]\r\na_2.5V;S1;Luft;35,5;2,5\r\n";
         assert!(is_sheet("Messplan.csv", text.as_bytes()));
         let rows = read(text.as_bytes()).unwrap();
-        assert_eq!((rows[0].file.as_str(), rows[0].tag("voltage_v")), ("a_2.5V", Some("2.5")));
+        assert_eq!(
+            (rows[0].file.as_str(), rows[0].tag("voltage_v")),
+            ("a_2.5V", Some("2.5"))
+        );
         assert_eq!(rows[0].tag("relative_humidity_percent"), Some("35.5"));
         assert!(!is_sheet("a.csv", b"Zeit;Probe;U [V]\n0;1;2\n"));
     }

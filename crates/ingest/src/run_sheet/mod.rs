@@ -231,7 +231,11 @@ fn starts_as_one(campaign: &Path, file: &SeenFile, name: &str) -> bool {
     if file.size_bytes > LARGEST_BYTES || !(is_workbook || may_be(name)) {
         return false;
     }
-    let wanted = if is_workbook { LARGEST_BYTES } else { HEAD_BYTES as u64 };
+    let wanted = if is_workbook {
+        LARGEST_BYTES
+    } else {
+        HEAD_BYTES as u64
+    };
     let mut head = Vec::new();
     let opened = fs::File::open_stated(campaign, file.location(campaign));
     let read = opened.and_then(|opened| opened.take(wanted).read_to_end(&mut head));

@@ -105,7 +105,9 @@ pub(super) fn grids(bytes: &[u8]) -> Vec<Vec<Vec<String>>> {
         let cells = |record: csv::StringRecord| record.iter().map(str::to_owned).collect();
         reader.records().map_while(Result::ok).map(cells).collect()
     };
-    let used = DELIMITERS.into_iter().filter(|&delimiter| text.contains(char::from(delimiter)));
+    let used = DELIMITERS
+        .into_iter()
+        .filter(|&delimiter| text.contains(char::from(delimiter)));
     used.map(grid).collect()
 }
 

@@ -195,7 +195,10 @@ fn not_flat(shown: &str, key: &str, found: &str) -> Issue {
 /// Tags that the name of the run says, else those of its other files.
 fn in_names(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {
     // Of one file the caller knows the name.
-    let others = request.data_files.iter().skip_while(|_| request.data_files.len() < 2);
+    let others = request
+        .data_files
+        .iter()
+        .skip_while(|_| request.data_files.len() < 2);
     let others = others.map(|file| stem(file));
     let mut stems: Vec<String> = std::iter::once(request.stem.to_owned()).chain(others).collect();
     stems.dedup();

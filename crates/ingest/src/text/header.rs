@@ -150,7 +150,10 @@ fn split(cell: &str) -> (String, String) {
         }
     }
     // `%rF`, `% HR`: the unit first.
-    if let Some(name) = cell.strip_prefix('%').filter(|name| candidates(name).contains(&Quantity::RelativeHumidity)) {
+    if let Some(name) = cell
+        .strip_prefix('%')
+        .filter(|name| candidates(name).contains(&Quantity::RelativeHumidity))
+    {
         return pair(name, "%");
     }
     if let Some((name, unit)) = cell.split_once('/').filter(|(name, _)| !name.trim().is_empty()) {

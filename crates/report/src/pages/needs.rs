@@ -51,7 +51,10 @@ pub fn needs(site: &Site) -> Vec<Need> {
         (
             halves,
             "file",
-            [" is half of a run without its partner", " are halves of runs without their partners"],
+            [
+                " is half of a run without its partner",
+                " are halves of runs without their partners",
+            ],
             "files.html",
         ),
         (untagged, "run", [" lacks a tag", " lack a tag"], "#untagged"),

@@ -119,18 +119,31 @@ fn without_log(campaign: &Campaign, shelf: &Shelf) -> Vec<Issue> {
     let identities: Vec<_> = identities.collect();
     let matches = |sensor: &&SensorStatement| {
         let is = |stated: &&SensorStatement| stated.id == sensor.id;
-        !identities.iter().any(|identity| identity.statement.as_ref().is_some_and(is))
+        !identities
+            .iter()
+            .any(|identity| identity.statement.as_ref().is_some_and(is))
     };
-    let mut found: Vec<&str> = identities.iter().map(|identity| identity.sensor.as_str()).collect();
+    let mut found: Vec<&str> = identities
+        .iter()
+        .map(|identity| identity.sensor.as_str())
+        .collect();
     found.sort_unstable();
     found.dedup();
     let issue = |sensor: &SensorStatement| {
-        let message = format!("[[sensor]] \"{}\" of campaign.toml is the sensor of no log", sensor.id);
+        let message = format!(
+            "[[sensor]] \"{}\" of campaign.toml is the sensor of no log",
+            sensor.id
+        );
         let there = match found.as_slice() {
             [] => "there is no log yet: copy it into ambient/".to_owned(),
-            found => format!("the logs are of {}; write one of these ids, or `files` with the log's name", found.join(", ")),
+            found => format!(
+                "the logs are of {}; write one of these ids, or `files` with the log's name",
+                found.join(", ")
+            ),
         };
-        Issue::warning(SENSOR_WITHOUT_LOG, message).at("campaign.toml").mend(there)
+        Issue::warning(SENSOR_WITHOUT_LOG, message)
+            .at("campaign.toml")
+            .mend(there)
     };
     campaign.sensors.iter().filter(matches).map(issue).collect()
 }

@@ -100,13 +100,19 @@ pub(super) fn of_logs(
             reasons.push(format!("{sensor}: nothing states the time zone of its clock"));
             continue;
         };
-        let is_of_room = identity.statement.is_none_or(|stated| stated.environments.is_empty());
+        let is_of_room = identity
+            .statement
+            .is_none_or(|stated| stated.environments.is_empty());
         let stated = stated_of(campaign, asked.environment, quantity).filter(|_| is_of_room);
         match over(&series, window, longest_gap_s) {
             // What campaign.toml states of an environment of its own is no default beside a sensor of the room.
             Ok(statistics) if stated.is_some() => {
                 let differs = stated.filter(|stated| !quantity.agree(*stated, statistics.mean));
-                issues.extend(differs.and(asked.environment).map(|environment| not_of(environment, sensor, quantity)));
+                issues.extend(
+                    differs
+                        .and(asked.environment)
+                        .map(|environment| not_of(environment, sensor, quantity)),
+                );
             }
             Ok(statistics) => {
                 let accuracy = accuracy(identity.statement, quantity);

@@ -51,11 +51,18 @@ pub fn grouped<'a>(
 ) -> BTreeMap<String, Vec<&'a str>> {
     let of_pair: BTreeMap<&str, (&String, usize)> = pairs
         .iter()
-        .flat_map(|(run, files)| files.iter().enumerate().map(move |(at, file)| (file.as_str(), (run, at))))
+        .flat_map(|(run, files)| {
+            files
+                .iter()
+                .enumerate()
+                .map(move |(at, file)| (file.as_str(), (run, at)))
+        })
         .collect();
     let mut groups: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for path in paths {
-        let run = of_pair.get(path).map_or_else(|| run_name(path), |(run, _)| (*run).clone());
+        let run = of_pair
+            .get(path)
+            .map_or_else(|| run_name(path), |(run, _)| (*run).clone());
         groups.entry(run).or_default().push(path);
     }
     // A pair is in the order in which it was joined, the current first.
@@ -74,7 +81,8 @@ pub fn is_named_as_copy(path: &str) -> bool {
     let stem = file.rsplit_once('.').map_or(file.as_str(), |(stem, _)| stem);
     let is_word = |word: &str| OF_A_COPY.contains(&word);
     let numbered = stem.strip_suffix(')').and_then(|rest| rest.rsplit_once('('));
-    let is_number = |(_, number): (&str, &str)| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
+    let is_number =
+        |(_, number): (&str, &str)| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
     stem.split(|c: char| !c.is_alphabetic()).any(is_word) || numbered.is_some_and(is_number)
 }
 
@@ -99,7 +107,10 @@ mod tests {
         assert_eq!(run_name("runs/a.b.csv"), "runs/a.b.csv");
         assert_eq!(run_name("current.csv"), "current.csv");
         assert_eq!(run_name("runs/a.frames"), "runs/a.csv");
-        let groups = grouped(["r/a.current.csv", "r/a.curvature.csv", "r/b.csv"].into_iter(), &[]);
+        let groups = grouped(
+            ["r/a.current.csv", "r/a.curvature.csv", "r/b.csv"].into_iter(),
+            &[],
+        );
         assert_eq!(groups.len(), 2);
         assert_eq!(groups["r/a.csv"].len(), 2);
     }

@@ -226,7 +226,9 @@ fn groups_with(
     let by_path: BTreeMap<&str, &Arc<SeenFile>> =
         seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
     // Of two files with the same bytes the first is the run: a copy comes after what it is of.
-    let mut groups: Vec<_> = groups::grouped(by_path.keys().copied(), pairs).into_iter().collect();
+    let mut groups: Vec<_> = groups::grouped(by_path.keys().copied(), pairs)
+        .into_iter()
+        .collect();
     groups.sort_by_key(|(run_name, _)| groups::is_named_as_copy(run_name));
     groups
         .into_iter()

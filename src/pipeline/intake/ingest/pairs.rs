@@ -26,7 +26,11 @@ use crate::store::ReadFile;
 pub fn paired(context: &Context) -> Result<Paired, PipelineError> {
     let files = context.store.read_files()?;
     let halves = halves(context, &files)?;
-    Ok(pair(&halves, &context.campaign.pairs, &context.campaign.runs_folder))
+    Ok(pair(
+        &halves,
+        &context.campaign.pairs,
+        &context.campaign.runs_folder,
+    ))
 }
 
 /// Runs of two files that were paired by what they hold, by file: the other files of a run are parts of one name.
@@ -52,7 +56,7 @@ fn is_of_pair(file: &ReadFile) -> bool {
     file.files == 2 && (file.path == file.run || run_name(&file.path) != file.run)
 }
 
-/// Halves among the files: of a run of one file, or of a pair, and of no run that a person took out.
+/// Halves among the files: of a pair, or of a run of one file that no person took out.
 fn halves(context: &Context, files: &[ReadFile]) -> Result<Vec<Half>, PipelineError> {
     let words = context.store.run_words()?;
     let is_dropped = |run: &str| words.get(run).is_some_and(|word| word.drops);
@@ -65,7 +69,7 @@ fn halves(context: &Context, files: &[ReadFile]) -> Result<Vec<Half>, PipelineEr
         let is_alone = file.files == 1 && file.path == file.run;
         runs_of.get(file.path.as_str()) == Some(&1)
             && (is_alone || pairs.contains(&file.run))
-            && !is_dropped(&file.run)
+            && (pairs.contains(&file.run) || !is_dropped(&file.run))
     };
     let half = |file: &ReadFile| {
         let window = file.stamp.as_ref().zip(file.times_s);
@@ -80,7 +84,9 @@ fn halves(context: &Context, files: &[ReadFile]) -> Result<Vec<Half>, PipelineEr
 
 fn window_of(context: &Context, stamp: &StartedAt, times: (f64, f64)) -> Option<(f64, f64)> {
     let zone = context.campaign.timezone.as_deref();
-    let zone = zone.and_then(|name| TimeZone::get(name).ok()).unwrap_or(TimeZone::UTC);
+    let zone = zone
+        .and_then(|name| TimeZone::get(name).ok())
+        .unwrap_or(TimeZone::UTC);
     let local: jiff::civil::DateTime = stamp.local.as_deref()?.parse().ok()?;
     let offset = zone.to_ambiguous_timestamp(local).compatible().ok()?;
     window_s(stamp, times, f64::from(zone.to_offset(offset).seconds()))
@@ -103,12 +109,17 @@ pub fn settle_pairs(
         let is = |pair: &Pair| *files == [pair.electrical.clone(), pair.bending.clone()];
         wanted.pairs.iter().any(is)
     };
-    let is_stored =
-        |pair: &&Pair| stored.iter().any(|(_, files)| *files == [pair.electrical.clone(), pair.bending.clone()]);
+    let is_stored = |pair: &&Pair| {
+        stored
+            .iter()
+            .any(|(_, files)| *files == [pair.electrical.clone(), pair.bending.clone()])
+    };
     let by_path: BTreeMap<&str, &Arc<SeenFile>> =
         seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
     let group = |run_name: &String, paths: &[&String]| {
-        let found = paths.iter().map(|path| by_path.get(path.as_str()).map(|file| Arc::clone(file)));
+        let found = paths
+            .iter()
+            .map(|path| by_path.get(path.as_str()).map(|file| Arc::clone(file)));
         Some(Group {
             run_name: run_name.clone(),
             kind: RunKind::Actuation,
@@ -131,8 +142,14 @@ pub fn settle_pairs(
     })?;
     summary.mended.extend(mended);
     // A half that came now is the run that it became, or part of it.
-    let names: BTreeSet<String> = context.store.read_files()?.into_iter().map(|file| file.run).collect();
-    let is_half = |path: &String| summary.paired.iter().any(|pair| pair.bending == *path) && !names.contains(path);
+    let names: BTreeSet<String> = context
+        .store
+        .read_files()?
+        .into_iter()
+        .map(|file| file.run)
+        .collect();
+    let is_half =
+        |path: &String| summary.paired.iter().any(|pair| pair.bending == *path) && !names.contains(path);
     summary.new.retain(|path| !is_half(path));
     let new: BTreeSet<&String> = summary.new.iter().collect();
     summary.revised.retain(|path| !new.contains(path));

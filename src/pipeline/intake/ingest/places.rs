@@ -47,12 +47,18 @@ pub(super) fn beyond_strip(channels: &[Channel], length_mm: f64, origin: &RunOri
     let is_tip = |channel: &Channel| channel.quantity == Quantity::TipDisplacement && !channel.is_empty();
     let at = channels.iter().position(is_tip)?;
     let (tip, clock) = (&channels[at], origin.clocks.iter());
-    let of_tip = |clock: &&RunClock| (clock.first_channel..clock.first_channel + clock.channels).contains(&at);
-    let file = clock.into_iter().find(of_tip).map_or("FILE", |clock| clock.file.as_str());
+    let of_tip =
+        |clock: &&RunClock| (clock.first_channel..clock.first_channel + clock.channels).contains(&at);
+    let file = clock
+        .into_iter()
+        .find(of_tip)
+        .map_or("FILE", |clock| clock.file.as_str());
     let (_, readings_mm) = tip.included();
     let (low, high) = readings_mm
         .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mm| (low.min(*mm), high.max(*mm)));
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mm| {
+            (low.min(*mm), high.max(*mm))
+        });
     // From one side to the other it is twice as far.
     (high - low > 2.0 * length_mm).then(|| {
         let name = &tip.raw_name;

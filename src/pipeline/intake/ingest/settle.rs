@@ -69,7 +69,11 @@ pub fn settle_anew(
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
     // What cannot be read now is paired when it can.
-    if prepared.files.iter().any(|file| !matches!(file.outcome, Outcome::Read(_))) {
+    if prepared
+        .files
+        .iter()
+        .any(|file| !matches!(file.outcome, Outcome::Read(_)))
+    {
         return Ok(());
     }
     let (name, kind) = (&prepared.run_name, prepared.kind);

@@ -17,11 +17,15 @@ use crate::ingest::{Reading, StartedAt};
 /// The start that the files of a run state: any of them serves all. Of a file that states its end, its length is taken off.
 pub fn of_run(origin: &RunOrigin, channels: &[Channel]) -> Option<StartedAt> {
     let stamp = |clock: &RunClock| clock.stamp.clone();
-    let is_start = |stamp: &StartedAt| stamp.kind == Timestamp::Start && (stamp.local.is_some() || is_open(stamp));
+    let is_start =
+        |stamp: &StartedAt| stamp.kind == Timestamp::Start && (stamp.local.is_some() || is_open(stamp));
     let stated = origin.clocks.iter().filter_map(stamp).find(is_start);
     let from_end = || {
         origin.clocks.iter().find_map(|clock| {
-            let stamp = clock.stamp.as_ref().filter(|stamp| stamp.kind == Timestamp::End)?;
+            let stamp = clock
+                .stamp
+                .as_ref()
+                .filter(|stamp| stamp.kind == Timestamp::End)?;
             let of_clock = channels.iter().skip(clock.first_channel).take(clock.channels);
             let last_s = of_clock
                 .filter_map(|channel| channel.time_s.last().copied())
@@ -40,7 +44,11 @@ fn before_end(stamp: &StartedAt, last_s: f64) -> Option<StartedAt> {
     Some(StartedAt {
         kind: Timestamp::Start,
         local: Some(end.checked_sub(length).ok()?.to_string()),
-        basis: format!("{}, less the {} s that the record lasts", stamp.basis, fixed(last_s, 1)),
+        basis: format!(
+            "{}, less the {} s that the record lasts",
+            stamp.basis,
+            fixed(last_s, 1)
+        ),
         ..stamp.clone()
     })
 }

@@ -492,8 +492,11 @@ pub(crate) fn conclude(
         .value(keys::CLOCK_OFFSET_S)
         .and_then(|text| text.parse().ok());
     issues.extend(clocks::remarks(input.origin, clock_offset_s));
-    let fittable =
-        input.is_step_response && found.drive.is_some() && area_cm2.is_some() && has_response(input) && !is_beyond;
+    let fittable = input.is_step_response
+        && found.drive.is_some()
+        && area_cm2.is_some()
+        && has_response(input)
+        && !is_beyond;
     let state = match (resolved.waits(), fittable) {
         _ if !has_steps => RunState::NoSteps,
         (true, _) => RunState::Untagged,

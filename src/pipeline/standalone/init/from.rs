@@ -146,7 +146,12 @@ fn fill_in(proposed: &Proposed, has_open_dates: bool, no_zone: bool) -> Vec<Stri
         }
     }
     open.extend(proposed.lone_halves.iter().map(|half| {
-        format!("{} is half of a run ({}) and waits for {}", half.path, half.holds.label(), half.waits_for)
+        format!(
+            "{} is half of a run ({}) and waits for {}",
+            half.path,
+            half.holds.label(),
+            half.waits_for
+        )
     }));
     if has_open_dates && proposed.date_order.is_none() {
         open.push("campaign.toml: date_order, for dates that fit two orders".to_owned());
@@ -262,7 +267,11 @@ fn stated(proposed: &Proposed) -> BTreeMap<String, BTreeMap<String, String>> {
         if alike && files.len() > 1 && !is_there(&of_folder) {
             texts.insert(of_folder, files[0].1.clone());
         } else {
-            texts.extend(files.into_iter().map(|(to, beside)| (format!("{to}.toml"), beside.clone())));
+            texts.extend(
+                files
+                    .into_iter()
+                    .map(|(to, beside)| (format!("{to}.toml"), beside.clone())),
+            );
         }
     }
     texts.retain(|_, beside| !beside.is_empty());

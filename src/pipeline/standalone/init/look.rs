@@ -342,7 +342,9 @@ fn of_reading(seen: Seen, reading: &Reading, format: String) -> Seen {
         Taken::Run => missing_responses(&all, &seen.path),
         _ => Vec::new(),
     };
-    let times = all.iter().filter_map(|c| c.time_s.first().copied().zip(c.time_s.last().copied()));
+    let times = all
+        .iter()
+        .filter_map(|c| c.time_s.first().copied().zip(c.time_s.last().copied()));
     let times = times.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let window = reading.started_at.as_ref().zip(times);
     Seen {

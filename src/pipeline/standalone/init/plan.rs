@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use super::look::{Looked, Seen, Taken};
 use crate::domain::campaign::BUILT_IN_ENVIRONMENTS;
-use crate::domain::tag::keys;
 use crate::domain::pairs::{LoneHalf, Pair, PairRules};
+use crate::domain::tag::keys;
 use crate::ingest::name_pattern::{
     KnownIds, NameMatch, NamePattern, ProposedPattern, environment, environment_of, propose, tags_of_name,
 };
@@ -236,11 +236,12 @@ fn sample_of_name(seen: &Seen) -> Option<String> {
     samples.next().map(|(_, name)| name)
 }
 
-/// What run sheets state, then what the name says, then the environment that a folder's name says. A name whose run a sheet
-/// describes says no sample.
+/// What run sheets state of the run; where none does, what the name says, then the environment that a folder's name says.
 fn named(seen: &Seen, stem: &str, stated: &BTreeMap<String, String>) -> BTreeMap<String, String> {
+    if !stated.is_empty() {
+        return stated.clone();
+    }
     let mut tags: BTreeMap<String, String> = tags_of_name(stem).into_iter().collect();
-    tags.extend(stated.clone());
     let folders = seen.path.rsplit('/').skip(1);
     let environment = folders.filter_map(environment_of).next();
     if let Some(environment) = environment {
