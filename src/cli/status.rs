@@ -16,7 +16,7 @@ use crate::domain::file_story::FileStory;
 use crate::domain::{Alarm, Fault, Issue};
 use crate::pipeline::infra::mends::Reasoned;
 use crate::pipeline::infra::mends::together;
-use crate::pipeline::intake::files::{lone, stories};
+use crate::pipeline::intake::files::{lone, stories, view};
 use crate::pipeline::upkeep::status::{Status, WAITS, status};
 use crate::pipeline::{Context, TakenBack};
 
@@ -46,7 +46,7 @@ pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
     if args.files {
         say_what_is_not_understood(&context, output);
         let files = stories(&context)?;
-        let shown = crate::analysis::files::view(&files);
+        let shown = view(&files);
         output.show("ieap/files/1", &FilesDocument { files }, &shown)?;
         return Ok(DONE);
     }

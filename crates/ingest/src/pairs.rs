@@ -8,7 +8,7 @@ mod names;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::{StartedAt, Timestamp};
@@ -93,10 +93,7 @@ pub fn pair(halves: &[Half], rules: &PairRules, runs_folder: &str) -> Paired {
         bending: halves[b].path.clone(),
         by,
     };
-    // Where nothing bends, or no current is anywhere, there are no halves.
-    let are_halves = !pairs.is_empty() || (!open.electrical.is_empty() && !open.bending.is_empty());
-    let mut lone: Vec<usize> = open.electrical.iter().chain(&open.bending).copied().collect();
-    lone.retain(|_| are_halves);
+    let mut lone = open.waiting(halves, &pairs);
     lone.sort_unstable();
     let waits = |at: usize| LoneHalf {
         path: halves[at].path.clone(),
@@ -122,6 +119,23 @@ impl Open {
             electrical: of(HalfKind::Electrical).collect(),
             bending: of(HalfKind::Bending).collect(),
         }
+    }
+
+    /// Those of the halves that wait for a partner. A bending has no run without one; a current is one by itself, but where
+    /// others of its folder have partners, or as many bendings look for one.
+    fn waiting(&self, halves: &[Half], pairs: &[(usize, usize, PairedBy)]) -> Vec<usize> {
+        let folder = |at: usize| halves[at].path.rsplit_once('/').map_or("", |(folder, _)| folder);
+        let in_pairs: BTreeSet<&str> = pairs.iter().map(|(e, ..)| folder(*e)).collect();
+        let as_many = !self.bending.is_empty() && self.bending.len() >= self.electrical.len();
+        let waits = |at: &&usize| as_many || in_pairs.contains(folder(**at));
+        let are_currents = !pairs.is_empty() || !self.electrical.is_empty();
+        let bending = self.bending.iter().filter(|_| are_currents);
+        self.electrical
+            .iter()
+            .filter(waits)
+            .chain(bending)
+            .copied()
+            .collect()
     }
 
     fn take(&mut self, found: &[(usize, usize)], by: PairedBy, pairs: &mut Vec<(usize, usize, PairedBy)>) {

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::ingest::pairs::paired;
+use crate::analysis;
 use crate::domain::file_story::{FileStory, HALF_WITHOUT_PARTNER, TagOfFile, WordOfName};
 use crate::domain::pairs::{LoneHalf, Pair};
 use crate::domain::{FileState, Issue, RunRecord, RunState, Severity};
@@ -13,6 +14,7 @@ use crate::ingest::scan::parse_display_path;
 use crate::ingest::tags;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, PipelineError};
+use crate::show::Block;
 use crate::store::FileRow;
 
 /// Code of what is said of half a run.
@@ -29,6 +31,11 @@ pub fn lone(half: &LoneHalf) -> Issue {
         "copy that file into the folder, or say in campaign.toml which files belong together: [[pair]] current = \"...\" \
          and bending = \"...\"; until then the half is a run by itself",
     )
+}
+
+/// What is shown of them.
+pub fn view(files: &[FileStory]) -> Vec<Block> {
+    analysis::files::view(files)
 }
 
 /// The stories of all files, by path.

@@ -199,6 +199,11 @@ fn a_french_laboratory_goes_from_its_folder_to_a_true_report() {
     ] {
         assert!(shown.contains(told), "{told} in {shown}");
     }
+    let document = person
+        .looks(&["init", "etude", "--from", "mesures", "--json"])
+        .expect(0)
+        .json();
+    assert!(document.to_string().contains("same-bytes"));
     person
         .types(&["init", "etude", "--from", "mesures", "--yes"])
         .expect(0);

@@ -1,10 +1,11 @@
 //! Run sheets as laboratories keep them: a workbook or a text with names of columns in any language, titles above the
 //! table, cells that are merged, no planned ids. They become the text that the reader of run sheets reads.
 
-use super::{LARGEST_BYTES, SAID};
+use super::policy::{DELIMITERS, LARGEST_BYTES, SAID};
 use crate::formats::sheet_cells::{self, Place, SheetCell};
 use crate::name_pattern::number_of_name;
 use crate::tags::value::shortest;
+use crate::text::decode;
 use crate::text::header::{Header, Meaning};
 use ieap_domain::Quantity;
 use ieap_domain::safe_text::from_csv_text;
@@ -116,9 +117,27 @@ pub(super) fn rewritten(bytes: &[u8]) -> Option<Rewritten> {
             .map(of)
             .collect()
     } else {
-        super::read::grids(bytes)
+        grids(bytes)
     };
     grids.iter().find_map(|grid| of_grid(grid))
+}
+
+/// The cells of a text under each delimiter that its first line may have.
+fn grids(bytes: &[u8]) -> Vec<Vec<Vec<String>>> {
+    let text = decode(bytes).text;
+    let grid = |delimiter: u8| {
+        let mut reader = csv::ReaderBuilder::new()
+            .delimiter(delimiter)
+            .has_headers(false)
+            .flexible(true)
+            .from_reader(text.as_bytes());
+        let cells = |record: csv::StringRecord| record.iter().map(str::to_owned).collect();
+        reader.records().map_while(Result::ok).map(cells).collect()
+    };
+    let used = DELIMITERS
+        .into_iter()
+        .filter(|&delimiter| text.contains(char::from(delimiter)));
+    used.map(grid).collect()
 }
 
 /// The cells of a sheet as texts; a merged cell stands in all places that it covers.
@@ -240,85 +259,5 @@ fn value(column: &Column, cell: &str) -> String {
         (Some(number), Meaning::Known { conversion, .. }) => shortest(conversion.apply(number)),
         (Some(number), _) => shortest(number),
         (None, _) => cell.to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::{is_sheet, read};
-    use super::*;
-    use crate::formats::sheet_writer::{Xml, merged_workbook, sheet};
-
-    #[test]
-    fn a_workbook_of_a_laboratory_with_titles_and_merged_cells_is_a_run_sheet() {
-        use Xml::{None as Gap, Number, Text};
-        let rows = sheet(&[
-            &[Text("Campagne mars 2026"), Gap, Gap, Gap, Gap, Gap],
-            &[
-                Text("N°"),
-                Text("Échantillon"),
-                Text("Atmosphère"),
-                Text("HR (%)"),
-                Text("Tension (mV)"),
-                Text("Fichier"),
-            ],
-            &[
-                Number(1.0),
-                Text("PtNaf-1"),
-                Text("vide"),
-                Number(0.0),
-                Number(2000.0),
-                Text("m0001.txt"),
-            ],
-            &[Number(2.0), Gap, Gap, Gap, Text("-2000"), Text("m0002.txt")],
-            &[
-                Number(3.0),
-                Gap,
-                Text("air"),
-                Number(35.5),
-                Text("+1000"),
-                Text("pot/m0003.txt"),
-            ],
-            &[Text("pause"), Gap, Gap, Gap, Gap, Gap],
-        ]);
-        let bytes = merged_workbook(&[rows], "A1:F1 B3:B5 C3:C4 D3:D4");
-        assert!(is_sheet("Feuille de route.xlsx", &bytes));
-        let found = rewritten(&bytes).unwrap();
-        assert_eq!((found.unused, found.nameless), (vec!["N°".to_owned()], 1));
-        let rows = read(&bytes).unwrap();
-        let shown: Vec<(&str, Option<&str>, Option<&str>, Option<&str>, Option<&str>)> = rows
-            .iter()
-            .map(|row| {
-                let of = |key| row.tag(key);
-                (
-                    row.file.as_str(),
-                    of("sample"),
-                    of("environment"),
-                    of("relative_humidity_percent"),
-                    of("voltage_v"),
-                )
-            })
-            .collect();
-        assert_eq!(
-            shown,
-            [
-                ("m0001", Some("PtNaf-1"), Some("vide"), Some("0"), Some("2")),
-                ("m0002", Some("PtNaf-1"), Some("vide"), Some("0"), Some("-2")),
-                ("m0003", Some("PtNaf-1"), Some("air"), Some("35.5"), Some("1")),
-            ]
-        );
-    }
-
-    #[test]
-    fn a_text_of_a_laboratory_is_one_and_a_table_of_readings_is_none() {
-        let text = "Datei;Probe;Umgebung;%rF;U [V]\r\na_2.5V;S1;Luft;35,5;2,5\r\n";
-        assert!(is_sheet("Messplan.csv", text.as_bytes()));
-        let rows = read(text.as_bytes()).unwrap();
-        assert_eq!(
-            (rows[0].file.as_str(), rows[0].tag("voltage_v")),
-            ("a_2.5V", Some("2.5"))
-        );
-        assert_eq!(rows[0].tag("relative_humidity_percent"), Some("35.5"));
-        assert!(!is_sheet("a.csv", b"Zeit;Probe;U [V]\n0;1;2\n"));
     }
 }

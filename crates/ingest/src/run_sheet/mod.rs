@@ -6,6 +6,7 @@
 //! voltages or humidities, in the laboratory's language. It speaks for files anywhere in the campaign's runs.
 
 mod laboratory;
+mod policy;
 mod read;
 #[cfg(test)]
 mod tests;
@@ -22,10 +23,9 @@ use ieap_domain::words::counted;
 use ieap_domain::{Issue, Tag, TagSource};
 use ieap_system::fs;
 
+use policy::LARGEST_BYTES;
 pub use read::{COLUMNS, read};
 
-/// Largest sheet, bytes: some thousand runs.
-pub const LARGEST_BYTES: u64 = 1 << 20;
 /// Bytes at the start of a file in which the names of its columns are looked for.
 const HEAD_BYTES: usize = 4096;
 /// Code of the issue that says that a file is a sheet.
@@ -258,9 +258,6 @@ pub fn note(bytes: &[u8], rows: usize) -> Issue {
     }
     Issue::note(IS_SHEET, message)
 }
-
-/// Columns that speak to people and are no tags.
-const SAID: [&str; 4] = ["order", "drive", "splits", "why"];
 
 /// Whether the value of a column must be a number.
 fn is_numeric(column: &str) -> bool {

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::{IS_DAMAGED, LARGEST_BYTES, SAID, SheetRow, is_numeric, laboratory};
+use super::policy::{DELIMITERS, LARGEST_BYTES, SAID};
+use super::{IS_DAMAGED, SheetRow, is_numeric, laboratory};
 use crate::tags::value::usable;
 use crate::text::number::{self, Cell, Decimal};
 use crate::text::{Decoded, decode};
@@ -28,7 +29,6 @@ pub const COLUMNS: [&str; 11] = [
     keys::CYCLE,
     "why",
 ];
-const DELIMITERS: [u8; 3] = [b',', b';', b'\t'];
 
 /// Reads the rows of a sheet.
 ///
@@ -91,24 +91,6 @@ fn rows_of(text: &str) -> Result<Vec<SheetRow>, Issue> {
         rows.push(row);
     }
     Ok(rows)
-}
-
-/// The cells of a text under each delimiter that its first line may have.
-pub(super) fn grids(bytes: &[u8]) -> Vec<Vec<Vec<String>>> {
-    let Decoded { text, .. } = decode(bytes);
-    let grid = |delimiter: u8| {
-        let mut reader = csv::ReaderBuilder::new()
-            .delimiter(delimiter)
-            .has_headers(false)
-            .flexible(true)
-            .from_reader(text.as_bytes());
-        let cells = |record: csv::StringRecord| record.iter().map(str::to_owned).collect();
-        reader.records().map_while(Result::ok).map(cells).collect()
-    };
-    let used = DELIMITERS
-        .into_iter()
-        .filter(|&delimiter| text.contains(char::from(delimiter)));
-    used.map(grid).collect()
 }
 
 /// Whether the first line of text that is no comment names the columns of a sheet.

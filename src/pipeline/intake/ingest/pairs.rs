@@ -103,8 +103,10 @@ pub fn settle_pairs(
     summary: &mut IngestSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
-    let wanted = paired(context)?;
-    let stored = stored_pairs(context)?;
+    let files = context.store.read_files()?;
+    let halves = halves(context, &files)?;
+    let wanted = pair(&halves, &context.campaign.pairs, &context.campaign.runs_folder);
+    let stored = pairs_among(&files);
     let is_wanted = |files: &[String; 2]| {
         let is = |pair: &Pair| *files == [pair.electrical.clone(), pair.bending.clone()];
         wanted.pairs.iter().any(is)
@@ -136,6 +138,9 @@ pub fn settle_pairs(
             groups.push(group);
             summary.paired.push(pair.clone());
         }
+    }
+    if groups.is_empty() {
+        return Ok(());
     }
     let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
         settle_anew(context, (readers, shelf), prepared, summary, observer)
