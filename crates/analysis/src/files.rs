@@ -15,10 +15,20 @@ pub fn table(files: &[FileStory]) -> Table {
             .map(|word| format!("{}: {}", word.word, word.taken_for));
         words.collect::<Vec<_>>().join("; ")
     };
+    // The tags of one source together.
     let tags = |file: &&FileStory| {
-        let tags = file.tags.iter();
-        let tags = tags.map(|tag| format!("{} = {} ({})", tag.key, tag.value, tag.from));
-        tags.collect::<Vec<_>>().join("; ")
+        let mut told: Vec<(&str, Vec<String>)> = Vec::new();
+        for tag in &file.tags {
+            let text = format!("{} = {}", tag.key, tag.value);
+            match told.iter_mut().find(|(from, _)| *from == tag.from) {
+                Some((_, tags)) => tags.push(text),
+                None => told.push((&tag.from, vec![text])),
+            }
+        }
+        let told = told
+            .iter()
+            .map(|(from, tags)| format!("{} ({from})", tags.join(", ")));
+        told.collect::<Vec<_>>().join("; ")
     };
     let why = |file: &&FileStory| {
         let why = file.why.iter().map(|issue| match issue.mend.as_str() {
@@ -35,10 +45,6 @@ pub fn table(files: &[FileStory]) -> Table {
         .column(
             Quantity::plain("became", "Became", "what it was taken for"),
             |file| file.became.clone(),
-        )
-        .column(
-            Quantity::plain("run", "Run", "the run that it holds or is part of"),
-            |file| file.run.clone().filter(|run| *run != file.path),
         )
         .column(
             Quantity::plain(

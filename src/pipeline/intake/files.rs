@@ -6,7 +6,7 @@ use super::ingest::pairs::paired;
 use crate::analysis;
 use crate::domain::file_story::{FileStory, HALF_WITHOUT_PARTNER, TagOfFile, WordOfName};
 use crate::domain::pairs::{LoneHalf, Pair};
-use crate::domain::{FileState, Issue, RunRecord, RunState, Severity};
+use crate::domain::{FileState, Issue, RunRecord, RunState, Severity, TagSource};
 use crate::ingest::name_pattern::{KnownIds, NamePattern};
 use crate::ingest::pairs::Paired;
 use crate::ingest::run_sheet::IS_SHEET;
@@ -95,19 +95,20 @@ fn story(context: &Context, file: &FileRow, runs: &[&RunRecord], paired: &Paired
         .iter()
         .find(|pair| pair.electrical == file.path || pair.bending == file.path);
     let half = paired.lone.iter().find(|half| half.path == file.path);
+    let is_bending = pair.is_some_and(|pair| pair.bending == file.path);
     let mut story = FileStory {
         path: file.path.clone(),
         became: became(file, runs, (pair, half)).to_owned(),
         run: run.map(|run| run.path.clone()),
         partner: partner(file, (pair, half)),
         read_by: run.map(|run| run.format.clone()),
-        // The name of a bending says nothing: the run has that of the current.
-        words: match pair {
-            Some(pair) if pair.bending == file.path => Vec::new(),
-            _ if file.state != FileState::Run => Vec::new(),
-            _ => words(context, &file.path),
+        words: if is_bending || file.state != FileState::Run {
+            Vec::new()
+        } else {
+            words(context, &file.path)
         },
-        tags: run.map(tags_of).unwrap_or_default(),
+        // The run's tags stand with the file that it is named after.
+        tags: run.filter(|_| !is_bending).map(tags_of).unwrap_or_default(),
         why: file.issue.iter().cloned().collect(),
     };
     // That the partner is missing comes before what follows from it.
@@ -168,9 +169,13 @@ fn tags_of(run: &RunRecord) -> Vec<TagOfFile> {
     let of = chosen.map(|tag| TagOfFile {
         key: tag.key.clone(),
         value: tag.value.clone(),
-        from: match tag.detail.as_str() {
-            "" => tag.source.label().to_owned(),
-            detail => format!("{}: {detail}", tag.source.label()),
+        from: match tag.source {
+            TagSource::FileName | TagSource::Header | TagSource::Channel => tag.source.label().to_owned(),
+            // What a mean rests on, or when it was said, is for the run's page.
+            source => match tag.detail.split(", ").next() {
+                Some(place) if !place.is_empty() => format!("{}: {place}", source.label()),
+                _ => source.label().to_owned(),
+            },
         },
     });
     of.collect()
