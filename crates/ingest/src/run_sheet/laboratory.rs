@@ -211,8 +211,18 @@ fn of_grid(grid: &[Vec<String>]) -> Option<Rewritten> {
     Some(rewritten)
 }
 
+/// Whether a column's name in small letters is that of files.
+fn names_files(plain: &str) -> bool {
+    let (_, names) = COLUMNS[0];
+    names.split(';').any(|known| known == plain)
+}
+
 /// Whether a row names a column of files and one that tells what is measured, and has no column of the program's own sheets.
 fn is_header(row: &[String]) -> bool {
+    // Every table of readings is asked: what names no column of files costs a look and no more.
+    if !row.iter().any(|cell| names_files(&cell.trim().to_lowercase())) {
+        return false;
+    }
     let plain: Vec<String> = row
         .iter()
         .map(|cell| from_csv_text(cell.trim()).to_lowercase())

@@ -246,18 +246,21 @@ fn write(campaign: &Path, proposed: &Proposed) -> Result<(), PipelineError> {
     put_bytes(&file, false, proposed.campaign_toml.as_bytes())
 }
 
+/// Tags by key.
+type Tags = BTreeMap<String, String>;
+
 /// Tags that the pattern does not give, by the file that states them: a tags.toml where all runs of a folder have the same,
 /// else one beside each run.
-fn stated(proposed: &Proposed) -> BTreeMap<String, BTreeMap<String, String>> {
+fn stated(proposed: &Proposed) -> BTreeMap<String, Tags> {
     let folder = |to: &str| to.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
-    let mut folders: BTreeMap<String, Vec<(&String, &BTreeMap<String, String>)>> = BTreeMap::new();
+    let mut folders: BTreeMap<String, Vec<(&String, &Tags)>> = BTreeMap::new();
     for file in proposed.files.iter().filter(|file| file.seen.taken == Taken::Run) {
         if let Some(to) = &file.to {
             folders.entry(folder(to)).or_default().push((to, &file.beside));
         }
     }
     let logs = proposed.files.iter().filter(|file| file.seen.taken != Taken::Run);
-    let mut texts: BTreeMap<String, BTreeMap<String, String>> = logs
+    let mut texts: BTreeMap<String, Tags> = logs
         .filter_map(|file| Some((format!("{}.toml", file.to.as_ref()?), file.beside.clone())))
         .collect();
     let is_there = |path: &String| proposed.files.iter().any(|file| file.to.as_ref() == Some(path));
