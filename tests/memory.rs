@@ -81,6 +81,7 @@ fn take_in(folder: &Path) {
     let tag = SetTags {
         runs: vec!["runs/1.csv".to_owned()],
         pairs: vec![("note".to_owned(), "wet".to_owned())],
+        even_so: false,
         set_by: "ann".to_owned(),
     };
     tag.run(&mut context, &Silent).unwrap();

@@ -11,6 +11,7 @@ use super::exit::{self, CliError};
 use super::global::Global;
 use super::output::Output;
 use crate::domain::Issue;
+use crate::domain::pairs::LoneHalf;
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::pipeline::infra::mends::{Together, together};
 use crate::pipeline::{Ingest, IngestSummary};
@@ -65,6 +66,7 @@ pub fn print(summary: &IngestSummary, output: &Output) {
             "{pairs} of runs with the same readings: one of each counts, `ieap status` says which"
         ));
     }
+    pairs(summary, output);
     list(output, "file", "no longer there; the runs stay", &summary.gone);
     let waiting = "waiting (empty, header only, or still growing)";
     list(output, "file", waiting, &summary.waiting);
@@ -77,6 +79,28 @@ pub fn print(summary: &IngestSummary, output: &Output) {
     told(output, &summary.undeclared_tags);
     told(output, &summary.unused_columns);
     left_out(summary, output);
+}
+
+/// Files that were joined, and halves whose partner is not there.
+fn pairs(summary: &IngestSummary, output: &Output) {
+    let joined = summary.paired.iter();
+    let joined = joined.map(|pair| format!("{} + {}, by {}", pair.electrical, pair.bending, pair.by.label()));
+    list(
+        output,
+        "pair",
+        "of files joined to a run",
+        &joined.collect::<Vec<_>>(),
+    );
+    let waits = |half: &LoneHalf| {
+        format!(
+            "{} ({}) waits for {}",
+            half.path,
+            half.holds.label(),
+            half.waits_for
+        )
+    };
+    let lone: Vec<String> = summary.lone_halves.iter().map(waits).collect();
+    list(output, "file", "with half of a run alone", &lone);
 }
 
 /// What could not be used: files that were refused or that the system could not give, tag files that cannot be read.
@@ -122,13 +146,8 @@ fn told(output: &Output, all: &[Together]) {
 /// A name pattern that would tag runs which lack tags.
 pub fn pattern(output: &Output, proposed: Option<&ProposedPattern>) {
     let Some(found) = proposed else { return };
-    let declared = if found.extra.is_empty() {
-        String::new()
-    } else {
-        format!(" (with [tags] extra = {:?})", found.extra)
-    };
     output.message(&format!(
-        "  name_pattern = \"{}\" in campaign.toml, [runs], reads tags from {} of these {} names{declared}",
+        "  name_pattern = \"{}\" in campaign.toml, [runs], reads tags from {} of these {} names",
         found.pattern, found.explains, found.names
     ));
 }

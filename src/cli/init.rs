@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::exit::{CliError, DONE};
 use super::output::Output;
+use crate::domain::pairs::LoneHalf;
 use crate::domain::safe_text::one_line;
 use crate::domain::tag::keys;
 use crate::pipeline::init;
@@ -59,25 +60,36 @@ pub fn run(args: &InitArgs, output: &Output) -> Result<u8, CliError> {
 }
 
 fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
-    table(&proposed.files, output);
+    table(&proposed.files, &proposed.lone_halves, output);
     let kinds = [
         (Taken::Run, "run"),
         (Taken::NoSteps, "run without steps"),
+        (Taken::RunSheet, "run sheet"),
         (Taken::Logger, "climate log"),
         (Taken::ModulusLog, "modulus log"),
+        (Taken::Copy, "copy of a run's file"),
         (Taken::NotRead, "file not read"),
         (Taken::LeftOut, "file left out"),
     ];
-    let counts = kinds.iter().map(|(taken, name)| (proposed.count(*taken), name));
+    let halves = proposed.pairs.len();
+    let of = |taken: Taken| proposed.count(taken) - if taken == Taken::Run { halves } else { 0 };
+    let counts = kinds.iter().map(|(taken, name)| (of(*taken), name));
     let counts: Vec<String> = counts
         .filter(|(count, _)| *count > 0)
         .map(|(count, name)| match (count, name.split_once(' ')) {
             (1, _) => format!("1 {name}"),
+            (_, Some(("copy", rest))) => format!("{count} copies {rest}"),
             (_, Some((first @ ("run" | "file"), rest))) => format!("{count} {first}s {rest}"),
             _ => counted(count, name),
         })
         .collect();
     output.result(&format!("\n{}", counts.join(", ")));
+    if halves > 0 {
+        let runs = counted(halves, "run");
+        output.result(&format!(
+            "{runs} in two files each: each half stands above with its partner"
+        ));
+    }
     if let Some(pattern) = &proposed.name_pattern {
         let (text, explains, names) = (&pattern.pattern, pattern.explains, pattern.names);
         output.result(&format!(
@@ -120,7 +132,7 @@ fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
 }
 
 /// One line a file: what it is taken for, what its name says, and what is missing.
-fn table(files: &[PlannedFile], output: &Output) {
+fn table(files: &[PlannedFile], lone_halves: &[LoneHalf], output: &Output) {
     let head = [
         "file",
         "taken for",
@@ -141,10 +153,17 @@ fn table(files: &[PlannedFile], output: &Output) {
         };
         let missing = file.missing.iter().map(|key| format!("{key} missing"));
         let issues = file.seen.issues.iter().map(|issue| issue.message.clone());
-        let told: Vec<String> = missing.chain(issues).collect();
+        let partner = file.partner.iter().map(|partner| format!("with {partner}"));
+        let lone = lone_halves.iter().filter(|half| half.path == file.seen.path);
+        let lone = lone.map(|half| format!("waits for {}", half.waits_for));
+        let told: Vec<String> = partner.chain(lone).chain(missing).chain(issues).collect();
+        let taken = match (&file.partner, file.seen.half) {
+            (Some(_), Some(_)) => "half of a run",
+            _ => file.seen.taken.words(),
+        };
         rows.push([
             file.seen.path.clone(),
-            file.seen.taken.words().to_owned(),
+            taken.to_owned(),
             file.seen.format.clone(),
             tag(keys::SAMPLE),
             tag(keys::ENVIRONMENT),

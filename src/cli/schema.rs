@@ -21,7 +21,7 @@ macro_rules! schemas {
 }
 
 /// Every document that `--json` prints, by name. tests/it/schemas.rs holds what is printed against them.
-pub const SCHEMAS: [Schema; 41] = schemas![
+pub const SCHEMAS: [Schema; 42] = schemas![
     "alarms",
     "backup",
     "comparison",
@@ -35,6 +35,7 @@ pub const SCHEMAS: [Schema; 41] = schemas![
     "export",
     "figure",
     "figures",
+    "files",
     "fits",
     "formats",
     "impedance",

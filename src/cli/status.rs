@@ -15,9 +15,11 @@ use super::exit::{self, ALARM, CliError, DONE};
 use super::ingest;
 use super::output::Output;
 use super::sections::Sections;
+use crate::domain::file_story::FileStory;
 use crate::domain::{Alarm, Fault, Issue};
 use crate::pipeline::documents::diagnosis::group_title;
 use crate::pipeline::infra::mends::Reasoned;
+use crate::pipeline::intake::files::{lone, stories, view};
 use crate::pipeline::upkeep::status::{Status, WAITS, status};
 use crate::pipeline::{Context, TakenBack};
 
@@ -31,11 +33,28 @@ pub struct StatusArgs {
     /// Only the alarms of long-term monitoring; ends with status 5 where one stands that is not acknowledged
     #[arg(long)]
     alarms: bool,
+    /// Every file, what became of it and why, the words of its name and where its tags come from
+    #[arg(long, conflicts_with = "alarms")]
+    files: bool,
+}
+
+/// Every file, and what became of it.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct FilesDocument {
+    /// The files by path.
+    files: Vec<FileStory>,
 }
 
 pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
     // What is odd in campaign.toml is part of the answer.
     let context = Context::open_read_only(&args.campaign.folder()?)?;
+    if args.files {
+        say_what_is_not_understood(&context, output);
+        let files = stories(&context)?;
+        let shown = view(&files);
+        output.show("ieap/files/1", &FilesDocument { files }, &shown)?;
+        return Ok(DONE);
+    }
     let status = status(&context)?;
     say_what_is_not_allowed(&context, output);
     if args.alarms {
@@ -146,6 +165,7 @@ fn collect(status: &Status, told: &mut Sections) {
         told.say(&format!("impedance spectra: {}", status.spectra));
     }
     set_aside(status, told);
+    halves(status, told);
     told.section("file", "refused", &status.refused);
     told.section("file", ingest::NOT_READ, &status.unread);
     unreadable_tags(status, told);
@@ -225,6 +245,28 @@ fn aliases(status: &Status, told: &mut Sections) {
             vec![format!("also as {}", files.join(", "))],
         );
     }
+}
+
+/// Runs in two files, and halves whose partner is not there.
+fn halves(status: &Status, told: &mut Sections) {
+    if !status.pairs.is_empty() {
+        let runs = counted(status.pairs.len(), "run");
+        told.say(&format!(
+            "{runs} in two files (`ieap status --files` shows the pairs)"
+        ));
+    }
+    let lone: Vec<Reasoned> = status
+        .lone_halves
+        .iter()
+        .map(|half| Reasoned {
+            path: half.path.clone(),
+            issues: vec![Issue {
+                place: String::new(),
+                ..lone(half)
+            }],
+        })
+        .collect();
+    told.section("file", "with half of a run alone", &lone);
 }
 
 /// Words that may be lost since a rebuilding.

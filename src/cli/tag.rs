@@ -24,6 +24,9 @@ pub struct TagArgs {
     /// Who sets them [default: the user's name]
     #[arg(long, value_name = "NAME")]
     by: Option<String>,
+    /// Set a voltage though the readings say one of another size
+    #[arg(long)]
+    even_so: bool,
 }
 
 pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -36,6 +39,7 @@ pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         runs,
         pairs,
         set_by: args.by.clone().unwrap_or_else(user_name),
+        even_so: args.even_so,
     };
     let summaries = set.run(&mut context, output)?;
     for summary in &summaries {

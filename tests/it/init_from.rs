@@ -129,7 +129,7 @@ fn three_actions_lead_from_a_folder_of_files_to_a_report() {
         .replace("# width_mm = 0.0    # FILL IN", "width_mm = 2.0    #");
     assert!(!filled.contains("FILL IN:"), "{filled}");
     // Vacuum and dry gas hold no water: laws of the humidity have their runs too.
-    for id in ["vacuum", "inert"] {
+    for id in ["vacuum", "inert", "argon"] {
         let dry = format!("id = \"{id}\"\nrelative_humidity_percent = 0 ");
         assert!(text.contains(&dry), "{text}");
     }
@@ -163,7 +163,7 @@ fn three_actions_lead_from_a_folder_of_files_to_a_report() {
     for (run, sample, environment) in [
         ("runs/CNaf-02_vaccum_2.0V_2.csv", "CNaf-02", "vacuum"),
         ("runs/cnaf02_air_2.0V_3.csv", "CNaf-02", "air"),
-        ("runs/Argon/CPvf-01_2.0V_1.csv", "CPvf-01", "inert"),
+        ("runs/Argon/CPvf-01_2.0V_1.csv", "CPvf-01", "argon"),
     ] {
         assert_eq!(fit(run)["sample"], sample, "{run}");
         assert_eq!(fit(run)["environment"], environment, "{run}");

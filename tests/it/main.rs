@@ -59,12 +59,14 @@ mod model_free;
 mod moving_voltage;
 mod mutations;
 mod needs_shared;
+mod new_laboratory;
 mod next_runs;
 mod not_read;
 mod output;
 mod own_climate;
 mod own_files;
 mod own_templates;
+mod pairs;
 mod plan;
 mod prints;
 mod probe;
@@ -87,6 +89,9 @@ mod schemas;
 mod sentences;
 mod serve;
 mod shared_effects;
+#[allow(dead_code)]
+#[path = "../../crates/ingest/src/formats/sheet_writer.rs"]
+mod sheet_writer;
 mod sidecars;
 mod sql;
 mod standing;

@@ -242,6 +242,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         cycles: vec![],
         electrodes: vec![],
         superseded: vec![],
+        file_stories: Vec::new(),
         files: vec![],
         findings: Findings::default(),
         origin: Origin {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use ieap_domain::number::fixed;
+use ieap_domain::surroundings::is_waterless;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Drive, RunRecord};
 
@@ -17,8 +18,6 @@ pub const VOLTAGE_STEP_V: f64 = 0.01;
 
 /// Surroundings up to this humidity, percent, are dry.
 pub const DRY_UP_TO_PERCENT: f64 = 5.0;
-/// Environments that hold no water, where nothing states their humidity.
-const WATERLESS: [&str; 2] = ["vacuum", "inert"];
 
 /// Readings of a response below which a run is none: it was aborted before anything was measured.
 const FEWEST_READINGS: usize = 10;
@@ -297,7 +296,7 @@ impl Surroundings {
     pub fn is_dry(&self) -> bool {
         match self.humidity {
             Some(level) => level.high_percent <= DRY_UP_TO_PERCENT,
-            None => WATERLESS.contains(&self.environment.as_str()),
+            None => is_waterless(&self.environment),
         }
     }
 

@@ -12,6 +12,7 @@ mod disk_file;
 pub mod dma;
 pub mod export;
 pub mod false_discovery;
+pub mod files;
 pub mod forecast;
 pub mod frequency;
 pub mod groups;

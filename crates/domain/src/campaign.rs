@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::climate::{ClimateRules, SensorStatement};
 use super::monitoring::MonitoringRules;
+use super::pairs::PairRules;
 use super::{AskedFit, DateOrder, RunKind, Samples};
 
 /// A sample: one strip of one material.
@@ -114,6 +115,9 @@ pub struct Campaign {
     pub runs_folder: String,
     /// Pattern that reads tags from file names.
     pub name_pattern: Option<String>,
+    /// How files of one run find each other.
+    #[serde(default)]
+    pub pairs: PairRules,
     /// Folder with the modulus logs, relative to the campaign; it need not be there.
     pub dma_folder: String,
     /// Pattern that reads tags from the file names of modulus logs.

@@ -67,6 +67,7 @@ pub fn campaign() -> Campaign {
         compare: Default::default(),
         study: Default::default(),
         extra_tags: Vec::new(),
+        pairs: Default::default(),
         fit: Default::default(),
     }
 }

@@ -83,7 +83,8 @@ pub(super) fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion
         Dimension::Ratio => named(
             &word,
             &[
-                "%", "percent", "%rh", "rh%", "%r.h.", "%rf", "rf%", "%r.f.", "%rel.f.", "pct",
+                "%", "percent", "%rh", "rh%", "%r.h.", "%rf", "rf%", "%r.f.", "%rel.f.", "pct", "%hr", "hr%",
+                "%h.r.", "%ur",
             ],
         ),
         Dimension::Pressure => pressure(spelled, &word),

@@ -13,6 +13,7 @@ pub mod formats;
 pub mod frames;
 pub mod name_pattern;
 pub mod named_columns;
+pub mod pairs;
 pub mod parquet_texts;
 mod probe_log;
 pub mod profiles;

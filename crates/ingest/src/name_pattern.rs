@@ -1,11 +1,16 @@
 //! Tags from file names: `{sample}_{environment}_rh{relative_humidity_percent}_{voltage_v}V_{cycle}`; `{_}` ignores a word.
 
+mod number;
 mod propose;
 mod words;
 
+use crate::tags::value::shortest;
+use ieap_domain::surroundings::id_of_word;
 use ieap_domain::tag::keys;
 
+pub(crate) use number::number as number_of_name;
 pub use propose::{ProposedPattern, environment_of, explained, propose, tags_of_name};
+pub use words::parts_of_name;
 
 /// Why a name pattern cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -170,6 +175,83 @@ impl NamePattern {
     }
 }
 
+/// Where a name leaves its pattern.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Mismatch {
+    /// What the pattern reads of the name.
+    pub read: String,
+    /// What stands behind it.
+    pub rest: String,
+    /// What the pattern wants there: `{voltage_v}`, `V`, or the end of the name.
+    pub wanted: String,
+}
+
+impl NamePattern {
+    /// The words of a name, each with what it is taken for, of the first way to read it; none where the pattern does not
+    /// read it.
+    pub fn words(&self, stem: &str, known: KnownIds) -> Option<Vec<(String, String)>> {
+        let search = Search::new(&self.parts, stem, known);
+        let search = if search.leads_to_end[0][0] {
+            search
+        } else {
+            Search::new(&self.parts, stem, KnownIds::default())
+        };
+        let (mut start, mut words) = (0, Vec::new());
+        for (part, of) in self.parts.iter().enumerate() {
+            let end = search
+                .ends(part, start)
+                .find(|&end| search.leads_to_end[part + 1][end])?;
+            let text = &stem[start..end];
+            start = end;
+            match of {
+                Part::Literal(literal) if literal.contains(char::is_alphanumeric) => {
+                    words.push((text.to_owned(), "part of the pattern".to_owned()));
+                }
+                Part::Literal(_) => {}
+                Part::Tag(key) if key == IGNORED => words.push((text.to_owned(), "ignored".to_owned())),
+                Part::Tag(key) => {
+                    let value = search.value(key, text);
+                    let taken = if value == text {
+                        key.clone()
+                    } else {
+                        format!("{key} = {value}")
+                    };
+                    words.push((text.to_owned(), taken));
+                }
+            }
+        }
+        (start == stem.len()).then_some(words)
+    }
+
+    /// Where a name that the pattern does not read leaves it: behind the longest beginning that it reads.
+    pub fn mismatch(&self, stem: &str, known: KnownIds) -> Mismatch {
+        let search = Search::new(&self.parts, stem, known);
+        let mut at: std::collections::BTreeSet<usize> = [0].into();
+        let (mut part, mut reached) = (0, 0);
+        while part < self.parts.len() {
+            let next = at
+                .iter()
+                .flat_map(|&start| search.ends(part, start).collect::<Vec<_>>());
+            let next: std::collections::BTreeSet<usize> = next.collect();
+            if next.is_empty() {
+                break;
+            }
+            (at, part) = (next, part + 1);
+            // The furthest place from which the next part has a way, or the nearest where none has.
+            reached = at.first().copied().unwrap_or(0);
+        }
+        Mismatch {
+            read: stem[..reached].to_owned(),
+            rest: stem[reached..].to_owned(),
+            wanted: match self.parts.get(part) {
+                Some(Part::Literal(text)) => format!("\"{text}\""),
+                Some(Part::Tag(key)) => format!("{{{key}}}"),
+                None => "the end of the name".to_owned(),
+            },
+        }
+    }
+}
+
 fn read_key(signs: &mut impl Iterator<Item = (usize, char)>) -> Option<String> {
     let mut key = String::new();
     for (_, sign) in signs {
@@ -215,6 +297,8 @@ struct Search<'a> {
     parts: &'a [Part],
     stem: &'a str,
     known: KnownIds<'a>,
+    /// Signs that end a word that is ignored.
+    separators: &'static [char],
     /// For each part and each byte of the name: whether the rest of the parts can read the rest of the name.
     leads_to_end: Vec<Vec<bool>>,
 }
@@ -225,6 +309,7 @@ impl<'a> Search<'a> {
             parts,
             stem,
             known,
+            separators: words::separators(stem),
             leads_to_end: vec![vec![false; stem.len() + 1]; parts.len() + 1],
         };
         search.leads_to_end[parts.len()][stem.len()] = true;
@@ -258,12 +343,30 @@ impl<'a> Search<'a> {
             keys::SAMPLE => self.known.samples,
             keys::ENVIRONMENT => self.known.environments,
             // A word ends at the next sign that separates words, so that several of them are read in one way.
-            IGNORED => return !text.is_empty() && !text.contains(['_', '-', ' ']),
+            IGNORED => return !text.is_empty() && !text.contains(self.separators),
             keys::CYCLE => return !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit()),
-            key if keys::NUMERIC.contains(&key) => return is_plain_number(text),
+            key if keys::NUMERIC.contains(&key) => return number::number(key, text).is_some(),
             _ => &[],
         };
-        !text.is_empty() && (ids.is_empty() || ids.contains(&text))
+        let is_word = || key == keys::ENVIRONMENT && environment(text, ids).is_some();
+        !text.is_empty() && (ids.is_empty() || ids.contains(&text) || is_word())
+    }
+
+    /// The value that a text stands for: a number in plain digits, an environment under the id that is known.
+    fn value(&self, key: &str, text: &str) -> String {
+        let number = || {
+            keys::NUMERIC
+                .contains(&key)
+                .then(|| number::number(key, text))
+                .flatten()
+        };
+        match key {
+            _ if is_plain_number(text) => text.to_owned(),
+            keys::ENVIRONMENT => {
+                environment(text, self.known.environments).unwrap_or_else(|| text.to_owned())
+            }
+            _ => number().map_or_else(|| text.to_owned(), shortest),
+        }
     }
 
     fn readings(&self) -> Vec<ReadingOfName> {
@@ -289,13 +392,23 @@ impl<'a> Search<'a> {
             if let Part::Tag(key) = &self.parts[part]
                 && key != IGNORED
             {
-                so_far.push((key.clone(), self.stem[start..end].to_owned()));
+                so_far.push((key.clone(), self.value(key, &self.stem[start..end])));
                 self.walk(part + 1, end, so_far, found);
                 so_far.pop();
             } else {
                 self.walk(part + 1, end, so_far, found);
             }
         }
+    }
+}
+
+/// The id of the environment that a word stands for: one of `known`, whatever its letters' case, else that of its kind.
+pub fn environment(word: &str, known: &[&str]) -> Option<String> {
+    let lower = word.to_lowercase();
+    let stated = || known.iter().find(|id| id.to_lowercase() == lower);
+    match known.iter().find(|id| **id == word).or_else(stated) {
+        Some(id) => Some((*id).to_owned()),
+        None => id_of_word(&lower),
     }
 }
 
@@ -310,6 +423,9 @@ fn is_plain_number(text: &str) -> bool {
 }
 
 fn summary(mut readings: Vec<ReadingOfName>) -> NameMatch {
+    // Two ways to read a name that say the same are one: `2V` as 2 and a unit, or as 2 V.
+    let mut seen = std::collections::BTreeSet::new();
+    readings.retain(|reading| seen.insert(reading.clone()));
     if readings.len() <= 1 {
         return readings.pop().map_or(NameMatch::None, NameMatch::One);
     }

@@ -16,6 +16,7 @@ use ieap_analysis::online::OnlineDecision;
 use ieap_analysis::plan::{Deconfounding, PlannedRun};
 use ieap_analysis::probe::Course;
 use ieap_analysis::shared_effects::SharedEffect;
+use ieap_domain::file_story::FileStory;
 use ieap_domain::{
     BlockedRun, Campaign, ClimateAssessment, Fault, GroupDiagnosis, ModulusLog, RunComparison, RunRecord,
     SourceFile,
@@ -48,6 +49,8 @@ pub struct Input {
     pub electrodes: Vec<Course>,
     /// Every file that the last scan saw.
     pub files: Vec<SourceFile>,
+    /// What became of each file, and why.
+    pub file_stories: Vec<FileStory>,
     /// What the report was generated from.
     pub origin: Origin,
     /// What the simulation gets wrong.

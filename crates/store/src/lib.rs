@@ -26,6 +26,7 @@ mod modulus;
 mod new_run;
 mod place;
 mod published_view;
+mod read_files;
 mod readings;
 #[cfg(test)]
 mod renamed_tests;
@@ -59,6 +60,7 @@ pub use lock::InstanceLock;
 pub use new_run::{NewRun, RunContent, Tagging};
 pub use place::FILE_NAME;
 pub use published_view::PublishedRows;
+pub use read_files::ReadFile;
 pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, StoredResult};
 pub use snapshot::Snapshot;
 pub use store::Store;

@@ -294,8 +294,8 @@ impl Tagging {
 }
 
 /// Retires the current revision of a run; gives the newest revision number so far (0: none).
-fn supersede(transaction: &Transaction<'_>, now: &str, path: &String) -> Result<i64, StepError> {
-    transaction.change(RUN, ("path = ?1 AND superseded_at IS NULL", path), || {
+pub(super) fn supersede(transaction: &Transaction<'_>, now: &str, path: &str) -> Result<i64, StepError> {
+    transaction.change(RUN, ("path = ?1 AND superseded_at IS NULL", &path), || {
         transaction
             .prepare_cached("UPDATE run SET superseded_at = ?2 WHERE path = ?1 AND superseded_at IS NULL")?
             .execute(params![path, now])?;

@@ -6,6 +6,7 @@ use super::columns::{json_in, to_json};
 use super::files::{take_new_name, upsert_file};
 use super::journal::{Entry, NamedBytes, NamedRun};
 use super::new_run::{NewRun, ReadDocument, TagDocument, TagOfSource, Tagging, insert_run};
+use super::read_files::supersede_parts;
 use super::results::{self, retire_of_run};
 use super::rows::{JOURNAL_LINE, RUN, RUN_FILE};
 use super::{FileRow, RunContent, StepError, Store, StoreError, Transaction};
@@ -39,6 +40,7 @@ impl Store {
                 };
                 transaction.says(now, read)?;
             }
+            supersede_parts(transaction, now, runs)?;
             files.iter().try_for_each(|file| upsert_file(transaction, file))
         })
     }

@@ -11,7 +11,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
 
 use super::SCHEMAS;
-use crate::cli::status::AlarmsDocument;
+use crate::cli::status::{AlarmsDocument, FilesDocument};
 use crate::pipeline::documents::comparison::ComparisonDocument;
 use crate::pipeline::documents::diagnosis::DiagnosisDocument;
 use crate::pipeline::documents::dma::Dma;
@@ -77,6 +77,7 @@ fn derived() -> Vec<Derived> {
             );
             schema
         }),
+        document("files/1", "status --files", whole::<FilesDocument>),
         document("fits/1", "fit", whole::<FitsDocument>),
         document("impedance/2", "impedance", whole::<Document<Spectra>>),
         document("import-fits/2", "import-fits FILES", |of| {

@@ -32,6 +32,7 @@ use crate::pipeline::findings::next_runs::{self, PlannedIds};
 use crate::pipeline::infra::fault::{or_nothing, step};
 use crate::pipeline::infra::own_folder::{self, Altered, Fresh};
 use crate::pipeline::intake::climate::{assess, electrode_courses};
+use crate::pipeline::intake::files::stories;
 use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::report;
@@ -485,6 +486,7 @@ pub(crate) fn input(
         set_aside,
         superseded: context.store.superseded_runs()?,
         files: source_files(context)?,
+        file_stories: stories(context)?,
         origin: report::Origin {
             program: format!("ieap {CODE_VERSION}"),
             database: format!(

@@ -228,7 +228,7 @@ fn scores(claims: &[Claim]) -> Vec<CandidateScore> {
 /// A run sheet: what it plans is tags, not readings.
 fn sheet(file: String, bytes: &[u8]) -> Inspection {
     let (status, issue) = match run_sheet::read(bytes) {
-        Ok(rows) => ("sidecar", run_sheet::note(rows.len())),
+        Ok(rows) => ("sidecar", run_sheet::note(bytes, rows.len())),
         Err(issue) => ("refused", issue),
     };
     not_read(file, &[], status, issue)

@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::verify;
 use super::verify::archive::raw_files_lost;
 use crate::analysis::conditions::is_too_short;
+use crate::domain::pairs::{LoneHalf, Pair};
 use crate::domain::tag::keys;
 use crate::domain::{Alarm, ClimateAssessment, Fault, FileState, Issue, RunRecord, RunState, Severity};
 use crate::ingest::campaign_file::UNKNOWN_KEY;
@@ -24,6 +25,7 @@ use crate::pipeline::fits::outcome::is_of_failed_fit;
 use crate::pipeline::infra::fault::or_nothing;
 use crate::pipeline::infra::mends::{Reasoned, Together};
 use crate::pipeline::intake::climate::assess;
+use crate::pipeline::intake::ingest::pairs::paired;
 use crate::pipeline::intake::ingest::unread::RESPONSE_MISSING;
 use crate::pipeline::intake::ingest::waiting::{proposed_pattern, undeclared_tags};
 use crate::pipeline::intake::ingest::{UnreadableTags, unreadable_tags};
@@ -52,6 +54,10 @@ pub struct Status {
     pub spectra: usize,
     /// Those of them of which no sample is known.
     pub spectra_untagged: Vec<Reasoned>,
+    /// Runs in two files, by what they were paired.
+    pub pairs: Vec<Pair>,
+    /// Files that hold half of a run and whose partner is not there.
+    pub lone_halves: Vec<LoneHalf>,
     /// Runs that wait for tags, with what is missing.
     pub untagged: Vec<Reasoned>,
     /// The name pattern that would tag the most of them; none where none would tag two.
@@ -220,9 +226,12 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         .collect();
     let mut faults = report_faults(&context.folder);
     let watched = or_nothing(alarms::alarms(context, &runs), &mut faults)?;
+    let paired = paired(context)?;
     let untagged = reasoned(&runs, |run| run.state == RunState::Untagged);
     Ok(Status {
         proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
+        pairs: paired.pairs,
+        lone_halves: paired.lone,
         campaign: context.campaign.id.clone(),
         campaign_file: context.warnings.clone(),
         runs: runs.len() + set_aside.len(),

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::domain::tag::keys;
 use crate::domain::{Campaign, FileState, Issue, RunRecord, RunState, Tag, TagSource};
 use crate::ingest::tags::{objection, value_objection};
 use crate::pipeline::campaign::context::now;
@@ -22,7 +23,12 @@ pub struct SetTags {
     pub pairs: Vec<(String, String)>,
     /// Who sets them.
     pub set_by: String,
+    /// Whether a voltage is set that the readings contradict.
+    pub even_so: bool,
 }
+
+/// A stated voltage so many times larger or smaller than what was read is one in another unit.
+const OTHER_UNIT: f64 = 10.0;
 
 /// What `tag` did.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -55,6 +61,9 @@ impl SetTags {
     ) -> Result<Vec<TagSummary>, PipelineError> {
         self.check(&context.campaign)?;
         let runs = self.known_runs(context)?;
+        if !self.even_so {
+            self.check_voltage(&stored_runs(context, &runs)?)?;
+        }
         let before = issues_by_run(context, &runs)?;
         let now = now();
         let tags: Vec<HandTag> = runs.iter().flat_map(|run| self.hand_tags(run, &now)).collect();
@@ -100,6 +109,39 @@ impl SetTags {
                 mend: issue.mend,
             }),
             None => Ok(()),
+        }
+    }
+
+    /// Refuses a voltage that is that of the readings in another unit.
+    fn check_voltage(&self, runs: &[RunRecord]) -> Result<(), PipelineError> {
+        let mut pairs = self.pairs.iter().rev().filter(|(key, _)| key == keys::VOLTAGE_V);
+        let Some(stated_v) = pairs.next().and_then(|(_, value)| value.parse::<f64>().ok()) else {
+            return Ok(());
+        };
+        let read = |run: &RunRecord| {
+            let read = [TagSource::Channel, TagSource::Header];
+            let mut tags = run
+                .tags
+                .iter()
+                .filter(|tag| tag.key == keys::VOLTAGE_V && read.contains(&tag.source));
+            tags.next().and_then(|tag| tag.value.parse::<f64>().ok())
+        };
+        let is_other = |read_v: f64| {
+            let times = (stated_v / read_v).abs();
+            read_v != 0.0 && stated_v != 0.0 && !(OTHER_UNIT.recip()..=OTHER_UNIT).contains(&times)
+        };
+        let found = runs
+            .iter()
+            .find_map(|run| Some((run, read(run).filter(|read_v| is_other(*read_v))?)));
+        match found {
+            None => Ok(()),
+            Some((run, read_v)) => Err(PipelineError::TagRefused {
+                found: format!(
+                    "voltage_v = {stated_v} V, and the readings of {} say {read_v} V",
+                    run.path
+                ),
+                mend: "write it in volts, or say --even-so if the readings are wrong".to_owned(),
+            }),
         }
     }
 

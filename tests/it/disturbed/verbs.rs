@@ -211,6 +211,7 @@ pub fn tag(campaign: &Path, run: &str, key: &str, value: &str) -> Result<i32, Pi
     let tags = SetTags {
         runs: vec![run.to_owned()],
         pairs: vec![(key.to_owned(), value.to_owned())],
+        even_so: false,
         set_by: "ann".to_owned(),
     };
     let tagged = tags.run(&mut context, &Silent)?;

@@ -246,6 +246,7 @@ impl World {
                 runs: vec![run.clone()],
                 pairs,
                 set_by,
+                even_so: false,
             }
             .run(context, &Silent)?;
             Ok(Some(run))

@@ -124,6 +124,7 @@ impl History {
                 let tags = SetTags {
                     runs: vec![run.clone()],
                     pairs,
+                    even_so: false,
                     set_by: "ann".to_owned(),
                 };
                 tags.run(context, &Silent).unwrap();

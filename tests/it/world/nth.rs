@@ -132,6 +132,7 @@ fn spoken(campaign: &Path, weather: Weather) -> u64 {
         let tags = SetTags {
             runs: vec!["runs/1.csv".to_owned()],
             pairs: vec![("note".to_owned(), "dry".to_owned())],
+            even_so: false,
             set_by: said_by,
         };
         tags.run(&mut context, &Silent).map(|_| ())

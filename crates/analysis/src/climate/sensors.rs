@@ -1,5 +1,6 @@
 //! Which sensor a series is of, where it stands, and which runs it speaks for.
 
+use ieap_domain::surroundings::{is_waterless, kind_of};
 use ieap_domain::{Campaign, ClimateQuantity, LogSeries, SensorStatement};
 
 /// Folder of the climate logs in a campaign.
@@ -71,9 +72,9 @@ pub fn speaks_for(
     let of_environment = match (environments.is_empty(), environment) {
         // Traces in ppm are measured in the gas of a glove box.
         (true, environment) if matches!(quantity, ClimateQuantity::Oxygen | ClimateQuantity::Water) => {
-            environment == Some("inert")
+            environment.and_then(kind_of) == Some("inert")
         }
-        (true, Some("vacuum" | "inert")) => quantity == ClimateQuantity::Temperature,
+        (true, Some(environment)) if is_waterless(environment) => quantity == ClimateQuantity::Temperature,
         (true, _) => true,
         (false, Some(environment)) => environments.iter().any(|e| e == environment),
         (false, None) => false,

@@ -84,6 +84,7 @@ impl Checker<'_> {
             compare: self.compare(file.compare)?,
             study: self.study(file.study)?,
             extra_tags: self.extra_tags(file.tags.extra)?,
+            pairs: self.pairs(file.runs.pair_by, file.pair)?,
         };
         warnings.extend(tags::undeclared_keys(&campaign));
         // A run below the folder of modulus logs would be taken for one.

@@ -207,6 +207,16 @@ pub enum CampaignFileError {
         /// What is wrong with it.
         source: PatternError,
     },
+    /// A rule for runs in two files that cannot be used.
+    #[error("{}, {place}: {reason}; write names of files in the folder of the runs, as current = \"pot/{{run}}.txt\" and bending = \"laser/{{run}}.csv\"", path.display())]
+    BadPair {
+        /// The file.
+        path: PathBuf,
+        /// The entry.
+        place: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// The runs folder is not one inside the campaign.
     #[error("{}, [runs] folder = \"{found}\": {reason}; name a folder inside the campaign, such as \"runs\"", path.display())]
     FolderOutside {

@@ -11,7 +11,7 @@ use ieap_domain::Issue;
 pub const UNKNOWN_KEY: &str = "unknown-key";
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 19] = [
+const KNOWN: [(&str, &[&str]); 20] = [
     (
         "campaign",
         &[
@@ -57,7 +57,8 @@ const KNOWN: [(&str, &[&str]); 19] = [
     ),
     ("adopted", &["group", "model"]),
     ("fit", &["method", "simultaneous", "known"]),
-    ("runs", &["folder", "name_pattern"]),
+    ("runs", &["folder", "name_pattern", "pair_by"]),
+    ("pair", &["current", "bending"]),
     ("dma", &["folder", "name_pattern"]),
     ("impedance", &["folder", "name_pattern", "circuits"]),
     ("report", &["templates"]),

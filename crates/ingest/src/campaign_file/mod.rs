@@ -9,6 +9,7 @@ mod known;
 mod lines;
 mod monitoring;
 mod nearest;
+mod pairs;
 mod publication;
 mod raw;
 mod study;

@@ -16,7 +16,9 @@ pub(super) struct File {
     #[serde(default)]
     pub environment: Vec<Spanned<Environment>>,
     #[serde(default)]
-    pub runs: Folder,
+    pub runs: Runs,
+    #[serde(default)]
+    pub pair: Vec<Spanned<Pair>>,
     #[serde(default)]
     pub dma: Folder,
     #[serde(default)]
@@ -128,7 +130,22 @@ pub(super) struct Environment {
     pub pressure_pa: Option<f64>,
 }
 
-/// `[runs]`, `[dma]`.
+/// `[runs]`.
+#[derive(Deserialize, Default)]
+pub(super) struct Runs {
+    pub folder: Option<String>,
+    pub name_pattern: Option<String>,
+    pub pair_by: Option<Vec<String>>,
+}
+
+/// `[[pair]]`.
+#[derive(Deserialize)]
+pub(super) struct Pair {
+    pub current: Option<String>,
+    pub bending: Option<String>,
+}
+
+/// `[dma]`.
 #[derive(Deserialize, Default)]
 pub(super) struct Folder {
     pub folder: Option<String>,

@@ -59,6 +59,30 @@ pub struct Sheet {
     pub formulas_without_value: Option<(usize, u32, u32)>,
 }
 
+/// Row and column, from 0.
+pub type Place = (u32, u32);
+
+/// The merged cells of each sheet of an .xlsx workbook: the first and the last place that each covers. Other workbooks, and
+/// damaged ones, have none that are known.
+pub fn merged(bytes: &[u8]) -> Vec<Vec<(Place, Place)>> {
+    let regions = || -> Option<Vec<Vec<(Place, Place)>>> {
+        let mut book: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).ok()?;
+        let names = book.sheet_names();
+        let of_sheet = |name: String| {
+            let found = book.merge_cells_by_sheet_name(&name).unwrap_or_default();
+            found
+                .into_iter()
+                .map(|region| (region.start, region.end))
+                .collect()
+        };
+        Some(names.into_iter().map(of_sheet).collect())
+    };
+    catch_unwind(AssertUnwindSafe(regions))
+        .ok()
+        .flatten()
+        .unwrap_or_default()
+}
+
 /// Reads every sheet of an .xlsx or .xls workbook.
 ///
 /// # Errors

@@ -48,6 +48,11 @@ pub fn sheet(rows: &[&[Xml<'_>]]) -> String {
 
 /// A workbook with one sheet for each of `sheets`, the XML of their rows.
 pub fn workbook(sheets: &[String]) -> Vec<u8> {
+    merged_workbook(sheets, "")
+}
+
+/// The same with merged cells in every sheet: their ranges with blanks between them, `A1:F1 B3:B5`.
+pub fn merged_workbook(sheets: &[String], merged: &str) -> Vec<u8> {
     const MAIN: &str = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
     const RELATIONS: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
     const PACKAGE: &str = "http://schemas.openxmlformats.org/package/2006/relationships";
@@ -81,10 +86,20 @@ pub fn workbook(sheets: &[String]) -> Vec<u8> {
         ),
         ("xl/styles.xml".to_owned(), styles),
     ];
+    let ranges: Vec<&str> = merged.split_whitespace().collect();
+    let cells: String = ranges
+        .iter()
+        .map(|range| format!(r#"<mergeCell ref="{range}"/>"#))
+        .collect();
+    let merges = if ranges.is_empty() {
+        String::new()
+    } else {
+        format!(r#"<mergeCells count="{}">{cells}</mergeCells>"#, ranges.len())
+    };
     for (index, rows) in sheets.iter().enumerate() {
         members.push((
             format!("xl/worksheets/sheet{}.xml", index + 1),
-            format!(r#"<worksheet xmlns="{MAIN}"><sheetData>{rows}</sheetData></worksheet>"#),
+            format!(r#"<worksheet xmlns="{MAIN}"><sheetData>{rows}</sheetData>{merges}</worksheet>"#),
         ));
     }
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));

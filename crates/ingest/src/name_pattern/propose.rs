@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::words::{Says, Word, words};
-use super::{KnownIds, NameMatch, NamePattern};
+use super::{IGNORED, KnownIds, NameMatch, NamePattern};
 use ieap_domain::campaign::BUILT_IN_ENVIRONMENTS;
 use ieap_domain::tag::keys;
 
@@ -16,8 +16,8 @@ pub struct ProposedPattern {
     pub explains: usize,
     /// How many names there are.
     pub names: usize,
-    /// Keys in it that are no tags with a meaning: they are to be declared.
-    pub extra: Vec<String>,
+    /// Words that it ignores (`{_}`), as they stand in the first names: only people know what they mean.
+    pub ignored: Vec<String>,
 }
 
 /// What a name says, by tag key; values as tags have them. The first word that says nothing else is the sample.
@@ -37,7 +37,7 @@ pub fn tags_of_name(stem: &str) -> Vec<(String, String)> {
 }
 
 /// The environment that a folder's name stands for.
-pub fn environment_of(name: &str) -> Option<&'static str> {
+pub fn environment_of(name: &str) -> Option<String> {
     super::words::environment(&name.to_lowercase())
 }
 
@@ -49,7 +49,7 @@ pub fn propose(stems: &[&str]) -> Option<ProposedPattern> {
         shapes.entry(shape(&words)).or_default().push(words);
     }
     let candidates = shapes.into_values().filter_map(|names| pattern_of(&names));
-    let judged = candidates.filter_map(|(text, extra)| {
+    let judged = candidates.filter_map(|(text, ignored)| {
         let pattern = NamePattern::compile(&text).ok()?;
         let explains = stems.iter().filter(|stem| explained(&pattern, stem)).count();
         let tags = pattern.keys().count();
@@ -59,7 +59,7 @@ pub fn propose(stems: &[&str]) -> Option<ProposedPattern> {
                 pattern: text,
                 explains,
                 names: stems.len(),
-                extra,
+                ignored,
             },
         ))
     });
@@ -84,51 +84,67 @@ pub fn explained(pattern: &NamePattern, stem: &str) -> bool {
     tags_of_name(stem).iter().all(|(key, value)| match key.as_str() {
         // A word that is the same in all names stands in the pattern as it is.
         keys::SAMPLE => of(key).is_none_or(|read| read == value),
-        key => of(key) == Some(value.as_str()),
+        key => of(key).is_some_and(|read| is_same(read, value)),
     })
+}
+
+/// Whether two texts are one, or one number.
+fn is_same(a: &str, b: &str) -> bool {
+    let number = |text: &str| text.parse::<f64>().ok();
+    a == b || number(a).is_some_and(|a| number(b) == Some(a))
 }
 
 /// The kinds of words with what stands between them: names of one shape have one pattern.
 fn shape(words: &[Word]) -> String {
     let of = |word: &Word| match &word.says {
-        Says::Tag {
-            key, prefix, suffix, ..
-        } => format!("{}{prefix}{{{key}}}{suffix}", word.before),
+        Says::Tag { key, .. } => format!("{}{{{key}}}", word.before),
         Says::Day => format!("{}{{day}}", word.before),
         Says::Other => format!("{}{{}}", word.before),
     };
     words.iter().map(of).collect()
 }
 
-/// The pattern of names of one shape, with the keys to be declared: the first other word is the sample, one that is the
-/// same in several names stands as it is, the others are tags of their own.
+/// The pattern of names of one shape, with the words that it ignores: the first other word is the sample, one that is the
+/// same in several names stands as it is, and of the others only people know what they mean.
 fn pattern_of(names: &[Vec<Word>]) -> Option<(String, Vec<String>)> {
     let first = names.first()?;
-    let (mut text, mut extra, mut used) = (String::new(), Vec::new(), BTreeSet::new());
+    let (mut text, mut ignored, mut used) = (String::new(), Vec::new(), BTreeSet::new());
     for (at, word) in first.iter().enumerate() {
         text += &word.before;
+        let column = || names.iter().map(|name| &name[at]);
         match &word.says {
-            Says::Tag {
-                key, prefix, suffix, ..
-            } if used.insert(*key) => text += &format!("{prefix}{{{key}}}{suffix}"),
+            Says::Tag { key, .. } if used.insert(*key) => {
+                let (prefix, suffix) = around(column());
+                text += &format!("{prefix}{{{key}}}{suffix}");
+            }
             Says::Other if used.insert(keys::SAMPLE) => text += &format!("{{{}}}", keys::SAMPLE),
-            says => {
-                let same = names.iter().all(|name| name[at].text == word.text);
-                if same && names.len() > 1 {
-                    text += &word.text;
-                } else {
-                    let key = match says {
-                        Says::Day => "measured_on".to_owned(),
-                        _ => format!("word_{}", extra.len() + 1),
-                    };
-                    text += &format!("{{{key}}}");
-                    extra.push(key);
-                }
+            _ if names.len() > 1 && column().all(|other| other.text == word.text) => text += &word.text,
+            _ => {
+                text += &format!("{{{IGNORED}}}");
+                ignored.push(word.text.clone());
             }
         }
     }
-    let says_anything = !used.is_empty();
-    says_anything.then_some((text, extra))
+    // A number of a record alone tells nothing of the run.
+    let tells = [keys::SAMPLE, keys::ENVIRONMENT, keys::VOLTAGE_V];
+    tells
+        .iter()
+        .any(|key| used.contains(key))
+        .then_some((text, ignored))
+}
+
+/// What stands around the value in all these words; nothing where they differ, for then it is part of its spelling.
+fn around<'a>(mut column: impl Iterator<Item = &'a Word>) -> (&'a str, &'a str) {
+    let of = |word: &'a Word| match &word.says {
+        Says::Tag { prefix, suffix, .. } => (prefix.as_str(), suffix.as_str()),
+        _ => ("", ""),
+    };
+    let first = column.next().map_or(("", ""), of);
+    if column.all(|word| of(word) == first) {
+        first
+    } else {
+        ("", "")
+    }
 }
 
 #[cfg(test)]
@@ -150,7 +166,7 @@ mod tests {
             "{sample}_{environment}_rh{relative_humidity_percent}_{voltage_v}V_{cycle}"
         );
         assert_eq!((found.explains, found.names), (3, 5));
-        assert!(found.extra.is_empty());
+        assert!(found.ignored.is_empty());
         let slip = tags_of_name("CNaf-02_vaccum_rh0_2.0V_1");
         assert!(
             slip.contains(&("environment".to_owned(), "vacuum".to_owned())),
@@ -159,13 +175,36 @@ mod tests {
     }
 
     #[test]
-    fn other_words_stand_as_they_are_or_are_declared() {
+    fn other_words_stand_as_they_are_or_are_ignored() {
         let found = propose(&["S1_IEAP_anna_2V", "S2_IEAP_ben_2V"]).unwrap();
-        assert_eq!(found.pattern, "{sample}_IEAP_{word_1}_{voltage_v}V");
-        assert_eq!(found.extra, ["word_1"]);
+        assert_eq!(found.pattern, "{sample}_IEAP_{_}_{voltage_v}V");
+        assert_eq!(found.ignored, ["anna"]);
         assert_eq!(found.explains, 2);
-        let days = propose(&["S1_20260302_air", "S1_20260303_air"]).unwrap();
-        assert_eq!(days.pattern, "{sample}_{measured_on}_{environment}");
+        let days = propose(&["S1_2026-03-02_air", "S1_2026-03-03_air"]).unwrap();
+        assert_eq!(days.pattern, "{sample}_{_}_{environment}");
+        assert_eq!(days.explains, 2);
         assert_eq!(propose(&["20260302"]), None);
+        assert_eq!(propose(&["0001", "0002"]), None);
+    }
+
+    #[test]
+    fn signs_and_spellings_of_a_voltage_are_one_pattern() {
+        for (stems, pattern) in [
+            (
+                &["S1_vide_+2V", "S1_vide_-2V", "S1_argon_+1V"],
+                "{sample}_{environment}_{voltage_v}V",
+            ),
+            (
+                &["S1_vide_m2V", "S1_Luft_p2V", "S1_vide_1V0"],
+                "{sample}_{environment}_{voltage_v}",
+            ),
+            (
+                &["S1_õhk_-2000mV", "S1_vaakum_2,0V", "S1_argoon_+1,5V"],
+                "{sample}_{environment}_{voltage_v}",
+            ),
+        ] {
+            let found = propose(stems).unwrap();
+            assert_eq!((found.pattern.as_str(), found.explains), (pattern, 3));
+        }
     }
 }

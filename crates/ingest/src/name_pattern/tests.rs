@@ -68,8 +68,14 @@ fn the_contract_pattern_reads_its_names() {
         // Not in campaign.toml: read all the same, so that the issue can name it.
         ("X9_air_rh34_2.5V_1", expected("X9", "air", "34", "2.5", "1")),
         ("CNaf_fog_rh34_2.5V_1", expected("CNaf", "fog", "34", "2.5", "1")),
-        ("CNaf-01_air_rh34_2p5V_1", NameMatch::None),
-        ("CNaf-01_air_rh34_2,5V_1", NameMatch::None),
+        (
+            "CNaf-01_air_rh34_2p5V_1",
+            expected("CNaf-01", "air", "34", "2.5", "1"),
+        ),
+        (
+            "CNaf-01_Luft_rh34_-2500mV_1",
+            expected("CNaf-01", "air", "34", "-2.5", "1"),
+        ),
         ("CNaf-01_air_rh34_2.V_1", NameMatch::None),
         ("CNaf-01_air_rh34_2.5V_1.5", NameMatch::None),
         ("CNaf-01_air_rh34_2.5V_1_copy", NameMatch::None),

@@ -1,29 +1,15 @@
 //! What the words of a file name say: an environment, a voltage, a humidity, a cycle, a sample.
 
+use super::number::{HUMIDITY, number};
 use crate::campaign_file::nearest;
+use crate::tags::value::shortest;
+use ieap_domain::surroundings;
 use ieap_domain::tag::keys;
 
-/// Words for the built-in environments.
-const ENVIRONMENTS: [(&str, &str); 13] = [
-    ("air", "air"),
-    ("luft", "air"),
-    ("ambient", "air"),
-    ("vacuum", "vacuum"),
-    ("vakuum", "vacuum"),
-    ("vac", "vacuum"),
-    ("inert", "inert"),
-    ("argon", "inert"),
-    ("ar", "inert"),
-    ("nitrogen", "inert"),
-    ("stickstoff", "inert"),
-    ("n2", "inert"),
-    ("glovebox", "inert"),
-];
-/// Units of a humidity, before or behind its number.
-const HUMIDITY: [&str; 7] = ["rh", "rf", "%", "%rh", "rh%", "percent", "pct"];
 /// What a number is called that counts runs; single letters are more often those of samples.
-const COUNTERS: [&str; 10] = [
-    "", "#", "cycle", "zyklus", "run", "lauf", "nr", "no", "messung", "rep",
+const COUNTERS: [&str; 19] = [
+    "", "#", "cycle", "zyklus", "run", "lauf", "nr", "no", "n°", "messung", "rep", "essai", "mesure",
+    "prova", "medida", "katse", "tsukkel", "tsükkel", "versuch",
 ];
 /// Digits of a number that counts runs, at most; more are a date.
 const MOST_DIGITS: usize = 4;
@@ -56,23 +42,30 @@ pub(super) enum Says {
     Other,
 }
 
-/// The words of a name, between `_` and blanks; between `-` where there are neither.
-pub(super) fn words(stem: &str) -> Vec<Word> {
-    let is_separator: &dyn Fn(char) -> bool = if stem.contains(['_', ' ']) {
-        &|c| matches!(c, '_' | ' ')
+/// The signs between the words of a name: `_` and blanks; `-` where there are neither.
+pub(super) fn separators(stem: &str) -> &'static [char] {
+    if stem.contains(['_', ' ']) {
+        &['_', ' ']
     } else {
-        &|c| c == '-'
-    };
+        &['-']
+    }
+}
+
+/// The words of a name. A `-` behind another one that a digit follows is a sign.
+pub(super) fn words(stem: &str) -> Vec<Word> {
+    let separators = separators(stem);
     let (mut words, mut before, mut text) = (Vec::new(), String::new(), String::new());
-    for c in stem.chars() {
-        if is_separator(c) {
-            if !text.is_empty() {
-                words.push((std::mem::take(&mut before), std::mem::take(&mut text)));
-            }
-            before.push(c);
-        } else {
+    let mut signs = stem.chars().peekable();
+    while let Some(c) = signs.next() {
+        let is_minus = c == '-' && before.ends_with('-') && signs.peek().is_some_and(char::is_ascii_digit);
+        if !separators.contains(&c) || (text.is_empty() && is_minus) {
             text.push(c);
+            continue;
         }
+        if !text.is_empty() {
+            words.push((std::mem::take(&mut before), std::mem::take(&mut text)));
+        }
+        before.push(c);
     }
     if !text.is_empty() {
         words.push((before, text));
@@ -83,6 +76,35 @@ pub(super) fn words(stem: &str) -> Vec<Word> {
         text,
     };
     with_number_of_sample(words.into_iter().map(word).collect())
+}
+
+/// The words of a name as what they mean, `voltage_v=2` or `cnaf`, between signs of any kind: two names of one run share
+/// them, whatever their spelling.
+pub fn parts_of_name(stem: &str) -> Vec<String> {
+    let letters: Vec<char> = stem.chars().collect();
+    let is_digit = |at: Option<usize>| {
+        at.and_then(|at| letters.get(at))
+            .is_some_and(char::is_ascii_digit)
+    };
+    let mut words = vec![String::new()];
+    for (at, &c) in letters.iter().enumerate() {
+        let starts = words.last().is_some_and(String::is_empty);
+        let is_sign = c == '-' && starts && is_digit(Some(at + 1));
+        let is_point = c == '.' && is_digit(at.checked_sub(1)) && is_digit(Some(at + 1));
+        match words.last_mut() {
+            Some(word) if !matches!(c, '_' | '-' | ' ' | '.') || is_sign || is_point => word.push(c),
+            _ => words.push(String::new()),
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    let meant = |word: String| match says(&word) {
+        Says::Tag { key, meant, .. } => match meant.parse::<f64>() {
+            Ok(number) => format!("{key}={}", shortest(number)),
+            Err(_) => format!("{key}={meant}"),
+        },
+        Says::Day | Says::Other => word.to_lowercase(),
+    };
+    words.into_iter().map(meant).collect()
 }
 
 /// A bare number right behind the first other word, which has none itself, is the sample's where more stands behind it:
@@ -103,30 +125,45 @@ fn with_number_of_sample(mut words: Vec<Word>) -> Vec<Word> {
 fn says(text: &str) -> Says {
     let lower = text.to_lowercase();
     if let Some(environment) = environment(&lower) {
-        return tag(keys::ENVIRONMENT, "", text, "", environment);
+        return tag(keys::ENVIRONMENT, "", text, "", &environment);
     }
     if is_day(text) {
         return Says::Day;
     }
-    let Some((prefix, number, suffix)) = around_number(text) else {
-        return Says::Other;
+    // Only a voltage has a sign, or its unit for a decimal point.
+    let is_voltage = lower.contains('v') || text.starts_with(['+', '-', '−']);
+    let spelt = || Some(shortest(number(keys::VOLTAGE_V, text).filter(|_| is_voltage)?));
+    let Some((prefix, written, suffix)) = around_number(text) else {
+        return match spelt() {
+            Some(meant) => tag(keys::VOLTAGE_V, "", text, "", &meant),
+            None => Says::Other,
+        };
     };
-    let meant = number.replace(',', ".");
+    let meant = written.replace(',', ".");
     let (before, behind) = (prefix.to_lowercase(), suffix.to_lowercase());
-    let is_whole = number.bytes().all(|byte| byte.is_ascii_digit());
+    let is_whole = written.bytes().all(|byte| byte.is_ascii_digit());
     match (before.as_str(), behind.as_str()) {
-        ("" | "u" | "e" | "v", "v" | "volt") => tag(keys::VOLTAGE_V, prefix, number, suffix, &meant),
+        ("" | "u" | "e" | "v" | "+", "v" | "volt") => tag(
+            keys::VOLTAGE_V,
+            prefix.trim_end_matches('+'),
+            written,
+            suffix,
+            &meant,
+        ),
         (before, behind)
             if (HUMIDITY.contains(&before) && (behind.is_empty() || behind == "%"))
                 || (before.is_empty() && HUMIDITY.contains(&behind)) =>
         {
-            tag(keys::RELATIVE_HUMIDITY_PERCENT, prefix, number, suffix, &meant)
+            tag(keys::RELATIVE_HUMIDITY_PERCENT, prefix, written, suffix, &meant)
         }
-        ("" | "t", "c" | "degc" | "\u{b0}c") => tag(keys::TEMPERATURE_C, prefix, number, suffix, &meant),
-        (before, "") if is_whole && number.len() <= MOST_DIGITS && COUNTERS.contains(&before) => {
-            tag(keys::CYCLE, prefix, number, suffix, &meant)
+        ("" | "t", "c" | "degc" | "°c") => tag(keys::TEMPERATURE_C, prefix, written, suffix, &meant),
+        (before, "") if is_whole && written.len() <= MOST_DIGITS && COUNTERS.contains(&before) => {
+            tag(keys::CYCLE, prefix, written, suffix, &meant)
         }
-        _ => Says::Other,
+        _ => match spelt() {
+            Some(meant) => tag(keys::VOLTAGE_V, "", text, "", &meant),
+            None => Says::Other,
+        },
     }
 }
 
@@ -141,18 +178,13 @@ fn tag(key: &'static str, prefix: &str, written: &str, suffix: &str, meant: &str
 }
 
 /// The environment that a word stands for, a slip of the keyboard allowed for in longer ones.
-pub(super) fn environment(lower: &str) -> Option<&'static str> {
-    let of = |word: &str| ENVIRONMENTS.iter().find(|(known, _)| *known == word);
-    of(lower)
-        .or_else(|| {
-            let long = ENVIRONMENTS
-                .iter()
-                .map(|(word, _)| *word)
-                .filter(|word| word.len() > 2);
-            let letters = lower.chars().count() > 3 && lower.chars().all(char::is_alphabetic);
-            letters.then(|| nearest(lower, long)).flatten().and_then(of)
-        })
-        .map(|(_, environment)| *environment)
+pub(super) fn environment(lower: &str) -> Option<String> {
+    let slip = || {
+        let long = surroundings::words().filter(|word| word.chars().count() > 2);
+        let letters = lower.chars().count() > 3 && lower.chars().all(char::is_alphabetic);
+        letters.then(|| nearest(lower, long)).flatten()
+    };
+    surroundings::id_of_word(lower).or_else(|| surroundings::id_of_word(slip()?))
 }
 
 /// Eight digits, or a date with `-` or `.`.

@@ -1,9 +1,12 @@
 //! Run sheets: tables of planned runs that lie among the runs. A file that is saved under a planned name gets the tags
 //! of its row.
 //!
-//! A sheet is a delimited text (`,`, `;` or tab) of at most 1 MiB, known by its name, `run-sheet.csv` or
-//! `*.run-sheet.csv`, or by its columns `planned` and `file`. It speaks for files anywhere in the campaign's runs.
+//! A sheet is a delimited text (`,`, `;` or tab) or a workbook of at most 1 MiB, known by its name, `run-sheet.csv` or
+//! `*.run-sheet.csv`, by its columns `planned` and `file`, or by a column of files beside one of samples, environments,
+//! voltages or humidities, in the laboratory's language. It speaks for files anywhere in the campaign's runs.
 
+mod laboratory;
+mod policy;
 mod read;
 #[cfg(test)]
 mod tests;
@@ -20,10 +23,9 @@ use ieap_domain::words::counted;
 use ieap_domain::{Issue, Tag, TagSource};
 use ieap_system::fs;
 
+use policy::LARGEST_BYTES;
 pub use read::{COLUMNS, read};
 
-/// Largest sheet, bytes: some thousand runs.
-pub const LARGEST_BYTES: u64 = 1 << 20;
 /// Bytes at the start of a file in which the names of its columns are looked for.
 const HEAD_BYTES: usize = 4096;
 /// Code of the issue that says that a file is a sheet.
@@ -91,7 +93,9 @@ pub struct DamagedSheet {
 
 impl DamagedSheet {
     fn new(bytes: &[u8], issue: Issue) -> DamagedSheet {
-        let text = (bytes.len() as u64 <= LARGEST_BYTES).then(|| decode(bytes).text.into_owned());
+        let own = || decode(bytes).text.into_owned();
+        let text = laboratory::rewritten(bytes).map(|sheet| sheet.text);
+        let text = (bytes.len() as u64 <= LARGEST_BYTES).then(|| text.unwrap_or_else(own));
         DamagedSheet {
             issue,
             text: text.filter(|text| !text.contains('\0')),
@@ -181,7 +185,10 @@ fn not_there_to_read(error: &std::io::Error) -> DamagedSheet {
 
 /// Whether a file of that name and content is a run sheet.
 pub fn is_sheet(name: &str, bytes: &[u8]) -> bool {
-    has_name(name) || (may_be(name) && read::names_columns(&bytes[..bytes.len().min(HEAD_BYTES)]))
+    let head = &bytes[..bytes.len().min(HEAD_BYTES)];
+    has_name(name)
+        || (may_be(name) && (read::names_columns(head) || laboratory::rewritten(head).is_some()))
+        || (laboratory::may_be_workbook(name) && laboratory::rewritten(bytes).is_some())
 }
 
 /// The sheets among the files of a scan: those that are known as such, and of `fresh` files those whose name or first
@@ -195,7 +202,7 @@ pub fn among<'a>(
     let is_one = |file: &&Arc<SeenFile>| {
         let name = file.display.rsplit('/').next().unwrap_or(&file.display);
         if fresh.contains(file.display.as_str()) {
-            has_name(name) || (may_be(name) && starts_as_one(campaign, file))
+            has_name(name) || starts_as_one(campaign, file, name)
         } else {
             known.contains(file.display.as_str())
         }
@@ -219,22 +226,37 @@ fn may_be(name: &str) -> bool {
     [".csv", ".tsv", ".txt"].iter().any(|end| name.ends_with(end))
 }
 
-fn starts_as_one(campaign: &Path, file: &SeenFile) -> bool {
+fn starts_as_one(campaign: &Path, file: &SeenFile, name: &str) -> bool {
+    let is_workbook = laboratory::may_be_workbook(name);
+    if file.size_bytes > LARGEST_BYTES || !(is_workbook || may_be(name)) {
+        return false;
+    }
+    let wanted = if is_workbook {
+        LARGEST_BYTES
+    } else {
+        HEAD_BYTES as u64
+    };
     let mut head = Vec::new();
     let opened = fs::File::open_stated(campaign, file.location(campaign));
-    let read = opened.and_then(|opened| opened.take(HEAD_BYTES as u64).read_to_end(&mut head));
-    read.is_ok() && file.size_bytes <= LARGEST_BYTES && read::names_columns(&head)
+    let read = opened.and_then(|opened| opened.take(wanted).read_to_end(&mut head));
+    read.is_ok() && is_sheet(name, &head)
 }
 
-/// The note that a file is a sheet.
-pub fn note(rows: usize) -> Issue {
-    Issue::note(
-        IS_SHEET,
-        format!(
-            "a run sheet of {}: it tags files of these names and is no run itself",
-            counted(rows, "planned run")
-        ),
-    )
+/// The note that a file is a sheet, with what of it is not used.
+pub fn note(bytes: &[u8], rows: usize) -> Issue {
+    let mut message = format!(
+        "a run sheet of {}: it tags files of these names and is no run itself",
+        counted(rows, "planned run")
+    );
+    if let Some(own) = laboratory::rewritten(bytes) {
+        if !own.unused.is_empty() {
+            message += &format!("; not used: {}", own.unused.join(", "));
+        }
+        if own.nameless > 0 {
+            message += &format!("; {} without the name of a file", counted(own.nameless, "row"));
+        }
+    }
+    Issue::note(IS_SHEET, message)
 }
 
 /// Whether the value of a column must be a number.

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::{IS_DAMAGED, LARGEST_BYTES, SheetRow, is_numeric};
+use super::policy::{DELIMITERS, LARGEST_BYTES, SAID};
+use super::{IS_DAMAGED, SheetRow, is_numeric, laboratory};
 use crate::tags::value::usable;
 use crate::text::number::{self, Cell, Decimal};
 use crate::text::{Decoded, decode};
@@ -14,8 +15,6 @@ use ieap_domain::tag::keys;
 const PLANNED: &str = "planned";
 /// Column with the name of the file.
 const FILE: &str = "file";
-/// Columns that speak to people and are no tags.
-const SAID: [&str; 4] = ["order", "drive", "splits", "why"];
 /// Columns of a sheet that the program writes, in their order; others are tags, too.
 pub const COLUMNS: [&str; 11] = [
     PLANNED,
@@ -30,7 +29,6 @@ pub const COLUMNS: [&str; 11] = [
     keys::CYCLE,
     "why",
 ];
-const DELIMITERS: [u8; 3] = [b',', b';', b'\t'];
 
 /// Reads the rows of a sheet.
 ///
@@ -46,7 +44,14 @@ pub fn read(bytes: &[u8]) -> Result<Vec<SheetRow>, Issue> {
             "save it as a table of planned runs and nothing else",
         ));
     }
+    if let Some(own) = laboratory::rewritten(bytes) {
+        return rows_of(&own.text);
+    }
     let Decoded { text, .. } = decode(bytes);
+    rows_of(&text)
+}
+
+fn rows_of(text: &str) -> Result<Vec<SheetRow>, Issue> {
     if text.contains('\0') {
         return Err(damaged("", "it is no text", "save it as CSV, not as a workbook"));
     }
@@ -54,7 +59,7 @@ pub fn read(bytes: &[u8]) -> Result<Vec<SheetRow>, Issue> {
         let found = "a quotation mark opens a cell that is never closed";
         return Err(damaged("", found, "close it, or restore the sheet from a copy"));
     }
-    let Some(delimiter) = delimiter(&text) else {
+    let Some(delimiter) = delimiter(text) else {
         let found = "its first line does not name the columns planned and file";
         return Err(damaged(
             "line 1",

@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::formats::sheet_writer::{Xml, merged_workbook, sheet};
 
 const SHEET: &str = "planned,file,sample,environment,voltage_v,drive,why,operator\n\
     P01,P01-S1-air-1200mV,S1,air,1.20,\"hold 1.20 V for 600 s, then 0.00 V for 600 s\",tells a from b,\n\
@@ -50,7 +51,7 @@ fn what_a_spreadsheet_saves_is_read() {
 #[test]
 fn a_fault_has_its_place_and_its_mend() {
     for (text, place, found) in [
-        ("file,sample\na,S1\n", "line 1", "planned and file"),
+        ("file,drive\na,hold\n", "line 1", "planned and file"),
         ("planned,file\nP01,\n", "line 2, column file", "empty"),
         ("planned,file\nP01,a\nP02,a\n", "line 3", "on line 2 already"),
         ("planned,file\nP01,a\nP01,b\n", "line 3", "the planned id"),
@@ -115,4 +116,77 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn a_workbook_of_a_laboratory_with_titles_and_merged_cells_is_a_run_sheet() {
+    use Xml::{None as Gap, Number, Text};
+    let rows = sheet(&[
+        &[Text("Campagne mars 2026"), Gap, Gap, Gap, Gap, Gap],
+        &[
+            Text("N°"),
+            Text("Échantillon"),
+            Text("Atmosphère"),
+            Text("HR (%)"),
+            Text("Tension (mV)"),
+            Text("Fichier"),
+        ],
+        &[
+            Number(1.0),
+            Text("PtNaf-1"),
+            Text("vide"),
+            Number(0.0),
+            Number(2000.0),
+            Text("m0001.txt"),
+        ],
+        &[Number(2.0), Gap, Gap, Gap, Text("-2000"), Text("m0002.txt")],
+        &[
+            Number(3.0),
+            Gap,
+            Text("air"),
+            Number(35.5),
+            Text("+1000"),
+            Text("pot/m0003.txt"),
+        ],
+        &[Text("pause"), Gap, Gap, Gap, Gap, Gap],
+    ]);
+    let bytes = merged_workbook(&[rows], "A1:F1 B3:B5 C3:C4 D3:D4");
+    assert!(is_sheet("Feuille de route.xlsx", &bytes));
+    let found = laboratory::rewritten(&bytes).unwrap();
+    assert_eq!((found.unused, found.nameless), (vec!["N°".to_owned()], 1));
+    let rows = read(&bytes).unwrap();
+    let shown: Vec<(&str, Option<&str>, Option<&str>, Option<&str>, Option<&str>)> = rows
+        .iter()
+        .map(|row| {
+            let of = |key| row.tag(key);
+            (
+                row.file.as_str(),
+                of("sample"),
+                of("environment"),
+                of("relative_humidity_percent"),
+                of("voltage_v"),
+            )
+        })
+        .collect();
+    assert_eq!(
+        shown,
+        [
+            ("m0001", Some("PtNaf-1"), Some("vide"), Some("0"), Some("2")),
+            ("m0002", Some("PtNaf-1"), Some("vide"), Some("0"), Some("-2")),
+            ("m0003", Some("PtNaf-1"), Some("air"), Some("35.5"), Some("1")),
+        ]
+    );
+}
+
+#[test]
+fn a_text_of_a_laboratory_is_one_and_a_table_of_readings_is_none() {
+    let text = "Datei;Probe;Umgebung;%rF;U [V]\r\na_2.5V;S1;Luft;35,5;2,5\r\n";
+    assert!(is_sheet("Messplan.csv", text.as_bytes()));
+    let rows = read(text.as_bytes()).unwrap();
+    assert_eq!(
+        (rows[0].file.as_str(), rows[0].tag("voltage_v")),
+        ("a_2.5V", Some("2.5"))
+    );
+    assert_eq!(rows[0].tag("relative_humidity_percent"), Some("35.5"));
+    assert!(!is_sheet("a.csv", b"Zeit;Probe;U [V]\n0;1;2\n"));
 }

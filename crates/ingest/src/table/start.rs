@@ -5,33 +5,15 @@ use crate::table::times::taken;
 use crate::{StartedAt, Timestamp};
 
 /// What a line begins with that says when a run began, in small letters, the longer first.
-const STARTS: [&str; 20] = [
-    "startzeitpunkt",
-    "startzeit",
-    "startdatum",
-    "start date/time",
-    "start time",
-    "start date",
-    "start_time",
-    "started at",
-    "started",
-    "start",
-    "messbeginn",
-    "beginn",
-    "begin",
-    "date and time",
-    "date/time",
-    "datum/zeit",
-    "datum",
-    "date",
-    "acquisition date",
-    "recorded",
-];
+const STARTS: &str = "startzeitpunkt;startzeit;startdatum;start date/time;start time;start date;start_time;started at;started;\
+    start;messbeginn;beginn;begin;date and time;date/time;datum/zeit;datum;date et heure;date de début;heure de début;date;\
+    acquisition date;recorded;début de la mesure;début;debut;mõõtmise algus;algusaeg;algus;kuupäev;inicio;fecha y hora;fecha;\
+    inizio;data e ora;data;início;начало измерения;начало;дата;開始;开始";
 
 /// The rest of a line that begins with such a word.
 pub fn after_word(line: &str) -> Option<(&'static str, &str)> {
     let lower = line.to_lowercase();
-    let word = STARTS.into_iter().find(|word| lower.starts_with(word))?;
+    let word = STARTS.split(';').find(|word| lower.starts_with(word))?;
     let rest = line.get(word.len()..)?;
     // `Dates of calibration` is another word.
     let ends = rest.chars().next().is_none_or(|c| !c.is_alphanumeric());

@@ -5,7 +5,7 @@ use crate::text::policy::LONGEST_NAME;
 use ieap_domain::Quantity;
 
 /// Words that columns of times have in their names, in the languages of laboratories, with semicolons between them.
-const WORDS: &str = "time;zeit;date;datum;timestamp;epoch;unix;uts;elapsed;clock;aeg;kuupäev;temps;heure;horodatage;tiempo;\
+const WORDS: &str = "time;zeit;date;datum;timestamp;epoch;unix;uts;elapsed;clock;aeg;kell;kellaaeg;kuupäev;temps;heure;horodatage;tiempo;\
     fecha;hora;tempo;data/ora;ora;duration;dauer;durée;время;дата;时间;日期;時間;日時;時刻";
 /// Parts of words by which a time counts from the start of something and not from midnight.
 const ELAPSED: &str = "elapsed;test;run;step;total;duration;lauf;mess;dauer;écoul;durée;transcurrid;trascors;decorrid;relativ;\

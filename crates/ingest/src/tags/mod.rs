@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use ieap_domain::tag::{UNREADABLE, keys};
 use ieap_domain::{Campaign, Issue, Tag, TagSource};
 
+use super::name_pattern::environment;
 use super::scan::display_path;
 
 pub use declared::{MISSPELT, TagKey, UNDECLARED, objection, tag_key};
@@ -127,7 +128,7 @@ pub fn resolve(request: &TagRequest) -> Resolved {
     offered.retain_mut(
         |offered| match value::checked(&offered.tag, request.campaign.timezone.as_deref()) {
             Ok(value) => {
-                offered.tag.value = value;
+                offered.tag.value = in_words_of_campaign(request.campaign, &offered.tag.key, value);
                 true
             }
             Err(issue) => {
@@ -158,6 +159,15 @@ pub fn resolve(request: &TagRequest) -> Resolved {
         }
     }
     resolved
+}
+
+/// The value as campaign.toml names it: an environment under its id, whatever language its word is of.
+fn in_words_of_campaign(campaign: &Campaign, key: &str, value: String) -> String {
+    if key != keys::ENVIRONMENT {
+        return value;
+    }
+    let known: Vec<&str> = campaign.environments.iter().map(|e| e.id.as_str()).collect();
+    environment(&value, &known).unwrap_or(value)
 }
 
 /// A tag and the name of the readings that it is stated of: 0 for the run's own, then the other names in order.
@@ -259,6 +269,7 @@ fn missing_tag(request: &TagRequest, key: &str) -> Issue {
             "",
         ),
     };
+    let reason = sources::not_in_name(request, key).unwrap_or_else(|| reason.to_owned());
     let mend =
         format!("such as: ieap tag \"{run}\" {key}={value}, or {key} = {quote}{value}{quote} in {run}.toml");
     Issue::error(MISSING, format!("`{key}` is missing: {reason}"))

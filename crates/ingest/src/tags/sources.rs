@@ -39,7 +39,7 @@ pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> 
             .filter(|tag| tag.source == TagSource::RunSheet);
         tags.extend(of_sheets.cloned());
     }
-    tags.extend(in_name(request, request.stem, issues));
+    tags.extend(in_names(request, issues));
     for (key, value, header_name) in request.header {
         let pair = [(key.clone(), value.clone())];
         tags.extend(tags_of(TagSource::Header, header_name, pair));
@@ -192,6 +192,20 @@ fn not_flat(shown: &str, key: &str, found: &str) -> Issue {
         .mend("write one line `key = value` for each tag, without [tables]")
 }
 
+/// Tags that the name of the run says, else those of its other files.
+fn in_names(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {
+    // Of one file the caller knows the name.
+    let others = request
+        .data_files
+        .iter()
+        .skip_while(|_| request.data_files.len() < 2);
+    let others = others.map(|file| stem(file));
+    let mut stems: Vec<String> = std::iter::once(request.stem.to_owned()).chain(others).collect();
+    stems.dedup();
+    let mut tags = stems.iter().map(|stem| in_name(request, stem, issues));
+    tags.find(|tags| !tags.is_empty()).unwrap_or_default()
+}
+
 fn in_name(request: &TagRequest, stem: &str, issues: &mut Vec<Issue>) -> Vec<Tag> {
     let Some(text) = request.name_pattern else {
         return Vec::new();
@@ -206,13 +220,7 @@ fn in_name(request: &TagRequest, stem: &str, issues: &mut Vec<Issue>) -> Vec<Tag
             return Vec::new();
         }
     };
-    let samples: Vec<&str> = request.campaign.samples.iter().map(|s| s.id.as_str()).collect();
-    let environments: Vec<&str> = request
-        .campaign
-        .environments
-        .iter()
-        .map(|e| e.id.as_str())
-        .collect();
+    let (samples, environments) = known_ids(request.campaign);
     let known = KnownIds {
         samples: &samples,
         environments: &environments,
@@ -226,6 +234,32 @@ fn in_name(request: &TagRequest, stem: &str, issues: &mut Vec<Issue>) -> Vec<Tag
         }
     };
     tags_of(TagSource::FileName, stem, pairs)
+}
+
+fn known_ids(campaign: &Campaign) -> (Vec<&str>, Vec<&str>) {
+    let samples = campaign.samples.iter().map(|s| s.id.as_str());
+    let environments = campaign.environments.iter().map(|e| e.id.as_str());
+    (samples.collect(), environments.collect())
+}
+
+/// Why the pattern gives no tag of this name, where it has that key: where the name leaves it.
+pub(super) fn not_in_name(request: &TagRequest, key: &str) -> Option<String> {
+    let pattern = NamePattern::compile(request.name_pattern?).ok()?;
+    pattern.keys().find(|known| *known == key)?;
+    let (samples, environments) = known_ids(request.campaign);
+    let known = KnownIds {
+        samples: &samples,
+        environments: &environments,
+    };
+    if pattern.match_stem(request.stem, known) != NameMatch::None {
+        return None;
+    }
+    let found = pattern.mismatch(request.stem, KnownIds::default());
+    // Without the name itself, so that it is told once for all names that leave the pattern there.
+    Some(format!(
+        "name_pattern does not read the name, for it wants {} where the name says something else (`ieap status --files` shows where)",
+        found.wanted
+    ))
 }
 
 fn open_in_name(stem: &str, (key, first, second): &(String, String, String)) -> Issue {

@@ -2,6 +2,7 @@
 
 use super::value;
 use crate::campaign_file::nearest;
+use ieap_domain::surroundings;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Issue, Tag};
 
@@ -41,7 +42,7 @@ pub(super) fn unknown_sample(campaign: &Campaign, id: &str) -> Option<Issue> {
 
 /// What is said of an environment that is neither built in nor in campaign.toml.
 pub(super) fn unknown_environment(campaign: &Campaign, id: &str) -> Option<Issue> {
-    if campaign.environment(id).is_some() {
+    if campaign.environment(id).is_some() || surroundings::kind_of(id).is_some() {
         return None;
     }
     let known: Vec<&str> = campaign
@@ -101,7 +102,7 @@ mod tests {
         for (key, value, told) in [
             ("environment", "ari", "\"air\""),
             ("environment", "vacum", "\"vacuum\""),
-            ("environment", "helium", "[[environment]]"),
+            ("environment", "steam", "[[environment]]"),
             ("sample", "CNaf-1", "\"CNaf-01\""),
             ("voltage_v", "abc", "not a number"),
             ("voltage_v", "1,2", "decimal point"),

@@ -281,7 +281,7 @@ fn values_of_every_flat_type_are_kept() {
 #[test]
 fn an_unknown_sample_leaves_the_run_untagged_and_an_unknown_environment_is_said() {
     let found = resolve_with(
-        &[("runs/tags.toml", "sample = \"CNaf-1\"\nenvironment = \"Air\"")],
+        &[("runs/tags.toml", "sample = \"CNaf-1\"\nenvironment = \"airr\"")],
         Given::default(),
     );
     assert_eq!(found.missing, ["sample"]);

@@ -43,7 +43,7 @@ pub(crate) fn usable(key: &str, value: &str, timezone: Option<&str>) -> Result<S
 }
 
 /// A number in the shortest form that reads back the same.
-pub(super) fn shortest(number: f64) -> String {
+pub(crate) fn shortest(number: f64) -> String {
     // Minus zero is zero to whoever reads it.
     let plain = format!("{}", number + 0.0);
     let scientific = exact(number + 0.0);

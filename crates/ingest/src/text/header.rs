@@ -166,6 +166,13 @@ fn split(cell: &str) -> (String, String) {
             return pair(&cell[..at], &cell[at + 1..cell.len() - 1]);
         }
     }
+    // `%rF`, `% HR`: the unit first.
+    if let Some(name) = cell
+        .strip_prefix('%')
+        .filter(|name| candidates(name).contains(&Quantity::RelativeHumidity))
+    {
+        return pair(name, "%");
+    }
     if let Some((name, unit)) = cell.split_once('/').filter(|(name, _)| !name.trim().is_empty()) {
         return if is_channel(unit) {
             pair(cell, "")

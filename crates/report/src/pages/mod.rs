@@ -41,7 +41,7 @@ use super::blocks;
 use super::input::Input;
 use ieap_analysis::comparison::against::Against;
 use ieap_analysis::{
-    along, climate, dma, frequency, impedance, models_compared, monitoring, stiffness, study, tables,
+    along, climate, dma, files, frequency, impedance, models_compared, monitoring, stiffness, study, tables,
 };
 use ieap_domain::RunRecord;
 use ieap_domain::fault::caught;
@@ -57,7 +57,7 @@ const COMPARISON: Option<&str> = Some("comparison.html");
 const AGAINST: &str = include_str!("../../../../templates/pages/against.html");
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 22] = [
+pub const PAGES: [Page; 23] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -269,6 +269,14 @@ pub const PAGES: [Page; 22] = [
             let shown = climate::view::view(climate, campaign, runs, run_spans_s);
             blocks::content(site, "climate.html", shown)
         },
+    },
+    Page {
+        file: "files.html",
+        title: "Files",
+        under: None,
+        template: blocks::PAGE,
+        is_shown: |input| !input.file_stories.is_empty(),
+        content: |site| blocks::content(site, "files.html", files::view(&site.input.file_stories)),
     },
 ];
 

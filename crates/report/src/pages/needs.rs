@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::input::Input;
 use crate::site::Site;
+use ieap_domain::file_story::HALF_WITHOUT_PARTNER;
 use ieap_domain::{FileState, RunRecord, RunState, Standing};
 
 /// One kind of it.
@@ -33,6 +34,8 @@ pub fn needs(site: &Site) -> Vec<Need> {
     );
     let lacking = input.laws.lacking.iter().map(|found| found.without.len()).max();
     let lacking = lacking.unwrap_or(0);
+    let halves = input.file_stories.iter();
+    let halves = halves.filter(|file| file.became == HALF_WITHOUT_PARTNER).count();
     let asked = [
         (alarms, "alarm", ["", ""], "monitoring.html"),
         (
@@ -45,6 +48,15 @@ pub fn needs(site: &Site) -> Vec<Need> {
             "#set-aside",
         ),
         (refused, "file", [" could not be read"; 2], "#refused"),
+        (
+            halves,
+            "file",
+            [
+                " is half of a run without its partner",
+                " are halves of runs without their partners",
+            ],
+            "files.html",
+        ),
         (untagged, "run", [" lacks a tag", " lack a tag"], "#untagged"),
         (
             unused,

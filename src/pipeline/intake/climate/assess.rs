@@ -13,8 +13,8 @@ use crate::analysis::climate::{Piece, Window, merged, speaks_for};
 use crate::domain::InputHash;
 use crate::domain::tag::keys;
 use crate::domain::{
-    ChannelSummary, ClimateAssessment, ClimateQuantity, ClimateRules, Exposure, Issue, RunRecord, SensorPair,
-    SensorSummary,
+    Campaign, ChannelSummary, ClimateAssessment, ClimateQuantity, ClimateRules, Exposure, Issue, RunRecord,
+    SensorPair, SensorStatement, SensorSummary,
 };
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::intake::ingest::run_window;
@@ -28,7 +28,7 @@ const DRAWN: usize = 400;
 const SHORTEST_RECORD_S: f64 = 43_200.0;
 
 /// Version of what is computed here: another one makes stored assessments out of date.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Name of the one assessment that there is.
 const NAME: &str = "all sensors";
@@ -117,6 +117,7 @@ fn assessment(
     let mut pairs = pairs(context, &gathered);
     pairs.extend(with_own_records(context, &gathered, runs)?);
     issues.extend(pair_issues(&pairs));
+    issues.extend(without_log(campaign, shelf));
     let mut sensors: Vec<SensorSummary> = gathered.into_iter().map(|one| one.summary).collect();
     sensors.extend(not_used(context, shelf));
     Ok(ClimateAssessment {
@@ -128,6 +129,44 @@ fn assessment(
             .collect(),
         issues: once_each(issues),
     })
+}
+
+/// Code of what is said of a sensor of campaign.toml that no log is of.
+pub const SENSOR_WITHOUT_LOG: &str = "sensor-without-log";
+
+/// Sensors of campaign.toml that no log is of: what is stated of them is of nothing.
+fn without_log(campaign: &Campaign, shelf: &Shelf) -> Vec<Issue> {
+    let identities = (0..shelf.series.len()).map(|at| shelf.identity(campaign, at));
+    let identities: Vec<_> = identities.collect();
+    let matches = |sensor: &&SensorStatement| {
+        let is = |stated: &&SensorStatement| stated.id == sensor.id;
+        !identities
+            .iter()
+            .any(|identity| identity.statement.as_ref().is_some_and(is))
+    };
+    let mut found: Vec<&str> = identities
+        .iter()
+        .map(|identity| identity.sensor.as_str())
+        .collect();
+    found.sort_unstable();
+    found.dedup();
+    let issue = |sensor: &SensorStatement| {
+        let message = format!(
+            "[[sensor]] \"{}\" of campaign.toml is the sensor of no log",
+            sensor.id
+        );
+        let there = match found.as_slice() {
+            [] => "there is no log yet: copy it into ambient/".to_owned(),
+            found => format!(
+                "the logs are of {}; write one of these ids, or `files` with the log's name",
+                found.join(", ")
+            ),
+        };
+        Issue::warning(SENSOR_WITHOUT_LOG, message)
+            .at("campaign.toml")
+            .mend(there)
+    };
+    campaign.sensors.iter().filter(matches).map(issue).collect()
 }
 
 /// Reads all files of one sensor and quantity in the order of time, a few at once.

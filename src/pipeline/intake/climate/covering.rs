@@ -6,7 +6,8 @@ use super::shelf::Shelf;
 use crate::analysis::climate::join::{NoClimate, Statistics};
 use crate::analysis::climate::sensors::accuracy;
 use crate::analysis::climate::{Window, speaks_for, statistics};
-use crate::domain::{ClimateQuantity, ClimateRules, RunClimate};
+use crate::domain::surroundings::kind_of;
+use crate::domain::{Campaign, ClimateQuantity, ClimateRules, Issue, RunClimate};
 use crate::numerics::robust::median_step;
 use crate::pipeline::{Context, PipelineError};
 
@@ -77,7 +78,7 @@ pub(super) fn of_logs(
     window: Window,
     asked: &Asked<'_>,
     quantity: ClimateQuantity,
-    reasons: &mut Vec<String>,
+    (reasons, issues): (&mut Vec<String>, &mut Vec<Issue>),
 ) -> Result<Vec<Covering>, PipelineError> {
     let campaign = &context.campaign;
     let longest_gap_s = campaign.climate.longest_gap_s;
@@ -99,7 +100,20 @@ pub(super) fn of_logs(
             reasons.push(format!("{sensor}: nothing states the time zone of its clock"));
             continue;
         };
+        let is_of_room = identity
+            .statement
+            .is_none_or(|stated| stated.environments.is_empty());
+        let stated = stated_of(campaign, asked.environment, quantity).filter(|_| is_of_room);
         match over(&series, window, longest_gap_s) {
+            // What campaign.toml states of an environment of its own is no default beside a sensor of the room.
+            Ok(statistics) if stated.is_some() => {
+                let differs = stated.filter(|stated| !quantity.agree(*stated, statistics.mean));
+                issues.extend(
+                    differs
+                        .and(asked.environment)
+                        .map(|environment| not_of(environment, sensor, quantity)),
+                );
+            }
             Ok(statistics) => {
                 let accuracy = accuracy(identity.statement, quantity);
                 found.push(Covering {
@@ -113,4 +127,32 @@ pub(super) fn of_logs(
         }
     }
     Ok(found)
+}
+
+/// What campaign.toml states of a quantity in an environment that is not the room's air.
+fn stated_of(campaign: &Campaign, environment: Option<&str>, quantity: ClimateQuantity) -> Option<f64> {
+    let environment = environment.filter(|id| kind_of(id) != Some("air"))?;
+    let stated = campaign.environment(environment)?;
+    match quantity {
+        ClimateQuantity::RelativeHumidity => stated.relative_humidity_percent,
+        ClimateQuantity::Temperature => stated.temperature_c,
+        ClimateQuantity::Pressure => stated.pressure_pa,
+        _ => None,
+    }
+}
+
+/// Code of the question whether a sensor stands in an environment of which campaign.toml states something else.
+pub const ENVIRONMENT_STATED: &str = "climate-environment-stated";
+
+/// The same words for all runs of an environment: it is one question.
+fn not_of(environment: &str, sensor: &str, quantity: ClimateQuantity) -> Issue {
+    let message = format!(
+        "campaign.toml states the {} of the environment \"{environment}\", and the sensor {sensor}, of which nothing says \
+         where it stands, reads otherwise: what is stated counts",
+        quantity.label().to_lowercase()
+    );
+    Issue::warning(ENVIRONMENT_STATED, message).at(quantity.key()).mend(format!(
+        "does it stand there? then [[sensor]] id = \"{sensor}\" with environments = [\"{environment}\"] in campaign.toml; \
+         does it stand in the room? then environments = [\"air\"]"
+    ))
 }

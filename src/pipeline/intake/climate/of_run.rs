@@ -14,7 +14,7 @@ use crate::domain::{ClimateCurve, ClimateQuantity, Issue, RunClimate, Tag, TagSo
 use crate::pipeline::{Context, PipelineError};
 
 /// Version of what is computed here: another one makes stored tags out of date.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Points of a drawn curve, at most about.
 const DRAWN: usize = 360;
@@ -91,7 +91,8 @@ fn measured(
             .tags
             .extend(covering.first().and_then(|own| tag(&own.found)));
         if let Some(window) = asked.window {
-            let of_logs = of_logs(context, shelf, window, asked, quantity, &mut reasons)?;
+            let said = (&mut reasons, &mut of_run.issues);
+            let of_logs = of_logs(context, shelf, window, asked, quantity, said)?;
             of_run
                 .tags
                 .extend(of_logs.first().and_then(|log| tag(&log.found)));

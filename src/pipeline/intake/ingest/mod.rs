@@ -3,9 +3,10 @@
 mod batch;
 mod copies;
 pub(crate) mod frame_folder;
-mod groups;
+pub(crate) mod groups;
 mod known;
 mod left_out;
+pub(crate) mod pairs;
 mod places;
 mod prepare;
 mod readers;
@@ -106,7 +107,10 @@ impl Ingest<'_> {
         let shelf = Shelf::open(&context.store)?;
         let kind_of = |path: &str| context.campaign.kind_of(path);
         context.sheets = planned::sheets_now(context, &stored, &seen, &changes);
-        let mut groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
+        let pairs = pairs::stored_pairs(context)?;
+        let ready = self.ready_files(&readers, &stored, &changes, &mut summary);
+        let due: BTreeSet<&str> = ready.into_iter().map(|file| file.display.as_str()).collect();
+        let mut groups = groups_with(&|path| due.contains(path), (&seen, &pairs), kind_of, &summary);
         let mut orphans = Orphans::default();
         loop {
             observer.begin("reading", groups.len() as u64);
@@ -122,9 +126,10 @@ impl Ingest<'_> {
                 break;
             }
             let kind_of = |path: &str| context.campaign.kind_of(path);
-            groups = groups_with(&|path| orphans.contains(path), &seen, kind_of, &summary);
+            groups = groups_with(&|path| orphans.contains(path), (&seen, &pairs), kind_of, &summary);
         }
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
+        pairs::settle_pairs(context, (&readers, &shelf), &seen, &mut summary, observer)?;
         // The lists of a large folder do not stand beside those that tagging needs.
         drop((groups, changes, seen, stored));
         // What runs of the same readings are tagged with is known together.
@@ -211,34 +216,24 @@ impl Ingest<'_> {
             .extend(waiting.into_iter().map(|file| file.display.clone()));
         ready
     }
-
-    /// The groups of files with one to be read and none that waits.
-    fn due(
-        &mut self,
-        readers: &Readers,
-        stored: &[FileRow],
-        seen: &Scan,
-        changes: &Changes,
-        kind_of: impl Fn(&str) -> RunKind,
-        summary: &mut IngestSummary,
-    ) -> Vec<Group> {
-        let ready = self.ready_files(readers, stored, changes, summary);
-        let due: BTreeSet<&str> = ready.into_iter().map(|file| file.display.as_str()).collect();
-        groups_with(&|path| due.contains(path), seen, kind_of, summary)
-    }
 }
 
 /// The groups of files with one that is `due` and none that waits.
 fn groups_with(
     due: &dyn Fn(&str) -> bool,
-    seen: &Scan,
+    (seen, pairs): (&Scan, &[(String, [String; 2])]),
     kind_of: impl Fn(&str) -> RunKind,
     summary: &IngestSummary,
 ) -> Vec<Group> {
     let waiting: BTreeSet<&str> = summary.waiting.iter().map(String::as_str).collect();
     let by_path: BTreeMap<&str, &Arc<SeenFile>> =
         seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
-    groups::grouped(by_path.keys().copied())
+    // Of two files with the same bytes the first is the run: a copy comes after what it is of.
+    let mut groups: Vec<_> = groups::grouped(by_path.keys().copied(), pairs)
+        .into_iter()
+        .collect();
+    groups.sort_by_key(|(run_name, _)| groups::is_named_as_copy(run_name));
+    groups
         .into_iter()
         .filter(|(_, paths)| paths.iter().any(|path| due(path)))
         .filter(|(_, paths)| !paths.iter().any(|path| waiting.contains(path)))
@@ -281,6 +276,7 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     let aside = standing::runs(context)?.set_aside;
     let aside: BTreeSet<&str> = aside.iter().map(|run| run.path.as_str()).collect();
     summary.untagged.retain(|name| !aside.contains(name.as_str()));
+    summary.lone_halves = pairs::paired(context)?.lone;
     summary.waiting_for = waiting::waiting_for(context)?;
     let untagged = summary.untagged.iter().map(String::as_str);
     summary.proposed_pattern = waiting::proposed_pattern(context, untagged);

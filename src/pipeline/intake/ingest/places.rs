@@ -1,7 +1,7 @@
 //! Whether places along the strip fit the sample's free length.
 
 use crate::domain::number::fixed;
-use crate::domain::{Channel, Issue, Quantity};
+use crate::domain::{Channel, Issue, Quantity, RunClock, RunOrigin};
 
 /// Part of the free length by which what frames show may differ from what a ruler does.
 const ALIKE: f64 = 0.05;
@@ -36,6 +36,44 @@ pub(super) fn misplaced(channels: &[Channel], length_mm: f64) -> Option<Issue> {
         );
         Issue::warning("place-beyond-strip", message)
             .mend("check the places in the header, in mm from the clamp, and length_mm of the sample in campaign.toml")
+    })
+}
+
+/// Code of the issue of a tip that moves further than its strip is long.
+pub const BEYOND_STRIP: &str = "displacement-beyond-strip";
+
+/// A tip that moves further than its strip is long was not measured in that unit: nothing is made of such readings.
+pub(super) fn beyond_strip(channels: &[Channel], length_mm: f64, origin: &RunOrigin) -> Option<Issue> {
+    let is_tip = |channel: &Channel| channel.quantity == Quantity::TipDisplacement && !channel.is_empty();
+    let at = channels.iter().position(is_tip)?;
+    let (tip, clock) = (&channels[at], origin.clocks.iter());
+    let of_tip =
+        |clock: &&RunClock| (clock.first_channel..clock.first_channel + clock.channels).contains(&at);
+    let file = clock
+        .into_iter()
+        .find(of_tip)
+        .map_or("FILE", |clock| clock.file.as_str());
+    let (_, readings_mm) = tip.included();
+    let (low, high) = readings_mm
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mm| {
+            (low.min(*mm), high.max(*mm))
+        });
+    // From one side to the other it is twice as far.
+    (high - low > 2.0 * length_mm).then(|| {
+        let name = &tip.raw_name;
+        let message = format!(
+            "the tip moves by {} mm, and the strip is {length_mm} mm long: column \"{name}\" is in another unit than {}",
+            fixed(high - low, 1),
+            if tip.raw_unit.is_empty() { "mm" } else { &tip.raw_unit }
+        );
+        let mend = format!(
+            "correct the unit in this file's header; or, if all files with these columns are so, ieap profile \"{file}\" \
+             --column \"{name}=tip_displacement,um\" --write displacement; or length_mm of the sample in campaign.toml"
+        );
+        Issue::error(BEYOND_STRIP, message)
+            .at(Quantity::TipDisplacement.column())
+            .mend(mend)
     })
 }
 
@@ -76,6 +114,23 @@ mod tests {
         assert_eq!(told.code, "length-differs");
         assert!(told.message.contains("2.40 mm"), "{}", told.message);
         assert_eq!(misplaced(&channels, 2.45), None);
+    }
+
+    #[test]
+    fn a_tip_that_moves_further_than_the_strip_is_long_is_in_another_unit() {
+        let tip = |mm: f64| {
+            let mut channel = Channel::new(
+                Quantity::TipDisplacement,
+                vec![0.0, 1.0].into(),
+                vec![25.0, 25.0 + mm].into(),
+            );
+            channel.raw_name = "d (mm)".to_owned();
+            channel
+        };
+        let told = beyond_strip(&[tip(5636.0)], 8.0, &RunOrigin::default()).unwrap();
+        assert_eq!(told.code, BEYOND_STRIP);
+        assert!(told.message.contains("5636.0 mm") && told.mend.contains("d (mm)=tip_displacement,um"));
+        assert_eq!(beyond_strip(&[tip(-12.0)], 8.0, &RunOrigin::default()), None);
     }
 
     #[test]

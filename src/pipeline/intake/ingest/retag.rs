@@ -186,7 +186,7 @@ fn retag(
     // A date that the file leaves open is read anew, for what decides it may have changed.
     let mut stamps = run.origin.clocks.iter().filter_map(|clock| clock.stamp.as_ref());
     let open = stamps.find(|stamp| start::is_open(stamp)).cloned();
-    let started_at = open.or(start);
+    let started_at = open.or(start).or_else(|| start::of_run(&run.origin, &channels));
     let input = TaggingInput {
         run_path: &run.path,
         kind: run.kind,

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts};
 use super::readers::{Readers, format_of, reader_of};
 use super::rows::{content_of, file_row, set_aside};
-use super::start::without_open_dates;
+use super::start::{of_run, without_open_dates};
 use super::summary::IngestSummary;
 use super::tagging::{TaggingInput, tagging};
 use crate::domain::data_hash::data_hash;
@@ -58,6 +58,26 @@ pub fn settle(
             observer,
         )
     }
+}
+
+/// Stores a group whatever is known of its bytes: they make another run now.
+pub fn settle_anew(
+    context: &mut Context,
+    with: (&Readers, &Shelf),
+    prepared: Prepared,
+    summary: &mut IngestSummary,
+    observer: &dyn Observer,
+) -> Result<(), PipelineError> {
+    // What cannot be read now is paired when it can.
+    if prepared
+        .files
+        .iter()
+        .any(|file| !matches!(file.outcome, Outcome::Read(_)))
+    {
+        return Ok(());
+    }
+    let (name, kind) = (&prepared.run_name, prepared.kind);
+    store_runs(context, with, name, kind, &prepared.files, summary, observer)
 }
 
 /// Whether the current run of several files holds these very bytes, read by these readers: a file that was only
@@ -321,7 +341,7 @@ fn new_run(
             .iter()
             .flat_map(|reading| reading.header_tags.clone())
             .collect(),
-        started_at: readings.iter().find_map(|reading| reading.started_at.clone()),
+        started_at: of_run(&origin, &part.channels),
         kept: None,
     };
     Ok(NewRun {

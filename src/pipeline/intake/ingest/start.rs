@@ -3,12 +3,55 @@
 
 use std::path::Path;
 
+use jiff::SignedDuration;
+use jiff::civil::DateTime;
+
+use crate::domain::number::fixed;
 use crate::domain::tag::keys;
-use crate::domain::{DateOrder, Issue};
+use crate::domain::{Channel, DateOrder, Issue, RunClock, RunOrigin, Timestamp};
 use crate::ingest::folder_dates::order_beside;
 use crate::ingest::formats::date::{DATE_UNCERTAIN, uncertain};
 use crate::ingest::formats::stamp;
 use crate::ingest::{Reading, StartedAt};
+
+/// The start that the files of a run state: any of them serves all. Of a file that states its end, its length is taken off.
+pub fn of_run(origin: &RunOrigin, channels: &[Channel]) -> Option<StartedAt> {
+    let stamp = |clock: &RunClock| clock.stamp.clone();
+    let is_start =
+        |stamp: &StartedAt| stamp.kind == Timestamp::Start && (stamp.local.is_some() || is_open(stamp));
+    let stated = origin.clocks.iter().filter_map(stamp).find(is_start);
+    let from_end = || {
+        origin.clocks.iter().find_map(|clock| {
+            let stamp = clock
+                .stamp
+                .as_ref()
+                .filter(|stamp| stamp.kind == Timestamp::End)?;
+            let of_clock = channels.iter().skip(clock.first_channel).take(clock.channels);
+            let last_s = of_clock
+                .filter_map(|channel| channel.time_s.last().copied())
+                .reduce(f64::max)?;
+            before_end(stamp, last_s)
+        })
+    };
+    let any = || origin.clocks.iter().find_map(stamp);
+    stated.or_else(from_end).or_else(any)
+}
+
+/// The start of a record that ended then, `last_s` after its zero.
+fn before_end(stamp: &StartedAt, last_s: f64) -> Option<StartedAt> {
+    let end: DateTime = stamp.local.as_deref()?.parse().ok()?;
+    let length = SignedDuration::try_from_secs_f64(last_s).ok()?;
+    Some(StartedAt {
+        kind: Timestamp::Start,
+        local: Some(end.checked_sub(length).ok()?.to_string()),
+        basis: format!(
+            "{}, less the {} s that the record lasts",
+            stamp.basis,
+            fixed(last_s, 1)
+        ),
+        ..stamp.clone()
+    })
+}
 
 /// Whether day and month of a start may stand in either order.
 pub fn is_open(started: &StartedAt) -> bool {

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::Issue;
+use crate::domain::pairs::{LoneHalf, Pair};
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::pipeline::infra::mends::Together;
 use crate::pipeline::intake::climate::LogSummary;
@@ -21,6 +22,10 @@ pub struct IngestSummary {
     pub renamed: Vec<(String, String)>,
     /// Files that hold the same bytes as a run's file, found now.
     pub aliases: Vec<String>,
+    /// Files that were joined now, two of a run.
+    pub paired: Vec<Pair>,
+    /// Files that hold half of a run and whose partner is not there, now.
+    pub lone_halves: Vec<LoneHalf>,
     /// Pairs of runs that hold the same readings, found now.
     pub copies: usize,
     /// Files refused, now or before, with the reason.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::left_out;
-use super::places::misplaced;
+use super::places::{beyond_strip, misplaced};
 use super::start;
 use super::unread::missing_responses;
 use super::window::window;
@@ -15,7 +15,7 @@ use crate::domain::{
     Channel, InputHash, Issue, Quantity, RunKind, RunOrigin, RunState, Sample, Severity, Tag, TagSource,
 };
 use crate::ingest::named_columns::named_columns;
-use crate::ingest::scan::parse_display_path;
+use crate::ingest::scan::{display_path, parse_display_path};
 use crate::ingest::tags::{self, OtherName, Resolved, TagFiles, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, clocks, drive};
 use crate::pipeline::intake::climate::{self, Asked, Shelf, Start, climate_of};
@@ -62,8 +62,8 @@ pub fn tagging(
     stated: &TagFiles,
     input: &TaggingInput<'_>,
 ) -> Result<Tagging, PipelineError> {
-    let hand = hand_tags(context, input.run_path)?;
     let files = tag_files(input.run_path, &input.file_paths);
+    let hand = hand_tags(context, input.run_path, &files)?;
     let mut header = input.header_tags.clone();
     let beside = context
         .folder
@@ -303,7 +303,7 @@ pub fn digest(
         hash.issue(doubt);
     }
     // With by whom and when, which the run tells.
-    take_stated(&mut hash, &hand_tags(context, run_path)?);
+    take_stated(&mut hash, &hand_tags(context, run_path, files)?);
     for other in other_names(context, other_paths)? {
         hash.bytes(other.file.as_os_str().as_encoded_bytes());
         take_stated(&mut hash, &other.hand);
@@ -320,18 +320,19 @@ fn take_stated(hash: &mut InputHash, tags: &[Tag]) {
     }
 }
 
-/// Tags of the run sheets' rows that plan this file. Modulus logs are not planned.
+/// Tags of the run sheets' rows that plan this run, by the name of any of its files. Modulus logs are not planned.
 fn planned_tags(context: &Context, run_path: &str, files: &[PathBuf]) -> Vec<Tag> {
-    let name = planned_name(context, run_path, files);
-    name.map_or_else(Vec::new, |name| context.sheets.tags_of(&name))
+    let names = planned_names(context, run_path, files);
+    let tags = names.iter().map(|name| context.sheets.tags_of(name));
+    tags.flatten().collect()
 }
 
 /// Why it is not known whether a run sheet plans this file, or another name of the readings.
 fn doubts(context: &Context, run_path: &str, files: &[PathBuf], other_paths: &[String]) -> Vec<Issue> {
-    let own = planned_name(context, run_path, files);
+    let own = planned_names(context, run_path, files);
     let others = other_paths
         .iter()
-        .filter_map(|path| planned_name(context, path, &[parse_display_path(path)]));
+        .flat_map(|path| planned_names(context, path, &[parse_display_path(path)]));
     let names: BTreeSet<String> = own.into_iter().chain(others).collect();
     let mut found: Vec<Issue> = Vec::new();
     for doubt in names.iter().flat_map(|name| context.sheets.doubts(name)) {
@@ -342,10 +343,17 @@ fn doubts(context: &Context, run_path: &str, files: &[PathBuf], other_paths: &[S
     found
 }
 
-/// The name by which run sheets plan a run; none for what is not planned.
-fn planned_name(context: &Context, run_path: &str, files: &[PathBuf]) -> Option<String> {
-    let named = files.first().map_or(Path::new(run_path), PathBuf::as_path);
-    (context.campaign.kind_of(run_path) == RunKind::Actuation).then(|| tags::stem(named))
+/// The names by which run sheets plan a run, those of its files; none for what is not planned.
+fn planned_names(context: &Context, run_path: &str, files: &[PathBuf]) -> Vec<String> {
+    if context.campaign.kind_of(run_path) != RunKind::Actuation {
+        return Vec::new();
+    }
+    let mut names: Vec<String> = files.iter().map(|file| tags::stem(file)).collect();
+    if names.is_empty() {
+        names.push(tags::stem(Path::new(run_path)));
+    }
+    names.dedup();
+    names
 }
 
 /// What keeps the tags of a run from being known: tag files and run sheets that cannot be read.
@@ -368,7 +376,7 @@ fn other_names(context: &Context, paths: &[String]) -> Result<Vec<OtherName>, Pi
     let named = |path: &String| {
         let file = parse_display_path(path);
         Ok(OtherName {
-            hand: hand_tags(context, path)?,
+            hand: hand_tags(context, path, &[])?,
             planned: planned_tags(context, path, std::slice::from_ref(&file)),
             file,
         })
@@ -376,7 +384,8 @@ fn other_names(context: &Context, paths: &[String]) -> Result<Vec<OtherName>, Pi
     paths.iter().map(named).collect()
 }
 
-fn hand_tags(context: &Context, run_path: &str) -> Result<Vec<Tag>, PipelineError> {
+/// Tags set by hand for a run, then for its files by their own names: what was said of a half is said of the run.
+fn hand_tags(context: &Context, run_path: &str, files: &[PathBuf]) -> Result<Vec<Tag>, PipelineError> {
     let as_tag = |tag: HandTag| {
         let detail = format!("{}, {}", tag.set_by, tag.set_at);
         Some(Tag {
@@ -386,12 +395,13 @@ fn hand_tags(context: &Context, run_path: &str) -> Result<Vec<Tag>, PipelineErro
             detail,
         })
     };
-    Ok(context
-        .store
-        .hand_tags(run_path)?
-        .into_iter()
-        .filter_map(as_tag)
-        .collect())
+    let mut tags = Vec::new();
+    let of_files = files.iter().map(|file| display_path(file));
+    let others = of_files.filter(|file| file != run_path);
+    for name in std::iter::once(run_path.to_owned()).chain(others) {
+        tags.extend(context.store.hand_tags(&name)?.into_iter().filter_map(as_tag));
+    }
+    Ok(tags)
 }
 
 /// The start of the run as a header tag, where the file states it for certain.
@@ -473,14 +483,20 @@ pub(crate) fn conclude(
     }
     let length_mm = sample.and_then(|sample| sample.length_mm);
     issues.extend(length_mm.and_then(|length_mm| misplaced(input.channels, length_mm)));
+    let beyond = length_mm.and_then(|length_mm| beyond_strip(input.channels, length_mm, input.origin));
+    let is_beyond = beyond.is_some();
+    issues.extend(beyond);
     let stated = found.drive.as_ref().filter(|_| input.is_step_response);
     issues.extend(stated.and_then(|drive| drive::jumps::unexplained(input.channels, drive)));
     let clock_offset_s = resolved
         .value(keys::CLOCK_OFFSET_S)
         .and_then(|text| text.parse().ok());
     issues.extend(clocks::remarks(input.origin, clock_offset_s));
-    let fittable =
-        input.is_step_response && found.drive.is_some() && area_cm2.is_some() && has_response(input);
+    let fittable = input.is_step_response
+        && found.drive.is_some()
+        && area_cm2.is_some()
+        && has_response(input)
+        && !is_beyond;
     let state = match (resolved.waits(), fittable) {
         _ if !has_steps => RunState::NoSteps,
         (true, _) => RunState::Untagged,

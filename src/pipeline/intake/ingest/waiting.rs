@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::places::BEYOND_STRIP;
 use super::tagging::NO_AREA;
 use super::unread::RESPONSE_MISSING;
 use crate::domain::{RunKind, Severity};
@@ -41,7 +42,7 @@ pub fn unused_columns(context: &Context) -> Result<Vec<Together>, PipelineError>
 /// The database cannot be read.
 pub fn waiting_for(context: &Context) -> Result<Vec<Together>, PipelineError> {
     let mut found = Vec::new();
-    for code in [MISSING, UNKNOWN_SAMPLE, NO_AREA] {
+    for code in [MISSING, UNKNOWN_SAMPLE, NO_AREA, BEYOND_STRIP] {
         found.extend(context.store.issues_of_code(code)?);
     }
     found.retain(|(_, issue)| issue.severity == Severity::Error);

@@ -11,6 +11,7 @@ use super::look::{ProposedFor, Seen, Taken, files_below, look};
 use super::plan::{NamedSample, PlannedFile, plan};
 use super::text::campaign_text;
 use crate::domain::DateOrder;
+use crate::domain::pairs::{LoneHalf, Pair};
 use crate::domain::tag::keys;
 use crate::ingest::campaign_file;
 use crate::ingest::formats::error::ASKED;
@@ -36,6 +37,10 @@ pub struct InitFrom {
 pub struct Proposed {
     /// Its files with what each becomes.
     pub files: Vec<PlannedFile>,
+    /// Files that are two of a run: the run has the name of the first.
+    pub pairs: Vec<Pair>,
+    /// Files that hold half of a run and whose partner is not among them.
+    pub lone_halves: Vec<LoneHalf>,
     /// Samples that names of files speak of; their sizes are not known.
     pub samples: Vec<NamedSample>,
     /// The pattern that explains the most names of runs.
@@ -99,6 +104,8 @@ impl InitFrom {
             campaign_toml: campaign_text(&id, &shown, zone, &looked, &planned),
             fill_in: Vec::new(),
             files: planned.files,
+            pairs: planned.pairs,
+            lone_halves: planned.lone,
             samples: planned.samples,
             name_pattern: planned.pattern,
             date_order: looked.date_order,
@@ -138,6 +145,14 @@ fn fill_in(proposed: &Proposed, has_open_dates: bool, no_zone: bool) -> Vec<Stri
             ));
         }
     }
+    open.extend(proposed.lone_halves.iter().map(|half| {
+        format!(
+            "{} is half of a run ({}) and waits for {}",
+            half.path,
+            half.holds.label(),
+            half.waits_for
+        )
+    }));
     if has_open_dates && proposed.date_order.is_none() {
         open.push("campaign.toml: date_order, for dates that fit two orders".to_owned());
     }
@@ -183,14 +198,13 @@ fn failed(path: &Path, doing: &'static str) -> impl Fn(std::io::Error) -> Pipeli
 /// Makes the campaign; campaign.toml comes last, so that what is not whole is none.
 fn write(campaign: &Path, proposed: &Proposed) -> Result<(), PipelineError> {
     let mut texts: BTreeMap<PathBuf, String> = BTreeMap::new();
-    for file in proposed.files.iter().filter(|file| !file.beside.is_empty()) {
-        let Some(to) = &file.to else { continue };
-        let lines = file.beside.iter().map(|(key, value)| line(key, value));
+    for (to, beside) in stated(proposed) {
+        let lines = beside.iter().map(|(key, value)| line(key, value));
         let text = format!(
-            "# From the file's name, by `ieap init`: check it.\n{}",
+            "# From the names of files and folders, by `ieap init`: check it.\n{}",
             lines.collect::<String>()
         );
-        texts.insert(campaign.join(format!("{to}.toml")), text);
+        texts.insert(campaign.join(to), text);
     }
     for profile in &proposed.profiles {
         let ending = if profile.open.is_empty() {
@@ -230,6 +244,41 @@ fn write(campaign: &Path, proposed: &Proposed) -> Result<(), PipelineError> {
     }
     let file = campaign.join(campaign_file::FILE_NAME);
     put_bytes(&file, false, proposed.campaign_toml.as_bytes())
+}
+
+/// Tags by key.
+type Tags = BTreeMap<String, String>;
+
+/// Tags that the pattern does not give, by the file that states them: a tags.toml where all runs of a folder have the same,
+/// else one beside each run.
+fn stated(proposed: &Proposed) -> BTreeMap<String, Tags> {
+    let folder = |to: &str| to.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
+    let mut folders: BTreeMap<String, Vec<(&String, &Tags)>> = BTreeMap::new();
+    for file in proposed.files.iter().filter(|file| file.seen.taken == Taken::Run) {
+        if let Some(to) = &file.to {
+            folders.entry(folder(to)).or_default().push((to, &file.beside));
+        }
+    }
+    let logs = proposed.files.iter().filter(|file| file.seen.taken != Taken::Run);
+    let mut texts: BTreeMap<String, Tags> = logs
+        .filter_map(|file| Some((format!("{}.toml", file.to.as_ref()?), file.beside.clone())))
+        .collect();
+    let is_there = |path: &String| proposed.files.iter().any(|file| file.to.as_ref() == Some(path));
+    for (folder, files) in folders {
+        let of_folder = format!("{folder}/tags.toml");
+        let alike = files.iter().all(|(_, beside)| *beside == files[0].1);
+        if alike && files.len() > 1 && !is_there(&of_folder) {
+            texts.insert(of_folder, files[0].1.clone());
+        } else {
+            texts.extend(
+                files
+                    .into_iter()
+                    .map(|(to, beside)| (format!("{to}.toml"), beside.clone())),
+            );
+        }
+    }
+    texts.retain(|_, beside| !beside.is_empty());
+    texts
 }
 
 fn make_parent(path: &Path) -> Result<(), PipelineError> {

@@ -1,17 +1,24 @@
 //! Looks at the files of a folder: what each is, what is read of it, and by which profile where no reader knows it.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::domain::pairs::HalfKind;
 use crate::domain::{Channel, DateOrder, Issue, Quantity};
+use crate::ingest::archive;
 use crate::ingest::folder_dates::order_beside;
 use crate::ingest::formats::{ReadContext, ReadError};
+use crate::ingest::pairs::{half_of, window_s};
 use crate::ingest::profiles::{self, Profile};
+use crate::ingest::run_sheet::SheetRow;
 use crate::ingest::scan::{is_own_product, is_passing_name, is_statement};
 use crate::ingest::{Reading, climate_log, drive, run_sheet};
+use crate::pipeline::intake::ingest::groups::is_named_as_copy;
 use crate::pipeline::intake::ingest::unread::missing_responses;
 
 /// Most files that are looked at.
@@ -31,8 +38,12 @@ pub enum Taken {
     Logger,
     /// A modulus log.
     ModulusLog,
-    /// A sidecar of an instrument, a run sheet, or a file of tags.
+    /// A run sheet: a table of runs by the names of their files, with their tags.
+    RunSheet,
+    /// A sidecar of an instrument, or a file of tags.
     Sidecar,
+    /// The bytes of another file.
+    Copy,
     /// Nothing that is read; it is copied to the runs, where it is listed with its reason.
     NotRead,
     /// Nothing: too large, or it cannot be opened.
@@ -47,7 +58,9 @@ impl Taken {
             Taken::NoSteps => "no steps",
             Taken::Logger => "climate log",
             Taken::ModulusLog => "modulus log",
+            Taken::RunSheet => "run sheet",
             Taken::Sidecar => "beside a run",
+            Taken::Copy => "copy of a file",
             Taken::NotRead => "not read",
             Taken::LeftOut => "left out",
         }
@@ -56,7 +69,9 @@ impl Taken {
     /// The campaign's folder that it is copied to; none where it is not.
     pub fn folder(self) -> Option<&'static str> {
         match self {
-            Taken::Run | Taken::NoSteps | Taken::Sidecar | Taken::NotRead => Some("runs"),
+            Taken::Run | Taken::NoSteps | Taken::RunSheet | Taken::Sidecar | Taken::Copy | Taken::NotRead => {
+                Some("runs")
+            }
             Taken::Logger => Some("ambient"),
             Taken::ModulusLog => Some("dma"),
             Taken::LeftOut => None,
@@ -77,6 +92,11 @@ pub struct Seen {
     pub columns: Vec<String>,
     /// Whether a voltage can be taken from it.
     pub has_drive: bool,
+    /// What it holds, where that is half of a run.
+    pub half: Option<HalfKind>,
+    /// When it began and ended, s since 1970, as far as its clock tells.
+    #[serde(skip)]
+    pub window_s: Option<(f64, f64)>,
     /// What is to be known of it: why it is not read, columns taken under another name.
     pub issues: Vec<Issue>,
     /// Where it lies.
@@ -106,6 +126,8 @@ pub struct Looked {
     pub profiles: Vec<ProposedFor>,
     /// The order of dates that decides where files leave it open, and the file that shows it.
     pub date_order: Option<DateOrder>,
+    /// Rows of run sheets.
+    pub rows: Vec<SheetRow>,
     /// Whether dates stay open because no file shows their order.
     pub has_open_dates: bool,
 }
@@ -143,12 +165,35 @@ pub fn files_below(folder: &Path, without: &Path) -> std::io::Result<Vec<PathBuf
 pub fn look(folder: &Path, paths: &[PathBuf]) -> Looked {
     let mut looked = Looked::default();
     let mut usable: Vec<Profile> = Vec::new();
-    for path in paths {
+    let mut in_order: Vec<&PathBuf> = paths.iter().collect();
+    // A copy comes after what it is of.
+    in_order.sort_by_key(|path| is_named_as_copy(&path.to_string_lossy()));
+    let mut known: HashMap<String, String> = HashMap::new();
+    for path in in_order {
         let shown = path.strip_prefix(folder).unwrap_or(path);
         let shown = shown.to_string_lossy().replace('\\', "/");
-        let seen = one(path, shown, &mut usable, &mut looked);
+        let mut seen = one(path, shown, &mut usable, &mut looked);
+        if seen.taken == Taken::Run
+            && let Ok(bytes) = fs::read(path)
+        {
+            match known.entry(archive::hash(&bytes)) {
+                Entry::Occupied(first) => {
+                    let issue = Issue::note("same-bytes", format!("it has the bytes of {}", first.get()));
+                    seen = Seen {
+                        taken: Taken::Copy,
+                        half: None,
+                        issues: vec![issue],
+                        ..seen
+                    };
+                }
+                Entry::Vacant(place) => {
+                    place.insert(seen.path.clone());
+                }
+            }
+        }
         looked.files.push(seen);
     }
+    looked.files.sort_by(|a, b| a.path.cmp(&b.path));
     looked
 }
 
@@ -160,6 +205,8 @@ fn one(path: &Path, shown: String, usable: &mut Vec<Profile>, looked: &mut Looke
         format: String::new(),
         columns: Vec::new(),
         has_drive: false,
+        half: None,
+        window_s: None,
         issues: Vec::new(),
         location: path.to_owned(),
     };
@@ -184,8 +231,11 @@ fn one(path: &Path, shown: String, usable: &mut Vec<Profile>, looked: &mut Looke
     {
         return seen(Taken::Sidecar);
     }
-    if is_statement(path.file_name().unwrap_or_default()) || run_sheet::is_sheet(&name, &bytes) {
+    if is_statement(path.file_name().unwrap_or_default()) {
         return seen(Taken::Sidecar);
+    }
+    if run_sheet::is_sheet(&name, &bytes) {
+        return sheet(seen(Taken::RunSheet), &bytes, looked);
     }
     match read(path, &name, &bytes, usable, looked) {
         Ok((reading, format)) => of_reading(seen(Taken::Run), &reading, format),
@@ -208,6 +258,22 @@ fn one(path: &Path, shown: String, usable: &mut Vec<Profile>, looked: &mut Looke
                 ..seen(Taken::NotRead)
             }
         }
+    }
+}
+
+/// A run sheet, whose rows are remembered.
+fn sheet(seen: Seen, bytes: &[u8], looked: &mut Looked) -> Seen {
+    let issue = match run_sheet::read(bytes) {
+        Ok(rows) => {
+            let note = run_sheet::note(bytes, rows.len());
+            looked.rows.extend(rows);
+            note
+        }
+        Err(issue) => issue,
+    };
+    Seen {
+        issues: vec![issue],
+        ..seen
     }
 }
 
@@ -276,7 +342,15 @@ fn of_reading(seen: Seen, reading: &Reading, format: String) -> Seen {
         Taken::Run => missing_responses(&all, &seen.path),
         _ => Vec::new(),
     };
+    let times = all
+        .iter()
+        .filter_map(|c| c.time_s.first().copied().zip(c.time_s.last().copied()));
+    let times = times.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let window = reading.started_at.as_ref().zip(times);
     Seen {
+        half: half_of(all.iter().map(|channel| channel.quantity)).filter(|_| taken == Taken::Run),
+        // Of two files without a zone both count as if they had the same.
+        window_s: window.and_then(|(stamp, times)| window_s(stamp, times, 0.0)),
         taken,
         format,
         columns: columns.collect(),

@@ -8,10 +8,12 @@ use serde::Serialize;
 
 use super::look::{Looked, Seen, Taken};
 use crate::domain::campaign::BUILT_IN_ENVIRONMENTS;
+use crate::domain::pairs::{LoneHalf, Pair, PairRules};
 use crate::domain::tag::keys;
 use crate::ingest::name_pattern::{
-    KnownIds, NameMatch, NamePattern, ProposedPattern, environment_of, propose, tags_of_name,
+    KnownIds, NameMatch, NamePattern, ProposedPattern, environment, environment_of, propose, tags_of_name,
 };
+use crate::ingest::pairs::{Half, Paired, pair};
 use crate::ingest::tags;
 
 /// A file with what it becomes.
@@ -20,6 +22,8 @@ pub struct PlannedFile {
     /// What it is.
     #[serde(flatten)]
     pub seen: Seen,
+    /// The other file of its run, where two are one.
+    pub partner: Option<String>,
     /// Where it is copied to, relative to the campaign; none where it is not.
     pub to: Option<String>,
     /// Tags that are known of it, by key.
@@ -50,22 +54,26 @@ pub struct Plan {
     pub samples: Vec<NamedSample>,
     /// The pattern that explains the most names of runs.
     pub pattern: Option<ProposedPattern>,
+    /// Files that are two of a run.
+    pub pairs: Vec<Pair>,
+    /// Files that hold half of a run and whose partner is not among them.
+    pub lone: Vec<LoneHalf>,
 }
 
 /// Plans a campaign of the files that were looked at.
 pub fn plan(looked: &Looked) -> Plan {
     let stem_of = |seen: &Seen| tags::stem(Path::new(&seen.path));
-    let runs: Vec<&Seen> = looked
-        .files
-        .iter()
-        .filter(|seen| seen.taken == Taken::Run)
-        .collect();
+    let Paired { pairs, lone } = paired(looked);
+    // The run of two files has the name of the one with the current.
+    let is_partner = |seen: &Seen| pairs.iter().any(|pair| pair.bending == seen.path);
+    let is_run = |seen: &Seen| seen.taken == Taken::Run && !is_partner(seen);
+    let runs: Vec<&Seen> = looked.files.iter().filter(|seen| is_run(seen)).collect();
     let stems: Vec<String> = runs.iter().map(|seen| stem_of(seen)).collect();
     let pattern = propose(&stems.iter().map(String::as_str).collect::<Vec<_>>());
     let named: Vec<BTreeMap<String, String>> = runs
         .iter()
         .zip(&stems)
-        .map(|(seen, stem)| named(seen, stem))
+        .map(|(seen, stem)| named(seen, stem, &partner_rows(looked, &pairs, seen)))
         .collect();
     let logs = looked.files.iter().filter(|seen| seen.taken == Taken::ModulusLog);
     let of_logs: Vec<String> = logs.filter_map(sample_of_name).collect();
@@ -85,7 +93,10 @@ pub fn plan(looked: &Looked) -> Plan {
             let by_pattern = compiled
                 .as_ref()
                 .map_or(Vec::new(), |pattern| read(pattern, stem, &samples));
-            let stated = stated_beside(looked, seen);
+            let mut stated = stated_beside(looked, seen);
+            for (key, value) in partner_rows(looked, &pairs, seen) {
+                stated.entry(key).or_insert(value);
+            }
             let is_given = |(key, value): &(&String, &String)| {
                 stated.contains_key(*key)
                     || by_pattern
@@ -101,16 +112,89 @@ pub fn plan(looked: &Looked) -> Plan {
         .files
         .iter()
         .filter_map(|seen| match seen.taken {
+            Taken::Run if is_partner(seen) => Some(partner(seen)),
             Taken::Run => of_runs.next(),
             Taken::ModulusLog => Some(modulus_log(looked, seen, &samples)),
             _ => Some(planned(seen, stated_beside(looked, seen), BTreeMap::new())),
         })
+        .map(|file: PlannedFile| PlannedFile {
+            partner: partner_of(&pairs, &file.seen.path),
+            ..file
+        })
         .collect();
     Plan {
         files,
+        pairs,
+        lone,
         samples: samples.into_list(),
         pattern,
     }
+}
+
+/// Pairs of files, by what was read of them: as a campaign of these files will pair them.
+fn paired(looked: &Looked) -> Paired {
+    let in_runs = |path: &str| format!("runs/{path}");
+    let half = |seen: &Seen| {
+        Some(Half {
+            path: in_runs(&seen.path),
+            kind: seen.half?,
+            window_s: seen.window_s,
+        })
+    };
+    let halves: Vec<Half> = looked.files.iter().filter_map(half).collect();
+    let found = pair(&halves, &PairRules::default(), "runs");
+    let below = |path: String| path.strip_prefix("runs/").map_or(path.clone(), str::to_owned);
+    let pairs = found.pairs.into_iter().map(|pair| Pair {
+        electrical: below(pair.electrical),
+        bending: below(pair.bending),
+        ..pair
+    });
+    let lone = found.lone.into_iter().map(|half| LoneHalf {
+        path: below(half.path),
+        waits_for: below(half.waits_for),
+        ..half
+    });
+    Paired {
+        pairs: pairs.collect(),
+        lone: lone.collect(),
+    }
+}
+
+fn partner_of(pairs: &[Pair], path: &str) -> Option<String> {
+    pairs.iter().find_map(|pair| match path {
+        path if path == pair.electrical => Some(pair.bending.clone()),
+        path if path == pair.bending => Some(pair.electrical.clone()),
+        _ => None,
+    })
+}
+
+/// The file with the bending of a run: the other one has its tags.
+fn partner(seen: &Seen) -> PlannedFile {
+    PlannedFile {
+        missing: Vec::new(),
+        ..planned(seen, BTreeMap::new(), BTreeMap::new())
+    }
+}
+
+/// What run sheets state of a file or of its partner.
+fn partner_rows(looked: &Looked, pairs: &[Pair], seen: &Seen) -> BTreeMap<String, String> {
+    let partner = partner_of(pairs, &seen.path);
+    let stems: Vec<String> = std::iter::once(&seen.path)
+        .chain(&partner)
+        .map(|path| tags::stem(Path::new(path)))
+        .collect();
+    let mut stated = BTreeMap::new();
+    for row in looked.rows.iter().filter(|row| stems.contains(&row.file)) {
+        for (key, value) in &row.tags {
+            let value = match key.as_str() {
+                keys::PLANNED => continue,
+                keys::ENVIRONMENT => environment(value, &[]).unwrap_or_else(|| value.clone()),
+                _ => value.clone(),
+            };
+            stated.entry(key.clone()).or_insert(value);
+        }
+    }
+    stated
 }
 
 fn planned(seen: &Seen, tags: BTreeMap<String, String>, beside: BTreeMap<String, String>) -> PlannedFile {
@@ -127,6 +211,7 @@ fn planned(seen: &Seen, tags: BTreeMap<String, String>, beside: BTreeMap<String,
             .folder()
             .map(|folder| format!("{folder}/{}", seen.path)),
         missing: missing.collect(),
+        partner: None,
         seen: seen.clone(),
         tags,
         beside,
@@ -151,14 +236,17 @@ fn sample_of_name(seen: &Seen) -> Option<String> {
     samples.next().map(|(_, name)| name)
 }
 
-/// What the name says, and the environment that a folder's name says where the file's does not.
-fn named(seen: &Seen, stem: &str) -> BTreeMap<String, String> {
+/// What run sheets state of the run; where none does, what the name says, then the environment that a folder's name says.
+fn named(seen: &Seen, stem: &str, stated: &BTreeMap<String, String>) -> BTreeMap<String, String> {
+    if !stated.is_empty() {
+        return stated.clone();
+    }
     let mut tags: BTreeMap<String, String> = tags_of_name(stem).into_iter().collect();
     let folders = seen.path.rsplit('/').skip(1);
     let environment = folders.filter_map(environment_of).next();
     if let Some(environment) = environment {
         let known = tags.entry(keys::ENVIRONMENT.to_owned());
-        known.or_insert_with(|| environment.to_owned());
+        known.or_insert(environment);
     }
     tags
 }

@@ -1,30 +1,29 @@
 //! The campaign.toml that is proposed for a folder of files.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::look::{Looked, Taken};
 use super::plan::Plan;
+use crate::domain::surroundings::is_waterless;
 use crate::domain::tag::keys;
 use crate::domain::words::counted;
 
 /// What marks a place that only a person can fill in.
 pub const FILL_IN: &str = "FILL IN";
 
-/// Environments that hold no water unless somebody says so: vacuum, and the dry gas of a glove box.
-const DRY: [&str; 2] = ["vacuum", "inert"];
-
-/// Dry environments with the number of runs that are in them and whose humidity nothing states.
-fn dry_environments(plan: &Plan) -> impl Iterator<Item = (&'static str, usize)> {
-    let count = |id: &&'static str| {
-        let runs = plan.files.iter().filter(|file| {
-            file.seen.taken == Taken::Run
-                && file.tags.get(keys::ENVIRONMENT).map(String::as_str) == Some(*id)
-                && !file.tags.contains_key(keys::RELATIVE_HUMIDITY_PERCENT)
-        });
-        (*id, runs.count())
-    };
-    let counts: Vec<(&str, usize)> = DRY.iter().map(count).collect();
-    counts.into_iter().filter(|(_, runs)| *runs > 0)
+/// Dry environments, vacuum and gases under their own names, with the number of runs that are in them and whose humidity
+/// nothing states.
+fn dry_environments(plan: &Plan) -> BTreeMap<&str, usize> {
+    let mut counts = BTreeMap::new();
+    for file in plan.files.iter().filter(|file| file.seen.taken == Taken::Run) {
+        let is_stated = file.tags.contains_key(keys::RELATIVE_HUMIDITY_PERCENT);
+        let environment = file.tags.get(keys::ENVIRONMENT).filter(|id| is_waterless(id));
+        if let Some(environment) = environment.filter(|_| !is_stated) {
+            *counts.entry(environment.as_str()).or_insert(0) += 1;
+        }
+    }
+    counts
 }
 
 /// The text of campaign.toml for a campaign of that id.
@@ -92,16 +91,15 @@ pub fn campaign_text(id: &str, from: &str, timezone: Option<&str>, looked: &Look
             quoted(id)
         );
     }
-    let extra = plan.pattern.iter().flat_map(|pattern| &pattern.extra);
-    let extra: Vec<String> = extra.map(|key| quoted(key)).collect();
-    if !extra.is_empty() {
+    let _ = writeln!(text, "\n[runs]\nfolder = \"runs\"");
+    if !plan.pairs.is_empty() {
         let _ = writeln!(
             text,
-            "\n[tags]\nextra = [{}]    # words of the names that only you know: give them better keys here and below",
-            extra.join(", ")
+            "# {} in two files each, paired by what they hold and by names or times, as `ieap init` showed; \
+             `pair_by = []` takes that back, and [[pair]] says which belong together.",
+            counted(plan.pairs.len(), "run")
         );
     }
-    let _ = writeln!(text, "\n[runs]\nfolder = \"runs\"");
     if let Some(pattern) = &plan.pattern {
         let _ = writeln!(
             text,
@@ -110,6 +108,13 @@ pub fn campaign_text(id: &str, from: &str, timezone: Option<&str>, looked: &Look
             pattern.explains,
             pattern.names
         );
+        if !pattern.ignored.is_empty() {
+            let _ = writeln!(
+                text,
+                "# {{_}} ignores words of which only you know what they mean: {}. A key in its place makes a tag of the word.",
+                pattern.ignored.join(", ")
+            );
+        }
     }
     text
 }
