@@ -161,8 +161,8 @@ fn a_report_has_the_page_where_there_are_logs_and_links_to_it() {
     assert!(page("index.html").contains("href=\"dma.html\""));
     assert!(page("dma.html").contains("Simulated, not measured"));
     assert!(page("dma.csv").lines().count() > 50);
-    // Overview, comparison, parameters, findings, climate and this one.
-    assert_eq!(report.pages, 6);
+    // Overview, comparison, parameters, findings, climate, files and this one.
+    assert_eq!(report.pages, 7);
     let without = CampaignFolder::new();
     without.run_json();
     assert!(!without.report("index.html").contains("dma.html"));
