@@ -88,7 +88,8 @@ mod tests {
     #[test]
     fn units_of_parameters_are_those_that_their_keys_end_in() {
         let store = Store::in_memory().unwrap();
-        let rule = &VIEWS[VIEWS.find("    CASE\n        WHEN key").unwrap()..VIEWS.find("    END AS unit").unwrap()];
+        let rule =
+            &VIEWS[VIEWS.find("    CASE\n        WHEN key").unwrap()..VIEWS.find("    END AS unit").unwrap()];
         for (ending, unit) in ieap_domain::UNITS {
             let sql = format!("SELECT {rule} END FROM (SELECT 'x{ending}' AS key)");
             let said: String = store.connection.query_row(&sql, [], |row| row.get(0)).unwrap();
