@@ -46,7 +46,7 @@ impl Content {
 }
 
 /// Kinds of parts with their queries; the first column of each is the part's name, the rows of a part follow each other.
-const KINDS: [(&str, &str); 10] = [
+const KINDS: [(&str, &str); 9] = [
     (
         "run",
         "SELECT path, kind, revision, state, data_hash, reading, tagging FROM run NOT INDEXED
@@ -70,10 +70,6 @@ const KINDS: [(&str, &str); 10] = [
     ("fit", FIT),
     ("modulus analysis", ANALYSIS),
     ("diagnosis", DIAGNOSIS),
-    (
-        "same readings",
-        "SELECT name, key, document FROM result NOT INDEXED WHERE kind = 'same' AND superseded_at IS NULL ORDER BY name",
-    ),
     (
         "climate log",
         "SELECT path, revision, hash, reading FROM climate_log NOT INDEXED WHERE superseded_at IS NULL ORDER BY path",
@@ -102,6 +98,18 @@ impl Store {
             let found = parts(&self.connection, sql).map_err(self.named("hashing what is stored"))?;
             let named = found.into_iter().map(|(name, sum)| ((kind, name), sum));
             content.parts.extend(named);
+        }
+        // What a run stood in that is current no more is left out.
+        let runs = self.all_current_rows()?;
+        let name = |id: i64| runs.iter().find(|run| run.id == id).map_or("", |run| &run.path);
+        for pair in self.same_readings()? {
+            let part = (
+                "same readings",
+                format!("{} in {}", name(pair.run_id), name(pair.in_run_id)),
+            );
+            content
+                .parts
+                .insert(part, [u8::from(pair.whole); size_of::<RowHash>()]);
         }
         Ok(content)
     }
