@@ -242,16 +242,25 @@ fn read_toml(folder: &CampaignFolder, page: &str, text: &str) {
         return fine(folder.ieap(&["status"]));
     }
     let known = std::fs::read_to_string(folder.join("my-campaign/campaign.toml")).unwrap();
-    let (first, others) = text.split_at(text.find("\n[").map_or(text.len(), |at| at + 1));
-    let added = match first.strip_prefix("[campaign]\n") {
-        Some(keys) => known.replacen("[campaign]\n", &format!("[campaign]\n{keys}"), 1) + "\n" + others,
-        None => format!("{known}\n{text}"),
-    };
-    assert_ne!(added, known);
-    folder.write("my-campaign/campaign.toml", added);
+    let mut added: toml::Table = known.parse().unwrap();
+    let before = added.clone();
+    lay_over(&mut added, text.parse().unwrap());
+    assert_ne!(added, before, "{page}:\n{text}");
+    folder.write("my-campaign/campaign.toml", added.to_string());
     fine(folder.ieap(&["status", "my-campaign"]));
     if !has("[[sample]]") {
         folder.write("my-campaign/campaign.toml", known);
+    }
+}
+
+/// Lays what a page states over a campaign.toml: tables are joined, and lists of tables go on.
+fn lay_over(known: &mut toml::Table, page: toml::Table) {
+    for (key, value) in page {
+        match (known.get_mut(&key), value) {
+            (Some(toml::Value::Table(own)), toml::Value::Table(of_page)) => lay_over(own, of_page),
+            (Some(toml::Value::Array(own)), toml::Value::Array(of_page)) => own.extend(of_page),
+            (_, value) => drop(known.insert(key, value)),
+        }
     }
 }
 
