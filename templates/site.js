@@ -293,7 +293,9 @@
     constructor(element, panel) {
       this.element = element;
       this.name = element.dataset.s;
-      this.hidden = false;
+      // Hidden by its key, and by the toolbox.
+      this.keyed = false;
+      this.boxed = false;
       this.shapes = (element.tagName === "g" ? [...element.querySelectorAll("path, circle")] : [element]).map((shape) => {
         if (shape.tagName === "circle") {
           const at = [Number(shape.getAttribute("cx")), Number(shape.getAttribute("cy"))];
@@ -315,6 +317,8 @@
         return { shape, dots: shape.classList.contains("dots"), stretches, small: stretches.map(small) };
       });
       const marks = this.shapes.flatMap((s) => (s.dots ? s.stretches.flat() : s.ring ? s.marks : s.small.filter(Boolean)));
+      // What is drawn of each mark: the mark itself, then its bars.
+      this.parts = this.shapes.flatMap((s) => (s.dots ? s.stretches.flat() : s.ring ? s.stretches : s.stretches.filter((_, k) => s.small[k]))).map((part) => [part]);
       const lines = this.shapes.filter((s) => s.shape.classList.contains("s") && !s.ring).flatMap((s) => s.stretches);
       // What has no marks is a line, which is read anywhere along it; its vertices are where arrow keys stop.
       this.lines = marks.length ? null : lines.filter((points) => !points.closed);
@@ -325,25 +329,53 @@
       const [upright, level] = [new Map(), new Map()];
       if (marks.length) for (const bar of lines.filter((points) => points.length === 2)) {
         const [[x0, y0], [x1, y1]] = bar;
-        if (x0 === x1) upright.set(x0, [...(upright.get(x0) || []), [Math.max(y0, y1), Math.min(y0, y1)]]);
-        else if (y0 === y1) level.set(y0, [...(level.get(y0) || []), [Math.min(x0, x1), Math.max(x0, x1)]]);
+        if (x0 === x1) upright.set(x0, [...(upright.get(x0) || []), Object.assign([Math.max(y0, y1), Math.min(y0, y1)], { bar })]);
+        else if (y0 === y1) level.set(y0, [...(level.get(y0) || []), Object.assign([Math.min(x0, x1), Math.max(x0, x1)], { bar })]);
       }
-      for (const point of this.points) {
+      this.points.forEach((point, k) => {
         point.bar = upright.get(Math.round(point.px))?.find(([low, high]) => point.py <= low + 2 && point.py >= high - 2);
         point.side = level.get(Math.round(point.py))?.find(([low, high]) => point.px >= low - 2 && point.px <= high + 2);
-      }
+        this.parts[k]?.push(...[point.bar, point.side].filter(Boolean).map((end) => end.bar));
+      });
       this.panel = panel;
     }
+    get hidden() { return this.keyed || this.boxed; }
+    display() { this.element.style.display = this.hidden ? "none" : ""; }
     place(to) {
-      for (const { shape, ring, stretches, small } of this.shapes) {
-        if (ring) { const [x, y] = to(stretches[0][0]); shape.setAttribute("cx", x); shape.setAttribute("cy", y); continue; }
-        shape.setAttribute("d", written(stretches.map((points, k) => {
+      const off = new Set(this.points.flatMap((point, k) => (point.off ? this.parts[k] || [] : [])));
+      for (const { shape, ring, dots, stretches, small } of this.shapes) {
+        if (ring) {
+          const [x, y] = to(stretches[0][0]);
+          for (const [key, value] of Object.entries({ cx: x, cy: y, display: off.has(stretches[0]) ? "none" : "inline" })) shape.setAttribute(key, value);
+          continue;
+        }
+        shape.setAttribute("d", written(stretches.flatMap((points, k) => {
           const mid = small?.[k];
-          if (!mid) return Object.assign(points.map(to), { closed: points.closed });
+          if (off.has(points)) return [];
+          if (!mid) return [Object.assign((dots ? points.filter((point) => !off.has(point)) : points).map(to), { closed: points.closed })];
           const [nx, ny] = to(mid);
-          return Object.assign(points.map(([x, y]) => [x + nx - mid[0], y + ny - mid[1]]), { closed: true });
-        })));
+          return [Object.assign(points.map(([x, y]) => [x + nx - mid[0], y + ny - mid[1]]), { closed: true })];
+        }).filter((points) => points.length)));
       }
+      this.light();
+    }
+    // Points that stand out are drawn once more over their dimmed series.
+    light() {
+      this.lit?.remove();
+      this.lit = null;
+      const { panel } = this;
+      if (this.hidden || !this.points.some((point) => point.lit && !point.off)) return;
+      this.lit = document.createElementNS(SVG, "g");
+      this.points.forEach((point, k) => {
+        const [x, y] = panel.to([point.px, point.py]), [mark] = this.parts[k] || [];
+        if (!mark || !point.lit || point.off || x < panel.left || x > panel.right) return;
+        const { shape, dots, ring } = this.shapes.find((s) => (s.dots ? s.stretches.some((points) => points.includes(mark)) : s.stretches.includes(mark)));
+        const copy = shape.cloneNode();
+        if (!ring) copy.setAttribute("d", written([dots ? [[x, y]] : Object.assign(mark.map(([px, py]) => [px + x - point.px, py + y - point.py]), { closed: true })]));
+        this.lit.append(copy);
+        draw("circle", { class: "s k-5", "stroke-width": 22, cx: x, cy: y, r: 72 }, this.lit);
+      });
+      this.element.after(this.lit);
     }
   }
 
@@ -389,7 +421,7 @@
     show(x) {
       if (!x) { this.view = null; } else {
         const inside = this.series.filter((s) => s.name && !s.hidden).flatMap((s) => s.points)
-          .filter((p) => this.xAt(p.px) >= x[0] && this.xAt(p.px) <= x[1]).flatMap((p) => [p.py, ...(p.bar || [])].map((py) => this.yAt(py)));
+          .filter((p) => !p.off && this.xAt(p.px) >= x[0] && this.xAt(p.px) <= x[1]).flatMap((p) => [p.py, ...(p.bar || [])].map((py) => this.yAt(py)));
         let y = [this.y.low, this.y.high];
         if (inside.length > 1) {
           const [low, high] = [Math.min(...inside), Math.max(...inside)];
@@ -464,8 +496,8 @@
   // ---------------------------------------------------------------- what is shown, in the address
   // `#place&zoom=figure:low:high&by=sample&only=air`: a place of the page, then what was chosen on it. Behind the sign, for a
   // page opened from a disk may change nothing else of its address.
-  // What goes with a reader to the next page: samples that are hidden, and samples that stand out.
-  const KEPT = ["hide", "mark"];
+  // What goes with a reader to the next page: what the toolbox says stands out, is hidden, and has another name.
+  const KEPT = ["mark", "hide", "rename"];
   const state = (() => {
     const [place = "", ...parts] = location.hash.slice(1).split("&");
     const known = { place: decodeURIComponent(place) };
@@ -518,11 +550,11 @@
   const points = async (chart) => {
     const all = chart.byRun ? await runs() : [];
     const rows = [["panel", "series", "run", "x", "y", "y_low_95", "y_high_95"]];
-    for (const panel of chart.panels) for (const series of panel.series.filter((s) => s.name && !s.hidden)) for (const point of series.points) {
+    for (const panel of chart.panels) for (const series of panel.series.filter((s) => s.name && !s.hidden)) for (const point of series.points.filter((p) => !p.off)) {
       const number = (axis, at) => (axis.scale === 3 ? "" : String(Number(valueAt(axis, at).toPrecision(5))));
       const ends = point.bar ? point.bar.map((py) => number(panel.y, panel.yAt(py))) : ["", ""];
       const title = panel.quantity + (panel.unit ? ` (${panel.unit})` : "") + (panel.xTitle ? ` over ${panel.xTitle}` : "");
-      rows.push([title, series.name, all[point.run]?.name ?? "", number(panel.x, panel.xAt(point.px)), number(panel.y, panel.yAt(point.py)), ...ends]);
+      rows.push([title, toolbox.rename(series.name), toolbox.rename(all[point.run]?.name ?? ""), number(panel.x, panel.xAt(point.px)), number(panel.y, panel.yAt(point.py)), ...ends]);
     }
     // What a program of tables would take for a formula is text.
     return rows.map((row) => row.map((cell) => quoted(/^[=+@]/.test(cell) ? "'" + cell : cell)).join(",")).join("\n") + "\n";
@@ -724,7 +756,7 @@
     }
     key(event) {
       const panel = this.panels[0];
-      const all = panel.series.filter((s) => s.name && !s.hidden).flatMap((s) => s.points).sort((a, b) => a.px - b.px)
+      const all = panel.series.filter((s) => s.name && !s.hidden).flatMap((s) => s.points).filter((p) => !p.off).sort((a, b) => a.px - b.px)
         .filter((p) => { const at = panel.xAt(p.px); return at >= panel.range.x[0] && at <= panel.range.x[1]; });
       const middle = () => panel.position(this.near ? panel.to([this.near.px, this.near.py])[0] : (panel.left + panel.right) / 2);
       const step = event.shiftKey ? 10 : 1;
@@ -821,7 +853,7 @@
           }).join(""));
         });
       }
-      box.replaceChildren(...lines.map(([name, value]) => make("div", {}, make("span", {}, name), make("b", {}, value))));
+      box.replaceChildren(...lines.map(([name, value]) => make("div", {}, make("span", {}, toolbox.rename(name)), make("b", {}, value))));
       box.hidden = false;
       readAt = scrollY;
       const place = event ? { x: event.clientX, y: event.clientY } : (() => {
@@ -856,7 +888,7 @@
     button.addEventListener("click", () => {
       const off = button.getAttribute("aria-pressed") === "true";
       button.setAttribute("aria-pressed", String(!off));
-      series.forEach((s) => { s.hidden = off; s.element.style.display = off ? "none" : ""; });
+      series.forEach((s) => { s.keyed = off; s.display(); s.light(); });
       say(`${name} ${off ? "hidden" : "shown"}`);
     });
     return button;
@@ -901,7 +933,7 @@
       shapesOf(panel).forEach((shape, k) => shape.setAttribute("d", lines[k]));
       upward(panel).textContent = title;
       Object.assign(panel, { y, quantity, unit, view: null });
-      panel.series.forEach((series) => Object.assign(series, new Series(series.element, panel), { hidden: series.hidden }));
+      panel.series.forEach((series) => Object.assign(series, new Series(series.element, panel), { keyed: series.keyed, boxed: series.boxed }));
       if (axes) panel.axes.innerHTML = axes; else panel.drawAxes();
       panel.drawn = panel.axes.innerHTML;
     };
@@ -968,9 +1000,9 @@
     const rank = (value) => (first.includes(value) ? first.indexOf(value) : first.length);
     const groupOf = (run) => all[run]?.tags[select.value] ?? "not stated";
     const redraw = () => {
-      const passes = matcher(filter.value);
+      const passes = matcher(filter.value), { hide } = toolbox;
       const values = [...new Set([...drawnRuns].map(groupOf))].sort((a, b) => rank(a) - rank(b) || a.localeCompare(b, "en", { numeric: true }));
-      const shownRuns = new Set([...drawnRuns].filter((run) => all[run] && passes(all[run]) && !hidden.has(groupOf(run))));
+      const shownRuns = new Set([...drawnRuns].filter((run) => all[run] && passes(all[run]) && !hide?.(all[run]) && !hidden.has(groupOf(run))));
       for (const panel of panels) {
         panel.series.filter((s) => s.points.some((p) => p.run !== undefined)).forEach((s) => s.element.remove());
         panel.series = panel.series.filter((s) => !s.points.some((p) => p.run !== undefined));
@@ -987,6 +1019,7 @@
         });
         panel.show(panel.view?.x || null);
       }
+      if (toolbox.mark || toolbox.hide) toolbox.paint(own);
       chips.replaceChildren(...values.map((value, k) => {
         const dot = document.createElementNS(SVG, "svg");
         for (const [key, attribute] of Object.entries({ viewBox: "0 0 100 100", class: "swatch figure dot", "aria-hidden": "true" })) dot.setAttribute(key, attribute);
@@ -1008,6 +1041,7 @@
       make("label", { for: "filter-runs" }, "Only runs with "), filter, words, count, chips);
     place.hidden = false;
     document.querySelectorAll(".groups").forEach((drawn) => { drawn.hidden = true; });
+    toolbox.after.push(redraw);
     redraw();
   };
 
@@ -1113,48 +1147,143 @@
     main.append(make("p", { class: "tools" }, button));
   };
 
-  // ---------------------------------------------------------------- samples hidden or marked, on every page
-  const samples = async () => {
+  // ---------------------------------------------------------------- one toolbox for all figures and tables of all pages
+  // A pattern is what a run is found by, `air voltage_v=2.5`, or a regular expression between slashes; `!` before it means all
+  // but these. What is of no run, as the line of a group, answers by its name and by the tags that stand in it.
+  const answering = (text) => {
+    const tests = text.split(",").map((part) => part.trim()).filter(Boolean).map((part) => {
+      const not = part.startsWith("!"), own = part.slice(not ? 1 : 0).trim(), form = /^\/(.+)\/$/.exec(own);
+      const expression = form && new RegExp(form[1], "i");
+      const answers = form ? (run) => expression.test(run.text) : matcher(own);
+      return (run) => answers(run) !== not;
+    });
+    return tests.length ? (run) => tests.some((test) => test(run)) : null;
+  };
+  // `S1 = first strip, S2 = second strip`: what is left of the sign is replaced where it stands as a word.
+  const renaming = (text) => {
+    const pairs = text.split(",").map((pair) => /^\s*(.+?)\s*=\s*(.*?)\s*$/.exec(pair)).filter(Boolean).map(([, from, to]) => {
+      const form = /^\/(.+)\/$/.exec(from), letter = /[\p{L}\p{N}]/u;
+      const plain = from.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
+      const edge = (sign, sort) => (letter.test(sign) ? sort : "");
+      const wanted = form ? form[1] : edge(from[0], "(?<![\\p{L}\\p{N}])") + plain + edge(from[from.length - 1], "(?![\\p{L}\\p{N}])");
+      return [new RegExp(wanted, "gu"), to];
+    });
+    return (own) => pairs.reduce((so, [from, to]) => so.replace(from, to), own);
+  };
+  const toolbox = { mark: null, hide: null, rename: (text) => text, after: [], named: (name) => ({ text: name.toLowerCase(), tags: {} }), all: [] };
+  // Hides and marks in these figures what it says.
+  toolbox.paint = (of) => {
+    const { mark, hide, named, all } = toolbox;
+    for (const chart of of) {
+      const seen = chart.panels.flatMap((panel) => panel.series).filter((s) => s.name);
+      const lit = new Map();
+      for (const series of seen) {
+        const own = named(series.name), ofRuns = series.points.some((point) => all[point.run]);
+        const says = (test, point) => !!test?.(all[point?.run] || own);
+        for (const point of series.points) Object.assign(point, { off: ofRuns && says(hide, point), lit: ofRuns && says(mark, point) });
+        series.boxed = ofRuns ? series.points.every((point) => point.off) : says(hide);
+        series.display();
+        lit.set(series, ofRuns ? (series.points.some((point) => point.lit) ? "points" : "") : says(mark) ? "all" : "");
+      }
+      // A figure in which nothing stands out stays as it is.
+      const any = [...lit.values()].some(Boolean);
+      for (const series of seen) series.element.classList.toggle("dimmed", any && lit.get(series) !== "all");
+      chart.panels.forEach((panel) => panel.show(panel.view?.x || null));
+    }
+  };
+  const toolboxes = () => {
     const heading = document.querySelector("main h1");
     if (!heading || !document.querySelector("header.site")) return;
-    const chosen = (key) => new Set((state[key] || "").split(",").filter(Boolean));
-    const picker = make("details", { class: "choose samples" }, make("summary", {}, "Samples"));
-    heading.before(picker);
-    const show = async () => {
-      const [hidden, marked] = KEPT.map(chosen);
-      if (hidden.size + marked.size === 0 && !document.querySelector(".out, .marked, .dimmed")) return;
-      const all = await runs(), sampleOf = new Map(all.map((run) => [run.href, run.tags.sample]));
-      const names = new Set(sampleOf.values());
-      for (const row of document.querySelectorAll("main tbody tr")) {
-        const cell = [...row.cells].find((cell) => names.has(cell.textContent.trim()));
-        const link = row.querySelector("a[href]");
-        const own = cell?.textContent.trim() ?? sampleOf.get(link?.getAttribute("href"));
-        row.classList.toggle("out", hidden.has(own));
-        row.classList.toggle("marked", marked.has(own));
+    const WORDS = { mark: ["Highlight", "air voltage_v=2.5"], hide: ["Hide", "CNaf-1, /inert|vacuum/, !air"], rename: ["Rename", "CNaf-1 = strip 1"] };
+    const status = make("p", { role: "status" });
+    const fields = KEPT.map((key) => {
+      const input = make("input", { type: "text", autocomplete: "off", spellcheck: "false", placeholder: WORDS[key][1] });
+      input.value = state[key] || "";
+      return [key, input];
+    });
+    let last = fields[0][1], waits;
+    const texts = new WeakMap();
+    const renamed = () => {
+      const walker = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT);
+      while (walker.nextNode()) {
+        const node = walker.currentNode;
+        if (node.parentElement.closest("code, .toolbox, select, datalist, title, desc")) continue;
+        const own = texts.get(node)?.is === node.data ? texts.get(node).was : node.data, is = toolbox.rename(own);
+        if (is !== node.data) node.data = is;
+        if (is !== own) texts.set(node, { was: own, is });
       }
-      for (const chart of charts) for (const series of chart.panels.flatMap((panel) => panel.series)) {
-        if (!names.has(series.name)) continue;
-        series.hidden = hidden.has(series.name);
-        series.element.style.display = series.hidden ? "none" : "";
-        series.element.classList.toggle("dimmed", marked.size > 0 && !marked.has(series.name));
-      }
-      picker.firstElementChild.textContent = "Samples" + (hidden.size ? ` (${hidden.size} hidden)` : "") + (marked.size ? ` (${marked.size} marked)` : "");
     };
-    picker.addEventListener("toggle", async () => {
-      if (picker.childElementCount > 1) return;
-      const names = [...new Set((await runs()).map((run) => run.tags.sample).filter(Boolean))].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
-      const box = (name, key, word) => {
-        const input = make("input", { type: "checkbox", "aria-label": `${word} ${name}` });
-        input.checked = chosen(key).has(name);
-        input.addEventListener("change", () => {
-          const now = chosen(key);
-          if (input.checked) now.add(name); else now.delete(name);
-          remember({ [key]: [...now].join(",") });
-          show();
-        });
-        return make("label", {}, input, " " + word);
+    let touched = false;
+    const apply = async () => {
+      const given = fields.filter(([, input]) => input.value.trim());
+      picker.firstElementChild.textContent = "Toolbox" + (given.length ? `: ${given.map(([key]) => WORDS[key][0].toLowerCase()).join(", ")}` : "");
+      if (!given.length && !touched) return;
+      touched = true;
+      toolbox.all = await runs();
+      const { keys, values } = window.ieapRuns || { keys: [], values: [] };
+      const tagsOf = new Map();
+      keys.forEach((key, k) => values[k].forEach((value) => tagsOf.set(value, { ...tagsOf.get(value), [key]: value })));
+      toolbox.named = (name) => ({ text: name.toLowerCase(), tags: Object.assign({}, ...[name, ...name.split(/,?\s+/)].map((word) => tagsOf.get(word))) });
+      status.textContent = "";
+      for (const [key, input] of fields) {
+        try {
+          toolbox[key] = (key === "rename" ? renaming : answering)(input.value);
+          input.removeAttribute("aria-invalid");
+        } catch (error) {
+          input.setAttribute("aria-invalid", "true");
+          status.textContent = `${WORDS[key][0]}: not a pattern (${error.message})`;
+        }
+      }
+      const { mark, hide, all, named } = toolbox, byHref = new Map(all.map((run) => [run.href, run]));
+      const show = (element, run) => {
+        element.classList.toggle("out", !!hide?.(run));
+        element.classList.toggle("marked", !!mark?.(run));
       };
-      picker.append(make("ul", {}, ...names.map((name) => make("li", {}, make("b", {}, name), box(name, "mark", "mark"), box(name, "hide", "hide")))));
+      const runOf = (link) => byHref.get(link.getAttribute("href").split("&")[0]);
+      for (const row of document.querySelectorAll("main table:not(.matrix, .coverage) > tbody > tr")) {
+        const linked = [...row.querySelectorAll("a[href]")].map(runOf).find(Boolean);
+        const words = () => [...row.cells].filter((cell) => cell.matches("th") || tagsOf.has(cell.textContent.trim())).map((cell) => cell.textContent.trim());
+        show(row, linked || words().map(named).reduce((a, b) => ({ text: a.text + " " + b.text, tags: { ...a.tags, ...b.tags } }), { text: "", tags: {} }));
+      }
+      for (const link of document.querySelectorAll("main .matrix a.run, main .contact > a")) if (runOf(link)) show(link, runOf(link));
+      toolbox.paint(charts);
+      toolbox.after.forEach((act) => act());
+      renamed();
+      const count = all.filter((run) => hide?.(run)).length;
+      if (count) status.textContent ||= `${count} of ${all.length} runs are hidden.`;
+    };
+    const changed = () => {
+      remember(Object.fromEntries(fields.map(([key, input]) => [key, input.value.trim()])));
+      clearTimeout(waits);
+      waits = setTimeout(apply, 150);
+    };
+    for (const [, input] of fields) {
+      input.addEventListener("input", changed);
+      input.addEventListener("focus", () => { last = input; });
+    }
+    const clear = make("button", { type: "button", class: "tool" }, "Clear all");
+    clear.addEventListener("click", () => { fields.forEach(([, input]) => { input.value = ""; }); changed(); });
+    const picker = make("details", { class: "choose toolbox" }, make("summary", {}, "Toolbox"));
+    const drawer = make("div", {},
+      make("p", {}, "For all figures and tables of the report. Patterns as in “Find a run”, several with commas; ", make("code", {}, "!"), " before one: all but these; ", make("code", {}, "/…/"), ": a regular expression."),
+      ...fields.map(([key, input]) => make("label", {}, WORDS[key][0], input)), status, clear);
+    heading.before(picker);
+    // Samples are put into the field that was used last.
+    picker.addEventListener("toggle", async () => {
+      if (drawer.isConnected) return;
+      picker.append(drawer);
+      const names = [...new Set((await runs()).map((run) => run.tags.sample).filter(Boolean))].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
+      const chip = (name) => {
+        const button = make("button", { type: "button", class: "key" }, name);
+        button.addEventListener("click", () => {
+          const own = last === fields[2][1] ? `${name} = ` : `sample=${name}`, now = last.value.split(",").map((part) => part.trim()).filter(Boolean);
+          last.value = (now.includes(own) ? now.filter((part) => part !== own) : [...now, own]).join(", ");
+          last.focus();
+          changed();
+        });
+        return button;
+      };
+      status.before(make("div", { class: "names", role: "group", "aria-label": "Samples" }, ...names.map(chip)));
     });
     // What is chosen goes along to the next page of the report.
     document.addEventListener("click", (event) => {
@@ -1164,7 +1293,7 @@
       const [page, place = ""] = address.split("#");
       link.setAttribute("href", `${page}#${place.split("&")[0]}${kept}`);
     }, true);
-    show();
+    apply();
   };
 
   // ---------------------------------------------------------------- served: the page follows the report
@@ -1252,7 +1381,7 @@
   byTags();
   document.querySelectorAll("main table").forEach(takeAlong);
   saveAll();
-  samples();
+  toolboxes();
   const [zoomed, ...ends] = (state.zoom || "").split(":");
   charts.find((chart) => chart.svg.id === zoomed)?.zoom(ends.map(Number));
   // What was added above has moved the place that the address names; a place in what is folded is opened.

@@ -231,6 +231,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         run_spans_s: vec![],
         comparisons: vec![],
         outdated_comparisons: 0,
+        before: Default::default(),
         templates: Default::default(),
         runs,
         set_aside: vec![],

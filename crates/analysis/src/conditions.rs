@@ -42,6 +42,29 @@ pub struct Surroundings {
     pub humidity_varies: bool,
 }
 
+impl Surroundings {
+    /// `28–38 % RH`; empty where no humidity is known.
+    pub fn humidity_said(&self) -> String {
+        let Some(level) = self.humidity else {
+            return String::new();
+        };
+        let (low, high) = (fixed(level.low_percent, 0), fixed(level.high_percent, 0));
+        if low == high {
+            format!("{low} % RH")
+        } else {
+            format!("{low}–{high} % RH")
+        }
+    }
+
+    /// `air (28–38 % RH)`
+    pub fn said(&self) -> String {
+        match self.humidity_said() {
+            humidity if humidity.is_empty() => self.environment.clone(),
+            humidity => format!("{} ({humidity})", self.environment),
+        }
+    }
+}
+
 /// The runs of one material in one surroundings at one voltage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Condition {

@@ -1,6 +1,7 @@
 //! Every file of a campaign and what became of it, as a table.
 
 use ieap_domain::file_story::FileStory;
+use ieap_domain::tag::said;
 use ieap_domain::words::counted;
 use ieap_show::quantities::Quantity;
 use ieap_show::{Block, Sheet, Table};
@@ -19,10 +20,15 @@ pub fn table(files: &[FileStory]) -> Table {
     let tags = |file: &&FileStory| {
         let mut told: Vec<(&str, Vec<String>)> = Vec::new();
         for tag in &file.tags {
-            let text = format!("{} = {}", tag.key, tag.value);
-            match told.iter_mut().find(|(from, _)| *from == tag.from) {
+            let text = said(&tag.key, &tag.value);
+            let stem = tag.from.strip_suffix(".toml");
+            let from = match stem {
+                Some(stem) if stem.ends_with(file.path.as_str()) => "its sidecar",
+                _ => &tag.from,
+            };
+            match told.iter_mut().find(|(known, _)| *known == from) {
                 Some((_, tags)) => tags.push(text),
-                None => told.push((&tag.from, vec![text])),
+                None => told.push((from, vec![text])),
             }
         }
         let told = told

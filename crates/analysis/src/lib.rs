@@ -20,6 +20,7 @@ pub mod impedance;
 pub mod json_rows;
 pub mod laws;
 mod levels;
+pub mod methods;
 pub mod misread;
 pub mod model_free;
 pub mod models_compared;

@@ -101,6 +101,41 @@ pub mod keys {
     ];
 }
 
+/// Code of the issue of a needed tag that no source gives; its place is the key.
+pub const MISSING: &str = "tag-missing";
+
+/// Units by the ending of a key.
+const UNITS: [(&str, &str); 8] = [
+    ("_v", "V"),
+    ("_percent", "%"),
+    ("_c", "°C"),
+    ("_pa", "Pa"),
+    ("_ppm", "ppm"),
+    ("_s", "s"),
+    ("_h", "h"),
+    ("_ohm_per_sq", "Ω per square"),
+];
+
+/// A key as it is said, and its unit: `relative humidity` and `%` of `relative_humidity_percent`. The unit is empty where it
+/// has none, and for a laboratory's own keys, whose endings may mean anything.
+pub fn spoken(key: &str) -> (String, &'static str) {
+    let mut known = keys::CONDITIONS.iter().chain(&keys::OTHERS).chain(&keys::RECORD);
+    let named = known.find(|known| **known == key).and_then(|key| {
+        let of_key = |(ending, unit): &(&str, &'static str)| Some((key.strip_suffix(ending)?, *unit));
+        UNITS.iter().find_map(of_key)
+    });
+    let (words, unit) = named.unwrap_or((key, ""));
+    (words.replace('_', " "), unit)
+}
+
+/// A tag as it is said: `voltage 2 V`, `sample S1`.
+pub fn said(key: &str, value: &str) -> String {
+    match spoken(key) {
+        (words, "") => format!("{words} {value}"),
+        (words, unit) => format!("{words} {value}\u{a0}{unit}"),
+    }
+}
+
 /// Codes of the issues that say of a tag file or a run sheet that it, or a statement in it, cannot be read. A run that it
 /// speaks for waits: tags of weaker sources in their place would be other tags.
 pub const UNREADABLE: [&str; 4] = [

@@ -1,5 +1,6 @@
 //! Everything a report is made of, except the curves.
 
+use crate::moved::Before;
 use ieap_analysis::study::Study;
 use ieap_analysis::tables::TableInput;
 use std::collections::BTreeMap;
@@ -77,6 +78,8 @@ pub struct Input {
     pub comparisons: Vec<RunComparison>,
     /// Comparisons that what they were made from does not bear out any more.
     pub outdated_comparisons: usize,
+    /// What the report before says, for numbers that moved since.
+    pub before: Before,
     /// Templates of the campaign's own by their names, each in place of ours.
     pub templates: BTreeMap<String, String>,
 }

@@ -10,6 +10,7 @@ pub mod figures;
 pub mod input;
 pub mod kept;
 mod lookup;
+pub mod moved;
 mod page_writer;
 pub mod pages;
 pub mod print_figures;

@@ -15,8 +15,9 @@ use super::error::ReportError;
 use super::fault::{guarded, reason_of};
 use super::input::Input;
 use super::kept::{self, Earlier};
+use super::moved;
 use super::page_writer::{INDEX, LAYOUT, PageWriter, template_error, write};
-use super::pages::{FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, shown};
+use super::pages::{FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, residuals, shown};
 use super::readings_file;
 use super::run_index::run_index;
 use super::run_page_writer::make;
@@ -101,6 +102,7 @@ pub fn render_site(
     let total = pages.len() + groups + site.run_pages.len() + strips.len();
     let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
     bytes += write(&out_dir.join("site.js"), SCRIPT)?;
+    bytes += write(&out_dir.join(moved::FILE), &site.numbers.text())?;
     for (file, text) in run_index(&site) {
         bytes += write(&out_dir.join(file), &text)?;
     }
@@ -113,8 +115,10 @@ pub fn render_site(
         faults: Mutex::new(site.faults.clone()),
         made: Mutex::default(),
     };
-    let (index, others): (Vec<&Page>, Vec<&Page>) =
-        pages.iter().copied().partition(|page| page.file == INDEX);
+    let (last, others): (Vec<&Page>, Vec<&Page>) = pages
+        .iter()
+        .copied()
+        .partition(|page| MADE_LAST.contains(&page.file));
     for (done, page) in others.iter().enumerate() {
         bytes += writer.page(page)?;
         progress(done + 1, total);
@@ -146,7 +150,7 @@ pub fn render_site(
     bytes += write_tables(&writer)?;
     let made = writer.made.into_inner().unwrap_or_default();
     bytes += write(&out_dir.join(kept::FILE), &kept::text(&made))?;
-    for run in listed(&site) {
+    for run in listed(&site).into_iter().chain(residuals::worst_first(&site)) {
         // Of a page that was taken over nothing was drawn.
         sparks
             .entry(run)
@@ -166,7 +170,7 @@ pub fn render_site(
         faults: Mutex::new(faults),
         made: Mutex::default(),
     };
-    for page in &index {
+    for page in &last {
         bytes += writer.page(page)?;
     }
     progress(total, total);
@@ -178,6 +182,9 @@ pub fn render_site(
         faults: writer.faults.into_inner().unwrap_or_default(),
     })
 }
+
+/// Pages that show what was drawn of runs, or what could not be made.
+const MADE_LAST: [&str; 2] = [residuals::FILE, INDEX];
 
 const STYLE: &str = include_str!("../../../templates/style.css");
 const SCRIPT: &str = include_str!("../../../templates/site.js");
@@ -207,11 +214,21 @@ pub fn refused_template(name: &str, text: &str) -> Option<String> {
 /// Under which name a campaign may have the template of pages of blocks.
 const PAGE_NAME: &str = "page.html";
 
+/// A number as a table prints it, which may go on in a second line before its error or the end of its interval, and nowhere else.
+fn held(text: &str) -> String {
+    let mut held = text.replace(' ', "\u{a0}");
+    for start in ["±", "to\u{a0}", "[", "("] {
+        held = held.replace(&format!("\u{a0}{start}"), &format!(" {start}"));
+    }
+    held
+}
+
 /// All templates of the site's pages with the escaping of [`write_escaped`]; what is a campaign's `own` goes before ours.
 fn templates(pages: &[&Page], own: &BTreeMap<String, String>) -> Result<Tera, ReportError> {
     let mut tera = Tera::new();
     tera.set_escape_fn(write_escaped);
     tera.register_filter("indexed", |text: &str, _: Kwargs, _: &State| indexed(text));
+    tera.register_filter("held", |text: &str, _: Kwargs, _: &State| held(text));
     let or_own = |name: &str, ours: &'static str| own.get(name).cloned().unwrap_or_else(|| ours.to_owned());
     let pages = pages.iter().map(|page| match page.template {
         blocks::PAGE => (page.file, or_own(PAGE_NAME, blocks::PAGE)),

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::figures::residual::Clock;
 use super::input::Input;
 use super::lookup::Lookup;
+use super::moved::Numbers;
 use super::run_pages::{RunPage, run_pages};
 use super::slug::slugs;
 use super::sparkline::Sparks;
@@ -35,6 +36,8 @@ pub struct Site<'a> {
     pub faults: Vec<Fault>,
     /// Responses of the runs as small pictures, by run: known once the pages of the runs are drawn, as the overview is.
     pub sparks: BTreeMap<usize, Sparks>,
+    /// What the report says of the runs, with what it said before.
+    pub numbers: Numbers,
     /// Of each run the index of its page.
     pages_of_runs: Vec<usize>,
     slugs: Vec<String>,
@@ -68,8 +71,9 @@ impl<'a> Site<'a> {
         let conditions = conditions(&input.runs, &input.campaign);
         let facts = facts(&input.runs, &input.campaign, &[]);
         let lookup = Lookup::new(input, &conditions);
-        Site {
+        let mut site = Site {
             input,
+            numbers: Numbers::default(),
             run_pages,
             pages_of_runs,
             faults: input.faults.clone(),
@@ -85,7 +89,9 @@ impl<'a> Site<'a> {
             slugs: slugs(input.records().map(|run| run.path.as_str())),
             lookup,
             finding_slugs: slugs(input.findings.groups.iter().map(|found| found.group.as_str())),
-        }
+        };
+        site.numbers = Numbers::of(&site);
+        site
     }
 
     /// Address of a run, relative to the site's root: its page, and its place there where others stand on it.

@@ -1,5 +1,6 @@
 //! The responses of a run as words-sized pictures, for the table of all runs.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use ieap_domain::{Quantity, RunCurve};
@@ -21,6 +22,20 @@ pub struct Sparks {
     pub current: String,
     /// Of the curvature, or what is measured in its place.
     pub motion: String,
+    /// What the fit leaves of each channel.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub residuals: Vec<ResidualSpark>,
+}
+
+/// What a fit leaves of a channel as a small picture, over the same time as its response.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct ResidualSpark {
+    /// The channel, `current`.
+    pub channel: String,
+    /// Upright strokes from the least to the largest residual of each column.
+    pub strokes: String,
+    /// Upper edge and height of the band that holds 95 of 100 residuals of noise alone.
+    pub band: (u32, u32),
 }
 
 impl Sparks {
@@ -44,8 +59,59 @@ impl Sparks {
         Sparks {
             current: path(&is_current),
             motion: path(&|quantity| !is_current(quantity) && quantity != Quantity::Voltage),
+            residuals: curves.iter().filter_map(residuals).collect(),
         }
     }
+}
+
+/// Room of a picture of residuals, px; the template states the same.
+const RESIDUAL_SIZE: (u32, u32) = (150, 36);
+/// Half height of such a picture in standard deviations of the noise, where no residual is larger.
+const LEAST_SIGMAS: f64 = 4.0;
+/// Half width of its band in the same.
+const BAND_SIGMAS: f64 = 2.0;
+
+/// The residuals after the step; none where nothing was fitted, or too little.
+fn residuals(curve: &RunCurve) -> Option<ResidualSpark> {
+    let left = curve
+        .time_s
+        .iter()
+        .copied()
+        .zip(curve.residual_sigma.iter().copied());
+    let after: Vec<(f64, f64)> = left
+        .filter(|(t, sigmas)| *t >= 0.0 && sigmas.is_finite())
+        .collect();
+    let last_s = after.last().map_or(0.0, |(t, _)| *t);
+    if after.len() < 3 || last_s <= 0.0 {
+        return None;
+    }
+    let (width, height) = (f64::from(RESIDUAL_SIZE.0), f64::from(RESIDUAL_SIZE.1));
+    let largest = after
+        .iter()
+        .map(|(_, sigmas)| sigmas.abs())
+        .fold(LEAST_SIGMAS, f64::max);
+    let y = |sigmas: f64| (0.5 * height * (1.0 - sigmas / largest)).round() as u32;
+    // Two pixels a column.
+    let mut columns: BTreeMap<u32, (u32, u32)> = BTreeMap::new();
+    for (t, sigmas) in after {
+        let column = (0.5 * (width - 1.0) * log_place(t, last_s)) as u32;
+        let (up, down) = columns.entry(column).or_insert((y(sigmas), y(sigmas)));
+        (*up, *down) = ((*up).min(y(sigmas)), (*down).max(y(sigmas)));
+    }
+    let strokes = columns
+        .into_iter()
+        .map(|(column, (up, down))| format!("M{} {up}v{}", 2 * column + 1, (down - up).max(1)));
+    let upper = y(BAND_SIGMAS);
+    Some(ResidualSpark {
+        channel: curve.quantity.label().to_lowercase(),
+        strokes: strokes.collect(),
+        band: (upper, RESIDUAL_SIZE.1 - 2 * upper),
+    })
+}
+
+/// Place of a time after the step between 0 and 1: linear at first, then logarithmic.
+fn log_place(t: f64, last_s: f64) -> f64 {
+    (t / (UNIT * last_s)).ln_1p() / UNIT.recip().ln_1p()
 }
 
 /// The readings after the step over a time that is linear at first and then logarithmic; empty where there are too few.
@@ -57,9 +123,7 @@ fn path(curve: &RunCurve) -> String {
     if after.len() < 3 || last_s <= 0.0 || high <= low {
         return String::new();
     }
-    let unit_s = UNIT * last_s;
-    let longest = (last_s / unit_s).ln_1p();
-    let x = |t: f64| SIZE.0 * (t / unit_s).ln_1p() / longest;
+    let x = |t: f64| SIZE.0 * log_place(t, last_s);
     let y = |value: f64| (SIZE.1 - 1.0) * (1.0 - (value - low) / (high - low)) + 0.5;
     let mut points: Vec<(f64, f64)> = after.iter().map(|(t, value)| (x(*t), y(*value))).collect();
     points.dedup_by_key(|(x, _)| (*x * COLUMNS as f64 / SIZE.0) as usize);
@@ -109,6 +173,21 @@ mod tests {
             .skip(1)
             .filter(|step| step.contains('-'));
         assert_eq!(upward.count(), 0, "{}", sparks.current);
+    }
+
+    #[test]
+    fn residuals_stand_about_a_band_that_narrows_where_they_are_large() {
+        let fitted = |residual: &dyn Fn(usize) -> f64| RunCurve {
+            residual_sigma: (0..400).map(residual).collect(),
+            ..curve(Quantity::Current, 400)
+        };
+        let of = |residual: &dyn Fn(usize) -> f64| Sparks::of(&[fitted(residual)]).residuals.remove(0);
+        let quiet = of(&|k| if k % 2 == 0 { 1.0 } else { -1.0 });
+        assert_eq!((quiet.channel.as_str(), quiet.band), ("current", (9, 18)));
+        let loud = of(&|k| 20.0 * (k as f64 / 400.0));
+        assert!(loud.band.1 <= 4, "{loud:?}");
+        assert!(loud.strokes.starts_with("M1 "), "{}", loud.strokes);
+        assert!(loud.strokes.len() < 900, "{}", loud.strokes.len());
     }
 
     #[test]

@@ -37,6 +37,7 @@ use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::report;
 use crate::report::kept::{self, Earlier, Made};
+use crate::report::moved::{Before, Numbers};
 use crate::store::journal::End;
 use crate::system::{fs, program_mark};
 
@@ -147,6 +148,10 @@ impl RenderReport {
         let values = kept.unwrap_or_else(|| Cache::by(&program));
         let input = report::Input {
             templates: own.texts.clone(),
+            before: Before {
+                numbers: before(&target),
+                now: now(),
+            },
             ..input(context, changes, &changed_at, &values)?
         };
         let take = |files: &[String]| {
@@ -178,6 +183,12 @@ impl RenderReport {
             templates_left_out: own.left_out,
         })
     }
+}
+
+/// What the report that stands says of each run; nothing where there is none, or none that says so.
+fn before(target: &Path) -> Numbers {
+    let text = fs::read_own_text(target.join(report::moved::FILE));
+    text.map_or_else(|_| Numbers::default(), |text| Numbers::read(&text))
 }
 
 /// What a report of the campaign as it is would say that it was made from. Its last words are the id of the database, and
@@ -468,6 +479,7 @@ pub(crate) fn input(
     let monitoring = or_nothing(step("monitoring", monitoring), &mut faults)?;
     let confounding = step("confounding", || Ok(confounding_maps(&laws, &runs)));
     Ok(report::Input {
+        before: Before::default(),
         confounding: or_nothing(confounding, &mut faults)?,
         faults,
         deconfounding: plan.deconfounding,

@@ -2,7 +2,7 @@
 
 use ieap_domain::Factor;
 use ieap_domain::number::significant;
-use ieap_domain::words::in_a_row;
+use ieap_domain::words::{counted, in_a_row};
 use ieap_show::quantities::{MATERIAL, Quantity};
 use ieap_show::{Block, Chart, Column, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
 
@@ -67,6 +67,8 @@ const BASIS: Quantity = Quantity::plain(
 const WIDEST: f64 = 30.0;
 /// Pictures on the overview.
 const MOST_DRAWN: usize = 3;
+/// Further answers there: the pictures have all, and the page of the study says all.
+const MOST_SAID: usize = 4;
 /// Digits of a chance, and of a percentage.
 const FEW: i32 = 2;
 
@@ -162,7 +164,7 @@ fn at_each_voltage(study: &Study) -> Option<Table> {
 /// The page: the first answer of each material, their pictures, the other answers, then the tables.
 pub fn view(study: &Study) -> Vec<Block> {
     let asked: Vec<&Answer> = study.asked().collect();
-    let mut blocks = answers(study, usize::MAX);
+    let mut blocks = answers(study, usize::MAX, usize::MAX);
     blocks.push(Block::Say(design(study)));
     blocks.extend(causes(&asked));
     let table = Block::Table(on_page(asked.iter().copied()));
@@ -178,6 +180,11 @@ pub fn view(study: &Study) -> Vec<Block> {
     ));
     blocks.push(Block::part("How sure this is", how));
     blocks
+}
+
+/// What the intervals of what the study asked rest on, in sentences; none where it has no answer.
+pub fn intervals(study: &Study) -> Vec<String> {
+    basis(&study.asked().collect::<Vec<_>>())
 }
 
 /// What else changed with what was compared, once for all materials of which it holds.
@@ -212,14 +219,14 @@ fn causes(asked: &[&Answer]) -> Option<Block> {
 /// What the overview says first: the answers of each material in a line each, with pictures.
 pub fn overview(study: &Study) -> Vec<Block> {
     if is_told(study) {
-        answers(study, MOST_DRAWN)
+        answers(study, MOST_DRAWN, MOST_SAID)
     } else {
         Vec::new()
     }
 }
 
-/// The first answer of each material, so many pictures, the other answers.
-fn answers(study: &Study, drawn: usize) -> Vec<Block> {
+/// The first answer of each material, so many pictures, so many of the other answers.
+fn answers(study: &Study, drawn: usize, said: usize) -> Vec<Block> {
     let materials = study.materials();
     let lines: Vec<Vec<String>> = materials.iter().map(|material| lead(study, material)).collect();
     let first = lines
@@ -231,11 +238,24 @@ fn answers(study: &Study, drawn: usize) -> Vec<Block> {
         .filter_map(|material| chart(study, material))
         .take(drawn)
         .map(Block::Chart);
-    let others = lines
-        .iter()
-        .flat_map(|own| own.iter().skip(1).cloned())
-        .map(Block::Say);
-    first.chain(charts).chain(others).collect()
+    // In turn, so that no material keeps the others out.
+    let longest = lines.iter().map(Vec::len).max().unwrap_or(0);
+    let others: Vec<Block> = (1..longest)
+        .flat_map(|place| lines.iter().filter_map(move |own| own.get(place).cloned()))
+        .map(Block::Say)
+        .collect();
+    let left = others.len().saturating_sub(said);
+    let more = (left > 0).then(|| {
+        Block::say(format!(
+            "{} more stand on the page of the study.",
+            counted(left, "answer")
+        ))
+    });
+    first
+        .chain(charts)
+        .chain(others.into_iter().take(said))
+        .chain(more)
+        .collect()
 }
 
 /// What was compared, and who said so.

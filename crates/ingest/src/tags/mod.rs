@@ -18,8 +18,7 @@ use super::scan::display_path;
 
 pub use declared::{MISSPELT, TagKey, UNDECLARED, objection, tag_key};
 
-/// Code of the issue of a needed tag that no source gives.
-pub const MISSING: &str = "tag-missing";
+pub use ieap_domain::tag::MISSING;
 
 pub use agreement::NAMES_CONTRADICT;
 pub use files::{TagFiles, tag_files_for};

@@ -70,7 +70,7 @@ const LEAST_SPAN: f64 = 0.0015;
 const SET_ASIDE: &str = "Set aside";
 
 /// How a layer is told on a page.
-#[derive(Debug, Serialize)]
+#[derive(Debug, PartialEq, Serialize)]
 pub struct Key {
     /// Class of its colour.
     class: &'static str,

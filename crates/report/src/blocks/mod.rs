@@ -18,6 +18,7 @@ use crate::pages::policy::{MOST_SECTIONS, OPEN_ISSUES};
 use crate::pages::wording::IssueText;
 use crate::site::Site;
 use crate::slug::slugs;
+use ieap_analysis::readable::readable;
 use ieap_domain::Issue;
 use ieap_domain::words::counted;
 use ieap_show::{Block, Chart, Form};
@@ -26,7 +27,11 @@ use ieap_show::{Block, Chart, Form};
 pub const PAGE: &str = include_str!("../../../../templates/page.html");
 
 /// The templates of the blocks, by the names under which the page includes them.
-pub const TEMPLATES: [(&str, &str); 7] = [
+pub const TEMPLATES: [(&str, &str); 8] = [
+    (
+        "blocks/keys.html",
+        include_str!("../../../../templates/blocks/keys.html"),
+    ),
     (
         "blocks/all.html",
         include_str!("../../../../templates/blocks/all.html"),
@@ -94,6 +99,8 @@ pub(crate) enum Item {
     Table(TableText),
     /// Charts that follow each other, beside each other where the page has room.
     Charts {
+        /// The legend of all of them where they share it; each has its own else.
+        keys: Vec<Key>,
         charts: Vec<ChartText>,
     },
     Issues {
@@ -164,7 +171,21 @@ pub(crate) fn items(
         anchors,
     };
     writer.write(blocks, level)?;
+    writer.items.iter_mut().for_each(Item::say_legend_once);
     Ok(writer.items)
+}
+
+impl Item {
+    /// Charts that follow each other and have one legend have it above them.
+    fn say_legend_once(&mut self) {
+        let Item::Charts { keys, charts } = self else {
+            return;
+        };
+        if charts.len() > 1 && charts.iter().all(|chart| chart.keys == charts[0].keys) {
+            *keys = std::mem::take(&mut charts[0].keys);
+            charts.iter_mut().for_each(|chart| chart.keys.clear());
+        }
+    }
 }
 
 /// Anchors of all parts, the last one first.
@@ -184,6 +205,19 @@ fn anchors(blocks: &[Block]) -> Vec<String> {
     anchors
 }
 
+/// A sentence as a page prints it; what is to be typed, between back quotes, stays as it is typed.
+fn said(text: &str) -> String {
+    let parts = text.split('`').enumerate();
+    let parts = parts.map(|(at, part)| {
+        if at % 2 == 0 {
+            readable(part)
+        } else {
+            part.to_owned()
+        }
+    });
+    parts.collect::<Vec<_>>().join("`")
+}
+
 struct Writer<'s> {
     site: &'s Site<'s>,
     items: Vec<Item>,
@@ -195,17 +229,20 @@ impl Writer<'_> {
     fn write(&mut self, blocks: Vec<Block>, level: usize) -> Result<(), ReportError> {
         for block in blocks {
             let item = match block {
-                Block::Say(text) => Item::Say { text },
+                Block::Say(text) => Item::Say { text: said(&text) },
                 Block::Facts(facts) => Item::Facts { facts },
                 Block::Table(table) => Item::Table(TableText::of(self.site, &table)),
                 Block::Chart(chart) => {
                     let chart = self.chart(&chart)?;
                     match self.items.last_mut() {
-                        Some(Item::Charts { charts }) => {
+                        Some(Item::Charts { charts, .. }) => {
                             charts.push(chart);
                             continue;
                         }
-                        _ => Item::Charts { charts: vec![chart] },
+                        _ => Item::Charts {
+                            keys: Vec::new(),
+                            charts: vec![chart],
+                        },
                     }
                 }
                 Block::Issues(issues) => {

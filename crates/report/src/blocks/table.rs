@@ -48,16 +48,23 @@ impl TableText {
         let (cells, repeated) = (grid(table), repeated(table));
         let is_number = |column: usize| cells.iter().all(|row| row[column].is_number());
         let numbers: Vec<bool> = (0..table.columns.len()).map(is_number).collect();
-        let head = table
-            .columns
-            .iter()
-            .zip(&numbers)
-            .map(|(column, is_number)| HeadText {
+        // A column in which no row says anything is not shown.
+        let says = |column: usize| {
+            column < table.stub
+                || table.rows.iter().zip(&cells).any(|(row, shown)| {
+                    !row.cells[column].notes.is_empty() || !matches!(shown[column].text().as_str(), "" | "–")
+                })
+        };
+        let seen: Vec<usize> = (0..table.columns.len()).filter(|column| says(*column)).collect();
+        let head = seen.iter().map(|&at| {
+            let column = &table.columns[at];
+            HeadText {
                 symbol: column.symbol.clone(),
                 unit: column.unit.clone(),
                 quantity: column.quantity.clone(),
-                is_number: *is_number,
-            });
+                is_number: numbers[at],
+            }
+        });
         let cell = |row: usize, column: usize| {
             let (cell, shown) = (&table.rows[row].cells[column], &cells[row][column]);
             CellText {
@@ -74,7 +81,7 @@ impl TableText {
                 is_head: column < table.stub && !repeated[row][column],
             }
         };
-        let row = |row: usize| (0..table.columns.len()).map(|column| cell(row, column)).collect();
+        let row = |row: usize| seen.iter().map(|&column| cell(row, column)).collect();
         let notes = table.notes.iter().enumerate();
         TableText {
             title: table.title.clone(),

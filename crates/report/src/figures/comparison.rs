@@ -7,7 +7,7 @@ use plotters::style::{Color, ShapeStyle};
 use super::aside::{AsideMark, draw_aside};
 use super::axis::{Axis, Scale};
 use super::canvas::{Area, Ink, TENTHS, svg};
-use super::group::series;
+use super::group::{Group as Series, grouped, series};
 use super::law::line;
 use super::panel::{Chart, Margins, TICK_SIZE, label, panel, text_style};
 use super::shape::PAGE_WIDTH;
@@ -46,6 +46,8 @@ pub struct Slot {
     pub label: String,
     /// One estimate per run, in shown units; repeats stand side by side.
     pub estimates: Vec<Estimate>,
+    /// The run of each estimate; empty where an estimate is of several.
+    pub runs: Vec<usize>,
     /// Runs that no result is made from; where they stand across follows from the slot.
     pub aside: Vec<AsideMark>,
 }
@@ -119,7 +121,14 @@ fn panel_on(area: &Area, groups: &[Group], y: &Axis, level: Option<f64>) -> Resu
     for (index, group) in groups.iter().enumerate() {
         let lane = index as u32 % names.lanes;
         draw_names(&mut chart, y, group, left, &names, lane)?;
-        series(&mut chart, &group.label, |chart| {
+        let of_group = Series::Series {
+            name: group.label.clone(),
+            runs: marked_runs(group),
+            form: 0,
+            to_the_pixel: false,
+            aside: false,
+        };
+        grouped(&mut chart, of_group, |chart| {
             draw_estimates(chart, y, group, left)
         })?;
         draw_aside(&mut chart, (&x, y), &placed_aside(group, left))?;
@@ -190,6 +199,16 @@ const SAID: usize = 4;
 /// Characters that fit under a group.
 fn room(group: &Group, pixels_per_slot: f64) -> usize {
     ((group.slots.len() as f64 + GAP) * pixels_per_slot / CHARACTER) as usize
+}
+
+/// The runs of the marks of a group, in the order of drawing: a bound has no mark.
+fn marked_runs(group: &Group) -> Vec<usize> {
+    let of_slot = |slot: &Slot| -> Vec<usize> {
+        let marked = slot.runs.iter().zip(&slot.estimates);
+        let marked = marked.filter(|(_, estimate)| estimate.value.is_some());
+        marked.map(|(run, _)| *run).collect()
+    };
+    group.slots.iter().flat_map(of_slot).collect()
 }
 
 /// The values of a group, repeats of a condition side by side.
@@ -409,6 +428,7 @@ mod tests {
             slots: vec![Slot {
                 label: "2.5".to_owned(),
                 estimates,
+                runs: vec![],
                 aside: vec![],
             }],
         }
@@ -452,6 +472,7 @@ mod tests {
                 .map(|voltage| Slot {
                     label: voltage.to_owned(),
                     estimates: vec![],
+                    runs: vec![],
                     aside: vec![],
                 })
                 .to_vec(),
@@ -505,6 +526,7 @@ mod tests {
             .map(|k| Slot {
                 label: format!("−0.{:02}", 5 * k),
                 estimates: vec![],
+                runs: vec![],
                 aside: vec![],
             })
             .collect();

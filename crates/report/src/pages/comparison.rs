@@ -233,7 +233,7 @@ pub fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Gr
     let conditions = &site.conditions;
     let of_runs = |surroundings, voltage| match conditions.at(material, surroundings, voltage) {
         Some(condition) => estimates(site, &condition.runs, parameter),
-        None => vec![],
+        None => Default::default(),
     };
     let of_aside = |surroundings, voltage| {
         marks(site, parameter.key, |aside| {
@@ -246,7 +246,7 @@ pub fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Gr
 /// A group for every surroundings, with a slot for every voltage; both are asked for by their places.
 pub fn groups_of(
     conditions: &Conditions,
-    estimates: impl Fn(usize, usize) -> Vec<Estimate>,
+    estimates: impl Fn(usize, usize) -> (Vec<usize>, Vec<Estimate>),
     aside: impl Fn(usize, usize) -> Vec<AsideMark>,
 ) -> Vec<Group> {
     let labels = voltage_labels(&conditions.voltages_v);
@@ -256,10 +256,14 @@ pub fn groups_of(
         if environments.last() != Some(&surroundings.environment.as_str()) {
             environments.push(&surroundings.environment);
         }
-        let slot = |(voltage, label): (usize, &String)| Slot {
-            label: label.clone(),
-            estimates: estimates(index, voltage),
-            aside: aside(index, voltage),
+        let slot = |(voltage, label): (usize, &String)| {
+            let (runs, estimates) = estimates(index, voltage);
+            Slot {
+                label: label.clone(),
+                estimates,
+                runs,
+                aside: aside(index, voltage),
+            }
         };
         groups.push(Group {
             label: surroundings.environment.clone(),
@@ -271,8 +275,8 @@ pub fn groups_of(
     groups
 }
 
-/// Estimates of the runs with a converged fit among `runs`, in shown units.
-fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Estimate> {
+/// The runs with a converged fit among `runs`, and their estimates in shown units.
+fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> (Vec<usize>, Vec<Estimate>) {
     let finite = |number: &f64| number.is_finite();
     let shown = |number: Option<f64>| {
         number
@@ -283,15 +287,16 @@ fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Esti
         let record = &site.input.runs[run];
         let stated = usable(record, parameter.key)?;
         let estimate = site.input.laws.doubts.stated(&record.path, parameter.key, stated);
-        Some(Estimate {
+        let estimate = Estimate {
             value: shown(estimate.value),
             standard_error: shown(estimate.standard_error),
             low_95: shown(estimate.low_95),
             high_95: shown(estimate.high_95),
             ..estimate.into_owned()
-        })
+        };
+        Some((run, estimate))
     };
-    runs.iter().filter_map(of).collect()
+    runs.iter().filter_map(of).unzip()
 }
 
 /// An axis that shows every value and bound, and intervals as far as `STRETCH` lets them reach.

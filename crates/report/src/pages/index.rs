@@ -9,11 +9,13 @@ use super::Content;
 use super::answers::{Answers, answers};
 use super::comparison::{SmallPanel, caution, small_panels};
 use super::needs::{Need, needs};
+use super::run_fit::symbol_of;
 use super::runs_table::{RunsTable, runs_table};
 use super::wording::{IssueText, RunLink, has_warnings, humidity_label, voltage_labels};
 use crate::blocks;
 use crate::error::ReportError;
-use crate::pages::policy::MOST_FILES_OF_REASON;
+use crate::moved::Was;
+use crate::pages::policy::{MOST_FILES_OF_REASON, MOST_MOVED_NAMED};
 use crate::site::Site;
 use ieap_analysis::study;
 use ieap_domain::{FileState, Issue, RunState, Severity};
@@ -28,6 +30,8 @@ struct Index {
     /// What the study asked, with its picture.
     blocks: Vec<blocks::Item>,
     answers: Answers,
+    /// Numbers that moved not long ago; empty where none did.
+    moved: String,
     needs: Vec<Need>,
     caution: Vec<String>,
     counts: Vec<Count>,
@@ -110,6 +114,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         lead: lead(site),
         blocks,
         answers,
+        moved: moved(site),
         needs: needs(site),
         caution: caution(site),
         counts: counts(site),
@@ -149,6 +154,30 @@ fn lead(site: &Site) -> String {
         } else {
             format!("{fitted} {}", if fitted == 1 { "is" } else { "are" })
         }
+    )
+}
+
+/// `2 numbers moved since 27 Nov 2026, 15:08 UTC: λ of S1/air.csv from 1.2 ± 0.1 to 1.4 ± 0.1; ...`
+fn moved(site: &Site) -> String {
+    let mut moved: Vec<_> = site.numbers.moved().collect();
+    moved.sort_by(|a, b| b.2.until.cmp(&a.2.until));
+    let Some(earliest) = moved.iter().map(|(_, _, was, _)| was.until.as_str()).min() else {
+        return String::new();
+    };
+    let one = |(run, key, was, is): &(&str, &str, &Was, &str)| {
+        let name = site.input.campaign.run_name(run);
+        format!("{} of {name} from {} to {is}", symbol_of(key), was.text)
+    };
+    let named: Vec<String> = moved.iter().take(MOST_MOVED_NAMED).map(one).collect();
+    let more = match moved.len() - named.len() {
+        0 => String::new(),
+        more => format!("; {more} more in the table of all runs"),
+    };
+    format!(
+        "{} moved since {}: {}{more}.",
+        counted(moved.len(), "number"),
+        site.zone().moment(earliest),
+        named.join("; ")
     )
 }
 

@@ -22,6 +22,7 @@ mod page;
 mod parameter_section;
 pub(crate) mod policy;
 pub mod ratios;
+pub mod residuals;
 pub mod run;
 pub mod run_clocks;
 mod run_condition;
@@ -41,7 +42,8 @@ use super::blocks;
 use super::input::Input;
 use ieap_analysis::comparison::against::Against;
 use ieap_analysis::{
-    along, climate, dma, files, frequency, impedance, models_compared, monitoring, stiffness, study, tables,
+    along, climate, dma, files, frequency, impedance, methods, models_compared, monitoring, stiffness, study,
+    tables,
 };
 use ieap_domain::RunRecord;
 use ieap_domain::fault::caught;
@@ -57,7 +59,7 @@ const COMPARISON: Option<&str> = Some("comparison.html");
 const AGAINST: &str = include_str!("../../../../templates/pages/against.html");
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 23] = [
+pub const PAGES: [Page; 25] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -155,6 +157,18 @@ pub const PAGES: [Page; 23] = [
         content: table5::content,
     },
     Page {
+        file: "methods.html",
+        title: "Methods",
+        under: Some("table5.html"),
+        template: blocks::PAGE,
+        is_shown: |input| !input.runs.is_empty(),
+        content: |site| {
+            let Input { study, origin, .. } = site.input;
+            let shown = methods::view(&site.input.of_tables(), study, &origin.program);
+            blocks::content(site, "methods.html", shown)
+        },
+    },
+    Page {
         file: "along.html",
         title: "Along the strip",
         under: None,
@@ -232,6 +246,14 @@ pub const PAGES: [Page; 23] = [
         template: include_str!("../../../../templates/pages/findings.html"),
         is_shown: |_| true,
         content: findings::content,
+    },
+    Page {
+        file: residuals::FILE,
+        title: "Residuals of all runs",
+        under: Some("findings.html"),
+        template: include_str!("../../../../templates/pages/residuals.html"),
+        is_shown: |input| input.runs.iter().any(|run| run.fit.is_some()),
+        content: residuals::content,
     },
     Page {
         file: "humidity.html",

@@ -2,10 +2,12 @@
 
 use ieap_domain::words::counted;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 use crate::input::Input;
 use crate::site::Site;
 use ieap_domain::file_story::HALF_WITHOUT_PARTNER;
+use ieap_domain::tag::{MISSING, spoken};
 use ieap_domain::{FileState, RunRecord, RunState, Standing};
 
 /// One kind of it.
@@ -32,11 +34,15 @@ pub fn needs(site: &Site) -> Vec<Need> {
         files_in(input, FileState::Refused),
         files_in(input, FileState::Pending),
     );
-    let lacking = input.laws.lacking.iter().map(|found| found.without.len()).max();
-    let lacking = lacking.unwrap_or(0);
+    let lacks = |lack: &str| format!(" {lack} a tag: {}", missing_tags(input));
+    // The covariate that most runs do not state.
+    let most = input.laws.lacking.iter().max_by_key(|found| found.without.len());
+    let lacking = most.map_or(0, |found| found.without.len());
+    let covariate = most.map_or("", |found| found.covariate.label());
+    let sought = |lack: &str| format!(" {lack} a tag over which laws are sought: {covariate}");
     let halves = input.file_stories.iter();
     let halves = halves.filter(|file| file.became == HALF_WITHOUT_PARTNER).count();
-    let asked = [
+    let asked: [(usize, &str, [&str; 2], &'static str); 9] = [
         (alarms, "alarm", ["", ""], "monitoring.html"),
         (
             condemned,
@@ -57,7 +63,7 @@ pub fn needs(site: &Site) -> Vec<Need> {
             ],
             "files.html",
         ),
-        (untagged, "run", [" lacks a tag", " lack a tag"], "#untagged"),
+        (untagged, "run", [&lacks("lacks"), &lacks("lack")], "#untagged"),
         (
             unused,
             "run",
@@ -71,10 +77,7 @@ pub fn needs(site: &Site) -> Vec<Need> {
         (
             lacking,
             "run",
-            [
-                " lacks a tag over which laws are sought",
-                " lack a tag over which laws are sought",
-            ],
+            [&sought("lacks"), &sought("lack")],
             "humidity.html",
         ),
         (waiting, "file", [" waits", " wait"], "#waiting"),
@@ -88,6 +91,22 @@ pub fn needs(site: &Site) -> Vec<Need> {
         .filter(|(count, ..)| *count > 0)
         .map(need)
         .collect()
+}
+
+/// The tags that runs lack, the most frequent first: `sample, voltage`.
+fn missing_tags(input: &Input) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    let untagged = input.runs.iter().filter(|run| run.state == RunState::Untagged);
+    for issue in untagged
+        .flat_map(|run| &run.issues)
+        .filter(|issue| issue.code == MISSING)
+    {
+        *counts.entry(&issue.place).or_insert(0) += 1;
+    }
+    let mut keys: Vec<(&str, usize)> = counts.into_iter().collect();
+    keys.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let words: Vec<String> = keys.into_iter().map(|(key, _)| spoken(key).0).collect();
+    words.join(", ")
 }
 
 fn files_in(input: &Input, state: FileState) -> usize {

@@ -33,6 +33,10 @@ pub(super) const MOST_TO_FILL: usize = 12;
 pub(super) const MOST_FLAGS: usize = 12;
 /// Segments of a drive that are spelled out at most. Chosen.
 pub(super) const MOST_SEGMENTS: usize = 6;
+/// So long a number that moved says what it was, s: a week, in which people who work with a report open it. Chosen.
+pub(crate) const MOVED_SHOWN_S: f64 = 604_800.0;
+/// Numbers that moved which the overview names. Chosen.
+pub(super) const MOST_MOVED_NAMED: usize = 3;
 /// Runs listed on the overview at most: a page of thousands opens slowly. The pages of the groups have all. Chosen.
 pub(super) const MOST_RUNS_LISTED: usize = 500;
 /// Laws that are drawn without being asked for, the strongest first. Chosen.

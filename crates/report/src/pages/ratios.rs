@@ -29,6 +29,9 @@ struct RatiosPage {
     parameters: Vec<ParameterSection<Panel>>,
     columns: Vec<&'static str>,
     rows: Vec<Row>,
+    /// What all rows are held against, and rest on, said once; empty where rows differ.
+    over: String,
+    rests_on: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -79,14 +82,25 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         .iter()
         .filter(|info| found.iter().any(|ratio| ratio.parameter == info.key))
         .collect();
+    let rows = rows(site, &found, &shown);
     let page = RatiosPage {
+        over: shared(&rows, |row| &row.reference),
+        rests_on: shared(&rows, |row| &row.basis),
         lead: lead(chosen.as_ref()),
         caution: caution(site).into_iter().chain(doubts(site)).collect(),
         parameters,
         columns: shown.iter().map(|info| info.symbol).collect(),
-        rows: rows(site, &found, &shown),
+        rows,
     };
     Content::new("ratios.html", &page, figures)
+}
+
+/// What all rows say; empty where they differ.
+fn shared(rows: &[Row], of: impl Fn(&Row) -> &String) -> String {
+    match rows {
+        [first, others @ ..] if others.iter().all(|row| of(row) == of(first)) => of(first).clone(),
+        _ => String::new(),
+    }
 }
 
 fn lead(chosen: Option<&Reference>) -> String {
@@ -171,7 +185,7 @@ fn groups(site: &Site, own: &[&Ratio]) -> Vec<Group> {
             let condition = &conditions.measured[ratio.condition];
             (condition.surroundings, condition.voltage) == (surroundings, voltage)
         };
-        own.iter().filter(is_here).map(estimate).collect()
+        (Vec::new(), own.iter().filter(is_here).map(estimate).collect())
     };
     // A run that no result is made from has no ratio.
     groups_of(conditions, estimates, |_, _| Vec::new())

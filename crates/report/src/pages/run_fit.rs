@@ -68,7 +68,7 @@ pub fn residual_over_noise(fit: &Fit, quantity: Quantity) -> Option<String> {
 }
 
 /// Whether the residual of a channel is what noise would leave.
-fn is_described(noise: &ChannelNoise) -> bool {
+pub fn is_described(noise: &ChannelNoise) -> bool {
     noise.residual_rms / noise.standard_deviation <= WITHIN_NOISE
         && noise.residual_autocorrelation < CORRELATED_FROM
 }

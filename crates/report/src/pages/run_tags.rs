@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use ieap_analysis::zone::Zone;
-use ieap_domain::tag::keys;
+use ieap_domain::tag::{keys, spoken};
 use ieap_domain::{RunRecord, TagSource};
 
 /// Where a sidecar lies, whose name is the file's with `.toml`.
@@ -27,7 +27,7 @@ pub struct TagGroup {
     detail: String,
     /// Whether stronger sources overruled them.
     overruled: bool,
-    /// Keys with their values.
+    /// Keys as they are said, with their values.
     tags: Vec<(String, String)>,
 }
 
@@ -103,7 +103,10 @@ pub fn grouped(tags: Vec<TagText>) -> Vec<TagGroup> {
             (group.origin, group.detail.as_str(), group.overruled)
                 == (origin, tag.detail.as_str(), tag.overruled)
         };
-        let pair = (tag.key, tag.value);
+        let pair = match spoken(&tag.key) {
+            (words, "") => (words, tag.value),
+            (words, unit) => (words, format!("{}\u{a0}{unit}", tag.value)),
+        };
         match groups.iter_mut().find(alike) {
             Some(group) => group.tags.push(pair),
             None => groups.push(TagGroup {

@@ -49,12 +49,22 @@ struct Row {
     humidity: String,
     voltage: String,
     when: String,
-    values: Vec<EstimateText>,
+    values: Vec<Value>,
     sparks: Sparks,
     /// `fitted`, `warned` or `unfitted`: class.
     state: &'static str,
     /// What is to be known, in words.
     flag: String,
+}
+
+/// A parameter of a run.
+#[derive(Debug, Serialize)]
+struct Value {
+    #[serde(flatten)]
+    text: EstimateText,
+    /// `was 24.6 ± 0.3`, where it moved not long ago.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    was: String,
 }
 
 /// The runs of the table: those that were measured last first; where one does not say when it was, those that came in last.
@@ -143,7 +153,13 @@ fn row(site: &Site, run: usize, parameters: &[&ParameterInfo], are_dated: bool) 
         sparks: site.sparks.get(&run).cloned().unwrap_or_default(),
         values: parameters
             .iter()
-            .map(|info| estimate_of(site, record, info))
+            .map(|info| Value {
+                text: estimate_of(site, record, info),
+                was: match site.numbers.was(&record.path, info.key) {
+                    Some(was) => format!("was {}", was.text),
+                    None => String::new(),
+                },
+            })
             .collect(),
         state,
         flag,

@@ -181,15 +181,7 @@ pub const NOT_CONVERGED: &str = "the fit did not converge, so that its numbers a
 
 /// `28–38 % RH`; empty where no humidity is known.
 pub fn humidity_label(surroundings: &Surroundings) -> String {
-    let Some(level) = surroundings.humidity else {
-        return String::new();
-    };
-    let (low, high) = (fixed(level.low_percent, 0), fixed(level.high_percent, 0));
-    if low == high {
-        format!("{low} % RH")
-    } else {
-        format!("{low}–{high} % RH")
-    }
+    surroundings.humidity_said()
 }
 
 /// `air` or, where the humidity varies, `air at 28–38 % RH`

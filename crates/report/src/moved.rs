@@ -1,0 +1,150 @@
+//! Numbers that moved: what a report says of each run is kept beside it, so that the next one can say what it said before.
+
+use std::collections::BTreeMap;
+
+use ieap_analysis::ParameterInfo;
+use ieap_analysis::parameters::COMPARED;
+use ieap_analysis::zone::seconds;
+use serde::{Deserialize, Serialize};
+
+use crate::pages::policy::MOVED_SHOWN_S;
+use crate::pages::wording::estimate_of;
+use crate::site::Site;
+
+/// File of the report with its numbers, JSON.
+pub const FILE: &str = ".numbers";
+
+/// What a report says: by run and parameter.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Numbers(BTreeMap<String, BTreeMap<String, Number>>);
+
+/// A number as it is printed, and what it was before it moved.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Number {
+    text: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    was: Option<Was>,
+}
+
+/// What a number was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Was {
+    /// As it was printed.
+    pub text: String,
+    /// When a report said otherwise for the first time, RFC 3339.
+    pub until: String,
+}
+
+/// The report that stands while the next one is made.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Before {
+    /// What it says.
+    pub numbers: Numbers,
+    /// When the next one is made, RFC 3339.
+    pub now: String,
+}
+
+impl Numbers {
+    /// What a file says; nothing where it is none of ours, for nothing but these marks is made from it.
+    pub fn read(text: &str) -> Numbers {
+        serde_json::from_str(text).unwrap_or_default()
+    }
+
+    /// The file.
+    pub fn text(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// What the report of `site` says, after the one before.
+    pub fn of(site: &Site) -> Numbers {
+        let Before { numbers, now } = &site.input.before;
+        let parameters = || COMPARED.iter().filter_map(|key| ParameterInfo::of(key));
+        let of_run = |run: &ieap_domain::RunRecord| {
+            let said = parameters().map(|info| {
+                let text = estimate_of(site, run, info).text;
+                (
+                    info.key.to_owned(),
+                    numbers.moved_to(&run.path, info.key, text, now),
+                )
+            });
+            (run.path.clone(), said.collect())
+        };
+        let fitted = site.input.runs.iter().filter(|run| run.fit.is_some());
+        Numbers(fitted.map(of_run).collect())
+    }
+
+    /// A number that is said now: with what it was, where it is another, or was another not long ago.
+    fn moved_to(&self, run: &str, key: &str, text: String, now: &str) -> Number {
+        let before = self.0.get(run).and_then(|own| own.get(key));
+        let was = match before {
+            Some(before) if before.text != text => Some(Was {
+                text: before.text.clone(),
+                until: now.to_owned(),
+            }),
+            Some(before) => before.was.clone().filter(|was| was.text != text),
+            None => None,
+        };
+        let is_recent = |was: &Was| match (seconds(now), seconds(&was.until)) {
+            (Some(now), Some(until)) => now - until <= MOVED_SHOWN_S,
+            _ => false,
+        };
+        Number {
+            was: was.filter(is_recent),
+            text,
+        }
+    }
+
+    /// What a number was before it moved.
+    pub fn was(&self, run: &str, key: &str) -> Option<&Was> {
+        self.0.get(run)?.get(key)?.was.as_ref()
+    }
+
+    /// Every number that moved: run, parameter, what it was and what it is.
+    pub fn moved(&self) -> impl Iterator<Item = (&str, &str, &Was, &str)> {
+        self.0.iter().flat_map(|(run, own)| {
+            own.iter().filter_map(move |(key, number)| {
+                Some((
+                    run.as_str(),
+                    key.as_str(),
+                    number.was.as_ref()?,
+                    number.text.as_str(),
+                ))
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(numbers: &Numbers, text: &str, now: &str) -> Numbers {
+        let number = numbers.moved_to("a.csv", "lambda_per_s", text.to_owned(), now);
+        Numbers([("a.csv".to_owned(), [("lambda_per_s".to_owned(), number)].into())].into())
+    }
+
+    #[test]
+    fn a_number_that_moved_says_what_it_was_for_a_week() {
+        let first = number(&Numbers::default(), "1.0", "2026-11-20T06:00:00Z");
+        assert_eq!(first.was("a.csv", "lambda_per_s"), None);
+        let second = number(&first, "1.2", "2026-11-21T06:00:00Z");
+        let was = Was {
+            text: "1.0".to_owned(),
+            until: "2026-11-21T06:00:00Z".to_owned(),
+        };
+        assert_eq!(second.was("a.csv", "lambda_per_s"), Some(&was));
+        // A report that says the same goes on saying it, until a week is over.
+        let third = number(&Numbers::read(&second.text()), "1.2", "2026-11-25T06:00:00Z");
+        assert_eq!(third.moved().count(), 1);
+        let fourth = number(&third, "1.2", "2026-11-29T06:00:00Z");
+        assert_eq!(fourth.moved().count(), 0);
+        // What goes back moved as well.
+        let back = number(&third, "1.0", "2026-11-26T06:00:00Z");
+        assert_eq!(back.was("a.csv", "lambda_per_s").unwrap().text, "1.2");
+    }
+
+    #[test]
+    fn what_is_no_such_file_says_nothing() {
+        assert_eq!(Numbers::read("torn {"), Numbers::default());
+    }
+}
