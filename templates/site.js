@@ -1234,12 +1234,12 @@
           status.textContent = `${WORDS[key][0]}: not a pattern (${error.message})`;
         }
       }
-      const { mark, hide, all, named } = toolbox, byHref = new Map(all.map((run) => [run.href, run]));
+      const { mark, hide, all, named } = toolbox, byHref = new Map(all.map((run) => [new URL(run.href, location.href).href, run]));
       const show = (element, run) => {
         element.classList.toggle("out", !!hide?.(run));
         element.classList.toggle("marked", !!mark?.(run));
       };
-      const runOf = (link) => byHref.get(link.getAttribute("href").split("&")[0]);
+      const runOf = (link) => byHref.get(link.href.split("&")[0]);
       for (const row of document.querySelectorAll("main table:not(.matrix, .coverage) > tbody > tr")) {
         const linked = [...row.querySelectorAll("a[href]")].map(runOf).find(Boolean);
         const words = () => [...row.cells].filter((cell) => cell.matches("th") || tagsOf.has(cell.textContent.trim())).map((cell) => cell.textContent.trim());

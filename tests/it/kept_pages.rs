@@ -38,6 +38,26 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
+/// What a file says beside what numbers were before they moved, which is known from the report before and nowhere else.
+fn said(name: &str, bytes: &[u8]) -> Vec<u8> {
+    match name {
+        ".numbers" | ".written" => Vec::new(),
+        "index.html" => {
+            let text = String::from_utf8(bytes.to_vec()).unwrap();
+            let lines: Vec<&str> = text
+                .lines()
+                .filter(|line| !line.contains(" moved since "))
+                .collect();
+            let text = lines.join("\n");
+            let mut parts = text.split("<br><small class=\"was\">");
+            let first = parts.next().unwrap().to_owned();
+            let rest = parts.map(|part| part.split_once("</small>").unwrap().1);
+            rest.fold(first, |all, part| all + part).into_bytes()
+        }
+        _ => bytes.to_vec(),
+    }
+}
+
 /// Writes the report, and holds it against one that is made from nothing. Gives the number of pages that were taken over.
 fn kept_pages(folder: &CampaignFolder, what: &str) -> u64 {
     let document = folder.ieap(&["report", "--json"]).expect(0).json();
@@ -52,7 +72,7 @@ fn kept_pages(folder: &CampaignFolder, what: &str) -> u64 {
     assert_eq!(names(&made), names(&from_nothing), "{what}");
     let differ: Vec<&String> = made
         .keys()
-        .filter(|name| made[*name] != from_nothing[*name])
+        .filter(|name| said(name, &made[*name]) != said(name, &from_nothing[*name]))
         .collect();
     assert_eq!(differ, Vec::<&String>::new(), "{what}");
     let (kept, written) = (&report["pages_kept"], &report["pages"]);

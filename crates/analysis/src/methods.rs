@@ -85,6 +85,7 @@ fn runs(input: &TableInput) -> String {
             channels.push(name);
         }
     }
+    let were = if channels.len() == 1 { "was" } else { "were" };
     let channels = match channels.is_empty() {
         true => "Responses".to_owned(),
         false => in_a_row(&channels),
@@ -105,7 +106,7 @@ fn runs(input: &TableInput) -> String {
     let head = channels[..1].to_uppercase() + &channels[1..];
     let count = counted(input.runs.len(), "run");
     let instruments = instruments(input.runs);
-    format!("{head} were measured in {count}{places}{voltages}{instruments}.")
+    format!("{head} {were} measured in {count}{places}{voltages}{instruments}.")
 }
 
 /// ` with A and B`; empty where no run names an instrument.

@@ -2,14 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use ieap_analysis::ParameterInfo;
-use ieap_analysis::parameters::COMPARED;
 use ieap_analysis::zone::seconds;
 use serde::{Deserialize, Serialize};
 
 use crate::pages::policy::MOVED_SHOWN_S;
-use crate::pages::wording::estimate_of;
-use crate::site::Site;
 
 /// File of the report with its numbers, JSON.
 pub const FILE: &str = ".numbers";
@@ -55,22 +51,18 @@ impl Numbers {
         serde_json::to_string(self).unwrap_or_default()
     }
 
-    /// What the report of `site` says, after the one before.
-    pub fn of(site: &Site) -> Numbers {
-        let Before { numbers, now } = &site.input.before;
-        let parameters = || COMPARED.iter().filter_map(|key| ParameterInfo::of(key));
-        let of_run = |run: &ieap_domain::RunRecord| {
-            let said = parameters().map(|info| {
-                let text = estimate_of(site, run, info).text;
-                (
-                    info.key.to_owned(),
-                    numbers.moved_to(&run.path, info.key, text, now),
-                )
+    /// What a report says, by run and parameter, after the one before.
+    pub fn after(before: &Before, said: impl Iterator<Item = (String, Vec<(String, String)>)>) -> Numbers {
+        let Before { numbers, now } = before;
+        let of_run = |(run, said): (String, Vec<(String, String)>)| {
+            let own = said.into_iter().map(|(key, text)| {
+                let number = numbers.moved_to(&run, &key, text, now);
+                (key, number)
             });
-            (run.path.clone(), said.collect())
+            let own = own.collect();
+            (run, own)
         };
-        let fitted = site.input.runs.iter().filter(|run| run.fit.is_some());
-        Numbers(fitted.map(of_run).collect())
+        Numbers(said.map(of_run).collect())
     }
 
     /// A number that is said now: with what it was, where it is another, or was another not long ago.

@@ -17,7 +17,9 @@ use super::input::Input;
 use super::kept::{self, Earlier};
 use super::moved;
 use super::page_writer::{INDEX, LAYOUT, PageWriter, template_error, write};
-use super::pages::{FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, residuals, shown};
+use super::pages::{
+    FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, numbers, residuals, shown,
+};
 use super::readings_file;
 use super::run_index::run_index;
 use super::run_page_writer::make;
@@ -85,6 +87,7 @@ pub fn render_site(
     progress: &dyn Fn(usize, usize),
 ) -> Result<Rendered, ReportError> {
     let templates = templates(pages, &site.input.templates)?;
+    site.numbers = numbers(&site);
     let groups = site.input.findings.groups.len();
     let strips: Vec<usize> = (0..site.input.runs.len())
         .filter(|&run| site.input.runs[run].is_along())

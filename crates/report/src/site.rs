@@ -71,7 +71,7 @@ impl<'a> Site<'a> {
         let conditions = conditions(&input.runs, &input.campaign);
         let facts = facts(&input.runs, &input.campaign, &[]);
         let lookup = Lookup::new(input, &conditions);
-        let mut site = Site {
+        Site {
             input,
             numbers: Numbers::default(),
             run_pages,
@@ -89,9 +89,7 @@ impl<'a> Site<'a> {
             slugs: slugs(input.records().map(|run| run.path.as_str())),
             lookup,
             finding_slugs: slugs(input.findings.groups.iter().map(|found| found.group.as_str())),
-        };
-        site.numbers = Numbers::of(&site);
-        site
+        }
     }
 
     /// Address of a run, relative to the site's root: its page, and its place there where others stand on it.

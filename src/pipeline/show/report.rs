@@ -268,9 +268,10 @@ pub fn not_ours(campaign: &Path) -> Result<Option<String>, PipelineError> {
 /// Whether a report without a list of its files is one that an earlier version wrote: it carries the stamp, has the
 /// names that reports ever had and nothing else, and every page begins as the layout does.
 fn is_of_earlier_version(folder: &Path) -> bool {
-    const BESIDE_PAGES: [&str; 9] = [
+    const BESIDE_PAGES: [&str; 10] = [
         STAMP,
         kept::FILE,
+        report::moved::FILE,
         KEPT_VALUES,
         "style.css",
         "site.js",

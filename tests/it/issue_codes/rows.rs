@@ -29,6 +29,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("ambiguous-format", By("crates/ingest/src/profiles/tests.rs", "two_profiles_that_fit_are_named")),
     ("ambiguous-numbers", Format("plain-table/refused.two_readings.csv")),
     ("analysis-fault", Open("a fault of the program: none is known")),
+    ("arrow-schema-unread", By("crates/ingest/src/formats/parquet/tests.rs", "a_schema_of_arrow_that_cannot_be_read_is_told")),
     ("bad-drive", By("src/pipeline/standalone/in_memory/tests.rs", "what_a_model_does_not_describe_is_said")),
     ("bad-effect", By("src/pipeline/standalone/in_memory/tests.rs", "what_is_missing_or_wrong_is_said_with_its_remedy")),
     ("bad-encoding", Campaign(|to| to.write("runs/a.csv", with_half_a_pair()))),

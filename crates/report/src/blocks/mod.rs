@@ -101,6 +101,8 @@ pub(crate) enum Item {
     Charts {
         /// The legend of all of them where they share it; each has its own else.
         keys: Vec<Key>,
+        /// Their caption likewise.
+        caption: String,
         charts: Vec<ChartText>,
     },
     Issues {
@@ -176,14 +178,26 @@ pub(crate) fn items(
 }
 
 impl Item {
-    /// Charts that follow each other and have one legend have it above them.
+    /// Charts that follow each other and have one legend have it above them, and one caption below them.
     fn say_legend_once(&mut self) {
-        let Item::Charts { keys, charts } = self else {
+        let Item::Charts {
+            keys,
+            caption,
+            charts,
+        } = self
+        else {
             return;
         };
-        if charts.len() > 1 && charts.iter().all(|chart| chart.keys == charts[0].keys) {
+        if charts.len() < 2 {
+            return;
+        }
+        if charts.iter().all(|chart| chart.keys == charts[0].keys) {
             *keys = std::mem::take(&mut charts[0].keys);
             charts.iter_mut().for_each(|chart| chart.keys.clear());
+        }
+        if charts.iter().all(|chart| chart.caption == charts[0].caption) {
+            *caption = std::mem::take(&mut charts[0].caption);
+            charts.iter_mut().for_each(|chart| chart.caption.clear());
         }
     }
 }
@@ -241,6 +255,7 @@ impl Writer<'_> {
                         }
                         _ => Item::Charts {
                             keys: Vec::new(),
+                            caption: String::new(),
                             charts: vec![chart],
                         },
                     }

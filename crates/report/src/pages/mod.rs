@@ -52,7 +52,7 @@ pub use finding::content as finding_content;
 pub use page::{Content, Page};
 pub use run::DrawnRun;
 pub use run_page::{Outline, content as run_page_content, drawn_content};
-pub use runs_table::listed;
+pub use runs_table::{listed, numbers};
 pub use strip::content as strip_content;
 
 const COMPARISON: Option<&str> = Some("comparison.html");

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use serde::Serialize;
 
 use super::wording::{EstimateText, RunLink, estimate_of, has_warnings};
+use crate::moved::Numbers;
 use crate::pages::policy::MOST_RUNS_LISTED;
 use crate::site::Site;
 use crate::sparkline::Sparks;
@@ -83,6 +84,17 @@ pub fn listed(site: &Site) -> Vec<usize> {
     });
     order.truncate(MOST_RUNS_LISTED);
     order
+}
+
+/// What the table says of every run, with what the report before said.
+pub fn numbers(site: &Site) -> Numbers {
+    let parameters = || COMPARED.iter().filter_map(|key| ParameterInfo::of(key));
+    let fitted = site.input.runs.iter().filter(|run| run.fit.is_some());
+    let said = fitted.map(|run| {
+        let texts = parameters().map(|info| (info.key.to_owned(), estimate_of(site, run, info).text));
+        (run.path.clone(), texts.collect())
+    });
+    Numbers::after(&site.input.before, said)
 }
 
 /// Whether every run says when it was.

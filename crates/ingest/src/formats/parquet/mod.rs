@@ -123,6 +123,13 @@ fn read_columns(
     let file = SerializedFileReader::new(Bytes::copy_from_slice(bytes)).map_err(failed)?;
     let rows = checked_rows(&file, max_bytes)?;
     let durations = arrow_schema::durations(file.metadata().file_metadata());
+    if durations.is_none() {
+        let message =
+            "what `ARROW:schema` says cannot be read: a column of durations would be taken for plain numbers";
+        let issue = Issue::warning("arrow-schema-unread", message);
+        issues.push(issue.mend("write the file anew, or state the unit in the column's name"));
+    }
+    let durations = durations.unwrap_or_default();
     let kept = kept(&file, &durations, issues);
     check_compression(&file, &kept)?;
     pages::check(bytes, file.metadata(), &kept)?;

@@ -232,6 +232,33 @@ fn durations_are_seconds_whatever_their_unit_is() {
 }
 
 #[test]
+fn a_schema_of_arrow_that_cannot_be_read_is_told() {
+    let columns = [
+        (
+            plain("time_s", Physical::DOUBLE),
+            Cells::Double(vec![0.0, 1.0, 2.0]),
+        ),
+        (
+            plain("current_a", Physical::DOUBLE),
+            Cells::Double(vec![1.0, 2.0, 3.0]),
+        ),
+    ];
+    for (said, is_told) in [
+        (OF_PYARROW, false),
+        ("no base64!", true),
+        (&OF_POLARS[..40], true),
+    ] {
+        let bytes = by_its_own_library(&columns, Some(said));
+        let reading = read("run.parquet", &bytes, &ReadContext::default()).unwrap();
+        let told = reading
+            .issues
+            .iter()
+            .any(|issue| issue.code == "arrow-schema-unread");
+        assert_eq!(told, is_told, "{said}: {:?}", reading.issues);
+    }
+}
+
+#[test]
 fn numbers_of_fixed_point_and_of_two_bytes_keep_their_value() {
     let required =
         |name, physical| Type::primitive_type_builder(name, physical).with_repetition(Repetition::REQUIRED);
