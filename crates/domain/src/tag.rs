@@ -198,3 +198,23 @@ pub struct Tag {
     /// Which file or rule: `runs/tags.toml`, `VSTEP1`, `tester on 2026-11-20T10:00:00Z`.
     pub detail: String,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tags_are_said_with_their_units_and_those_of_a_laboratory_as_they_are() {
+        assert_eq!(
+            said("relative_humidity_percent", "33"),
+            "relative humidity 33\u{a0}%"
+        );
+        assert_eq!(said("voltage_v", "-2"), "voltage -2\u{a0}V");
+        assert_eq!(
+            said("electrode_resistance_ohm_per_sq", "4"),
+            "electrode resistance 4\u{a0}Ω per square"
+        );
+        assert_eq!(said("sample", "S1"), "sample S1");
+        assert_eq!(said("vitamin_c", "2"), "vitamin c 2");
+    }
+}
