@@ -125,7 +125,9 @@ fn what_only_people_can_say_is_asked_for_and_never_made_up() {
         .ieap(&["export", "--what", "crate", "-o", "out.zip"])
         .expect(2);
     assert!(
-        refused.stderr.contains("a license, an author, a description"),
+        refused
+            .stderr
+            .contains("a license, an author, a description, a publisher"),
         "{refused:?}"
     );
     assert!(!folder.join("out.zip").exists());

@@ -3,7 +3,7 @@
 use ieap_domain::Estimate;
 
 use crate::sheet::{Combined, Rough, Sheet, Value};
-use crate::table::Content;
+use crate::table::{Column, Content};
 
 /// Columns of the same height.
 pub type Frame = Vec<FrameColumn>;
@@ -13,6 +13,8 @@ pub type Frame = Vec<FrameColumn>;
 pub struct FrameColumn {
     /// Its name, with the unit in it.
     pub name: String,
+    /// The quantity in words, as tables for people head it; empty of columns that only programs have.
+    pub quantity: String,
     /// Its cells.
     pub cells: FrameCells,
 }
@@ -100,7 +102,7 @@ impl<R> Sheet<'_, R> {
         let rows: Vec<R> = rows.into_iter().collect();
         let columns = self.columns.iter().map(|column| {
             let values: Vec<Value> = rows.iter().map(|row| (column.of)(row).bare()).collect();
-            columns(&column.head.key, &column.key, column.kind, values)
+            columns(&column.head, &column.key, column.kind, values)
         });
         columns.flatten().collect()
     }
@@ -128,9 +130,11 @@ impl Value {
     }
 }
 
-fn columns(shown: &str, stored: &str, kind: Kind, values: Vec<Value>) -> Frame {
-    let of = |name: &str, cells| FrameColumn {
+fn columns(head: &Column, stored: &str, kind: Kind, values: Vec<Value>) -> Frame {
+    let shown = head.key.as_str();
+    let named = |name: &str, cells| FrameColumn {
         name: name.to_owned(),
+        quantity: head.quantity.clone(),
         cells,
     };
     let first = || values.iter().map(Value::kind).find(|kind| *kind != Kind::Any);
@@ -149,10 +153,7 @@ fn columns(shown: &str, stored: &str, kind: Kind, values: Vec<Value>) -> Frame {
             let all: Vec<Option<Estimate>> = values.map(estimate).collect();
             let numbers = |end: &str, of: fn(&Estimate) -> Option<f64>| {
                 let cells = all.iter().map(|own| finite(own.as_ref().and_then(of)?));
-                FrameColumn {
-                    name: format!("{name}{end}"),
-                    cells: FrameCells::Numbers(cells.collect()),
-                }
+                named(&format!("{name}{end}"), FrameCells::Numbers(cells.collect()))
             };
             let reasons = all.iter().map(|own| own.as_ref()?.reason.clone());
             return vec![
@@ -160,11 +161,11 @@ fn columns(shown: &str, stored: &str, kind: Kind, values: Vec<Value>) -> Frame {
                 numbers("_standard_error", |own| own.standard_error),
                 numbers("_low_95", |own| own.low_95),
                 numbers("_high_95", |own| own.high_95),
-                of(&format!("{name}_reason"), FrameCells::Texts(reasons.collect())),
+                named(&format!("{name}_reason"), FrameCells::Texts(reasons.collect())),
             ];
         }
     };
-    vec![of(shown, cells)]
+    vec![named(shown, cells)]
 }
 
 fn finite(number: f64) -> Option<f64> {

@@ -1,0 +1,79 @@
+//! The data dictionary: what every column of the tables that `ieap export` writes is. Made from the registries that tables,
+//! parameters and views are made from.
+
+use crate::analysis::parameters::ParameterInfo;
+use crate::domain::unit_of_key;
+use crate::model::effects;
+use crate::model::fit_models;
+use crate::show::{Frame, FrameCells, FrameColumn, Sheet};
+use crate::store::meaning;
+
+/// What stands beside a number, by the ending of its column's name.
+const BESIDE: [(&str, &str); 7] = [
+    ("_standard_error", "standard error"),
+    ("_low_95", "lower end of the 95 % interval; null: open"),
+    ("_high_95", "upper end of the 95 % interval; null: open"),
+    ("_reason", "why it is not determined, or only bounded"),
+    ("_standard_deviation", "standard deviation between runs"),
+    ("_mean", "mean over runs"),
+    ("_runs", "number of runs that determine it"),
+];
+
+/// One row a column of these tables.
+pub(super) fn columns_table(tables: Vec<(&'static str, Frame)>) -> Frame {
+    type Of = (&'static str, FrameColumn);
+    let of_table = |(table, frame): (&'static str, Frame)| frame.into_iter().map(move |own| (table, own));
+    Sheet::<Of>::new("columns", "", 2)
+        .plain("table", |(table, _): &Of| *table)
+        .plain("column", |(_, own)| own.name.clone())
+        .plain("type", |(_, own)| kind(&own.cells))
+        .plain("unit", |(_, own)| {
+            unit_of_key(&own.name).filter(|_| matches!(own.cells, FrameCells::Numbers(_)))
+        })
+        .plain("meaning", |(table, own)| {
+            meaning_of(table, &own.name, &own.quantity)
+        })
+        .frame(tables.into_iter().flat_map(of_table))
+}
+
+fn kind(cells: &FrameCells) -> &'static str {
+    match cells {
+        FrameCells::Numbers(_) => "number",
+        FrameCells::Counts(_) => "whole number",
+        FrameCells::Flags(_) => "yes or no",
+        FrameCells::Texts(_) => "text",
+    }
+}
+
+/// What a column says: its own entry, that of the number that it stands beside, the head that people see, the parameter of that
+/// key, or what the column is in every table.
+fn meaning_of(table: &str, column: &str, quantity: &str) -> Option<String> {
+    let view = format!("{table}_view");
+    let own = || meaning(&[table, &view], column).map(str::to_owned);
+    let beside = || {
+        let beside = BESIDE.iter();
+        let (of, said) = beside
+            .filter_map(|(ending, said)| Some((column.strip_suffix(ending)?, said)))
+            .next()?;
+        Some(format!("{}: {said}", meaning_of(table, of, quantity)?))
+    };
+    let headed = || (!quantity.is_empty()).then(|| quantity.to_owned());
+    let anywhere = || meaning(&["runs_view", ""], column).map(str::to_owned);
+    own()
+        .or_else(beside)
+        .or_else(headed)
+        .or_else(|| of_parameter(column).map(str::to_owned))
+        .or_else(anywhere)
+}
+
+/// What the parameter of a model, or of an effect that extends one, is.
+fn of_parameter(key: &str) -> Option<&'static str> {
+    let of_models = fit_models().iter().flat_map(|model| model.parameters);
+    let of_effects = effects::ALL.iter().flat_map(|effect| effect.about().parameters);
+    let compared = ParameterInfo::all().map(|own| (own.key, own.name));
+    compared
+        .chain(of_models.map(|own| (own.key, own.meaning)))
+        .chain(of_effects.map(|own| (own.key, own.meaning)))
+        .find(|(own, _)| *own == key)
+        .map(|(_, said)| said)
+}
