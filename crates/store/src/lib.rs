@@ -58,7 +58,7 @@ pub use hand_tag::HandTag;
 pub use history::Earlier;
 pub use in_place::{Found, found, free_mark, put_in_place, set_aside};
 pub use lock::InstanceLock;
-pub use meanings::meaning;
+pub use meanings::{meaning, meanings};
 pub use new_run::{NewRun, RunContent, Tagging};
 pub use place::FILE_NAME;
 pub use published_view::PublishedRows;

@@ -3,7 +3,7 @@
 const MEANINGS: &str = include_str!("../../../migrations/meanings.txt");
 
 /// Its entries: a column, or a table and its column, with the meaning.
-pub(crate) fn entries() -> impl Iterator<Item = (&'static str, &'static str)> {
+pub fn meanings() -> impl Iterator<Item = (&'static str, &'static str)> {
     let lines = MEANINGS.lines().filter(|line| !line.starts_with('#'));
     lines.filter_map(|line| line.split_once(": "))
 }
@@ -12,6 +12,6 @@ pub(crate) fn entries() -> impl Iterator<Item = (&'static str, &'static str)> {
 pub fn meaning(tables: &[&str], column: &str) -> Option<&'static str> {
     tables.iter().find_map(|table| {
         let is_of = |name: &str| name.split_once('.').unwrap_or(("", name)) == (*table, column);
-        entries().find(|(name, _)| is_of(name)).map(|(_, said)| said)
+        meanings().find(|(name, _)| is_of(name)).map(|(_, said)| said)
     })
 }

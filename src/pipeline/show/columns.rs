@@ -77,3 +77,52 @@ fn of_parameter(key: &str) -> Option<&'static str> {
         .find(|(own, _)| *own == key)
         .map(|(_, said)| said)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::testing::{fit, known, run};
+    use crate::pipeline::show::export::Table;
+    use crate::store::meanings;
+
+    /// Of a campaign with every kind of parameter: those of all models.
+    #[test]
+    fn every_column_that_is_exported_has_a_meaning_and_no_meaning_is_of_another() {
+        let keys = fit_models().iter().flat_map(|model| model.parameters);
+        let parameters: Vec<_> = keys.map(|own| (own.key, known(1.0, 0.1))).collect();
+        let mut one = run("runs/a.csv", "S1", "air", Some(34.0), 2.0);
+        one.fit = Some(fit(&parameters));
+        let frame = Table::Columns.of_runs(&[one]);
+        let cells = |name: &str| match &frame.iter().find(|own| own.name == name).unwrap().cells {
+            FrameCells::Texts(cells) => cells.clone(),
+            other => panic!("{other:?}"),
+        };
+        let named: Vec<String> = cells("table")
+            .into_iter()
+            .zip(cells("column"))
+            .map(|(table, column)| format!("{}.{}", table.unwrap(), column.unwrap()))
+            .collect();
+        let of = |name: &str| cells("meaning")[named.iter().position(|own| own == name).expect(name)].clone();
+        for (name, meaning) in named.iter().zip(cells("meaning")) {
+            assert!(
+                meaning.is_some_and(|said| !said.is_empty()),
+                "{name} has no meaning in migrations/meanings.txt"
+            );
+        }
+        let said = of("fits-wide.r1_ohm_cm2_standard_error");
+        assert_eq!(
+            said.as_deref(),
+            Some("resistance of the fast branch: standard error")
+        );
+        let tables: Vec<&str> = Table::ALL.iter().map(|table| table.name()).collect();
+        for (name, _) in meanings() {
+            let is_exported = name
+                .split_once('.')
+                .is_some_and(|(table, _)| tables.contains(&table));
+            assert!(
+                !is_exported || named.iter().any(|own| own == name),
+                "{name} is no column"
+            );
+        }
+    }
+}

@@ -209,6 +209,12 @@ impl Table {
         Ok(self.of(&all, &context.campaign, &made))
     }
 
+    /// The table of these runs alone, of no campaign.
+    #[cfg(test)]
+    pub(super) fn of_runs(self, runs: &[RunRecord]) -> Frame {
+        self.of(runs, &crate::domain::testing::campaign(), &Made::default())
+    }
+
     /// The table of these runs, and of what was made from them.
     fn of(self, all: &[RunRecord], campaign: &Campaign, made: &Made) -> Frame {
         // The list of runs and their tags hold every run, results only those that speak.
@@ -232,7 +238,8 @@ impl Table {
                 // Which columns there are, the runs tell; what was made from them only fills rows.
                 let others = Table::ALL.into_iter().filter(|table| *table != Table::Columns);
                 let head = |table: Table| (table.name(), table.of(all, campaign, &Made::default()));
-                columns_table(others.map(head).collect())
+                let own = (Table::Columns.name(), columns_table(Vec::new()));
+                columns_table(others.map(head).chain([own]).collect())
             }
         }
     }
