@@ -45,8 +45,8 @@
 //! for parameter in &fit.parameters {
 //!     println!("{}: {:?}", parameter.key, parameter.estimate);
 //! }
-//! let total = fit.parameter("c_total_f_per_cm2").and_then(|estimate| estimate.value);
-//! assert!(total.is_some_and(|total| (total - 0.1).abs() < 0.01), "{fit:?}");
+//! let tau1_s = fit.parameter("tau1_s").and_then(|estimate| estimate.value);
+//! assert!(tau1_s.is_some_and(|tau1_s| (tau1_s - 3.0).abs() < 0.01), "{fit:?}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

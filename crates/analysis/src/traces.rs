@@ -140,6 +140,7 @@ pub fn head() -> Frame {
     let column = |(name, cells): (String, Cells)| FrameColumn {
         name,
         quantity: String::new(),
+        headed_unit: String::new(),
         cells: match cells {
             Cells::Numbers(_) => FrameCells::Numbers(Vec::new()),
             Cells::Flags(_) => FrameCells::Flags(Vec::new()),

@@ -1,9 +1,9 @@
 //! A table for programs: each column of one kind, numbers in full and as they are stored. Files, SQL views and Python have it.
 
-use ieap_domain::Estimate;
+use ieap_domain::{Estimate, unit_of_key};
 
-use crate::sheet::{Combined, Rough, Sheet, Value};
-use crate::table::{Column, Content};
+use crate::sheet::{Combined, Rough, Sheet, SheetColumn, Value};
+use crate::table::Content;
 
 /// Columns of the same height.
 pub type Frame = Vec<FrameColumn>;
@@ -15,6 +15,8 @@ pub struct FrameColumn {
     pub name: String,
     /// The quantity in words, as tables for people head it; empty of columns that only programs have.
     pub quantity: String,
+    /// Unit of its numbers, as tables for people head it; empty where the name alone tells it, and of words.
+    pub headed_unit: String,
     /// Its cells.
     pub cells: FrameCells,
 }
@@ -30,6 +32,17 @@ pub enum FrameCells {
     Flags(Vec<Option<bool>>),
     /// Words; times stand in RFC 3339.
     Texts(Vec<Option<String>>),
+}
+
+impl FrameColumn {
+    /// Unit of its numbers; none of words and pure numbers.
+    pub fn unit(&self) -> Option<&str> {
+        if !matches!(self.cells, FrameCells::Numbers(_)) {
+            return None;
+        }
+        let headed = Some(self.headed_unit.as_str()).filter(|unit| !unit.is_empty());
+        headed.or_else(|| unit_of_key(&self.name))
+    }
 }
 
 impl FrameCells {
@@ -102,7 +115,7 @@ impl<R> Sheet<'_, R> {
         let rows: Vec<R> = rows.into_iter().collect();
         let columns = self.columns.iter().map(|column| {
             let values: Vec<Value> = rows.iter().map(|row| (column.of)(row).bare()).collect();
-            columns(&column.head, &column.key, column.kind, values)
+            columns(column, values)
         });
         columns.flatten().collect()
     }
@@ -130,11 +143,19 @@ impl Value {
     }
 }
 
-fn columns(head: &Column, stored: &str, kind: Kind, values: Vec<Value>) -> Frame {
+fn columns<R>(column: &SheetColumn<'_, R>, values: Vec<Value>) -> Frame {
+    let (head, stored, kind) = (&column.head, &column.key, column.kind);
     let shown = head.key.as_str();
+    // Estimates stand as they are stored, others as they are shown.
+    let headed_unit = if kind == Kind::Estimate && head.key != *stored {
+        ""
+    } else {
+        &head.unit
+    };
     let named = |name: &str, cells| FrameColumn {
         name: name.to_owned(),
         quantity: head.quantity.clone(),
+        headed_unit: headed_unit.to_owned(),
         cells,
     };
     let first = || values.iter().map(Value::kind).find(|kind| *kind != Kind::Any);

@@ -2,7 +2,6 @@
 //! parameters and views are made from.
 
 use crate::analysis::parameters::ParameterInfo;
-use crate::domain::unit_of_key;
 use crate::model::effects;
 use crate::model::fit_models;
 use crate::show::{Frame, FrameCells, FrameColumn, Sheet};
@@ -27,11 +26,10 @@ pub(super) fn columns_table(tables: Vec<(&'static str, Frame)>) -> Frame {
         .plain("table", |(table, _): &Of| *table)
         .plain("column", |(_, own)| own.name.clone())
         .plain("type", |(_, own)| kind(&own.cells))
-        .plain("unit", |(_, own)| {
-            unit_of_key(&own.name).filter(|_| matches!(own.cells, FrameCells::Numbers(_)))
-        })
+        .plain("unit", |(_, own)| own.unit().map(str::to_owned))
         .plain("meaning", |(table, own)| {
-            meaning_of(table, &own.name, &own.quantity)
+            let said = meaning_of(table, &own.name, &own.quantity)?;
+            Some(outside_sql(&said, &own.cells))
         })
         .frame(tables.into_iter().flat_map(of_table))
 }
@@ -45,11 +43,23 @@ fn kind(cells: &FrameCells) -> &'static str {
     }
 }
 
-/// What a column says: its own entry, that of the number that it stands beside, the head that people see, the parameter of that
-/// key, or what the column is in every table.
+/// A meaning as it holds in files, where an empty cell stands for NULL and yes for 1.
+fn outside_sql(said: &str, cells: &FrameCells) -> String {
+    let said = match (cells, said.strip_prefix("1 ")) {
+        (FrameCells::Flags(_), Some(rest)) => format!("yes {rest}"),
+        _ => said.to_owned(),
+    };
+    said.replace("NULL", "empty").replace("null: ", "empty: ")
+}
+
+/// What a column says: its own entry, that of the number that it stands beside, the head that people see, what the column is in
+/// every table, or the parameter of that key.
 fn meaning_of(table: &str, column: &str, quantity: &str) -> Option<String> {
     let view = format!("{table}_view");
-    let own = || meaning(&[table, &view], column).map(str::to_owned);
+    let own = || {
+        let own = meaning(&[table, &view], column);
+        own.filter(|said| !said.starts_with("as in ")).map(str::to_owned)
+    };
     let beside = || {
         let beside = BESIDE.iter();
         let (of, said) = beside
@@ -58,12 +68,12 @@ fn meaning_of(table: &str, column: &str, quantity: &str) -> Option<String> {
         Some(format!("{}: {said}", meaning_of(table, of, quantity)?))
     };
     let headed = || (!quantity.is_empty()).then(|| quantity.to_owned());
-    let anywhere = || meaning(&["runs_view", ""], column).map(str::to_owned);
+    let anywhere = || meaning(&["runs", "runs_view", ""], column).map(str::to_owned);
     own()
         .or_else(beside)
         .or_else(headed)
-        .or_else(|| of_parameter(column).map(str::to_owned))
         .or_else(anywhere)
+        .or_else(|| of_parameter(column).map(str::to_owned))
 }
 
 /// What the parameter of a model, or of an effect that extends one, is.
