@@ -332,7 +332,6 @@ def fit_many(
     simultaneous: bool = False,
     seed: int | None = None,
     threads: int | None = None,
-    curves: bool = True,
     known: Mapping[str, Known] | None = None,
 ) -> ArrowTable:
     """Fits many runs on all cores, one row a run. Ctrl-C ends it.
@@ -343,8 +342,6 @@ def fit_many(
             ``length_mm`` and ``width_mm`` state the strip; ``drive_start_s`` and ``drive_voltage_v`` (lists) and
             ``baseline_v`` may state the drive; every other column is a tag, such as ``voltage_v`` as one number.
         threads: None: all cores; more than these are not taken. The result does not depend on it.
-        curves: for rows of a campaign, the result as ``ieap import-fits`` takes it, with the drawn curves: ten times as much.
-            False leaves the columns `asked`, `fit`, `issue` and `checksum` empty.
         known: what is known of parameters of every run, as in `fit`.
 
     Returns:
@@ -353,7 +350,7 @@ def fit_many(
         ``r_squared_current``, ``issues``, ... A run that cannot be fitted has ``refused_place``, ``refused_reason`` and
         ``refused_remedy`` instead.
     """
-    return _native.fit_many(rows, model, method, simultaneous, seed, threads_of(threads), curves, known_of(known))
+    return _native.fit_many(rows, model, method, simultaneous, seed, threads_of(threads), known_of(known))
 
 
 def diagnose_rows(

@@ -143,7 +143,6 @@ def fit_many(
     simultaneous: bool = False,
     seed: int | None = None,
     threads: int | None = None,
-    curves: bool = True,
     known: Sequence[str] = (),
 ) -> ArrowTable: ...
 def diagnose_rows(

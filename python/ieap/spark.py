@@ -44,7 +44,7 @@ FIT_COLUMNS: dict[str, tuple[str, str]] = {
     "refused_reason": ("string", "why it could not be fitted; null where it was"),
     "refused_remedy": ("string", "how to mend it"),
     "asked": ("string", "of a run of a campaign: what this call asked for, as JSON; for `ieap import-fits`"),
-    "fit": ("string", "of a run of a campaign: the fit with its curves, as JSON; for `ieap import-fits`"),
+    "fit": ("string", "of a run of a campaign: the fit in full, as JSON; for `ieap import-fits`"),
     "issue": ("string", "of a run of a campaign: why it could not be fitted, as JSON; for `ieap import-fits`"),
     "checksum": ("string", "of a run of a campaign: that of its row, which `ieap import-fits` holds it against"),
 }
@@ -72,7 +72,7 @@ FINDING_COLUMNS: dict[str, tuple[str, str]] = {
 
 
 def fit(
-    df: DataFrame, *, model: str | None = None, seed: int | None = None, threads: int = 1, curves: bool = True
+    df: DataFrame, *, model: str | None = None, seed: int | None = None, threads: int = 1
 ) -> DataFrame:
     """Fits every row; columns as `FIT_COLUMNS` says.
 
@@ -80,13 +80,12 @@ def fit(
         df: one row a run, as `ieap.fit_many` takes it. Keep some hundred rows a partition: a task that is lost is done
             again as a whole.
         threads: threads of each task; 1, for Spark runs a task a core.
-        curves: False: without what only ``ieap import-fits`` needs, a tenth of the size.
     """
 
     # Without annotations: Spark would take them for a choice between its ways of handing over rows.
     def fitted(batches):
         for batch in batches:
-            yield from _batches(ieap.fit_many(batch, model=model, seed=seed, threads=threads, curves=curves))
+            yield from _batches(ieap.fit_many(batch, model=model, seed=seed, threads=threads))
 
     return df.mapInArrow(fitted, _schema(FIT_COLUMNS))
 

@@ -13,9 +13,9 @@ use crate::results::{self, Fitted};
 use crate::rows::{Found, RowRun, runs};
 use crate::work::interruptible;
 
-/// Fits every row of a table, on all cores; without `curves` rows of a campaign are not stated as `import-fits` takes them.
+/// Fits every row of a table, on all cores.
 #[pyfunction]
-#[pyo3(signature = (table, model = None, method = None, simultaneous = false, seed = None, threads = None, curves = true, known = Vec::new()))]
+#[pyo3(signature = (table, model = None, method = None, simultaneous = false, seed = None, threads = None, known = Vec::new()))]
 #[expect(clippy::too_many_arguments, reason = "one for each thing that Python states")]
 pub fn fit_many(
     py: Python<'_>,
@@ -25,7 +25,6 @@ pub fn fit_many(
     simultaneous: bool,
     seed: Option<u64>,
     threads: Option<usize>,
-    curves: bool,
     known: Vec<String>,
 ) -> PyResult<ArrowTable> {
     let chosen = FitChoice {
@@ -43,7 +42,7 @@ pub fn fit_many(
                 ),
                 Ok(Found::OfCampaign(row)) => {
                     let (stated, result) = row.fit(&chosen);
-                    (stated, curves.then_some(result))
+                    (stated, Some(result))
                 }
                 Err(issue) => (Err(issue), None),
             };

@@ -50,6 +50,7 @@ def test_what_was_fitted_in_this_process_comes_back(away, fits, tmp_path):
     assert rows.column("material").to_pylist() == ["M", "M"]
     fitted = pa.table(ieap.fit_many(rows))
     assert fitted.column("run").to_pylist() == ["runs/a.csv", "runs/b.csv"] and not any(fitted.column("issue").to_pylist())
+    assert all(json.loads(fit)["curves"] == [] for fit in fitted.column("fit").to_pylist()), "they follow from the readings"
     parquet.write_table(fitted, tmp_path / "fits.parquet")
     summary = brought_back(away, tmp_path / "fits.parquet")
     assert (summary["imported"], summary["refused"], summary["failed"]) == (2, [], [])

@@ -70,6 +70,8 @@ enum What {
     ModelFree,
     /// Trains, one row a cycle
     Cycles,
+    /// What every column of these tables is: one row a column, with its unit and meaning
+    Columns,
     /// All of these, one file each, into a folder
     All,
     /// Everything to publish: raw files, tables, figures, campaign.toml and what they are, as one ZIP (RO-Crate)
@@ -99,6 +101,7 @@ impl What {
             What::Monitoring => vec![Table::Monitoring],
             What::ModelFree => vec![Table::ModelFree],
             What::Cycles => vec![Table::Cycles],
+            What::Columns => vec![Table::Columns],
             What::All | What::Crate => Table::ALL.to_vec(),
         }
     }

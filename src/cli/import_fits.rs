@@ -10,8 +10,8 @@ use super::campaign::{folder, say_what_is_not_understood};
 use super::exit::{self, CliError};
 use super::global::Global;
 use super::output::Output;
-use crate::pipeline::Context;
 use crate::pipeline::upkeep::import_fits::{ImportFits, ImportSummary};
+use crate::pipeline::{CODE_VERSION, Context};
 
 /// Bring in fits that were computed elsewhere
 ///
@@ -48,6 +48,14 @@ fn print(summary: &ImportSummary, output: &Output) {
         summary.refused.len(),
         summary.fitted_again
     ));
+    for (version, count) in &summary.of_other_versions {
+        output.message(&format!(
+            "{} made by ieap {version}, this is {}: `ieap status` lists them, `code_version` in fits_view tells \
+             them apart, and `ieap fit --again` makes them anew.",
+            counted(*count, "fit"),
+            CODE_VERSION
+        ));
+    }
     summary
         .failed
         .iter()

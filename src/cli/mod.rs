@@ -31,6 +31,7 @@ mod init;
 mod inspect;
 mod interrupted;
 mod list;
+mod log_file;
 mod man;
 mod models;
 mod next;

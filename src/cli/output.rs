@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::colour::{self, Ink};
 use super::exit::{self, CliError};
 use super::global::Global;
+use super::log_file::LogFile;
 use super::printable::printable;
 use super::told::Told;
 use crate::domain::Issue;
@@ -37,6 +38,8 @@ pub struct Output {
     colours_stderr: bool,
     /// Where set, each line begins with the time by this clock.
     clock: OnceLock<TimeZone>,
+    /// Where set, each line of results and messages stands in it too.
+    log: OnceLock<Mutex<LogFile>>,
     bar: Mutex<Option<ProgressBar>>,
     told: Mutex<Option<Told>>,
     stdout: Mutex<Stdout>,
@@ -66,6 +69,7 @@ impl Output {
             colours_stdout: colour::is_wanted(global.color, io::stdout().is_terminal()),
             colours_stderr: colour::is_wanted(global.color, io::stderr().is_terminal()),
             clock: OnceLock::new(),
+            log: OnceLock::new(),
             bar: Mutex::new(None),
             told: Mutex::new(None),
             stdout: Mutex::new(Stdout::Open),
@@ -75,7 +79,9 @@ impl Output {
     /// A result for people; nothing where JSON is asked for.
     pub fn result(&self, text: &str) {
         if !self.json {
-            self.write(format!("{}\n", self.timed(&printable(text))).as_bytes());
+            let text = printable(text);
+            self.log(&text);
+            self.write(format!("{}\n", self.timed(&text)).as_bytes());
         }
     }
 
@@ -83,6 +89,7 @@ impl Output {
     pub fn heading(&self, text: &str) {
         if !self.json {
             let text = printable(text);
+            self.log(&text);
             let text = colour::painted(&text, Ink::Heading, self.colours_stdout);
             self.write(format!("{}\n", self.timed(&text)).as_bytes());
         }
@@ -91,6 +98,20 @@ impl Output {
     /// From now on every line begins with the time by that clock: for what runs for days and is read as a log.
     pub fn time_lines(&self, clock: TimeZone) {
         let _ = self.clock.set(clock);
+    }
+
+    /// From now on every line stands in that file too, with its time where lines have one.
+    pub fn log_into(&self, file: LogFile) {
+        let _ = self.log.set(Mutex::new(file));
+    }
+
+    fn log(&self, text: &str) {
+        let Some(Ok(mut log)) = self.log.get().map(Mutex::lock) else {
+            return;
+        };
+        if let Err(error) = log.line(&self.timed(text)) {
+            to_stderr(&format!("error: the log cannot be written: {error}"));
+        }
     }
 
     /// `text` with the time before it, where lines have one.
@@ -248,6 +269,7 @@ impl Output {
 
     fn line(&self, text: &str) {
         let text = printable(text);
+        self.log(&text);
         let text = colour::first_word(&text, self.colours_stderr);
         let text = self.timed(&text);
         let bar = self.bar.lock().ok().and_then(|bar| bar.clone());

@@ -1,6 +1,7 @@
 //! `ieap watch`.
 
 use crate::domain::number::significant;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
@@ -10,9 +11,10 @@ use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::fit_choice::FitChoiceArgs;
 use super::global::Global;
+use super::log_file::LogFile;
 use super::output::Output;
 use super::{ingest, report, run, signals};
-use crate::pipeline::{Run, Watch, WatchSettings, Watched};
+use crate::pipeline::{PipelineError, Run, Watch, WatchSettings, Watched};
 
 /// Do what `run` does for every file that arrives
 ///
@@ -32,6 +34,9 @@ pub struct WatchArgs {
     /// Leave the diagnosis for later (`ieap diagnose`)
     #[arg(long)]
     no_diagnose: bool,
+    /// Write every line into this file too; at 4 MiB it becomes FILE.1, in place of an earlier one, and a new one is begun
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
     #[command(flatten)]
     command: AllowCommandArg,
 }
@@ -47,6 +52,14 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
     let stop = signals::listen(global.quiet, Some(DONE), CUT_OFF)?;
     let mut context = args.campaign.open(global, output)?;
     output.time_lines(crate::pipeline::Zone::of(&context.campaign).zone().clone());
+    if let Some(path) = &args.log {
+        let opened = LogFile::open(path).map_err(|source| PipelineError::File {
+            path: path.clone(),
+            doing: "opening the log",
+            source,
+        });
+        output.log_into(opened?);
+    }
     output.message(&format!(
         "Watching {}; stop with Ctrl-C.",
         context.folder.join(&context.campaign.runs_folder).display()

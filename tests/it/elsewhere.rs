@@ -108,6 +108,34 @@ fn what_comes_back_is_what_the_campaign_would_have_stored() {
     assert_eq!(again["imported"]["imported"], 0);
     let left = away.ieap(&["fit"]).expect(0);
     assert!(left.stderr.contains("0 fitted, 5 up to date"), "{left:?}");
+    // Curves did not travel, and are drawn all the same: dots and lines.
+    assert!(
+        rows.iter()
+            .all(|row| row["fit"]["curves"] == Value::Array(vec![]))
+    );
+    let drawn = |of: &CampaignFolder| {
+        of.ieap(&["figure", "currents", "-o", "currents.svg"]).expect(0);
+        std::fs::read_to_string(of.join("currents.svg")).unwrap()
+    };
+    assert!(drawn(&away) == drawn(&whole), "the figures differ");
+}
+
+#[test]
+fn fits_of_another_version_are_told_apart() {
+    let folder = taken_in(2);
+    let mut rows = results(&folder, &FitChoice::default());
+    rows[1]["code_version"] = "0.0.9".into();
+    rows[1] = sealed(&rows[1]);
+    folder.write("fits.parquet", table(&rows));
+    let ended = folder.ieap(&["import-fits", "fits.parquet", "--json"]).expect(0);
+    let imported = &ended.json()["imported"];
+    assert_eq!(imported["imported"], 2);
+    assert_eq!(imported["of_other_versions"], serde_json::json!({ "0.0.9": 1 }));
+    assert!(ended.stderr.contains("1 fit made by ieap 0.0.9"), "{ended:?}");
+    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+    let sql = "SELECT count(DISTINCT run) FROM fits_view WHERE code_version = '0.0.9'";
+    let of_view: i64 = database.query_row(sql, [], |row| row.get(0)).unwrap();
+    assert_eq!(of_view, 1);
 }
 
 #[test]

@@ -114,3 +114,22 @@ fn the_page_of_figures() {
     }
     hold("figures.md", "the_page_of_figures", &made);
 }
+
+#[test]
+fn the_page_of_exports() {
+    let help = ieap(Path::new("."), &["export", "--help"]).expect(0).stdout;
+    let (_, values) = help.split_once("Possible values:\n").unwrap();
+    let mut made = String::new();
+    for line in values.lines().map(str::trim).take_while(|line| !line.is_empty()) {
+        match line.strip_prefix("- ").and_then(|line| line.split_once(':')) {
+            Some((name, about)) => made += &format!("\n- `{name}`: {}", about.trim()),
+            None => made += &format!(" {line}"),
+        }
+    }
+    assert!(made.lines().count() > 14, "{made}");
+    hold(
+        "export.md",
+        "the_page_of_exports",
+        &format!("{}\n", made.trim_start()),
+    );
+}

@@ -96,6 +96,25 @@ fn a_crate_holds_the_campaign_and_says_what_each_file_is() {
     for part in root["hasPart"].as_array().unwrap() {
         entity(part["@id"].as_str().unwrap());
     }
+    // Every column of every table says what it is; one that ends in a unit has it.
+    let columns = entity("tables/fits.parquet")["variableMeasured"]
+        .as_array()
+        .unwrap();
+    assert_eq!(columns.len(), 18, "{columns:?}");
+    for column in columns {
+        let said = entity(column["@id"].as_str().unwrap());
+        assert!(
+            said["description"].as_str().is_some_and(|said| !said.is_empty()),
+            "{said}"
+        );
+    }
+    assert_eq!(entity("#fits.voltage_v")["unitText"], "V");
+    assert_eq!(entity("#fits.value")["unitText"], Value::Null);
+    assert!(content("tables/columns.csv").starts_with(b"table,column,type,unit,meaning\n"));
+    assert_eq!(
+        entity(root["publisher"]["@id"].as_str().unwrap())["name"],
+        "An institute"
+    );
     let datacite: Value = serde_json::from_slice(content("datacite.json")).unwrap();
     assert_eq!(
         datacite["creators"][0]["nameIdentifiers"][0]["nameIdentifier"],
@@ -125,7 +144,9 @@ fn what_only_people_can_say_is_asked_for_and_never_made_up() {
         .ieap(&["export", "--what", "crate", "-o", "out.zip"])
         .expect(2);
     assert!(
-        refused.stderr.contains("a license, an author, a description"),
+        refused
+            .stderr
+            .contains("a license, an author, a description, a publisher"),
         "{refused:?}"
     );
     assert!(!folder.join("out.zip").exists());

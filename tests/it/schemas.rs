@@ -28,12 +28,7 @@ const KEYWORDS: [&str; 18] = [
     "oneOf",
 ];
 /// Files, not documents of `--json`, that name a schema of their own.
-const FILES: [&str; 4] = [
-    "simulation-truth",
-    "backup-contents",
-    "fit-result",
-    "fit-results-end",
-];
+const FILES: [&str; 3] = ["simulation-truth", "backup-contents", "fit-result"];
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas")

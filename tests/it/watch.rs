@@ -76,7 +76,7 @@ pub fn fitted(folder: &CampaignFolder) -> u64 {
 fn files_that_arrive_are_taken_and_it_stops_cleanly_when_told() {
     let folder = CampaignFolder::new();
     folder.write("runs/before.csv", run_table(1));
-    let watching = Watching::start(&folder, &[]);
+    let watching = Watching::start(&folder, &["--log", "watch.log"]);
     folder.write("runs/new folder/after.csv", run_table(2));
     folder.write(".elsewhere", run_table(3));
     std::fs::rename(folder.join(".elsewhere"), folder.join("runs/renamed.csv")).unwrap();
@@ -96,6 +96,9 @@ fn files_that_arrive_are_taken_and_it_stops_cleanly_when_told() {
             "{line}"
         );
     }
+    let log = std::fs::read_to_string(folder.join("watch.log")).unwrap();
+    assert!(said.lines().all(|line| log.contains(line)), "{said}\n{log}");
+    assert!(log.contains(" files: "), "results stand in it as well: {log}");
     // Nothing is left over for the next run.
     assert_eq!(folder.run_json()["ingest"]["new"], serde_json::json!([]));
 }

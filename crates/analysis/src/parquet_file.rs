@@ -113,10 +113,25 @@ impl<W: Write> ParquetFile<W> {
     /// # Errors
     /// The encoder refuses the columns: a fault of the program.
     pub fn begin(out: W, columns: &[(String, Cells)], about: &About) -> Result<ParquetFile<W>, PolarsError> {
-        let schema: ArrowSchema = columns.iter().map(|(name, cells)| field(name, cells)).collect();
+        ParquetFile::begin_in_units(out, columns, about, |name| unit_of_key(name).map(str::to_owned))
+    }
+
+    fn begin_in_units(
+        out: W,
+        columns: &[(String, Cells)],
+        about: &About,
+        unit: impl Fn(&str) -> Option<String>,
+    ) -> Result<ParquetFile<W>, PolarsError> {
+        let fields = columns.iter().map(|(name, cells)| field(name, cells, unit(name)));
+        let schema: ArrowSchema = fields.collect();
         Ok(ParquetFile {
             writer: FileWriter::try_new(out, schema.clone(), options())?,
-            about: with_units(about, columns.iter().map(|(name, _)| name.as_str())),
+            about: with_units(
+                about,
+                columns
+                    .iter()
+                    .filter_map(|(name, _)| Some((name.as_str(), unit(name)?))),
+            ),
             schema: Arc::new(schema),
         })
     }
@@ -163,7 +178,14 @@ impl<W: Write> ParquetFile<W> {
 /// The disk refuses.
 pub fn write<W: Write>(out: W, table: &[FrameColumn], about: &About) -> Result<W, PolarsError> {
     let columns: Vec<(String, Cells)> = table.iter().map(cells).collect();
-    let mut file = ParquetFile::begin(out, &columns, about)?;
+    let unit = |name: &str| {
+        table
+            .iter()
+            .find(|column| column.name == name)?
+            .unit()
+            .map(str::to_owned)
+    };
+    let mut file = ParquetFile::begin_in_units(out, &columns, about, unit)?;
     file.write(columns)?;
     file.finish()
 }
@@ -183,9 +205,9 @@ fn options() -> WriteOptions {
     }
 }
 
-fn field(name: &str, cells: &Cells) -> Field {
+fn field(name: &str, cells: &Cells, unit: Option<String>) -> Field {
     let field = Field::new(name.into(), cells.kind(), true);
-    match unit_of_key(name) {
+    match unit {
         None => field,
         Some(unit) => {
             let said: (PlSmallStr, PlSmallStr) = ("unit".into(), unit.into());
@@ -195,10 +217,8 @@ fn field(name: &str, cells: &Cells) -> Field {
 }
 
 /// What is said of a file, with the units of its columns: some programs show this and not what stands with the columns.
-fn with_units<'a>(about: &About, columns: impl Iterator<Item = &'a str>) -> About {
-    let units: BTreeMap<&str, &str> = columns
-        .filter_map(|name| Some((name, unit_of_key(name)?)))
-        .collect();
+fn with_units<'a>(about: &About, units: impl Iterator<Item = (&'a str, String)>) -> About {
+    let units: BTreeMap<&str, String> = units.collect();
     let mut about = about.clone();
     about.insert("ieap.units".to_owned(), serde_json::json!(units).to_string());
     about

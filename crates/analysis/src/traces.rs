@@ -12,6 +12,7 @@ use super::parquet_file::{About, Cells, ParquetFile};
 use super::{ExportError, TableFormat};
 use ieap_domain::safe_text::csv_text;
 use ieap_domain::{Channel, Quantity};
+use ieap_show::{Frame, FrameCells, FrameColumn};
 
 /// Rows of a group in Parquet: readers take a group at a time, and every group costs them some 500 bytes of the file's end.
 const GROUP_ROWS: usize = 131_072;
@@ -132,6 +133,21 @@ fn columns(run: &str, channel: Option<&Channel>) -> Vec<(String, Cells)> {
         ("excluded", Cells::Flags((0..n).map(is_excluded).collect())),
     ];
     columns.map(|(name, cells)| (name.to_owned(), cells)).into()
+}
+
+/// The columns without rows: readings are too many for a table in memory.
+pub fn head() -> Frame {
+    let column = |(name, cells): (String, Cells)| FrameColumn {
+        name,
+        quantity: String::new(),
+        headed_unit: String::new(),
+        cells: match cells {
+            Cells::Numbers(_) => FrameCells::Numbers(Vec::new()),
+            Cells::Flags(_) => FrameCells::Flags(Vec::new()),
+            _ => FrameCells::Texts(Vec::new()),
+        },
+    };
+    columns("", None).into_iter().map(column).collect()
 }
 
 fn rows(run: &str, channel: &Channel) -> Result<DataFrame, PolarsError> {

@@ -82,6 +82,29 @@ mod tests;
 ///
 /// What the data leave open is reported in the fit: an estimate without a value, or with a bound, says why.
 ///
+/// ```
+/// use ieap_domain::{Channel, Drive, Quantity};
+/// use ieap_fit::{FitInput, FitOptions, fit_run};
+///
+/// // 1 V from 0 s on, on 30 Ohm cm2 in series with 0.1 F/cm2; 0.1 cm2 of it, and a converter of 0.1 uA.
+/// let time_s: Vec<f64> = (-5..60).map(f64::from).collect();
+/// let charging = |t: &f64| if *t < 0.0 { 0.0 } else { 0.1 / 30.0 * (-t / 3.0).exp() + 1e-5 };
+/// let current_a: Vec<f64> = time_s.iter().map(|t| (charging(t) * 1e7).round() / 1e7).collect();
+/// let channels = [Channel::new(Quantity::Current, time_s.into(), current_a.into())];
+/// let input = FitInput {
+///     channels: &channels,
+///     drive: &Drive::step(1.0),
+///     area_cm2: 0.1,
+/// };
+/// let fit = fit_run(&input, &FitOptions::for_model("lumped-1")?)?;
+/// let r1 = fit.parameter("r1_ohm_cm2").ok_or("lumped-1 has it")?;
+/// assert!(r1.value.is_some_and(|value| (value - 30.0).abs() < 0.5), "{r1:?}");
+/// // Nothing bends here: what only bending tells has no value, and a reason.
+/// let lambda = fit.parameter("lambda_per_s").ok_or("lumped-1 has it")?;
+/// assert!(lambda.value.is_none() && lambda.reason.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`FitError`] where there is nothing to fit: no response channel, too few readings after the step, an area
 /// or a drive that is none.

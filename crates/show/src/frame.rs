@@ -1,8 +1,8 @@
 //! A table for programs: each column of one kind, numbers in full and as they are stored. Files, SQL views and Python have it.
 
-use ieap_domain::Estimate;
+use ieap_domain::{Estimate, unit_of_key};
 
-use crate::sheet::{Combined, Rough, Sheet, Value};
+use crate::sheet::{Combined, Rough, Sheet, SheetColumn, Value};
 use crate::table::Content;
 
 /// Columns of the same height.
@@ -13,6 +13,10 @@ pub type Frame = Vec<FrameColumn>;
 pub struct FrameColumn {
     /// Its name, with the unit in it.
     pub name: String,
+    /// The quantity in words, as tables for people head it; empty of columns that only programs have.
+    pub quantity: String,
+    /// Unit of its numbers, as tables for people head it; empty where the name alone tells it, and of words.
+    pub headed_unit: String,
     /// Its cells.
     pub cells: FrameCells,
 }
@@ -28,6 +32,17 @@ pub enum FrameCells {
     Flags(Vec<Option<bool>>),
     /// Words; times stand in RFC 3339.
     Texts(Vec<Option<String>>),
+}
+
+impl FrameColumn {
+    /// Unit of its numbers; none of words and pure numbers.
+    pub fn unit(&self) -> Option<&str> {
+        if !matches!(self.cells, FrameCells::Numbers(_)) {
+            return None;
+        }
+        let headed = Some(self.headed_unit.as_str()).filter(|unit| !unit.is_empty());
+        headed.or_else(|| unit_of_key(&self.name))
+    }
 }
 
 impl FrameCells {
@@ -100,7 +115,7 @@ impl<R> Sheet<'_, R> {
         let rows: Vec<R> = rows.into_iter().collect();
         let columns = self.columns.iter().map(|column| {
             let values: Vec<Value> = rows.iter().map(|row| (column.of)(row).bare()).collect();
-            columns(&column.head.key, &column.key, column.kind, values)
+            columns(column, values)
         });
         columns.flatten().collect()
     }
@@ -128,9 +143,19 @@ impl Value {
     }
 }
 
-fn columns(shown: &str, stored: &str, kind: Kind, values: Vec<Value>) -> Frame {
-    let of = |name: &str, cells| FrameColumn {
+fn columns<R>(column: &SheetColumn<'_, R>, values: Vec<Value>) -> Frame {
+    let (head, stored, kind) = (&column.head, &column.key, column.kind);
+    let shown = head.key.as_str();
+    // Estimates stand as they are stored, others as they are shown.
+    let headed_unit = if kind == Kind::Estimate && head.key != *stored {
+        ""
+    } else {
+        &head.unit
+    };
+    let named = |name: &str, cells| FrameColumn {
         name: name.to_owned(),
+        quantity: head.quantity.clone(),
+        headed_unit: headed_unit.to_owned(),
         cells,
     };
     let first = || values.iter().map(Value::kind).find(|kind| *kind != Kind::Any);
@@ -149,10 +174,7 @@ fn columns(shown: &str, stored: &str, kind: Kind, values: Vec<Value>) -> Frame {
             let all: Vec<Option<Estimate>> = values.map(estimate).collect();
             let numbers = |end: &str, of: fn(&Estimate) -> Option<f64>| {
                 let cells = all.iter().map(|own| finite(own.as_ref().and_then(of)?));
-                FrameColumn {
-                    name: format!("{name}{end}"),
-                    cells: FrameCells::Numbers(cells.collect()),
-                }
+                named(&format!("{name}{end}"), FrameCells::Numbers(cells.collect()))
             };
             let reasons = all.iter().map(|own| own.as_ref()?.reason.clone());
             return vec![
@@ -160,11 +182,11 @@ fn columns(shown: &str, stored: &str, kind: Kind, values: Vec<Value>) -> Frame {
                 numbers("_standard_error", |own| own.standard_error),
                 numbers("_low_95", |own| own.low_95),
                 numbers("_high_95", |own| own.high_95),
-                of(&format!("{name}_reason"), FrameCells::Texts(reasons.collect())),
+                named(&format!("{name}_reason"), FrameCells::Texts(reasons.collect())),
             ];
         }
     };
-    vec![of(shown, cells)]
+    vec![named(shown, cells)]
 }
 
 fn finite(number: f64) -> Option<f64> {

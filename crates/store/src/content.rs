@@ -4,8 +4,8 @@
 //! version of the program, fingerprints of files in the folder (size, time, inode), how often the database changed, the
 //! readings of earlier revisions as an earlier reader had them, and results that are no longer current. A word of a person
 //! is in it with who and when; the other lines of the journal are not, for they say what the rest says. Comparisons of models
-//! are left out: they are made when they are asked for, and no other result is made from them. So are the rows shown in SQL,
-//! which follow from everything else.
+//! are left out: they are made when they are asked for, and no other result is made from them. So are the rows shown in SQL
+//! and the curves of fits, which follow from everything else.
 
 use std::collections::BTreeMap;
 
@@ -80,8 +80,10 @@ const KINDS: [(&str, &str); 9] = [
     ),
 ];
 
-/// Current results, with what is drawn of them.
-const FIT: &str = "SELECT name, key, document, drawn FROM result NOT INDEXED WHERE kind = 'fit' AND superseded_at IS NULL ORDER BY name";
+/// Current fits: of one that came from elsewhere nothing that is drawn is stored.
+const FIT: &str = "SELECT name, key, CASE WHEN json_valid(document) THEN json_remove(document, '$.found.drawn_hash') ELSE document END
+     FROM result NOT INDEXED WHERE kind = 'fit' AND superseded_at IS NULL ORDER BY name";
+/// Current analyses of modulus logs, with what is drawn of them.
 const ANALYSIS: &str = "SELECT name, key, document, drawn FROM result NOT INDEXED WHERE kind = 'modulus' AND superseded_at IS NULL ORDER BY name";
 const DIAGNOSIS: &str = "SELECT kind || ' ' || name, key, document FROM result NOT INDEXED
      WHERE kind IN ('group', 'run', 'climate') AND superseded_at IS NULL ORDER BY kind, name";

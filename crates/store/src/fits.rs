@@ -95,7 +95,8 @@ impl Store {
         })
     }
 
-    /// What pages draw of the current fit of a run; nothing where there is none.
+    /// What pages draw of the current fit of a run, as it is stored; nothing where there is none, or where the fit came from
+    /// elsewhere.
     ///
     /// # Errors
     /// See [`StoreError`].
@@ -109,9 +110,11 @@ impl Store {
     /// See [`StoreError`].
     pub fn state_of_curves(&self, run_id: i64) -> Result<String, StoreError> {
         let run = self.run_of(run_id)?;
-        let drawn = self.drawn_hash(ResultKind::Fit, &run.path)?.unwrap_or_default();
+        let fit = self
+            .state_of_result(ResultKind::Fit, &run.path)?
+            .unwrap_or_default();
         let climate = run.tagging.climate_curves_hash.unwrap_or_default();
-        Ok(format!("{} {climate} {drawn}", run.data_hash))
+        Ok(format!("{} {climate} {fit}", run.data_hash))
     }
 
     /// What tells whether anything changed of a run and its readings.

@@ -237,15 +237,24 @@ impl Store {
         Ok(found.into_iter().next())
     }
 
-    /// Hash of what pages draw of the current result of a name, by which anyone knows whether it changed.
+    /// What the current result of a name was made from and what pages draw of it, by which anyone knows whether that changed.
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn drawn_hash(&self, kind: ResultKind, name: &str) -> Result<Option<String>, StoreError> {
+    pub fn state_of_result(&self, kind: ResultKind, name: &str) -> Result<Option<String>, StoreError> {
         let rest = ("", "WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL");
-        let doing = "reading a hash of curves";
-        let found = self.kept(doing, RESULT, rest, [kind.key(), name], stated_drawn_hash)?;
-        Ok(found.into_iter().flatten().next())
+        let state = |row: &Row<'_>| {
+            let (key, drawn) = (row.get::<_, String>("key")?, stated_drawn_hash(row)?);
+            Ok(format!("{key} {}", drawn.unwrap_or_default()))
+        };
+        let found = self.kept(
+            "reading what a result is made from",
+            RESULT,
+            rest,
+            [kind.key(), name],
+            state,
+        )?;
+        Ok(found.into_iter().next())
     }
 
     /// What is wrong with what is drawn of results, current and earlier ones, in the order in which they were made.

@@ -92,6 +92,7 @@ SELECT
     runs.relative_humidity_percent,
     runs.model,
     fit.model_version,
+    fit.code_version,
     fit.key AS parameter,
     CASE
         WHEN key LIKE '%\_a\_sqrt\_s\_per\_v\_cm2' ESCAPE '\' THEN 'A sqrt(s)/(V cm2)'
@@ -161,6 +162,7 @@ SELECT
 FROM runs_view AS runs JOIN (
     SELECT
         name,
+        version AS code_version,
         made_at,
         CAST(document ->> '$.found.model_version' AS INTEGER) AS model_version,
         CAST(document ->> '$.found.why_stopped' AS VARCHAR) AS why_stopped,

@@ -10,6 +10,7 @@ use crate::pipeline::PipelineError;
 use crate::pipeline::campaign::context::Context;
 use crate::pipeline::campaign::planned::{PlannedRow, planned};
 use crate::pipeline::findings::current::CurrentFindings;
+use crate::pipeline::fits::drawn::DrawnFits;
 use crate::pipeline::infra::fault::step;
 
 /// Seed of the draws where none is asked for.
@@ -43,11 +44,12 @@ pub fn campaign_laws(
     })
 }
 
-/// Charge that passed in each run, C: the magnitude of the current integrated over its stored curve, which keeps the
+/// Charge that passed in each run, C: the magnitude of the current integrated over the curve of its fit, which keeps the
 /// extremes of each stretch of time.
 fn charges(context: &Context, runs: &[RunRecord], kept: &Cache) -> Result<Vec<Option<f64>>, PipelineError> {
+    let drawn = DrawnFits::new(context);
     let read = |run: &RunRecord| -> Result<Option<f64>, PipelineError> {
-        let curves = context.store.fit_curves(&run.path)?.curves;
+        let curves = drawn.of(run)?.curves;
         let current = curves.iter().find(|curve| curve.quantity == Quantity::Current);
         Ok(current.map(integral))
     };

@@ -2,6 +2,7 @@
 
 pub(super) mod along;
 pub(super) mod choice;
+pub(super) mod drawn;
 pub(super) mod extended;
 pub(super) mod groups;
 pub(super) mod input_hash;

@@ -10,6 +10,7 @@ use crate::domain::{AskedFit, KnownParameter, RunRecord};
 use crate::fit::{FitError, FitOptions};
 use crate::model::ModelChoice;
 use crate::model::effects::TagAt;
+use crate::pipeline::campaign::derived::Keyed;
 use crate::pipeline::campaign::group_tags::group_tags;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, PipelineError};
@@ -51,6 +52,17 @@ pub(crate) struct FitPlan {
     pub(crate) extended: Vec<ExtendedGroup>,
     /// Groups that campaign.toml adopts a model for and that are not there.
     pub(crate) unknown_groups: Vec<String>,
+}
+
+impl FitPlan {
+    /// The runs that are fitted one by one, by name, each with the hash of what its fit depends on.
+    pub(crate) fn keyed(self) -> BTreeMap<String, Keyed<Planned>> {
+        let keyed = self.single.into_iter().map(|run| {
+            let name = run.task.path.clone();
+            (name, (run.input_hash(), run))
+        });
+        keyed.collect()
+    }
 }
 
 /// The plan for all runs that can be fitted; `asked` goes before everything that campaign.toml says.

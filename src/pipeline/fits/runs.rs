@@ -17,7 +17,7 @@ use crate::store::{FitTask, NewResult, ResultKind};
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
 const BATCH: usize = 32;
 
-/// The verb `fit`.
+/// The verb `fit`; [the library](crate) has an example.
 #[derive(Debug, Clone, Default)]
 pub struct FitRuns {
     /// How to fit.

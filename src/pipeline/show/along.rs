@@ -7,7 +7,10 @@ use crate::domain::{
 };
 use crate::model::geometry::Shape;
 use crate::numerics::noise::scatter_between;
-use crate::store::{Store, StoreError};
+use crate::pipeline::fits::drawn::DrawnFits;
+use crate::pipeline::{Context, PipelineError};
+use crate::store::Store;
+use std::collections::BTreeMap;
 
 /// Shapes that a page shows at once.
 const SHAPES: usize = 6;
@@ -25,21 +28,23 @@ const SEEN: f64 = 3.0;
 /// Curves of runs as pages and figures ask for them.
 pub(crate) struct PageCurves<'a> {
     store: &'a Store,
-    runs: &'a [RunRecord],
     campaign: &'a Campaign,
+    fits: DrawnFits<'a>,
+    by_id: BTreeMap<i64, &'a RunRecord>,
 }
 
 impl<'a> PageCurves<'a> {
-    pub(crate) fn new(store: &'a Store, runs: &'a [RunRecord], campaign: &'a Campaign) -> PageCurves<'a> {
+    pub(crate) fn new(context: &'a Context, runs: &'a [RunRecord]) -> PageCurves<'a> {
         PageCurves {
-            store,
-            runs,
-            campaign,
+            store: &context.store,
+            campaign: &context.campaign,
+            fits: DrawnFits::new(context),
+            by_id: runs.iter().map(|run| (run.id, run)).collect(),
         }
     }
 
-    fn strip(&self, run: &RunRecord) -> Result<Option<AlongStrip>, StoreError> {
-        let mut curves = self.store.fit_curves(&run.path)?.along;
+    fn strip(&self, run: &RunRecord) -> Result<Option<AlongStrip>, PipelineError> {
+        let mut curves = self.fits.of(run)?.along;
         let step_s = step_s(run.drive.as_ref());
         if curves.is_empty() {
             let edges_s = run.drive.as_ref().map_or(vec![step_s], Drive::edges_s);
@@ -85,7 +90,11 @@ impl<'a> PageCurves<'a> {
 
 impl CurveSource for PageCurves<'_> {
     fn curves(&self, run_id: i64) -> Result<Vec<RunCurve>, String> {
-        self.store.curves(run_id)
+        let of_fit = self.by_id.get(&run_id).map(|run| self.fits.of(run));
+        match of_fit.transpose().map_err(|error| error.to_string())? {
+            Some(of_fit) if !of_fit.curves.is_empty() => Ok(of_fit.curves),
+            _ => self.store.curves(run_id),
+        }
     }
 
     fn climate_curves(&self, run_id: i64) -> Result<Vec<ClimateCurve>, String> {
@@ -97,7 +106,7 @@ impl CurveSource for PageCurves<'_> {
     }
 
     fn along(&self, run_id: i64) -> Result<Option<AlongStrip>, String> {
-        match self.runs.iter().find(|run| run.id == run_id) {
+        match self.by_id.get(&run_id) {
             Some(run) if run.is_along() => self.strip(run).map_err(|error| error.to_string()),
             _ => Ok(None),
         }

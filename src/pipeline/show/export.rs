@@ -2,18 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
+use super::columns::columns_table;
 use super::found_tables;
 pub use crate::analysis::TableFormat;
 use crate::analysis::cache::Cache;
 use crate::analysis::dma::table::modulus_table;
+use crate::analysis::laws::CampaignLaws;
+use crate::analysis::monitoring::Monitoring;
 pub use crate::analysis::monitoring::monitor;
-use crate::analysis::{self, About, ExportError, TraceWriter, run_tables, tables};
-use crate::domain::RunRecord;
+use crate::analysis::{self, About, ExportError, TraceWriter, run_tables, tables, traces};
+use crate::domain::{Campaign, ModulusLog, RunRecord};
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::across_runs::campaign_laws;
-use crate::pipeline::findings::current::current_findings;
-use crate::pipeline::findings::model_free::without_model;
+use crate::pipeline::findings::current::{CurrentFindings, current_findings};
+use crate::pipeline::findings::model_free::{WithoutModel, without_model};
 use crate::pipeline::infra::fault::step;
 use crate::pipeline::infra::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError};
@@ -47,11 +50,13 @@ pub enum Table {
     ModelFree,
     /// One row a cycle of a train.
     Cycles,
+    /// One row a column of the others.
+    Columns,
 }
 
 impl Table {
     /// Every table.
-    pub const ALL: [Table; 12] = [
+    pub const ALL: [Table; 13] = [
         Table::Runs,
         Table::Tags,
         Table::Fits,
@@ -64,6 +69,7 @@ impl Table {
         Table::Monitoring,
         Table::ModelFree,
         Table::Cycles,
+        Table::Columns,
     ];
 
     /// Name of its file, without ending.
@@ -81,6 +87,7 @@ impl Table {
             Table::Monitoring => "monitoring",
             Table::ModelFree => "model-free",
             Table::Cycles => "cycles",
+            Table::Columns => "columns",
         }
     }
 }
@@ -182,37 +189,75 @@ impl Table {
     /// # Errors
     /// The database cannot be read.
     pub fn frame(self, context: &Context) -> Result<Frame, PipelineError> {
-        // The list of runs and their tags hold every run, results only those that speak.
         let all = standing::all(context)?;
-        let runs: Vec<RunRecord> = (all.iter().filter(|run| run.standing.speaks()).cloned()).collect();
-        let (runs, campaign) = (runs.as_slice(), &context.campaign);
-        let laws = || {
-            let found = current_findings(context)?;
-            campaign_laws(context, (runs, &found), None, &Cache::default())
-        };
-        let by_readings = || without_model(context, runs, &Cache::default());
-        Ok(match self {
-            Table::Runs => run_tables::runs_table(&all, campaign),
-            Table::Tags => run_tables::tags_table(&all),
-            Table::Fits => run_tables::fits_long(runs, campaign),
-            Table::FitsWide => run_tables::fits_wide(runs, campaign),
-            Table::Conditions => run_tables::conditions_table(runs, campaign),
-            Table::Traces => Frame::new(),
-            Table::Dma => modulus_table(&standing::modulus_logs(context)?.0, campaign),
-            Table::Findings => {
-                let found = current_findings(context)?;
-                found_tables::findings_table((&found.groups, &found.runs), runs, campaign)
+        let runs = speaking(&all);
+        let mut made = Made::default();
+        match self {
+            Table::Dma => made.logs = standing::modulus_logs(context)?.0,
+            Table::Findings | Table::Laws | Table::Monitoring => made.found = current_findings(context)?,
+            Table::ModelFree | Table::Cycles => {
+                made.without_model = without_model(context, &runs, &Cache::default())?;
             }
-            Table::Laws => found_tables::laws_table(&laws()?),
-            Table::Monitoring => {
-                let laws = laws()?;
-                let monitoring = step("monitoring", || Ok(monitor(runs, campaign, &laws)))?;
-                found_tables::monitoring_table(&monitoring)
-            }
-            Table::ModelFree => tables::model_free::frame(&by_readings()?.steps, runs, campaign),
-            Table::Cycles => tables::cycles::frame(&by_readings()?.trains, runs, campaign),
-        })
+            _ => {}
+        }
+        if matches!(self, Table::Laws | Table::Monitoring) {
+            made.laws = campaign_laws(context, (&runs, &made.found), None, &Cache::default())?;
+        }
+        if self == Table::Monitoring {
+            made.monitoring = step("monitoring", || Ok(monitor(&runs, &context.campaign, &made.laws)))?;
+        }
+        Ok(self.of(&all, &context.campaign, &made))
     }
+
+    /// The table of these runs alone, of no campaign.
+    #[cfg(test)]
+    pub(super) fn of_runs(self, runs: &[RunRecord]) -> Frame {
+        self.of(runs, &crate::domain::testing::campaign(), &Made::default())
+    }
+
+    /// The table of these runs, and of what was made from them.
+    fn of(self, all: &[RunRecord], campaign: &Campaign, made: &Made) -> Frame {
+        // The list of runs and their tags hold every run, results only those that speak.
+        let runs = speaking(all);
+        match self {
+            Table::Runs => run_tables::runs_table(all, campaign),
+            Table::Tags => run_tables::tags_table(all),
+            Table::Fits => run_tables::fits_long(&runs, campaign),
+            Table::FitsWide => run_tables::fits_wide(&runs, campaign),
+            Table::Conditions => run_tables::conditions_table(&runs, campaign),
+            Table::Traces => traces::head(),
+            Table::Dma => modulus_table(&made.logs, campaign),
+            Table::Findings => {
+                found_tables::findings_table((&made.found.groups, &made.found.runs), &runs, campaign)
+            }
+            Table::Laws => found_tables::laws_table(&made.laws),
+            Table::Monitoring => found_tables::monitoring_table(&made.monitoring),
+            Table::ModelFree => tables::model_free::frame(&made.without_model.steps, &runs, campaign),
+            Table::Cycles => tables::cycles::frame(&made.without_model.trains, &runs, campaign),
+            Table::Columns => {
+                // Which columns there are, the runs tell; what was made from them only fills rows.
+                let others = Table::ALL.into_iter().filter(|table| *table != Table::Columns);
+                let head = |table: Table| (table.name(), table.of(all, campaign, &Made::default()));
+                let own = (Table::Columns.name(), columns_table(Vec::new()));
+                columns_table(others.map(head).chain([own]).collect())
+            }
+        }
+    }
+}
+
+/// What tables are made from beside the runs.
+#[derive(Default)]
+struct Made {
+    logs: Vec<ModulusLog>,
+    found: CurrentFindings,
+    laws: CampaignLaws,
+    monitoring: Monitoring,
+    without_model: WithoutModel,
+}
+
+fn speaking(all: &[RunRecord]) -> Vec<RunRecord> {
+    let speaking = all.iter().filter(|run| run.standing.speaks());
+    speaking.cloned().collect()
 }
 
 /// What a Parquet file says of itself.

@@ -143,7 +143,7 @@ impl MakeFigure {
         let drawn = figure.print(
             &FigureInput {
                 site: &site,
-                curves: &PageCurves::new(&context.store, &input.runs, &context.campaign),
+                curves: &PageCurves::new(context, &input.runs),
                 run: only,
                 parameter: self.parameter.as_deref(),
             },

@@ -1,6 +1,7 @@
 //! What people look at: the report, tables, figures, exports, the state of a campaign.
 
 pub(super) mod along;
+mod columns;
 pub mod explain;
 pub mod export;
 pub mod figures;

@@ -379,7 +379,7 @@ fn write_fresh(
     observer: &dyn Observer,
 ) -> Result<report::Rendered, PipelineError> {
     observer.begin("rendering", input.runs.len() as u64);
-    let curves = PageCurves::new(&context.store, &input.runs, &context.campaign);
+    let curves = PageCurves::new(context, &input.runs);
     // Several runs share a page; progress is told in runs.
     let reach = |done: usize, pages: usize| {
         interrupt::check();

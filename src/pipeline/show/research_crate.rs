@@ -1,6 +1,7 @@
 //! `ieap export --what crate`: a campaign as one ZIP that a repository takes: raw files, tables, figures, campaign.toml, and what
 //! all of it is, as an RO-Crate 1.2 (<https://w3id.org/ro/crate/1.2>) and for DataCite (Metadata Schema 4.5).
 
+use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 use std::path::Path;
 
@@ -17,12 +18,14 @@ use crate::ingest::campaign_file::{self, Publication};
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::infra::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError};
+use crate::show::{Frame, FrameCells};
 use crate::system::fs;
 
 /// Resolution of figures; they are drawn as SVG, where it does not count.
 const DOTS_PER_INCH: f64 = 300.0;
 /// What campaign.toml needs before its data can be published.
 const NEEDED: &str = "[publication]\nlicense = \"CC-BY-4.0\"\ndescription = \"What was measured, and why\"\n\
+                      publisher = \"Your university, or the repository\"\n\
                       [[publication.author]]\nname = \"Family, Given\"\norcid = \"0000-0002-1825-0097\"";
 
 /// What went in.
@@ -37,7 +40,7 @@ pub struct CrateSummary {
 /// Writes the crate; the file appears whole or not at all. The same campaign gives the same bytes.
 ///
 /// # Errors
-/// campaign.toml has no `[publication]` with a licence, an author and a description; the disk refuses.
+/// campaign.toml has no `[publication]` with a licence, an author, a description and a publisher; the disk refuses.
 pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<CrateSummary, PipelineError> {
     let refused = |path: &Path, doing, source| PipelineError::File {
         path: path.to_owned(),
@@ -75,6 +78,7 @@ pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<C
                 }
             }
         }
+        let columns = properties(&Table::Columns.frame(context)?);
         for table in Table::ALL {
             for (format, ending) in [(TableFormat::Parquet, "parquet"), (TableFormat::Csv, "csv")] {
                 let (bytes, rows) = Export::bytes(context, table, format)?;
@@ -99,7 +103,17 @@ pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<C
             }
         }
         let files = parts.len() + 2;
-        for (name, document) in descriptions(context, &publication, parts)? {
+        for part in &mut parts {
+            let stem = part["@id"]
+                .as_str()
+                .and_then(|id| id.strip_prefix("tables/")?.rsplit_once('.'));
+            let own = stem.and_then(|(table, _)| columns.get(table));
+            if let Some(own) = own {
+                part["variableMeasured"] = references(own);
+            }
+        }
+        let columns = columns.into_values().flatten();
+        for (name, document) in descriptions(context, &publication, parts, columns)? {
             put(&mut zip, name, format!("{document:#}\n").as_bytes()).map_err(failed)?;
         }
         zip.finish().map_err(|error| failed(error.into()))?;
@@ -113,6 +127,7 @@ fn asked_for(stated: &Publication) -> Result<(), PipelineError> {
         ("a license", stated.license.is_none()),
         ("an author", stated.author.is_empty()),
         ("a description", stated.description.is_none()),
+        ("a publisher", stated.publisher.is_none()),
     ]
     .into_iter()
     .filter_map(|(what, lacks)| lacks.then_some(what))
@@ -165,10 +180,12 @@ fn descriptions(
     context: &Context,
     stated: &Publication,
     parts: Vec<Value>,
+    columns: impl Iterator<Item = Value>,
 ) -> Result<[(&'static str, Value); 2], PipelineError> {
     let title = stated.title.as_ref().unwrap_or(&context.campaign.title);
     let description = stated.description.as_deref().unwrap_or_default();
     let license = stated.license.as_deref().unwrap_or_default();
+    let publisher = stated.publisher.as_deref().unwrap_or_default();
     let license_id = if license.contains("://") {
         license.to_owned()
     } else {
@@ -213,7 +230,8 @@ fn descriptions(
         "datePublished": date,
         "license": { "@id": license_id },
         "author": authors,
-        "hasPart": parts.iter().map(|part| json!({ "@id": part["@id"] })).collect::<Vec<_>>(),
+        "hasPart": references(&parts),
+        "publisher": { "@id": "#publisher" },
     });
     // Whoever finds the record by its DOI reads the campaign's own statement first.
     let first = match &context.campaign.notice {
@@ -224,6 +242,7 @@ fn descriptions(
         "schemaVersion": "http://datacite.org/schema/kernel-4",
         "titles": [{ "title": title }],
         "creators": creators,
+        "publisher": { "name": publisher },
         "publicationYear": date.get(..4).unwrap_or_default(),
         "dates": [{ "date": date, "dateType": "Issued" }],
         "types": { "resourceTypeGeneral": "Dataset", "resourceType": "Step-response campaign" },
@@ -235,11 +254,7 @@ fn descriptions(
         "subjects": stated.keywords.iter().map(|word| json!({ "subject": word })).collect::<Vec<_>>(),
         "alternateIdentifiers": [{ "alternateIdentifier": context.campaign.id, "alternateIdentifierType": "campaign" }],
     });
-    if let Some(publisher) = &stated.publisher {
-        root["publisher"] = json!({ "@id": "#publisher" });
-        people.push(json!({ "@id": "#publisher", "@type": "Organization", "name": publisher }));
-        datacite["publisher"] = json!({ "name": publisher });
-    }
+    people.push(json!({ "@id": "#publisher", "@type": "Organization", "name": publisher }));
     if !stated.keywords.is_empty() {
         root["keywords"] = stated.keywords.join(", ").into();
     }
@@ -263,8 +278,42 @@ fn descriptions(
     ];
     graph.extend(people);
     graph.extend(parts);
+    graph.extend(columns);
     let metadata = json!({ "@context": "https://w3id.org/ro/crate/1.2/context", "@graph": graph });
     Ok([("ro-crate-metadata.json", metadata), ("datacite.json", datacite)])
+}
+
+/// The columns of each table, as the table `columns` has them.
+fn properties(columns: &Frame) -> BTreeMap<String, Vec<Value>> {
+    let cell = |name: &str, row: usize| {
+        let column = columns.iter().find(|column| column.name == name)?;
+        match &column.cells {
+            FrameCells::Texts(cells) => cells.get(row)?.as_deref(),
+            _ => None,
+        }
+    };
+    let mut by_table: BTreeMap<String, Vec<Value>> = BTreeMap::new();
+    for row in 0..columns.first().map_or(0, |column| column.cells.len()) {
+        let (table, name) = (
+            cell("table", row).unwrap_or_default(),
+            cell("column", row).unwrap_or_default(),
+        );
+        let mut property = json!({
+            "@id": format!("#{table}.{}", id_of(name)),
+            "@type": "PropertyValue",
+            "name": name,
+            "description": cell("meaning", row).unwrap_or_default(),
+        });
+        if let Some(unit) = cell("unit", row) {
+            property["unitText"] = unit.into();
+        }
+        by_table.entry(table.to_owned()).or_default().push(property);
+    }
+    by_table
+}
+
+fn references(to: &[Value]) -> Value {
+    to.iter().map(|one| json!({ "@id": one["@id"] })).collect()
 }
 
 /// A path as a relative address: what an address cannot hold is escaped.

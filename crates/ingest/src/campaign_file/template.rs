@@ -118,6 +118,15 @@ folder = "runs"                          # every file in it and below it is look
 
 # [report]
 # templates = "templates"                # folder with templates of pages that take the place of the program's (docs/site.md)
+
+# What only you can say of the data when they are published: `ieap export --what crate` asks for it (docs/publish.md).
+# [publication]
+# license = "CC-BY-4.0"
+# description = "What was measured, and why"
+# publisher = "Your university, or the repository"
+# [[publication.author]]
+# name = "Family, Given"
+# orcid = "0000-0002-1825-0097"          # optional
 "#
     )
 }

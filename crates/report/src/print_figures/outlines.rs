@@ -2,7 +2,9 @@
 
 use plotters_backend::BackendColor;
 use plotters_backend::text_anchor::HPos;
-use ttf_parser::{Face, GlyphId, OutlineBuilder};
+use skrifa::instance::{LocationRef, Size};
+use skrifa::outline::{DrawSettings, OutlinePen};
+use skrifa::{FontRef, GlyphId, MetadataProvider};
 
 use crate::figures::canvas::{Drawing, Label, Shape};
 use crate::figures::cells::Cells;
@@ -52,7 +54,7 @@ const QUARTER: f32 = 0.552_284_8;
 /// # Errors
 /// The font cannot be read; a fault of the program.
 pub fn outlines(drawing: &Drawing) -> Result<Vec<Outline>, String> {
-    let font = Face::parse(dejavu::sans::regular(), 0).map_err(|error| error.to_string())?;
+    let font = FontRef::new(dejavu::sans::regular()).map_err(|error| error.to_string())?;
     let mut found: Vec<Outline> = Vec::new();
     for shape in &drawing.shapes {
         if let Shape::Cells(cells) = shape {
@@ -79,7 +81,7 @@ fn alike(a: &Outline, b: &Outline) -> bool {
     (a.paint, a.rgb, a.opacity) == (b.paint, b.rgb, b.opacity)
 }
 
-fn outline(shape: &Shape, font: &Face) -> Option<Outline> {
+fn outline(shape: &Shape, font: &FontRef) -> Option<Outline> {
     Some(match shape {
         Shape::Stroke { points, width, color } => {
             painted(*color, Paint::Line(*width as f32), polygon(points, false))
@@ -160,14 +162,18 @@ fn circle((x, y): (i32, i32), radius: u32) -> Vec<Piece> {
 }
 
 /// The letters of a label. A character that the font lacks shows as the font's empty box.
-fn letters(label: &Label, font: &Face) -> Vec<Piece> {
-    let scale = label.size as f32 / f32::from(font.units_per_em());
+fn letters(label: &Label, font: &FontRef) -> Vec<Piece> {
+    // As it was drawn: not scaled, and of no variation.
+    let (whole, plain) = (Size::unscaled(), LocationRef::default());
+    let (metrics, glyph_metrics) = (font.metrics(whole, plain), font.glyph_metrics(whole, plain));
+    let scale = label.size as f32 / f32::from(metrics.units_per_em);
     let text = crate::visible::one_line(&label.text);
+    let (charmap, outlines) = (font.charmap(), font.outline_glyphs());
     let glyphs: Vec<GlyphId> = text
         .chars()
-        .map(|c| font.glyph_index(c).unwrap_or(GlyphId(0)))
+        .map(|c| charmap.map(c).unwrap_or(GlyphId::NOTDEF))
         .collect();
-    let advance = |glyph: &GlyphId| scale * f32::from(font.glyph_hor_advance(*glyph).unwrap_or(0));
+    let advance = |glyph: &GlyphId| scale * glyph_metrics.advance_width(*glyph).unwrap_or(0.0);
     let length: f32 = glyphs.iter().map(advance).sum();
     let mut pen = Pen {
         pieces: Vec::new(),
@@ -183,7 +189,8 @@ fn letters(label: &Label, font: &Face) -> Vec<Piece> {
     };
     for glyph in &glyphs {
         // A glyph that has no outline, as a blank, leaves its room empty.
-        let _ = font.outline_glyph(*glyph, &mut pen);
+        let drawn = outlines.get(*glyph);
+        let _ = drawn.map(|drawn| drawn.draw(DrawSettings::unhinted(whole, plain), &mut pen));
         pen.along += advance(glyph);
     }
     pen.pieces
@@ -211,7 +218,7 @@ impl Pen {
     }
 }
 
-impl OutlineBuilder for Pen {
+impl OutlinePen for Pen {
     fn move_to(&mut self, x: f32, y: f32) {
         self.last = (x, y);
         let (x, y) = self.placed(x, y);
@@ -294,10 +301,10 @@ mod tests {
 
     #[test]
     fn the_font_has_every_character_of_axes_and_symbols() {
-        let font = Face::parse(dejavu::sans::regular(), 0).unwrap();
+        let font = FontRef::new(dejavu::sans::regular()).unwrap();
         for character in "0123456789·⁻⁰¹²³⁴⁵⁶⁷⁸⁹₁₂ₛₑ∥αλμκτΩ±−–°′″|*%(),.…ÕõÄäÖöÜüŠšŽžЖ".chars()
         {
-            assert!(font.glyph_index(character).is_some(), "{character}");
+            assert!(font.charmap().map(character).is_some(), "{character}");
         }
         assert_eq!(Ink::Text.color().0, 0x1d);
     }

@@ -44,7 +44,7 @@ pub(crate) use settle::{files_of_runs, runs_of};
 pub use summary::{IngestSummary, UnreadableTags};
 pub use window::run_window;
 
-/// The verb `ingest`.
+/// The verb `ingest`; [the library](crate) has an example.
 pub struct Ingest<'a> {
     /// Says whether a file may be read now; one that may not waits for the next time.
     pub ready: &'a mut dyn FnMut(&SeenFile) -> bool,

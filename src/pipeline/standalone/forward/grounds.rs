@@ -12,6 +12,7 @@ use crate::model::scaling::{CarriedBy, Prediction, Series, StripSize, predict};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::strip_modulus::{StripModulus, strip_modulus};
+use crate::pipeline::fits::drawn::DrawnFits;
 use crate::pipeline::{Context, PipelineError};
 
 /// What a prediction rests on.
@@ -90,6 +91,7 @@ impl Grounds {
         let from = size_of(sample)?;
         let (mut sources, mut left_out) = (Vec::new(), surroundings.left_out.clone());
         let mut others: Vec<&str> = Vec::new();
+        let drawn = DrawnFits::new(context);
         for run in runs {
             let id = run.tag(keys::SAMPLE).unwrap_or_default();
             let number = if id == sample.id {
@@ -101,7 +103,7 @@ impl Grounds {
                 Some(of) if number > 0 => size_of(of).map_err(|error| error.to_string()),
                 _ => Ok(from),
             };
-            let curves = context.store.fit_curves(&run.path)?.curves;
+            let curves = drawn.of(run)?.curves;
             match size.and_then(|size| Source::of(run, &curves, number, &size)) {
                 Ok(mut source) => {
                     surroundings.bring(&mut source);
@@ -126,7 +128,7 @@ impl Grounds {
             ));
         }
         let curves_of = |run: &RunRecord, quantity: Quantity| -> Result<Vec<f64>, PipelineError> {
-            let curves = context.store.fit_curves(&run.path)?.curves;
+            let curves = drawn.of(run)?.curves;
             let of = curves.into_iter().find(|curve| curve.quantity == quantity);
             Ok(of.map(|curve| curve.measured).unwrap_or_default())
         };

@@ -1,5 +1,6 @@
 //! Brings results that were computed elsewhere into the campaign: each is held against its checksum and against the run that it
-//! is of, a share of them is fitted again, and what holds is stored as if it had been computed here.
+//! is of, a share of them is fitted again, and what holds is stored as if it had been computed here. Curves do not travel: they
+//! are made where they are drawn.
 
 mod again;
 mod rows;
@@ -11,6 +12,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::{AskedFit, Issue};
+use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::fits::outcome::{NOT_FITTED, store};
 use crate::pipeline::fits::plan::fit_plan;
 use crate::pipeline::fits::result::FitResult;
@@ -43,6 +45,8 @@ pub struct ImportSummary {
     pub up_to_date: usize,
     /// Runs that could not be fitted elsewhere, with the reason, which is stored.
     pub failed: Vec<(String, Issue)>,
+    /// Fits among them that another version of the program made, counted by that version.
+    pub of_other_versions: BTreeMap<String, usize>,
     /// Rows that were fitted again here before they were taken.
     pub fitted_again: usize,
     /// Rows that were not taken, with the reason.
@@ -161,12 +165,8 @@ impl Known {
         let at = match self.plans.iter().position(|(known, _)| known == asked) {
             Some(at) => at,
             None => {
-                let plan = fit_plan(context, asked)?;
-                let hashed = plan.single.into_iter().map(|planned| {
-                    let hash = planned.input_hash();
-                    (planned.task.path.clone(), (hash, planned))
-                });
-                self.plans.push((asked.clone(), hashed.collect()));
+                self.plans
+                    .push((asked.clone(), fit_plan(context, asked)?.keyed()));
                 self.plans.len() - 1
             }
         };
@@ -221,7 +221,14 @@ fn take(
         planned.push(due.1.clone());
         let Some(found) = result.outcome() else { continue };
         match found {
-            Ok(_) => summary.imported += 1,
+            Ok(_) => {
+                summary.imported += 1;
+                if result.code_version != CODE_VERSION {
+                    *(summary.of_other_versions)
+                        .entry(result.code_version.clone())
+                        .or_default() += 1;
+                }
+            }
             Err(issue) => summary.failed.push((result.run.clone(), issue.clone())),
         }
         results.push(NewResult {

@@ -1,0 +1,56 @@
+//! What is drawn of fits: as it is stored, or, of a fit that came from elsewhere, made again from the readings. A fit is a pure
+//! function of these, so that numbers alone have to travel.
+
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+
+use super::plan::{Planned, fit_plan};
+use super::runs::{Single, fit_one};
+use crate::domain::{AskedFit, RunRecord};
+use crate::pipeline::campaign::derived::{Derived, Keyed};
+use crate::pipeline::{Context, PipelineError};
+use crate::store::{FitCurves, ResultKind};
+
+/// Curves of fits of a campaign.
+pub(crate) struct DrawnFits<'a> {
+    context: &'a Context,
+    /// How runs are fitted whose fit is up to date, by name; made where the first run asks for it.
+    planned: OnceCell<BTreeMap<String, Keyed<Planned>>>,
+}
+
+impl<'a> DrawnFits<'a> {
+    pub(crate) fn new(context: &'a Context) -> DrawnFits<'a> {
+        let planned = OnceCell::new();
+        DrawnFits { context, planned }
+    }
+
+    /// The curves of a run's fit; none where it has no fit, or one that came from elsewhere and is out of date.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub(crate) fn of(&self, run: &RunRecord) -> Result<FitCurves, PipelineError> {
+        let stored = self.context.store.fit_curves(&run.path)?;
+        if run.fit.is_none() || !stored.curves.is_empty() || !stored.along.is_empty() {
+            return Ok(stored);
+        }
+        let Some((_, run)) = self.planned()?.get(&run.path) else {
+            return Ok(stored);
+        };
+        let channels = Single.load(self.context, run)?;
+        let made = fit_one(&run.task, &channels, &run.chosen.options, &run.known());
+        Ok(made.map_or(stored, |fit| FitCurves {
+            curves: fit.curves,
+            along: fit.along,
+        }))
+    }
+
+    fn planned(&self) -> Result<&BTreeMap<String, Keyed<Planned>>, PipelineError> {
+        if let Some(planned) = self.planned.get() {
+            return Ok(planned);
+        }
+        let mut planned = fit_plan(self.context, &AskedFit::default())?.keyed();
+        let keys = self.context.store.result_keys(ResultKind::Fit)?;
+        planned.retain(|name, (key, _)| keys.get(name) == Some(key));
+        Ok(self.planned.get_or_init(|| planned))
+    }
+}
