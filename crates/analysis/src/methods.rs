@@ -86,27 +86,31 @@ fn runs(input: &TableInput) -> String {
         }
     }
     let were = if channels.len() == 1 { "was" } else { "were" };
-    let channels = match channels.is_empty() {
-        true => "Responses".to_owned(),
-        false => in_a_row(&channels),
+    let channels = if channels.is_empty() {
+        "Responses".to_owned()
+    } else {
+        in_a_row(&channels)
     };
     let places: Vec<String> = surroundings
         .iter()
         .map(crate::conditions::Surroundings::said)
         .collect();
-    let places = match places.is_empty() {
-        true => String::new(),
-        false => format!(" in {}", in_a_row(&places)),
-    };
+    let places = named(" in ", &places, "");
     let voltages: Vec<String> = voltages_v.iter().map(|volts| volts_number(*volts)).collect();
-    let voltages = match voltages.is_empty() {
-        true => String::new(),
-        false => format!(" at nominal voltages of {} V", in_a_row(&voltages)),
-    };
+    let voltages = named(" at nominal voltages of ", &voltages, " V");
     let head = channels[..1].to_uppercase() + &channels[1..];
     let count = counted(input.runs.len(), "run");
     let instruments = instruments(input.runs);
     format!("{head} {were} measured in {count}{places}{voltages}{instruments}.")
+}
+
+/// These in a row between two words; empty where there are none.
+fn named<T: AsRef<str>>(before: &str, all: &[T], after: &str) -> String {
+    if all.is_empty() {
+        return String::new();
+    }
+    let all: Vec<&str> = all.iter().map(AsRef::as_ref).collect();
+    format!("{before}{}{after}", in_a_row(&all))
 }
 
 /// ` with A and B`; empty where no run names an instrument.
@@ -114,10 +118,7 @@ fn instruments(runs: &[RunRecord]) -> String {
     let mut named: Vec<&str> = runs.iter().filter_map(|run| run.tag(keys::INSTRUMENT)).collect();
     named.sort_unstable();
     named.dedup();
-    match named.is_empty() {
-        true => String::new(),
-        false => format!(" with {}", in_a_row(&named)),
-    }
+    self::named(" with ", &named, "")
 }
 
 /// Runs that no result is made from, by why.
@@ -135,10 +136,7 @@ fn set_aside(input: &TableInput) -> String {
         .iter()
         .map(|(why, count)| format!("{} {why}", counted(*count, "run")))
         .collect();
-    match said.is_empty() {
-        true => String::new(),
-        false => format!("No result is made from {}.", in_a_row(&said)),
-    }
+    named("No result is made from ", &said, ".")
 }
 
 /// Models and how they were fitted, the most frequent first.
