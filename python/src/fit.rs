@@ -15,8 +15,8 @@ use pyo3::prelude::*;
 
 use crate::arrow::ArrowTable;
 use crate::error::{bad_argument, failed, fault, refused};
+use crate::readings::Readings;
 use crate::stated::{Stated, over, segments_of};
-use crate::table::Table;
 use crate::work::interruptible;
 
 /// A fit of one run.
@@ -79,6 +79,12 @@ impl Fit {
         (drive.baseline_v, segments_of(Some(&drive)))
     }
 
+    /// Parameters that were searched, and Akaike's and the Bayesian information criterion; None where the noise is not known.
+    fn criteria(&self) -> Option<(usize, f64, f64)> {
+        let found = in_memory::criteria(&self.fit, &self.run)?;
+        Some((found.parameters, found.aic, found.bic))
+    }
+
     /// Keys of the determined parameters and their covariance, a row each; None where the model is no lumped one.
     fn covariance(&self) -> Option<(Vec<String>, Vec<Vec<f64>>)> {
         fitted_covariance(&self.fit, self.run.drive(), self.run.area_cm2())
@@ -104,10 +110,13 @@ impl Fit {
         let Some(curve) = self.fit.curves.iter().find(|curve| curve.quantity == asked) else {
             return Ok(None);
         };
-        let columns: [(&str, &Vec<f64>); 4] = [
+        let pairs = curve.measured.iter().zip(&curve.fitted);
+        let left: Vec<f64> = pairs.map(|(measured, fitted)| measured - fitted).collect();
+        let columns: [(&str, &Vec<f64>); 5] = [
             ("time_s", &curve.time_s),
             (asked.column(), &curve.measured),
             ("fitted", &curve.fitted),
+            ("residual", &left),
             ("residual_sigma", &curve.residual_sigma),
         ];
         // What was drawn and not fitted has no fitted values.
@@ -152,7 +161,7 @@ pub fn known(py: Python<'_>, said: &[String]) -> PyResult<Vec<KnownParameter>> {
     said.iter().map(parse).collect()
 }
 
-fn run_of(py: Python<'_>, name: &str, table: &Table, stated: &Stated) -> PyResult<RunAtHand> {
+pub fn run_of(py: Python<'_>, name: &str, table: &Readings, stated: &Stated) -> PyResult<RunAtHand> {
     let stated = over(&stated.inner, table.stated.as_deref());
     RunAtHand::new(name, &table.read, &stated).map_err(|issue| refused(py, &issue))
 }
@@ -164,7 +173,7 @@ fn run_of(py: Python<'_>, name: &str, table: &Table, stated: &Stated) -> PyResul
 pub fn fit(
     py: Python<'_>,
     name: &str,
-    table: &Table,
+    table: &Readings,
     stated: &Stated,
     model: Option<String>,
     method: Option<String>,
@@ -199,7 +208,7 @@ pub fn fit(
 pub fn diagnose(
     py: Python<'_>,
     group: &str,
-    runs: Vec<(String, Py<Table>, Py<Stated>)>,
+    runs: Vec<(String, Py<Readings>, Py<Stated>)>,
     model: Option<String>,
     draws: Option<usize>,
     seed: Option<u64>,

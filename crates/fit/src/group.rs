@@ -33,7 +33,7 @@ use crate::widened::{self, widen_by};
 pub(super) use intervals::Found;
 use intervals::{JudgedGroup, judge};
 pub use options::{Bootstrap, GroupOptions, Intervals, Resampled, shareable};
-use search::search;
+use search::{coarsely, search};
 
 /// A fit of several runs.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,8 +78,8 @@ pub(crate) fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> R
     }
     let middle = with_drives(inputs, edges.iter().map(EdgeTimes::drive));
     let (runs, starts) = prepared(&middle, options)?;
-    let (problem, bottom, _) = search(runs, &starts, &shared_places(options)?);
-    let Some(placed) = open_edges::placed(&problem, &bottom.at, &edges) else {
+    let (problem, at) = coarsely(runs, &starts, &shared_places(options)?);
+    let Some(placed) = open_edges::placed(&problem, &at, &edges) else {
         return fit_placed(&middle, options);
     };
     let drives = placed.iter().map(|placed| placed.settled.edges.drive());
@@ -101,8 +101,8 @@ pub(crate) fn settled(input: &FitInput, options: &FitOptions, edges: &EdgeTimes)
     let options = GroupOptions::sharing_all(options.model);
     let middle = with_drives(&[*input], std::iter::once(edges.drive()));
     let (runs, starts) = prepared(&middle, &options).ok()?;
-    let (problem, bottom, _) = search(runs, &starts, &shared_places(&options).ok()?);
-    let placed = open_edges::placed(&problem, &bottom.at, std::slice::from_ref(edges))?;
+    let (problem, at) = coarsely(runs, &starts, &shared_places(&options).ok()?);
+    let placed = open_edges::placed(&problem, &at, std::slice::from_ref(edges))?;
     placed.into_iter().next().map(|placed| placed.settled)
 }
 

@@ -163,6 +163,12 @@ impl Sampled {
         )
     }
 
+    /// The same readings with elapsed times counted from the edges of another drive, which lie between the same readings.
+    pub(super) fn counted_from(&self, drive: &Drive) -> Sampled {
+        let start_s = |span: &Span| span.segment.map_or(0.0, |index| drive.segments[index].start_s());
+        Sampled::picked(&self.time_s, &self.values, &self.spans, start_s)
+    }
+
     /// The same readings with the stretches between the edges of the drive as their segments, where its voltage moves all the
     /// time; a series in which no voltage moves stays what it is.
     pub(super) fn between_edges(self, drive: &Drive) -> Sampled {

@@ -3,7 +3,7 @@
 use ieap_domain::Estimate;
 
 use crate::sheet::{Combined, Rough, Sheet, Value};
-use crate::table::Content;
+use crate::table::{Cell, Column, Content, Table};
 
 /// Columns of the same height.
 pub type Frame = Vec<FrameColumn>;
@@ -103,6 +103,61 @@ impl<R> Sheet<'_, R> {
             columns(&column.head.key, &column.key, column.kind, values)
         });
         columns.flatten().collect()
+    }
+}
+
+/// The frame of a finished table. A column of numbers without uncertainty that holds words as well has these in a column of
+/// its own, `_reason`, as what is not determined has.
+pub fn frame_of(table: &Table) -> Frame {
+    let of_column = |(at, column): (usize, &Column)| {
+        let cells: Vec<&Cell> = table.rows.iter().map(|row| &row.cells[at]).collect();
+        let is = |wanted: fn(&Content) -> bool| cells.iter().any(|cell| wanted(&cell.content));
+        let is_number = is(|content| {
+            matches!(
+                content,
+                Content::Exact(_) | Content::Rough(..) | Content::Score(_)
+            )
+        });
+        let is_open = is(|content| {
+            matches!(
+                content,
+                Content::Measured(_) | Content::Bound { .. } | Content::NotDetermined
+            )
+        });
+        let is_text = is(|content| matches!(content, Content::Text(_)));
+        let kind = match (is_open || is_number && is_text, is_number) {
+            (true, _) => Kind::Combined,
+            (false, true) => Kind::Number,
+            (false, false) => Kind::Text,
+        };
+        let value = |cell: &&Cell| value(cell, &table.notes, kind);
+        columns(&column.key, &column.key, kind, cells.iter().map(value).collect())
+    };
+    table.columns.iter().enumerate().flat_map(of_column).collect()
+}
+
+fn value(cell: &Cell, notes: &[String], kind: Kind) -> Value {
+    match &cell.content {
+        Content::Missing => Value::Missing,
+        content if kind == Kind::Combined => {
+            let noted = cell.notes.iter().filter_map(|&at| notes.get(at).cloned());
+            let words = match content {
+                Content::Text(words) => Some(words.clone()),
+                _ => None,
+            };
+            Value::Combined(Combined {
+                content: match *content {
+                    Content::Rough(number, _) | Content::Score(number) => Content::Exact(number),
+                    ref content => content.clone(),
+                },
+                notes: words.into_iter().chain(noted).collect(),
+                sources: Vec::new(),
+            })
+        }
+        Content::Text(words) => Value::Text(words.clone()),
+        Content::Exact(number) | Content::Score(number) => Value::Exact(*number),
+        Content::Rough(number, digits) => Value::Rough(*number, *digits),
+        _ => Value::Missing,
     }
 }
 

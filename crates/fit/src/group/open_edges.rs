@@ -8,7 +8,8 @@ use ieap_numerics::symmetric::Symmetric;
 use crate::edges::Settled;
 use crate::edges::{EdgeTimes, Shift};
 use crate::joint::feature::Feature;
-use crate::joint::problem::{Column, JointProblem, Over, add_run};
+use crate::joint::problem::{Column, JointProblem, add_run};
+use crate::joint::readings::RunReadings;
 use crate::widened::{End, Values};
 
 /// Evaluations of a search, and the fall of the sum of squares at which it settles.
@@ -26,7 +27,8 @@ pub(super) struct Placed {
 
 /// The edges of every run, searched with the group's parameters from `at`.
 pub(super) fn placed(problem: &JointProblem, at: &[f64], edges: &[EdgeTimes]) -> Option<Vec<Placed>> {
-    let with_edges = WithEdges::of(problem, edges);
+    let latest: Vec<Drive> = edges.iter().map(EdgeTimes::latest).collect();
+    let with_edges = WithEdges::of(problem, edges, &latest);
     let best = with_edges.best(at)?;
     let ways = with_edges.open_ways(&best);
     let (place, by_s) = best.at.split_at(at.len());
@@ -61,6 +63,8 @@ type Way = (Vec<f64>, Vec<f64>);
 /// The sum of squares of a group as a function of its coordinates and of the shifts of all its edges, s.
 struct WithEdges<'p, 'a> {
     problem: &'p JointProblem<'a>,
+    /// The readings of each run with times counted from the latest that its edges may be.
+    condensed: Vec<Option<RunReadings<'p>>>,
     edges: &'p [EdgeTimes],
     /// What is known of the shifts before any reading, 1/s2.
     known: Symmetric,
@@ -68,7 +72,7 @@ struct WithEdges<'p, 'a> {
 }
 
 impl<'p, 'a> WithEdges<'p, 'a> {
-    fn of(problem: &'p JointProblem<'a>, edges: &'p [EdgeTimes]) -> WithEdges<'p, 'a> {
+    fn of(problem: &'p JointProblem<'a>, edges: &'p [EdgeTimes], latest: &'p [Drive]) -> WithEdges<'p, 'a> {
         let mut bounds = problem.bounds.clone();
         let count = edges.iter().map(|edges| edges.shifts().len()).sum();
         let (mut known, mut first) = (Symmetric::zero(count), 0);
@@ -81,8 +85,10 @@ impl<'p, 'a> WithEdges<'p, 'a> {
             }
             first += own.order();
         }
+        let runs = problem.runs.iter().zip(latest);
         WithEdges {
             problem,
+            condensed: runs.map(|(run, latest)| run.counted_from(latest)).collect(),
             edges,
             known,
             bounds,
@@ -155,29 +161,15 @@ impl<'p, 'a> WithEdges<'p, 'a> {
         self.edges[run].shifts().iter().enumerate().map(column).collect()
     }
 
-    /// Weighted residuals of a run with another drive.
+    /// Weighted residuals of a run with another drive: over the condensed readings, unless one lies where an edge may be.
     fn residuals(&self, run: usize, local: &[f64], drive: &Drive) -> Vec<f64> {
+        let (model, offsets) = (self.problem.model(local), self.problem.offsets(local));
         let mut out = Vec::new();
-        self.with(run, drive).residuals(0, local, Over::Whole, &mut out);
-        out
-    }
-
-    /// The problem of one run with another drive, in the coordinates of all.
-    fn with<'d>(&self, run: usize, drive: &'d Drive) -> JointProblem<'d>
-    where
-        'a: 'd,
-    {
-        let mut own = self.problem.runs[run].clone();
-        own.drive = drive;
-        JointProblem {
-            runs: vec![own],
-            slots: vec![self.problem.slots[run].clone()],
-            layout: self.problem.layout,
-            units: self.problem.units.clone(),
-            bounds: self.problem.bounds.clone(),
-            known: Vec::new(),
-            spectra: Vec::new(),
+        match &self.condensed[run] {
+            Some(readings) => readings.condensed_under(drive, &model, offsets, &mut out),
+            None => self.problem.runs[run].whole_under(drive, &model, offsets, &mut out),
         }
+        out
     }
 }
 
@@ -191,14 +183,14 @@ impl Problem for WithEdges<'_, '_> {
         let mut all = Local::zero(place.len());
         for (run, by_s) in self.by_run(by_s).into_iter().enumerate() {
             let drive = self.edges[run].shifted(by_s);
-            let shifted = self.with(run, &drive);
-            let local = shifted.local(0, at);
+            let local = self.problem.local(run, at);
             let here = self.residuals(run, &local, &drive);
             all.square += here.iter().map(|left| left * left).sum::<f64>();
             if all.square > most {
                 return all;
             }
-            let mut columns = shifted.columns(0, at, &here, Over::Whole);
+            let residuals = |local: &[f64], out: &mut Vec<f64>| *out = self.residuals(run, local, &drive);
+            let mut columns = self.problem.columns_of(run, at, &here, residuals);
             columns.sort_by_key(|(k, _)| *k);
             columns.extend(self.shift_columns(run, &local, by_s, &here));
             add_run(&columns, &here, &mut all);

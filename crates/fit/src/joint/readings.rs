@@ -48,6 +48,17 @@ impl Response {
         }
     }
 
+    /// The same with elapsed times counted from the edges of another drive.
+    pub(crate) fn counted_from(&self, drive: &Drive) -> Response {
+        let sampled = self.sampled.counted_from(drive);
+        let compressed = Compressed::new(&sampled, &self.whitener);
+        Response {
+            sampled,
+            compressed,
+            ..self.clone()
+        }
+    }
+
     /// The same readings and noise with other values.
     pub(crate) fn with_values(&self, values: Vec<f64>) -> Response {
         let mut sampled = self.sampled.clone();
@@ -118,6 +129,25 @@ impl<'a> RunReadings<'a> {
         }
     }
 
+    /// The same with elapsed times counted from the edges of `latest`, where no reading lies between an edge and the latest that
+    /// it may be; else none.
+    pub(crate) fn counted_from<'b>(&self, latest: &'b Drive) -> Option<RunReadings<'b>> {
+        let both = [&self.current, &self.curvature];
+        let between = |t: f64| {
+            let mut edges = latest.segments.iter().map(|segment| segment.edge);
+            edges.any(|edge| edge.no_earlier_s < t && t < edge.no_later_s)
+        };
+        let mut times = both.into_iter().flatten().flat_map(|own| own.sampled.time_s.iter());
+        let [current, curvature] =
+            both.map(|response| response.as_ref().map(|response| response.counted_from(latest)));
+        (!times.any(|t| between(*t))).then_some(RunReadings {
+            drive: latest,
+            area_cm2: self.area_cm2,
+            current,
+            curvature,
+        })
+    }
+
     /// Number of readings.
     pub(crate) fn len(&self) -> usize {
         [&self.current, &self.curvature]
@@ -129,13 +159,32 @@ impl<'a> RunReadings<'a> {
 
     /// Weighted residuals over the condensed readings, appended to `out`.
     pub(crate) fn condensed(&self, model: &LumpedModel, offsets: Offsets, out: &mut Vec<f64>) {
-        let responses = model.segment_responses(self.drive);
+        self.condensed_under(self.drive, model, offsets, out);
+    }
+
+    /// The same under a drive whose edges lie elsewhere, the same readings before and after each: since an edge that lies
+    /// earlier an exponential has fallen further.
+    pub(crate) fn condensed_under(
+        &self,
+        drive: &Drive,
+        model: &LumpedModel,
+        offsets: Offsets,
+        out: &mut Vec<f64>,
+    ) {
+        let responses = model.segment_responses(drive);
+        let since = |index: usize, modes: &mut [Mode]| {
+            let earlier_s = self.drive.segments[index].start_s() - drive.segments[index].start_s();
+            if earlier_s != 0.0 {
+                let fall = |mode: &mut Mode| mode.amplitude *= (-mode.rate_per_s * earlier_s).exp();
+                modes.iter_mut().for_each(fall);
+            }
+        };
         let mut modes: Vec<Mode> = Vec::with_capacity(8);
         if let Some(current) = &self.current {
             for span in &current.compressed.spans {
                 modes.clear();
                 let constant = match span.segment {
-                    None => self.drive.baseline_v / model.steady_state_resistance_ohm_cm2,
+                    None => drive.baseline_v / model.steady_state_resistance_ohm_cm2,
                     Some(index) => {
                         let response = &responses[index];
                         let pairs = response
@@ -146,6 +195,7 @@ impl<'a> RunReadings<'a> {
                             rate_per_s,
                             amplitude: self.area_cm2 * amplitude,
                         }));
+                        since(index, &mut modes);
                         response.current_constant_a_per_cm2
                     }
                 };
@@ -158,6 +208,7 @@ impl<'a> RunReadings<'a> {
                 modes.clear();
                 if let Some(index) = span.segment {
                     strain_modes(&responses[index], model.relaxation_rate_per_s, scale, &mut modes);
+                    since(index, &mut modes);
                 }
                 span.residuals(offsets.curvature_per_cm, &modes, out);
             }
@@ -166,11 +217,15 @@ impl<'a> RunReadings<'a> {
 
     /// Current and curvature of the model at all readings, offsets included.
     pub(crate) fn fitted(&self, model: &LumpedModel, offsets: Offsets) -> [Option<Vec<f64>>; 2] {
+        self.fitted_under(self.drive, model, offsets)
+    }
+
+    fn fitted_under(&self, drive: &Drive, model: &LumpedModel, offsets: Offsets) -> [Option<Vec<f64>>; 2] {
         let shifted = |mut values: Vec<f64>, by: f64| {
             values.iter_mut().for_each(|value| *value += by);
             values
         };
-        let (drive, area) = (self.drive, self.area_cm2);
+        let area = self.area_cm2;
         let current = self.current.as_ref().map(|current| {
             shifted(
                 model.current_a(drive, area, &current.sampled.time_s),
@@ -188,7 +243,18 @@ impl<'a> RunReadings<'a> {
 
     /// Weighted residuals over all readings, appended to `out`.
     pub(crate) fn whole(&self, model: &LumpedModel, offsets: Offsets, out: &mut Vec<f64>) {
-        let fitted = self.fitted(model, offsets);
+        self.whole_under(self.drive, model, offsets, out);
+    }
+
+    /// The same under a drive whose edges lie elsewhere.
+    pub(crate) fn whole_under(
+        &self,
+        drive: &Drive,
+        model: &LumpedModel,
+        offsets: Offsets,
+        out: &mut Vec<f64>,
+    ) {
+        let fitted = self.fitted_under(drive, model, offsets);
         for (response, fitted) in [&self.current, &self.curvature].into_iter().zip(fitted) {
             if let (Some(response), Some(fitted)) = (response, fitted) {
                 response.whitened(fitted.into_iter(), out);
