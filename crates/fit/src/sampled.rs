@@ -163,10 +163,17 @@ impl Sampled {
         )
     }
 
-    /// The same readings with elapsed times counted from the edges of another drive, which lie between the same readings.
+    /// The same readings, to be condensed, with times counted from the edges of another drive, which lie between the same
+    /// readings.
     pub(super) fn counted_from(&self, drive: &Drive) -> Sampled {
-        let start_s = |span: &Span| span.segment.map_or(0.0, |index| drive.segments[index].start_s());
-        Sampled::picked(&self.time_s, &self.values, &self.spans, start_s)
+        let each = self.spans.iter().flat_map(|span| {
+            let start_s = span.segment.map_or(0.0, |index| drive.segments[index].start_s());
+            self.time_s[span.first..span.end].iter().map(move |t| t - start_s)
+        });
+        Sampled {
+            elapsed_s: each.collect(),
+            ..self.clone()
+        }
     }
 
     /// The same readings with the stretches between the edges of the drive as their segments, where its voltage moves all the

@@ -329,4 +329,45 @@ mod tests {
         };
         assert_eq!(kinds(&empty), kinds(&frame), "also without rows");
     }
+
+    #[test]
+    fn a_finished_table_keeps_its_numbers_in_full_and_its_words() {
+        let measured = Content::Measured(crate::Measured {
+            value: 1.25,
+            standard_error: Some(0.5),
+            low_95: None,
+            high_95: Some(2.0),
+            pooled: None,
+        });
+        let row = |words: &str, number: Content, count: Content| crate::Row {
+            label: words.to_owned(),
+            cells: vec![Content::Text(words.to_owned()), number, count]
+                .into_iter()
+                .map(|content| Cell::new(content, Vec::new()))
+                .collect(),
+        };
+        let open = row("b", Content::NotDetermined, Content::Missing);
+        let table = Table {
+            columns: ["run", "r_ohm", "runs"]
+                .map(|key| Column::plain(key, "", ""))
+                .to_vec(),
+            rows: vec![
+                row("a", measured, Content::Exact(3.0)),
+                crate::Row {
+                    cells: open.cells.into_iter().map(|cell| cell.noted(0)).collect(),
+                    ..open
+                },
+            ],
+            notes: vec!["too few readings".to_owned()],
+            ..Table::default()
+        };
+        let frame = frame_of(&table);
+        let names: Vec<&str> = frame.iter().map(|column| column.name.as_str()).collect();
+        let of = |name: &str| &frame[names.iter().position(|own| *own == name).unwrap()].cells;
+        assert_eq!(*of("r_ohm"), FrameCells::Numbers(vec![Some(1.25), None]));
+        assert_eq!(*of("r_ohm_high_95"), FrameCells::Numbers(vec![Some(2.0), None]));
+        let reasons = FrameCells::Texts(vec![Some(String::new()), Some("too few readings".to_owned())]);
+        assert_eq!(*of("r_ohm_reason"), reasons);
+        assert_eq!(*of("runs"), FrameCells::Numbers(vec![Some(3.0), None]));
+    }
 }

@@ -9,7 +9,6 @@ use crate::edges::Settled;
 use crate::edges::{EdgeTimes, Shift};
 use crate::joint::feature::Feature;
 use crate::joint::problem::{Column, JointProblem, add_run};
-use crate::joint::readings::RunReadings;
 use crate::widened::{End, Values};
 
 /// Evaluations of a search, and the fall of the sum of squares at which it settles.
@@ -27,8 +26,7 @@ pub(super) struct Placed {
 
 /// The edges of every run, searched with the group's parameters from `at`.
 pub(super) fn placed(problem: &JointProblem, at: &[f64], edges: &[EdgeTimes]) -> Option<Vec<Placed>> {
-    let latest: Vec<Drive> = edges.iter().map(EdgeTimes::latest).collect();
-    let with_edges = WithEdges::of(problem, edges, &latest);
+    let with_edges = WithEdges::of(problem, edges);
     let best = with_edges.best(at)?;
     let ways = with_edges.open_ways(&best);
     let (place, by_s) = best.at.split_at(at.len());
@@ -63,8 +61,6 @@ type Way = (Vec<f64>, Vec<f64>);
 /// The sum of squares of a group as a function of its coordinates and of the shifts of all its edges, s.
 struct WithEdges<'p, 'a> {
     problem: &'p JointProblem<'a>,
-    /// The readings of each run with times counted from the latest that its edges may be.
-    condensed: Vec<Option<RunReadings<'p>>>,
     edges: &'p [EdgeTimes],
     /// What is known of the shifts before any reading, 1/s2.
     known: Symmetric,
@@ -72,7 +68,7 @@ struct WithEdges<'p, 'a> {
 }
 
 impl<'p, 'a> WithEdges<'p, 'a> {
-    fn of(problem: &'p JointProblem<'a>, edges: &'p [EdgeTimes], latest: &'p [Drive]) -> WithEdges<'p, 'a> {
+    fn of(problem: &'p JointProblem<'a>, edges: &'p [EdgeTimes]) -> WithEdges<'p, 'a> {
         let mut bounds = problem.bounds.clone();
         let count = edges.iter().map(|edges| edges.shifts().len()).sum();
         let (mut known, mut first) = (Symmetric::zero(count), 0);
@@ -85,10 +81,8 @@ impl<'p, 'a> WithEdges<'p, 'a> {
             }
             first += own.order();
         }
-        let runs = problem.runs.iter().zip(latest);
         WithEdges {
             problem,
-            condensed: runs.map(|(run, latest)| run.counted_from(latest)).collect(),
             edges,
             known,
             bounds,
@@ -164,10 +158,10 @@ impl<'p, 'a> WithEdges<'p, 'a> {
     /// Weighted residuals of a run with another drive: over the condensed readings, unless one lies where an edge may be.
     fn residuals(&self, run: usize, local: &[f64], drive: &Drive) -> Vec<f64> {
         let (model, offsets) = (self.problem.model(local), self.problem.offsets(local));
-        let mut out = Vec::new();
-        match &self.condensed[run] {
-            Some(readings) => readings.condensed_under(drive, &model, offsets, &mut out),
-            None => self.problem.runs[run].whole_under(drive, &model, offsets, &mut out),
+        let (readings, mut out) = (&self.problem.runs[run], Vec::new());
+        match readings.latest {
+            Some(_) => readings.condensed_under(drive, &model, offsets, &mut out),
+            None => readings.whole_under(drive, &model, offsets, &mut out),
         }
         out
     }
