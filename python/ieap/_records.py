@@ -42,7 +42,7 @@ class Record:
 
     def __getattr__(self, name: str) -> Any:
         # What is there has a property; this is for what a type checker cannot see, and for what is misspelt.
-        known = ", ".join(part for part in dir(self) if not part.startswith("_"))
+        known = ", ".join(part for part in dir(type(self)) if not part.startswith("_"))
         raise AttributeError(f"{type(self).__name__} has no {name!r}: one of {known}")
 
     def __eq__(self, other: object) -> bool:

@@ -32,11 +32,12 @@ class Fit:
     so. ``for key in fit`` goes over the keys, in the model's order, derived ones last.
     """
 
-    __slots__ = ("_made", "_recipe", "_document", "_parameters")
+    __slots__ = ("_made", "_recipe", "_brief", "_document", "_parameters")
 
     def __init__(self, native: _native.Fit, recipe: tuple[Any, ...]) -> None:
         self._made: _native.Fit | None = native
         self._recipe = recipe
+        self._brief: dict[str, Any] | None = None
         self._document: dict[str, Any] | None = None
         self._parameters: dict[str, Estimate] | None = None
 
@@ -45,7 +46,7 @@ class Fit:
         # A fit that was pickled is made again where its curves are asked for: the same readings give the same bits.
         if self._made is None:
             made = _native.fit(*self._recipe)
-            if json.loads(made.document())["input_hash"] != self.to_dict()["input_hash"]:
+            if json.loads(made.document(False))["input_hash"] != self.to_dict()["input_hash"]:
                 raise EngineFault("another version of ieap makes another fit of it", self.run, "fit the readings again")
             self._made = made
         return self._made
@@ -55,12 +56,13 @@ class Fit:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self._made, self._recipe = None, state["recipe"]
-        self._document, self._parameters = state["document"], None
+        self._brief = self._document = state["document"]
+        self._parameters = None
 
     def to_dict(self) -> dict[str, Any]:
         """The fit as ``ieap fit --json`` states it, less what only a campaign knows."""
         if self._document is None:
-            self._document = json.loads(self._native.document())
+            self._document = json.loads(self._native.document(True))
         assert self._document is not None
         return self._document
 
@@ -68,7 +70,7 @@ class Fit:
     def parameters(self) -> Mapping[str, Estimate]:
         """Estimates by key, in the model's order, derived ones last."""
         if self._parameters is None:
-            stated = self.to_dict()["parameters"]
+            stated = self._stated("parameters")
             self._parameters = {key: Estimate(**found, unit=_native.unit_of_key(key)) for key, found in stated.items()}
         return self._parameters
 
@@ -95,7 +97,11 @@ class Fit:
         return len(self.parameters)
 
     def _stated(self, name: str) -> Any:
-        return self.to_dict()[name]
+        # What noise is like takes longer than the fit: only `noise` and `to_dict` have it.
+        if self._brief is None:
+            self._brief = json.loads(self._native.document(False))
+        assert self._brief is not None
+        return self._brief[name]
 
     @property
     def run(self) -> str:
@@ -137,7 +143,7 @@ class Fit:
     @property
     def noise(self) -> list[Record]:
         """Noise and residual of each channel (``quantity``, ``standard_deviation``, ``residual_rms``, ...), in its unit."""
-        return [record("fits", "ChannelNoise", found) for found in self._stated("noise")]
+        return [record("fits", "ChannelNoise", found) for found in self.to_dict()["noise"]]
 
     @property
     def issues(self) -> list[Record]:
@@ -266,26 +272,24 @@ class Fit:
         return plot_fit(self, axes)
 
     def _repr_html_(self) -> str:
-        stated = self.to_dict()
-        head = f"{stated['run']} with {stated['model']}: {stated['why_stopped']}"
+        head = f"{self.run} with {self.model}: {self.why_stopped}"
         rows = [(key, *one._cells()) for key, one in self.parameters.items()]
         notes = [
-            f"R2 of the {name}: {stated[f'r_squared_{name}']:.5f}"
+            f"R2 of the {name}: {found:.5f}"
             for name in ("current", "curvature")
-            if stated[f"r_squared_{name}"] is not None
+            if (found := self._stated(f"r_squared_{name}")) is not None
         ]
-        notes += [f"{issue['severity']}: {issue['message']}" for issue in stated["issues"]]
+        notes += [f"{issue.severity}: {issue.message}" for issue in self.issues]
         return html_table(head, ("parameter", "value", "standard error", "95 %", ""), rows, notes)
 
     def __repr__(self) -> str:
-        stated = self.to_dict()
-        lines = [f"<ieap.Fit of {stated['run']!r} with {stated['model']}: {stated['why_stopped']}>"]
+        lines = [f"<ieap.Fit of {self.run!r} with {self.model}: {self.why_stopped}>"]
         width = max(len(key) for key in self.parameters)
         lines += [f"  {key:<{width}}  {one}" for key, one in self.parameters.items()]
         for name in ("current", "curvature"):
-            if (r_squared := stated[f"r_squared_{name}"]) is not None:
+            if (r_squared := self._stated(f"r_squared_{name}")) is not None:
                 lines.append(f"  R2 of the {name}: {r_squared:.5f}")
-        lines += [f"  {issue['severity']}: {issue['message']}" for issue in stated["issues"]]
+        lines += [f"  {issue.severity}: {issue.message}" for issue in self.issues]
         return "\n".join(lines)
 
 

@@ -68,7 +68,7 @@ class Table:
         cells = self.column(name)
         if cells and all(isinstance(cell, bool) for cell in cells):
             return numpy.array(cells)
-        objects = numpy.empty(len(cells), dtype=object)
+        objects: Any = numpy.empty(len(cells), dtype=object)
         for row, cell in enumerate(cells):
             objects[row] = cell
         return objects

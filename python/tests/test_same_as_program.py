@@ -23,7 +23,7 @@ def test_a_fit_of_a_file(campaign, fits):
     fit = ieap.fit(ieap.read(campaign / "runs/a.csv"), **STRIP)
     stored = of_program(fits, "runs/a.csv")
     assert {key: fit.to_dict()[key] for key in SAME} == {key: stored[key] for key in SAME}
-    assert all(issue in stored["issues"] for issue in fit.issues)
+    assert all(issue.to_dict() in stored["issues"] for issue in fit.issues)
 
 
 def test_a_fit_of_lists_of_numbers(campaign, fits):

@@ -53,7 +53,7 @@ def test_masks_are_honoured_and_counted():
     fit = ieap.fit(columns, area_cm2=0.1)
     assert abs(fit["r1_ohm_cm2"].value / whole["r1_ohm_cm2"].value - 1) < 0.02, fit
     told = [issue for issue in fit.issues if issue.code == "readings-masked"]
-    assert len(told) == 1 and "50" in told[0]["message"] and told[0]["place"] == "column current_a"
+    assert len(told) == 1 and "50" in told[0].message and told[0].place == "column current_a"
     pandas = pytest.importorskip("pandas")
     values = table.column("current_a")
     columns["current_a"] = pandas.array([None if own else value for own, value in zip(mask, values)], dtype="Float64")
