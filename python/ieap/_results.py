@@ -295,7 +295,7 @@ class Fit:
 
 @own
 class Finding(Record, of=("diagnosis", "GroupEntry")):
-    """What the model gets wrong in a group of runs, and why; see `ieap.diagnose`."""
+    """What the model gets wrong in a group of runs, and why: attributes are those of a group of ``ieap diagnose --json``."""
 
     __slots__ = ()
 

@@ -38,7 +38,7 @@ impl Fit {
             let options = FitOptions {
                 describes_noise: true,
                 whole_curves: false,
-                ..self.options.clone()
+                ..self.options
             };
             // The same fit again, which went well.
             let again = in_memory::fit(&self.run, &options, &self.known);
