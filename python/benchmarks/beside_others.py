@@ -1,6 +1,6 @@
 """One run of 3,600 x 2 readings fitted by ieap, lmfit, variable projection with SciPy, and SciPy's differential evolution.
 
-    pip install ieap-*.whl lmfit scipy && python python/beside_others.py
+    pip install ieap-*.whl lmfit scipy && python python/benchmarks/beside_others.py
 
 All have the same readings and the same seven parameters. The others begin at twice what was simulated (differential evolution
 searches time constants over four decades) and give standard errors of white noise; ieap begins from nothing, and finds where
