@@ -5,7 +5,7 @@
     fit = ieap.fit(table, length_mm=5, width_mm=2)
     finding = ieap.diagnose({"a": table, "b": ieap.read("other.DTA")}, length_mm=5, width_mm=2)
 
-Tables go in and out as Arrow (the PyCapsule interface): pyarrow, polars, pandas and DuckDB take them as they are.
+Columns are numpy arrays; tables go in and out as Arrow: pyarrow, polars, pandas and DuckDB take them as they are.
 The same readings give the same numbers as the program, to the last bit.
 """
 
@@ -17,13 +17,29 @@ from typing import Any, Mapping, Sequence
 
 from . import _native
 from ._errors import CampaignError, EngineFault, IeapError, InputError, MissingFileError
-from ._inputs import Drive, Known, Measured, effects_of, exact_of, known_of, numbers_of, segments_of, stated as _stated, table_of, threads_of, times_of
-from ._native import ArrowTable, Table
-from ._results import Estimate, Finding, Fit, html_table
+from ._estimate import Estimate
+from ._inputs import (
+    Drive,
+    Known,
+    Measured,
+    effects_of,
+    exact_of,
+    known_of,
+    numbers_of,
+    readings_of,
+    segments_of,
+    spectrum_of,
+    stated as _stated,
+    table_of,
+    threads_of,
+    times_of,
+)
+from ._records import Record, record
+from ._results import Finding, Fit
+from ._table import Table, html_table
 
 __version__: str = _native.version
 __all__ = [
-    "ArrowTable",
     "Campaign",
     "CampaignError",
     "EngineFault",
@@ -33,12 +49,15 @@ __all__ = [
     "IeapError",
     "InputError",
     "MissingFileError",
+    "Record",
     "Table",
     "convert",
+    "cycles",
     "diagnose",
     "diagnose_rows",
     "fit",
     "fit_many",
+    "impedance",
     "read",
     "read_all",
     "simulate",
@@ -53,7 +72,7 @@ def read_all(path: str | PathLike[str]) -> list[Table]:
         MissingFileError: there is no such file (also a FileNotFoundError).
         CampaignError: the system cannot give the file.
     """
-    return _native.read(path)
+    return [Table(found) for found in _native.read(path)]
 
 
 def read(path: str | PathLike[str], table: str | None = None) -> Table:
@@ -125,7 +144,7 @@ def fit(
     Raises:
         InputError: the readings cannot be fitted; ``reason`` and ``remedy`` say why and what helps.
     """
-    table = table_of(readings)
+    table = readings_of(readings)
     said = _stated(
         area_cm2=area_cm2,
         length_mm=length_mm,
@@ -173,10 +192,10 @@ def diagnose(
         InputError: a run cannot be used, or two runs hold the same readings.
     """
     if not isinstance(runs, Mapping):
-        tables = [table_of(own) for own in runs]
+        tables = [readings_of(own) for own in runs]
         named = {f"{index + 1}: {table.source}": table for index, table in enumerate(tables)}
     else:
-        named = {name: table_of(own) for name, own in runs.items()}
+        named = {name: readings_of(own) for name, own in runs.items()}
 
     def said(name: str) -> _native.Stated:
         return _stated(
@@ -189,6 +208,52 @@ def diagnose(
 
     parts = [(name, table, said(name)) for name, table in named.items()]
     return Finding(json.loads(_native.diagnose(group, parts, model, draws, seed, threads_of(threads))))
+
+
+def impedance(readings: Any, impedance_ohm: Any = None, *, circuits: Sequence[str] = ()) -> Record:
+    """Analyses an impedance spectrum: whether it can be one (Kramers-Kronig, Z-HIT), its relaxation times, and circuits.
+
+        ieap.impedance(frequency_hz, z_ohm).circuits[0].parameters["rss_ohm"]
+
+    Args:
+        readings: frequencies, Hz, beside `impedance_ohm`; or one table with ``frequency_hz`` and ``impedance_real_ohm`` and
+            ``impedance_imaginary_ohm``, or ``impedance_magnitude_ohm`` and ``impedance_phase_degree``, as `read` gives it.
+        impedance_ohm: complex numbers, Ohm: negative imaginary parts are capacitive.
+        circuits: circuits beside those that every spectrum is fitted with, such as ``"R0-p(R1,CPE1)-W1"``.
+
+    Returns:
+        What ``ieap impedance --json`` says of a spectrum: ``kramers_kronig``, ``z_hit``, ``relaxation``, ``circuits`` (each
+        with ``parameters`` in Ohm and F, ``describes``, ``bic_above_best``), ``best``, ``issues``.
+
+    Raises:
+        InputError: there is not one spectrum, or too few frequencies; a text is no circuit.
+    """
+    found: Record = record("impedance", "SweepDocument", json.loads(_native.impedance(spectrum_of(readings, impedance_ohm), list(circuits))))
+    return found
+
+
+def cycles(
+    readings: Any,
+    *,
+    area_cm2: float | None = None,
+    length_mm: float | None = None,
+    width_mm: float | None = None,
+    drive: Drive | None = None,
+    baseline_v: float = 0.0,
+    tags: Mapping[str, Any] | None = None,
+) -> Table:
+    """The cycles of a train: amplitude, charge in and out, coulombic efficiency, energy, alpha, resistance.
+
+    Args are those of `fit`.
+
+    Returns:
+        One row a cycle, each number with ``_standard_error``, ``_low_95``, ``_high_95`` and ``_reason``.
+
+    Raises:
+        InputError: the drive is no train of three cycles or more.
+    """
+    said = _stated(area_cm2=area_cm2, length_mm=length_mm, width_mm=width_mm, drive=drive, baseline_v=baseline_v, tags=tags)
+    return Table(_native.cycles(readings_of(readings), said))
 
 
 def simulate(
@@ -255,11 +320,15 @@ def simulate(
     said = _stated(area_cm2=area_cm2, length_mm=length_mm, width_mm=width_mm, drive=drive, baseline_v=baseline_v or 0.0)
     times = times_of(drive, time_s, until_s, every_s)
     sizes = dict(noise or {})
-    own_noise = tuple(float(sizes.pop(key, 0.0)) for key in ("current_a", "curvature_per_cm", "autocorrelation"))
+    own_noise = (
+        float(sizes.pop("current_a", 0.0)),
+        float(sizes.pop("curvature_per_cm", 0.0)),
+        float(sizes.pop("autocorrelation", 0.0)),
+    )
     if sizes:
         raise InputError(f"found {', '.join(sizes)}", "noise", "one of current_a, curvature_per_cm, autocorrelation")
     places = [float(place) for place in places_mm or ()]
-    return _native.simulate(model or "lumped-2", given, said, effects_of(effects), times, own_noise, seed, places)
+    return Table(_native.simulate(model or "lumped-2", given, said, effects_of(effects), times, own_noise, seed, places))
 
 
 def convert(
@@ -272,7 +341,7 @@ def convert(
     modulus_mpa: Measured | None = None,
     neutral_layer_shift_mm: Measured | None = None,
     mean_elongation: Measured | None = None,
-) -> dict[str, Any]:
+) -> Record:
     """One measure of a bending as all others, with errors: ``ieap.convert("displacement=1.2mm", length_mm=(5, 0.1))``.
 
     Args:
@@ -287,7 +356,7 @@ def convert(
         mean_elongation: mean elongation of the strip, a share; None: 0.
 
     Returns:
-        The document `ieap/convert/1` of the program: ``values`` holds every measure by its key.
+        The document `ieap/convert/1` of the program: ``.values`` holds every measure by its key, as an `Estimate`.
 
     Raises:
         InputError: the measure or its unit is unknown, or no circle bends so.
@@ -301,7 +370,12 @@ def convert(
         neutral_layer_shift_mm=neutral_layer_shift_mm,
         mean_elongation=mean_elongation,
     )
-    return json.loads(_native.conversion(given, numbers))
+    return _document("convert", _native.conversion(given, numbers))
+
+
+def _document(schema: str, text: str) -> Record:
+    document: Record = record(schema, "", json.loads(text))
+    return document
 
 
 def _known(fit: Fit) -> dict[str, float]:
@@ -333,7 +407,7 @@ def fit_many(
     seed: int | None = None,
     threads: int | None = None,
     known: Mapping[str, Known] | None = None,
-) -> ArrowTable:
+) -> Table:
     """Fits many runs on all cores, one row a run. Ctrl-C ends it.
 
     Args:
@@ -350,7 +424,7 @@ def fit_many(
         ``r_squared_current``, ``issues``, ... A run that cannot be fitted has ``refused_place``, ``refused_reason`` and
         ``refused_remedy`` instead.
     """
-    return _native.fit_many(rows, model, method, simultaneous, seed, threads_of(threads), known_of(known))
+    return Table(_native.fit_many(rows, model, method, simultaneous, seed, threads_of(threads), known_of(known)))
 
 
 def diagnose_rows(
@@ -361,14 +435,14 @@ def diagnose_rows(
     draws: int | None = None,
     seed: int | None = None,
     threads: int | None = None,
-) -> ArrowTable:
+) -> Table:
     """As `diagnose`, of runs in a table as `fit_many` takes it: all rows are one group.
 
     Returns:
         One row: ``group``, ``runs``, ``left_out`` (runs that could not be used, each with the reason), ``verdict``, ``sentence``, ``p_misfit``, ``causes``, ``most_probable``, ...,
         ``document`` (JSON, a group of ``ieap diagnose --json``), or the reason in ``refused_reason``.
     """
-    return _native.diagnose_rows(group, rows, model, draws, seed, threads_of(threads))
+    return Table(_native.diagnose_rows(group, rows, model, draws, seed, threads_of(threads)))
 
 
 class Campaign:
@@ -378,34 +452,28 @@ class Campaign:
         """Finds the campaign at `folder` or above it."""
         self._native = _native.Campaign(folder)
 
-    def runs(self) -> ArrowTable:
-        """One row a run: tags, state, files and their hashes, goodness of fit."""
-        return self._native.table("runs")
+    @staticmethod
+    def tables() -> dict[str, str]:
+        """Every table that `table` gives, and what it holds."""
+        return dict(_native.Campaign.tables())
 
-    def tags(self) -> ArrowTable:
-        """One row a run and tag, with its source."""
-        return self._native.table("tags")
-
-    def fits(self, wide: bool = False) -> ArrowTable:
-        """The current fits: one row a run and parameter (``value``, ``standard_error``, ``low_95``, ``high_95``, in the unit
-        that ``parameter`` names), or one row a run where `wide`."""
-        return self._native.table("fits-wide" if wide else "fits")
-
-    def conditions(self) -> ArrowTable:
-        """One row a condition: numbers of runs, mean and spread of each parameter."""
-        return self._native.table("conditions")
+    def table(self, name: str) -> Table:
+        """A table of results by its name: those that ``ieap export`` writes, such as ``runs``, ``fits``, ``laws``, and those
+        that ``ieap table`` lists beside them. Numbers are in full, in the unit that the column's name ends in; those with
+        uncertainty have ``_standard_error``, ``_low_95``, ``_high_95`` and ``_reason`` beside them."""
+        return Table(self._native.table(name))
 
     def readings(self, run: str) -> Table:
         """The readings of a run as a fit takes them, with its strip, drive and tags: ``ieap.fit(c.readings(run))``."""
-        return self._native.readings(run)
+        return Table(self._native.readings(run))
 
     def readings_many(self, runs: Sequence[str] | None = None) -> dict[str, Table]:
         """The readings of many runs by name, with the campaign opened once; None: of every run that results are made from."""
         if runs is None:
-            known = self.runs()
+            known = self.table("runs")
             speaking = zip(known.column("run"), known.column("standing"))
             runs = [run for run, standing in speaking if standing in ("speaks", "vouched")]
-        return dict(zip(runs, self._native.readings_many(list(runs))))
+        return dict(zip(runs, map(Table, self._native.readings_many(list(runs)))))
 
     def fit_rows(self, runs: Sequence[str] | None = None) -> Any:
         """Runs as rows for `fit_many`, one a run with its readings, strip and how the campaign fits it, as a pyarrow table.
@@ -418,65 +486,42 @@ class Campaign:
         except ImportError:
             raise InputError("pyarrow is not installed", "fit_rows", "pip install pyarrow", "no-pyarrow") from None
         rows = parquet.read_table(BufferReader(self._native.fit_rows(None if runs is None else list(runs))))
-        known = self.runs()
+        known = self.table("runs")
         # In files they are the names of folders.
         for name in ("material", "environment"):
             of_run = dict(zip(known.column("run"), known.column(name)))
             rows = rows.append_column(name, [[of_run[run] for run in rows.column("run").to_pylist()]])
         return rows
 
-    def laws(self) -> ArrowTable:
-        """What holds across runs: one row a parameter and what it may follow, with the law where it is claimed."""
-        return self._native.table("laws")
-
-    def monitoring(self) -> ArrowTable:
-        """Long-term monitoring: one row a sample and parameter."""
-        return self._native.table("monitoring")
-
-    def model_free(self) -> ArrowTable:
-        """What steps say without a model, and their energies: one row a run whose voltage is stepped and held."""
-        return self._native.table("model-free")
-
-    def cycles(self) -> ArrowTable:
-        """Trains, one row a cycle."""
-        return self._native.table("cycles")
-
-    def findings(self) -> ArrowTable:
-        """The current findings, one row a group of runs."""
-        return self._native.findings()
-
     def finding(self, group: str) -> Finding:
         """The current finding of a group, by its name."""
-        groups = {own["group"]: own for own in self.diagnosis_document()["groups"]}
+        groups = {found.group: found for found in self.diagnosis().groups}
         if group not in groups:
             raise InputError("there is no such group", group, f"one of {', '.join(groups) or 'none: run ieap diagnose'}")
-        return Finding(groups[group])
+        found: Finding = groups[group]
+        return found
 
-    def fits_document(self) -> dict[str, Any]:
-        """What ``ieap fit --json`` prints of the current fits."""
-        return json.loads(self._native.fits_document())
+    def fits(self) -> Record:
+        """What ``ieap fit --json`` prints of the current fits: each of ``.fits`` is of a run."""
+        return _document("fits", self._native.fits_document())
 
-    def diagnosis_document(self) -> dict[str, Any]:
-        """What ``ieap diagnose --json`` prints of the current findings."""
-        return json.loads(self._native.diagnosis_document())
+    def diagnosis(self) -> Record:
+        """What ``ieap diagnose --json`` prints of the current findings: each of ``.groups`` is a `Finding`."""
+        return _document("diagnosis", self._native.diagnosis_document())
 
-    def impedance_document(self, circuits: Sequence[str] = ()) -> dict[str, Any]:
+    def impedance(self, circuits: Sequence[str] = ()) -> Record:
         """What ``ieap impedance --json`` prints of the spectra that were taken in; ``circuits`` such as
         ``"R0-p(R1,CPE1)-W1"`` are fitted as well."""
-        return json.loads(self._native.impedance_document(list(circuits)))
+        return _document("impedance", self._native.impedance_document(list(circuits)))
 
-    def table_document(self, name: str) -> dict[str, Any]:
-        """A table that ``ieap table`` lists, such as ``models``, ``cycles`` or ``model-free``, as ``--format json`` prints it."""
-        return json.loads(self._native.table_document(name))
-
-    def compare(self, models: Sequence[str] = ()) -> dict[str, Any]:
+    def compare(self, models: Sequence[str] = ()) -> Record:
         """Which model is best for which material in which environment: the document `ieap/comparison/1` that
         ``ieap compare --json`` prints.
 
         `models` are ids, None given: the two lumped ones of the thesis and every rival. What ``ieap compare`` has stored of
         the same models is taken; the rest is fitted now, on all cores, and not stored. Ctrl-C ends it.
         """
-        return json.loads(self._native.compare(list(models)))
+        return _document("comparison", self._native.compare(list(models)))
 
     def predict(
         self,
@@ -496,7 +541,7 @@ class Campaign:
         thickness_mm: Measured | None = None,
         modulus_mpa: Measured | None = None,
         electrode_resistance_ohm_per_sq: float | None = None,
-    ) -> dict[str, Any]:
+    ) -> Record:
         """What a strip will do, from the stored fits of its laminate: the document `ieap/prediction/2` of the program.
 
         `sample` names the strip whose fits tell; `voltage_v` is a step at time zero, `drive` start (s) and voltage (V) of each
@@ -518,7 +563,7 @@ class Campaign:
         )
         times = [float(time_s) for time_s in at_s]
         of = (sample, environment, humidity)
-        return json.loads(self._native.predict(of, numbers, (baseline_v, segments), times))
+        return _document("prediction", self._native.predict(of, numbers, (baseline_v, segments), times))
 
     def drive(
         self,
@@ -540,7 +585,7 @@ class Campaign:
         width_mm: Measured | None = None,
         thickness_mm: Measured | None = None,
         electrode_resistance_ohm_per_sq: float | None = None,
-    ) -> dict[str, Any]:
+    ) -> Record:
         """The voltage that brings the tip to a wanted course, open loop: the document `ieap/drive/2` of the program.
 
         The tip is held at `hold_mm` for `for_s`, or follows `course`, rows of time (s) and displacement (mm).
@@ -551,7 +596,8 @@ class Campaign:
         if is_held == (course is not None) or (hold_mm is None) != (for_s is None):
             found = f"hold_mm={hold_mm}, for_s={for_s}, course={course!r}"
             raise InputError(found, "course", "give hold_mm and for_s, or a course: [(0, 0.0), (60, 0.3)]", "bad-argument")
-        rows = [(for_s, hold_mm)] if is_held else [(float(time_s), float(tip_mm)) for time_s, tip_mm in course]
+        held = [(for_s or 0.0, hold_mm or 0.0)] if is_held else course
+        rows = [(float(time_s), float(tip_mm)) for time_s, tip_mm in held or ()]
         times = [time_s for time_s, _ in rows]
         if not is_held and (len(rows) < 2 or any(later <= earlier for earlier, later in zip(times, times[1:]))):
             needed = "give two rows of time and displacement or more, with times that increase"
@@ -566,18 +612,17 @@ class Campaign:
             age_h=age_h,
             electrode_resistance_ohm_per_sq=electrode_resistance_ohm_per_sq,
         )
-        return json.loads(self._native.drive((sample, environment, humidity), numbers, rows))
+        return _document("drive", self._native.drive((sample, environment, humidity), numbers, rows))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Campaign, (self._native.folder,)
 
     def _repr_html_(self) -> str:
-        runs = self.runs()
-        names = [name for name in ("run", "sample", "material", "environment", "voltage_v", "state", "standing") if name in runs.column_names]
-        cells = [["" if own is None else own for own in runs.column(name)] for name in names]
-        shown = list(zip(*cells))[:50]
-        more = [f"{len(runs) - len(shown)} more"] if len(runs) > len(shown) else []
-        return html_table(f"{self._native.folder}: {len(runs)} runs", names, shown, more)
+        runs = self.table("runs")
+        names = [name for name in ("run", "sample", "material", "environment", "voltage_v", "state", "standing") if name in runs]
+        cells = [["" if cell is None else cell for cell in runs.column(name)[:50]] for name in names]
+        more = [f"{len(runs) - 50} more"] if len(runs) > 50 else []
+        return html_table(f"{self._native.folder}: {len(runs)} runs", names, list(zip(*cells)), more)
 
     def __repr__(self) -> str:
         return repr(self._native)

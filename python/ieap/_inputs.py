@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
+import os
 from array import array
 from math import isfinite, nan
-from os import cpu_count
 from typing import Any, Iterable, Mapping, Sequence
 from warnings import warn
 
 from . import _native
 from ._errors import InputError
+from ._table import Table
 
-try:
-    from os import sched_getaffinity  # only where the system tells
-except ImportError:
-    sched_getaffinity = None
 
 Drive = Sequence[tuple[float, "float | None"]]
 """Start (s) and voltage (V; None: open circuit) of each segment."""
 
 
-def doubles(name: str, values: Any) -> bytes:
-    """The numbers of a one-dimensional array, a series or a list; None and what is masked are empty cells."""
-    return _doubles(name, values)[0]
-
-
 def _doubles(name: str, values: Any) -> tuple[bytes, int]:
-    """The numbers, and how many were masked."""
+    """The numbers of a one-dimensional array, a series or a list, and how many were masked; what is None or masked is an
+    empty cell."""
     masked = 0
     if hasattr(values, "to_pylist"):  # pyarrow
         values = values.to_pylist()
@@ -104,16 +97,35 @@ def _with_unit(name: str, values: Any) -> tuple[str, Any]:
         raise InputError(found, _column(name), "name the unit that the numbers are in", "contradiction") from None
 
 
-def table_of(readings: Any) -> _native.Table:
-    """Readings in any form as a table of the engine."""
-    if isinstance(readings, _native.Table):
-        return readings
+def table_of(readings: Any) -> Table:
+    """Readings in any form as a table."""
+    return readings if isinstance(readings, Table) else Table(readings_of(readings))
+
+
+def readings_of(readings: Any) -> _native.Readings:
+    """Readings in any form, as the engine takes them."""
+    if isinstance(readings, Table) and readings._readings is not None:
+        return readings._readings
     if hasattr(readings, "data_vars") and hasattr(readings, "coords"):  # xarray: the times are a coordinate
         readings = {**readings.coords, **readings.data_vars}
     if isinstance(readings, Mapping):
         named = (_with_unit(str(name), values) for name, values in readings.items())
         return _native.arrays([(name, *_doubles(name, values)) for name, values in named])
     return _native.from_arrow(readings)
+
+
+def spectrum_of(frequency_hz: Any, impedance_ohm: Any) -> _native.Readings:
+    """A spectrum: frequencies beside complex numbers, or readings that have both."""
+    if impedance_ohm is None:
+        return readings_of(frequency_hz)
+    if not hasattr(impedance_ohm, "real"):
+        numbers = [complex(number) for number in impedance_ohm]
+        parts = [number.real for number in numbers], [number.imag for number in numbers]
+    else:
+        parts = impedance_ohm.real, impedance_ohm.imag
+    columns = {"frequency_hz": frequency_hz, "impedance_real_ohm": parts[0], "impedance_imaginary_ohm": parts[1]}
+    order = range(len(parts[0]))
+    return _native.arrays([("time_s", *_doubles("time_s", list(order))), *((name, *_doubles(name, own)) for name, own in columns.items())])
 
 
 def stated(
@@ -166,7 +178,8 @@ def threads_of(threads: int | None) -> int | None:
         return None
     if threads < 1:
         raise InputError(f"found {threads}", "threads", "give 1 or more, or None for all cores", "bad-argument")
-    cores = len(sched_getaffinity(0)) if sched_getaffinity else cpu_count() or 1
+    affinity = getattr(os, "sched_getaffinity", None)  # only where the system tells
+    cores = len(affinity(0)) if affinity else os.cpu_count() or 1
     if threads > cores:
         warn(f"threads={threads}: more than the {cores} cores are of no use; {cores} are taken", stacklevel=3)
     return min(threads, cores)
@@ -196,9 +209,9 @@ def numbers_of(**given: "Measured | None") -> dict[str, tuple[float, float]]:
     """Each number that is given, with its standard error."""
     found = {}
     for key, own in given.items():
-        pair = own if isinstance(own, (tuple, list)) else (own, 0.0)
         if own is None:
             continue
+        pair = own if isinstance(own, (tuple, list)) else (own, 0.0)
         try:
             value, error = (float(part) for part in pair)
         except (TypeError, ValueError):
@@ -253,7 +266,7 @@ def times_of(
 ) -> list[float]:
     """Times of readings, s: those given, or even ones from the start of the drive on."""
     if time_s is not None:
-        return array("d", doubles("time_s", time_s)).tolist()
+        return array("d", _doubles("time_s", time_s)[0]).tolist()
     segments = segments_of(drive)
     first, last = segments[0][0], segments[-1][0]
     if until_s is None:

@@ -15,14 +15,15 @@ use pyo3::types::{PyCapsule, PyDict, PyList, PyTuple};
 
 use crate::columns::{list_at, numbers, plain, text_at};
 use crate::error::bad_argument;
+use crate::numbers::Numbers;
 
 // The names that the interface fixes.
 const SCHEMA: &CStr = c"arrow_schema";
 const ARRAY: &CStr = c"arrow_array";
 const STREAM: &CStr = c"arrow_array_stream";
 
-/// A table of results. pyarrow, polars, pandas and DuckDB take it as it is.
-#[pyclass(frozen, module = "ieap")]
+/// Columns that other libraries take as Arrow. Python has them as `ieap.Table`.
+#[pyclass(frozen, module = "ieap._native")]
 pub struct ArrowTable {
     batch: RecordBatch,
 }
@@ -31,6 +32,13 @@ impl ArrowTable {
     /// A table of one batch.
     pub fn new(batch: RecordBatch) -> ArrowTable {
         ArrowTable { batch }
+    }
+
+    fn named(&self, py: Python<'_>, name: &str) -> PyResult<&ArrayRef> {
+        self.batch.column_by_name(name).ok_or_else(|| {
+            let remedy = format!("one of {}", self.column_names().join(", "));
+            bad_argument(py, name, "the table has no such column", &remedy)
+        })
     }
 }
 
@@ -47,26 +55,14 @@ impl ArrowTable {
         schema.fields().iter().map(|field| field.name().clone()).collect()
     }
 
-    fn __len__(&self) -> usize {
-        self.batch.num_rows()
-    }
-
     /// One column as a list; an empty cell is None.
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let Some(column) = self.batch.column_by_name(name) else {
-            let remedy = format!("one of {}", self.column_names().join(", "));
-            return Err(bad_argument(py, name, "the table has no such column", &remedy));
-        };
-        list_of(py, column)
+        list_of(py, self.named(py, name)?)
     }
 
-    /// All columns by name, as lists.
-    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let all = PyDict::new(py);
-        for (field, column) in self.batch.schema_ref().fields().iter().zip(self.batch.columns()) {
-            all.set_item(field.name(), list_of(py, column)?)?;
-        }
-        Ok(all)
+    /// The numbers of a column; none where it holds something else.
+    fn numbers(&self, py: Python<'_>, name: &str) -> PyResult<Option<Numbers>> {
+        Ok(Numbers::of(self.named(py, name)?))
     }
 
     #[pyo3(signature = (requested_schema = None))]
@@ -83,33 +79,6 @@ impl ArrowTable {
     fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
         schema(py, self.batch.schema_ref())
     }
-
-    /// For `pickle` and `copy`, which pyarrow does.
-    fn __reduce__<'py>(slf: Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyAny>,))> {
-        let py = slf.py();
-        let Ok(pyarrow) = py.import("pyarrow") else {
-            let remedy = "install pyarrow, or keep what to_dict() gives";
-            return Err(bad_argument(
-                py,
-                "pickle",
-                "a table of results is pickled by pyarrow",
-                remedy,
-            ));
-        };
-        let reader = pyarrow
-            .getattr("RecordBatchReader")?
-            .call_method1("from_stream", (&slf,))?;
-        let batch = reader.call_method0("read_next_batch")?;
-        Ok((py.import("ieap._native")?.getattr("arrow_again")?, (batch,)))
-    }
-
-    fn __repr__(&self) -> String {
-        format!(
-            "<ieap.ArrowTable: {} rows of {}>",
-            self.batch.num_rows(),
-            self.column_names().join(", ")
-        )
-    }
 }
 
 /// A table of results out of one that speaks Arrow.
@@ -120,7 +89,7 @@ pub fn arrow_again(table: &Bound<'_, PyAny>) -> PyResult<ArrowTable> {
 }
 
 /// A column as a Python list: numbers, flags, words, lists of words or records.
-fn list_of<'py>(py: Python<'py>, column: &arrow_array::ArrayRef) -> PyResult<Bound<'py, PyAny>> {
+fn list_of<'py>(py: Python<'py>, column: &ArrayRef) -> PyResult<Bound<'py, PyAny>> {
     let list = PyList::empty(py);
     let kind = column.data_type().clone();
     let is_whole = kind.is_integer();
@@ -152,15 +121,13 @@ fn list_of<'py>(py: Python<'py>, column: &arrow_array::ArrayRef) -> PyResult<Bou
     Ok(list.into_any())
 }
 
-/// A batch as a capsule with a stream of one.
-pub fn stream<'py>(py: Python<'py>, batch: RecordBatch) -> PyResult<Bound<'py, PyCapsule>> {
+fn stream<'py>(py: Python<'py>, batch: RecordBatch) -> PyResult<Bound<'py, PyCapsule>> {
     let schema = batch.schema();
     let reader = RecordBatchIterator::new([Ok(batch)], schema);
     PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(reader)), STREAM)
 }
 
-/// A schema as a capsule.
-pub fn schema<'py>(py: Python<'py>, schema: &SchemaRef) -> PyResult<Bound<'py, PyCapsule>> {
+fn schema<'py>(py: Python<'py>, schema: &SchemaRef) -> PyResult<Bound<'py, PyCapsule>> {
     let schema = FFI_ArrowSchema::try_from(schema.as_ref()).map_err(|error| unusable(py, &error))?;
     PyCapsule::new_with_value(py, schema, SCHEMA)
 }

@@ -3,35 +3,33 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray};
 use ieap::ingest::campaign_file;
-use ieap::model::impedance::circuit;
 use ieap::pipeline::documents::comparison::comparison_document;
 use ieap::pipeline::documents::diagnosis::diagnosis_document;
 use ieap::pipeline::documents::fits::fits_document;
 use ieap::pipeline::findings::impedance::{SCHEMA, spectra};
 use ieap::pipeline::show::partitioned::run_rows_parquet;
-use ieap::pipeline::show::plain_tables::{plain_table, stored_readings};
-use ieap::pipeline::show::tables::{find_format, table};
+use ieap::pipeline::show::plain_tables::{listed, plain_table, stored_readings};
 use ieap::pipeline::standalone::in_memory::{ReadTable, Stated};
 use ieap::pipeline::{CompareModels, Context, DiagnoseChoice, PipelineError, Silent};
-use ieap::show::{Document, Frame, FrameCells};
+use ieap::show::Document;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
+use crate::alone::circuits_of;
 use crate::arrow::ArrowTable;
-use crate::error::{bad_argument, failed, fault, json};
+use crate::error::{bad_argument, failed, json};
 use crate::forward::{self, Numbers};
-use crate::results::{self, FoundGroup};
+use crate::readings::Readings;
+use crate::results;
 use crate::stated::drive_of;
-use crate::table::Table;
 use crate::work::interruptible;
 
 /// Readings with what the campaign states of them.
 type Stored = (ReadTable, Stated);
 
-fn stored(run: &str, (read, stated): Stored) -> Table {
-    Table {
+fn stored(run: &str, (read, stated): Stored) -> Readings {
+    Readings {
         read: Arc::new(read),
         stated: Some(Arc::new(stated)),
         source: run.to_owned(),
@@ -68,21 +66,26 @@ impl Campaign {
         &self.folder
     }
 
-    /// One of the tables that `ieap export` writes.
+    /// A table that `ieap export` writes or `ieap table` lists.
     fn table(&self, py: Python<'_>, name: &str) -> PyResult<ArrowTable> {
         let columns = self.ask(py, |context| plain_table(context, name))?;
-        let batch = batch(columns).map_err(|error| fault(py, name, &error.to_string()))?;
-        Ok(ArrowTable::new(batch))
+        results::table(py, columns)
+    }
+
+    /// Names of the tables that there are, and what each holds.
+    #[staticmethod]
+    fn tables() -> Vec<(&'static str, &'static str)> {
+        listed().collect()
     }
 
     /// The readings of a run as a fit takes them.
-    fn readings(&self, py: Python<'_>, run: &str) -> PyResult<Table> {
+    fn readings(&self, py: Python<'_>, run: &str) -> PyResult<Readings> {
         let found = self.ask(py, |context| stored_readings(context, run))?;
         Ok(stored(run, found))
     }
 
     /// The readings of several runs, with the campaign opened once.
-    fn readings_many(&self, py: Python<'_>, runs: Vec<String>) -> PyResult<Vec<Table>> {
+    fn readings_many(&self, py: Python<'_>, runs: Vec<String>) -> PyResult<Vec<Readings>> {
         let found: Vec<Stored> = self.ask(py, |context| {
             runs.iter().map(|run| stored_readings(context, run)).collect()
         })?;
@@ -99,20 +102,6 @@ impl Campaign {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// The current findings of groups, one row a group.
-    fn findings(&self, py: Python<'_>) -> PyResult<ArrowTable> {
-        let choice = DiagnoseChoice::default();
-        let document = self.ask(py, |context| diagnosis_document(context, &choice, None))?;
-        let rows: Vec<FoundGroup> = document
-            .groups
-            .into_iter()
-            .map(|group| (group.group.clone(), Ok(group), Vec::new()))
-            .collect();
-        results::findings(&rows)
-            .map(ArrowTable::new)
-            .map_err(|error| fault(py, "findings", &error.to_string()))
-    }
-
     /// What `ieap fit --json` prints of the current fits.
     fn fits_document(&self, py: Python<'_>) -> PyResult<String> {
         let document = self.ask(py, fits_document)?;
@@ -126,20 +115,9 @@ impl Campaign {
         json(py, &document)
     }
 
-    /// What `ieap table NAME --format json` prints.
-    fn table_document(&self, py: Python<'_>, name: &str) -> PyResult<String> {
-        self.ask(py, |context| {
-            Ok((find_format("json")?.write)(&table(context, name)?))
-        })
-    }
-
     /// What `ieap impedance --json` prints of the spectra that are there, with these circuits as well.
     fn impedance_document(&self, py: Python<'_>, circuits: Vec<String>) -> PyResult<String> {
-        let asked: Result<Vec<_>, _> = circuits.iter().map(|text| circuit(text)).collect();
-        let asked = asked.map_err(|error| {
-            let remedy = "write it as impedance.py does: R0-p(R1,CPE1)-W1";
-            bad_argument(py, "circuits", &error.to_string(), remedy)
-        })?;
+        let asked = circuits_of(py, &circuits)?;
         let value = self.ask(py, |context| spectra(context, &asked))?;
         let document = Document {
             schema: SCHEMA,
@@ -205,19 +183,4 @@ impl Campaign {
         let answer = py.detach(|| question(&Context::open_read_only(&self.folder)?));
         answer.map_err(|error| failed(py, &error))
     }
-}
-
-fn batch(columns: Frame) -> Result<RecordBatch, arrow_schema::ArrowError> {
-    let array = |cells: FrameCells| -> ArrayRef {
-        match cells {
-            FrameCells::Numbers(cells) => Arc::new(Float64Array::from(cells)),
-            FrameCells::Counts(cells) => Arc::new(Int64Array::from(cells)),
-            FrameCells::Flags(cells) => Arc::new(BooleanArray::from(cells)),
-            FrameCells::Texts(cells) => Arc::new(StringArray::from(cells)),
-        }
-    };
-    let columns = columns
-        .into_iter()
-        .map(|column| (column.name, array(column.cells), true));
-    RecordBatch::try_from_iter_with_nullable(columns)
 }

@@ -1,12 +1,12 @@
 //! Fits and diagnoses of single calls.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
 use ieap::domain::known_parameter::NotKnown;
-use ieap::domain::{self, Issue, KnownParameter, Quantity};
+use ieap::domain::{self, ChannelNoise, Issue, KnownParameter, Quantity};
 use ieap::fit::FitOptions;
 use ieap::pipeline::standalone::forward::fitted_covariance;
 use ieap::pipeline::standalone::in_memory::{self, FitAtHand, RunAtHand};
@@ -14,9 +14,9 @@ use ieap::pipeline::{DiagnoseChoice, FitChoice};
 use pyo3::prelude::*;
 
 use crate::arrow::ArrowTable;
-use crate::error::{bad_argument, failed, fault, refused};
+use crate::error::{bad_argument, failed, fault, json, refused};
+use crate::readings::Readings;
 use crate::stated::{Stated, over, segments_of};
-use crate::table::Table;
 use crate::work::interruptible;
 
 /// A fit of one run.
@@ -26,7 +26,26 @@ pub struct Fit {
     pub stated: FitAtHand,
     pub run: RunAtHand,
     options: FitOptions,
+    known: Vec<KnownParameter>,
     seconds: f64,
+    /// The noise with its memory, growth and steps, which take several times as long as the fit: made when asked for.
+    described: OnceLock<Vec<ChannelNoise>>,
+}
+
+impl Fit {
+    fn described(&self, py: Python<'_>) -> &Vec<ChannelNoise> {
+        let describe = || {
+            let options = FitOptions {
+                describes_noise: true,
+                whole_curves: false,
+                ..self.options
+            };
+            // The same fit again, which went well.
+            let again = in_memory::fit(&self.run, &options, &self.known);
+            again.map_or_else(|_| self.fit.noise.clone(), |(fit, _)| fit.noise)
+        };
+        py.detach(|| self.described.get_or_init(describe))
+    }
 }
 
 #[pymethods]
@@ -37,9 +56,16 @@ impl Fit {
         self.seconds
     }
 
-    /// The fit as `ieap fit --json` states it, less what only a campaign knows.
-    fn document(&self, py: Python<'_>) -> PyResult<String> {
-        serde_json::to_string(&self.stated).map_err(|error| fault(py, "a document", &error.to_string()))
+    /// The fit as `ieap fit --json` states it, less what only a campaign knows, and less what noise is like unless `whole`.
+    fn document(&self, py: Python<'_>, whole: bool) -> PyResult<String> {
+        if !whole {
+            return json(py, &self.stated);
+        }
+        let stated = FitAtHand {
+            noise: self.described(py).clone(),
+            ..self.stated.clone()
+        };
+        json(py, &stated)
     }
 
     /// Keys of the parameters that simulating the fit needs.
@@ -79,6 +105,16 @@ impl Fit {
         (drive.baseline_v, segments_of(Some(&drive)))
     }
 
+    /// Parameters that were searched, and Akaike's and the Bayesian information criterion; None where the noise is not known.
+    fn criteria(&self, py: Python<'_>) -> Option<(usize, f64, f64)> {
+        let fit = domain::Fit {
+            noise: self.described(py).clone(),
+            ..self.fit.clone()
+        };
+        let found = in_memory::criteria(&fit, &self.run)?;
+        Some((found.parameters, found.aic, found.bic))
+    }
+
     /// Keys of the determined parameters and their covariance, a row each; None where the model is no lumped one.
     fn covariance(&self) -> Option<(Vec<String>, Vec<Vec<f64>>)> {
         fitted_covariance(&self.fit, self.run.drive(), self.run.area_cm2())
@@ -104,10 +140,13 @@ impl Fit {
         let Some(curve) = self.fit.curves.iter().find(|curve| curve.quantity == asked) else {
             return Ok(None);
         };
-        let columns: [(&str, &Vec<f64>); 4] = [
+        let pairs = curve.measured.iter().zip(&curve.fitted);
+        let left: Vec<f64> = pairs.map(|(measured, fitted)| measured - fitted).collect();
+        let columns: [(&str, &Vec<f64>); 5] = [
             ("time_s", &curve.time_s),
             (asked.column(), &curve.measured),
             ("fitted", &curve.fitted),
+            ("residual", &left),
             ("residual_sigma", &curve.residual_sigma),
         ];
         // What was drawn and not fitted has no fitted values.
@@ -152,7 +191,7 @@ pub fn known(py: Python<'_>, said: &[String]) -> PyResult<Vec<KnownParameter>> {
     said.iter().map(parse).collect()
 }
 
-fn run_of(py: Python<'_>, name: &str, table: &Table, stated: &Stated) -> PyResult<RunAtHand> {
+pub fn run_of(py: Python<'_>, name: &str, table: &Readings, stated: &Stated) -> PyResult<RunAtHand> {
     let stated = over(&stated.inner, table.stated.as_deref());
     RunAtHand::new(name, &table.read, &stated).map_err(|issue| refused(py, &issue))
 }
@@ -164,7 +203,7 @@ fn run_of(py: Python<'_>, name: &str, table: &Table, stated: &Stated) -> PyResul
 pub fn fit(
     py: Python<'_>,
     name: &str,
-    table: &Table,
+    table: &Readings,
     stated: &Stated,
     model: Option<String>,
     method: Option<String>,
@@ -180,6 +219,7 @@ pub fn fit(
     let mut options = in_memory::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
     // Who fits one run looks at its residuals, all of them.
     options.whole_curves = true;
+    options.describes_noise = false;
     let run = run_of(py, name, table, stated)?;
     let (fit, stated) = py
         .detach(|| in_memory::fit(&run, &options, &chosen.known))
@@ -190,6 +230,8 @@ pub fn fit(
         stated,
         run,
         options,
+        known: chosen.known,
+        described: OnceLock::new(),
     })
 }
 
@@ -199,7 +241,7 @@ pub fn fit(
 pub fn diagnose(
     py: Python<'_>,
     group: &str,
-    runs: Vec<(String, Py<Table>, Py<Stated>)>,
+    runs: Vec<(String, Py<Readings>, Py<Stated>)>,
     model: Option<String>,
     draws: Option<usize>,
     seed: Option<u64>,
@@ -216,5 +258,5 @@ pub fn diagnose(
     let entry = found
         .map_err(|error| failed(py, &error))?
         .map_err(|issue| refused(py, &issue))?;
-    serde_json::to_string(&entry).map_err(|error| fault(py, "a document", &error.to_string()))
+    json(py, &entry)
 }

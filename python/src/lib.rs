@@ -2,6 +2,7 @@
 //!
 //! What a Python user sees (names, defaults, docstrings, types) stands in `ieap/*.py` beside this.
 
+mod alone;
 mod arrow;
 mod campaign;
 mod campaign_rows;
@@ -10,12 +11,13 @@ mod error;
 mod fit;
 mod forward;
 mod many;
+mod numbers;
 mod pickled;
+mod readings;
 mod results;
 mod rows;
 mod simulate;
 mod stated;
-mod table;
 mod work;
 
 use std::ffi::OsString;
@@ -36,12 +38,17 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<campaign::Campaign>()?;
     module.add_class::<fit::Fit>()?;
     module.add_class::<stated::Stated>()?;
-    module.add_class::<table::Table>()?;
+    module.add_class::<numbers::Numbers>()?;
+    module.add_class::<readings::Readings>()?;
     module.add_function(wrap_pyfunction!(program, module)?)?;
-    module.add_function(wrap_pyfunction!(table::read, module)?)?;
-    module.add_function(wrap_pyfunction!(table::arrays, module)?)?;
-    module.add_function(wrap_pyfunction!(table::unit_of, module)?)?;
-    module.add_function(wrap_pyfunction!(table::from_arrow, module)?)?;
+    module.add_function(wrap_pyfunction!(alone::impedance, module)?)?;
+    module.add_function(wrap_pyfunction!(alone::cycles, module)?)?;
+    module.add_function(wrap_pyfunction!(alone::schema, module)?)?;
+    module.add_function(wrap_pyfunction!(alone::unit_of_key, module)?)?;
+    module.add_function(wrap_pyfunction!(readings::read, module)?)?;
+    module.add_function(wrap_pyfunction!(readings::arrays, module)?)?;
+    module.add_function(wrap_pyfunction!(readings::unit_of, module)?)?;
+    module.add_function(wrap_pyfunction!(readings::from_arrow, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(fit::diagnose, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;

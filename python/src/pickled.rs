@@ -9,14 +9,14 @@ use pyo3::types::PyBytes;
 use serde_json::{Value, json};
 
 use crate::error::fault;
+use crate::readings::Readings;
 use crate::stated::Stated;
-use crate::table::Table;
 
 /// Version of what is written: another is refused.
 const VERSION: u64 = 1;
 
 /// A table: everything but the readings as JSON, and the readings channel by channel, times before values.
-pub fn of_table<'py>(py: Python<'py>, table: &Table) -> PyResult<(String, Vec<Bound<'py, PyBytes>>)> {
+pub fn of_table<'py>(py: Python<'py>, table: &Readings) -> PyResult<(String, Vec<Bound<'py, PyBytes>>)> {
     let read = &table.read;
     let mut numbers: Vec<Bound<'py, PyBytes>> = Vec::new();
     let channel = |channel: &Channel| {
@@ -52,7 +52,7 @@ pub fn of_stated(stated: &in_memory::Stated) -> Value {
 
 /// A table out of what [`of_table`] gave.
 #[pyfunction]
-pub fn table_again(py: Python<'_>, document: &str, numbers: Vec<Bound<'_, PyBytes>>) -> PyResult<Table> {
+pub fn table_again(py: Python<'_>, document: &str, numbers: Vec<Bound<'_, PyBytes>>) -> PyResult<Readings> {
     table(document, &numbers).ok_or_else(|| {
         fault(
             py,
@@ -78,7 +78,7 @@ pub fn stated_again(py: Python<'_>, document: &str) -> PyResult<Stated> {
     }
 }
 
-fn table(document: &str, numbers: &[Bound<'_, PyBytes>]) -> Option<Table> {
+fn table(document: &str, numbers: &[Bound<'_, PyBytes>]) -> Option<Readings> {
     let whole: Value = serde_json::from_str(document).ok()?;
     if whole["version"].as_u64()? != VERSION {
         return None;
@@ -124,7 +124,7 @@ fn table(document: &str, numbers: &[Bound<'_, PyBytes>]) -> Option<Table> {
         original_metadata: part(&whole["original_metadata"])?,
         issues: part(&whole["issues"])?,
     };
-    let mut table = Table::new(read, part(&whole["source"])?);
+    let mut table = Readings::new(read, part(&whole["source"])?);
     if !whole["stated"].is_null() {
         table.stated = Some(Arc::new(stated(&whole["stated"])?));
     }

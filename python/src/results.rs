@@ -12,6 +12,11 @@ use ieap::domain::{Estimate, Issue};
 use ieap::pipeline::documents::diagnosis::GroupEntry;
 use ieap::pipeline::fits::result::FitResult;
 use ieap::pipeline::standalone::in_memory::FitAtHand;
+use ieap::show::{Frame, FrameCells};
+use pyo3::prelude::*;
+
+use crate::arrow::ArrowTable;
+use crate::error::fault;
 
 /// What the fit of a row came to.
 pub struct Fitted {
@@ -263,4 +268,22 @@ fn issues(fits: &[Option<&FitAtHand>]) -> Result<ArrayRef, ArrowError> {
             ("mend", text(|issue| &issue.mend)),
         ],
     )
+}
+
+/// A table for programs as one of Arrow.
+pub fn table(py: Python<'_>, columns: Frame) -> PyResult<ArrowTable> {
+    let array = |cells: FrameCells| -> ArrayRef {
+        match cells {
+            FrameCells::Numbers(cells) => Arc::new(Float64Array::from(cells)),
+            FrameCells::Counts(cells) => Arc::new(Int64Array::from(cells)),
+            FrameCells::Flags(cells) => Arc::new(BooleanArray::from(cells)),
+            FrameCells::Texts(cells) => Arc::new(StringArray::from(cells)),
+        }
+    };
+    let columns = columns
+        .into_iter()
+        .map(|column| (column.name, array(column.cells), true));
+    RecordBatch::try_from_iter_with_nullable(columns)
+        .map(ArrowTable::new)
+        .map_err(|error| fault(py, "a table", &error.to_string()))
 }

@@ -10,8 +10,8 @@ use ieap::truth::HiddenEffect;
 use pyo3::prelude::*;
 
 use crate::error::refused;
+use crate::readings::Readings;
 use crate::stated::{Stated, segments_of};
-use crate::table::Table;
 use crate::work::interruptible;
 
 /// Simulates readings at `time_s` (s); `noise` is that of the current (A), of the curvature (1/cm), and the correlation of
@@ -29,7 +29,7 @@ pub fn simulate(
     noise: (f64, f64, f64),
     seed: u64,
     places_mm: Vec<f64>,
-) -> PyResult<Table> {
+) -> PyResult<Readings> {
     let hidden = |(id, variant, parameters)| HiddenEffect {
         id,
         variant,
@@ -71,9 +71,9 @@ pub fn simulate(
         .into_iter()
         .map(|(name, numbers)| in_memory::Column::new(name, numbers));
     let read = in_memory::arrays(columns.collect()).map_err(|issue| refused(py, &issue))?;
-    Ok(Table {
+    Ok(Readings {
         // What was stated of the simulation is known of its readings: the strip, and when the voltage changed.
         stated: Some(Arc::new(stated.inner.clone())),
-        ..Table::new(read, "simulated, not measured".to_owned())
+        ..Readings::new(read, "simulated, not measured".to_owned())
     })
 }

@@ -25,14 +25,14 @@ def test_36000_rows_are_handed_on_in_their_place(long_table):
     arrow = pa.table(long_table)
     assert arrow.num_rows == 36_000
     for name in ("voltage_v", "current_a", "curvature_per_cm"):
-        assert address(arrow[name]) == long_table._address(name)
+        assert address(arrow[name]) == long_table._readings._address(name)
     assert pa.table(long_table)["time_s"].chunk(0).buffers()[1].address == address(arrow["time_s"])
 
 
 def test_a_fit_takes_them_in_their_place(long_table):
     fit = ieap.fit(long_table, **STRIP, model="lumped-1")
     for quantity, name in (("current", "current_a"), ("curvature", "curvature_per_cm")):
-        assert fit._native._address(quantity) == long_table._address(name)
+        assert fit._native._address(quantity) == long_table._readings._address(name)
 
 
 def test_shared_memory_outlives_the_table():
@@ -89,7 +89,7 @@ def test_every_kind_of_number_is_read(table):
         "curvature_per_cm": arrow["curvature_per_cm"].cast(pa.float16()),
     }
     fit = ieap.fit(pa.table(others), **STRIP)
-    assert not [issue for issue in fit.issues if issue["code"] == "column-unread"], fit.issues
+    assert not [issue for issue in fit.issues if issue.code == "column-unread"], fit.issues
     for key in ("r1_ohm_cm2", "c1_f_per_cm2"):
         assert fit[key].value == pytest.approx(known[key], rel=1e-3)
 
@@ -97,10 +97,10 @@ def test_every_kind_of_number_is_read(table):
 def test_a_column_that_is_no_number_is_pointed_out(table):
     arrow = pa.table(table).append_column("note", pa.array(["x"] * len(table)))
     issues = ieap.fit(arrow, **STRIP).issues
-    assert any(issue["code"] == "column-unread" and "note" in issue["place"] for issue in issues)
+    assert any(issue.code == "column-unread" and "note" in issue.place for issue in issues)
 
 
 def test_results_are_arrow_too(campaign, fits):
-    fits_table = pa.table(ieap.Campaign(campaign).fits())
+    fits_table = pa.table(ieap.Campaign(campaign).table("fits"))
     assert pa.types.is_floating(fits_table.schema.field("value").type)
     assert fits_table.num_rows == sum(len(fit["parameters"]) for fit in fits["fits"])

@@ -37,9 +37,14 @@ def names(function: object) -> str:
     return ", ".join(own)
 
 
+def is_of_document(part: object) -> bool:
+    """Whether an attribute is one of those that a document's schema says."""
+    return isinstance(part, property) and part.fget.__module__ == "ieap._records"
+
+
 def parts(owner: type) -> str:
     # By name: the order in which a compiled class lists its parts changes from build to build.
-    public = sorted(name for name in vars(owner) if not name.startswith("_"))
+    public = sorted(name for name, own in vars(owner).items() if not name.startswith("_") and not is_of_document(own))
     for name in public:
         if callable(vars(owner)[name]) or isinstance(vars(owner)[name], property):
             shown(getattr(vars(owner)[name], "__doc__", None), name)

@@ -38,7 +38,7 @@ def test_curves_have_every_reading(fit):
     rows = 3601
     for curve, key in [(fit.current, "current_a"), (fit.curvature, "curvature_per_cm")]:
         assert len(curve) == rows, "no reading is thinned away"
-        sigma = next(own["standard_deviation"] for own in fit.noise if own["quantity"] in key)
+        sigma = next(own.standard_deviation for own in fit.noise if own.quantity in key)
         pairs = zip(curve.column(key), curve.column("fitted"), curve.column("residual_sigma"))
         assert all(abs((own - fitted) / sigma - left) < 1e-9 for own, fitted, left in pairs)
 
@@ -49,9 +49,9 @@ def test_what_is_known_is_taken_and_said():
     held = ieap.fit(table, known={"r1_ohm_cm2": r1})
     assert held["r1"].value == pytest.approx(r1) and held["r1"].standard_error == 0.0
     about = ieap.fit(table, known={"r1_ohm_cm2": (r1, 0.01 * r1), "lambda_per_s": "1e-5..1"})
-    assert {issue["code"] for issue in about.issues} >= {"known-parameter"}
+    assert {issue.code for issue in about.issues} >= {"known-parameter"}
     wrong = ieap.fit(table, known={"r1_ohm_cm2": (3.0 * r1, 0.01 * r1)})
-    assert "known-contradicted" in {issue["code"] for issue in wrong.issues}
+    assert "known-contradicted" in {issue.code for issue in wrong.issues}
     rows = ieap.fit_many(_rows(table), known={"r1_ohm_cm2": r1})
     assert rows.column("converged") == [True]
     for known in ({"r1_ohm_cm2": "much"}, {"r1_ohm_cm2": (1.0, -1.0)}, {"volts": 1.0}):
@@ -62,7 +62,7 @@ def test_what_is_known_is_taken_and_said():
         ieap.fit(table, known={"r1_ohm_cm2": (60, 200)})
     assert '"60..200"' in raised.value.remedy
     between = ieap.fit(table, known={"r1_ohm_cm2": "60..200"})
-    assert "known-parameter" in {issue["code"] for issue in between.issues}
+    assert "known-parameter" in {issue.code for issue in between.issues}
 
 
 def _rows(table):
@@ -98,7 +98,7 @@ def test_everything_is_pickled_and_copied(fit, campaign, findings):
     assert pickle.loads(pickle.dumps(finding)).to_dict() == finding.to_dict()
     assert repr(pickle.loads(pickle.dumps(opened))) == repr(opened)
     pytest.importorskip("pyarrow")
-    runs = opened.runs()
+    runs = opened.table("runs")
     assert pickle.loads(pickle.dumps(runs)).to_dict() == runs.to_dict()
     assert pickle.loads(pickle.dumps(fit["r1"])) == fit["r1"]
 
@@ -113,8 +113,8 @@ def test_findings_and_campaigns_show_themselves(campaign, findings):
     assert list(many) == ["runs/a.csv", "runs/b.csv"]
     one = opened.readings("runs/a.csv")
     assert many["runs/a.csv"].column("current_a") == one.column("current_a")
-    stored = next(own for own in opened.fits_document()["fits"] if own["run"] == "runs/a.csv")
-    assert ieap.fit(one).to_dict()["parameters"] == stored["parameters"]
+    stored = next(own for own in opened.fits().fits if own.run == "runs/a.csv")
+    assert ieap.fit(one).parameters == stored.parameters
     assert program("export", str(campaign), "--what", "laws", "-o", "-")
 
 
@@ -124,7 +124,7 @@ def test_a_fit_is_drawn(fit, tmp_path):
     figure = fit.plot()
     assert len(figure.axes) == 4
     drawn = figure.axes[0].lines[0].get_xydata()
-    assert drawn[:, 1].tolist() == fit.current.column("current_a")
+    assert drawn[:, 1].tolist() == fit.current["current_a"].tolist()
     figure.savefig(tmp_path / "fit.png")
 
 

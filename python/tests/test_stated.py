@@ -39,7 +39,7 @@ def test_a_first_reading_under_voltage_is_an_edge():
     for key in ("r1_ohm_cm2", "c1_f_per_cm2", "lambda_per_s"):
         own = fit[key]
         assert own.value is not None and own.low_95 <= PARAMETERS[key] <= own.high_95, fit
-    assert any(issue["code"] == "start-state-assumed" for issue in fit.issues)
+    assert any(issue.code == "start-state-assumed" for issue in fit.issues)
 
 
 def test_masks_are_honoured_and_counted():
@@ -52,8 +52,8 @@ def test_masks_are_honoured_and_counted():
     columns["current_a"] = numpy.ma.array(numpy.where(mask, 1.0, columns["current_a"]), mask=mask)
     fit = ieap.fit(columns, area_cm2=0.1)
     assert abs(fit["r1_ohm_cm2"].value / whole["r1_ohm_cm2"].value - 1) < 0.02, fit
-    told = [issue for issue in fit.issues if issue["code"] == "readings-masked"]
-    assert len(told) == 1 and "50" in told[0]["message"] and told[0]["place"] == "column current_a"
+    told = [issue for issue in fit.issues if issue.code == "readings-masked"]
+    assert len(told) == 1 and "50" in told[0].message and told[0].place == "column current_a"
     pandas = pytest.importorskip("pandas")
     values = table.column("current_a")
     columns["current_a"] = pandas.array([None if own else value for own, value in zip(mask, values)], dtype="Float64")
@@ -117,7 +117,7 @@ def test_what_contradicts_itself_names_both():
             ieap.fit(columns, **stated)
         assert all(word in str(raised.value) for word in words), raised.value
     fit = ieap.fit(columns, area_cm2=0.1, voltage_v=2)
-    told = [issue["message"] for issue in fit.issues if issue["code"] == "tag-disagreement"]
+    told = [issue.message for issue in fit.issues if issue.code == "tag-disagreement"]
     assert told and "2 V" in told[0] and "1.5" in told[0], fit
     with pytest.raises(ieap.InputError, match="r1_ohm_cm2") as raised:
         ieap.simulate({**PARAMETERS, "r1_ohm_cm2": -1}, drive=[(0, 1)], **STRIP)
@@ -159,7 +159,7 @@ def test_readings_win_over_a_stated_drive_that_they_contradict():
     table = ieap.simulate(PARAMETERS, drive=[(0, 1.5)], **STRIP, until_s=200, every_s=1, noise=NOISE)
     columns = {name: table.column(name) for name in ("time_s", "voltage_v", "current_a", "curvature_per_cm")}
     fit = ieap.fit(columns, drive=[(0.0, 3.0)], **STRIP)
-    assert "drive-contradicted" in {issue["code"] for issue in fit.issues}
+    assert "drive-contradicted" in {issue.code for issue in fit.issues}
     assert abs(fit["r2_ohm_cm2"].value / PARAMETERS["r2_ohm_cm2"] - 1) < 0.05
 
 

@@ -73,6 +73,7 @@ use crate::domain::fault::caught;
 use exit::CliError;
 use global::Global;
 use output::Output;
+pub use schema::{Schema, schema_named};
 
 /// From the instrument files of ionic actuator strips to fitted parameters, causes and a report.
 #[derive(Debug, Parser)]

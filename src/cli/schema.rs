@@ -66,6 +66,11 @@ pub const SCHEMAS: [Schema; 42] = schemas![
     "verify",
 ];
 
+/// The schema of that name, `fits`.
+pub fn schema_named(name: &str) -> Option<&'static Schema> {
+    SCHEMAS.iter().find(|schema| schema.name == name)
+}
+
 /// Lists the schemas of what `--json` prints, or prints that of one document: `fits`, or `ieap/fits/1` as its key "schema"
 /// says. A schema says what is always there; later versions of the program may add keys.
 pub fn run(name: Option<&str>, output: &Output) -> Result<u8, CliError> {

@@ -95,6 +95,22 @@ impl HigherOrder {
     }
 }
 
+/// The same of an autoregression with these coefficients, of lag 1, 2, ...; 1 of none.
+pub fn long_run_ratio(coefficients: &[f64]) -> f64 {
+    // From order to order down (Levinson and Durbin), each leaves a share of the variance.
+    let (mut order, mut share) = (coefficients.to_vec(), 1.0);
+    while let Some(partial) = order.pop() {
+        let left = 1.0 - partial * partial;
+        let turned: Vec<f64> = order.iter().rev().copied().collect();
+        order
+            .iter_mut()
+            .zip(turned)
+            .for_each(|(a, b)| *a = (*a + partial * b) / left);
+        share *= left;
+    }
+    share / (1.0 - coefficients.iter().sum::<f64>()).powi(2)
+}
+
 /// Coefficients of the autoregression with those autocovariances, and the share of the variance that is new at
 /// every reading; none where it would not be stationary.
 pub fn yule_walker(lags: &[f64]) -> Option<(Vec<f64>, f64)> {
@@ -186,6 +202,18 @@ mod tests {
             }
             assert!((variance - 1.0).abs() < 0.04, "{variance}");
             assert!((correlation - rho).abs() < 0.02, "{correlation}");
+        }
+    }
+
+    #[test]
+    fn coefficients_alone_tell_what_a_long_sum_varies_by() {
+        assert_eq!(long_run_ratio(&[]), 1.0);
+        assert!((long_run_ratio(&[0.6]) - readings_per_independent(0.6)).abs() < 1e-12);
+        for lags in [vec![1.0, 0.7, 0.6], vec![2.0, 0.8, 0.9, 0.1]] {
+            let (coefficients, share) = yule_walker(&lags).unwrap();
+            let known = HigherOrder { coefficients, share };
+            let found = long_run_ratio(&known.coefficients);
+            assert!((found / known.long_run_ratio() - 1.0).abs() < 1e-12, "{found}");
         }
     }
 

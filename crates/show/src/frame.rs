@@ -3,7 +3,7 @@
 use ieap_domain::{Estimate, unit_of_key};
 
 use crate::sheet::{Combined, Rough, Sheet, SheetColumn, Value};
-use crate::table::Content;
+use crate::table::{Cell, Column, Content, Table};
 
 /// Columns of the same height.
 pub type Frame = Vec<FrameColumn>;
@@ -118,6 +118,61 @@ impl<R> Sheet<'_, R> {
             columns(column, values)
         });
         columns.flatten().collect()
+    }
+}
+
+/// The frame of a finished table. A column of numbers without uncertainty that holds words as well has these in a column of
+/// its own, `_reason`, as what is not determined has.
+pub fn frame_of(table: &Table) -> Frame {
+    let of_column = |(at, column): (usize, &Column)| {
+        let cells: Vec<&Cell> = table.rows.iter().map(|row| &row.cells[at]).collect();
+        let is = |wanted: fn(&Content) -> bool| cells.iter().any(|cell| wanted(&cell.content));
+        let is_number = is(|content| {
+            matches!(
+                content,
+                Content::Exact(_) | Content::Rough(..) | Content::Score(_)
+            )
+        });
+        let is_open = is(|content| {
+            matches!(
+                content,
+                Content::Measured(_) | Content::Bound { .. } | Content::NotDetermined
+            )
+        });
+        let is_text = is(|content| matches!(content, Content::Text(_)));
+        let kind = match (is_open || is_number && is_text, is_number) {
+            (true, _) => Kind::Combined,
+            (false, true) => Kind::Number,
+            (false, false) => Kind::Text,
+        };
+        let value = |cell: &&Cell| value(cell, &table.notes, kind);
+        columns(&column.key, &column.key, kind, cells.iter().map(value).collect())
+    };
+    table.columns.iter().enumerate().flat_map(of_column).collect()
+}
+
+fn value(cell: &Cell, notes: &[String], kind: Kind) -> Value {
+    match &cell.content {
+        Content::Missing => Value::Missing,
+        content if kind == Kind::Combined => {
+            let noted = cell.notes.iter().filter_map(|&at| notes.get(at).cloned());
+            let words = match content {
+                Content::Text(words) => Some(words.clone()),
+                _ => None,
+            };
+            Value::Combined(Combined {
+                content: match *content {
+                    Content::Rough(number, _) | Content::Score(number) => Content::Exact(number),
+                    ref content => content.clone(),
+                },
+                notes: words.into_iter().chain(noted).collect(),
+                sources: Vec::new(),
+            })
+        }
+        Content::Text(words) => Value::Text(words.clone()),
+        Content::Exact(number) | Content::Score(number) => Value::Exact(*number),
+        Content::Rough(number, digits) => Value::Rough(*number, *digits),
+        _ => Value::Missing,
     }
 }
 
@@ -295,5 +350,46 @@ mod tests {
                 .collect()
         };
         assert_eq!(kinds(&empty), kinds(&frame), "also without rows");
+    }
+
+    #[test]
+    fn a_finished_table_keeps_its_numbers_in_full_and_its_words() {
+        let measured = Content::Measured(crate::Measured {
+            value: 1.25,
+            standard_error: Some(0.5),
+            low_95: None,
+            high_95: Some(2.0),
+            pooled: None,
+        });
+        let row = |words: &str, number: Content, count: Content| crate::Row {
+            label: words.to_owned(),
+            cells: vec![Content::Text(words.to_owned()), number, count]
+                .into_iter()
+                .map(|content| Cell::new(content, Vec::new()))
+                .collect(),
+        };
+        let open = row("b", Content::NotDetermined, Content::Missing);
+        let table = Table {
+            columns: ["run", "r_ohm", "runs"]
+                .map(|key| Column::plain(key, "", ""))
+                .to_vec(),
+            rows: vec![
+                row("a", measured, Content::Exact(3.0)),
+                crate::Row {
+                    cells: open.cells.into_iter().map(|cell| cell.noted(0)).collect(),
+                    ..open
+                },
+            ],
+            notes: vec!["too few readings".to_owned()],
+            ..Table::default()
+        };
+        let frame = frame_of(&table);
+        let names: Vec<&str> = frame.iter().map(|column| column.name.as_str()).collect();
+        let of = |name: &str| &frame[names.iter().position(|own| *own == name).unwrap()].cells;
+        assert_eq!(*of("r_ohm"), FrameCells::Numbers(vec![Some(1.25), None]));
+        assert_eq!(*of("r_ohm_high_95"), FrameCells::Numbers(vec![Some(2.0), None]));
+        let reasons = FrameCells::Texts(vec![Some(String::new()), Some("too few readings".to_owned())]);
+        assert_eq!(*of("r_ohm_reason"), reasons);
+        assert_eq!(*of("runs"), FrameCells::Numbers(vec![Some(3.0), None]));
     }
 }

@@ -13,7 +13,7 @@ pub mod table;
 pub use block::Block;
 pub use chart::{Chart, Form, Ink, Layer, Mark, Panel, Range, Scale};
 pub use document::Document;
-pub use frame::{Frame, FrameCells, FrameColumn};
+pub use frame::{Frame, FrameCells, FrameColumn, frame_of};
 pub use quantities::Quantity;
 pub use sheet::{Combined, Rough, Sheet, Value, rough, shown};
 pub use table::{Cell, Column, Content, Measured, Notes, Pooled, Row, Source, SourceOrigin, Table};

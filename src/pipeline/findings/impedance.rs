@@ -81,7 +81,7 @@ fn asked(campaign: &Campaign, more: &[SpectrumCircuit]) -> (Vec<SpectrumCircuit>
 }
 
 /// A fault of the analysis stops its sweep only.
-fn analysed(spectrum: Spectrum, asked: &[SpectrumCircuit]) -> Sweep {
+pub(crate) fn analysed(spectrum: Spectrum, asked: &[SpectrumCircuit]) -> Sweep {
     let analysis = caught(|| impedance::analyse(&spectrum, asked)).unwrap_or_else(|reason| {
         let issue = Issue::fault(FAULT, "the analysis", &reason);
         Err(issue.mend("report it with this spectrum; the others are not affected"))

@@ -90,6 +90,26 @@ impl Table {
             Table::Columns => "columns",
         }
     }
+
+    /// What it holds, one sentence.
+    pub fn about(self) -> &'static str {
+        match self {
+            Table::Runs => "One row a run: tags, state, files with hashes, quality of the fit",
+            Table::Tags => "One row a run and tag, with its source",
+            Table::Fits => "One row a run and parameter: value, standard error, interval",
+            Table::FitsWide => "One row a run, parameters side by side",
+            Table::Conditions => "One row a condition: runs, mean and spread of each parameter",
+            Table::Traces => "One row a reading",
+            Table::Dma => "One row a modulus log, humidity step and number",
+            Table::Findings => "One row a finding of the diagnosis",
+            Table::Laws => "One row a question asked across runs, with the law where it is claimed",
+            Table::Monitoring => "One row a sample and parameter that is watched",
+            Table::ModelFree => {
+                "One row a run whose voltage is stepped and held: numbers without a model, energies"
+            }
+            Table::Cycles => "One row a cycle of a train",
+        }
+    }
 }
 
 /// The verb `export`.

@@ -3,27 +3,44 @@
 use std::collections::BTreeMap;
 
 use super::export::Table;
+use super::tables;
 use crate::domain::RunRecord;
 use crate::domain::tag::keys;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::standalone::in_memory::{ReadTable, Stated, Strip};
 use crate::pipeline::{Context, PipelineError};
-use crate::show::Frame;
+use crate::show::{Frame, frame_of};
 
-/// One of the tables that `ieap export` writes; readings have [`stored_readings`].
+/// Name of every table that programs can have, and what it shows: those that `ieap export` writes, readings apart, then those
+/// that `ieap table` lists beside them.
+pub fn listed() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let written = exported().map(|table| (table.name(), table.about()));
+    written.chain(tables::listed().filter(|(name, _)| exported().all(|table| table.name() != *name)))
+}
+
+fn exported() -> impl Iterator<Item = Table> {
+    Table::ALL.into_iter().filter(|table| *table != Table::Traces)
+}
+
+/// A table of that name: of two with one name that which `ieap export` writes, whose numbers are in their stored units.
 ///
 /// # Errors
 /// There is none of that name, or the database cannot be read.
 pub fn plain_table(context: &Context, name: &str) -> Result<Frame, PipelineError> {
-    let known = Table::ALL.into_iter().filter(|table| *table != Table::Traces);
-    match known.clone().find(|table| table.name() == name) {
-        Some(table) => table.frame(context),
-        None => Err(PipelineError::BadArgument {
+    if let Some(table) = exported().find(|table| table.name() == name) {
+        return table.frame(context);
+    }
+    if !listed().any(|(known, _)| known == name) {
+        return Err(PipelineError::BadArgument {
             what: "table",
             found: format!("{name:?}"),
-            needed: format!("one of {}", known.map(Table::name).collect::<Vec<_>>().join(", ")),
-        }),
+            needed: format!(
+                "one of {}",
+                listed().map(|(name, _)| name).collect::<Vec<_>>().join(", ")
+            ),
+        });
     }
+    Ok(frame_of(&tables::table(context, name)?))
 }
 
 /// The readings of a stored run as a fit takes them, with what the campaign states of it.

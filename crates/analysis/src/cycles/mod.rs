@@ -91,7 +91,15 @@ pub struct CycleRun {
 ///
 /// `channels` are those of the strip as a whole, with a curvature where one follows from what was measured.
 pub fn cycle_run(run: &RunRecord, channels: &[Channel]) -> Option<CycleRun> {
-    let drive = run.drive.as_ref()?;
+    Some(CycleRun {
+        run_id: run.id,
+        path: run.path.clone(),
+        ..cycles_of(run.drive.as_ref()?, channels)?
+    })
+}
+
+/// The same of readings that no campaign holds.
+pub fn cycles_of(drive: &Drive, channels: &[Channel]) -> Option<CycleRun> {
     let read = |quantity| {
         let channel = channels.iter().find(|channel| channel.is_whole(quantity))?;
         Some(channel.included())
@@ -137,8 +145,8 @@ pub fn cycle_run(run: &RunRecord, channels: &[Channel]) -> Option<CycleRun> {
         .collect();
     (0..CYCLE_FIGURES.len()).for_each(|k| allow_for_scatter(&mut cycles, k));
     Some(CycleRun {
-        run_id: run.id,
-        path: run.path.clone(),
+        run_id: 0,
+        path: String::new(),
         voltage_v: ieap_domain::range_of(volts.1.iter().copied()),
         sentences: sentences(&cycles),
         cycles,

@@ -54,6 +54,20 @@ pub struct SweepDocument<'a> {
 impl<'a> SweepDocument<'a> {
     fn of(run: &'a SpectrumRun, at: usize, sweep: &'a Sweep) -> SweepDocument<'a> {
         let record = &run.run;
+        let own = SweepDocument::at_hand(&record.path, sweep);
+        SweepDocument {
+            sweep: at + 1,
+            sample: record.tag(keys::SAMPLE),
+            environment: record.tag(keys::ENVIRONMENT),
+            relative_humidity_percent: record.tag_number(keys::RELATIVE_HUMIDITY_PERCENT),
+            area_cm2: record.area_cm2,
+            issues: record.issues.iter().chain(own.issues).collect(),
+            ..own
+        }
+    }
+
+    /// A sweep that no campaign holds.
+    pub fn at_hand(run: &'a str, sweep: &'a Sweep) -> SweepDocument<'a> {
         let range = sweep.spectrum.range_hz();
         let found = sweep.analysis.as_ref().ok();
         let of_sweep = match &sweep.analysis {
@@ -61,17 +75,17 @@ impl<'a> SweepDocument<'a> {
             Err(issue) => std::slice::from_ref(issue),
         };
         SweepDocument {
-            run: &record.path,
-            sweep: at + 1,
-            sample: record.tag(keys::SAMPLE),
-            environment: record.tag(keys::ENVIRONMENT),
-            relative_humidity_percent: record.tag_number(keys::RELATIVE_HUMIDITY_PERCENT),
-            area_cm2: record.area_cm2,
+            run,
+            sweep: 1,
+            sample: None,
+            environment: None,
+            relative_humidity_percent: None,
+            area_cm2: None,
             frequencies: sweep.spectrum.len(),
             lowest_hz: range.map(|range| range.0),
             highest_hz: range.map(|range| range.1),
             found,
-            issues: record.issues.iter().chain(of_sweep).collect(),
+            issues: of_sweep.iter().collect(),
         }
     }
 }

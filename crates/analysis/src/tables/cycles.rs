@@ -53,3 +53,9 @@ pub fn make(input: &TableInput) -> Table {
 pub fn frame(trains: &[CycleRun], runs: &[RunRecord], campaign: &Campaign) -> Frame {
     sheet().frame(rows(trains, (runs, campaign)))
 }
+
+/// The same of a train that no campaign holds.
+pub fn frame_alone(train: &CycleRun) -> Frame {
+    let of_cycle = |cycle| (OfRun::alone(&train.path), (train, cycle));
+    sheet().frame(train.cycles.iter().map(of_cycle))
+}

@@ -9,7 +9,7 @@ use ieap_show::{Sheet, Source, SourceOrigin};
 /// The run that a row is of.
 #[derive(Clone, Copy)]
 pub struct OfRun<'a> {
-    campaign: &'a Campaign,
+    campaign: Option<&'a Campaign>,
     id: i64,
     path: &'a str,
     /// The run itself.
@@ -20,7 +20,7 @@ impl<'a> OfRun<'a> {
     /// That of these runs which has that row id.
     pub fn new((runs, campaign): (&'a [RunRecord], &'a Campaign), id: i64, path: &'a str) -> OfRun<'a> {
         OfRun {
-            campaign,
+            campaign: Some(campaign),
             id,
             path,
             record: runs.iter().find(|run| run.id == id),
@@ -30,10 +30,20 @@ impl<'a> OfRun<'a> {
     /// A run that is at hand.
     pub fn of(campaign: &'a Campaign, run: &'a RunRecord) -> OfRun<'a> {
         OfRun {
-            campaign,
+            campaign: Some(campaign),
             id: run.id,
             path: &run.path,
             record: Some(run),
+        }
+    }
+
+    /// A run that no campaign holds.
+    pub fn alone(path: &'a str) -> OfRun<'a> {
+        OfRun {
+            campaign: None,
+            id: 0,
+            path,
+            record: None,
         }
     }
 
@@ -69,7 +79,7 @@ pub fn of_runs<'s, 'a: 's, X: 's>(
 
 /// The same with sample, material and environment.
 pub fn of_runs_and_what<'s, 'a: 's, X: 's>(name: &'static str, title: &'static str) -> Sheet<'s, Own<'a, X>> {
-    let material_of = |run: &OfRun<'a>| run.record.and_then(|own| material(own, run.campaign));
+    let material_of = |run: &OfRun<'a>| material(run.record?, run.campaign?);
     of_runs(name, title, 1)
         .column(SAMPLE, |(run, _)| run.tag(keys::SAMPLE))
         .column(MATERIAL, move |(run, _)| material_of(run))

@@ -4,6 +4,7 @@
 //! same readings give the same bytes in both.
 
 mod campaign_row;
+mod criteria;
 mod diagnose;
 mod exact;
 mod fit;
@@ -13,11 +14,14 @@ mod run;
 mod simulate;
 #[cfg(test)]
 mod tests;
+mod without_model;
 
 pub use campaign_row::CampaignRow;
+pub use criteria::{Criteria, criteria};
 pub use diagnose::diagnose;
 pub use fit::{FitAtHand, drive_as_fitted, fit, fit_options};
 pub use needed::{fitted_places_mm, needed_keys};
 pub use read::{Column, ReadTable, arrays, read, unit_of};
 pub use run::{RunAtHand, Stated, Strip};
 pub use simulate::{Curvature, Curves, CurvesAsked, simulate};
+pub use without_model::{cycles, impedance};

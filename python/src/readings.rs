@@ -1,4 +1,4 @@
-//! Tables of readings.
+//! Readings of runs.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -11,19 +11,19 @@ use bytes::Bytes;
 use ieap::domain::{Channel, Issue, Quantity};
 use ieap::pipeline::standalone::in_memory::{self, Column, ReadTable};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyCapsule};
+use pyo3::types::PyBytes;
 
-use crate::arrow::{batches, schema, stream};
+use crate::arrow::{ArrowTable, batches};
 use crate::columns::{is_duration, numbers};
-use crate::error::{bad_argument, failed, fault, refused};
+use crate::error::{failed, fault, refused};
 use crate::pickled;
 
 /// Everything but the readings as JSON, and the readings.
 type Parts<'py> = (String, Vec<Bound<'py, PyBytes>>);
 
-/// A table of readings in canonical units. pyarrow, polars, pandas and DuckDB take it as it is.
-#[pyclass(frozen, module = "ieap")]
-pub struct Table {
+/// Readings of a run in canonical units, with all that is known of them. Python has them as `ieap.Table`.
+#[pyclass(frozen, module = "ieap._native")]
+pub struct Readings {
     pub read: Arc<ReadTable>,
     /// What came with the readings: of a campaign its strip, drive and tags.
     pub stated: Option<Arc<in_memory::Stated>>,
@@ -31,59 +31,28 @@ pub struct Table {
     pub source: String,
 }
 
-impl Table {
-    /// A table that nothing is stated of.
-    pub fn new(read: ReadTable, source: String) -> Table {
-        Table {
+impl Readings {
+    /// Readings that nothing is stated of.
+    pub fn new(read: ReadTable, source: String) -> Readings {
+        Readings {
             read: Arc::new(read),
             stated: None,
             source,
         }
     }
-
-    fn batch(&self, py: Python<'_>) -> PyResult<RecordBatch> {
-        let told = |error: ArrowError| fault(py, "an Arrow table of the readings", &error.to_string());
-        batch(&self.read, &self.source).map_err(told)
-    }
 }
 
 #[pymethods]
-impl Table {
-    #[getter]
-    fn num_rows(&self) -> usize {
-        times(&self.read.channels).len()
-    }
-
+impl Readings {
     #[getter]
     fn source(&self) -> &str {
         &self.source
     }
 
-    #[getter]
-    fn column_names(&self) -> Vec<String> {
-        let names = names(&self.read.channels);
-        [Quantity::Time.column().to_owned()]
-            .into_iter()
-            .chain(names)
-            .collect()
-    }
-
-    fn __len__(&self) -> usize {
-        self.num_rows()
-    }
-
-    /// One column as a list; a row without a reading is None.
-    fn column(&self, py: Python<'_>, name: &str) -> PyResult<Vec<Option<f64>>> {
-        use arrow_array::cast::AsArray;
-        let batch = self.batch(py)?;
-        let Some(column) = batch.column_by_name(name) else {
-            let remedy = format!("one of {}", self.column_names().join(", "));
-            return Err(bad_argument(py, name, "the table has no such column", &remedy));
-        };
-        Ok(column
-            .as_primitive::<arrow_array::types::Float64Type>()
-            .iter()
-            .collect())
+    /// The readings as columns, in their place.
+    fn columns(&self, py: Python<'_>) -> PyResult<ArrowTable> {
+        let told = |error: ArrowError| fault(py, "an Arrow table of the readings", &error.to_string());
+        batch(&self.read, &self.source).map(ArrowTable::new).map_err(told)
     }
 
     /// Everything but the readings, as JSON.
@@ -114,20 +83,6 @@ impl Table {
         Some(self.read.channels[at].values.as_ptr() as usize)
     }
 
-    #[pyo3(signature = (requested_schema = None))]
-    fn __arrow_c_stream__<'py>(
-        &self,
-        py: Python<'py>,
-        requested_schema: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyCapsule>> {
-        drop(requested_schema);
-        stream(py, self.batch(py)?)
-    }
-
-    fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
-        schema(py, self.batch(py)?.schema_ref())
-    }
-
     /// For `pickle` and `copy`: readings, what is known of them, and what is stated.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Parts<'py>)> {
         let again = py.import("ieap._native")?.getattr("table_again")?;
@@ -150,7 +105,7 @@ impl Table {
         let mut lines = vec![format!(
             "<ieap.Table {:?}: {} rows, format {}, {}>",
             self.source,
-            self.num_rows(),
+            times(&read.channels).len(),
             read.format,
             read.status
         )];
@@ -171,7 +126,7 @@ impl Table {
 
 /// Reads the tables of a file.
 #[pyfunction]
-pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Table>> {
+pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Readings>> {
     let found = py
         .detach(|| in_memory::read(&path))
         .map_err(|error| failed(py, &error))?;
@@ -185,14 +140,14 @@ pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Table>> {
         .into_iter()
         .map(|read| {
             let source = format!("{shown}{}", read.name);
-            Table::new(read, source)
+            Readings::new(read, source)
         })
         .collect())
 }
 
 /// A table of columns of doubles in the machine's order of bytes, with the number of readings that were masked.
 #[pyfunction]
-pub fn arrays(py: Python<'_>, columns: Vec<(String, Bound<'_, PyBytes>, usize)>) -> PyResult<Table> {
+pub fn arrays(py: Python<'_>, columns: Vec<(String, Bound<'_, PyBytes>, usize)>) -> PyResult<Readings> {
     let number = |eight: &[u8]| f64::from_ne_bytes(eight.try_into().unwrap_or_default());
     let doubles = |bytes: &Bound<'_, PyBytes>| bytes.as_bytes().chunks_exact(8).map(number).collect();
     let masked = columns.iter().filter(|(_, _, masked)| *masked > 0);
@@ -210,7 +165,7 @@ pub fn arrays(py: Python<'_>, columns: Vec<(String, Bound<'_, PyBytes>, usize)>)
         .detach(|| in_memory::arrays(columns))
         .map_err(|issue| refused(py, &issue))?;
     read.issues.extend(told);
-    Ok(Table::new(read, "arrays".to_owned()))
+    Ok(Readings::new(read, "arrays".to_owned()))
 }
 
 /// The unit that a column's name says; empty where it says none.
@@ -221,7 +176,7 @@ pub fn unit_of(name: &str) -> String {
 
 /// A table of any library that speaks Arrow; its columns are named as those of a plain run table.
 #[pyfunction]
-pub fn from_arrow(py: Python<'_>, table: &Bound<'_, PyAny>) -> PyResult<Table> {
+pub fn from_arrow(py: Python<'_>, table: &Bound<'_, PyAny>) -> PyResult<Readings> {
     let batches = batches(table)?;
     let schema = batches[0].schema();
     let (mut columns, mut unread) = (Vec::new(), Vec::new());
@@ -242,7 +197,7 @@ pub fn from_arrow(py: Python<'_>, table: &Bound<'_, PyAny>) -> PyResult<Table> {
         .detach(|| in_memory::arrays(columns))
         .map_err(|issue| refused(py, &issue))?;
     read.issues.extend(unread);
-    Ok(Table::new(read, "arrow".to_owned()))
+    Ok(Readings::new(read, "arrow".to_owned()))
 }
 
 /// A reading in a line for people: four digits.
