@@ -335,6 +335,8 @@ fn a_file_that_cannot_be_read_leaves_the_earlier_copy_and_an_interruption_nothin
 struct RefusesListing {
     number: usize,
     asked: std::sync::atomic::AtomicUsize,
+    /// The folder of that listing, which is refused from then on: one refusal alone is made good by the next listing.
+    refused: std::sync::Mutex<Option<std::path::PathBuf>>,
 }
 
 impl ieap::system::FaultInjector for RefusesListing {
@@ -343,7 +345,11 @@ impl ieap::system::FaultInjector for RefusesListing {
             return Ok(());
         }
         let asked = self.asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let mut refused = self.refused.lock().unwrap();
         if asked == self.number {
+            *refused = Some(call.path.to_owned());
+        }
+        if refused.as_deref() == Some(call.path) {
             Err(std::io::Error::from_raw_os_error(5))
         } else {
             Ok(())
@@ -376,6 +382,7 @@ fn a_folder_that_cannot_be_listed_is_told_and_its_tag_files_stay_in_the_backup()
         let world = std::sync::Arc::new(RefusesListing {
             number,
             asked: 0.into(),
+            refused: None.into(),
         });
         let done = ieap::system::with_fs(world.clone(), || verb.run(&context, &Silent));
         if world.asked.load(std::sync::atomic::Ordering::Relaxed) <= number {

@@ -2,7 +2,7 @@
 
 use ieap_domain::{Estimate, unit_of_key};
 
-use crate::sheet::{Combined, Rough, Sheet, SheetColumn, Value};
+use crate::sheet::{Combined, Rough, Sheet, Value};
 use crate::table::{Cell, Column, Content, Table};
 
 /// Columns of the same height.
@@ -115,7 +115,7 @@ impl<R> Sheet<'_, R> {
         let rows: Vec<R> = rows.into_iter().collect();
         let columns = self.columns.iter().map(|column| {
             let values: Vec<Value> = rows.iter().map(|row| (column.of)(row).bare()).collect();
-            columns(column, values)
+            columns(&column.head, &column.key, column.kind, values)
         });
         columns.flatten().collect()
     }
@@ -146,7 +146,7 @@ pub fn frame_of(table: &Table) -> Frame {
             (false, false) => Kind::Text,
         };
         let value = |cell: &&Cell| value(cell, &table.notes, kind);
-        columns(&column.key, &column.key, kind, cells.iter().map(value).collect())
+        columns(column, &column.key, kind, cells.iter().map(value).collect())
     };
     table.columns.iter().enumerate().flat_map(of_column).collect()
 }
@@ -198,11 +198,11 @@ impl Value {
     }
 }
 
-fn columns<R>(column: &SheetColumn<'_, R>, values: Vec<Value>) -> Frame {
-    let (head, stored, kind) = (&column.head, &column.key, column.kind);
+/// The columns under a head; an estimate stands under the key that it is `stored` by.
+fn columns(head: &Column, stored: &str, kind: Kind, values: Vec<Value>) -> Frame {
     let shown = head.key.as_str();
     // Estimates stand as they are stored, others as they are shown.
-    let headed_unit = if kind == Kind::Estimate && head.key != *stored {
+    let headed_unit = if kind == Kind::Estimate && head.key != stored {
         ""
     } else {
         &head.unit

@@ -108,6 +108,7 @@ impl Table {
                 "One row a run whose voltage is stepped and held: numbers without a model, energies"
             }
             Table::Cycles => "One row a cycle of a train",
+            Table::Columns => "One row a column of the others, with unit and meaning",
         }
     }
 }

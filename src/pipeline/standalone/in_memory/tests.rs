@@ -301,6 +301,16 @@ fn what_is_missing_or_wrong_is_said_with_its_remedy() {
     };
     let run = RunAtHand::new("a", &columns(None), &stated).unwrap();
     assert_eq!(run.drive().segments[1].level, Level::OpenCircuit);
+    let train = cycles(&run).unwrap_err();
+    assert!(
+        train.code == "no-train" && train.mend.contains("voltage"),
+        "{train:?}"
+    );
+    let spectrum = impedance(&columns(None), &[]).unwrap_err();
+    assert!(
+        spectrum.code == "one-spectrum" && spectrum.mend.contains("frequency_hz"),
+        "{spectrum:?}"
+    );
     let of_group = FitChoice {
         model: Some("lumped-2 + faradaic-leak".to_owned()),
         ..FitChoice::default()

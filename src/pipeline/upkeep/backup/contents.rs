@@ -11,7 +11,7 @@ use super::manifest::{LeftOut, Manifest, StoredFile};
 use super::shelf::Shelf;
 use crate::ingest::campaign_file;
 use crate::ingest::profiles;
-use crate::ingest::scan::{self, SeenFile, display_path, is_passing_name, is_statement};
+use crate::ingest::scan::{self, Scan, SeenFile, display_path, is_passing_name, is_statement};
 use crate::pipeline::intake::climate::log_folders;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{FileRow, Store};
@@ -112,8 +112,13 @@ pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<
     let runs_folder = &context.campaign.runs_folder;
     let mut optional = context.campaign.optional_folders().to_vec();
     optional.extend(log_folders(runs_folder));
-    match scan::scan(root, runs_folder, &optional, scan::ScanLimits::default()) {
-        Ok(seen) => {
+    match of_one_moment(|| scan::scan(root, runs_folder, &optional, scan::ScanLimits::default())) {
+        Ok((seen, is_settled)) => {
+            if !is_settled {
+                let why =
+                    "files in it came, went or got other names while it was listed; make a backup again";
+                omitted.unread.push(reason(runs_folder, why));
+            }
             for folder in &seen.folders {
                 let stated = statements(root, folder, &mut omitted.unread);
                 stated.into_iter().for_each(&mut add);
@@ -141,6 +146,27 @@ pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<
         Err(error) => omitted.unread.push(reason(runs_folder, &error.to_string())),
     }
     Ok(found.into_values().collect())
+}
+
+/// Times at most that folders are listed for a backup.
+const MOST_LISTINGS: usize = 4;
+
+/// What folders hold at one moment: a file that is renamed while they are listed may be in none of them, so that they are
+/// listed until two listings in a row say the same. Says whether they did.
+fn of_one_moment<E>(list: impl Fn() -> Result<Scan, E>) -> Result<(Scan, bool), E> {
+    let names = |seen: &Scan| -> BTreeSet<String> {
+        let files = seen.files.iter().map(|file| file.display.clone());
+        files.chain(seen.unreadable.iter().cloned()).collect()
+    };
+    let mut before = list()?;
+    for _ in 1..MOST_LISTINGS {
+        let now = list()?;
+        if names(&now) == names(&before) {
+            return Ok((now, true));
+        }
+        before = now;
+    }
+    Ok((before, false))
 }
 
 pub(super) fn reason(path: &str, reason: &str) -> LeftOut {
