@@ -119,7 +119,7 @@ def diagnose(
     return df.groupBy(*keys).applyInArrow(diagnosed, _schema(FINDING_COLUMNS))
 
 
-def _batches(table: ieap.ArrowTable) -> list[pyarrow.RecordBatch]:
+def _batches(table: ieap.Table) -> list[pyarrow.RecordBatch]:
     import pyarrow
 
     return pyarrow.table(table).to_batches()

@@ -74,7 +74,7 @@ def test_every_table_of_the_registries_is_there(campaign, findings):
     own = ieap.Campaign(campaign)
     listed = {entry["name"] for entry in json.loads(program("list", "tables", "--json"))["tables"]}
     tables = own.tables()
-    assert listed | {"tags", "fits-wide", "monitoring", "dma"} == set(tables) and all(tables.values())
+    assert listed | {"tags", "fits-wide", "monitoring", "dma", "columns"} == set(tables) and all(tables.values())
     for name in tables:
         assert own.table(name).column_names, name
     with pytest.raises(ieap.InputError, match="relaxation-times") as raised:
