@@ -155,14 +155,12 @@ impl<'p, 'a> WithEdges<'p, 'a> {
         self.edges[run].shifts().iter().enumerate().map(column).collect()
     }
 
-    /// Weighted residuals of a run with another drive: over the condensed readings, unless one lies where an edge may be.
+    /// Weighted residuals of a run with another drive, over every reading: over the condensed ones a finding on real readings
+    /// came out otherwise (`real_findings::electrolysis_differs...`).
     fn residuals(&self, run: usize, local: &[f64], drive: &Drive) -> Vec<f64> {
         let (model, offsets) = (self.problem.model(local), self.problem.offsets(local));
         let (readings, mut out) = (&self.problem.runs[run], Vec::new());
-        match readings.latest {
-            Some(_) => readings.condensed_under(drive, &model, offsets, &mut out),
-            None => readings.whole_under(drive, &model, offsets, &mut out),
-        }
+        readings.whole_under(drive, &model, offsets, &mut out);
         out
     }
 }
