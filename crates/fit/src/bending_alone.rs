@@ -36,7 +36,6 @@ const NO_CHARGE: &str = "the bending alone does not tell how much charge flows: 
 pub(super) fn fit(input: &FitInput, options: &FitOptions, sampled: Sampled, why: &str) -> Option<Fit> {
     let run = RunReadings {
         drive: input.drive,
-        latest: None,
         area_cm2: input.area_cm2,
         current: None,
         curvature: Some(Response::new(sampled)),

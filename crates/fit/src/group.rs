@@ -33,7 +33,7 @@ use crate::widened::{self, widen_by};
 pub(super) use intervals::Found;
 use intervals::{JudgedGroup, judge};
 pub use options::{Bootstrap, GroupOptions, Intervals, Resampled, shareable};
-use search::{coarsely, search};
+use search::search;
 
 /// A fit of several runs.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,10 +77,9 @@ pub(crate) fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> R
         return fit_placed(inputs, options);
     }
     let middle = with_drives(inputs, edges.iter().map(EdgeTimes::drive));
-    let latest: Vec<Drive> = edges.iter().map(EdgeTimes::latest).collect();
-    let (runs, starts) = prepared(&middle, Some(&latest), options)?;
-    let (problem, at) = coarsely(runs, &starts, &shared_places(options)?);
-    let Some(placed) = open_edges::placed(&problem, &at, &edges) else {
+    let (runs, starts) = prepared(&middle, options)?;
+    let (problem, bottom, _) = search(runs, &starts, &shared_places(options)?);
+    let Some(placed) = open_edges::placed(&problem, &bottom.at, &edges) else {
         return fit_placed(&middle, options);
     };
     let drives = placed.iter().map(|placed| placed.settled.edges.drive());
@@ -101,10 +100,9 @@ pub(crate) fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> R
 pub(crate) fn settled(input: &FitInput, options: &FitOptions, edges: &EdgeTimes) -> Option<Settled> {
     let options = GroupOptions::sharing_all(options.model);
     let middle = with_drives(&[*input], std::iter::once(edges.drive()));
-    let latest = [edges.latest()];
-    let (runs, starts) = prepared(&middle, Some(&latest), &options).ok()?;
-    let (problem, at) = coarsely(runs, &starts, &shared_places(&options).ok()?);
-    let placed = open_edges::placed(&problem, &at, std::slice::from_ref(edges))?;
+    let (runs, starts) = prepared(&middle, &options).ok()?;
+    let (problem, bottom, _) = search(runs, &starts, &shared_places(&options).ok()?);
+    let placed = open_edges::placed(&problem, &bottom.at, std::slice::from_ref(edges))?;
     placed.into_iter().next().map(|placed| placed.settled)
 }
 
@@ -117,7 +115,7 @@ fn with_drives<'a>(inputs: &[FitInput<'a>], drives: impl Iterator<Item = &'a Dri
 /// The same of runs whose edges are where their drives have them.
 pub(super) fn fit_placed(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit, FitError> {
     let shared = shared_places(options)?;
-    let (runs, starts) = prepared(inputs, None, options)?;
+    let (runs, starts) = prepared(inputs, options)?;
     let (problem, bottom, evaluations) = search(runs, &starts, &shared);
     let mut judged = judge(&problem, bottom, options, evaluations);
     let sharing = (inputs.len() > 1).then(|| weigh_sharing(&problem, &starts, &mut judged));
@@ -125,17 +123,16 @@ pub(super) fn fit_placed(inputs: &[FitInput], options: &GroupOptions) -> Result<
     Ok(GroupFit { sharing, ..fit })
 }
 
-/// Readings of every run, and where its own fit puts it; with the latest that edges may be where these are sought.
+/// Readings of every run, and where its own fit puts it.
 fn prepared<'a>(
     inputs: &[FitInput<'a>],
-    latest: Option<&'a [Drive]>,
     options: &GroupOptions,
 ) -> Result<(Vec<RunReadings<'a>>, Vec<Start>), FitError> {
     if inputs.is_empty() {
         return Err(FitError::EmptyGroup);
     }
     let each = inputs.iter().enumerate();
-    each.map(|(index, input)| prepare_open(index, input, latest.map(|latest| &latest[index]), options))
+    each.map(|(index, input)| prepare(index, input, options))
         .collect()
 }
 
@@ -229,16 +226,6 @@ fn prepare<'a>(
     input: &FitInput<'a>,
     options: &GroupOptions,
 ) -> Result<(RunReadings<'a>, Start), FitError> {
-    prepare_open(index, input, None, options)
-}
-
-/// The same with the latest that its edges may be, where these are sought.
-fn prepare_open<'a>(
-    index: usize,
-    input: &FitInput<'a>,
-    latest: Option<&'a Drive>,
-    options: &GroupOptions,
-) -> Result<(RunReadings<'a>, Start), FitError> {
     let own = FitOptions {
         model: options.model,
         ..FitOptions::default()
@@ -251,8 +238,7 @@ fn prepare_open<'a>(
         reason: reason.clone(),
     })?;
     let mut start = Start::of(electrical, options.model.branches);
-    let edges = (input.drive, latest);
-    let mut run = RunReadings::new(input.channels, edges, input.area_cm2, needed(options.model));
+    let mut run = RunReadings::new(input.channels, input.drive, input.area_cm2, needed(options.model));
     match &identified.curvature {
         Ok((_, bending)) => start = start.with_bending(bending),
         Err(_) => run.curvature = None,

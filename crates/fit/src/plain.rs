@@ -59,7 +59,6 @@ pub(crate) fn judge(input: &FitInput, options: &FitOptions, identified: &mut Ide
     }
     let readings = RunReadings {
         drive: input.drive,
-        latest: None,
         area_cm2: input.area_cm2,
         current: Some(Response::beside_fit(
             current.clone(),

@@ -163,19 +163,6 @@ impl Sampled {
         )
     }
 
-    /// The same readings, to be condensed, with times counted from the edges of another drive, which lie between the same
-    /// readings.
-    pub(super) fn counted_from(&self, drive: &Drive) -> Sampled {
-        let each = self.spans.iter().flat_map(|span| {
-            let start_s = span.segment.map_or(0.0, |index| drive.segments[index].start_s());
-            self.time_s[span.first..span.end].iter().map(move |t| t - start_s)
-        });
-        Sampled {
-            elapsed_s: each.collect(),
-            ..self.clone()
-        }
-    }
-
     /// The same readings with the stretches between the edges of the drive as their segments, where its voltage moves all the
     /// time; a series in which no voltage moves stays what it is.
     pub(super) fn between_edges(self, drive: &Drive) -> Sampled {

@@ -116,14 +116,6 @@ impl EdgeTimes {
         &self.drive
     }
 
-    /// The drive with each edge as late as it may be.
-    pub fn latest(&self) -> Drive {
-        let mut drive = self.drive.clone();
-        let segments = drive.segments.iter_mut().zip(&self.latest_s);
-        segments.for_each(|(segment, latest_s)| segment.edge.no_later_s = *latest_s);
-        drive
-    }
-
     /// What may move.
     pub fn shifts(&self) -> &[Shift] {
         &self.shifts

@@ -8,7 +8,7 @@ use ieap_numerics::symmetric::Symmetric;
 use crate::edges::Settled;
 use crate::edges::{EdgeTimes, Shift};
 use crate::joint::feature::Feature;
-use crate::joint::problem::{Column, JointProblem, add_run};
+use crate::joint::problem::{Column, JointProblem, Over, add_run};
 use crate::widened::{End, Values};
 
 /// Evaluations of a search, and the fall of the sum of squares at which it settles.
@@ -155,13 +155,29 @@ impl<'p, 'a> WithEdges<'p, 'a> {
         self.edges[run].shifts().iter().enumerate().map(column).collect()
     }
 
-    /// Weighted residuals of a run with another drive, over every reading: over the condensed ones a finding on real readings
-    /// came out otherwise (`real_findings::electrolysis_differs...`).
+    /// Weighted residuals of a run with another drive.
     fn residuals(&self, run: usize, local: &[f64], drive: &Drive) -> Vec<f64> {
-        let (model, offsets) = (self.problem.model(local), self.problem.offsets(local));
-        let (readings, mut out) = (&self.problem.runs[run], Vec::new());
-        readings.whole_under(drive, &model, offsets, &mut out);
+        let mut out = Vec::new();
+        self.with(run, drive).residuals(0, local, Over::Whole, &mut out);
         out
+    }
+
+    /// The problem of one run with another drive, in the coordinates of all.
+    fn with<'d>(&self, run: usize, drive: &'d Drive) -> JointProblem<'d>
+    where
+        'a: 'd,
+    {
+        let mut own = self.problem.runs[run].clone();
+        own.drive = drive;
+        JointProblem {
+            runs: vec![own],
+            slots: vec![self.problem.slots[run].clone()],
+            layout: self.problem.layout,
+            units: self.problem.units.clone(),
+            bounds: self.problem.bounds.clone(),
+            known: Vec::new(),
+            spectra: Vec::new(),
+        }
     }
 }
 
@@ -175,14 +191,14 @@ impl Problem for WithEdges<'_, '_> {
         let mut all = Local::zero(place.len());
         for (run, by_s) in self.by_run(by_s).into_iter().enumerate() {
             let drive = self.edges[run].shifted(by_s);
-            let local = self.problem.local(run, at);
+            let shifted = self.with(run, &drive);
+            let local = shifted.local(0, at);
             let here = self.residuals(run, &local, &drive);
             all.square += here.iter().map(|left| left * left).sum::<f64>();
             if all.square > most {
                 return all;
             }
-            let residuals = |local: &[f64], out: &mut Vec<f64>| *out = self.residuals(run, local, &drive);
-            let mut columns = self.problem.columns_of(run, at, &here, residuals);
+            let mut columns = shifted.columns(0, at, &here, Over::Whole);
             columns.sort_by_key(|(k, _)| *k);
             columns.extend(self.shift_columns(run, &local, by_s, &here));
             add_run(&columns, &here, &mut all);

@@ -23,20 +23,14 @@ pub(super) fn search<'a>(
     (problem, bottom, evaluations)
 }
 
-/// The same over the condensed readings alone: a place that another search goes on from.
-pub(super) fn coarsely<'a>(
-    runs: Vec<RunReadings<'a>>,
-    starts: &[Start],
-    shared: &[usize],
-) -> (JointProblem<'a>, Vec<f64>) {
-    let (problem, first) = problem(runs, starts, shared);
-    let (at, _) = condensed(&problem, starts, first);
-    (problem, at)
-}
-
 /// The same of a problem that is there; `first` is the place that the starts stand for.
 pub(super) fn deepest(problem: &JointProblem, starts: &[Start], first: Vec<f64>) -> (Minimum, u64) {
-    let (at, mut evaluations) = condensed(problem, starts, first);
+    let mut evaluations = 0;
+    let places = start_places(problem, starts, &first);
+    let searched = places.iter().take(STARTS);
+    let searched = searched.map(|at| problem.search(Over::Condensed, at, LIMIT, 1e-4));
+    let best = Minimum::lowest(searched.inspect(|found| evaluations += found.evaluations));
+    let at = best.map_or(first, |best| best.at);
     let mut bottom = problem.search(Over::Whole, &at, POLISH_LIMIT, 1e-6);
     evaluations += bottom.evaluations;
     if bottom.stop == Stop::EvaluationLimit {
@@ -45,15 +39,6 @@ pub(super) fn deepest(problem: &JointProblem, starts: &[Start], first: Vec<f64>)
         evaluations += bottom.evaluations;
     }
     (bottom, evaluations)
-}
-
-fn condensed(problem: &JointProblem, starts: &[Start], first: Vec<f64>) -> (Vec<f64>, u64) {
-    let mut evaluations = 0;
-    let places = start_places(problem, starts, &first);
-    let searched = places.iter().take(STARTS);
-    let searched = searched.map(|at| problem.search(Over::Condensed, at, LIMIT, 1e-4));
-    let best = Minimum::lowest(searched.inspect(|found| evaluations += found.evaluations));
-    (best.map_or(first, |best| best.at), evaluations)
 }
 
 /// Places to start from: the shared parameters as each of the runs has them, and their mean.

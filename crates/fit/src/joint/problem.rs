@@ -163,17 +163,6 @@ impl<'a> JointProblem<'a> {
     /// Derivatives of what the model says of a run, whose weighted residuals are `here`, each with its coordinate: central
     /// differences, one-sided at a limit at zero.
     pub(crate) fn columns(&self, run: usize, at: &[f64], here: &[f64], over: Over) -> Vec<Column> {
-        self.columns_of(run, at, here, |local, out| self.residuals(run, local, over, out))
-    }
-
-    /// The same of residuals that are a function of the run's local parameters.
-    pub(crate) fn columns_of(
-        &self,
-        run: usize,
-        at: &[f64],
-        here: &[f64],
-        residuals: impl Fn(&[f64], &mut Vec<f64>),
-    ) -> Vec<Column> {
         let local = self.local(run, at);
         let (mut above, mut below) = (Vec::new(), Vec::new());
         let mut columns: Vec<Column> = Vec::new();
@@ -181,11 +170,11 @@ impl<'a> JointProblem<'a> {
             let Slot::Searched(k) = *slot else { continue };
             let mut moved = local.clone();
             moved[index] = local[index] + STEP * self.units[index];
-            residuals(&moved, &mut above);
+            self.residuals(run, &moved, over, &mut above);
             let one_sided = at[k] - STEP < self.bounds.low[k];
             if !one_sided {
                 moved[index] = local[index] - STEP * self.units[index];
-                residuals(&moved, &mut below);
+                self.residuals(run, &moved, over, &mut below);
             }
             let (from, width) = if one_sided {
                 (here, STEP)

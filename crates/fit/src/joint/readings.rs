@@ -26,23 +26,8 @@ pub(crate) struct Response {
 
 impl Response {
     pub(crate) fn new(sampled: Sampled) -> Response {
-        Response::counted_from(None, sampled)
-    }
-
-    /// The same, condensed with times that are counted from the edges of another drive.
-    fn counted_from(latest: Option<&Drive>, sampled: Sampled) -> Response {
         let noise = Noise::of(&sampled, LEAST_NOISE_PART * peak(&sampled.values));
-        let whitener = noise.whitener(&sampled);
-        let compressed = match latest {
-            Some(latest) => Compressed::new(&sampled.counted_from(latest), &whitener),
-            None => Compressed::new(&sampled, &whitener),
-        };
-        Response {
-            sampled,
-            noise,
-            whitener,
-            compressed,
-        }
+        Response::with_noise(sampled, noise)
     }
 
     /// With the noise beside a fit that has `left` so much of the readings.
@@ -100,9 +85,6 @@ impl Response {
 #[derive(Debug, Clone)]
 pub(crate) struct RunReadings<'a> {
     pub(crate) drive: &'a Drive,
-    /// The latest that the edges may be, where these are sought: condensed times are counted from there, so that an edge that
-    /// lies earlier lets exponentials fall, never grow. None where they are counted from `drive`.
-    pub(crate) latest: Option<&'a Drive>,
     pub(crate) area_cm2: f64,
     pub(crate) current: Option<Response>,
     pub(crate) curvature: Option<Response>,
@@ -116,38 +98,23 @@ pub(crate) struct Offsets {
 }
 
 impl<'a> RunReadings<'a> {
-    /// Readings of the first channel of each quantity that has at least `needed` of them after the step; beside the drive the
-    /// latest that its edges may be, where these are sought. Where a reading lies between an edge and that, the condensed
-    /// readings do not tell of other edges, and `latest` is none.
+    /// Readings of the first channel of each quantity that has at least `needed` of them after the step.
     pub(crate) fn new(
         channels: &[Channel],
-        (drive, latest): (&'a Drive, Option<&'a Drive>),
+        drive: &'a Drive,
         area_cm2: f64,
         needed: usize,
     ) -> RunReadings<'a> {
-        let sampled = |quantity: Quantity| {
+        let response = |quantity: Quantity| {
             let channel = channels.iter().find(|channel| channel.quantity == quantity)?;
             let sampled = Sampled::new(channel, drive, quantity == Quantity::Curvature);
-            (sampled.after_step() >= needed).then_some(sampled)
+            (sampled.after_step() >= needed).then(|| Response::new(sampled))
         };
-        let both = [Quantity::Current, Quantity::Curvature].map(sampled);
-        let is_clear = |latest: &&Drive| {
-            let mut times = both.iter().flatten().flat_map(|own| own.time_s.iter());
-            !times.any(|&t| {
-                latest
-                    .segments
-                    .iter()
-                    .any(|own| own.edge.no_earlier_s < t && t < own.start_s())
-            })
-        };
-        let latest = latest.filter(is_clear);
-        let [current, curvature] = both.map(|own| own.map(|own| Response::counted_from(latest, own)));
         RunReadings {
             drive,
-            latest,
             area_cm2,
-            current,
-            curvature,
+            current: response(Quantity::Current),
+            curvature: response(Quantity::Curvature),
         }
     }
 
@@ -162,33 +129,13 @@ impl<'a> RunReadings<'a> {
 
     /// Weighted residuals over the condensed readings, appended to `out`.
     pub(crate) fn condensed(&self, model: &LumpedModel, offsets: Offsets, out: &mut Vec<f64>) {
-        self.condensed_under(self.drive, model, offsets, out);
-    }
-
-    /// The same under a drive whose edges lie elsewhere, the same readings before and after each: since an edge that lies
-    /// earlier an exponential has fallen further.
-    pub(crate) fn condensed_under(
-        &self,
-        drive: &Drive,
-        model: &LumpedModel,
-        offsets: Offsets,
-        out: &mut Vec<f64>,
-    ) {
-        let responses = model.segment_responses(drive);
-        let counted_from = self.latest.unwrap_or(self.drive);
-        let since = |index: usize, modes: &mut [Mode]| {
-            let earlier_s = counted_from.segments[index].start_s() - drive.segments[index].start_s();
-            if earlier_s != 0.0 {
-                let fall = |mode: &mut Mode| mode.amplitude *= (-mode.rate_per_s * earlier_s).exp();
-                modes.iter_mut().for_each(fall);
-            }
-        };
+        let responses = model.segment_responses(self.drive);
         let mut modes: Vec<Mode> = Vec::with_capacity(8);
         if let Some(current) = &self.current {
             for span in &current.compressed.spans {
                 modes.clear();
                 let constant = match span.segment {
-                    None => drive.baseline_v / model.steady_state_resistance_ohm_cm2,
+                    None => self.drive.baseline_v / model.steady_state_resistance_ohm_cm2,
                     Some(index) => {
                         let response = &responses[index];
                         let pairs = response
@@ -199,7 +146,6 @@ impl<'a> RunReadings<'a> {
                             rate_per_s,
                             amplitude: self.area_cm2 * amplitude,
                         }));
-                        since(index, &mut modes);
                         response.current_constant_a_per_cm2
                     }
                 };
@@ -212,7 +158,6 @@ impl<'a> RunReadings<'a> {
                 modes.clear();
                 if let Some(index) = span.segment {
                     strain_modes(&responses[index], model.relaxation_rate_per_s, scale, &mut modes);
-                    since(index, &mut modes);
                 }
                 span.residuals(offsets.curvature_per_cm, &modes, out);
             }
@@ -221,15 +166,11 @@ impl<'a> RunReadings<'a> {
 
     /// Current and curvature of the model at all readings, offsets included.
     pub(crate) fn fitted(&self, model: &LumpedModel, offsets: Offsets) -> [Option<Vec<f64>>; 2] {
-        self.fitted_under(self.drive, model, offsets)
-    }
-
-    fn fitted_under(&self, drive: &Drive, model: &LumpedModel, offsets: Offsets) -> [Option<Vec<f64>>; 2] {
         let shifted = |mut values: Vec<f64>, by: f64| {
             values.iter_mut().for_each(|value| *value += by);
             values
         };
-        let area = self.area_cm2;
+        let (drive, area) = (self.drive, self.area_cm2);
         let current = self.current.as_ref().map(|current| {
             shifted(
                 model.current_a(drive, area, &current.sampled.time_s),
@@ -247,18 +188,7 @@ impl<'a> RunReadings<'a> {
 
     /// Weighted residuals over all readings, appended to `out`.
     pub(crate) fn whole(&self, model: &LumpedModel, offsets: Offsets, out: &mut Vec<f64>) {
-        self.whole_under(self.drive, model, offsets, out);
-    }
-
-    /// The same under a drive whose edges lie elsewhere.
-    pub(crate) fn whole_under(
-        &self,
-        drive: &Drive,
-        model: &LumpedModel,
-        offsets: Offsets,
-        out: &mut Vec<f64>,
-    ) {
-        let fitted = self.fitted_under(drive, model, offsets);
+        let fitted = self.fitted(model, offsets);
         for (response, fitted) in [&self.current, &self.curvature].into_iter().zip(fitted) {
             if let (Some(response), Some(fitted)) = (response, fitted) {
                 response.whitened(fitted.into_iter(), out);
@@ -303,7 +233,7 @@ fn strain_modes(response: &SegmentResponse, rate_per_s: f64, scale: f64, modes: 
 mod tests {
     use super::*;
     use ieap_domain::testing::branch;
-    use ieap_domain::{Edge, Level, Segment};
+    use ieap_domain::{Level, Segment};
     use std::sync::Arc;
 
     #[test]
@@ -336,7 +266,7 @@ mod tests {
                 model.curvature_per_cm(&drive, 0.1, &time_s).into(),
             ),
         ];
-        let mut run = RunReadings::new(&channels, (&drive, None), 0.1, 5);
+        let mut run = RunReadings::new(&channels, &drive, 0.1, 5);
         for (response, sd) in [(&mut run.current, 1e-5), (&mut run.curvature, 1e-3)] {
             let old = response.take().unwrap();
             let noise = Noise {
@@ -360,51 +290,5 @@ mod tests {
             let (a, b) = (square(&condensed), square(&whole));
             assert!((a - b).abs() < 2e-3 * b + 1e-4, "{stretch} {rate}: {a} {b}");
         }
-    }
-
-    #[test]
-    fn condensed_residuals_are_the_whole_ones_wherever_an_edge_lies_between_two_readings() {
-        let model = LumpedModel {
-            // The faster branch charges within the interval between two readings.
-            branches: vec![branch(5.0, 0.098), branch(2629.9, 0.13)],
-            steady_state_resistance_ohm_cm2: 5660.0,
-            charge_to_curvature_per_c_cm: 13.88,
-            relaxation_rate_per_s: 3.8e-4,
-        };
-        let segment = |before_s: f64, after_s: f64, volts: f64| Segment {
-            edge: Edge::between(before_s, after_s),
-            level: Level::Voltage(volts),
-        };
-        let at = |part: f64| Drive {
-            baseline_v: 0.4,
-            segments: vec![segment(-1.0, part - 1.0, 2.0), segment(399.0, 399.0 + part, -1.0)],
-        };
-        let (middle, latest) = (at(0.5), at(1.0));
-        let time_s: Arc<[f64]> = (0..900).map(|k| f64::from(k) - 50.0).collect();
-        let measured = model.current_a(&at(0.3), 0.1, &time_s);
-        let bent = model.curvature_per_cm(&at(0.3), 0.1, &time_s);
-        let channels = [
-            Channel::new(Quantity::Current, time_s.clone(), measured.into()),
-            Channel::new(Quantity::Curvature, time_s.clone(), bent.into()),
-        ];
-        let run = RunReadings::new(&channels, (&middle, Some(&latest)), 0.1, 5);
-        assert!(run.latest.is_some());
-        for part in [0.01, 0.2, 0.6, 0.99] {
-            let (mut condensed, mut whole) = (Vec::new(), Vec::new());
-            run.condensed_under(&at(part), &model, Offsets::default(), &mut condensed);
-            run.whole_under(&at(part), &model, Offsets::default(), &mut whole);
-            let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
-            let (a, b) = (square(&condensed), square(&whole));
-            assert!((a - b).abs() < 2e-3 * b, "{part}: {a} {b}");
-        }
-        // A reading of the bending where an edge may be: the condensed ones do not tell on which side it is.
-        let other: Arc<[f64]> = time_s.iter().map(|t| t + 0.5).collect();
-        let bent = model.curvature_per_cm(&at(0.3), 0.1, &other);
-        let channels = [
-            channels[0].clone(),
-            Channel::new(Quantity::Curvature, other, bent.into()),
-        ];
-        let run = RunReadings::new(&channels, (&middle, Some(&latest)), 0.1, 5);
-        assert!(run.latest.is_none());
     }
 }

@@ -46,7 +46,7 @@ fn a_run_of_a_joint_fit_says_how_its_search_ended() {
         drive: &drive,
         area_cm2: AREA_CM2,
     };
-    let readings = RunReadings::new(&channels, (&drive, None), AREA_CM2, 5);
+    let readings = RunReadings::new(&channels, &drive, AREA_CM2, 5);
     for stop in STOPS {
         let fitted = [&channels[0], &channels[1]].map(|channel| Some(channel.values.to_vec()));
         let model = FitOptions::default().model;
