@@ -27,7 +27,7 @@ impl<'a> DrawnFits<'a> {
     /// The curves of a run's fit; none where it has no fit, or one that came from elsewhere and is out of date.
     ///
     /// # Errors
-    /// The database cannot be read.
+    /// The database cannot be read, or the readings that a fit was made from elsewhere cannot be fitted here.
     pub(crate) fn of(&self, run: &RunRecord) -> Result<FitCurves, PipelineError> {
         let stored = self.context.store.fit_curves(&run.path)?;
         if run.fit.is_none() || !stored.curves.is_empty() || !stored.along.is_empty() {
@@ -38,10 +38,14 @@ impl<'a> DrawnFits<'a> {
         };
         let channels = Single.load(self.context, run)?;
         let made = fit_one(&run.task, &channels, &run.chosen.options, &run.known());
-        Ok(made.map_or(stored, |fit| FitCurves {
+        let fit = made.map_err(|issue| PipelineError::Fault {
+            step: format!("{}: curves of a fit that was made elsewhere", issue.place),
+            reason: issue.message,
+        })?;
+        Ok(FitCurves {
             curves: fit.curves,
             along: fit.along,
-        }))
+        })
     }
 
     fn planned(&self) -> Result<&BTreeMap<String, Keyed<Planned>>, PipelineError> {
