@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use ieap_domain::{Quantity, RunCurve};
 use serde::Serialize;
 
+use crate::figures::residual::BAND_SIGMA;
 use crate::figures::thin::{self, Pixels};
 
 /// Room of a picture, px; the template states the same.
@@ -68,8 +69,6 @@ impl Sparks {
 const RESIDUAL_SIZE: (u32, u32) = (150, 36);
 /// Half height of such a picture in standard deviations of the noise, where no residual is larger.
 const LEAST_SIGMAS: f64 = 4.0;
-/// Half width of its band in the same.
-const BAND_SIGMAS: f64 = 2.0;
 
 /// The residuals after the step; none where nothing was fitted, or too little.
 fn residuals(curve: &RunCurve) -> Option<ResidualSpark> {
@@ -101,7 +100,7 @@ fn residuals(curve: &RunCurve) -> Option<ResidualSpark> {
     let strokes = columns
         .into_iter()
         .map(|(column, (up, down))| format!("M{} {up}v{}", 2 * column + 1, (down - up).max(1)));
-    let upper = y(BAND_SIGMAS);
+    let upper = y(BAND_SIGMA);
     Some(ResidualSpark {
         channel: curve.quantity.label().to_lowercase(),
         strokes: strokes.collect(),

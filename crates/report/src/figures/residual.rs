@@ -20,7 +20,7 @@ const HEIGHT: u32 = 190;
 const READINGS_HEIGHT: u32 = 210;
 const RESIDUALS_HEIGHT: u32 = 170;
 /// Half width of the band: single readings stay within it in 95 of 100 cases.
-const BAND_SIGMA: f64 = 2.0;
+pub(crate) const BAND_SIGMA: f64 = 2.0;
 /// Shortest time that the axis tells apart, as a fraction of the longest.
 const SHORTEST: f64 = 1e-5;
 
