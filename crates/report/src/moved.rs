@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use ieap_analysis::zone::seconds;
 use serde::{Deserialize, Serialize};
 
+use crate::error::ReportError;
 use crate::pages::policy::MOVED_SHOWN_S;
 
 /// File of the report with its numbers, JSON.
@@ -41,14 +42,23 @@ pub struct Before {
 }
 
 impl Numbers {
-    /// What a file says; nothing where it is none of ours, for nothing but these marks is made from it.
-    pub fn read(text: &str) -> Numbers {
-        serde_json::from_str(text).unwrap_or_default()
+    /// What a file says.
+    ///
+    /// # Errors
+    /// It is none of ours.
+    pub fn read(text: &str) -> Result<Numbers, serde_json::Error> {
+        serde_json::from_str(text)
     }
 
     /// The file.
-    pub fn text(&self) -> String {
-        serde_json::to_string(self).unwrap_or_default()
+    ///
+    /// # Errors
+    /// A fault of the program.
+    pub fn text(&self) -> Result<String, ReportError> {
+        serde_json::to_string(self).map_err(|source| ReportError::Context {
+            page: FILE.to_owned(),
+            source,
+        })
     }
 
     /// What a report says, by run and parameter, after the one before.
@@ -126,7 +136,11 @@ mod tests {
         };
         assert_eq!(second.was("a.csv", "lambda_per_s"), Some(&was));
         // A report that says the same goes on saying it, until a week is over.
-        let third = number(&Numbers::read(&second.text()), "1.2", "2026-11-25T06:00:00Z");
+        let third = number(
+            &Numbers::read(&second.text().unwrap()).unwrap(),
+            "1.2",
+            "2026-11-25T06:00:00Z",
+        );
         assert_eq!(third.moved().count(), 1);
         let fourth = number(&third, "1.2", "2026-11-29T06:00:00Z");
         assert_eq!(fourth.moved().count(), 0);
@@ -136,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_such_file_says_nothing() {
-        assert_eq!(Numbers::read("torn {"), Numbers::default());
+    fn what_is_no_such_file_is_an_error() {
+        assert!(Numbers::read("torn {").is_err());
     }
 }

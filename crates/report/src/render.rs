@@ -105,7 +105,7 @@ pub fn render_site(
     let total = pages.len() + groups + site.run_pages.len() + strips.len();
     let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
     bytes += write(&out_dir.join("site.js"), SCRIPT)?;
-    bytes += write(&out_dir.join(moved::FILE), &site.numbers.text())?;
+    bytes += write(&out_dir.join(moved::FILE), &site.numbers.text()?)?;
     for (file, text) in run_index(&site) {
         bytes += write(&out_dir.join(file), &text)?;
     }

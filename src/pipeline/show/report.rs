@@ -149,7 +149,7 @@ impl RenderReport {
         let input = report::Input {
             templates: own.texts.clone(),
             before: Before {
-                numbers: before(&target),
+                numbers: before(&target, observer),
                 now: now(),
             },
             ..input(context, changes, &changed_at, &values)?
@@ -185,10 +185,22 @@ impl RenderReport {
     }
 }
 
-/// What the report that stands says of each run; nothing where there is none, or none that says so.
-fn before(target: &Path) -> Numbers {
-    let text = fs::read_own_text(target.join(report::moved::FILE));
-    text.map_or_else(|_| Numbers::default(), |text| Numbers::read(&text))
+/// What the report that stands says of each run; nothing where there is none. What cannot be read is said: no number is then
+/// marked as moved.
+fn before(target: &Path, observer: &dyn Observer) -> Numbers {
+    let path = target.join(report::moved::FILE);
+    let said = match fs::read_own_text(&path) {
+        Ok(text) => Numbers::read(&text).map_err(|error| error.to_string()),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Numbers::default()),
+        Err(error) => Err(error.to_string()),
+    };
+    said.unwrap_or_else(|why| {
+        let path = path.display();
+        observer.warn(&format!(
+            "{path}: cannot be read, so that no number is marked as moved: {why}"
+        ));
+        Numbers::default()
+    })
 }
 
 /// What a report of the campaign as it is would say that it was made from. Its last words are the id of the database, and
