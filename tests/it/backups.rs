@@ -335,8 +335,11 @@ fn a_file_that_cannot_be_read_leaves_the_earlier_copy_and_an_interruption_nothin
 struct RefusesListing {
     number: usize,
     asked: std::sync::atomic::AtomicUsize,
-    /// The folder of that listing, which is refused from then on: one refusal alone is made good by the next listing.
+    /// The folder of that listing.
     refused: std::sync::Mutex<Option<std::path::PathBuf>>,
+    /// Whether it is refused once only, and whether it was listed again then.
+    is_once: bool,
+    again: std::sync::atomic::AtomicBool,
 }
 
 impl ieap::system::FaultInjector for RefusesListing {
@@ -348,12 +351,13 @@ impl ieap::system::FaultInjector for RefusesListing {
         let mut refused = self.refused.lock().unwrap();
         if asked == self.number {
             *refused = Some(call.path.to_owned());
+        } else if refused.as_deref() != Some(call.path) {
+            return Ok(());
+        } else if self.is_once {
+            self.again.store(true, std::sync::atomic::Ordering::Relaxed);
+            return Ok(());
         }
-        if refused.as_deref() == Some(call.path) {
-            Err(std::io::Error::from_raw_os_error(5))
-        } else {
-            Ok(())
-        }
+        Err(std::io::Error::from_raw_os_error(5))
     }
 
     fn after(&self, _call: &ieap::system::Call<'_>) {}
@@ -377,23 +381,30 @@ fn a_folder_that_cannot_be_listed_is_told_and_its_tag_files_stay_in_the_backup()
     let context = Context::open_read_only(folder.path()).unwrap();
     let whole = verb.run(&context, &Silent).unwrap();
     assert_eq!(whole.left_out, []);
-    let (mut number, mut told) = (0, Vec::new());
-    loop {
-        let world = std::sync::Arc::new(RefusesListing {
-            number,
-            asked: 0.into(),
-            refused: None.into(),
-        });
-        let done = ieap::system::with_fs(world.clone(), || verb.run(&context, &Silent));
-        if world.asked.load(std::sync::atomic::Ordering::Relaxed) <= number {
-            break;
+    let mut told = Vec::new();
+    for is_once in [true, false] {
+        let mut number = 0;
+        loop {
+            let world = std::sync::Arc::new(RefusesListing {
+                number,
+                asked: 0.into(),
+                refused: None.into(),
+                is_once,
+                again: false.into(),
+            });
+            let done = ieap::system::with_fs(world.clone(), || verb.run(&context, &Silent));
+            if world.asked.load(std::sync::atomic::Ordering::Relaxed) <= number {
+                break;
+            }
+            if let Ok(done) = done {
+                // One refusal is made good by listing the folder again, and by nothing else.
+                let is_good_again = world.again.load(std::sync::atomic::Ordering::Relaxed);
+                assert!(!done.left_out.is_empty() || is_good_again, "listing {number}");
+                assert_eq!(done.files, whole.files, "listing {number}: {:?}", done.left_out);
+                told.extend(done.left_out.into_iter().map(|left| left.path));
+            }
+            number += 1;
         }
-        if let Ok(done) = done {
-            assert!(!done.left_out.is_empty(), "listing {number}");
-            assert_eq!(done.files, whole.files, "listing {number}: {:?}", done.left_out);
-            told.extend(done.left_out.into_iter().map(|left| left.path));
-        }
-        number += 1;
     }
     for path in [".", "runs"] {
         assert!(told.iter().any(|told| told == path), "{path}: {told:?}");

@@ -148,7 +148,7 @@ pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<
     Ok(found.into_values().collect())
 }
 
-/// Times at most that folders are listed for a backup.
+/// Times at most that folders are listed for a backup. Chosen: names that change as often are written just now.
 const MOST_LISTINGS: usize = 4;
 
 /// What folders hold at one moment: a file that is renamed while they are listed may be in none of them, so that they are
