@@ -18,7 +18,8 @@ const MOST_SAMPLES: usize = 6;
 /// Sentences to paste, and what they rest on.
 pub fn view(input: &TableInput, study: &Study, program: &str) -> Vec<Block> {
     let paragraphs = [
-        vec![samples(input), runs(input), set_aside(input)],
+        // What is said of all pages, as that the data are simulated, is true of the paragraph.
+        vec![notice(input), samples(input), runs(input), set_aside(input)],
         vec![fits(input)],
         vec![
             comparison(study),
@@ -33,6 +34,10 @@ pub fn view(input: &TableInput, study: &Study, program: &str) -> Vec<Block> {
     let head = "To paste into a paper; everything in it follows from what is stored.".to_owned();
     let all = std::iter::once(head).chain(pasted.filter(|text| !text.is_empty()));
     all.map(Block::Say).collect()
+}
+
+fn notice(input: &TableInput) -> String {
+    input.campaign.notice.clone().unwrap_or_default()
 }
 
 /// `The samples were CNaf-1 (CNaf, 5 × 2 × 0.22 mm) and CPvf-1 (CPvf, 5 × 2 × 0.4 mm).`
@@ -200,11 +205,16 @@ fn comparison(study: &Study) -> String {
 
 /// Whether and how the model was tested.
 fn diagnoses(input: &TableInput) -> String {
-    match input.groups.len() {
-        0 => String::new(),
-        groups => format!(
-            "Whether the model describes the readings was asked in {} of runs by the chance of residuals at least as large, false discoveries held over all of them (Benjamini and Hochberg), with extended models held to runs that had not been used to find them.",
-            counted(groups, "group")
-        ),
+    if input.groups.is_empty() {
+        return String::new();
     }
+    let held_out = if input.groups.iter().any(|group| group.gain.is_some()) {
+        "; extended models were held to runs that had not been used to find them"
+    } else {
+        ""
+    };
+    format!(
+        "Whether the model describes the readings was asked in {} of runs by the chance of residuals at least as large, false discoveries held over all of them (Benjamini and Hochberg){held_out}.",
+        counted(input.groups.len(), "group")
+    )
 }

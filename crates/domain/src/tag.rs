@@ -1,6 +1,7 @@
 //! Tags of a run and where each came from.
 
 use crate::string_enum;
+use crate::unit_of_key::parted;
 
 use serde::{Deserialize, Serialize};
 
@@ -104,26 +105,11 @@ pub mod keys {
 /// Code of the issue of a needed tag that no source gives; its place is the key.
 pub const MISSING: &str = "tag-missing";
 
-/// Units by the ending of a key.
-const UNITS: [(&str, &str); 8] = [
-    ("_v", "V"),
-    ("_percent", "%"),
-    ("_c", "°C"),
-    ("_pa", "Pa"),
-    ("_ppm", "ppm"),
-    ("_s", "s"),
-    ("_h", "h"),
-    ("_ohm_per_sq", "Ω per square"),
-];
-
 /// A key as it is said, and its unit: `relative humidity` and `%` of `relative_humidity_percent`. The unit is empty where it
 /// has none, and for a laboratory's own keys, whose endings may mean anything.
 pub fn spoken(key: &str) -> (String, &'static str) {
     let mut known = keys::CONDITIONS.iter().chain(&keys::OTHERS).chain(&keys::RECORD);
-    let named = known.find(|known| **known == key).and_then(|key| {
-        let of_key = |(ending, unit): &(&str, &'static str)| Some((key.strip_suffix(ending)?, *unit));
-        UNITS.iter().find_map(of_key)
-    });
+    let named = known.find(|known| **known == key).and_then(|key| parted(key));
     let (words, unit) = named.unwrap_or((key, ""));
     (words.replace('_', " "), unit)
 }
@@ -212,7 +198,7 @@ mod tests {
         assert_eq!(said("voltage_v", "-2"), "voltage -2\u{a0}V");
         assert_eq!(
             said("electrode_resistance_ohm_per_sq", "4"),
-            "electrode resistance 4\u{a0}Ω per square"
+            "electrode resistance 4\u{a0}Ohm/sq"
         );
         assert_eq!(said("sample", "S1"), "sample S1");
         assert_eq!(said("vitamin_c", "2"), "vitamin c 2");

@@ -65,9 +65,14 @@ const SHARE: [&str; 7] = [
 /// The unit that a key ends in; none where it ends in none: a pure number, a count, words.
 pub fn unit_of_key(key: &str) -> Option<&'static str> {
     let stripped = SHARE.iter().find_map(|ending| key.strip_suffix(ending));
-    let name = stripped.unwrap_or(key);
-    let found = UNITS.iter().find(|(ending, _)| name.ends_with(ending));
-    found.map(|(_, unit)| *unit)
+    parted(stripped.unwrap_or(key)).map(|(_, unit)| unit)
+}
+
+/// A key without its unit, and that unit; none where it ends in none.
+pub fn parted(key: &str) -> Option<(&str, &'static str)> {
+    UNITS
+        .iter()
+        .find_map(|(ending, unit)| Some((key.strip_suffix(ending)?, *unit)))
 }
 
 #[cfg(test)]
