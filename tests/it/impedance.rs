@@ -42,24 +42,32 @@ fn table(readings: &[(f64, f64, f64)]) -> String {
 
 /// Current and curvature of the same strip under a step, 4 readings a second.
 fn step(values: &[f64], volts: f64, seed: u64) -> String {
+    moved(("curvature_per_cm", ALPHA_PER_C_CM), values, volts, seed)
+}
+
+/// What a charge of the free strip bends.
+const ALPHA_PER_C_CM: f64 = 2.0;
+
+/// Current, and what the charge moves by so much.
+fn moved((column, per_charge): (&str, f64), values: &[f64], volts: f64, seed: u64) -> String {
     let [r1, c1, r2, c2, leak] = values else {
         panic!("five parameters");
     };
-    let (alpha_per_c_cm, lambda_per_s) = (2.0, 0.01);
+    let lambda_per_s = 0.01;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut text = "time_s,current_a,curvature_per_cm\n".to_owned();
+    let mut text = format!("time_s,current_a,{column}\n");
     for k in 0..800 {
         let t = 0.25 * f64::from(k);
-        let (mut current, mut curvature) = (volts / leak, 0.0);
+        let (mut current, mut all) = (volts / leak, 0.0);
         for (r, c) in [(r1, c1), (r2, c2)] {
             let tau = r * c;
             current += volts / r * (-t / tau).exp();
             let g = ((-t / tau).exp() - (-lambda_per_s * t).exp()) / (tau * lambda_per_s - 1.0);
-            curvature += alpha_per_c_cm * volts * c * g;
+            all += per_charge * volts * c * g;
         }
         current += 2e-6 * normal(&mut random);
-        curvature += 2e-4 * normal(&mut random);
-        writeln!(text, "{t},{current:.6e},{curvature:.6e}").unwrap();
+        all += 1e-4 * per_charge * normal(&mut random);
+        writeln!(text, "{t},{current:.6e},{all:.6e}").unwrap();
     }
     text
 }
@@ -193,6 +201,46 @@ fn a_step_and_a_spectrum_in_one_likelihood_have_one_circuit() {
     let error = |row: &Value| cell(row, "c2_f_per_cm2")["standard_error"].as_f64().unwrap();
     assert!(
         error(low[2]) < error(low[0]) && error(low[2]) < 1.02 * error(low[1]),
+        "{table:#}"
+    );
+}
+
+#[test]
+fn the_force_of_the_held_strip_is_in_the_same_likelihood() {
+    const MU_MN_M_PER_C: f64 = 0.05;
+    let folder = campaign();
+    // F = 3 M / (2 a), 5 mm from the clamp.
+    let per_charge = 1.5 * 1e3 * MU_MN_M_PER_C / 5.0;
+    folder.write(
+        "runs/held.csv",
+        moved(("blocking_force_mn", per_charge), &STRIP, 0.5, 5),
+    );
+    folder.write(
+        "runs/held.csv.toml",
+        "voltage_v = 0.5\nblocking_force_at_mm = 5.0\n",
+    );
+    folder.ieap(&["fit"]).expect(0);
+    let table = folder.ieap(&["table", "step-and-spectrum", "--format", "json"]);
+    let table = table.expect(0).json();
+    let rows = table["rows"].as_array().unwrap();
+    let words = |row: &Value, key: &str| row["cells"][key]["text"].clone();
+    let from: Vec<Value> = rows.iter().map(|row| words(row, "from")).collect();
+    assert_eq!(from, ["step", "spectrum", "force", "all"], "{table:#}");
+    assert_eq!(words(&rows[3], "agrees"), "yes", "{table:#}");
+    assert_eq!(words(&rows[3], "held"), "runs/held.csv");
+    let of = |row: &Value, key: &str, what: &str| row["cells"][key][what].as_f64().unwrap();
+    let mu = |what: &str| of(&rows[3], "mu_mn_m_per_c", what);
+    assert!(
+        (mu("low_95")..=mu("high_95")).contains(&MU_MN_M_PER_C),
+        "{table:#}"
+    );
+    let error = |row: &Value, key: &str| of(row, key, "standard_error");
+    assert!(
+        error(&rows[3], "lambda_per_s") < error(&rows[0], "lambda_per_s"),
+        "{table:#}"
+    );
+    assert!(
+        error(&rows[3], "mu_mn_m_per_c") < error(&rows[2], "mu_mn_m_per_c"),
         "{table:#}"
     );
 }

@@ -86,7 +86,7 @@ pub(crate) fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> R
     let mut group = fit_placed(&with_drives(inputs, drives), options)?;
     for (run, (fit, placed)) in group.runs.iter_mut().zip(&placed).enumerate() {
         let before = fit.clone();
-        if widen_by(fit, &placed.here, &placed.ends) {
+        if widen_by(&mut fit.parameters, &placed.here, &placed.ends) {
             fit.issues.push(widened::issue(&placed.settled));
             // Refits have the edges where they are taken to be, too.
             let resampled = group.bootstrap.get_mut(run).into_iter().flatten();

@@ -14,7 +14,8 @@ use crate::two_steps::{Identified, Readings, identify};
 /// Counts what changes fits of moving voltages and of no others.
 /// - 2: the bending is open where the capacitance is.
 /// - 3: rival and extended models, and comparisons.
-pub const MOVING_VERSION: u32 = 3;
+/// - 4: what is off in every period of a wave alike counts once.
+pub const MOVING_VERSION: u32 = 4;
 
 /// Follows the sum of squares where the covariance alone would mislead, and says where a branch may hide.
 pub(crate) fn look_closer(input: &FitInput, options: &FitOptions, identified: &mut Identified) {

@@ -135,7 +135,7 @@ pub(crate) fn widen(
     };
     let [here, low, high] = aligned.ahead_s.map(with);
     let end = |there| Some(End { part: 1.0, there });
-    widen_by(fit, &here, &[[end(low), end(high)]]);
+    widen_by(&mut fit.parameters, &here, &[[end(low), end(high)]]);
     fit.issues.push(aligned.issue());
 }
 

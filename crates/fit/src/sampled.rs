@@ -3,12 +3,13 @@
 use crate::policy::{FEWEST_AT_REST, OFF_ZERO_SIGMAS};
 use std::sync::Arc;
 
-use ieap_domain::{Channel, Drive, Level};
+use ieap_domain::{Channel, Drive, Level, Segment};
 use ieap_numerics::correlation::Autoregression;
 use ieap_numerics::decay::{BLOCK, Block, Column, blocks, even_step};
 use ieap_numerics::discrete_gauss::{FEWEST, compress};
 use ieap_numerics::noise::{LocalScatter, local_scatter};
 use ieap_numerics::sums;
+use ieap_numerics::waveform;
 
 /// Consecutive readings within one segment of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +43,8 @@ pub(super) struct Sampled {
     pub(super) scatter: Option<LocalScatter>,
     /// Whether the voltage moves all the time: spans then hold many segments, blocks one each.
     pub(super) moves: bool,
+    /// The time after which a moving voltage comes back, s.
+    pub(super) period_s: Option<f64>,
     /// The drive that moved it, where the readings were joined to the stretches between its edges: what they answer to.
     pub(super) course: Option<Arc<Drive>>,
 }
@@ -112,6 +115,7 @@ impl Sampled {
         };
         if moves {
             sampled.join(&drive.edges());
+            sampled.period_s = period_s(drive);
         }
         sampled.scatter = local_scatter(&sampled.smooth_stretches());
         sampled
@@ -128,6 +132,7 @@ impl Sampled {
             blocks: Vec::new(),
             scatter: None,
             moves: false,
+            period_s: None,
             course: None,
         };
         sampled.cut();
@@ -469,6 +474,7 @@ impl Sampled {
             blocks: Vec::new(),
             scatter: self.scatter.clone(),
             moves: self.moves,
+            period_s: self.period_s,
             course: self.course.clone(),
         };
         kept.cut();
@@ -519,6 +525,16 @@ impl Sampled {
     }
 }
 
+fn period_s(drive: &Drive) -> Option<f64> {
+    let level = |segment: &Segment| match segment.level {
+        Level::Voltage(volts) => Some(volts),
+        Level::OpenCircuit => None,
+    };
+    let levels: Option<Vec<f64>> = drive.segments.iter().map(level).collect();
+    let starts_s: Vec<f64> = drive.segments.iter().map(Segment::start_s).collect();
+    waveform::period_s(&starts_s, &levels?)
+}
+
 /// Whether the jump at an edge lies before the reading `at` that was taken at its very instant, and not behind it: beside the
 /// reading before, or beside none where nothing flowed before the record.
 fn has_jumped(values: &[f64], at: usize, is_known_rest: bool) -> bool {
@@ -559,7 +575,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use ieap_domain::{Quantity, Segment};
+    use ieap_domain::Quantity;
 
     fn channel(n: usize) -> Channel {
         let time_s = (0..n).map(|k| k as f64 - 10.0).collect();

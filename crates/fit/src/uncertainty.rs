@@ -1,7 +1,7 @@
 //! What the residuals of a fit say of its noise, and the covariance of its parameters under that noise.
 
 use ieap_numerics::column_memory::LongColumn;
-use ieap_numerics::correlation::{Autoregression, HigherOrder, slow_excess};
+use ieap_numerics::correlation::{Autoregression, HigherOrder, recurring_excess, slow_excess};
 use ieap_numerics::decay::{BLOCK, Column};
 use ieap_numerics::gram::{CAPACITY, Gram, dot};
 use ieap_numerics::student::quantile_95;
@@ -24,7 +24,7 @@ pub(super) struct Residuals {
     pub(super) noise: Autoregression,
     /// Autoregression of higher order, where the first is not enough.
     pub(super) higher: Option<HigherOrder>,
-    /// Factor for slow misfit beyond the autoregression.
+    /// Factor for slow misfit beyond the autoregression, or for what comes back with every period of a wave.
     pub(super) excess: f64,
     /// Half-width of a 95 % interval in standard errors.
     pub(super) quantile: f64,
@@ -44,7 +44,11 @@ impl Residuals {
             Some(higher) => noise.variance * higher.long_run_ratio(),
             None => noise.long_run_variance(),
         };
-        let excess = slow_excess(&residuals, long_run(&noise), parameters);
+        let memory = long_run(&noise) / noise.variance;
+        let recurring = sampled.period_s.map_or(1.0, |period_s| {
+            recurring_excess(&sampled.time_s, &residuals, period_s, memory, parameters)
+        });
+        let excess = slow_excess(&residuals, long_run(&noise), parameters).max(recurring);
         let effective = match &higher {
             Some(higher) => readings / higher.long_run_ratio().max(1.0),
             None => noise.effective_readings(readings),

@@ -43,7 +43,7 @@ pub(crate) fn widen(fit: &mut Fit, settled: &Settled, plain: impl Fn(&Drive) -> 
         .iter()
         .map(|by_s| [-1.0, 1.0].map(|sign| end(by_s, sign)))
         .collect();
-    if widen_by(fit, &here, &ends) {
+    if widen_by(&mut fit.parameters, &here, &ends) {
         fit.issues.push(issue(settled));
     }
 }
@@ -58,9 +58,9 @@ pub(crate) struct End {
 const LEAST_PART: f64 = 0.05;
 
 /// Whether any interval is wider for that: the same where it is known where the parameters go from `here` to both ends of each of the open ways.
-pub(crate) fn widen_by(fit: &mut Fit, here: &Values, ends: &[[Option<End>; 2]]) -> bool {
+pub(crate) fn widen_by(parameters: &mut [Parameter], here: &Values, ends: &[[Option<End>; 2]]) -> bool {
     let mut widened = 0;
-    for parameter in &mut fit.parameters {
+    for parameter in parameters {
         let of = |all: &Values| {
             let own = all.iter().find(|(key, _)| *key == parameter.key);
             own.map(|(_, value)| *value)

@@ -168,6 +168,41 @@ pub fn slow_excess(residuals: &[f64], long_run_variance: f64, parameters: usize)
     if excess > limit { excess } else { 1.0 }
 }
 
+/// Factor (1 at least) by which what comes back every `period_s` raises the variance of anything that is told by all periods
+/// together, judged by the means of the `residuals` in each phase; 1 unless it is beyond its own 95 % limit.
+///
+/// What a converter of coarse steps does to a wave is the same in every period: many periods tell no more than one. `memory` is
+/// the number of neighbours that are as one independent reading.
+pub fn recurring_excess(
+    time_s: &[f64],
+    residuals: &[f64],
+    period_s: f64,
+    memory: f64,
+    parameters: usize,
+) -> f64 {
+    let (Some(first_s), Some(last_s)) = (time_s.first(), time_s.last()) else {
+        return 1.0;
+    };
+    let periods = (last_s - first_s) / period_s;
+    let phases = (residuals.len() as f64 / periods).floor() as usize;
+    if periods < 2.0 || phases < 2 * parameters {
+        return 1.0;
+    }
+    let mut of_phase = vec![(0.0, 0.0); phases];
+    for (t, residual) in time_s.iter().zip(residuals) {
+        let phase = ((t - first_s) / period_s).fract() * phases as f64;
+        let own = &mut of_phase[phase.round() as usize % phases];
+        *own = (own.0 + residual, own.1 + 1.0);
+    }
+    let variance = sums::square(residuals) / residuals.len() as f64;
+    let taken = of_phase.iter().filter(|(_, count)| *count > 0.0);
+    let squares: f64 = taken.map(|(sum, count)| sum * sum / count).sum();
+    let freedom = (phases - parameters) as f64;
+    let excess = squares / freedom / variance;
+    let limit = reduced_chi_square_limit(freedom / memory.max(1.0), NORMAL_ONE_SIDED_95);
+    if excess > limit { excess } else { 1.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -269,6 +304,25 @@ mod tests {
         assert_eq!(found.coefficients.len(), 3);
         for (found, expected) in found.coefficients.iter().zip(LAGS) {
             assert!((found - expected).abs() < 0.025, "{found} in place of {expected}");
+        }
+    }
+
+    #[test]
+    fn what_comes_back_every_period_counts_once_and_noise_does_not() {
+        let time_s: Vec<f64> = (0..600).map(f64::from).collect();
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let pattern = autoregressive(&mut rng, 60, 0.0);
+        let again: Vec<f64> = (0..600).map(|k| pattern[k % 60]).collect();
+        let excess = recurring_excess(&time_s, &again, 60.0, 1.0, 5);
+        assert!((excess / 10.0 - 1.0).abs() < 0.15, "{excess}");
+        for rho in [0.0, 0.6] {
+            let mut raised = 0;
+            for _ in 0..200 {
+                let noise = autoregressive(&mut rng, 600, rho);
+                let memory = readings_per_independent(rho);
+                raised += usize::from(recurring_excess(&time_s, &noise, 60.0, memory, 1) > 1.0);
+            }
+            assert!(raised <= 20, "{rho}: {raised} of 200");
         }
     }
 

@@ -151,6 +151,25 @@ pub fn between(time_s: &[f64], values: &[f64], t: f64) -> f64 {
     values[a] + risen * (values[b] - values[a]) + sloped * ((1.0 - x) * slope(a) - x * slope(b))
 }
 
+/// Period of what goes through these times evenly; none of fewer than [`FEWEST`], or where they come faster or slower.
+fn even_period_s(crossings_s: &[f64]) -> Option<f64> {
+    let mean = (crossings_s.last()? - crossings_s[0]) / (crossings_s.len() - 1) as f64;
+    let is_even = crossings_s
+        .windows(2)
+        .all(|pair| ((pair[1] - pair[0]) / mean - 1.0).abs() <= ALIKE);
+    (crossings_s.len() >= FEWEST && is_even).then_some(2.0 * mean)
+}
+
+/// The time after which a course comes back, whatever its form is; none where its half periods differ.
+pub fn period_s(time_s: &[f64], values: &[f64]) -> Option<f64> {
+    let (low, high) = ieap_domain::range_of(values.iter().copied());
+    even_period_s(&crossings_s(
+        time_s,
+        values,
+        &turns(values, LEAST_TURN * (high - low)),
+    ))
+}
+
 /// The kind of a wave that turns round at `turns`.
 pub fn recognise(time_s: &[f64], values: &[f64], turns: &[usize]) -> Waveform {
     let crossings = crossings_s(time_s, values, turns);
@@ -163,13 +182,12 @@ pub fn recognise(time_s: &[f64], values: &[f64], turns: &[usize]) -> Waveform {
         .map(|pair| 0.5 * (values[pair[1]] - values[pair[0]]).abs())
         .collect();
     let amplitude = heights.iter().sum::<f64>() / heights.len() as f64;
-    let mean = halves.iter().sum::<f64>() / halves.len() as f64;
-    if halves.iter().all(|half| (half / mean - 1.0).abs() <= ALIKE) {
+    if let Some(period_s) = even_period_s(&crossings) {
         let (first, last) = (turns[0], turns[turns.len() - 1]);
         return periodic(
             &time_s[first..=last],
             &values[first..=last],
-            0.5 / mean,
+            period_s.recip(),
             amplitude,
         );
     }

@@ -38,19 +38,61 @@ pub fn blocked_runs(context: &Context, runs: &[RunRecord]) -> Result<Vec<Blocked
     })
 }
 
+/// Why a force gives no moment, and how that is mended.
+type Missing = (&'static str, &'static str);
+
+/// Channels of a held run with its moment in the place of the curvature, whose law it obeys; the factor between them, mu over
+/// alpha, is in no other number.
+///
+/// # Errors
+/// There is no distance to the sensor, or no reading of the force.
+pub(super) fn with_moment(
+    run: &RunRecord,
+    channels: &[Channel],
+    campaign: &Campaign,
+) -> Result<Vec<Channel>, Missing> {
+    let lever_mm = lever_mm(run, campaign).ok_or((
+        "a blocking force gives no moment without the distance from the clamp to the sensor",
+        "give the sample length_mm in campaign.toml, or the run the tag blocking_force_at_mm",
+    ))?;
+    let force = force_of(channels).ok_or((
+        "the column of the blocking force holds no reading",
+        "look at the file",
+    ))?;
+    let moment = force
+        .values
+        .iter()
+        .map(|&force_mn| blocked_moment_mn_mm(force_mn, lever_mm));
+    let moment = Channel {
+        quantity: Quantity::Curvature,
+        values: moment.collect(),
+        ..force.clone()
+    };
+    let current = channels.iter().filter(|c| c.quantity == Quantity::Current);
+    Ok(current.cloned().chain([moment]).collect())
+}
+
+/// Distance from the clamp to the sensor of the force: that of the run, else the length of its strip.
+fn lever_mm(run: &RunRecord, campaign: &Campaign) -> Option<f64> {
+    let sample = || campaign.sample(run.tag(keys::SAMPLE)?)?.length_mm;
+    let lever = run.tag_number(FORCE_AT_MM).or_else(sample);
+    lever.filter(|lever| *lever > 0.0)
+}
+
+fn force_of(channels: &[Channel]) -> Option<&Channel> {
+    channels
+        .iter()
+        .find(|c| c.quantity == Quantity::BlockingForce && !c.is_empty())
+}
+
 fn of_run(run: &RunRecord, channels: &[Channel], campaign: &Campaign) -> BlockedRun {
     let without = |message: &str, mend: &str| {
         let issue = Issue::warning(NO_MOMENT, message).mend(mend);
         BlockedRun::without_moment(run.id, &run.path, issue.at(Quantity::BlockingForce.column()))
     };
-    let sample = run.tag(keys::SAMPLE).and_then(|id| campaign.sample(id));
-    let lever = run.tag_number(FORCE_AT_MM);
-    let lever = lever.or_else(|| sample.and_then(|sample| sample.length_mm));
-    let Some(lever_mm) = lever.filter(|lever| *lever > 0.0) else {
-        return without(
-            "a blocking force gives no moment without the distance from the clamp to the sensor",
-            "give the sample length_mm in campaign.toml, or the run the tag blocking_force_at_mm",
-        );
+    let fitted = match with_moment(run, channels, campaign) {
+        Ok(fitted) => fitted,
+        Err((message, mend)) => return without(message, mend),
     };
     let (Some(drive), Some(area_cm2)) = (&run.drive, run.area_cm2) else {
         return without(
@@ -58,24 +100,6 @@ fn of_run(run: &RunRecord, channels: &[Channel], campaign: &Campaign) -> Blocked
             "give the run its voltage_v, and the sample length_mm and width_mm in campaign.toml",
         );
     };
-    let Some(force) = (channels.iter()).find(|c| c.quantity == Quantity::BlockingForce && !c.is_empty())
-    else {
-        return without(
-            "the column of the blocking force holds no reading",
-            "look at the file",
-        );
-    };
-    let moment: Vec<f64> = (force.values.iter())
-        .map(|&force_mn| blocked_moment_mn_mm(force_mn, lever_mm))
-        .collect();
-    // The place of the curvature in the law; the factor between them, mu over alpha, is in no other number.
-    let moment = Channel {
-        quantity: Quantity::Curvature,
-        values: moment.into(),
-        ..force.clone()
-    };
-    let current = channels.iter().filter(|c| c.quantity == Quantity::Current);
-    let fitted: Vec<Channel> = current.cloned().chain([moment]).collect();
     let input = FitInput {
         channels: &fitted,
         drive,
@@ -90,12 +114,15 @@ fn of_run(run: &RunRecord, channels: &[Channel], campaign: &Campaign) -> Blocked
         Ok(fit) => fit,
         Err(error) => return without(&error.to_string(), "look at the readings of the force"),
     };
-    let largest = force.values.iter().copied().filter(|force| force.is_finite());
+    let forces = force_of(channels)
+        .into_iter()
+        .flat_map(|force| force.values.iter());
+    let largest = forces.copied().filter(|force| force.is_finite());
     BlockedRun {
         run: run.id,
         path: run.path.clone(),
         largest_force_mn: largest.max_by(|a, b| a.abs().total_cmp(&b.abs())),
-        force_at_mm: Some(lever_mm),
+        force_at_mm: lever_mm(run, campaign),
         per_charge_mn_mm_per_c: size(number(&fit, "alpha_per_c_cm")),
         per_volt_mn_mm_per_v: per_volt(&fit, area_cm2),
         relaxation_per_s: number(&fit, "lambda_per_s"),
@@ -118,7 +145,7 @@ fn number(fit: &Fit, key: &str) -> Estimate {
 }
 
 /// A force may be read with either sign: its size counts.
-fn size(estimate: Estimate) -> Estimate {
+pub(super) fn size(estimate: Estimate) -> Estimate {
     match estimate.value {
         Some(value) if value < 0.0 => estimate.scaled(-1.0),
         _ => estimate,

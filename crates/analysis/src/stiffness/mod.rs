@@ -16,6 +16,7 @@ pub use estimates::product;
 pub(crate) use estimates::size;
 pub use modulus::{ModulusPoint, modulus_at, modulus_points, sample_modulus, second_moment_m4};
 pub use rows::{Change, SampleRow, sample_rows};
+pub(crate) use view::PER_CHARGE;
 pub use words::{answer, sentences};
 
 #[cfg(test)]

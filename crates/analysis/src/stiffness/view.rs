@@ -86,6 +86,14 @@ fn chart(rows: &[SampleRow]) -> Option<Chart> {
     (!told.is_empty()).then(|| Chart::new("Coupling against stiffness", vec![panel]).told(caption))
 }
 
+/// Moment per charge of a held strip.
+pub(crate) const PER_CHARGE: Quantity =
+    Quantity::new("mu_mn_mm_per_c", "μ", "moment per charge", "mN mm C⁻¹").shown_in(
+        "mu_mn_m_per_c",
+        "mN m C⁻¹",
+        1e-3,
+    );
+
 /// Runs of held strips.
 fn held(input: &TableInput, rows: &[SampleRow]) -> Table {
     const FORCE: Quantity = Quantity::new(
@@ -94,8 +102,6 @@ fn held(input: &TableInput, rows: &[SampleRow]) -> Table {
         "reading that is largest in size",
         "mN",
     );
-    const PER_CHARGE: Quantity = Quantity::new("mu_mn_mm_per_c", "μ", "moment per charge", "mN mm C⁻¹")
-        .shown_in("mu_mn_m_per_c", "mN m C⁻¹", 1e-3);
     // mN mm to µN m: the same number.
     const PER_VOLT: Quantity = Quantity::new(
         "moment_un_m_per_v",

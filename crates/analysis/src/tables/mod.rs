@@ -125,7 +125,7 @@ pub const TABLES: &[NamedTable] = &[
     NamedTable::new("stiffness", "Alpha split into stiffness and coupling, by modulus logs and blocking forces: which of them a change follows", stiffness::make),
     NamedTable::new("impedance", "Circuits fitted to the impedance spectra, one row a spectrum and circuit", |input| sheet::impedance(input.spectra)),
     NamedTable::new("circuits", "Every number of every circuit fitted to the impedance spectra, also of circuits that campaign.toml asks for", |input| sheet::circuits(sheet::fits(input.spectra))),
-    NamedTable::new("step-and-spectrum", "A step and a spectrum of the same strip in one likelihood: one set of parameters, and whether both can have it", step_and_spectrum::make).needing(Need::OneLikelihood),
+    NamedTable::new("step-and-spectrum", "A step, a spectrum and the force of the same strip in one likelihood: one set of parameters, and whether all can have it", step_and_spectrum::make).needing(Need::OneLikelihood),
     NamedTable::new("relaxation-times", "Peaks of the distribution of relaxation times of the impedance spectra, one row a peak", |input| sheet::relaxation_times(input.spectra)),
     NamedTable::new("frequency", "Amplitude and phase of current and bending per volt against frequency, of runs under a sine or a chirp", |input| frequency::view::table(input.frequency, input.runs)),
     NamedTable::new("refused", "Files and runs that are not in the other tables, with reason and mend", refused::make),

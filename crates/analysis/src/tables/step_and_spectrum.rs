@@ -1,14 +1,14 @@
-//! A step and a spectrum of one strip in one likelihood: three rows a pair, the step, the spectrum, and both.
+//! A step, a spectrum and the force of one strip in one likelihood: a row of each, and one of all together.
 
+use ieap_domain::Estimate;
 use ieap_domain::tag::keys;
-use ieap_domain::{Estimate, RunRecord};
 
 use super::TableInput;
 use super::of_run::{OfRun, Own};
 use super::of_several::contribution;
 use crate::impedance::{Both, OneLikelihood};
-use crate::laws::doubt::Doubts;
 use crate::parameters::ParameterInfo;
+use crate::stiffness::PER_CHARGE;
 use ieap_show::quantities::{Quantity, RUN, SAMPLE, VOLTAGE};
 use ieap_show::{Sheet, Table, Value};
 
@@ -24,19 +24,23 @@ const SHOWN: [&str; 9] = [
     "alpha_per_c_cm",
     "lambda_per_s",
 ];
+/// Where the rate of relaxation stands among them.
+const RATE: usize = 8;
 
-const REMARK: &str = "Both: one circuit for the readings of the step and of the spectrum, each weighted by its noise; that of the spectrum is what the same circuit leaves of it alone. p: chance of a difference as large where both have one circuit; below 0.05 the numbers of both are those of no strip. Steps at the lowest voltage, at which they are nearest to a spectrum.";
+const REMARK: &str = "Both: one circuit for the readings of the step and of the spectrum, each weighted by its noise; that of the spectrum is what the same circuit leaves of it alone. All: with the run of the held strip, whose moment relaxes as the curvature does. p: chance of a difference as large where all have one circuit; below 0.05 the numbers of both or all are those of no strip. Steps at the lowest voltage, at which they are nearest to a spectrum.";
 const SPECTRUM: Quantity = Quantity::plain("spectrum", "Spectrum", "run of the spectrum");
+const HELD: Quantity = Quantity::plain("held", "Held", "run of the held strip");
 const FROM: Quantity = Quantity::plain("from", "From", "what tells");
-const AGREES: Quantity = Quantity::plain("agrees", "One circuit", "whether both can have one circuit");
+const AGREES: Quantity = Quantity::plain("agrees", "One circuit", "whether all can have one circuit");
 const P: Quantity = Quantity::plain("p", "p", "chance of a difference as large");
 
-/// What tells, the verdict where it is both, and its numbers.
+/// What tells, the verdict where it is all together, and its numbers.
 struct Told<'a> {
     own: &'a OneLikelihood,
     from: &'static str,
     both: Option<&'a Result<Both, String>>,
     numbers: [Option<Estimate>; SHOWN.len()],
+    moment: Option<Estimate>,
 }
 
 /// Makes the table.
@@ -55,6 +59,7 @@ pub fn make(input: &TableInput) -> Table {
             told.own.path.as_str()
         })
         .column(SPECTRUM, |(_, told)| told.own.spectrum.as_str())
+        .column(HELD, |(_, told)| told.own.held.as_deref())
         .column(SAMPLE, |(run, _)| run.tag(keys::SAMPLE))
         .column(VOLTAGE, |(run, _)| run.number(keys::VOLTAGE_V))
         .column(FROM, |(_, told)| told.from)
@@ -68,35 +73,51 @@ pub fn make(input: &TableInput) -> Table {
             _ => Value::Missing,
         })
         .columns_by_place(&shown, |(_, told), at| told.numbers[at].as_ref().map(Value::from))
+        .column(PER_CHARGE, |(_, told)| told.moment.as_ref().map(Value::from))
         .over(input.one_likelihood.iter().flat_map(|own| {
             let run = OfRun::new(input.of_runs(), own.run_id, &own.path);
-            told(input.doubts, own, run.record).map(|told| (run, told))
+            told(input, own).into_iter().map(move |told| (run, told))
         }))
 }
 
-fn told<'a>(doubts: &'a Doubts, own: &'a OneLikelihood, run: Option<&'a RunRecord>) -> [Told<'a>; 3] {
-    let of_step = move |key: &str| {
-        let estimate = contribution(doubts, run?, key).estimate.ok()?;
-        Some(estimate.into_owned())
+fn told<'a>(input: &TableInput<'a>, own: &'a OneLikelihood) -> Vec<Told<'a>> {
+    let numbers_of = |path: &str| {
+        let run = input.runs.iter().find(|run| run.path == path);
+        SHOWN.map(|key| Some(contribution(input.doubts, run?, key).estimate.ok()?.into_owned()))
     };
     let of_spectrum = |key: &str| {
         let found = own.of_spectrum.iter().find(|(known, _)| *known == key);
         found.map(|(_, estimate)| estimate.clone())
     };
+    let both = own.both.as_ref().ok();
     let of_both = |key: &str| {
-        let mut found = own.both.as_ref().ok()?.parameters.iter();
-        let found = found.find(|own| own.key == key);
+        let found = both?.parameters.iter().find(|own| own.key == key);
         found.map(|own| own.estimate.clone())
     };
-    let told = |from, both, numbers| Told {
+    let told = |from, numbers| Told {
         own,
         from,
-        both,
+        both: None,
         numbers,
+        moment: None,
     };
-    [
-        told("step", None, SHOWN.map(of_step)),
-        told("spectrum", None, SHOWN.map(of_spectrum)),
-        told("both", Some(&own.both), SHOWN.map(of_both)),
-    ]
+    let force = own.held.as_deref().map(|held| {
+        let alone = input.blocked.iter().find(|blocked| blocked.path == held);
+        let mut numbers = numbers_of(held);
+        numbers[RATE] = alone.map(|alone| alone.relaxation_per_s.clone());
+        Told {
+            moment: alone.map(|alone| alone.per_charge_mn_mm_per_c.clone()),
+            ..told("force", numbers)
+        }
+    });
+    let all = Told {
+        both: Some(&own.both),
+        moment: both.and_then(|both| both.moment_mn_mm_per_c.clone()),
+        ..told(if force.is_some() { "all" } else { "both" }, SHOWN.map(of_both))
+    };
+    let alone = [
+        told("step", numbers_of(&own.path)),
+        told("spectrum", SHOWN.map(of_spectrum)),
+    ];
+    alone.into_iter().chain(force).chain([all]).collect()
 }

@@ -203,6 +203,9 @@ impl Problem for WithEdges<'_, '_> {
             columns.extend(self.shift_columns(run, &local, by_s, &here));
             add_run(&columns, &here, &mut all);
         }
+        for spectrum in &self.problem.spectra {
+            self.problem.add_spectrum(spectrum, at, &mut all);
+        }
         all.add_known_before(&self.known, 1.0, place);
         all
     }

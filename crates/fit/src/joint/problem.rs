@@ -121,7 +121,7 @@ impl<'a> JointProblem<'a> {
     }
 
     /// Adds a spectrum to a sum of squares at a place.
-    fn add_spectrum(&self, spectrum: &SpectrumRows, at: &[f64], all: &mut Local) {
+    pub(crate) fn add_spectrum(&self, spectrum: &SpectrumRows, at: &[f64], all: &mut Local) {
         let here = self.of_spectrum(spectrum, at);
         let column = |slot: &Slot| -> Option<Column> {
             let Slot::Searched(k) = *slot else { return None };

@@ -329,3 +329,39 @@ fn a_curvature_without_a_current_under_a_moving_voltage_ends_no_fit() {
     assert_eq!(fit.noise[0].character, Default::default());
     assert_eq!(fit.curves[0].readings, 2001);
 }
+
+/// A sine of 2 mHz whose voltmeter, or whose responses, go in steps of a 40th or a 20th of the peak, far above their noise: the
+/// error is the same in every period.
+#[test]
+fn what_a_coarse_converter_does_to_every_period_alike_is_in_the_intervals() {
+    let model = seen();
+    let wave = |t: f64| 2.0 * (TAU * 0.002 * t).sin();
+    let in_steps = |values: &[f64], step: f64| -> Vec<f64> {
+        values.iter().map(|value| (value / step).round() * step).collect()
+    };
+    let of_voltmeter = |seed| {
+        let mut own = record(&model, wave, (8.0, 3600.0), (0.0, 1e-3), 100 + seed);
+        let time_s = own.channels[0].time_s.clone();
+        let read: Vec<f64> = time_s.iter().map(|t| wave(*t)).collect();
+        own.drive = staircase(&time_s, &in_steps(&read, 0.05), 50);
+        own
+    };
+    let of_responses = |seed| {
+        let mut own = record(&model, wave, (8.0, 3600.0), (0.0, 1e-3), 100 + seed);
+        for channel in &mut own.channels {
+            let peak = channel.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            channel.values = in_steps(&channel.values, 0.05 * peak).into();
+        }
+        own
+    };
+    let seeds = counted(6, 60);
+    let counts = [
+        counted_inside(&model, seeds, of_voltmeter),
+        counted_inside(&model, seeds, of_responses),
+    ];
+    for [inside, values, held, bounds] in counts {
+        // The same steps in every run: what holds in one holds in nearly all.
+        assert!(values > 0 && inside >= values - values / 20, "{counts:?}");
+        assert!(held >= bounds - bounds / 20, "{counts:?}");
+    }
+}

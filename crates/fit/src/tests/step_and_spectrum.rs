@@ -51,7 +51,11 @@ fn spectrum(model: &LumpedModel, scatter: f64, seed: u64) -> Spectrum {
     own
 }
 
-fn both(of_step: &LumpedModel, of_spectrum: &LumpedModel, seed: u64) -> (Fit, StepAndSpectrum) {
+/// Moment per charge of the strip where it is held, mN mm / C.
+const MU: f64 = 900.0;
+
+/// The step alone, and beside the spectrum; with a run of the same strip held, too.
+fn both(of_step: &LumpedModel, of_spectrum: &LumpedModel, seed: u64) -> [(Fit, StepAndSpectrum); 2] {
     let every_s = [0.5, 1.0, 2.0][seed as usize % 3];
     let time_s: Arc<[f64]> = (0..500).map(|k| f64::from(k) * every_s).collect();
     let drive = Drive::step(0.2);
@@ -63,17 +67,40 @@ fn both(of_step: &LumpedModel, of_spectrum: &LumpedModel, seed: u64) -> (Fit, St
         area_cm2: AREA_CM2,
     };
     let spectrum = spectrum(of_spectrum, 0.003 * (1.0 + (seed % 4) as f64), 900 + seed);
-    let found = step_and_spectrum(&input, (&spectrum, AREA_CM2), "lumped-2").unwrap();
-    (fitted(&channels, &drive), found)
+    let pulls = LumpedModel {
+        charge_to_curvature_per_c_cm: MU,
+        ..of_step.clone()
+    };
+    let held_channels = super::channels(&pulls, &drive, &time_s, relative, 0.0, 5000 + seed);
+    let held = FitInput {
+        channels: &held_channels,
+        ..input
+    };
+    let step = fitted(&channels, &drive);
+    [None, Some(&held)].map(|held| {
+        let found = step_and_spectrum(&input, held, (&spectrum, AREA_CM2), "lumped-2").unwrap();
+        (step.clone(), found)
+    })
 }
 
 #[test]
 fn together_they_are_narrower_and_as_true() {
+    for with_force in [false, true] {
+        together_with(with_force);
+    }
+}
+
+fn together_with(with_force: bool) {
     let (mut held, mut of, mut refused, mut narrower, mut told) = (0, 0, 0, 0, 0);
     let draws = counted(20, 100);
     for seed in 0..draws {
-        let (step, found) = both(&strip(), &strip(), 50 + seed);
+        let (step, found) = both(&strip(), &strip(), 50 + seed)[usize::from(with_force)].clone();
         refused += usize::from(found.p < 0.05);
+        if let Some(moment) = &found.moment_per_c {
+            let (low, high) = (moment.low_95.unwrap(), moment.high_95.unwrap());
+            held += usize::from((low..=high).contains(&MU));
+            of += 1;
+        }
         for (key, truth) in truth(&strip()) {
             let own = found
                 .parameters
@@ -110,7 +137,8 @@ fn together_they_are_narrower_and_as_true() {
 fn a_strip_that_changed_between_them_is_seen() {
     let mut other = strip();
     other.branches[1].capacitance_f_per_cm2 *= 1.2;
-    let (_, found) = both(&strip(), &other, 7);
-    assert_eq!(found.shared, 5);
-    assert!(found.p < 1e-3, "{found:?}");
+    for ((_, found), shared) in both(&strip(), &other, 7).iter().zip([5, 11]) {
+        assert_eq!(found.shared, shared);
+        assert!(found.p < 1e-3, "{found:?}");
+    }
 }
