@@ -31,7 +31,9 @@ pub fn fit_many(
         known: crate::fit::known(py, &known)?,
         ..choice(model, method, simultaneous, seed)
     };
-    let options = in_memory::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
+    let mut options = in_memory::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
+    // No column says what the noise of a run at hand is like, which takes several times as long as its fit.
+    options.describes_noise = false;
     let found = all_runs(table)?;
     let fitted: Vec<Fitted> = interruptible(py, threads, || {
         let fit = |(name, row): RowRun| {

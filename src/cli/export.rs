@@ -2,7 +2,9 @@
 
 use crate::domain::words::counted;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
@@ -44,38 +46,35 @@ pub struct ExportArgs {
     overwrite: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+/// One of the tables, or more than one.
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum What {
-    /// One row a run: tags, state, files with hashes, quality of the fit
-    Runs,
-    /// One row a run and tag, with its source
-    Tags,
-    /// One row a run and parameter: value, standard error, interval
-    Fits,
-    /// One row a run, parameters side by side
-    FitsWide,
-    /// One row a condition
-    Conditions,
-    /// Every reading of every run, one row a reading
-    Traces,
-    /// Modulus logs: one row a humidity step and number
-    Dma,
-    /// What the diagnosis found: one row a group of runs, and one a run by itself, with the gain on held-out readings
-    Findings,
-    /// What holds across runs: one row a parameter and what it may follow, with the law where it is claimed
-    Laws,
-    /// Long-term monitoring: one row a sample and parameter
-    Monitoring,
-    /// What steps say without a model, and their energies: one row a run whose voltage is stepped and held
-    ModelFree,
-    /// Trains, one row a cycle
-    Cycles,
-    /// What every column of these tables is: one row a column, with its unit and meaning
-    Columns,
-    /// All of these, one file each, into a folder
+    One(Table),
     All,
-    /// Everything to publish: raw files, tables, figures, campaign.toml and what they are, as one ZIP (RO-Crate)
     Crate,
+}
+
+static EVERYTHING: LazyLock<Vec<What>> = LazyLock::new(|| {
+    let tables = Table::ALL.into_iter().map(What::One);
+    tables.chain([What::All, What::Crate]).collect()
+});
+
+impl ValueEnum for What {
+    fn value_variants<'a>() -> &'a [What] {
+        &EVERYTHING
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, about) = match self {
+            What::One(table) => (table.key(), table.label()),
+            What::All => ("all", "All of these, one file each, into a folder"),
+            What::Crate => (
+                "crate",
+                "Everything to publish: raw files, tables, figures, campaign.toml and what they are, as one ZIP (RO-Crate)",
+            ),
+        };
+        Some(PossibleValue::new(name).help(about))
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -89,19 +88,7 @@ enum FileFormat {
 impl What {
     fn tables(self) -> Vec<Table> {
         match self {
-            What::Runs => vec![Table::Runs],
-            What::Tags => vec![Table::Tags],
-            What::Fits => vec![Table::Fits],
-            What::FitsWide => vec![Table::FitsWide],
-            What::Conditions => vec![Table::Conditions],
-            What::Traces => vec![Table::Traces],
-            What::Dma => vec![Table::Dma],
-            What::Findings => vec![Table::Findings],
-            What::Laws => vec![Table::Laws],
-            What::Monitoring => vec![Table::Monitoring],
-            What::ModelFree => vec![Table::ModelFree],
-            What::Cycles => vec![Table::Cycles],
-            What::Columns => vec![Table::Columns],
+            What::One(table) => vec![table],
             What::All | What::Crate => Table::ALL.to_vec(),
         }
     }
@@ -109,11 +96,11 @@ impl What {
 
 pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
     let context = Context::open_read_only(&args.campaign.folder()?)?;
-    if output.json && args.output.is_none() && matches!(args.what, What::Fits) {
+    if output.json && args.output.is_none() && args.what == What::One(Table::Fits) {
         output.document(&fits_document(&context)?)?;
         return Ok(DONE);
     }
-    if matches!(args.what, What::Crate) {
+    if args.what == What::Crate {
         return research_crate(args, &context, output);
     }
     if args.partitioned {
@@ -158,7 +145,7 @@ fn research_crate(args: &ExportArgs, context: &Context, output: &Output) -> Resu
 
 /// Runs for a cluster.
 fn partitioned(args: &ExportArgs, context: &Context, output: &Output) -> Result<u8, CliError> {
-    if !matches!(args.what, What::Traces) {
+    if args.what != What::One(Table::Traces) {
         return Err(CliError::usage(
             "--partitioned is for readings: add `--what traces`, or leave it out",
         ));
@@ -199,7 +186,7 @@ fn to_stdout(args: &ExportArgs, context: &Context, output: &Output) -> Result<u8
     let format = with_comma(args, is_csv)?.unwrap_or(plain);
     let (bytes, rows) = Export::bytes(context, table, format)?;
     output.write(&bytes);
-    output.message(&format!("{}: {}", table.name(), counted(rows, "row")));
+    output.message(&format!("{}: {}", table.key(), counted(rows, "row")));
     Ok(DONE)
 }
 
@@ -217,11 +204,11 @@ fn with_comma(args: &ExportArgs, is_csv: bool) -> Result<Option<TableFormat>, Cl
 /// Which table goes where.
 fn targets(args: &ExportArgs) -> Result<Vec<(Table, PathBuf)>, CliError> {
     let tables = args.what.tables();
-    if !matches!(args.what, What::All) {
+    if args.what != What::All {
         let path = |table: &Table| {
             args.output
                 .clone()
-                .unwrap_or_else(|| format!("{}.csv", table.name()).into())
+                .unwrap_or_else(|| format!("{}.csv", table.key()).into())
         };
         return Ok(tables.iter().map(|table| (*table, path(table))).collect());
     }
@@ -235,6 +222,6 @@ fn targets(args: &ExportArgs) -> Result<Vec<(Table, PathBuf)>, CliError> {
         Some(FileFormat::Parquet) | None => "parquet",
         Some(FileFormat::Csv) => "csv",
     };
-    let path = |table: &Table| folder.join(format!("{}.{ending}", table.name()));
+    let path = |table: &Table| folder.join(format!("{}.{ending}", table.key()));
     Ok(tables.iter().map(|table| (*table, path(table))).collect())
 }

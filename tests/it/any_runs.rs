@@ -338,14 +338,14 @@ fn told_in_every_way(context: &Context) -> Result<(), TestCaseError> {
     let out = tempfile::tempdir().expect("a folder");
     for table in Table::ALL {
         for ending in ["csv", "parquet", "json"] {
-            let path = out.path().join(format!("{}.{ending}", table.name()));
+            let path = out.path().join(format!("{}.{ending}", table.key()));
             let export = Export {
                 table,
                 format: None,
                 path,
                 overwrite: false,
             };
-            answered(table.name(), export.run(context))?;
+            answered(table.key(), export.run(context))?;
         }
     }
     let plan = plan(context).map_err(|error| failed("next", &error))?;

@@ -124,7 +124,7 @@ mod tests {
             said.as_deref(),
             Some("resistance of the fast branch: standard error")
         );
-        let tables: Vec<&str> = Table::ALL.iter().map(|table| table.name()).collect();
+        let tables: Vec<&str> = Table::ALL.iter().map(|table| table.key()).collect();
         for (name, _) in meanings() {
             let is_exported = name
                 .split_once('.')

@@ -11,7 +11,7 @@ use crate::analysis::laws::CampaignLaws;
 use crate::analysis::monitoring::Monitoring;
 pub use crate::analysis::monitoring::monitor;
 use crate::analysis::{self, About, ExportError, TraceWriter, run_tables, tables, traces};
-use crate::domain::{Campaign, ModulusLog, RunRecord};
+use crate::domain::{Campaign, ModulusLog, RunRecord, string_enum};
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::across_runs::campaign_laws;
@@ -23,93 +23,36 @@ use crate::pipeline::{Context, PipelineError};
 use crate::show::Frame;
 use crate::system::passing::Passing;
 
-/// What can be written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Table {
-    /// One row a run.
-    Runs,
-    /// One row a run and tag.
-    Tags,
-    /// One row a run and parameter.
-    Fits,
-    /// One row a run, parameters side by side.
-    FitsWide,
-    /// One row a condition.
-    Conditions,
-    /// One row a reading.
-    Traces,
-    /// One row a number of a modulus log.
-    Dma,
-    /// One row a finding of the diagnosis.
-    Findings,
-    /// One row a question asked across runs.
-    Laws,
-    /// One row a sample and parameter that is watched.
-    Monitoring,
-    /// One row a step, without a model.
-    ModelFree,
-    /// One row a cycle of a train.
-    Cycles,
-    /// One row a column of the others.
-    Columns,
-}
-
-impl Table {
-    /// Every table.
-    pub const ALL: [Table; 13] = [
-        Table::Runs,
-        Table::Tags,
-        Table::Fits,
-        Table::FitsWide,
-        Table::Conditions,
-        Table::Traces,
-        Table::Dma,
-        Table::Findings,
-        Table::Laws,
-        Table::Monitoring,
-        Table::ModelFree,
-        Table::Cycles,
-        Table::Columns,
-    ];
-
-    /// Name of its file, without ending.
-    pub fn name(self) -> &'static str {
-        match self {
-            Table::Runs => "runs",
-            Table::Tags => "tags",
-            Table::Fits => "fits",
-            Table::FitsWide => "fits-wide",
-            Table::Conditions => "conditions",
-            Table::Traces => "traces",
-            Table::Dma => "dma",
-            Table::Findings => "findings",
-            Table::Laws => "laws",
-            Table::Monitoring => "monitoring",
-            Table::ModelFree => "model-free",
-            Table::Cycles => "cycles",
-            Table::Columns => "columns",
-        }
-    }
-
-    /// What it holds, one sentence.
-    pub fn about(self) -> &'static str {
-        match self {
-            Table::Runs => "One row a run: tags, state, files with hashes, quality of the fit",
-            Table::Tags => "One row a run and tag, with its source",
-            Table::Fits => "One row a run and parameter: value, standard error, interval",
-            Table::FitsWide => "One row a run, parameters side by side",
-            Table::Conditions => "One row a condition: runs, mean and spread of each parameter",
-            Table::Traces => "One row a reading",
-            Table::Dma => "One row a modulus log, humidity step and number",
-            Table::Findings => "One row a finding of the diagnosis",
-            Table::Laws => "One row a question asked across runs, with the law where it is claimed",
-            Table::Monitoring => "One row a sample and parameter that is watched",
-            Table::ModelFree => {
-                "One row a run whose voltage is stepped and held: numbers without a model, energies"
-            }
-            Table::Cycles => "One row a cycle of a train",
-            Table::Columns => "One row a column of the others, with unit and meaning",
-        }
+string_enum! {
+    /// What can be written.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Table {
+        /// Runs.
+        Runs = "runs" => "One row a run: tags, state, files with hashes, quality of the fit",
+        /// Tags.
+        Tags = "tags" => "One row a run and tag, with its source",
+        /// Parameters.
+        Fits = "fits" => "One row a run and parameter: value, standard error, interval",
+        /// The same, side by side.
+        FitsWide = "fits-wide" => "One row a run, parameters side by side",
+        /// Conditions.
+        Conditions = "conditions" => "One row a condition: runs, mean and spread of each parameter",
+        /// Readings.
+        Traces = "traces" => "One row a reading",
+        /// Modulus logs.
+        Dma = "dma" => "One row a modulus log, humidity step and number",
+        /// Findings.
+        Findings = "findings" => "One row a finding of the diagnosis, of a group of runs or of a run by itself, with the gain on held-out readings",
+        /// Laws.
+        Laws = "laws" => "One row a question asked across runs, with the law where it is claimed",
+        /// Long-term monitoring.
+        Monitoring = "monitoring" => "One row a sample and parameter that is watched",
+        /// Numbers without a model.
+        ModelFree = "model-free" => "One row a run whose voltage is stepped and held: numbers without a model, energies",
+        /// Trains.
+        Cycles = "cycles" => "One row a cycle of a train",
+        /// Columns.
+        Columns = "columns" => "One row a column of the others, with unit and meaning",
     }
 }
 
@@ -181,7 +124,7 @@ impl Export {
         let (folder, _passing) = made.map_err(failed)?;
         let export = Export {
             table,
-            path: folder.path().join(table.name()),
+            path: folder.path().join(table.key()),
             format: Some(format),
             overwrite: false,
         };
@@ -190,7 +133,7 @@ impl Export {
     }
 
     fn write(&self, context: &Context, format: TableFormat, path: &Path) -> Result<usize, PipelineError> {
-        let about = about(context, self.table.name());
+        let about = about(context, self.table.key());
         if self.table == Table::Traces {
             let mut writer = TraceWriter::create(path, format, &about)?;
             for run in &standing::runs(context)?.speaking {
@@ -258,8 +201,8 @@ impl Table {
             Table::Columns => {
                 // Which columns there are, the runs tell; what was made from them only fills rows.
                 let others = Table::ALL.into_iter().filter(|table| *table != Table::Columns);
-                let head = |table: Table| (table.name(), table.of(all, campaign, &Made::default()));
-                let own = (Table::Columns.name(), columns_table(Vec::new()));
+                let head = |table: Table| (table.key(), table.of(all, campaign, &Made::default()));
+                let own = (Table::Columns.key(), columns_table(Vec::new()));
                 columns_table(others.map(head).chain([own]).collect())
             }
         }

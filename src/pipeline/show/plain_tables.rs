@@ -14,8 +14,8 @@ use crate::show::{Frame, frame_of};
 /// Name of every table that programs can have, and what it shows: those that `ieap export` writes, readings apart, then those
 /// that `ieap table` lists beside them.
 pub fn listed() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let written = exported().map(|table| (table.name(), table.about()));
-    written.chain(tables::listed().filter(|(name, _)| exported().all(|table| table.name() != *name)))
+    let written = exported().map(|table| (table.key(), table.label()));
+    written.chain(tables::listed().filter(|(name, _)| exported().all(|table| table.key() != *name)))
 }
 
 fn exported() -> impl Iterator<Item = Table> {
@@ -27,7 +27,7 @@ fn exported() -> impl Iterator<Item = Table> {
 /// # Errors
 /// There is none of that name, or the database cannot be read.
 pub fn plain_table(context: &Context, name: &str) -> Result<Frame, PipelineError> {
-    if let Some(table) = exported().find(|table| table.name() == name) {
+    if let Some(table) = exported().find(|table| table.key() == name) {
         return table.frame(context);
     }
     if !listed().any(|(known, _)| known == name) {

@@ -82,8 +82,8 @@ pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<C
         for table in Table::ALL {
             for (format, ending) in [(TableFormat::Parquet, "parquet"), (TableFormat::Csv, "csv")] {
                 let (bytes, rows) = Export::bytes(context, table, format)?;
-                let about = format!("Table {}, {rows} rows", table.name());
-                add(&format!("tables/{}.{ending}", table.name()), &about, &bytes)?;
+                let about = format!("Table {}, {rows} rows", table.key());
+                add(&format!("tables/{}.{ending}", table.key()), &about, &bytes)?;
             }
         }
         for (name, _, _, about) in figures::listed().filter(|(name, ..)| !figures::needs_no_campaign(name)) {
