@@ -83,7 +83,7 @@ def fit(
     """
 
     # Without annotations: Spark would take them for a choice between its ways of handing over rows.
-    def fitted(batches):
+    def fitted(batches):  # type: ignore[no-untyped-def]
         for batch in batches:
             yield from _batches(ieap.fit_many(batch, model=model, seed=seed, threads=threads))
 
@@ -107,14 +107,16 @@ def diagnose(
     """
     keys = [by] if isinstance(by, str) else list(by)
 
-    def diagnosed(key, rows):
+    def diagnosed(key, rows):  # type: ignore[no-untyped-def]
         name = ",".join(f"{name}={value.as_py()}" for name, value in zip(keys, key))
-        options = {"group": name, "model": model, "draws": draws, "seed": seed, "threads": threads}
         # Rows come in the order in which the cluster delivers them: a group has one order, that of the names.
         ordered = rows.sort_by("run") if "run" in rows.column_names else rows
         import pyarrow
 
-        return pyarrow.table(ieap.diagnose_rows(ordered.combine_chunks(), **options))
+        found = ieap.diagnose_rows(
+            ordered.combine_chunks(), group=name, model=model, draws=draws, seed=seed, threads=threads
+        )
+        return pyarrow.table(found)
 
     return df.groupBy(*keys).applyInArrow(diagnosed, _schema(FINDING_COLUMNS))
 
@@ -122,7 +124,8 @@ def diagnose(
 def _batches(table: ieap.Table) -> list[pyarrow.RecordBatch]:
     import pyarrow
 
-    return pyarrow.table(table).to_batches()
+    batches: list[pyarrow.RecordBatch] = pyarrow.table(table).to_batches()
+    return batches
 
 
 def _schema(columns: dict[str, tuple[str, str]]) -> StructType:
