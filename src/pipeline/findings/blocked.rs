@@ -73,7 +73,7 @@ pub(super) fn with_moment(
 }
 
 /// Distance from the clamp to the sensor of the force: that of the run, else the length of its strip.
-fn lever_mm(run: &RunRecord, campaign: &Campaign) -> Option<f64> {
+pub(super) fn lever_mm(run: &RunRecord, campaign: &Campaign) -> Option<f64> {
     let sample = || campaign.sample(run.tag(keys::SAMPLE)?)?.length_mm;
     let lever = run.tag_number(FORCE_AT_MM).or_else(sample);
     lever.filter(|lever| *lever > 0.0)

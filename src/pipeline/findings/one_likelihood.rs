@@ -6,7 +6,7 @@ use crate::domain::{Campaign, Channel, Quantity, RunRecord, SpectrumRun};
 use crate::fit::{FitInput, step_and_spectrum};
 use crate::pipeline::campaign::batch::compute;
 use crate::pipeline::campaign::readings;
-use crate::pipeline::findings::blocked::{size, with_moment};
+use crate::pipeline::findings::blocked::{lever_mm, size, with_moment};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FitTask;
 
@@ -23,7 +23,7 @@ pub fn in_one_likelihood(
     let tasks = context.store.fit_tasks()?;
     let beside: Vec<Beside> = comparisons(spectra, runs)
         .into_iter()
-        .flat_map(|comparison| besides(&comparison, runs, &tasks))
+        .flat_map(|comparison| besides(&comparison, runs, &tasks, &context.campaign))
         .collect();
     let load = |context: &Context, beside: &Beside| {
         let held = beside.held.map(|held| context.store.channels(held.run.id));
@@ -50,7 +50,13 @@ struct Beside<'a> {
     held: Option<Run<'a>>,
 }
 
-fn besides<'a>(comparison: &Comparison, runs: &'a [RunRecord], tasks: &'a [FitTask]) -> Vec<Beside<'a>> {
+/// A run whose force gives no moment is a step like the others, by its current.
+fn besides<'a>(
+    comparison: &Comparison,
+    runs: &'a [RunRecord],
+    tasks: &'a [FitTask],
+    campaign: &Campaign,
+) -> Vec<Beside<'a>> {
     let of = |path: &String| {
         Some(Run {
             run: runs.iter().find(|run| run.path == *path)?,
@@ -59,7 +65,8 @@ fn besides<'a>(comparison: &Comparison, runs: &'a [RunRecord], tasks: &'a [FitTa
     };
     let is_held = |of: &Run| {
         let mut channels = of.run.channels.iter();
-        channels.any(|channel| channel.quantity == Quantity::BlockingForce)
+        let has_force = channels.any(|channel| channel.quantity == Quantity::BlockingForce);
+        has_force && lever_mm(of.run, campaign).is_some()
     };
     let all = comparison.lowest.runs.iter().filter_map(of);
     let (held, steps): (Vec<Run>, Vec<Run>) = all.partition(is_held);
