@@ -24,8 +24,6 @@ const SHOWN: [&str; 9] = [
     "alpha_per_c_cm",
     "lambda_per_s",
 ];
-/// Where the rate of relaxation stands among them.
-const RATE: usize = 8;
 
 const REMARK: &str = "Both: one circuit for the readings of the step and of the spectrum, each weighted by its noise; that of the spectrum is what the same circuit leaves of it alone. All: with the run of the held strip, whose moment relaxes as the curvature does. p: chance of a difference as large where all have one circuit; below 0.05 the numbers of both or all are those of no strip. Steps at the lowest voltage, at which they are nearest to a spectrum.";
 const SPECTRUM: Quantity = Quantity::plain("spectrum", "Spectrum", "run of the spectrum");
@@ -81,9 +79,9 @@ pub fn make(input: &TableInput) -> Table {
 }
 
 fn told<'a>(input: &TableInput<'a>, own: &'a OneLikelihood) -> Vec<Told<'a>> {
-    let numbers_of = |path: &str| {
-        let run = input.runs.iter().find(|run| run.path == path);
-        SHOWN.map(|key| Some(contribution(input.doubts, run?, key).estimate.ok()?.into_owned()))
+    let number_of = |path: &str, key: &str| {
+        let run = input.runs.iter().find(|run| run.path == path)?;
+        Some(contribution(input.doubts, run, key).estimate.ok()?.into_owned())
     };
     let of_spectrum = |key: &str| {
         let found = own.of_spectrum.iter().find(|(known, _)| *known == key);
@@ -103,8 +101,11 @@ fn told<'a>(input: &TableInput<'a>, own: &'a OneLikelihood) -> Vec<Told<'a>> {
     };
     let force = own.held.as_deref().map(|held| {
         let alone = input.blocked.iter().find(|blocked| blocked.path == held);
-        let mut numbers = numbers_of(held);
-        numbers[RATE] = alone.map(|alone| alone.relaxation_per_s.clone());
+        let numbers = SHOWN.map(|key| match key {
+            // Its moment relaxes; a curvature it has not.
+            "lambda_per_s" => alone.map(|alone| alone.relaxation_per_s.clone()),
+            key => number_of(held, key),
+        });
         Told {
             moment: alone.map(|alone| alone.per_charge_mn_mm_per_c.clone()),
             ..told("force", numbers)
@@ -116,7 +117,7 @@ fn told<'a>(input: &TableInput<'a>, own: &'a OneLikelihood) -> Vec<Told<'a>> {
         ..told(if force.is_some() { "all" } else { "both" }, SHOWN.map(of_both))
     };
     let alone = [
-        told("step", numbers_of(&own.path)),
+        told("step", SHOWN.map(|key| number_of(&own.path, key))),
         told("spectrum", SHOWN.map(of_spectrum)),
     ];
     alone.into_iter().chain(force).chain([all]).collect()
