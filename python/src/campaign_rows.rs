@@ -86,7 +86,6 @@ fn drive(batch: &RecordBatch, row: usize) -> Result<Drive, Issue> {
         };
         let edge = match before.get(place).copied() {
             Some(before_s) if before_s.is_finite() => Edge::between(before_s, start_s),
-            Some(f64::NEG_INFINITY) => Edge::before(start_s),
             _ => Edge::at(start_s),
         };
         Segment { edge, level }

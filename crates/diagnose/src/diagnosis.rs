@@ -28,25 +28,12 @@ use crate::readings::scatter;
 ///
 /// It is a pure function of its input and options: the same readings give the same result at any number of threads.
 pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
-    let mut found = of_seen_starts(name, runs, options);
+    let mut found = of_runs(name, runs, options);
     say(&mut found, &summary);
-    // What such a run has before its first reading would be taken for a cause.
-    if !runs.is_empty() && runs.iter().all(RunInput::starts_unseen) {
-        found.verdict = Verdict::Undecided;
-        found.sentence = "Whether the simulation is right cannot be told: nothing tells since when the first voltage is applied."
-            .to_owned();
-    }
-    let unseen = runs.iter().filter(|run| run.starts_unseen());
-    found.remarks.extend(unseen.map(|run| {
-        format!(
-            "{} takes no part: nothing tells since when its first voltage is applied",
-            run.name
-        )
-    }));
     found
 }
 
-fn of_seen_starts(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
+fn of_runs(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
     let raw = RunGroup::new(runs);
     let odd = odd_runs(&raw, options.model);
     if !odd.is_empty() {

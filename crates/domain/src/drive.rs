@@ -144,17 +144,17 @@ impl Drive {
     }
 
     /// The drive as a voltmeter tells it that is read at these times, in rising order: each start lies between the last reading
-    /// before it and the first one that saw it; before the first reading nothing does. Of starts between the same two readings the last level is seen.
+    /// before it and the first one that saw it; of one before the first reading see [`Edge::before_readings`]. Of starts between the same two readings the last level is seen.
     pub fn as_seen(&self, time_s: &[f64]) -> Drive {
         let mut seen = self.clone();
         for segment in &mut seen.segments {
             let first = time_s.partition_point(|&t| t < segment.start_s());
             let after_s = time_s.get(first).copied().unwrap_or(segment.start_s());
             let before_s = first.checked_sub(1).map(|before| time_s[before]);
-            segment.edge = match before_s {
-                Some(before_s) => Edge::between(before_s, after_s),
-                None => Edge::before(after_s),
-            };
+            segment.edge = before_s
+                .map(|before_s| Edge::between(before_s, after_s))
+                .or_else(|| Edge::before_readings(time_s, true))
+                .unwrap_or(segment.edge);
         }
         seen.segments.dedup_by(|later, earlier| {
             let same = later.start_s() <= earlier.start_s();

@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 /// When the voltage changed: after the last reading that shows the old level and no later than the first that shows the new one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Edge {
-    /// It was not before this time, s; minus infinity, which is not stored, where nothing tells.
-    #[serde(default = "never", skip_serializing_if = "is_never")]
+    /// It was not before this time, s.
     pub no_earlier_s: f64,
     /// It was not after this time, s.
     pub no_later_s: f64,
@@ -25,10 +24,8 @@ pub const EDGE_OF_RANGE: f64 = 0.36;
 pub enum EdgeOrigin {
     /// The file or a person states it, to the instant.
     Stated,
-    /// The readings beside it.
+    /// The readings beside it, and of one before the first of them the clock's zero.
     Readings,
-    /// Nothing: the record begins after it, and does not say how long after.
-    Unseen,
 }
 
 impl Edge {
@@ -50,13 +47,18 @@ impl Edge {
         }
     }
 
-    /// An edge before the record, at a time that nothing tells.
-    pub fn before(begins_s: f64) -> Edge {
-        Edge {
-            no_earlier_s: f64::NEG_INFINITY,
-            no_later_s: begins_s,
-            origin: EdgeOrigin::Unseen,
-        }
+    /// The edge before the first of readings at these times, which find the new level already. Two witnesses tell when it was: a
+    /// record begins with its step, so that it lies within one interval before the first reading; and a clock that counts from
+    /// the step has its zero there. Where they disagree it lies anywhere between what they say. None without a reading.
+    pub fn before_readings(time_s: &[f64], counts_from_step: bool) -> Option<Edge> {
+        let begins_s = *time_s.first()?;
+        let interval_s = time_s.get(1).map_or(0.0, |next_s| next_s - begins_s);
+        let of_clock = Some(0.0).filter(|zero_s| counts_from_step && *zero_s <= begins_s);
+        let of_record_s = begins_s - interval_s;
+        Some(Edge::between(
+            of_clock.map_or(of_record_s, |zero_s| of_record_s.min(zero_s)),
+            begins_s,
+        ))
     }
 
     /// How long the time is in which it may lie, s; 0 where it is stated.
@@ -64,13 +66,9 @@ impl Edge {
         self.no_later_s - self.no_earlier_s
     }
 
-    /// The middle of that time, s; the end of it where nothing tells how early.
+    /// The middle of that time, s.
     pub fn middle_s(&self) -> f64 {
-        if self.is_unseen() {
-            self.no_later_s
-        } else {
-            0.5 * (self.no_earlier_s + self.no_later_s)
-        }
+        0.5 * (self.no_earlier_s + self.no_later_s)
     }
 
     /// Standard deviation of where it lies in that time, s ([`EDGE_OF_RANGE`]).
@@ -96,17 +94,28 @@ impl Edge {
     pub fn is_stated(&self) -> bool {
         self.origin == EdgeOrigin::Stated
     }
+}
 
-    /// Whether nothing tells how long before the record it was.
-    pub fn is_unseen(&self) -> bool {
-        self.origin == EdgeOrigin::Unseen
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_edge_before_a_record_moves_with_its_first_reading_and_jumps_nowhere() {
+        let edge = |begins_s: f64, counts_from_step: bool| {
+            Edge::before_readings(&[begins_s, begins_s + 1.0, begins_s + 2.0], counts_from_step).unwrap()
+        };
+        // Both witnesses agree within an interval of the clock's zero.
+        assert_eq!(edge(0.4, true), Edge::between(-0.6, 0.4));
+        assert_eq!(edge(10.0, true), Edge::between(0.0, 10.0));
+        // Another clock tells nothing, nor does one whose zero comes after the first reading.
+        assert_eq!(edge(10.0, false), Edge::between(9.0, 10.0));
+        assert_eq!(edge(-5.0, true), Edge::between(-6.0, -5.0));
+        let at: Vec<f64> = (0..3000).map(|k| f64::from(k) * 1e-3 - 1.0).collect();
+        for pair in at.windows(2) {
+            let [a, b] = [edge(pair[0], true), edge(pair[1], true)];
+            assert!((a.no_earlier_s - b.no_earlier_s).abs() < 1.1e-3, "{pair:?}");
+        }
+        assert_eq!(Edge::before_readings(&[], true), None);
     }
-}
-
-fn never() -> f64 {
-    f64::NEG_INFINITY
-}
-
-fn is_never(time_s: &f64) -> bool {
-    *time_s == f64::NEG_INFINITY
 }

@@ -145,16 +145,6 @@ pub fn can_join_group(input: &FitInput, model: &'static FitModel) -> Result<(), 
         model,
         ..FitOptions::default()
     };
-    if input
-        .drive
-        .segments
-        .first()
-        .is_some_and(|first| first.edge.is_unseen())
-    {
-        let reason =
-            "nothing tells since when its first voltage is applied; it is fitted by itself".to_owned();
-        return Err(FitError::OutsideGroup { reason });
-    }
     if input.drive.moves() {
         let reason = "its voltage moves all the time; it is fitted by itself".to_owned();
         return Err(FitError::OutsideGroup { reason });

@@ -41,7 +41,6 @@ mod strain;
 mod two_steps;
 mod uncertainty;
 mod unseen_charge;
-mod unseen_start;
 mod whitened;
 mod widened;
 
@@ -132,15 +131,8 @@ fn fit_cleaned(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
     Ok(fit)
 }
 
+/// Fits a run whose channels are on one clock.
 fn fit_on_one_clock(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
-    if unseen_start::is_unseen(input.drive) {
-        return unseen_start::fit(input, options, |input| fit_seen(input, options));
-    }
-    fit_seen(input, options)
-}
-
-/// Fits a run whose edges are stated or lie between readings.
-fn fit_seen(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let settled = settled_edges::settled(input, options)?;
     let placed = FitInput {
         drive: settled.edges.drive(),

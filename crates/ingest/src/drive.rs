@@ -9,7 +9,7 @@ use ieap_domain::{Channel, Drive, Edge, Issue, Level, Quantity, Segment};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 10;
+pub const VERSION: u32 = 11;
 
 mod found;
 mod held_current;

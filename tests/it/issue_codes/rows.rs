@@ -230,7 +230,6 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("shared-parameters", By("tests/it/findings.rs", "an_adopted_model_is_fitted_to_its_group_and_says_how_wrong_the_base_was")),
     ("sidecar", Format("biologic-mpr/sidecar.wait.mpr")),
     ("start-state-assumed", By("crates/ingest/src/drive/tests.rs", "one_voltage_throughout_is_a_step_from_the_discharged_state")),
-    ("start-state-unknown", By("crates/ingest/src/drive/tests.rs", "where_nothing_tells_since_when_the_voltage_is_applied_a_warning_does")),
     ("starts-differ", Format("palmsens-csv/dpv.two_curves.csv")),
     ("spectrum-columns", Format("plain-table/refused.frequency_alone.csv")),
     ("sheets-joined", By("crates/ingest/src/formats/sheet_tests.rs", "sheets_of_current_and_camera_are_one_run")),

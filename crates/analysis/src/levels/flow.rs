@@ -12,7 +12,7 @@ use ieap_numerics::robust::sd_on_a_slope;
 use super::begun::{Begun, First, Known};
 use super::charge::Place;
 use super::policy::{FEW_LEVELS, OF_CORRECTION, READINGS_TO_END};
-use super::{Charge, Edge, Level, UNKNOWN_BEGINNING};
+use super::{Charge, Edge, Level};
 
 /// Noise that no ammeter is below, as a share of its range.
 const LEAST_NOISE: f64 = 1e-9;
@@ -92,11 +92,11 @@ impl Flow {
         (&self.time_s[range.clone()], &self.amperes[range])
     }
 
-    /// How the current begins in a level; none without a reading, or where nothing tells how early it began.
+    /// How the current begins in a level; none without a reading.
     fn begun(&self, level: &Level) -> Option<Begun> {
         let (time_s, amperes) = self.readings(level);
         let since_s = |edge_s: f64| (time_s[0] - edge_s).max(0.0);
-        if time_s.is_empty() || !level.from.open_s().is_finite() {
+        if time_s.is_empty() {
             return None;
         }
         let before = level.from.readings_before(&self.time_s).checked_sub(1);
@@ -114,13 +114,12 @@ impl Flow {
     /// The charge of a level, and its current at both edges.
     ///
     /// # Errors
-    /// The level has no reading, or nothing tells how early it began.
+    /// The level has no reading.
     pub fn told(&self, level: &Level) -> Result<Told, &'static str> {
         let (t, i) = self.readings(level);
-        let Some(&first) = i.first() else {
+        let (Some(&first), Some(begun)) = (i.first(), self.begun(level)) else {
             return Err("a level has no reading of the current");
         };
-        let begun = self.begun(level).ok_or(UNKNOWN_BEGINNING)?;
         let to = begun.to;
         let middle = trapezia(&t[to..], &i[to..]);
         let (after, ends) = end(t, i, &level.until);

@@ -10,9 +10,6 @@ mod tests;
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Drive, Edge, Estimate, Level as Source, Segment};
 
-/// Why what depends on when a level began is open where only its end is known.
-pub(crate) const UNKNOWN_BEGINNING: &str = "nothing tells how early the voltage changed";
-
 pub(crate) use charge::{Charge, Sum};
 pub(crate) use flow::{Flow, Told};
 

@@ -101,13 +101,6 @@ fn of_a_charge_that_nobody_saw_there_is_a_bound() {
 }
 
 #[test]
-fn where_nothing_tells_how_early_an_edge_was_the_charge_is_open() {
-    let level = level(Edge::before(1.0));
-    let (flow, _) = flow(5.0, 0.4, level);
-    assert_eq!(flow.charge(&level), Err(UNKNOWN_BEGINNING));
-}
-
-#[test]
 fn edges_of_one_clock_cancel_in_a_charge_that_comes_back() {
     let level = level(Edge::between(0.0, 1.0));
     let (flow, _) = flow(5.0, 0.4, level);

@@ -16,7 +16,7 @@ use ieap_domain::{Channel, Drive, Estimate, Quantity, RunRecord, Sample};
 use ieap_numerics::local_parabola::{Course, Local, MOST_GOES_ON};
 use ieap_numerics::noise::scatter_between;
 
-use crate::levels::{Flow, Level, UNKNOWN_BEGINNING, levels, symmetric};
+use crate::levels::{Flow, Level, levels, symmetric};
 pub use energy::ENERGIES;
 use energy::{Strip, energies};
 use policy::{RISEN, SETTLED, TOLD};
@@ -166,9 +166,6 @@ fn course(channel: &Channel, held: &Level) -> Option<(Course, f64)> {
 /// Peak, time to it, lost after 10 and 60 min, strain rate, settling time; and when the peak is first reached within its
 /// error, s after the step.
 fn bending(channel: &Channel, held: &Level, sample: Option<&Sample>) -> ([Estimate; 6], Option<f64>) {
-    if !held.from.open_s().is_finite() {
-        return (nothing(UNKNOWN_BEGINNING), None);
-    }
     let Some((course, rest_variance)) = course(channel, held) else {
         return (nothing("too few readings after the step"), None);
     };

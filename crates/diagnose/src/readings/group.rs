@@ -32,17 +32,6 @@ pub struct RunInput<'a> {
     pub tags: &'a [TagAt],
 }
 
-impl RunInput<'_> {
-    /// Whether nothing tells since when its first voltage is applied.
-    pub(crate) fn starts_unseen(&self) -> bool {
-        self.input
-            .drive
-            .segments
-            .first()
-            .is_some_and(|first| first.edge.is_unseen())
-    }
-}
-
 /// A run with its readings and noise.
 #[derive(Debug, Clone)]
 pub(crate) struct GroupRun<'a> {
@@ -93,10 +82,9 @@ pub(crate) fn channel_name(channel: usize) -> &'static str {
 }
 
 impl<'a> RunGroup<'a> {
-    /// Runs with at least one usable channel whose start is known, in the order given.
+    /// Runs with at least one usable channel, in the order given.
     pub(crate) fn new(given: &[RunInput<'a>]) -> RunGroup<'a> {
-        let given = given.iter().filter(|run| !run.starts_unseen());
-        let runs: Vec<GroupRun> = given.filter_map(GroupRun::new).collect();
+        let runs: Vec<GroupRun> = given.iter().filter_map(GroupRun::new).collect();
         let blocks = RunGroup::blocks(&runs);
         RunGroup {
             runs,

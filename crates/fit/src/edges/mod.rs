@@ -89,9 +89,7 @@ impl EdgeTimes {
     pub fn of(drive: &Drive) -> EdgeTimes {
         let open = |k: usize| {
             let edge = drive.segments[k].edge;
-            // One that nothing tells of stays where the record begins: see `unseen_start`.
-            let is_open = edge.open_s() > 0.0 && !edge.is_unseen();
-            is_open.then_some((edge.no_earlier_s, edge.no_later_s))
+            (edge.open_s() > 0.0).then_some((edge.no_earlier_s, edge.no_later_s))
         };
         let between: Vec<Option<(f64, f64)>> = (0..drive.segments.len()).map(open).collect();
         if between.iter().all(Option::is_none) || drive.moves() {

@@ -37,7 +37,7 @@ pub(super) const HELD_WITHIN: f64 = 5e-3;
 /// linear circuit, whatever it leaks). Chosen.
 pub(super) const AT_REST_BELOW: f64 = 0.1;
 /// One that has just got its voltage shows more (1 of a linear circuit). In between the record began late, or the strip is far from
-/// linear, and nothing is told. Chosen.
+/// linear. Chosen.
 pub(super) const JUST_APPLIED_FROM: f64 = 0.5;
 
 /// A reading stands alone where both beside it lie off to the same side by more than this part of the largest voltage: ten

@@ -1,5 +1,5 @@
-//! A record that begins under voltage: whether that was applied just before it, to a discharged strip, so long before that the
-//! strip was at rest, or at a time that nothing tells.
+//! A record that begins under voltage: between which times that was applied to a discharged strip, or whether the strip was at
+//! rest under it.
 
 use ieap_domain::number::fixed;
 use ieap_domain::{Channel, Drive, Edge, Issue, Level, Quantity, Segment};
@@ -7,8 +7,8 @@ use ieap_domain::{Channel, Drive, Edge, Issue, Level, Quantity, Segment};
 use super::{FoundDrive, Stretch, jumps};
 use crate::drive::policy::{AT_REST_BELOW, EDGE_STAYS, HELD_READINGS, JUST_APPLIED_FROM};
 
-/// Codes of what is said of a strip before the record.
-pub const ASSUMED: [&str; 2] = ["start-state-assumed", "start-state-unknown"];
+/// Code of what is said of a strip before the record.
+pub const ASSUMED: &str = "start-state-assumed";
 
 /// How the record begins.
 pub(super) struct Start {
@@ -83,12 +83,7 @@ fn jump_that_stays(current: &Channel) -> Option<Edge> {
 }
 
 fn applied_at(edge: Edge, level_v: f64) -> FoundDrive {
-    let issue = if edge.is_unseen() {
-        not_told(level_v)
-    } else {
-        assumed(level_v)
-    };
-    found_at(edge, level_v, vec![issue])
+    found_at(edge, level_v, vec![assumed(edge, level_v)])
 }
 
 fn found_at(edge: Edge, level_v: f64, issues: Vec<Issue>) -> FoundDrive {
@@ -121,56 +116,35 @@ pub(super) fn before_steps(
         return held;
     }
     let level = Level::Voltage(first.level_v);
-    let applied = |edge, issue| Start {
+    let applied = |edge: Edge| Start {
         baseline_v: 0.0,
         edge: Some(Segment { edge, level }),
-        issue: Some(issue),
+        issue: Some(assumed(edge, first.level_v)),
     };
+    let before = before_record(time_s, zero_may_be_step);
     let counts_from_next = zero_may_be_step && next.last_before_s < 0.0 && 0.0 <= next.start_s;
-    let told = |edge: Edge| {
-        let issue = if edge.is_unseen() {
-            not_told(first.level_v)
-        } else {
-            assumed(first.level_v)
-        };
-        applied(edge, issue)
-    };
     match share_of_an_edge(first, next, channels) {
         Some(share) if share < AT_REST_BELOW && counts_from_next => held,
         Some(share) if share < AT_REST_BELOW => Start {
             issue: Some(at_rest(first.level_v)),
             ..held
         },
-        // The current tells that it was applied just now, to within an interval of the readings.
-        Some(share) if share >= JUST_APPLIED_FROM => told(just_before(time_s)),
+        // The current tells that it was applied just now.
+        Some(share) if share >= JUST_APPLIED_FROM => applied(before),
         _ if counts_from_next => held,
-        // Neither: the record began late.
-        Some(_) => told(Edge::before(time_s.first().copied().unwrap_or(0.0))),
-        None => told(before_record(time_s, zero_may_be_step)),
+        // Neither: the record began late. What was held before it for as long as in it is at rest by its measure.
+        Some(_) => applied(Edge {
+            no_earlier_s: before.no_earlier_s.min(2.0 * before.no_later_s - next.start_s),
+            ..before
+        }),
+        None => applied(before),
     }
 }
 
-/// When the level was applied that the first of the readings finds: within one interval before it, where the record begins with
-/// the technique. A plain table (`zero_may_be_step`) does so where it begins within one interval of its own zero; of another
-/// one rows may have been cut away, and nothing tells when it was.
+/// When the level was applied that the first of the readings finds, and what is said of it ([`Edge::before_readings`]).
 fn before_record(time_s: &[f64], zero_may_be_step: bool) -> Edge {
-    let near = just_before(time_s);
-    let begins_s = near.no_later_s;
-    if !zero_may_be_step || begins_s.abs() <= NEAR_ZERO * near.open_s() {
-        return near;
-    }
-    Edge::before(time_s.first().copied().unwrap_or(0.0))
+    Edge::before_readings(time_s, zero_may_be_step).unwrap_or_else(|| Edge::at(0.0))
 }
-
-/// Within one interval before the first reading.
-fn just_before(time_s: &[f64]) -> Edge {
-    let start_s = time_s.first().copied().unwrap_or(0.0);
-    let interval_s = time_s.get(1).map_or(0.0, |next_s| next_s - start_s);
-    Edge::between(start_s - interval_s, start_s)
-}
-
-/// Intervals from zero within which a table begins with its step: one, but for rounding of its times.
-const NEAR_ZERO: f64 = 1.0 + 1e-6;
 
 /// What the current does per volt at the start of the record, as a share of what it does at the next edge: 1 where the voltage
 /// was just applied, 0 where the strip was at rest. None without a current.
@@ -193,12 +167,16 @@ fn share_of_an_edge(first: Stretch, next: Stretch, channels: &[Channel]) -> Opti
     share.is_finite().then_some(share)
 }
 
-fn assumed(level_v: f64) -> Issue {
+fn assumed(edge: Edge, level_v: f64) -> Issue {
     let message = format!(
-        "the record starts with {} V already applied; the sample is taken as discharged (0 V) before it",
-        fixed(level_v, 4)
+        "the record starts with {} V already applied: taken as applied between {} s and {} s, to a discharged sample (0 V)",
+        fixed(level_v, 4),
+        fixed(edge.no_earlier_s, 4),
+        fixed(edge.no_later_s, 4)
     );
-    Issue::note("start-state-assumed", message)
+    Issue::note(ASSUMED, message)
+        .at("column voltage_v")
+        .mend("keep the rows before the voltage was applied: they tell when it was, and where the zeros are")
 }
 
 fn at_rest(level_v: f64) -> Issue {
@@ -207,18 +185,5 @@ fn at_rest(level_v: f64) -> Issue {
          for long before",
         fixed(level_v, 4)
     );
-    Issue::note("start-state-assumed", message)
-}
-
-fn not_told(level_v: f64) -> Issue {
-    let message = format!(
-        "the record starts with {} V already applied, and nothing tells since when: what depends on it is a bound or \
-         open; the sample is taken as discharged (0 V) before",
-        fixed(level_v, 4)
-    );
-    Issue::warning("start-state-unknown", message)
-        .at("column voltage_v")
-        .mend(
-            "keep the rows before the voltage was applied; or, where the first row is at the step, count the time from it",
-        )
+    Issue::note(ASSUMED, message)
 }

@@ -73,23 +73,15 @@ fn one_voltage_throughout_is_a_step_from_the_discharged_state() {
     assert_eq!(segments(&found).len(), 1);
     assert_eq!(segments(&found)[0].0, 0.0);
     assert_eq!(found.issues[0].code, "start-state-assumed");
-    // A table that begins long before or after its own zero does not tell since when.
-    for from_s in [-5, 10] {
-        let later: Vec<(f64, f64)> = (from_s..from_s + 10).map(|k| (f64::from(k), 1.0)).collect();
-        let found = find(&[voltage(&later)], true, None, &[]);
-        assert!(edges(&found)[0].is_unseen());
-        assert_eq!(edges(&found)[0].no_later_s, f64::from(from_s));
-        assert_eq!(found.issues[0].code, "start-state-unknown");
-    }
-    // Within an interval of it it does, on either side alike.
-    for from_s in [0.0, 1e-14, -1e-14, 0.7, 1.0] {
-        let near: Vec<(f64, f64)> = (0..10).map(|k| (from_s + f64::from(k), 1.0)).collect();
-        let found = find(&[voltage(&near)], true, None, &[]);
-        assert_eq!(
-            edges(&found),
-            [Edge::between(from_s - (near[1].0 - from_s), from_s)]
-        );
-        assert_eq!(found.issues[0].code, "start-state-assumed");
+    // A table that counts from its step tells that it was at its zero, and its first reading that it was just before: an edge
+    // as wide as they leave it, wherever the first reading lies.
+    for (from_s, no_earlier_s) in [(0.0, -1.0), (1e-14, -1.0), (0.7, -0.3), (1.0, 0.0), (1.001, 0.0), (10.0, 0.0), (-5.0, -6.0)] {
+        let table: Vec<(f64, f64)> = (0..10).map(|k| (from_s + f64::from(k), 1.0)).collect();
+        let found = find(&[voltage(&table)], true, None, &[]);
+        let edge = edges(&found)[0];
+        assert!((edge.no_earlier_s - no_earlier_s).abs() < 1e-12, "{from_s}: {edge:?}");
+        assert_eq!(edge.no_later_s, from_s);
+        assert_eq!(found.issues[0].severity, ieap_domain::Severity::Note);
     }
 }
 
@@ -446,7 +438,7 @@ fn a_stated_voltage_is_applied_where_the_current_jumps_not_where_the_clock_is_ze
     assert_eq!(edge(&[current(0.0, 37.2, 400)]), Edge::between(37.0, 37.5));
     // A table that begins with its step, or long after one.
     assert_eq!(edge(&[current(0.5, 0.0, 100)]), Edge::between(0.0, 0.5));
-    assert_eq!(edge(&[current(10.0, 0.0, 100)]), Edge::before(10.0));
+    assert_eq!(edge(&[current(10.0, 0.0, 100)]), Edge::between(0.0, 10.0));
     // The first reading shows nothing yet.
     assert_eq!(edge(&[current(0.0, 0.2, 100)]), Edge::between(0.0, 0.5));
     // A grid of a laser beside it changes nothing.
@@ -688,17 +680,13 @@ fn a_strip_that_the_current_shows_at_rest_was_held_before() {
 }
 
 #[test]
-fn where_nothing_tells_since_when_the_voltage_is_applied_a_warning_does() {
+fn a_record_that_began_late_has_an_edge_as_wide_as_its_witnesses_leave() {
     let [volts, _] = record_under_voltage(7.0, false, 1e4);
     let found = find(&[volts], true, None, &[]);
     assert_eq!(segments(&found).len(), 2);
-    let told = &found.issues[0];
-    assert_eq!(
-        (&*told.code, told.severity),
-        ("start-state-unknown", ieap_domain::Severity::Warning)
-    );
-    assert!(edges(&found)[0].is_unseen());
-    // Neither charging from nothing nor at rest: the record began late.
+    assert_eq!(edges(&found)[0], Edge::between(0.0, 7.0));
+    assert_eq!(found.issues[0].code, "start-state-assumed");
+    // Neither charging from nothing nor at rest: the strip was charging for a while.
     let [volts, mut current] = record_under_voltage(7.0, false, 1e4);
     let late: Vec<f64> = current
         .values
@@ -708,6 +696,5 @@ fn where_nothing_tells_since_when_the_voltage_is_applied_a_warning_does() {
         .collect();
     current.values = late.into();
     let late = find(&[volts, current], false, None, &[]);
-    assert_eq!(late.issues[0].code, "start-state-unknown");
-    assert!(edges(&late)[0].is_unseen());
+    assert_eq!(edges(&late)[0], Edge::between(-293.0, 7.0));
 }

@@ -161,7 +161,7 @@ impl RunAtHand {
         issues.extend(contradiction);
         issues.extend(other_voltage(read, &tags, &drive));
         // What is assumed of a drive that is found does not hold of one that is stated.
-        let is_assumption = |issue: &Issue| drive::ASSUMED.contains(&issue.code.as_str());
+        let is_assumption = |issue: &Issue| issue.code == drive::ASSUMED;
         let told = tagging.issues.into_iter();
         issues.extend(told.filter(|issue| !is_stated || !is_assumption(issue)));
         Ok(RunAtHand {
