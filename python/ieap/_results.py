@@ -67,6 +67,13 @@ class Fit:
         return self._document
 
     @property
+    def nuisances(self) -> Mapping[str, Estimate]:
+        """What was estimated beside the parameters, by key: edges, zeros, clocks, charge that no reading saw. With both the fit
+        can be made again."""
+        found = self._stated("nuisances")
+        return {own["key"]: Estimate(**own["estimate"], unit=_native.unit_of_key(own["key"])) for own in found}
+
+    @property
     def parameters(self) -> Mapping[str, Estimate]:
         """Estimates by key, in the model's order, derived ones last."""
         if self._parameters is None:

@@ -37,6 +37,7 @@ FIT_COLUMNS: dict[str, tuple[str, str]] = {
     "method": ("string", "how the minimum was searched"),
     "n_samples": ("bigint", "readings used"),
     "parameters": (f"array<{_PARAMETER}>", "estimates with 95 % intervals, in the units that the keys name"),
+    "nuisances": (f"array<{_PARAMETER}>", "what was estimated beside them: edges, zeros, clocks, charge that no reading saw"),
     "r_squared_current": ("double", "coefficient of determination of the current"),
     "r_squared_curvature": ("double", "coefficient of determination of the curvature"),
     "issues": (f"array<{_ISSUE}>", "what a reader must know"),

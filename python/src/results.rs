@@ -65,7 +65,14 @@ pub fn fits(rows: &[Fitted]) -> Result<RecordBatch, ArrowError> {
         ("why_stopped", text(|fit| &fit.why_stopped)),
         ("method", text(|fit| &fit.method)),
         ("n_samples", count(|fit| fit.n_samples)),
-        ("parameters", parameters(&fits)?),
+        (
+            "parameters",
+            estimates(&fits, |fit| fit.parameters.iter().map(|(key, own)| (key, own)).collect())?,
+        ),
+        (
+            "nuisances",
+            estimates(&fits, |fit| fit.nuisances.iter().map(|own| (&own.key, &own.estimate)).collect())?,
+        ),
         ("r_squared_current", number(|fit| fit.r_squared_current)),
         ("r_squared_curvature", number(|fit| fit.r_squared_curvature)),
         ("issues", issues(&fits)?),
@@ -232,11 +239,15 @@ fn records(
     Ok(Arc::new(list))
 }
 
-fn parameters(fits: &[Option<&FitAtHand>]) -> Result<ArrayRef, ArrowError> {
-    let all = || fits.iter().flatten().flat_map(|fit| &fit.parameters);
+/// Estimates of every fit with their keys.
+fn estimates(
+    fits: &[Option<&FitAtHand>],
+    of: fn(&FitAtHand) -> Vec<(&String, &Estimate)>,
+) -> Result<ArrayRef, ArrowError> {
+    let all = || fits.iter().flatten().flat_map(|fit| of(fit));
     let number = |of: fn(&Estimate) -> Option<f64>| numbers(all().map(|(_, estimate)| of(estimate)));
     records(
-        fits.iter().map(|fit| fit.map_or(0, |fit| fit.parameters.len())),
+        fits.iter().map(|fit| fit.map_or(0, |fit| of(fit).len())),
         vec![
             ("key", texts(all().map(|(key, _)| Some(key)))),
             ("value", number(|estimate| estimate.value)),

@@ -142,7 +142,8 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 3, "{text}");
         assert!(
-            lines[0].ends_with("parameter,value,standard_error,low_95,high_95,converged,at_bound,reason")
+            lines[0]
+                .ends_with("parameter,role,value,standard_error,low_95,high_95,converged,at_bound,reason")
         );
         assert!(
             lines[2].ends_with("alpha_per_c_cm,,,,,true,false,no curvature channel"),

@@ -6,7 +6,7 @@ use super::conditions::{Condition, conditions, material, nominal_voltage_v};
 use super::one_fit::SharedEstimate;
 use super::parameters::{PARAMETERS, usable};
 use ieap_domain::tag::keys;
-use ieap_domain::{Campaign, Fit, Parameter, RunFile, RunRecord, Severity, Tag};
+use ieap_domain::{Campaign, Estimate, Fit, RunFile, RunRecord, Severity, Tag};
 use ieap_show::{Frame, Sheet};
 
 /// A run, and what else a row is made from.
@@ -95,20 +95,34 @@ pub fn tags_table(runs: &[RunRecord]) -> Frame {
         )
 }
 
-/// One row per run and parameter: value, standard error, 95 % interval and the reason for what is missing.
+/// One row per run and parameter: value, standard error, 95 % interval and the reason for what is missing; then of what the fit
+/// estimated beside them, whose `role` is nuisance.
 pub fn fits_long(runs: &[RunRecord], campaign: &Campaign) -> Frame {
-    type OfParameter<'a> = (&'a Fit, &'a Parameter);
+    /// A fit, the role of a number in it, its key and what is known of it.
+    type OfNumber<'a> = (&'a Fit, &'a str, &'a str, &'a Estimate);
+    fn numbers(fit: &Fit) -> impl Iterator<Item = OfNumber<'_>> {
+        let parameters = fit
+            .parameters
+            .iter()
+            .map(move |own| (fit, "parameter", own.key.as_str(), &own.estimate));
+        let nuisances = fit
+            .nuisances
+            .iter()
+            .map(move |own| (fit, "nuisance", own.key.as_str(), &own.estimate));
+        parameters.chain(nuisances)
+    }
     let fitted = runs.iter().filter_map(|run| Some((run, run.fit.as_ref()?)));
-    of_runs::<OfParameter>("fits", campaign)
-        .plain("parameter", |(_, (_, own))| own.key.as_str())
-        .plain("value", |(_, (_, own))| own.estimate.value)
-        .plain("standard_error", |(_, (_, own))| own.estimate.standard_error)
-        .plain("low_95", |(_, (_, own))| own.estimate.low_95)
-        .plain("high_95", |(_, (_, own))| own.estimate.high_95)
-        .plain("converged", |(_, (fit, _))| fit.converged)
-        .plain("at_bound", |(_, (_, own))| own.estimate.at_bound)
-        .plain("reason", |(_, (_, own))| own.estimate.reason.clone())
-        .frame(fitted.flat_map(|(run, fit)| fit.parameters.iter().map(move |own| (run, (fit, own)))))
+    of_runs::<OfNumber>("fits", campaign)
+        .plain("parameter", |(_, (_, _, key, _))| *key)
+        .plain("role", |(_, (_, role, ..))| *role)
+        .plain("value", |(_, (.., own))| own.value)
+        .plain("standard_error", |(_, (.., own))| own.standard_error)
+        .plain("low_95", |(_, (.., own))| own.low_95)
+        .plain("high_95", |(_, (.., own))| own.high_95)
+        .plain("converged", |(_, (fit, ..))| fit.converged)
+        .plain("at_bound", |(_, (.., own))| own.at_bound)
+        .plain("reason", |(_, (.., own))| own.reason.clone())
+        .frame(fitted.flat_map(|(run, fit)| numbers(fit).map(move |own| (run, own))))
 }
 
 /// One row per run, fitted or not: identity, tags, fit quality, and each parameter with its uncertainty.

@@ -106,7 +106,7 @@ mod tests {
             Edge::before_readings(&[begins_s, begins_s + 1.0, begins_s + 2.0], counts_from_step).unwrap()
         };
         // Both witnesses agree within an interval of the clock's zero.
-        assert_eq!(edge(0.4, true), Edge::between(-0.6, 0.4));
+        assert_eq!(edge(0.5, true), Edge::between(-0.5, 0.5));
         assert_eq!(edge(10.0, true), Edge::between(0.0, 10.0));
         // Another clock tells nothing, nor does one whose zero comes after the first reading.
         assert_eq!(edge(10.0, false), Edge::between(9.0, 10.0));

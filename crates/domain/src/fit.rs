@@ -17,6 +17,38 @@ pub struct Parameter {
     pub estimate: Estimate,
 }
 
+/// A number that a fit estimates beside the parameters of its model, since the readings depend on it too. The key carries the
+/// unit: `edge_1_s`, `current_zero_a`, `curvature_zero_per_cm`, `bending_clock_ahead_s`, `unseen_charge_percent`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Nuisance {
+    /// What it is, with the unit; edges are numbered as the drive has them, from 1.
+    pub key: String,
+    /// What is known of it.
+    pub estimate: Estimate,
+    /// What tells it.
+    pub origin: NuisanceOrigin,
+}
+
+/// What tells a nuisance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum NuisanceOrigin {
+    /// The readings of the run.
+    Readings,
+    /// Nothing: it is taken as its value.
+    Assumed,
+}
+
+impl NuisanceOrigin {
+    /// As it is written in tables and documents.
+    pub fn key(self) -> &'static str {
+        match self {
+            NuisanceOrigin::Readings => "readings",
+            NuisanceOrigin::Assumed => "assumed",
+        }
+    }
+}
+
 /// Parameters as an object of documents, each under its key.
 ///
 /// # Errors
@@ -78,6 +110,9 @@ pub struct Fit {
     pub n_samples: usize,
     /// Parameters in the model's order, derived ones last.
     pub parameters: Vec<Parameter>,
+    /// What was estimated beside them; with both, the fit can be made again.
+    #[serde(default)]
+    pub nuisances: Vec<Nuisance>,
     /// Coefficient of determination of the current, as the thesis prints it.
     pub r_squared_current: Option<f64>,
     /// Coefficient of determination of the curvature.
@@ -108,6 +143,12 @@ impl Fit {
         self.issues
             .iter()
             .find(|issue| issue.code == LUMPED_OR_DISTRIBUTED)
+    }
+
+    /// The nuisance stored under `key`.
+    pub fn nuisance(&self, key: &str) -> Option<&Estimate> {
+        let found = self.nuisances.iter().find(|nuisance| nuisance.key == key);
+        found.map(|nuisance| &nuisance.estimate)
     }
 
     /// The estimate stored under `key`.

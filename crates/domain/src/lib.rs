@@ -73,7 +73,9 @@ pub use drive::{Drive, Level, Segment};
 pub use edge::{EDGE_OF_RANGE, Edge, EdgeOrigin};
 pub use estimate::{Estimate, EstimateState};
 pub use fault::Fault;
-pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Parameter};
+pub use fit::{
+    ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Nuisance, NuisanceOrigin, Parameter,
+};
 pub use gain::{Gain, HeldOutGain, Prediction};
 pub use impedance::{
     CircuitFit, Consistency, KramersKronig, RelaxationPeak, RelaxationTimes, Spectrum, SpectrumAnalysis,

@@ -146,6 +146,7 @@ pub fn fit(parameters: &[(&str, Estimate)]) -> Fit {
             .iter()
             .map(|(key, estimate)| parameter(key, estimate.clone()))
             .collect(),
+        nuisances: vec![],
         r_squared_current: Some(0.996),
         r_squared_curvature: Some(0.957),
         noise: vec![],

@@ -17,6 +17,7 @@ use super::search::Search;
 use super::shown::Shown;
 use super::strain::{Charged, Strain};
 use super::uncertainty::{CovarianceSums, Residuals};
+use super::zero::Zero;
 
 /// Rates in the coarse look.
 const GRID: usize = 16;
@@ -30,8 +31,8 @@ pub(super) struct Bending {
     pub(super) coupling_per_c_cm: f64,
     /// Rate lambda, 1/s.
     pub(super) rate_per_s: f64,
-    /// Offset of the curvature, 1/cm, where one was fitted.
-    pub(super) offset_per_cm: Option<f64>,
+    /// Zero of the curvature, 1/cm, where readings at rest tell it.
+    pub(super) zero: Option<Zero>,
     /// Covariance of [alpha, lambda], the uncertainty of the electrical parameters included.
     pub(super) covariance: Symmetric,
     /// Whether the curvature shows any response to the charge.
@@ -103,7 +104,7 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
         responses: &responses,
         area_cm2: electrical.area_cm2,
         sampled,
-        with_offset: sampled.rests_off_zero(),
+        with_offset: sampled.tells_zero(),
         charged: None,
     };
     let charged = Charged::new(&responses, &compressed);
@@ -125,11 +126,15 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
     let (x, _) = short.solve(&short.gram(rate_per_s));
     let residuals = residuals(&full, rate_per_s, &x);
     let shown = Shown::of(&residuals, sampled, full.with_offset);
+    let (covariance, zero_error) = covariance(drive, electrical, &full, &short, rate_per_s, &x, &residuals);
     Bending {
         coupling_per_c_cm: x[0],
         rate_per_s,
-        offset_per_cm: full.with_offset.then_some(x[2]),
-        covariance: covariance(drive, electrical, &full, &short, rate_per_s, &x, &residuals),
+        zero: full.with_offset.then_some(Zero {
+            value: x[2],
+            standard_error: zero_error,
+        }),
+        covariance,
         shown,
         at_upper_bound: found.at[0] >= high * (1.0 - 1e-9),
         residuals,
@@ -148,7 +153,7 @@ fn residuals(full: &Strain, rate_per_s: f64, x: &[f64; CAPACITY]) -> Residuals {
 }
 
 /// Covariance of [alpha, lambda]: noise of the curvature, plus what the uncertainty of the electrical
-/// parameters moves them by (delta method).
+/// parameters moves them by (delta method); and the standard error of the zero, 1/cm, 0 where none is fitted.
 fn covariance(
     drive: &Drive,
     electrical: &Electrical,
@@ -157,7 +162,7 @@ fn covariance(
     rate_per_s: f64,
     x: &[f64; CAPACITY],
     residuals: &Residuals,
-) -> Symmetric {
+) -> (Symmetric, f64) {
     let mut scales = [1.0; CAPACITY];
     scales[1] = x[0];
     let gram = short.gram(rate_per_s);
@@ -188,7 +193,9 @@ fn covariance(
         });
         bent
     });
-    Symmetric::from_fn(2, |row, column| {
+    let of = |row: usize, column: usize| {
         own.get(row, column) + electrical.covariance.form(&moves[row], &moves[column])
-    })
+    };
+    let zero = if short.with_offset { of(2, 2) } else { 0.0 };
+    (Symmetric::from_fn(2, of), zero.max(0.0).sqrt())
 }

@@ -17,6 +17,7 @@ use super::joint::start::Start;
 use super::joint_estimates::{choice_in_words, judged_estimate};
 use super::outcome::{judged_response, not_converged, parameter_issues};
 use super::sampled::Sampled;
+use crate::nuisances;
 use crate::options::{FitInput, FitOptions};
 use crate::policy::{BENDING_EVIDENCE, BRANCH_DOUBT, BRANCH_EVIDENCE, MOST_BRANCHES_OF_BENDING};
 use crate::shown::Shown;
@@ -44,7 +45,7 @@ pub(super) fn fit(input: &FitInput, options: &FitOptions, sampled: Sampled, why:
     let curvature = &run.curvature.as_ref()?.sampled;
     let most = options.model.branches.min(MOST_BRANCHES_OF_BENDING);
     let one = minimum(&run, &starts(&run, per_volt, 1))?;
-    let with_offset = curvature.rests_off_zero();
+    let with_offset = curvature.tells_zero();
     let shown = Shown::beside(gain_over_nothing(&one) > BENDING_EVIDENCE, curvature, with_offset);
     let is_flat = !shown.is_response();
     let (found, weighing) = if is_flat || most == 1 {
@@ -85,6 +86,7 @@ pub(super) fn fit(input: &FitInput, options: &FitOptions, sampled: Sampled, why:
         why_stopped: format!("current: not fitted, {why}; curvature: {}", judged.stop.words()),
         n_samples: noise.readings,
         parameters,
+        nuisances: vec![nuisances::zero(Quantity::Curvature, judged.zeros[1])],
         r_squared_current: None,
         r_squared_curvature: noise.r_squared,
         noise: vec![noise],
@@ -133,7 +135,7 @@ fn starts(run: &RunReadings, per_volt: f64, branches: usize) -> Vec<Start> {
         return Vec::new();
     };
     let (_, longest_s) = response.sampled.time_scales_s();
-    let rests_off_zero = response.sampled.rests_off_zero();
+    let tells_zero = response.sampled.tells_zero();
     let open_circuit = |drive: &Drive| {
         drive
             .segments
@@ -153,7 +155,7 @@ fn starts(run: &RunReadings, per_volt: f64, branches: usize) -> Vec<Start> {
         start.local[layout.coupling()] = per_volt.signum() / run.area_cm2;
         start.local[layout.rate()] = (times[branches] * longest_s).recip();
         start.searched[layout.rate()] = true;
-        start.searched[layout.curvature_offset()] = rests_off_zero;
+        start.searched[layout.curvature_offset()] = tells_zero;
         start
     };
     let mut all = Vec::new();

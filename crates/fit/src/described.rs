@@ -183,9 +183,9 @@ fn bend(
     let (couplings, shapes) = bent.natural.split_at(bent.couplings);
     described.couplings = couplings.to_vec();
     described.shapes = shapes.to_vec();
-    described.curvature_offset_per_cm = bent.offset_per_cm.unwrap_or(0.0);
+    described.curvature_offset_per_cm = bent.zero.map_or(0.0, |zero| zero.value);
     // Every model is counted with all that it may search, at a limit or not.
-    let searched = bent.natural.len() + usize::from(bent.offset_per_cm.is_some());
+    let searched = bent.natural.len() + usize::from(bent.zero.is_some());
     described
         .left
         .push(left(Quantity::Curvature, &sampled, &bent.residuals, searched));

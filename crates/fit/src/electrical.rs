@@ -17,7 +17,8 @@ use super::joint::feature::Ends;
 use super::sampled::Sampled;
 use super::search::{CoarseLook, Found, Limits, Search, search};
 use super::uncertainty::{CovarianceSums, Residuals};
-use crate::policy::{BRANCH_DOUBT, BRANCH_EVIDENCE, FEWEST_AT_REST, FOLLOWED_PART, OFFSET_SHARE};
+use crate::policy::{BRANCH_DOUBT, BRANCH_EVIDENCE, FOLLOWED_PART};
+use crate::zero::Zero;
 
 /// What the current says of the circuit.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +64,11 @@ pub(super) struct Electrical {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unseen {
     /// The curvature tells it: the fastest branch stands for it.
-    Told,
+    Told {
+        /// Its part of the whole charge, and the standard error of that.
+        part: f64,
+        error: f64,
+    },
     /// The curvature asks for none; at most this share of the charge that was seen is not excluded.
     AtMost(f64),
     /// Nothing.
@@ -97,6 +102,15 @@ impl Electrical {
             charge_to_curvature_per_c_cm,
             relaxation_rate_per_s,
         }
+    }
+
+    /// The zero of the current, where it was fitted.
+    pub(super) fn zero(&self) -> Option<Zero> {
+        let last = self.covariance.order().checked_sub(1)?;
+        self.offset_a.map(|value| Zero {
+            value,
+            standard_error: self.covariance.get(last, last).max(0.0).sqrt(),
+        })
     }
 
     /// The circuit without branches that charge faster than the readings follow each other.
@@ -207,8 +221,8 @@ pub(super) fn identify(
         coupled: is_coupled(drive),
         evaluations: 0,
     };
-    let plain = choosing.choose(branches, false);
-    let chosen = choosing.try_offset(branches, plain);
+    let with_zero = choosing.zero_is_separable();
+    let chosen = choosing.choose(branches, with_zero);
     choosing.assemble(area_cm2, chosen)
 }
 
@@ -272,30 +286,10 @@ impl Choosing<'_> {
         }
     }
 
-    /// Takes an offset of the instrument's zero where it explains most of what the circuit leaves: a current
-    /// that stays at 0 V, or that does not follow the voltage from level to level, is none of the circuit's.
-    fn try_offset(&mut self, most: usize, plain: Choice) -> Choice {
-        let readings = self.sampled.len() as f64;
-        let misfit = plain.residuals.square - readings * self.noise;
-        if self.coupled || misfit <= BRANCH_EVIDENCE * self.noise || !self.offset_is_separable() {
-            return plain;
-        }
-        let shifted = self.choose(most, true);
-        let gain = plain.residuals.square - shifted.residuals.square;
-        if gain > BRANCH_EVIDENCE * self.noise && gain > OFFSET_SHARE * misfit {
-            shifted
-        } else {
-            plain
-        }
-    }
-
-    /// Whether readings at two held voltages, or at 0 V, tell an offset from the steady current. Readings at rest
-    /// at 0 V before the step show the offset itself: where they show none there is none.
-    fn offset_is_separable(&self) -> bool {
-        if self.drive.baseline_v == 0.0
-            && self.sampled.before_step() >= FEWEST_AT_REST
-            && !self.sampled.rests_off_zero()
-        {
+    /// Whether readings at two held voltages, or at 0 V, tell the instrument's zero from the steady current. It is then
+    /// fitted with all else, whatever it is: one that is taken for none is in no interval.
+    fn zero_is_separable(&self) -> bool {
+        if self.coupled {
             return false;
         }
         if self.sampled.moves {

@@ -148,7 +148,7 @@ fn total_capacitance(electrical: &Electrical) -> Estimate {
     }
     // What charges within a reading took a charge that no reading tells; the curvature may.
     let fatal = match electrical.unseen {
-        Some(Unseen::Told) => &[Bound::High][..],
+        Some(Unseen::Told { .. }) => &[Bound::High][..],
         _ => &[Bound::High, Bound::Low],
     };
     let mut estimate = derived(Feature::TotalCapacitance, total, &weights, electrical, fatal);
@@ -167,7 +167,7 @@ fn total_capacitance(electrical: &Electrical) -> Estimate {
 
 /// R1 || R2 = A / (c1 + c2).
 fn parallel_resistance(electrical: &Electrical) -> Estimate {
-    if electrical.unseen == Some(Unseen::Told) {
+    if matches!(electrical.unseen, Some(Unseen::Told { .. })) {
         let seen = parallel_resistance(&Electrical {
             unseen: None,
             ..electrical.without_too_fast()
@@ -289,7 +289,7 @@ const MAY_HIDE: &str =
 impl Electrical {
     /// Whether a branch charges faster than the readings follow each other.
     pub(super) fn is_too_fast(&self) -> bool {
-        self.unseen != Some(Unseen::Told) && self.at_bound.contains(&Some(Bound::Low))
+        !matches!(self.unseen, Some(Unseen::Told { .. })) && self.at_bound.contains(&Some(Bound::Low))
     }
 }
 

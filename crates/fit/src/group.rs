@@ -25,6 +25,7 @@ use super::sampled::Sampled;
 use crate::edges::EdgeTimes;
 use crate::edges::Settled;
 use crate::error::FitError;
+use crate::nuisances;
 use crate::options::{FitInput, FitOptions};
 use crate::outliers::Cleaned;
 use crate::two_steps::{Readings, identify, needed};
@@ -80,11 +81,18 @@ pub(crate) fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> R
     let (runs, starts) = prepared(&middle, options)?;
     let (problem, bottom, _) = search(runs, &starts, &shared_places(options)?);
     let Some(placed) = open_edges::placed(&problem, &bottom.at, &edges) else {
-        return fit_placed(&middle, options);
+        let mut group = fit_placed(&middle, options)?;
+        for (fit, input) in group.runs.iter_mut().zip(inputs) {
+            let settled = Settled::in_the_middle(input.drive);
+            fit.nuisances.extend(nuisances::edges(&settled, input.drive));
+        }
+        return Ok(group);
     };
     let drives = placed.iter().map(|placed| placed.settled.edges.drive());
     let mut group = fit_placed(&with_drives(inputs, drives), options)?;
     for (run, (fit, placed)) in group.runs.iter_mut().zip(&placed).enumerate() {
+        let found = nuisances::edges(&placed.settled, inputs[run].drive);
+        fit.nuisances.extend(found);
         let before = fit.clone();
         if widen_by(&mut fit.parameters, &placed.here, &placed.ends) {
             fit.issues.push(widened::issue(&placed.settled));
@@ -255,7 +263,7 @@ fn assemble(
             options.model,
             &problem.runs[run],
             fitted,
-            parameters,
+            (parameters, problem.zeros(run, &judged.bottom)),
             (stop, judged.evaluations),
         ));
     }

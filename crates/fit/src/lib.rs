@@ -14,6 +14,7 @@ mod edges;
 mod electrical;
 mod error;
 mod estimates;
+mod factors;
 mod given;
 mod group;
 pub mod impedance;
@@ -25,6 +26,7 @@ mod line;
 mod means;
 mod moving;
 mod noise_again;
+mod nuisances;
 mod options;
 mod outcome;
 mod outliers;
@@ -43,6 +45,7 @@ mod uncertainty;
 mod unseen_charge;
 mod whitened;
 mod widened;
+mod zero;
 
 use ieap_domain::{Drive, Fit, KnownParameter};
 use ieap_model::rival_law;
@@ -139,6 +142,7 @@ fn fit_on_one_clock(input: &FitInput, options: &FitOptions) -> Result<Fit, FitEr
         ..*input
     };
     let mut fit = fit_placed(&placed, options)?;
+    fit.nuisances.extend(nuisances::edges(&settled, input.drive));
     if !settled.open.is_empty() {
         widened::widen(&mut fit, &settled, |drive| {
             Some(in_two_steps(&FitInput { drive, ..*input }, options)?.parameters)
@@ -174,6 +178,7 @@ pub fn fit_knowing(
     let settled = settled_edges::settled(input, options)?;
     let with = |drive: &Drive| group::known::fit(&FitInput { drive, ..*input }, options.model, known);
     let mut fit = with(settled.edges.drive())?;
+    fit.nuisances.extend(nuisances::edges(&settled, input.drive));
     if !settled.open.is_empty() {
         widened::widen(&mut fit, &settled, |drive| Some(with(drive).ok()?.parameters));
     }

@@ -17,11 +17,14 @@ use super::joint::single::Judged;
 use super::joint_estimates::{self, judged_estimate};
 use super::sampled::Sampled;
 use super::uncertainty::Residuals;
+use crate::factors::only_with_their_factors;
+use crate::nuisances;
 use crate::options::{FitInput, FitOptions};
 use crate::two_steps::Identified;
+use crate::zero::Zero;
 
 use issues::issues;
-pub(super) use issues::{not_converged, parameter_issues};
+pub(super) use issues::{bent_at_rest, not_converged, parameter_issues};
 use response::{Response, Wanted};
 
 /// Puts everything together.
@@ -32,7 +35,8 @@ pub(super) fn fit(
     judged: Option<&Judged>,
 ) -> Fit {
     let model = options.model;
-    let parameters = parameters(input, model, identified, judged);
+    let mut parameters = parameters(input, model, identified, judged);
+    only_with_their_factors(&mut parameters);
     let step_s = input
         .drive
         .segments
@@ -92,6 +96,11 @@ pub(super) fn fit(
             + current.map_or(0, |(_, e)| e.evaluations)
             + curvature.map_or(0, |(_, b)| b.evaluations),
         parameters,
+        nuisances: nuisances::of_steps(
+            current.map(|(_, electrical)| electrical),
+            curvature.map(|(_, bending)| bending),
+            judged,
+        ),
         noise: responses.iter().map(|response| response.noise.clone()).collect(),
         curves: responses.into_iter().map(|response| response.curve).collect(),
         along: Vec::new(),
@@ -224,9 +233,10 @@ pub(super) fn joint_fit(
     model: &'static FitModel,
     run: &RunReadings,
     fitted: [Option<Vec<f64>>; 2],
-    parameters: Vec<Parameter>,
+    (mut parameters, zeros): (Vec<Parameter>, [Option<Zero>; 2]),
     (stop, evaluations): (Stop, u64),
 ) -> Fit {
+    only_with_their_factors(&mut parameters);
     let step_s = input
         .drive
         .segments
@@ -266,6 +276,12 @@ pub(super) fn joint_fit(
         issues,
         evaluations,
         parameters,
+        nuisances: (responses.iter().map(|response| response.noise.quantity))
+            .map(|quantity| {
+                let place = usize::from(quantity == Quantity::Curvature);
+                nuisances::zero(quantity, zeros[place])
+            })
+            .collect(),
         noise: responses.iter().map(|response| response.noise.clone()).collect(),
         curves: responses.into_iter().map(|response| response.curve).collect(),
         along: Vec::new(),

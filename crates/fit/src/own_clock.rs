@@ -7,12 +7,14 @@ use std::sync::Arc;
 
 use ieap_domain::number::fixed;
 use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
-use ieap_domain::{Channel, Drive, Fit, Issue, Quantity};
+use ieap_domain::{Channel, Drive, Fit, Issue, Nuisance, Quantity};
 use ieap_numerics::robust::median_step;
 use ieap_numerics::sums;
 
 use crate::bending;
+use crate::electrical::Electrical;
 use crate::line::Line;
+use crate::nuisances;
 use crate::options::{FitInput, FitOptions};
 use crate::outliers::Cleaned;
 use crate::policy::LARGEST_OFFSET_S;
@@ -29,7 +31,7 @@ pub struct Aligned {
     pub channels: Vec<Channel>,
     /// The drive with its edges where the current has them.
     drive: Drive,
-    /// How long the time is in which the first edge may be, s: both where it is and where it is taken to be lie anywhere in it.
+    /// How far the offset goes with what is left open of the edges, one standard deviation, s.
     edge_error_s: f64,
     /// How far its own clock was ahead of that, s: the best value and the ends of its 95 % interval.
     pub ahead_s: [f64; 3],
@@ -43,7 +45,8 @@ impl Aligned {
 
     /// What a reader must know of it.
     pub(crate) fn issue(&self) -> Issue {
-        let [best, low, high] = self.ahead_s;
+        let [best, half] = [self.ahead_s[0], NORMAL_95 * self.error_s()];
+        let (low, high) = (best - half, best + half);
         let words = format!(
             "the bending has a clock of its own, which shows {} s [{}, {}] more than that of the current; its \
              readings are moved by that, and what is left open of it is in the intervals",
@@ -73,7 +76,8 @@ pub fn aligned(input: &FitInput, options: &FitOptions) -> Option<Aligned> {
     let cleaned = Cleaned::of(input);
     let input = &cleaned.input(input);
     let bending = input.channels.iter().find(is_bending)?;
-    let edges = settled(input, options).ok()?.edges;
+    let settled = settled(input, options).ok()?;
+    let edges = &settled.edges;
     let placed = FitInput {
         drive: edges.drive(),
         ..*input
@@ -84,10 +88,47 @@ pub fn aligned(input: &FitInput, options: &FitOptions) -> Option<Aligned> {
     if electrical.conductances_a_per_v.is_empty() {
         return None;
     }
+    let found = offset(bending, edges.drive(), &electrical)?;
+    // Where the edges are moves the circuit, and with both the offset.
+    let moved = |by_s: &Vec<f64>, sign: f64| {
+        let whole: Vec<f64> = by_s.iter().map(|by_s| sign * by_s).collect();
+        let part = edges.part_of(&whole);
+        let within: Vec<f64> = whole.iter().map(|by_s| part * by_s).collect();
+        let drive = edges.shifted(&within);
+        let there = FitInput {
+            drive: &drive,
+            ..*input
+        };
+        let (_, electrical) = identify(&there, options, Readings::new(&there).ok()?)
+            .current
+            .ok()?;
+        let ahead_s = offset(bending, &drive, &electrical)?.best;
+        (part > 0.0).then(|| (ahead_s - found.best) / part)
+    };
+    let of_way = |by_s: &Vec<f64>| {
+        let ends = [-1.0, 1.0].map(|sign| moved(by_s, sign).unwrap_or(0.0).abs());
+        ends[0].max(ends[1])
+    };
+    let edge_error_s = settled
+        .open
+        .iter()
+        .map(|by_s| of_way(by_s).powi(2))
+        .sum::<f64>()
+        .sqrt();
+    Some(Aligned {
+        channels: later(input.channels, -found.best),
+        drive: edges.drive().clone(),
+        edge_error_s,
+        ahead_s: [found.best, found.low, found.high],
+    })
+}
+
+/// How far the clock of the bending is ahead of the drive's, given the circuit: where what is left of the bending is least.
+fn offset(bending: &Channel, drive: &Drive, electrical: &Electrical) -> Option<Line> {
     let bent = |ahead_s: f64| {
-        let drive = edges.drive().later(ahead_s);
+        let drive = drive.later(ahead_s);
         let sampled = Sampled::new(bending, &drive, true);
-        let found = bending::identify(&drive, &electrical, &sampled, Search::default());
+        let found = bending::identify(&drive, electrical, &sampled, Search::default());
         (
             found.residuals.square,
             found.residuals.long_run_variance(sums::peak(&sampled.values)),
@@ -103,17 +144,11 @@ pub fn aligned(input: &FitInput, options: &FitOptions) -> Option<Aligned> {
         .chain([0.0])
         .chain(away.iter().copied())
         .collect();
-    let line = Line::of(
+    Line::of(
         &tried,
         |by_s| bent(by_s).0,
         |by_s| CHI_SQUARE_95_OF_ONE * bent(by_s).1,
-    )?;
-    Some(Aligned {
-        channels: moved(input.channels, -line.best),
-        drive: edges.drive().clone(),
-        edge_error_s: input.drive.segments[0].edge.open_s(),
-        ahead_s: [line.best, line.low, line.high],
-    })
+    )
 }
 
 /// Widens the intervals of a fit of aligned channels by what is left open of the offset, and says what it is; `plain` fits the
@@ -125,22 +160,36 @@ pub(crate) fn widen(
     plain: impl Fn(&FitInput) -> Option<Fit>,
 ) {
     let with = |ahead_s: f64| {
-        let channels = moved(input.channels, -ahead_s);
+        let channels = later(input.channels, -ahead_s);
         let fitted = plain(&FitInput {
             channels: &channels,
             drive: &aligned.drive,
             ..*input
         });
-        fitted.map_or_else(Values::new, |fitted| values(&fitted.parameters))
+        fitted.map_or_else(Default::default, |fitted| {
+            (values(&fitted.parameters), fitted.nuisances)
+        })
     };
-    let [here, low, high] = aligned.ahead_s.map(with);
+    let [(here, zeros), (low, zeros_low), (high, zeros_high)]: [(Values, Vec<Nuisance>); 3] =
+        aligned.ahead_s.map(with);
+    for nuisance in &mut fit.nuisances {
+        let of = |all: &[Nuisance]| all.iter().find(|own| own.key == nuisance.key)?.estimate.value;
+        if let (Some(here), Some(low), Some(high)) = (of(&zeros), of(&zeros_low), of(&zeros_high)) {
+            nuisances::widen(
+                &mut nuisance.estimate,
+                (low - here).abs().max((high - here).abs()),
+            );
+        }
+    }
     let end = |there| Some(End { part: 1.0, there });
     widen_by(&mut fit.parameters, &here, &[[end(low), end(high)]]);
+    fit.nuisances
+        .push(nuisances::clock(aligned.ahead_s[0], aligned.error_s()));
     fit.issues.push(aligned.issue());
 }
 
 /// The channels with the bending later, s.
-pub(crate) fn moved(channels: &[Channel], by_s: f64) -> Vec<Channel> {
+pub(crate) fn later(channels: &[Channel], by_s: f64) -> Vec<Channel> {
     let mut moved = channels.to_vec();
     for channel in moved
         .iter_mut()

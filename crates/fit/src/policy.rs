@@ -34,12 +34,8 @@ pub(crate) const MOST_MEMORY: f64 = 0.9;
 /// differ by less. Chosen.
 pub(crate) const LARGEST_OFFSET_S: f64 = 60.0;
 
-/// An offset of the instrument's zero must explain this share of the misfit. Chosen.
-pub(crate) const OFFSET_SHARE: f64 = 0.3;
-/// The mean before the step is off zero where it is this many standard errors from zero. Chosen.
-pub(crate) const OFF_ZERO_SIGMAS: f64 = 4.0;
-/// Readings at rest before the step from which they say whether the zero is off. Chosen.
-pub(crate) const FEWEST_AT_REST: usize = 4;
+/// A zero that is so many standard errors off is told in a note; every zero that readings tell is fitted. Chosen: in words only.
+pub(crate) const TOLD_ZERO_SIGMAS: f64 = 4.0;
 /// Part of the variance of the scatter about parabolas below which what a fit leaves shows that the parabolas did not follow
 /// the signal. Chosen; under pulses that decay within a few readings that scatter is hundreds of times the noise.
 pub(crate) const FOLLOWED_PART: f64 = 0.25;

@@ -1,6 +1,5 @@
 //! Readings of one channel, sorted by drive segment and cut into blocks for fast evaluation.
 
-use crate::policy::{FEWEST_AT_REST, OFF_ZERO_SIGMAS};
 use std::sync::Arc;
 
 use ieap_domain::{Channel, Drive, Level, Segment};
@@ -247,18 +246,15 @@ impl Sampled {
             .map_or(0, |span| span.end)
     }
 
-    /// Whether the mean before the step differs from zero beyond its own error.
-    pub(super) fn rests_off_zero(&self) -> bool {
-        self.at_rest().is_some_and(|rest| {
-            let variance = rest.long_run_variance / self.before_step() as f64;
-            rest.mean.abs() > OFF_ZERO_SIGMAS * variance.sqrt() && rest.mean != 0.0
-        })
+    /// Whether readings before the step tell where zero is.
+    pub(super) fn tells_zero(&self) -> bool {
+        self.before_step() > 0
     }
 
-    /// The level before the step and the noise about it; none of too few readings there.
+    /// The level before the step and the noise about it, 0 of a single reading; none without one.
     pub(super) fn at_rest(&self) -> Option<AtRest> {
         let before = &self.values[..self.before_step()];
-        if before.len() < FEWEST_AT_REST {
+        if before.is_empty() {
             return None;
         }
         let count = before.len() as f64;

@@ -11,6 +11,7 @@ use crate::line::Line;
 use crate::options::{FitInput, FitOptions};
 use crate::plain::in_two_steps;
 use crate::policy::MOST_MEMORY;
+use crate::two_steps::{Readings, identify};
 
 /// The edges of a run, of a lumped model with circuit and bending at once; of a rival's law, and of bending without a circuit,
 /// where all of them together are best. Where nothing tells more they stay in the middle of where they may be.
@@ -31,9 +32,28 @@ pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled,
         channels: &telling,
         ..*input
     };
+    let hides = hides_charge(&told, options, &middle);
     Ok(match group::settled(&told, options, &middle.edges) {
+        Some(settled) if hides => settled.or_later(),
         Some(settled) if !is_rival => settled,
+        None if hides => middle,
         settled => of_all_together(input, options, settled.unwrap_or(middle)),
+    })
+}
+
+/// Whether a branch of the model may have charged before the first reading behind an edge. It bends the strip as an earlier edge
+/// does: the edge that is found without such a branch is the earliest that it may be.
+fn hides_charge(input: &FitInput, options: &FitOptions, middle: &Settled) -> bool {
+    let placed = FitInput {
+        drive: middle.edges.drive(),
+        ..*input
+    };
+    let current = Readings::new(&placed)
+        .ok()
+        .and_then(|readings| identify(&placed, options, readings).current.ok());
+    current.is_some_and(|(_, electrical)| {
+        let seen = electrical.without_too_fast().conductances_a_per_v.len();
+        seen > 0 && seen < options.model.branches
     })
 }
 

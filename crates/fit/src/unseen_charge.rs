@@ -4,6 +4,7 @@
 //! alone leaves open of it stands in the capacitance, the resistance and the coupling.
 
 use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
+use ieap_domain::{Channel, Quantity};
 use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
@@ -37,16 +38,13 @@ pub(crate) fn look(input: &FitInput, options: &FitOptions, identified: &mut Iden
     if is_shown {
         // One reading after each edge shows it, how much of it nobody knows: the others tell of the rest.
         *current = current.without_edges(1);
-        let search = options.search();
-        *electrical = electrical::identify(
-            input.drive,
-            input.area_cm2,
-            current,
-            options.model.branches,
-            search,
-        );
+        *electrical = of_branches(input, options, current, options.model.branches);
     }
-    let seen = electrical.without_too_fast();
+    let mut seen = electrical.without_too_fast();
+    if is_shown && seen.conductances_a_per_v.len() < electrical.conductances_a_per_v.len() {
+        // None of these readings shows it: beside it the covariance of the others would be lost.
+        seen = of_branches(input, options, current, seen.conductances_a_per_v.len()).without_too_fast();
+    }
     let is_shown = is_shown && seen.conductances_a_per_v.len() < options.model.branches;
     let fewer = seen.conductances_a_per_v.len() < options.model.branches;
     if seen.conductances_a_per_v.is_empty() || !fewer {
@@ -58,8 +56,11 @@ pub(crate) fn look(input: &FitInput, options: &FitOptions, identified: &mut Iden
         seen: &seen,
         tau_s: shortest_s / UNSEEN_FASTER,
     };
+    // A clock of its own that is off takes up what such a charge does at the step.
+    let is_own = |channel: &Channel| channel.quantity == Quantity::Curvature && channel.own_clock;
+    let is_timed_alike = !input.channels.iter().any(is_own);
     let found = match &identified.curvature {
-        Ok((sampled, bending)) if bending.shown.is_response() => parts.found(sampled),
+        Ok((sampled, bending)) if bending.shown.is_response() && is_timed_alike => parts.found(sampled),
         _ => None,
     };
     let Some(found) = found else {
@@ -75,6 +76,11 @@ pub(crate) fn look(input: &FitInput, options: &FitOptions, identified: &mut Iden
     if let Ok((_, bending)) = &mut identified.curvature {
         *bending = found.bending;
     }
+}
+
+/// The circuit of so many branches.
+fn of_branches(input: &FitInput, options: &FitOptions, current: &Sampled, branches: usize) -> Electrical {
+    electrical::identify(input.drive, input.area_cm2, current, branches, options.search())
 }
 
 /// Bending of a strip of whose charge a part was not seen.
@@ -139,7 +145,10 @@ impl Found {
         let share = self.part / (1.0 - self.part);
         let relative = self.error / (self.part * (1.0 - self.part));
         Electrical {
-            unseen: Some(Unseen::Told),
+            unseen: Some(Unseen::Told {
+                part: self.part,
+                error: self.error,
+            }),
             ..seen.with_unseen(share, relative, tau_s)
         }
     }

@@ -80,7 +80,7 @@ LEFT JOIN fit ON fit.name = run.path
 WHERE run.superseded_at IS NULL) AS known) AS told
 LEFT JOIN shown_sample ON shown_sample.id = told.sample;
 
--- One row a run and parameter of its current fit.
+-- One row a run and parameter of its current fit, and one for each number that it estimated beside them.
 CREATE VIEW fits_view AS
 SELECT
     runs.run_id,
@@ -94,6 +94,7 @@ SELECT
     fit.model_version,
     fit.code_version,
     fit.key AS parameter,
+    fit.role,
     CASE
         WHEN key LIKE '%\_a\_sqrt\_s\_per\_v\_cm2' ESCAPE '\' THEN 'A sqrt(s)/(V cm2)'
         WHEN key LIKE '%\_a\_per\_v\_cm2' ESCAPE '\' THEN 'A/(V cm2)'
@@ -167,6 +168,7 @@ FROM runs_view AS runs JOIN (
         CAST(document ->> '$.found.model_version' AS INTEGER) AS model_version,
         CAST(document ->> '$.found.why_stopped' AS VARCHAR) AS why_stopped,
         CAST(document ->> '$.found.n_samples' AS INTEGER) AS n_samples,
+        CAST(part.value AS VARCHAR) AS role,
         CAST(own.value ->> '$.key' AS VARCHAR) AS key,
         CAST(own.value ->> '$.estimate.value' AS DOUBLE) AS value,
         CAST(own.value ->> '$.estimate.standard_error' AS DOUBLE) AS standard_error,
@@ -174,7 +176,7 @@ FROM runs_view AS runs JOIN (
         CAST(own.value ->> '$.estimate.high_95' AS DOUBLE) AS high_95,
         CAST(CAST(own.value ->> '$.estimate.at_bound' AS VARCHAR) IN ('1', 'true') AS INTEGER) AS at_bound,
         CAST(own.value ->> '$.estimate.reason' AS VARCHAR) AS reason
-    FROM result, json_each(document, '$.found.parameters') AS own
+    FROM result, json_each('["parameter", "nuisance"]') AS part, json_each(document, '$.found.' || part.value || 's') AS own
     WHERE kind = 'fit' AND superseded_at IS NULL
 ) AS fit ON fit.name = runs.run;
 

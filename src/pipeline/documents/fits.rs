@@ -9,7 +9,7 @@ use super::groups::GroupEntry;
 use super::lengthwise::LumpedOrDistributedEntry;
 use crate::analysis::{same_tags, sequence};
 use crate::domain::tag::keys;
-use crate::domain::{ChannelNoise, Estimate, Issue, Parameter, RunOrigin, RunRecord};
+use crate::domain::{ChannelNoise, Estimate, Issue, Nuisance, Parameter, RunOrigin, RunRecord};
 use crate::pipeline::campaign::standing::{self, Runs, SetAside};
 use crate::pipeline::{Context, PipelineError};
 
@@ -66,6 +66,8 @@ pub struct FitEntry {
     #[serde(serialize_with = "as_object")]
     #[schemars(with = "BTreeMap<String, Estimate>")]
     pub parameters: Vec<(String, Estimate)>,
+    /// What was estimated beside them: edges, zeros, clocks, charge that no reading saw.
+    pub nuisances: Vec<Nuisance>,
     /// Coefficient of determination of the current.
     pub r_squared_current: Option<f64>,
     /// Coefficient of determination of the curvature.
@@ -154,6 +156,7 @@ fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
         method: fit.method.clone(),
         n_samples: fit.n_samples,
         parameters: parameter_entries(&fit.parameters),
+        nuisances: fit.nuisances.clone(),
         r_squared_current: fit.r_squared_current,
         r_squared_curvature: fit.r_squared_curvature,
         noise: fit.noise.clone(),

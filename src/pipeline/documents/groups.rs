@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 use super::fits::parameter_entries;
-use crate::domain::{ChannelNoise, Issue};
+use crate::domain::{ChannelNoise, Issue, Nuisance};
 use crate::fit::{GroupFit, Resampled};
 use crate::model::FitModel;
 use crate::pipeline::fits::groups::FittedGroup;
@@ -75,6 +75,8 @@ pub struct GroupRunEntry {
     #[serde(serialize_with = "as_object")]
     #[schemars(with = "BTreeMap<String, BootstrapEntry>")]
     pub bootstrap: Vec<(String, BootstrapEntry)>,
+    /// What was estimated beside them: edges, zeros, clocks.
+    pub nuisances: Vec<Nuisance>,
     /// Coefficient of determination of the current.
     pub r_squared_current: Option<f64>,
     /// Coefficient of determination of the curvature.
@@ -157,6 +159,7 @@ fn fill(entry: &mut GroupEntry, model: &FitModel, fit: &GroupFit) {
                 .bootstrap
                 .get(index)
                 .map_or_else(Vec::new, |all| bootstrap_entries(all)),
+            nuisances: run.nuisances.clone(),
             r_squared_current: run.r_squared_current,
             r_squared_curvature: run.r_squared_curvature,
             noise: run.noise.clone(),

@@ -103,6 +103,7 @@ fn head(choice: &ModelChoice, extended: &Fitted, parameters: Vec<Parameter>, iss
         why_stopped: extended.stop.words().to_owned(),
         n_samples: 0,
         parameters,
+        nuisances: Vec::new(),
         r_squared_current: None,
         r_squared_curvature: None,
         noise: Vec::new(),

@@ -19,6 +19,8 @@ pub enum LabClock {
     Jitter,
     /// With the rows before the first edge cut away.
     Cropped,
+    /// With more rows cut away: the first one comes 1.001, 1.5 or 10 intervals behind the edge, at which the clock has its zero.
+    Late,
     /// Bending read on a clock of its own that runs two intervals ahead, without a common trigger.
     Joined,
     /// From run to run at 1, 2, 5, 0.5 and 1 times the nominal rate.
@@ -43,7 +45,7 @@ const AT_REST: i32 = 20;
 
 impl LabClock {
     /// All of them, with what a table calls them.
-    pub const ALL: [(LabClock, &str); 10] = [
+    pub const ALL: [(LabClock, &str); 11] = [
         (LabClock::AtZero, "read at exactly 0"),
         (LabClock::BeforeZero, "read at -1e-14"),
         (LabClock::Beside, "0.4 of an interval off"),
@@ -51,6 +53,7 @@ impl LabClock {
         (LabClock::Lost, "readings lost at edges"),
         (LabClock::Jitter, "jitter of 5 %"),
         (LabClock::Cropped, "rest cut away"),
+        (LabClock::Late, "rest and first rows cut away"),
         (LabClock::Joined, "bending 2 intervals ahead"),
         (LabClock::MixedRates, "mixed rates"),
         (LabClock::LogSpaced, "log-spaced"),
@@ -75,6 +78,7 @@ impl LabClock {
             LabClock::AtZero | LabClock::OwnInterval => 0.0,
             LabClock::BeforeZero => -1e-14,
             LabClock::Beside => 0.4 * every_s,
+            LabClock::Late => every_s * [0.001, 0.5, 0.0][run % 3],
             _ => every_s * unit(),
         };
         let count = (lasting_s / every_s) as i32;
@@ -96,6 +100,7 @@ impl LabClock {
                 .iter_mut()
                 .for_each(|t| *t += 0.17 * every_s * (unit() - 0.5)),
             LabClock::Cropped => times.retain(|t| *t >= 0.0),
+            LabClock::Late => times.retain(|t| *t >= every_s * [1.0, 1.0, 10.0][run % 3]),
             LabClock::LogSpaced => {
                 let starts: Vec<f64> = edges_s.chain([lasting_s]).collect();
                 for pair in starts.windows(2) {

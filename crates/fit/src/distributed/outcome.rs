@@ -53,6 +53,7 @@ pub(super) fn fit(found: &Identified, decision: &Decision) -> Fit {
         along: along::along(&found.input, &found.readings, &described, &fitted),
         evaluations: electrical.evaluations + mechanical.map_or(0, |m| m.fitted.evaluations),
         parameters,
+        nuisances: Vec::new(),
         issues,
     }
 }

@@ -210,6 +210,37 @@ pub(crate) struct Settled {
 }
 
 impl Settled {
+    /// Standard error of each segment's start, s.
+    pub(crate) fn errors_s(&self) -> Vec<f64> {
+        let moved = |segment: usize, way: &[f64]| -> f64 {
+            let shifts = self.edges.shifts.iter().zip(way);
+            shifts.map(|(shift, by_s)| shift.moves[segment] * by_s).sum()
+        };
+        let error = |segment: usize| {
+            let square: f64 = self.open.iter().map(|way| moved(segment, way).powi(2)).sum();
+            square.sqrt()
+        };
+        (0..self.edges.drive.segments.len()).map(error).collect()
+    }
+
+    /// The same where each edge may be later than it was found, up to the reading that saw it: in the middle of that.
+    pub(crate) fn or_later(mut self) -> Settled {
+        let shifts = self.edges.shifts().len();
+        let room_s = |k: usize| {
+            let mut by_s = vec![0.0; shifts];
+            by_s[k] = self.edges.shifts[k].high_s.max(0.0);
+            self.edges.part_of(&by_s) * by_s[k]
+        };
+        let room_s: Vec<f64> = (0..shifts).map(room_s).collect();
+        let half_s: Vec<f64> = room_s.iter().map(|room_s| 0.5 * room_s).collect();
+        let part = self.edges.part_of(&half_s);
+        let middle_s: Vec<f64> = half_s.iter().map(|half_s| part * half_s).collect();
+        self.edges = self.edges.moved(&middle_s);
+        self.open
+            .push(room_s.iter().map(|room_s| EDGE_OF_RANGE * room_s).collect());
+        self
+    }
+
     /// Each edge in the middle of where it may be, with all of its range open.
     pub(crate) fn in_the_middle(drive: &Drive) -> Settled {
         let edges = EdgeTimes::of(drive);

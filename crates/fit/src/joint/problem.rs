@@ -7,6 +7,8 @@ use super::layout::Layout;
 use super::readings::{Offsets, RunReadings};
 use super::spectrum_rows::SpectrumRows;
 use super::spring::Spring;
+use crate::policy::LOST_BELOW;
+use crate::zero::Zero;
 
 /// Step of the difference quotients, in coordinates scaled to be of order one.
 const STEP: f64 = 1e-3;
@@ -84,6 +86,21 @@ impl<'a> JointProblem<'a> {
             current_a: local[self.layout.current_offset()],
             curvature_per_cm: local[self.layout.curvature_offset()],
         }
+    }
+
+    /// The zeros of a run's current and curvature at a minimum; none of one that is not searched.
+    pub(crate) fn zeros(&self, run: usize, bottom: &Minimum) -> [Option<Zero>; 2] {
+        let local = self.local(run, &bottom.at);
+        let covariance = bottom.local.normal.floored_inverse(LOST_BELOW);
+        [self.layout.current_offset(), self.layout.curvature_offset()].map(|place| {
+            let Slot::Searched(k) = self.slots[run][place] else {
+                return None;
+            };
+            Some(Zero {
+                value: local[place],
+                standard_error: self.units[place] * covariance.get(k, k).max(0.0).sqrt(),
+            })
+        })
     }
 
     /// Weighted residuals of a run.

@@ -5,6 +5,7 @@ use crate::bending::Bending;
 use crate::electrical::Electrical;
 use crate::joint::policy::{CHOSEN_WIDER, FOLLOWED_LOG};
 use crate::policy::{BRANCH_CLEAR, BRANCH_EVIDENCE};
+use crate::zero::Zero;
 use ieap_numerics::least_squares::{Minimum, Problem, Stop};
 use ieap_numerics::student::quantile_95;
 
@@ -13,7 +14,7 @@ use super::feature::Feature;
 use super::minimum::{LIMIT, SETTLE, electrical_starts, excess, minimum};
 use super::problem::{JointProblem, Over};
 use super::profile::{Deeper, Interval, Solved};
-use super::readings::{Offsets, RunReadings};
+use super::readings::RunReadings;
 use super::start::Start;
 
 /// Restarts from deeper minima met on the way.
@@ -33,8 +34,8 @@ pub(crate) struct Judged {
     pub(crate) partners: Vec<(Feature, Feature, f64)>,
     /// Current and curvature of the fit at all readings.
     pub(crate) fitted: [Option<Vec<f64>>; 2],
-    /// Zeros of the instruments in the fit.
-    pub(crate) offsets: Offsets,
+    /// Zeros of current and curvature in the fit; none of one that is taken as 0.
+    pub(crate) zeros: [Option<Zero>; 2],
     /// Why the search stopped.
     pub(crate) stop: Stop,
     /// Evaluations.
@@ -115,7 +116,7 @@ impl Judged {
             features: Vec::new(),
             partners: Vec::new(),
             fitted: [None, None],
-            offsets: Offsets::default(),
+            zeros: [None; 2],
             stop: bottom.stop,
             evaluations: bottom.evaluations,
             parabolic: false,
@@ -131,8 +132,8 @@ impl Judged {
     fn take_place(&mut self, problem: &JointProblem, bottom: &Minimum) {
         let local = problem.local(0, &bottom.at);
         self.stop = bottom.stop;
-        self.offsets = problem.offsets(&local);
-        self.fitted = problem.runs[0].fitted(&problem.model(&local), self.offsets);
+        self.zeros = problem.zeros(0, bottom);
+        self.fitted = problem.runs[0].fitted(&problem.model(&local), problem.offsets(&local));
     }
 
     /// Whether the parts of the branches are open because their number is.

@@ -78,8 +78,8 @@ impl Start {
         self.local[layout.rate()] = bending.rate_per_s;
         self.searched[layout.coupling()] = true;
         self.searched[layout.rate()] = true;
-        if let Some(offset_per_cm) = bending.offset_per_cm {
-            self.local[layout.curvature_offset()] = offset_per_cm;
+        if let Some(zero) = bending.zero {
+            self.local[layout.curvature_offset()] = zero.value;
             self.searched[layout.curvature_offset()] = true;
         }
         self

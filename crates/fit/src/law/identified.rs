@@ -14,6 +14,7 @@ use crate::sampled::Sampled;
 use crate::search::Search;
 use crate::shown::Shown;
 use crate::uncertainty::{CovarianceSums, Residuals};
+use crate::zero::Zero;
 
 /// Part of the sum of squares at which the search settles.
 const SETTLE: f64 = 1e-12;
@@ -31,8 +32,8 @@ pub(crate) struct Bent {
     pub(crate) held: Vec<bool>,
     /// Whether the shapes have nothing to shape.
     pub(crate) idle: bool,
-    /// Offset of the curvature, 1/cm, where one was fitted.
-    pub(crate) offset_per_cm: Option<f64>,
+    /// Zero of the curvature, 1/cm, where readings at rest tell it.
+    pub(crate) zero: Option<Zero>,
     /// Covariance of `natural`, the uncertainty of the circuit included; zero for what was held.
     pub(crate) covariance: Symmetric,
     /// Whether the curvature shows any response to the charge.
@@ -48,7 +49,7 @@ pub(crate) struct Bent {
 impl Bent {
     /// Number of parameters that were searched.
     pub(crate) fn searched(&self) -> usize {
-        self.held.iter().filter(|held| !**held).count() + usize::from(self.offset_per_cm.is_some())
+        self.held.iter().filter(|held| !**held).count() + usize::from(self.zero.is_some())
     }
 }
 
@@ -72,7 +73,7 @@ pub(crate) fn identify_law(
         law,
         drive,
         electrical,
-        with_offset: sampled.rests_off_zero(),
+        with_offset: sampled.tells_zero(),
     };
     let nodes = sampled.compressed();
     let charge = seen.charge(electrical, &nodes);
@@ -111,7 +112,10 @@ pub(crate) fn identify_law(
         couplings,
         held,
         idle,
-        offset_per_cm,
+        zero: offset_per_cm.map(|value| Zero {
+            value,
+            standard_error: 0.0,
+        }),
         covariance: Symmetric::zero(couplings + shapes.len()),
         shown: Shown::Nothing,
         residuals: Residuals::new(sampled, fitted, free + usize::from(seen.with_offset)),
@@ -119,7 +123,11 @@ pub(crate) fn identify_law(
         evaluations: found.evaluations + 1,
     };
     bent.shown = Shown::of(&bent.residuals, sampled, seen.with_offset);
-    bent.covariance = seen.covariance(&bent, (&full, sampled), (&charge, &nodes));
+    let (covariance, zero_error) = seen.covariance(&bent, (&full, sampled), (&charge, &nodes));
+    bent.covariance = covariance;
+    bent.zero
+        .iter_mut()
+        .for_each(|zero| zero.standard_error = zero_error);
     bent
 }
 
@@ -169,13 +177,14 @@ impl Seen<'_> {
         bent.natural[bent.couplings + k].abs().max(floor)
     }
 
-    /// Noise of the curvature, plus what the uncertainty of the circuit moves the law by (delta method).
+    /// Noise of the curvature, plus what the uncertainty of the circuit moves the law by (delta method); and the standard
+    /// error of the zero, 1/cm.
     fn covariance(
         &self,
         bent: &Bent,
         (full, sampled): (&ChargeCourse, &Sampled),
         (charge, nodes): (&ChargeCourse, &Sampled),
-    ) -> Symmetric {
+    ) -> (Symmetric, f64) {
         let jacobian = self.jacobian(bent, full);
         let mut sums = CovarianceSums::new(jacobian.len(), bent.residuals.coefficients());
         let columns: Vec<&[f64]> = jacobian.iter().map(Vec::as_slice).collect();
@@ -186,12 +195,16 @@ impl Seen<'_> {
         let free: Vec<usize> = (0..bent.natural.len()).filter(|&k| !bent.held[k]).collect();
         let place = |k: usize| free.iter().position(|&own| own == k);
         let circuit = &self.electrical.covariance;
-        Symmetric::from_fn(bent.natural.len(), |row, column| {
+        let both = |a: usize, b: usize| own.get(a, b) + circuit.form(&moves[a], &moves[b]);
+        let of_natural = Symmetric::from_fn(bent.natural.len(), |row, column| {
             match (place(row), place(column)) {
-                (Some(a), Some(b)) => own.get(a, b) + circuit.form(&moves[a], &moves[b]),
+                (Some(a), Some(b)) => both(a, b),
                 _ => 0.0,
             }
-        })
+        });
+        // The zero is the last column where it is fitted.
+        let zero = bent.zero.map_or(0.0, |_| both(free.len(), free.len()));
+        (of_natural, zero.max(0.0).sqrt())
     }
 
     /// How far every free parameter moves per unit of each of the circuit's, over the nodes that stand for the readings.

@@ -7,17 +7,18 @@ mod stated;
 #[cfg(test)]
 mod tests;
 
-use ieap_domain::number::significant;
 use ieap_domain::{Fit, Issue, Parameter, Quantity};
 use ieap_model::BendingLaw;
 
 use super::electrical::Electrical;
 use super::moving;
-use super::outcome::{self, current_words, judged_response, not_converged, parameter_issues};
+use super::outcome::{self, bent_at_rest, current_words, judged_response, not_converged, parameter_issues};
 use super::sampled::Sampled;
+use crate::nuisances;
 use crate::options::{FitInput, FitOptions, Steps};
 use crate::plain::judge;
 use crate::two_steps::{Identified, Readings, identify, needed};
+use crate::zero::Zero;
 pub(super) use identified::{Bent, identify_law};
 use stated::{not_known, stated};
 
@@ -134,14 +135,10 @@ fn add_law(
     };
     fit.issues.extend(parameter_issues(&parameters));
     fit.parameters.extend(parameters);
-    if let Some(offset_per_cm) = bent.offset_per_cm {
-        let words = format!(
-            "the strip is bent by {} 1/cm before the step; fitted as an offset",
-            significant(offset_per_cm, 5)
-        );
-        fit.issues
-            .push(Issue::note("initial-curvature", words).at("column curvature_per_cm"));
-    }
+    fit.nuisances
+        .push(nuisances::zero(Quantity::Curvature, bent.zero));
+    fit.issues
+        .extend(bent.zero.filter(Zero::is_plain).map(bent_at_rest));
     if !bent.stop.converged() {
         fit.issues.push(not_converged(bent.stop));
     }

@@ -5,6 +5,7 @@ use crate::joint::single::Judged;
 use crate::joint_estimates::{choice_in_words, two_step_choice_in_words};
 use crate::sampled::Sampled;
 use crate::two_steps::Identified;
+use crate::zero::Zero;
 use ieap_domain::number::{interval, rounded_bound, significant};
 use ieap_domain::{Drive, EstimateState, Issue, Level, Parameter};
 use ieap_numerics::decay::Block;
@@ -79,24 +80,20 @@ pub(super) fn issues(
             ));
     }
     if let Ok((_, electrical)) = &identified.current
-        && let Some(of_step) = electrical.offset_a
+        && let Some(zero) = judged.map_or_else(|| electrical.zero(), |judged| judged.zeros[0])
+        && zero.is_plain()
     {
-        let offset_a = judged.map_or(of_step, |judged| judged.offsets.current_a);
         let message = format!(
             "the current is off by {} A at every voltage, which no resistor explains; fitted as the instrument's zero",
-            significant(offset_a, 5)
+            significant(zero.value, 5)
         );
-        issues.push(Issue::warning("current-offset", message).at("column current_a"));
+        issues.push(Issue::note("current-offset", message).at("column current_a"));
     }
     if let Ok((_, bending)) = &identified.curvature
-        && let Some(of_step) = bending.offset_per_cm
+        && let Some(zero) = judged.map_or(bending.zero, |judged| judged.zeros[1])
+        && zero.is_plain()
     {
-        let offset_per_cm = judged.map_or(of_step, |judged| judged.offsets.curvature_per_cm);
-        let message = format!(
-            "the strip is bent by {} 1/cm before the step; fitted as an offset",
-            significant(offset_per_cm, 5)
-        );
-        issues.push(Issue::note("initial-curvature", message).at("column curvature_per_cm"));
+        issues.push(bent_at_rest(zero));
     }
     let unfinished = [
         identified
@@ -120,6 +117,15 @@ pub(super) fn issues(
         issues.push(not_converged(stop));
     }
     issues
+}
+
+/// What is said of a strip that is bent before the step.
+pub(crate) fn bent_at_rest(zero: Zero) -> Issue {
+    let message = format!(
+        "the strip is bent by {} 1/cm before the step; fitted as an offset",
+        significant(zero.value, 5)
+    );
+    Issue::note("initial-curvature", message).at("column curvature_per_cm")
 }
 
 /// Whether the current after the step is on the whole opposite to the first change of the voltage.

@@ -51,7 +51,14 @@ fn a_run_of_a_joint_fit_says_how_its_search_ended() {
         let fitted = [&channels[0], &channels[1]].map(|channel| Some(channel.values.to_vec()));
         let model = FitOptions::default().model;
         assert_says(
-            &outcome::joint_fit(&input, model, &readings, fitted, Vec::new(), (stop, 7)),
+            &outcome::joint_fit(
+                &input,
+                model,
+                &readings,
+                fitted,
+                (Vec::new(), [None; 2]),
+                (stop, 7),
+            ),
             stop,
         );
     }

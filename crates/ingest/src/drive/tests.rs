@@ -75,11 +75,22 @@ fn one_voltage_throughout_is_a_step_from_the_discharged_state() {
     assert_eq!(found.issues[0].code, "start-state-assumed");
     // A table that counts from its step tells that it was at its zero, and its first reading that it was just before: an edge
     // as wide as they leave it, wherever the first reading lies.
-    for (from_s, no_earlier_s) in [(0.0, -1.0), (1e-14, -1.0), (0.7, -0.3), (1.0, 0.0), (1.001, 0.0), (10.0, 0.0), (-5.0, -6.0)] {
+    for (from_s, no_earlier_s) in [
+        (0.0, -1.0),
+        (1e-14, -1.0),
+        (0.7, -0.3),
+        (1.0, 0.0),
+        (1.001, 0.0),
+        (10.0, 0.0),
+        (-5.0, -6.0),
+    ] {
         let table: Vec<(f64, f64)> = (0..10).map(|k| (from_s + f64::from(k), 1.0)).collect();
         let found = find(&[voltage(&table)], true, None, &[]);
         let edge = edges(&found)[0];
-        assert!((edge.no_earlier_s - no_earlier_s).abs() < 1e-12, "{from_s}: {edge:?}");
+        assert!(
+            (edge.no_earlier_s - no_earlier_s).abs() < 1e-12,
+            "{from_s}: {edge:?}"
+        );
         assert_eq!(edge.no_later_s, from_s);
         assert_eq!(found.issues[0].severity, ieap_domain::Severity::Note);
     }

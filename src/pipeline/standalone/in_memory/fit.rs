@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::RunAtHand;
-use crate::domain::{AskedFit, Channel, ChannelNoise, Drive, Estimate, Fit, Issue, KnownParameter, Severity};
+use crate::domain::{
+    AskedFit, Channel, ChannelNoise, Drive, Estimate, Fit, Issue, KnownParameter, Nuisance, Severity,
+};
 use crate::fit::{EdgeTimes, FitError, FitInput, FitOptions, distributed, placed_drive};
 use crate::ingest::derived;
 use crate::ingest::formats::columns::COLUMN_REFUSED;
@@ -40,6 +42,8 @@ pub struct FitAtHand {
     /// Parameters by key, in the model's order; an object in JSON.
     #[serde(serialize_with = "as_object")]
     pub parameters: Vec<(String, Estimate)>,
+    /// What was estimated beside them: edges, zeros, clocks, charge that no reading saw.
+    pub nuisances: Vec<Nuisance>,
     /// Coefficient of determination of the current.
     pub r_squared_current: Option<f64>,
     /// Coefficient of determination of the curvature.
@@ -96,6 +100,7 @@ pub fn fit(
         method: fit.method.clone(),
         n_samples: fit.n_samples,
         parameters: parameter_entries(&fit.parameters),
+        nuisances: fit.nuisances.clone(),
         r_squared_current: fit.r_squared_current,
         r_squared_curvature: fit.r_squared_curvature,
         noise: fit.noise.clone(),

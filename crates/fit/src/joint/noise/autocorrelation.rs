@@ -1,5 +1,6 @@
 //! The memory of noise, by restricted likelihood beside the smooth part, so that the smooth part costs no bias.
 
+use crate::joint::policy::MEMORY_OF_RECORD;
 use crate::joint::whitening::{Autocorrelation, Whitener};
 use crate::sampled::{Sampled, Span};
 use ieap_numerics::correlation::{FEWEST_FOR_ORDER, NOISE_EVIDENCE, yule_walker};
@@ -54,7 +55,12 @@ impl Smooth {
         let (shortest_s, longest_s) = sampled.time_scales_s();
         let is_even = sampled.blocks.iter().all(|(_, block)| block.step_s.is_some());
         let lagged = self.lagged(sampled, scale);
-        let of_order = |x: f64| self.deviance_of(&lagged, x.tanh());
+        let with_prior =
+            |(deviance, variance): (f64, f64), records: f64| (deviance + prior_deviance(records), variance);
+        let of_order = |x: f64| {
+            let readings = -1.0 / x.tanh().max(f64::MIN_POSITIVE).ln();
+            with_prior(self.deviance_of(&lagged, x.tanh()), readings / lagged.readings)
+        };
         let by_correlation;
         (best, by_correlation) = search(best, (FROM, TO, CORRELATIONS), by_order, of_order);
         if !is_even && shortest_s > 0.0 && shortest_s < longest_s {
@@ -62,7 +68,10 @@ impl Smooth {
             let by_time = |x: f64| Autocorrelation::Time {
                 correlation_time_s: shortest_s * (span * x).exp() / 2.0,
             };
-            let of_time = |x: f64| self.deviance(sampled, scale, &by_time(x));
+            let of_time = |x: f64| {
+                let records = shortest_s * (span * x).exp() / 2.0 / longest_s;
+                with_prior(self.deviance(sampled, scale, &by_time(x)), records)
+            };
             best = search(best, (0.0, 1.0, TIMES), by_time, of_time).0;
         }
         if sampled.len() >= FEWEST_FOR_ORDER && matches!(best.1, Autocorrelation::Order(_)) {
@@ -193,6 +202,12 @@ struct Lagged {
     spans: Vec<(Vec<Vec<Products>>, f64)>,
     readings: f64,
     determinant: f64,
+}
+
+/// What the prior of a memory adds to the deviance, of a correlation time in records: a record cannot show a memory as long as
+/// itself, and what looks like one is its transient.
+fn prior_deviance(records: f64) -> f64 {
+    2.0 * records.max(0.0) / MEMORY_OF_RECORD
 }
 
 /// A deviance with the variance of the noise, and the memory they belong to.
