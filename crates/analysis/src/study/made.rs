@@ -6,9 +6,10 @@ use ieap_domain::{Campaign, Factor, RunRecord, Sample};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::answer::{Answer, Kind, Scale, Verdict};
+use super::answer::{Answer, Kind, OfMaterial, Scale, Verdict};
 use super::asking::Asking;
 use super::curves::Curves;
+use super::laws::humidity_slope;
 use super::measured::{Bound, Cell, Measured};
 use super::measures::{BENDING_LOST, BENDING_PER_VOLT, CURVES, MEASURES};
 use super::placed::Placed;
@@ -90,7 +91,12 @@ impl Study {
                 ))
             }));
         }
+        let of_humidity = |(&at, of): (&_, &Result<Measured, _>)| {
+            Some((at, humidity_slope(of.as_ref().ok()?, &conditions, &facts)?))
+        };
+        let slopes = measured.iter().filter_map(of_humidity).collect();
         let asking = Asking {
+            slopes,
             rules: &evidence.campaign.study,
             compared: &compared,
             conditions: &conditions,
@@ -264,7 +270,8 @@ fn bound(evidence: &Evidence, facts: &[RunFacts], place: usize, key: &str) -> Bo
     }
 }
 
-/// Fills in the q of every answer, by families (parameters, whole curves, details), and what it shows.
+/// Fills in the q of every answer, by families (parameters, whole curves, details; laws told of the material), and what it
+/// shows.
 fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
     for of_family in [(true, false), (true, true), (false, false)] {
         let family = |own: &Answer| (own.is_of_study, own.is_of_study && own.is_of_curve());
@@ -276,6 +283,15 @@ fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
         for (own, q) in family.iter_mut().zip(q_values(&p)) {
             own.q = Some(q);
         }
+    }
+    let mut laws: Vec<&mut OfMaterial> = answers
+        .iter_mut()
+        .filter(|own| own.is_of_study)
+        .filter_map(|own| own.of_material.as_mut())
+        .collect();
+    let p: Vec<f64> = laws.iter().map(|own| own.p).collect();
+    for (own, q) in laws.iter_mut().zip(q_values(&p)) {
+        (own.q, own.is_shown) = (Some(q), q <= CLAIMED_BELOW);
     }
     for own in answers.iter_mut() {
         let least = match own.scale {
