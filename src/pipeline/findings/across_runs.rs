@@ -2,6 +2,7 @@
 
 use crate::analysis::cache::{Cache, Hash};
 use crate::analysis::laws::doubt::Findings;
+use crate::analysis::laws::facts::{RunFacts, facts};
 use crate::analysis::laws::{Attempt, CampaignLaws, Evidence, find};
 use crate::domain::tag::keys;
 use crate::domain::{FileState, Quantity, RunCurve, RunRecord, RunState, RunStatus};
@@ -42,6 +43,18 @@ pub fn campaign_laws(
             kept,
         }))
     })
+}
+
+/// What is known of these runs that a parameter may follow, with the charge that passed before each.
+///
+/// # Errors
+/// The database cannot be read.
+pub(crate) fn campaign_facts(
+    context: &Context,
+    runs: &[RunRecord],
+    kept: &Cache,
+) -> Result<Vec<RunFacts>, PipelineError> {
+    Ok(facts(runs, &context.campaign, &charges(context, runs, kept)?))
 }
 
 /// Charge that passed in each run, C: the magnitude of the current integrated over the curve of its fit, which keeps the
