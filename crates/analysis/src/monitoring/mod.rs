@@ -17,7 +17,7 @@ mod moved;
 pub mod policy;
 pub mod reference;
 #[cfg(test)]
-mod season_counts;
+mod season_tests;
 mod seasons;
 pub mod series;
 mod sheet;

@@ -164,8 +164,7 @@ impl Asking<'_> {
 
     /// The same sum of the material, beside the answer for the strips as they are.
     pub(super) fn of_material(&self, terms: &[Term]) -> Option<OfMaterial> {
-        let all = summed(terms)?;
-        let reach = quantile_95(all.freedom) * all.error;
+        let (all, reach) = (summed(terms)?, reach(terms));
         Some(OfMaterial {
             value: all.value,
             low_95: all.value - reach,
@@ -193,6 +192,11 @@ impl Asking<'_> {
         }
         (upper, lower)
     }
+}
+
+/// Half-width of the 95 % interval of a sum; infinite where nothing tells the scatter.
+pub(super) fn reach(terms: &[Term]) -> f64 {
+    summed(terms).map_or(f64::INFINITY, |all| quantile_95(all.freedom) * all.error)
 }
 
 /// A sum of combinations with its scatter.

@@ -4,10 +4,10 @@ use ieap_domain::Factor;
 
 use super::answer::{Answer, Kind, Scope};
 use super::asking::Asking;
-use super::combined::Term;
+use super::combined::{Term, reach};
 use super::measured::{Measured, Value, distinct};
 use super::policy::FEWEST_LEVELS;
-use super::slope::{Slope, levels};
+use super::slope::{Slope, Told, levels};
 use crate::conditions::{Conditions, volts};
 use crate::laws::facts::RunFacts;
 
@@ -82,16 +82,21 @@ impl Asking<'_> {
         Some(self.law(&[(first, 1.0), (own, -1.0)], is_asked, blank))
     }
 
-    /// A sum of slopes: of the strips as they are where each is told of them, and beside it of their materials.
+    /// A sum of slopes: of the strips as they are, and beside it of their materials; of these alone where they tell more.
     fn law(&self, slopes: &[(&Slope, f64)], is_asked: bool, blank: Answer) -> Answer {
         let strips = terms(slopes, |slope| slope.strips.as_ref());
         let material = terms(slopes, |slope| slope.material.as_ref());
-        let scope = if strips.is_some() {
-            Scope::Strips
-        } else {
-            Scope::Material
+        // Where strips were measured at different humidities their material tells more than what differs within each.
+        let by_strips = match (&strips, &material) {
+            (Some(strips), Some(material)) => reach(strips) <= reach(material),
+            (strips, _) => strips.is_some(),
         };
-        let Some(told) = strips.as_ref().or(material.as_ref()) else {
+        let (scope, told) = if by_strips {
+            (Scope::Strips, strips.as_ref())
+        } else {
+            (Scope::Material, material.as_ref())
+        };
+        let Some(told) = told else {
             return blank;
         };
         let voltages = distinct((told.iter()).flat_map(|term| term.of.values.iter().map(|own| own.cell.1)));
@@ -134,10 +139,7 @@ impl Asking<'_> {
 }
 
 /// Slopes in one scope, each with its sign; none where one is not told in it.
-fn terms<'a>(
-    slopes: &[(&'a Slope, f64)],
-    scope: fn(&'a Slope) -> Option<&'a (Measured, Vec<f64>)>,
-) -> Option<Vec<Term<'a>>> {
+fn terms<'a>(slopes: &[(&'a Slope, f64)], scope: fn(&'a Slope) -> Option<&'a Told>) -> Option<Vec<Term<'a>>> {
     let term = |&(slope, sign): &(&'a Slope, f64)| {
         let (of, factors) = scope(slope)?;
         let factors = factors.iter().map(|factor| sign * factor).collect();

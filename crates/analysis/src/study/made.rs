@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use ieap_domain::{Campaign, Factor, RunRecord, Sample};
+use ieap_domain::{Campaign, Drive, Factor, RunRecord, Sample};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -16,10 +16,10 @@ use super::placed::Placed;
 use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LOSS_AFTER_S};
 use crate::conditions::{Conditions, conditions_of_materials};
 use crate::false_discovery::{CLAIMED_BELOW, q_values};
-use crate::laws;
 use crate::laws::doubt::Doubts;
 use crate::laws::facts::{RunFacts, facts};
 use crate::laws::values::{Values, values};
+use crate::laws::{self, OfHumidity};
 use crate::model_free::curves::StepCurves;
 use crate::parameters::{COMPARED, usable};
 
@@ -34,6 +34,8 @@ pub struct Study {
     pub answers: Vec<Answer>,
     /// Fitted runs that take part in no answer about a parameter.
     pub left_out: Vec<String>,
+    /// Why, in their order.
+    pub left_out_why: Vec<&'static str>,
     /// Those that take part in one, and in none about a whole curve.
     pub left_out_of_curves: Vec<String>,
 }
@@ -121,7 +123,10 @@ impl Study {
             let left = fitted.iter().filter(|at| is_left(at));
             left.map(|&at| evidence.runs[at].path.clone()).collect()
         };
+        let unused = fitted.iter().filter(|at| !used.contains(at));
+        let why = |&at: &usize| why_left_out(&evidence, &conditions, at);
         Study {
+            left_out_why: unused.map(why).collect(),
             left_out: left(&|at| !used.contains(at)),
             left_out_of_curves: left(&|at| asks_curves && used.contains(at) && !in_curves.contains(at)),
             is_declared: !declared.is_empty(),
@@ -135,6 +140,14 @@ impl Study {
         self.answers.iter().filter(|answer| answer.is_of_study)
     }
 
+    /// p and q of every law of the humidity, by material and parameter.
+    pub fn of_humidity(&self) -> OfHumidity {
+        let laws = self.answers.iter().filter(|own| own.kind == Kind::HumidityLaw);
+        let named = |own: &Answer| (own.material.clone(), own.parameter.to_owned());
+        laws.filter_map(|own| Some((named(own), (own.p?, own.q?))))
+            .collect()
+    }
+
     /// Materials, in the order of the campaign.
     pub fn materials(&self) -> Vec<&str> {
         let mut found: Vec<&str> = Vec::new();
@@ -144,6 +157,20 @@ impl Study {
             }
         }
         found
+    }
+}
+
+/// Why a fitted run takes part in no answer about a parameter.
+fn why_left_out(evidence: &Evidence, conditions: &Conditions, at: usize) -> &'static str {
+    let run = &evidence.runs[at];
+    if run.drive.as_ref().is_some_and(Drive::moves) {
+        "the voltage moves"
+    } else if conditions.unplaced.contains(&at) {
+        "sample, environment or voltage is not stated"
+    } else if evidence.doubts.leaves_out(&run.path) {
+        "what the model gets wrong has no known cause"
+    } else {
+        "there is nothing in another condition to hold against"
     }
 }
 

@@ -15,13 +15,16 @@ use crate::laws::Covariate;
 use crate::laws::facts::RunFacts;
 use crate::laws::policy::{INFLATION_LIMIT, LEFT_FOR_OTHERS, LEFT_FOR_TIED, TIED_ABOVE};
 
+/// A model with the combination of its columns that is the slope.
+pub(super) type Told = (Measured, Vec<f64>);
+
 /// A slope in both scopes.
 pub(super) struct Slope {
-    /// Of the strips as they are, with the combination that is the slope; none where no strip was measured at two
+    /// Of the strips as they are; none where no strip was measured at two
     /// humidities, and of more than [`MOST_STRIPS`], whose material tells as much.
-    pub strips: Option<(Measured, Vec<f64>)>,
+    pub strips: Option<Told>,
     /// Of the material; none of one strip.
-    pub material: Option<(Measured, Vec<f64>)>,
+    pub material: Option<Told>,
     /// How the strips' own slopes differ; none of one strip, and where the runs do not tell it.
     pub differ: Option<Differ>,
     /// From the least to the largest humidity, percent.
@@ -108,9 +111,10 @@ impl Slope {
             values,
         };
         let tied = over.carry(facts);
-        let (strips, differ) = match over.samples <= MOST_STRIPS {
-            true => over.of_strips(half).unzip(),
-            false => (None, None),
+        let (strips, differ) = if over.samples <= MOST_STRIPS {
+            over.of_strips(half).unzip()
+        } else {
+            (None, None)
         };
         let material = over.of_material(half);
         (strips.is_some() || material.is_some()).then_some(Slope {
@@ -174,7 +178,7 @@ impl Over<'_> {
     }
 
     /// The slope of the strips as they are.
-    fn of_strips(&self, half: f64) -> Option<((Measured, Vec<f64>), Option<Differ>)> {
+    fn of_strips(&self, half: f64) -> Option<(Told, Option<Differ>)> {
         let samples: Vec<usize> = (0..self.samples).collect();
         let measured = |slopes: Vec<Vec<f64>>| {
             let (beside, slopes) = self.columns(&self.sample, slopes);
@@ -214,7 +218,7 @@ impl Over<'_> {
     }
 
     /// The slope of the material; none of one strip.
-    fn of_material(&self, half: f64) -> Option<(Measured, Vec<f64>)> {
+    fn of_material(&self, half: f64) -> Option<Told> {
         if self.samples < 2 {
             return None;
         }

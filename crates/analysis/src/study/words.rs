@@ -396,17 +396,23 @@ pub fn left_out(study: &Study) -> Vec<String> {
         let row = some.join(", ");
         (!some.is_empty()).then(|| format!("{all} part in no answer{of} ({row}{more}): {why}."))
     };
-    let parameters = of(
-        &study.left_out,
-        "",
-        "nothing stands against them in another condition, a tag is missing, their voltage moves, or what their model gets wrong has no known cause",
-    );
+    let mut reasons: Vec<&str> = study.left_out_why.clone();
+    reasons.sort_unstable();
+    reasons.dedup();
+    let parameters = reasons.into_iter().filter_map(|why| {
+        let each = study.left_out.iter().zip(&study.left_out_why);
+        let runs: Vec<String> = each
+            .filter(|(_, of)| **of == why)
+            .map(|(run, _)| run.clone())
+            .collect();
+        of(&runs, "", why)
+    });
     let curves = of(
         &study.left_out_of_curves,
         " about whole curves",
         "they do not begin with a step that is held, nothing tells when that was, or nothing stands against them in another environment",
     );
-    parameters.into_iter().chain(curves).collect()
+    parameters.chain(curves).collect()
 }
 
 /// How many questions were asked, and how their chances were judged.

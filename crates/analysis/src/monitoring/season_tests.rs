@@ -86,7 +86,7 @@ fn seasons_raise_no_alarm_and_what_stays_does() {
     assert_eq!((step, drift), (5, 5));
 }
 
-/// `cargo test -p ieap-analysis --lib season_counts -- --include-ignored --nocapture`
+/// `cargo test -p ieap-analysis --lib season_tests -- --include-ignored --nocapture`
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
 fn counts_of_seasons() {
