@@ -122,6 +122,9 @@ impl Run {
             let later = self.fits().run(context, observer)?;
             fit.fitted += later.fitted;
             fit.not_converged.extend(later.not_converged);
+        }
+        if !self.skip_diagnosis {
+            // What findings say against fits is part of what is watched.
             let later = or_nothing(self.alarms().run(context, observer), &mut faults)?;
             alarms.standing = later.standing;
             alarms.new.extend(later.new);

@@ -1,8 +1,8 @@
 //! Runs whose readings are known to be wrong are shown, hollow and with the reason, and move nothing.
 
 use ieap::analysis::laws::facts::facts;
-use ieap::analysis::monitoring::monitor;
 use ieap::analysis::monitoring::view::view;
+use ieap::analysis::monitoring::{Evidence, monitor};
 use ieap::domain::tag::keys;
 use ieap::domain::{CurveSource, RunCurve, RunRecord, Standing};
 use ieap::report::figures::canvas::Shape;
@@ -154,7 +154,12 @@ fn watched(set_aside: Vec<RunRecord>) -> Input {
     let mut input = input(&["CNaf"], 1);
     input.runs = (0..8).map(|index| run(index, "CNaf", 2, 2.5, index)).collect();
     input.laws.facts = facts(&input.runs, &input.campaign, &[]);
-    input.monitoring = monitor(&input.runs, &input.campaign, &input.laws);
+    input.monitoring = monitor(Evidence {
+        runs: &input.runs,
+        campaign: &input.campaign,
+        facts: &input.laws.facts,
+        doubts: &input.laws.doubts,
+    });
     input.set_aside = set_aside;
     input
 }

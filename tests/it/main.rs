@@ -2,6 +2,7 @@
 
 mod across_runs;
 mod adopted;
+mod alarms_said_once;
 mod allowed_commands;
 mod along;
 mod any_runs;

@@ -3,9 +3,10 @@
 use ieap_domain::quantiles::NORMAL_95;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Half-width of a two-sided 95 % interval in standard errors, for `degrees_of_freedom` (1 at least).
+/// Half-width of a two-sided 95 % interval in standard errors, for `degrees_of_freedom`: below one as the law has it, infinite
+/// where there are none.
 pub fn quantile_95(degrees_of_freedom: f64) -> f64 {
-    let freedom = degrees_of_freedom.max(1.0);
+    let freedom = degrees_of_freedom;
     if freedom >= 100.0 {
         // Expansion in 1/nu (Abramowitz and Stegun 26.7.5), below 1e-7 off from 100 degrees of freedom on.
         let z = NORMAL_95;
@@ -17,23 +18,22 @@ pub fn quantile_95(degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
-/// What Student's t stays below with chance `p`, for `degrees_of_freedom` (1 at least; infinite ones are the normal law).
+/// What Student's t stays below with chance `p`, for `degrees_of_freedom` (none: nothing; infinite ones are the normal law).
 pub fn quantile(p: f64, degrees_of_freedom: f64) -> f64 {
     // Beyond a million degrees of freedom the normal law is the same to seven digits.
-    let freedom = degrees_of_freedom.clamp(1.0, 1e6);
+    let freedom = degrees_of_freedom.min(1e6);
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(p))
 }
 
-/// Chance that Student's t lies as far from 0 as `t`, on either side.
+/// Chance that Student's t lies as far from 0 as `t`, on either side; 1 without degrees of freedom.
 pub fn two_sided_chance(t: f64, degrees_of_freedom: f64) -> f64 {
-    let freedom = degrees_of_freedom.max(1.0);
-    StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |chance| (2.0 * chance.sf(t.abs())).clamp(0.0, 1.0))
+    StudentsT::new(0.0, 1.0, degrees_of_freedom)
+        .map_or(1.0, |chance| (2.0 * chance.sf(t.abs())).clamp(0.0, 1.0))
 }
 
-/// Chance that Student's t lies above `t`.
+/// Chance that Student's t lies above `t`; 1 without degrees of freedom.
 pub fn one_sided_chance(t: f64, degrees_of_freedom: f64) -> f64 {
-    let freedom = degrees_of_freedom.max(1.0);
-    StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |chance| chance.sf(t).clamp(0.0, 1.0))
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(1.0, |chance| chance.sf(t).clamp(0.0, 1.0))
 }
 
 #[cfg(test)]

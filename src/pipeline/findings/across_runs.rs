@@ -1,8 +1,10 @@
 //! What holds across the runs of a campaign, found from the current fits whenever it is read.
 
 use crate::analysis::cache::{Cache, Hash};
-use crate::analysis::laws::doubt::Findings;
+use crate::analysis::laws::doubt::{Doubts, Findings};
+use crate::analysis::laws::facts::{RunFacts, facts};
 use crate::analysis::laws::{Attempt, CampaignLaws, Evidence, find};
+use crate::analysis::study::{self, Study};
 use crate::domain::tag::keys;
 use crate::domain::{FileState, Quantity, RunCurve, RunRecord, RunState, RunStatus};
 use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
@@ -28,12 +30,20 @@ pub fn campaign_laws(
 ) -> Result<CampaignLaws, PipelineError> {
     let charge_c = charges(context, runs, kept)?;
     let attempts = attempts(context, runs)?;
+    let findings = Findings {
+        groups: &findings.groups,
+        runs: &findings.runs,
+    };
     step("what holds across runs", || {
+        let study = Study::of(study::Evidence {
+            runs,
+            campaign: &context.campaign,
+            doubts: &Doubts::new(findings, runs),
+            curves: &[],
+        });
         Ok(find(&Evidence {
-            findings: Findings {
-                groups: &findings.groups,
-                runs: &findings.runs,
-            },
+            findings,
+            of_humidity: &study.of_humidity(),
             runs,
             campaign: &context.campaign,
             charge_c: &charge_c,
@@ -42,6 +52,18 @@ pub fn campaign_laws(
             kept,
         }))
     })
+}
+
+/// What is known of these runs that a parameter may follow, with the charge that passed before each.
+///
+/// # Errors
+/// The database cannot be read.
+pub(crate) fn campaign_facts(
+    context: &Context,
+    runs: &[RunRecord],
+    kept: &Cache,
+) -> Result<Vec<RunFacts>, PipelineError> {
+    Ok(facts(runs, &context.campaign, &charges(context, runs, kept)?))
 }
 
 /// Charge that passed in each run, C: the magnitude of the current integrated over the curve of its fit, which keeps the

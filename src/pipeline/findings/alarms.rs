@@ -7,10 +7,11 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::current::current_findings;
 use super::diagnose::condemned_ahead;
-use crate::analysis::laws::CampaignLaws;
+use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::laws::facts::facts;
-use crate::analysis::monitoring::{Monitoring, monitor};
+use crate::analysis::monitoring::{Evidence, Monitoring, monitor};
 use crate::domain::{Alarm, AlarmSign, Campaign, InputHash, RunRecord};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
@@ -42,14 +43,29 @@ pub struct AlarmSummary {
     pub failed_commands: Vec<String>,
 }
 
-/// What monitoring of these runs, which speak, comes to, without what only questions across all runs can say.
-fn watched(context: &Context, runs: &[RunRecord]) -> Result<Monitoring, PipelineError> {
+/// What monitoring of these runs, which speak, comes to.
+fn watched(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> Result<Monitoring, PipelineError> {
     // The charge that passed is one axis among several and no alarm depends on it.
-    let laws = || CampaignLaws {
-        facts: facts(runs, &context.campaign, &vec![None; runs.len()]),
-        ..CampaignLaws::default()
+    let facts = || facts(runs, &context.campaign, &vec![None; runs.len()]);
+    let found = || {
+        monitor(Evidence {
+            runs,
+            campaign: &context.campaign,
+            facts: &facts(),
+            doubts,
+        })
     };
-    step("monitoring", || Ok(monitor(runs, &context.campaign, &laws())))
+    step("monitoring", || Ok(found()))
+}
+
+/// What the current findings say against the fits of these runs.
+fn doubts(context: &Context, runs: &[RunRecord]) -> Result<Doubts, PipelineError> {
+    let found = current_findings(context)?;
+    let findings = Findings {
+        groups: &found.groups,
+        runs: &found.runs,
+    };
+    Ok(Doubts::new(findings, runs))
 }
 
 /// The alarms of a campaign. They are stored with what they depend on, for who only asks for them.
@@ -72,6 +88,8 @@ impl From<Monitoring> for Alarms {
     }
 }
 
+/// Version of how alarms are found: 2 brings seasons by what the runs of a strip tell, and holds what findings say of fits.
+const VERSION: &str = "alarms/2";
 /// Name of the one result of this kind.
 const OF: &str = "the campaign";
 
@@ -80,21 +98,28 @@ const OF: &str = "the campaign";
 /// # Errors
 /// The database cannot be read, or a fault of the program stops the monitoring.
 pub fn alarms(context: &Context, runs: &[RunRecord]) -> Result<Alarms, PipelineError> {
+    alarms_in_doubt(context, runs, &doubts(context, runs)?)
+}
+
+fn alarms_in_doubt(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> Result<Alarms, PipelineError> {
     let stored = context.store.result::<Alarms>(ResultKind::Alarms, OF)?;
-    match stored.filter(|stored| stored.origin.key == key(context, runs)) {
+    match stored.filter(|stored| stored.origin.key == key(context, runs, doubts)) {
         Some(StoredResult { found: Ok(found), .. }) => Ok(found),
-        _ => Ok(watched(context, runs)?.into()),
+        _ => Ok(watched(context, runs, doubts)?.into()),
     }
 }
 
 /// Hash of everything that alarms of these runs depend on.
-fn key(context: &Context, runs: &[RunRecord]) -> String {
+fn key(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> String {
     let mut hash = InputHash::new();
-    hash.text(CODE_VERSION).text(&context.campaign_digest);
+    hash.text(VERSION)
+        .text(CODE_VERSION)
+        .text(&context.campaign_digest);
     for run in runs {
         hash.text(&run.path)
             .whole(run.revision.into())
-            .text(&run.data_hash);
+            .text(&run.data_hash)
+            .text(&format!("{:?}", doubts.of(&run.path)));
         for tag in &run.tags {
             hash.text(&tag.key).text(&tag.value);
         }
@@ -148,8 +173,8 @@ impl RaiseAlarms {
         let told = context.store.told_alarms()?;
         // A change is told once, whichever of its signs came first then.
         let is_new = |alarm: &&Alarm| !alarm.shown_by.iter().any(|sign| told.contains(&sign.id));
-        let (runs, found) = self.watched(context, &is_new)?;
-        keep(context, &key(context, &runs), &found)?;
+        let (runs, doubts, found) = self.watched(context, &is_new)?;
+        keep(context, &key(context, &runs, &doubts), &found)?;
         let open = |alarm: &&Alarm| !alarm.acknowledged;
         let standing: Vec<&Alarm> = found.alarms.iter().filter(open).collect();
         let mut summary = AlarmSummary {
@@ -179,24 +204,26 @@ impl RaiseAlarms {
         &self,
         context: &Context,
         is_new: &dyn Fn(&&Alarm) -> bool,
-    ) -> Result<(Vec<RunRecord>, Alarms), PipelineError> {
+    ) -> Result<(Vec<RunRecord>, Doubts, Alarms), PipelineError> {
         let runs = standing::speaking(context)?;
-        let found = alarms(context, &runs)?;
+        let doubted = doubts(context, &runs)?;
+        let found = alarms_in_doubt(context, &runs, &doubted)?;
         let open = |alarm: &&Alarm| !alarm.acknowledged;
         let new = found.alarms.iter().filter(open).filter(is_new);
         let samples: BTreeSet<&str> = new.map(|alarm| alarm.sample.as_str()).collect();
         if let Some(choice) = self.diagnosis.as_ref().filter(|_| !samples.is_empty()) {
-            let watched = watched(context, &runs)?.watched.into_iter();
+            let watched = watched(context, &runs, &doubted)?.watched.into_iter();
             let of_new = watched.filter(|one| samples.contains(one.sample.as_str()));
             let asked = of_new.flat_map(|one| one.runs).map(|run| runs[run].path.clone());
             let ahead = condemned_ahead(context, choice, &asked.collect())?;
             if !ahead.is_empty() {
                 let runs = standing::speaking_without(context, ahead)?;
-                let found = alarms(context, &runs)?;
-                return Ok((runs, found));
+                let doubted = doubts(context, &runs)?;
+                let found = alarms_in_doubt(context, &runs, &doubted)?;
+                return Ok((runs, doubted, found));
             }
         }
-        Ok((runs, found))
+        Ok((runs, doubted, found))
     }
 }
 

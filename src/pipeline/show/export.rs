@@ -8,13 +8,13 @@ pub use crate::analysis::TableFormat;
 use crate::analysis::cache::Cache;
 use crate::analysis::dma::table::modulus_table;
 use crate::analysis::laws::CampaignLaws;
-use crate::analysis::monitoring::Monitoring;
-pub use crate::analysis::monitoring::monitor;
+use crate::analysis::laws::doubt::{Doubts, Findings};
+use crate::analysis::monitoring::{Evidence, Monitoring, monitor};
 use crate::analysis::{self, About, ExportError, TraceWriter, run_tables, tables, traces};
 use crate::domain::{Campaign, ModulusLog, RunRecord, string_enum};
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing;
-use crate::pipeline::findings::across_runs::campaign_laws;
+use crate::pipeline::findings::across_runs::{campaign_facts, campaign_laws};
 use crate::pipeline::findings::current::{CurrentFindings, current_findings};
 use crate::pipeline::findings::model_free::{WithoutModel, without_model};
 use crate::pipeline::infra::fault::step;
@@ -164,11 +164,22 @@ impl Table {
             }
             _ => {}
         }
-        if matches!(self, Table::Laws | Table::Monitoring) {
+        if self == Table::Laws {
             made.laws = campaign_laws(context, (&runs, &made.found), None, &Cache::default())?;
         }
         if self == Table::Monitoring {
-            made.monitoring = step("monitoring", || Ok(monitor(&runs, &context.campaign, &made.laws)))?;
+            let facts = campaign_facts(context, &runs, &Cache::default())?;
+            let findings = Findings {
+                groups: &made.found.groups,
+                runs: &made.found.runs,
+            };
+            let evidence = Evidence {
+                runs: &runs,
+                campaign: &context.campaign,
+                facts: &facts,
+                doubts: &Doubts::new(findings, &runs),
+            };
+            made.monitoring = step("monitoring", || Ok(monitor(evidence)))?;
         }
         Ok(self.of(&all, &context.campaign, &made))
     }

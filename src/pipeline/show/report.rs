@@ -8,11 +8,13 @@ use super::along::PageCurves;
 use super::found_tables;
 use super::own_templates::OwnTemplates;
 use crate::analysis::cache::Cache;
+use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::laws::facts::facts;
 use crate::analysis::laws::matrix::confounding_maps;
+use crate::analysis::monitoring::{self, monitor};
 use crate::analysis::shared_effects::{sentence, shared_effects};
 use crate::analysis::study::{Evidence, Study};
-use crate::analysis::{monitoring, same_tags, sequence};
+use crate::analysis::{same_tags, sequence};
 use crate::domain::diagnosis::follows_a_tag;
 use crate::domain::{Fault, GroupDiagnosis, RunRecord, SourceFile};
 use crate::model::effects::smooth_laws::SMOOTH_LAWS;
@@ -445,6 +447,13 @@ pub(crate) fn input(
     if laws.facts.len() != runs.len() {
         laws.facts = facts(&runs, &context.campaign, &vec![None; runs.len()]);
     }
+    let doubts = Doubts::new(
+        Findings {
+            groups: &found.groups,
+            runs: &found.runs,
+        },
+        &runs,
+    );
     let curves = step("curves after the steps", || {
         curves_after_steps(context, &runs, kept)
     });
@@ -453,7 +462,7 @@ pub(crate) fn input(
         Ok(Study::of(Evidence {
             runs: &runs,
             campaign: &context.campaign,
-            doubts: &laws.doubts,
+            doubts: &doubts,
             curves: &curves,
         }))
     };
@@ -488,7 +497,14 @@ pub(crate) fn input(
     let without_model = or_nothing(without_model, &mut faults)?;
     let electrodes = step("electrode resistance", || electrode_courses(context));
     let electrodes = or_nothing(electrodes, &mut faults)?;
-    let monitoring = || Ok(monitoring::monitor(&runs, &context.campaign, &laws));
+    let monitoring = || {
+        Ok(monitor(monitoring::Evidence {
+            runs: &runs,
+            campaign: &context.campaign,
+            facts: &laws.facts,
+            doubts: &doubts,
+        }))
+    };
     let monitoring = or_nothing(step("monitoring", monitoring), &mut faults)?;
     let confounding = step("confounding", || Ok(confounding_maps(&laws, &runs)));
     Ok(report::Input {

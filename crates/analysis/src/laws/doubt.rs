@@ -97,7 +97,7 @@ impl Doubts {
     }
 
     /// Everything that is said against the fit of the run, to be hashed.
-    pub(super) fn of(&self, run: &str) -> impl std::fmt::Debug {
+    pub fn of(&self, run: &str) -> impl std::fmt::Debug {
         self.of_runs.get(run)
     }
 

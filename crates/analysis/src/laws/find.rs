@@ -32,6 +32,8 @@ pub struct Evidence<'a> {
     pub attempts: &'a [Attempt],
     /// What the diagnoses say against fits.
     pub findings: Findings<'a>,
+    /// What the study says of laws of the humidity.
+    pub of_humidity: &'a OfHumidity,
     /// Seed of the draws.
     pub seed: u64,
     /// What was found of materials before.
@@ -106,9 +108,13 @@ pub fn find(evidence: &Evidence) -> CampaignLaws {
     laws.selections = selections(evidence.attempts, evidence.seed);
     laws.facts = facts;
     laws.doubts = doubts;
-    judge(&mut laws, shares_fits(evidence.runs));
+    judge(&mut laws, shares_fits(evidence.runs), evidence.of_humidity);
     laws
 }
+
+/// p and q of laws of the humidity by material and parameter, as the study says them: whether there is one is asked there and
+/// nowhere else, for its model holds what strips and surroundings differ by. Here stays which form it has.
+pub type OfHumidity = BTreeMap<(String, String), (f64, f64)>;
 
 /// What is found of one material alone.
 #[derive(Default, Serialize, Deserialize)]
@@ -318,12 +324,25 @@ fn shares_fits(runs: &[RunRecord]) -> bool {
 /// Fills in the q of every answer. Laws over covariates, differences of samples, their lengths, and failures are
 /// families of their own: samples do differ, and where many such findings are right, wrong ones would pass with them
 /// among the others. Where runs share parameter sets (`is_shared`) nothing is known of how the answers depend on each
-/// other, and the rule of Benjamini and Yekutieli is used.
-fn judge(laws: &mut CampaignLaws, is_shared: bool) {
-    let (of_samples, of_laws): (Vec<&mut Dependence>, Vec<&mut Dependence>) = laws
+/// other, and the rule of Benjamini and Yekutieli is used. Laws of the humidity have what the study says of them.
+fn judge(laws: &mut CampaignLaws, is_shared: bool, of_humidity: &OfHumidity) {
+    let answered = |found: &Dependence| {
+        let own = (found.material.clone(), found.parameter.clone());
+        of_humidity
+            .get(&own)
+            .filter(|_| found.covariate == Covariate::RelativeHumidity)
+    };
+    for found in &mut laws.dependences {
+        if let Some(&(p, q)) = answered(found) {
+            (found.p, found.q) = (p, q);
+        }
+    }
+    let asked = laws
         .dependences
         .iter_mut()
-        .partition(|found| found.covariate == Covariate::Sample);
+        .filter(|found| answered(found).is_none());
+    let (of_samples, of_laws): (Vec<&mut Dependence>, Vec<&mut Dependence>) =
+        asked.partition(|found| found.covariate == Covariate::Sample);
     let mut of_laws: Vec<(f64, &mut f64)> = of_laws.into_iter().map(|one| (one.p, &mut one.q)).collect();
     let mut of_samples: Vec<(f64, &mut f64)> =
         of_samples.into_iter().map(|one| (one.p, &mut one.q)).collect();

@@ -11,6 +11,7 @@ use super::find::{CampaignLaws, Evidence, find};
 use super::shape::Law;
 use super::words;
 use crate::cache::Cache;
+use crate::study::{self, Study};
 use ieap_domain::tag::keys;
 use ieap_domain::testing::{campaign, fit, run, tag};
 use ieap_domain::{Campaign, Estimate, RunRecord};
@@ -124,8 +125,15 @@ fn estimate(value: f64) -> Estimate {
 
 pub(super) fn found(plan: Plan, hidden: Hidden, seed: u64) -> CampaignLaws {
     let (runs, campaign) = simulate(plan, hidden, seed);
+    let study = Study::of(study::Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Default::default(),
+        curves: &[],
+    });
     find(&Evidence {
         findings: Default::default(),
+        of_humidity: &study.of_humidity(),
         runs: &runs,
         campaign: &campaign,
         charge_c: &vec![None; runs.len()],
@@ -322,6 +330,7 @@ fn declared_tags_are_asked_and_others_are_not() {
     let claimed = |campaign: &Campaign| -> Vec<(String, String, Law)> {
         let laws = find(&Evidence {
             findings: Default::default(),
+            of_humidity: &Default::default(),
             runs: &runs,
             campaign,
             charge_c: &vec![None; runs.len()],

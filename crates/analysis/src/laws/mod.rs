@@ -33,5 +33,5 @@ mod rivals_tests;
 
 pub use covariate::Covariate;
 pub use dependence::Dependence;
-pub use find::{CampaignLaws, Evidence, find};
+pub use find::{CampaignLaws, Evidence, OfHumidity, find};
 pub use selection::Attempt;

@@ -7,8 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::monitor;
-use crate::laws::CampaignLaws;
+use super::{Evidence, monitor};
+use crate::laws::doubt::Doubts;
 use crate::laws::facts::facts;
 use ieap_domain::testing::{campaign, run, tag};
 use ieap_domain::{Alarm, AlarmSign, Branch, Channel, Drive, Quantity, RunRecord};
@@ -101,11 +101,15 @@ fn alarms(jumps: bool, noise_part: f64, seed: u64) -> (f64, Vec<Alarm>) {
         })
         .collect();
     let campaign = campaign();
-    let laws = CampaignLaws {
-        facts: facts(&runs, &campaign, &vec![None; runs.len()]),
-        ..CampaignLaws::default()
+    let facts = facts(&runs, &campaign, &vec![None; runs.len()]);
+    let doubts = Doubts::default();
+    let evidence = Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        facts: &facts,
+        doubts: &doubts,
     };
-    (factor, monitor(&runs, &campaign, &laws).alarms)
+    (factor, monitor(evidence).alarms)
 }
 
 /// Whether the change that a sign states holds the factor.

@@ -2,7 +2,6 @@
 //! alarms, and what of a change comes back with the air.
 
 mod alarm_words;
-mod at_reference;
 pub mod charts;
 mod course;
 #[cfg(test)]
@@ -17,6 +16,9 @@ mod memory_tests;
 mod moved;
 pub mod policy;
 pub mod reference;
+#[cfg(test)]
+mod season_tests;
+mod seasons;
 pub mod series;
 mod sheet;
 pub mod view;
@@ -30,10 +32,10 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::laws::CampaignLaws;
 use crate::laws::covariate::Covariate;
+use crate::laws::doubt::Doubts;
 use crate::laws::facts::{RunFacts, start_s};
-use crate::laws::values::{keys, values};
+use crate::laws::values::{Value, Values, keys, values};
 use ieap_domain::{Alarm, Campaign, RunRecord};
 use ieap_numerics::control_chart;
 use reference::Reference;
@@ -54,8 +56,6 @@ pub struct Monitoring {
     pub watched: Vec<Watched>,
     /// Alarms, whether known or not.
     pub alarms: Vec<Alarm>,
-    /// What of the changes over the campaign comes back with the humidity and what is age, in sentences.
-    pub split: Vec<String>,
 }
 
 impl Monitoring {
@@ -72,13 +72,30 @@ fn runs_of_a_chart(false_alarm_runs: f64, charts: usize) -> f64 {
     false_alarm_runs * charts.max(1) as f64
 }
 
+/// What is watched.
+#[derive(Debug, Clone, Copy)]
+pub struct Evidence<'a> {
+    /// Runs that speak, with their fits.
+    pub runs: &'a [RunRecord],
+    /// The campaign.
+    pub campaign: &'a Campaign,
+    /// Facts of the runs.
+    pub facts: &'a [RunFacts],
+    /// What findings say against fits.
+    pub doubts: &'a Doubts,
+}
+
 /// Watches every parameter of every sample in the reference condition.
-pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> Monitoring {
+pub fn monitor(evidence: Evidence) -> Monitoring {
+    let Evidence {
+        runs,
+        campaign,
+        facts,
+        ..
+    } = evidence;
     let rules = &campaign.monitoring;
-    let facts = &laws.facts;
     let mut monitoring = Monitoring {
         false_alarm_runs: rules.false_alarm_runs,
-        split: words::split(laws),
         ..Monitoring::default()
     };
     let reference = match reference::reference(runs, facts, rules) {
@@ -107,13 +124,12 @@ pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> 
     monitoring.charts_of_a_sample = limits.keys().copied().max().unwrap_or(0);
     monitoring.watched = questions
         .par_iter()
-        .filter_map(|(places, key, charts)| watch(runs, campaign, laws, places, (key, limits[charts])))
+        .filter_map(|(places, key, charts)| watch(evidence, places, (key, limits[charts])))
         .collect();
     if let Some(why_not) = without_order(facts, &questions).filter(|_| monitoring.watched.is_empty()) {
         monitoring.why_not = why_not;
         return monitoring;
     }
-    monitoring.split.extend(words::brought(&monitoring.watched));
     monitoring.alarms = events::alarms(runs, campaign, &monitoring.watched);
     monitoring.reference = Some(reference);
     monitoring
@@ -139,19 +155,17 @@ fn without_order(facts: &[RunFacts], questions: &[(Vec<usize>, String, usize)]) 
     })
 }
 
-fn watch(
-    runs: &[RunRecord],
-    campaign: &Campaign,
-    laws: &CampaignLaws,
-    places: &[usize],
-    (key, chart_limit): (&str, f64),
-) -> Option<Watched> {
-    let facts = &laws.facts;
-    let mut found = values(runs, facts, places, key).in_doubt_of_one_series(&laws.doubts, runs, facts);
+fn watch(evidence: Evidence, places: &[usize], (key, chart_limit): (&str, f64)) -> Option<Watched> {
+    let Evidence {
+        runs,
+        campaign,
+        facts,
+        doubts,
+    } = evidence;
+    let mut found = values(runs, facts, places, key).in_doubt_of_one_series(doubts, runs, facts);
     if found.values.len() < policy::FEWEST_RUNS {
         return None;
     }
-    let brought = at_reference::bring(&mut found, facts, laws, &facts[places[0]].material);
     let axes: Vec<Covariate> = Covariate::OF_AGE
         .into_iter()
         .filter(|axis| {
@@ -161,15 +175,24 @@ fn watch(
                 .all(|value| facts[value.place].numbers.contains_key(axis))
         })
         .collect();
+    let (&axis, others) = axes.split_first()?;
     let number =
         |place: usize, axis: Covariate| facts[place].numbers.get(&axis).map_or(0.0, |known| known.value);
-    let over = |axis: Covariate| {
-        let mut ordered = found.values.clone();
+    let in_order = |found: &Values, axis: Covariate| -> Vec<usize> {
+        let mut order: Vec<usize> = (0..found.values.len()).collect();
         // Of runs at one place of the axis the order of the runs decides.
-        ordered.sort_by(|a, b| {
-            let by = |axis| number(a.place, axis).total_cmp(&number(b.place, axis));
+        order.sort_by(|&a, &b| {
+            let by =
+                |axis| number(found.values[a].place, axis).total_cmp(&number(found.values[b].place, axis));
             by(axis).then(by(Covariate::RunOrder))
         });
+        order
+    };
+    let order = in_order(&found, axis);
+    let brought = seasons::bring(&mut found, facts, &order);
+    let over = |axis: Covariate| {
+        let order = in_order(&found, axis).into_iter();
+        let ordered: Vec<Value> = order.map(|k| found.values[k]).collect();
         let breaks = (1..ordered.len())
             .filter(|&k| {
                 [Covariate::Instrument, Covariate::Calibration]
@@ -189,7 +212,6 @@ fn watch(
         let runs: Vec<usize> = ordered.iter().map(|value| facts[value.place].run).collect();
         (series, runs)
     };
-    let (&axis, others) = axes.split_first()?;
     let (series, of_runs) = over(axis);
     let seed = of_runs.first().map_or(1, |run| runs[*run].id.unsigned_abs() + 1);
     let study = series.study(chart_limit, seed);

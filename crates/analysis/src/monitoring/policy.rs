@@ -33,3 +33,6 @@ pub const FEWEST_FOR_STEP: usize = 10;
 pub const MOST_PLACES: usize = 60;
 /// How far beyond the readings a trend may be followed to a limit, in lengths of what was measured. Chosen.
 pub const FOLLOWED: f64 = 1.0;
+/// Steps by chance at most that the level of a series may take where its seasons are told: more cost time and tell no more.
+/// Chosen.
+pub const MOST_LEVELS: usize = 24;

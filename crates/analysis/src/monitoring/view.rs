@@ -36,8 +36,10 @@ pub fn view(lives: &Lives) -> Vec<Block> {
     blocks.extend(Block::issues(&alarms).map(|alarms| Block::part("Alarms", vec![alarms])));
     blocks.extend(table(sheet::steps(&monitoring.watched, &dates)));
     blocks.extend(probe::view::view(of.electrodes));
-    if !monitoring.split.is_empty() {
-        let split = monitoring.split.iter().map(Block::say).collect();
+    let mut split = words::split(lives.laws);
+    split.extend(words::brought(&monitoring.watched));
+    if !split.is_empty() {
+        let split = split.iter().map(Block::say).collect();
         blocks.push(Block::part("What comes back and what does not", split));
     }
     let of_samples = monitoring.watched.chunk_by(|a, b| a.sample == b.sample);

@@ -330,25 +330,28 @@ fn dated(watched: &Watched, at: Interval) -> Option<String> {
     Some(format!(", about {}{ends}{pace}", date(at.value)?))
 }
 
-/// Which values are shown at one humidity and one temperature, by the laws that say how.
+/// Which values are shown at one humidity and one temperature, by what the runs of their strip tell: a sentence a strip.
 pub fn brought(watched: &[Watched]) -> Vec<String> {
-    let mut said: Vec<String> = Vec::new();
+    let mut said: Vec<((&str, String), Vec<&str>)> = Vec::new();
     for own in watched.iter().filter(|own| !own.brought.is_empty()) {
         let to = own
             .brought
             .iter()
             .map(|(covariate, at)| format!("{}\u{a0}{}", fixed(*at, 0), covariate.unit()));
-        let text = format!(
-            "{} of {}: values are brought to {} by their law, so that seasons raise no alarm.",
-            symbol(&own.parameter),
-            own.sample,
-            in_a_row(&to.collect::<Vec<_>>())
-        );
-        if !said.contains(&text) {
-            said.push(text);
+        let of = (own.sample.as_str(), in_a_row(&to.collect::<Vec<_>>()));
+        let symbol = symbol(&own.parameter);
+        match said.iter_mut().find(|(known, _)| *known == of) {
+            Some((_, symbols)) => symbols.push(symbol),
+            None => said.push((of, vec![symbol])),
         }
     }
-    said
+    let sentence = |((sample, to), symbols): ((&str, String), Vec<&str>)| {
+        format!(
+            "{} of {sample}: values are brought to {to} by what its runs tell, so that seasons raise no alarm.",
+            in_a_row(&symbols)
+        )
+    };
+    said.into_iter().map(sentence).collect()
 }
 
 /// What of the changes over the campaign comes back with the humidity, and what is age, where a design allows to say:

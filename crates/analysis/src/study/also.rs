@@ -10,10 +10,9 @@ use crate::laws::facts::RunFacts;
 
 /// Numbers that may stand behind a difference; of those that say the same (how long a strip was used) the first that is known
 /// is told.
-const NUMBERS: [&[Covariate]; 2] = [
-    &[Covariate::Cycle, Covariate::Age, Covariate::RunOrder],
-    &[Covariate::Temperature],
-];
+const NUMBERS: [&[Covariate]; 2] = [&USE, &[Covariate::Temperature]];
+/// How long a strip was used: the first that is known.
+pub const USE: [Covariate; 3] = [Covariate::Cycle, Covariate::Age, Covariate::RunOrder];
 const NAMES: [Covariate; 4] = [
     Covariate::Instrument,
     Covariate::Calibration,

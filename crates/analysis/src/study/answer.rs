@@ -20,6 +20,8 @@ string_enum! {
         Material = "material" => "materials",
         /// Whether an environment acts otherwise on another material: a ratio of ratios.
         ByMaterial = "environment-by-material" => "environments, one material against another",
+        /// Whether a parameter follows the humidity otherwise in another material: a difference of slopes.
+        HumidityByMaterial = "humidity-by-material" => "law of the humidity, one material against another",
         /// Whether it acts otherwise at another voltage: a ratio of ratios.
         ByVoltage = "environment-by-voltage" => "environments, one voltage against another",
     }
@@ -28,7 +30,26 @@ string_enum! {
 impl Kind {
     /// Whether the answer is a law.
     pub fn is_law(self) -> bool {
-        matches!(self, Kind::HumidityLaw | Kind::VoltageLaw)
+        matches!(
+            self,
+            Kind::HumidityLaw | Kind::VoltageLaw | Kind::HumidityByMaterial
+        )
+    }
+
+    /// Whether it asks if what holds of one material holds of another.
+    pub fn is_by_material(self) -> bool {
+        matches!(self, Kind::ByMaterial | Kind::HumidityByMaterial)
+    }
+}
+
+string_enum! {
+    /// Of whom an answer is told.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Scope {
+        /// Of the strips that were measured, as they are.
+        Strips = "these-strips" => "the strips measured",
+        /// Of the material: strips differ by chance, and that is part of the error.
+        Material = "the-material" => "the material",
     }
 }
 
@@ -82,6 +103,25 @@ string_enum! {
     }
 }
 
+/// The law of the strips that were measured, told of their material: a change of the logarithm per unit, or points.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct OfMaterial {
+    /// The number.
+    pub value: f64,
+    /// Its 95 % interval, with what strips differ by.
+    pub low_95: f64,
+    /// Upper end.
+    pub high_95: f64,
+    /// Degrees of freedom of the interval.
+    pub degrees_of_freedom: Option<f64>,
+    /// Chance of a number as far from none.
+    pub p: f64,
+    /// The same over all laws of the study.
+    pub q: Option<f64>,
+    /// Whether it is shown of the material.
+    pub is_shown: bool,
+}
+
 /// An answer.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Answer {
@@ -101,7 +141,11 @@ pub struct Answer {
     pub lower: String,
     /// Voltages over which the answer is a mean, V.
     pub voltages_v: Vec<f64>,
-    /// Range over which a law was measured, percent RH or V.
+    /// Of whom it is told.
+    pub scope: Scope,
+    /// Ends of the range over which a law was measured, percent RH or V.
+    pub from_to: Option<(f64, f64)>,
+    /// Length of that range.
     pub span: Option<f64>,
     /// Times since the step between which curves were compared, s.
     pub times_s: Option<(f64, f64)>,
@@ -137,6 +181,12 @@ pub struct Answer {
     pub p: Option<f64>,
     /// The same over all that was asked: at most this part of what is claimed is expected to be chance.
     pub q: Option<f64>,
+    /// Of a law of the strips as they are: the same of their material; none of one strip.
+    pub of_material: Option<OfMaterial>,
+    /// Of a law: chance that strips with one law differ as much as these.
+    pub strips_differ_p: Option<f64>,
+    /// Of a law: the least and the largest of the strips' own.
+    pub strips_from_to: Option<(f64, f64)>,
     /// What is shown.
     pub verdict: Verdict,
     /// Samples behind it.

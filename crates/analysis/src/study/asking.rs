@@ -10,6 +10,7 @@ use super::combined::Term;
 use super::curves::Curves;
 use super::measured::{Cell, Measured};
 use super::measures::{CURVES, MEASURES};
+use super::slope::Slope;
 use crate::conditions::Conditions;
 use crate::laws::facts::RunFacts;
 
@@ -21,6 +22,8 @@ pub struct Asking<'a> {
     pub facts: &'a [RunFacts],
     /// Of each material and parameter; why its values cannot be compared, where they cannot.
     pub measured: BTreeMap<(usize, &'static str), Result<Measured, &'static str>>,
+    /// Slopes over the humidity.
+    pub slopes: BTreeMap<(usize, &'static str), Slope>,
     /// Curves of each material.
     pub curves: BTreeMap<(usize, &'static str), Curves>,
 }
@@ -34,6 +37,7 @@ impl Asking<'_> {
                 let mut found = self.environments(material, key);
                 found.extend(self.voltages(material, key));
                 found.extend(self.humidity_law(material, key));
+                found.extend(self.humidity_by_material(material, key));
                 found.extend(self.materials(material, key));
                 found
             };

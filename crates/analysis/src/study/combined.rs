@@ -4,7 +4,7 @@ use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::student::{quantile, quantile_95, two_sided_chance};
 
 use super::also::also_changed;
-use super::answer::{Answer, Basis, Kind, Scale, Verdict};
+use super::answer::{Answer, Basis, Kind, OfMaterial, Scale, Scope, Verdict};
 use super::asking::Asking;
 use super::measured::Measured;
 use super::measures::{BENDING_LOST, CURVES};
@@ -29,11 +29,13 @@ impl Asking<'_> {
             kind,
             is_of_study: false,
             parameter,
+            scope: Scope::Material,
             material: self.conditions.materials[material].clone(),
             against_material: None,
             upper: upper.to_owned(),
             lower: lower.to_owned(),
             voltages_v: Vec::new(),
+            from_to: None,
             span: None,
             times_s: None,
             most_at_s: None,
@@ -57,6 +59,9 @@ impl Asking<'_> {
             no_more_than: None,
             p: None,
             q: None,
+            of_material: None,
+            strips_differ_p: None,
+            strips_from_to: None,
             verdict: Verdict::NotTold,
             samples: 0,
             runs: (0, 0),
@@ -85,16 +90,10 @@ impl Asking<'_> {
         let Some(by_fits) = by_fits else {
             return blank;
         };
-        let with_scatter: Option<Vec<_>> = terms
-            .iter()
-            .map(|term| term.of.with_scatter(&term.factors))
-            .collect();
-        // Values that are alike to the last digit tell no scatter.
-        let with_scatter = with_scatter
-            .filter(|all| all.iter().map(|(own, _)| own.variance).sum::<f64>().sqrt() > LEAST_ERROR);
+        let with_scatter = summed(terms);
         // Where the scatter is known, runs and samples are weighed by it.
         let value: f64 = match &with_scatter {
-            Some(all) => all.iter().map(|(own, _)| own.value).sum(),
+            Some(all) => all.value,
             None => by_fits.iter().map(|own| own.value).sum(),
         };
         let of_fits: f64 = by_fits.iter().map(|own| own.variance).sum();
@@ -118,6 +117,11 @@ impl Asking<'_> {
             fits_low_95: Some(shown(value - reach)),
             fits_high_95: Some(shown(value + reach)),
             samples: samples.len(),
+            scope: if samples.len() == 1 {
+                Scope::Strips
+            } else {
+                Scope::Material
+            },
             runs: (upper.len(), lower.len()),
             of_runs: upper.iter().chain(&lower).map(|&at| self.facts[at].run).collect(),
             also_changed: if is_law {
@@ -128,18 +132,7 @@ impl Asking<'_> {
             ..blank
         };
         if let Some(all) = with_scatter {
-            let variance: f64 = all.iter().map(|(own, _)| own.variance).sum();
-            // Satterthwaite's rule for a sum of variances.
-            let parts: f64 = all
-                .iter()
-                .map(|(own, _)| own.variance.powi(2) / own.freedom)
-                .sum();
-            let freedom = if parts > 0.0 {
-                variance * variance / parts
-            } else {
-                f64::INFINITY
-            };
-            let error = variance.sqrt();
+            let (error, freedom) = (all.error, all.freedom);
             answer.low_95 = Some(shown(value - quantile_95(freedom) * error));
             answer.high_95 = Some(shown(value + quantile_95(freedom) * error));
             // Of a law, over all that was measured.
@@ -147,11 +140,7 @@ impl Asking<'_> {
             answer.no_more_than = Some(size(answer.span.unwrap_or(1.0) * largest));
             answer.p = Some(two_sided_chance(value / error, freedom));
             answer.degrees_of_freedom = freedom.is_finite().then_some(freedom);
-            answer.basis = all
-                .iter()
-                .map(|(_, basis)| *basis)
-                .max()
-                .unwrap_or(Basis::Unknown);
+            answer.basis = all.basis;
             let scatter: f64 = terms
                 .iter()
                 .filter_map(|term| term.of.scatter())
@@ -173,12 +162,28 @@ impl Asking<'_> {
         answer
     }
 
+    /// The same sum of the material, beside the answer for the strips as they are.
+    pub(super) fn of_material(&self, terms: &[Term]) -> Option<OfMaterial> {
+        let (all, reach) = (summed(terms)?, reach(terms));
+        Some(OfMaterial {
+            value: all.value,
+            low_95: all.value - reach,
+            high_95: all.value + reach,
+            degrees_of_freedom: all.freedom.is_finite().then_some(all.freedom),
+            p: two_sided_chance(all.value / all.error, all.freedom),
+            q: None,
+            is_shown: false,
+        })
+    }
+
     /// Places of the runs above and below: those whose factor is positive, and negative.
     pub(super) fn places(&self, terms: &[Term]) -> (Vec<usize>, Vec<usize>) {
         let (mut upper, mut lower) = (Vec::new(), Vec::new());
         for term in terms {
             for value in &term.of.values {
-                match term.of.at(value.cell).map_or(1.0, |at| term.factors[at]) {
+                // What stands for no condition is of one side as a whole.
+                let whole: f64 = term.factors.iter().sum();
+                match term.of.at(value.cell).map_or(whole, |at| term.factors[at]) {
                     factor if factor > 0.0 => upper.push(value.place),
                     factor if factor < 0.0 => lower.push(value.place),
                     _ => {}
@@ -187,4 +192,41 @@ impl Asking<'_> {
         }
         (upper, lower)
     }
+}
+
+/// Half-width of the 95 % interval of a sum; infinite where nothing tells the scatter.
+pub(super) fn reach(terms: &[Term]) -> f64 {
+    summed(terms).map_or(f64::INFINITY, |all| quantile_95(all.freedom) * all.error)
+}
+
+/// A sum of combinations with its scatter.
+struct Summed {
+    value: f64,
+    error: f64,
+    freedom: f64,
+    basis: Basis,
+}
+
+/// None where nothing tells the scatter of one of them, or where values are alike to the last digit.
+fn summed(terms: &[Term]) -> Option<Summed> {
+    let each = terms.iter().map(|term| term.of.with_scatter(&term.factors));
+    let each: Vec<_> = each.collect::<Option<_>>()?;
+    let variance: f64 = each.iter().map(|(own, _)| own.variance).sum();
+    // Satterthwaite's rule for a sum of variances.
+    let parts: f64 = each
+        .iter()
+        .map(|(own, _)| own.variance.powi(2) / own.freedom)
+        .sum();
+    let freedom = if parts > 0.0 {
+        variance * variance / parts
+    } else {
+        f64::INFINITY
+    };
+    let basis = each.iter().map(|(_, basis)| *basis).max();
+    (variance.sqrt() > LEAST_ERROR).then(|| Summed {
+        value: each.iter().map(|(own, _)| own.value).sum(),
+        error: variance.sqrt(),
+        freedom,
+        basis: basis.unwrap_or(Basis::Unknown),
+    })
 }

@@ -1,13 +1,15 @@
-//! Questions about the voltage, and the law of the humidity.
+//! Questions about the voltage, and laws of the humidity.
 
 use ieap_domain::Factor;
 
-use super::answer::{Answer, Kind};
+use super::answer::{Answer, Kind, Scope};
 use super::asking::Asking;
-use super::combined::Term;
-use super::measured::{Measured, Value};
+use super::combined::{Term, reach};
+use super::measured::{Measured, Value, distinct};
 use super::policy::FEWEST_LEVELS;
-use crate::conditions::{count_levels, volts};
+use super::slope::{Slope, Told, levels};
+use crate::conditions::{Conditions, volts};
+use crate::laws::facts::RunFacts;
 
 impl Asking<'_> {
     /// Highest against lowest voltage in each surroundings; over all of them the law of three voltages and more, else the ratio.
@@ -49,8 +51,10 @@ impl Asking<'_> {
         if let Some(factors) = mean_of(&slopes) {
             used.sort_unstable();
             used.dedup();
+            let ends = ends(used.iter().map(|&at| self.conditions.voltages_v[at].abs()));
             let blank = Answer {
-                span: span(used.iter().map(|&at| self.conditions.voltages_v[at].abs())),
+                from_to: ends,
+                span: ends.map(|(low, high)| high - low),
                 ..self.blank(Kind::VoltageLaw, material, key, ("voltage", ""))
             };
             found.push(self.answer(&[Term { of, factors }], &used, asks, blank));
@@ -61,77 +65,116 @@ impl Asking<'_> {
         found
     }
 
-    /// The slope over the humidity, beside a level for each environment and voltage where an environment was measured at three
-    /// humidities or more, else beside one for each voltage.
+    /// The law of the humidity.
     pub(super) fn humidity_law(&self, material: usize, key: &'static str) -> Option<Answer> {
-        let all = self.measured(material, key)?;
-        let known: Vec<Value> = all
-            .values
-            .iter()
-            .filter(|own| own.humidity_percent.is_some())
-            .copied()
+        let slope = self.slopes.get(&(material, key))?;
+        let blank = self.blank(Kind::HumidityLaw, material, key, ("relative humidity", ""));
+        Some(self.law(&[(slope, 1.0)], self.asks(Factor::Humidity), blank))
+    }
+
+    /// Whether the first material follows the humidity otherwise.
+    pub(super) fn humidity_by_material(&self, material: usize, key: &'static str) -> Option<Answer> {
+        let of = |material| self.slopes.get(&(material, key));
+        let (own, first) = (of(material)?, of(0).filter(|_| material > 0)?);
+        let mut blank = self.blank(Kind::HumidityByMaterial, 0, key, ("relative humidity", ""));
+        blank.against_material = Some(self.conditions.materials[material].clone());
+        let is_asked = self.asks(Factor::Humidity) && self.asks(Factor::Material);
+        Some(self.law(&[(first, 1.0), (own, -1.0)], is_asked, blank))
+    }
+
+    /// A sum of slopes: of the strips as they are, and beside it of their materials; of these alone where they tell more.
+    fn law(&self, slopes: &[(&Slope, f64)], is_asked: bool, blank: Answer) -> Answer {
+        let strips = terms(slopes, |slope| slope.strips.as_ref());
+        let material = terms(slopes, |slope| slope.material.as_ref());
+        // Where strips were measured at different humidities their material tells more than what differs within each.
+        let by_strips = match (&strips, &material) {
+            (Some(strips), Some(material)) => reach(strips) <= reach(material),
+            (strips, _) => strips.is_some(),
+        };
+        let (scope, told) = if by_strips {
+            (Scope::Strips, strips.as_ref())
+        } else {
+            (Scope::Material, material.as_ref())
+        };
+        let Some(told) = told else {
+            return blank;
+        };
+        let voltages = distinct((told.iter()).flat_map(|term| term.of.values.iter().map(|own| own.cell.1)));
+        let low = slopes.iter().map(|(slope, _)| slope.range.0).reduce(f64::max);
+        let high = slopes.iter().map(|(slope, _)| slope.range.1).reduce(f64::min);
+        let ends = low.zip(high).filter(|(low, high)| low < high);
+        let Some(ends) = ends else {
+            let reason = "no humidity lies within the range of both".to_owned();
+            return Answer {
+                reason: Some(reason),
+                ..blank
+            };
+        };
+        let mut tied: Vec<String> = (slopes.iter())
+            .flat_map(|(slope, _)| &slope.tied)
+            .map(|own| format!("the {}", own.label()))
             .collect();
-        let environment = |own: &Value| self.conditions.surroundings[own.cell.0].environment.as_str();
-        let mut environments: Vec<&str> = known.iter().map(environment).collect();
-        environments.sort_unstable();
-        environments.dedup();
-        let of = |name: &str| {
-            known
-                .iter()
-                .filter(|own| environment(own) == name)
-                .collect::<Vec<_>>()
-        };
-        let varied: Vec<&str> = environments
-            .iter()
-            .copied()
-            .filter(|name| humidity_levels(&of(name)) >= FEWEST_LEVELS)
-            .collect();
-        let values: Vec<Value> = match varied.is_empty() {
-            false => known
-                .iter()
-                .filter(|own| varied.contains(&environment(own)))
-                .copied()
-                .collect(),
-            true if humidity_levels(&known.iter().collect::<Vec<_>>()) >= FEWEST_LEVELS => known.clone(),
-            true => return None,
-        };
-        let level = |own: &Value| {
-            let at = varied
-                .iter()
-                .position(|name| *name == environment(own))
-                .unwrap_or(0);
-            (at, own.cell.1)
-        };
-        let mut distinct: Vec<(usize, usize)> = values.iter().map(level).collect();
-        distinct.sort_unstable();
-        distinct.dedup();
-        let of = Measured::over_humidity(values, |own| distinct.binary_search(&level(own)).unwrap_or(0))?;
-        let factors = of.slope();
-        let blank = Answer {
-            span: span(of.values.iter().filter_map(|own| own.humidity_percent)),
-            ..self.blank(Kind::HumidityLaw, material, key, ("relative humidity", ""))
-        };
-        let mut voltages: Vec<usize> = of.values.iter().map(|own| own.cell.1).collect();
-        voltages.sort_unstable();
-        voltages.dedup();
-        Some(self.answer(
-            &[Term { of: &of, factors }],
+        tied.dedup();
+        let differ = slopes.first().filter(|_| slopes.len() == 1);
+        let differ = differ.and_then(|(slope, _)| slope.differ);
+        let answer = self.answer(
+            told,
             &voltages,
-            self.asks(Factor::Humidity),
-            blank,
-        ))
+            is_asked,
+            Answer {
+                from_to: Some(ends),
+                span: Some(ends.1 - ends.0),
+                ..blank
+            },
+        );
+        Answer {
+            scope,
+            of_material: (material.filter(|_| scope == Scope::Strips)).and_then(|of| self.of_material(&of)),
+            strips_differ_p: differ.map(|own| own.p),
+            strips_from_to: differ.map(|own| (own.least, own.largest)),
+            also_changed: tied,
+            ..answer
+        }
     }
 }
 
-/// Levels of humidity among some values.
-fn humidity_levels(values: &[&Value]) -> usize {
-    count_levels(values.iter().filter_map(|own| own.humidity_percent).collect())
+/// Slopes in one scope, each with its sign; none where one is not told in it.
+fn terms<'a>(slopes: &[(&'a Slope, f64)], scope: fn(&'a Slope) -> Option<&'a Told>) -> Option<Vec<Term<'a>>> {
+    let term = |&(slope, sign): &(&'a Slope, f64)| {
+        let (of, factors) = scope(slope)?;
+        let factors = factors.iter().map(|factor| sign * factor).collect();
+        Some(Term { of, factors })
+    };
+    slopes.iter().map(term).collect()
 }
 
-/// From the least to the largest of some numbers.
-fn span(of: impl Iterator<Item = f64> + Clone) -> Option<f64> {
-    let (low, high) = (of.clone().reduce(f64::min)?, of.reduce(f64::max)?);
-    Some(high - low)
+/// The slope of one parameter over the humidity, beside a level for each environment and voltage where an environment was
+/// measured at three humidities or more, else beside one for each voltage; none of fewer.
+pub(super) fn humidity_slope(all: &Measured, conditions: &Conditions, facts: &[RunFacts]) -> Option<Slope> {
+    let known = all.values.iter().filter(|own| own.humidity_percent.is_some());
+    let known: Vec<Value> = known.copied().collect();
+    let environment = |own: &Value| conditions.surroundings[own.cell.0].environment.as_str();
+    let has_law = |of: &mut dyn Iterator<Item = &Value>| {
+        levels(of.filter_map(|own| own.humidity_percent)).len() >= FEWEST_LEVELS
+    };
+    let environments = distinct(known.iter().map(environment));
+    let varied: Vec<&str> = environments
+        .into_iter()
+        .filter(|name| has_law(&mut known.iter().filter(|own| environment(own) == *name)))
+        .collect();
+    let is_of = |own: &&Value| varied.is_empty() || varied.contains(&environment(own));
+    let values: Vec<Value> = known.iter().filter(is_of).copied().collect();
+    let level = |own: &Value| (varied.binary_search(&environment(own)).unwrap_or(0), own.cell.1);
+    let distinct = distinct(values.iter().map(level));
+    has_law(&mut values.iter()).then_some(())?;
+    Slope::of(&values, facts, |own| {
+        distinct.binary_search(&level(own)).unwrap_or(0)
+    })
+}
+
+/// The least and the largest of some numbers.
+fn ends(of: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {
+    of.clone().reduce(f64::min).zip(of.reduce(f64::max))
 }
 
 /// The mean of some combinations; none of none.

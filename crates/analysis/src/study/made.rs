@@ -2,23 +2,24 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use ieap_domain::{Campaign, Factor, RunRecord, Sample};
+use ieap_domain::{Campaign, Drive, Factor, RunRecord, Sample};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::answer::{Answer, Kind, Scale, Verdict};
+use super::answer::{Answer, Kind, OfMaterial, Scale, Verdict};
 use super::asking::Asking;
 use super::curves::Curves;
+use super::laws::humidity_slope;
 use super::measured::{Bound, Cell, Measured};
 use super::measures::{BENDING_LOST, BENDING_PER_VOLT, CURVES, MEASURES};
 use super::placed::Placed;
 use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LOSS_AFTER_S};
 use crate::conditions::{Conditions, conditions_of_materials};
 use crate::false_discovery::{CLAIMED_BELOW, q_values};
-use crate::laws;
 use crate::laws::doubt::Doubts;
 use crate::laws::facts::{RunFacts, facts};
 use crate::laws::values::{Values, values};
+use crate::laws::{self, OfHumidity};
 use crate::model_free::curves::StepCurves;
 use crate::parameters::{COMPARED, usable};
 
@@ -33,6 +34,8 @@ pub struct Study {
     pub answers: Vec<Answer>,
     /// Fitted runs that take part in no answer about a parameter.
     pub left_out: Vec<String>,
+    /// Why, in their order.
+    pub left_out_why: Vec<&'static str>,
     /// Those that take part in one, and in none about a whole curve.
     pub left_out_of_curves: Vec<String>,
 }
@@ -90,7 +93,12 @@ impl Study {
                 ))
             }));
         }
+        let of_humidity = |(&at, of): (&_, &Result<Measured, _>)| {
+            Some((at, humidity_slope(of.as_ref().ok()?, &conditions, &facts)?))
+        };
+        let slopes = measured.iter().filter_map(of_humidity).collect();
         let asking = Asking {
+            slopes,
             rules: &evidence.campaign.study,
             compared: &compared,
             conditions: &conditions,
@@ -115,7 +123,10 @@ impl Study {
             let left = fitted.iter().filter(|at| is_left(at));
             left.map(|&at| evidence.runs[at].path.clone()).collect()
         };
+        let unused = fitted.iter().filter(|at| !used.contains(at));
+        let why = |&at: &usize| why_left_out(&evidence, &conditions, at);
         Study {
+            left_out_why: unused.map(why).collect(),
             left_out: left(&|at| !used.contains(at)),
             left_out_of_curves: left(&|at| asks_curves && used.contains(at) && !in_curves.contains(at)),
             is_declared: !declared.is_empty(),
@@ -129,6 +140,14 @@ impl Study {
         self.answers.iter().filter(|answer| answer.is_of_study)
     }
 
+    /// p and q of every law of the humidity, by material and parameter.
+    pub fn of_humidity(&self) -> OfHumidity {
+        let laws = self.answers.iter().filter(|own| own.kind == Kind::HumidityLaw);
+        let named = |own: &Answer| (own.material.clone(), own.parameter.to_owned());
+        laws.filter_map(|own| Some((named(own), (own.p?, own.q?))))
+            .collect()
+    }
+
     /// Materials, in the order of the campaign.
     pub fn materials(&self) -> Vec<&str> {
         let mut found: Vec<&str> = Vec::new();
@@ -138,6 +157,20 @@ impl Study {
             }
         }
         found
+    }
+}
+
+/// Why a fitted run takes part in no answer about a parameter.
+fn why_left_out(evidence: &Evidence, conditions: &Conditions, at: usize) -> &'static str {
+    let run = &evidence.runs[at];
+    if run.drive.as_ref().is_some_and(Drive::moves) {
+        "the voltage moves"
+    } else if conditions.unplaced.contains(&at) {
+        "sample, environment or voltage is not stated"
+    } else if evidence.doubts.leaves_out(&run.path) {
+        "what the model gets wrong has no known cause"
+    } else {
+        "there is nothing in another condition to hold against"
     }
 }
 
@@ -264,7 +297,8 @@ fn bound(evidence: &Evidence, facts: &[RunFacts], place: usize, key: &str) -> Bo
     }
 }
 
-/// Fills in the q of every answer, by families (parameters, whole curves, details), and what it shows.
+/// Fills in the q of every answer, by families (parameters, whole curves, details; laws told of the material), and what it
+/// shows.
 fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
     for of_family in [(true, false), (true, true), (false, false)] {
         let family = |own: &Answer| (own.is_of_study, own.is_of_study && own.is_of_curve());
@@ -276,6 +310,15 @@ fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
         for (own, q) in family.iter_mut().zip(q_values(&p)) {
             own.q = Some(q);
         }
+    }
+    let mut laws: Vec<&mut OfMaterial> = answers
+        .iter_mut()
+        .filter(|own| own.is_of_study)
+        .filter_map(|own| own.of_material.as_mut())
+        .collect();
+    let p: Vec<f64> = laws.iter().map(|own| own.p).collect();
+    for (own, q) in laws.iter_mut().zip(q_values(&p)) {
+        (own.q, own.is_shown) = (Some(q), q <= CLAIMED_BELOW);
     }
     for own in answers.iter_mut() {
         let least = match own.scale {

@@ -56,7 +56,6 @@ pub struct Measured {
     pub values: Vec<Value>,
     /// Conditions with a bound and no value.
     pub bounds: BTreeMap<Cell, Bound>,
-    model: MixedModel,
     by_fits: Option<Estimated>,
     with_scatter: Option<Estimated>,
     single: Option<Scatter>,
@@ -70,16 +69,8 @@ impl Measured {
         dry: &[usize],
         stated: Option<f64>,
     ) -> Measured {
-        let mut cells: Vec<Cell> = values.iter().map(|value| value.cell).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        let at = |value: &Value| cells.binary_search(&value.cell).unwrap_or(0);
-        let model = model(
-            &values,
-            cells.len(),
-            |value, row| row[at(value)] = 1.0,
-            |value| value.cell.0,
-        );
+        let cells: Vec<Cell> = distinct(values.iter().map(|value| value.cell));
+        let model = of_conditions(&values, &cells);
         let is_single = values.len() == cells.len();
         let single = is_single
             .then(|| stated.map(Scatter::stated).or_else(|| scatter(&values, dry)))
@@ -88,48 +79,28 @@ impl Measured {
             by_fits: by_fits(&model),
             with_scatter: if is_single { None } else { model.estimated() },
             single,
-            model,
             cells,
             values,
             bounds,
         }
     }
 
-    /// The values over the humidity, a straight line beside a level of its own for each of `levels`; none where nothing
-    /// tells a slope. The combination by [`Measured::slope`] is the slope.
-    pub fn over_humidity(values: Vec<Value>, level: impl Fn(&Value) -> usize) -> Option<Measured> {
-        let levels = values.iter().map(&level).max()? + 1;
-        let mean = values
-            .iter()
-            .filter_map(|value| value.humidity_percent)
-            .sum::<f64>()
-            / values.len() as f64;
-        let row = |value: &Value, row: &mut [f64]| {
-            row[level(value)] = 1.0;
-            row[levels] = value.humidity_percent.unwrap_or(mean) - mean;
-        };
-        let mut model = model(&values, levels + 1, row, |_| 0);
-        // Samples may follow the humidity by slopes of their own: the second component is that of the slope.
-        for unit in model.units.iter_mut().filter(|unit| unit.random.len() == 2) {
-            unit.random[1] = unit.fixed[levels];
-        }
+    /// Values with a model of their own, whose combinations are of its columns and not of conditions; none where its columns
+    /// depend on each other.
+    pub fn of_columns(values: Vec<Value>, model: &MixedModel) -> Option<Measured> {
         Some(Measured {
-            by_fits: Some(by_fits(&model)?),
+            by_fits: Some(by_fits(model)?),
             with_scatter: model.estimated(),
             single: None,
-            model,
             cells: Vec::new(),
             values,
             bounds: BTreeMap::new(),
         })
     }
 
-    /// Factors of the slope of [`Measured::over_humidity`].
-    pub fn slope(&self) -> Vec<f64> {
-        let columns = self.model.units.first().map_or(0, |unit| unit.fixed.len());
-        (0..columns)
-            .map(|k| f64::from(u8::from(k + 1 == columns)))
-            .collect()
+    /// What the repeats tell; none where nothing is left to tell a scatter from.
+    pub fn estimated(&self) -> Option<&Estimated> {
+        self.with_scatter.as_ref()
     }
 
     /// Place of a condition among those with a value.
@@ -181,46 +152,73 @@ impl Scatter {
     }
 }
 
-/// The mixed model: samples are blocks; where there are two or more they differ by chance, and by chance in each of `part`.
-fn model(
-    values: &[Value],
-    columns: usize,
-    row: impl Fn(&Value, &mut [f64]),
-    part: impl Fn(&Value) -> usize,
-) -> MixedModel {
+/// The mixed model of conditions: samples are blocks; where there are two or more they differ by chance, and by chance in each
+/// of the surroundings.
+fn of_conditions(values: &[Value], cells: &[Cell]) -> MixedModel {
     let samples: BTreeSet<usize> = values.iter().map(|value| value.sample).collect();
-    let mut parts: Vec<usize> = values.iter().map(&part).collect();
-    parts.sort_unstable();
-    parts.dedup();
-    let random = if samples.len() > 1 { parts.len() + 1 } else { 0 };
+    let parts: Vec<usize> = distinct(values.iter().map(|value| value.cell.0));
+    let row = |value: &Value| Row {
+        block: value.sample,
+        fixed: one_of(cells, &value.cell),
+        random: if samples.len() > 1 {
+            [vec![1.0], one_of(&parts, &value.cell.0)].concat()
+        } else {
+            Vec::new()
+        },
+    };
+    let columns = if samples.len() > 1 { parts.len() + 1 } else { 0 };
+    let component_of = (0..columns).map(|k| usize::from(k > 0)).collect();
+    model(values, values.iter().map(row), component_of)
+}
+
+/// Row of a value in a mixed model.
+pub(super) struct Row {
+    /// Block.
+    pub block: usize,
+    /// What is fixed.
+    pub fixed: Vec<f64>,
+    /// What is left to chance.
+    pub random: Vec<f64>,
+}
+
+/// A mixed model of values, a row for each; values with the same row are one unit of it.
+pub(super) fn model(
+    values: &[Value],
+    rows: impl Iterator<Item = Row>,
+    component_of: Vec<usize>,
+) -> MixedModel {
     let mut units: Vec<Unit> = Vec::new();
     let mut places: BTreeMap<(usize, Vec<u64>), usize> = BTreeMap::new();
-    for value in values {
-        let mut fixed = vec![0.0; columns];
-        row(value, &mut fixed);
-        let mut of_sample = vec![0.0; random];
-        if random > 0 {
-            of_sample[0] = 1.0;
-            of_sample[1 + parts.binary_search(&part(value)).unwrap_or(0)] = 1.0;
-        }
+    for (value, row) in values.iter().zip(rows) {
         let reading = Reading {
             value: value.y,
             variance: value.variance,
         };
-        let bits = fixed.iter().map(|entry| entry.to_bits()).collect();
-        let at = *places.entry((value.sample, bits)).or_insert(units.len());
+        let entries = row.fixed.iter().chain(&row.random);
+        let bits = entries.map(|entry| entry.to_bits()).collect();
+        let at = *places.entry((row.block, bits)).or_insert(units.len());
         match units.get_mut(at) {
             Some(unit) => unit.readings.push(reading),
             None => units.push(Unit {
-                block: value.sample,
-                fixed,
-                random: of_sample,
+                block: row.block,
+                fixed: row.fixed,
+                random: row.random,
                 readings: vec![reading],
             }),
         }
     }
-    let component_of = (0..random).map(|k| usize::from(k > 0)).collect();
     MixedModel { units, component_of }
+}
+
+/// Different ones, in order.
+pub(super) fn distinct<T: Ord>(of: impl Iterator<Item = T>) -> Vec<T> {
+    of.collect::<BTreeSet<T>>().into_iter().collect()
+}
+
+/// 1 at the place of one of several in order, else 0.
+pub(super) fn one_of<T: Ord>(several: &[T], own: &T) -> Vec<f64> {
+    let entry = |other: &T| f64::from(u8::from(other == own));
+    several.iter().map(entry).collect()
 }
 
 fn by_fits(model: &MixedModel) -> Option<Estimated> {

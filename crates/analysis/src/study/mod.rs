@@ -18,6 +18,7 @@ mod measures;
 mod pairs;
 mod placed;
 mod policy;
+mod slope;
 pub mod view;
 mod whole_curves;
 mod words;
@@ -26,7 +27,9 @@ mod words;
 mod curves_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod two_scopes_tests;
 
-pub use answer::{Answer, Basis, Kind, Scale, Verdict};
+pub use answer::{Answer, Basis, Kind, OfMaterial, Scale, Scope, Verdict};
 pub use made::{Evidence, Study};
 pub use words::{about, lead, sentence};

@@ -20,3 +20,9 @@ pub const MOST_NAMED: usize = 5;
 pub const LEAST_ERROR: f64 = 1e-9;
 /// Time over which lost bending is counted, s: an hour.
 pub const LOSS_AFTER_S: f64 = 3600.0;
+/// Chance from which on strips that differ in their slopes as much as these are said to have one slope: the convention of 5 %.
+/// What follows holds on either side (`cargo test -p ieap-analysis --lib study::two_scopes -- --include-ignored --nocapture`).
+pub const ONE_SLOPE: f64 = 0.05;
+/// Strips up to which a law is told of the strips as they are, beside their material: of more the material tells as much, and
+/// a level and a slope for each would cost minutes. Chosen.
+pub const MOST_STRIPS: usize = 12;

@@ -494,7 +494,11 @@ fn a_law_of_the_humidity_is_found_within_an_environment() {
         law.low_95.unwrap() < 0.03 && law.high_95.unwrap() > 0.03 && law.high_95.unwrap() < 0.035,
         "{law:?}"
     );
-    assert!(words::number(law).ends_with("per % RH"), "{}", words::number(law));
+    assert!(
+        words::number(law).ends_with("% per %\u{a0}RH)"),
+        "{}",
+        words::number(law)
+    );
 }
 
 /// `cargo test -p ieap-analysis --release --lib study::tests::ten -- --include-ignored --nocapture`

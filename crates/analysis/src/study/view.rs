@@ -75,7 +75,7 @@ const FEW: i32 = 2;
 /// Table `contrasts`: every answer, or those of the study alone.
 pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
     let material = |own: &&Answer| match (&own.against_material, own.kind) {
-        (Some(other), Kind::ByMaterial) => format!("{} / {other}", own.material),
+        (Some(other), kind) if kind.is_by_material() => format!("{} / {other}", own.material),
         _ => own.material.clone(),
     };
     let ends = |ends: (Option<f64>, Option<f64>)| {
@@ -192,7 +192,7 @@ fn causes(asked: &[&Answer]) -> Option<Block> {
     let mut causes: Vec<(String, Vec<&str>)> = Vec::new();
     for own in asked
         .iter()
-        .filter(|own| !own.also_changed.is_empty() && own.kind != Kind::ByMaterial)
+        .filter(|own| !own.also_changed.is_empty() && !own.kind.is_by_material())
     {
         let cause = format!(
             "{} over {}: {}",

@@ -2,13 +2,13 @@
 
 use ieap_domain::number::estimates::ends;
 use ieap_domain::number::probabilities::equation;
-use ieap_domain::number::{rounded_bound, significant};
+use ieap_domain::number::{plain, rounded_bound, significant};
 use ieap_domain::words::{counted, in_a_row};
 
 use super::answer::{Answer, Basis, Kind, Scale, Verdict};
 use super::made::Study;
 use super::measures::{BENDING_CURVE, BENDING_LOST, BENDING_PER_VOLT, CURRENT_CURVE};
-use super::policy::MOST_NAMED;
+use super::policy::{MOST_NAMED, ONE_SLOPE};
 use crate::conditions::volts_number;
 use crate::false_discovery::CLAIMED_BELOW;
 use crate::laws::words::symbol as of_parameter;
@@ -36,17 +36,15 @@ pub fn number(answer: &Answer) -> String {
         .low_95
         .zip(answer.high_95)
         .or(answer.fits_low_95.zip(answer.fits_high_95));
-    let is_law = answer.kind.is_law();
     let bracket = interval.map_or(String::new(), |(low, high)| format!(" [{}]", brackets(low, high)));
     match (answer.value, answer.at_least, answer.at_most, answer.scale) {
         (Some(value), _, _, Scale::Points) => {
-            let per = if is_law {
-                format!(" per {}", unit(answer))
-            } else {
-                String::new()
-            };
+            let over = answer.span.unwrap_or(1.0);
+            let ends = interval.map_or(String::new(), |(low, high)| {
+                format!(" [{}]", brackets(over * low, over * high))
+            });
             let sign = if value > 0.0 { "+" } else { "" };
-            format!("{sign}{} points{per}{bracket}", significant(value, 2))
+            format!("{sign}{} points{ends}", significant(over * value, 2))
         }
         (Some(value), _, _, Scale::OfRange) => {
             let sign = if value > 0.0 { "+" } else { "" };
@@ -61,21 +59,41 @@ pub fn number(answer: &Answer) -> String {
                 bracket.unwrap_or_default()
             )
         }
-        (Some(value), _, _, Scale::PerUnit) => {
-            // A relative change per unit, in percent.
-            let percent = |number: f64| significant(100.0 * number.exp_m1(), 2);
-            let ends = interval.map_or(String::new(), |(low, high)| {
-                format!(" [{}, {}]", percent(low), percent(high))
-            });
-            let sign = if value > 0.0 { "+" } else { "" };
-            format!("{sign}{} %{ends} per {}", percent(value), unit(answer))
-        }
+        (Some(value), _, _, Scale::PerUnit) => over_range(answer, value, interval),
         (Some(value), ..) => format!("× {}{bracket}", significant(value, 3)),
         (None, Some(least), None, _) => format!("× > {}", rounded_bound(least, false).value_text()),
         (None, None, Some(most), _) => format!("× < {}", rounded_bound(most, true).value_text()),
         (None, Some(least), Some(most), _) => format!("× {}", ends(least, most)),
         _ => "not told".to_owned(),
     }
+}
+
+/// A law as a factor over the range of what it follows, `× 6.5 [5.9, 7.2] (+2.5 % per % RH)`: per unit a large change says
+/// nothing, a small one is lost.
+fn over_range(answer: &Answer, value: f64, interval: Option<(f64, f64)>) -> String {
+    let factor = |number: f64| (answer.span.unwrap_or(1.0) * number).exp();
+    let ends = interval.map_or(String::new(), |(low, high)| {
+        format!(" [{}]", brackets(factor(low), factor(high)))
+    });
+    let each = match answer.kind {
+        Kind::HumidityLaw => {
+            let sign = if value > 0.0 { "+" } else { "" };
+            let percent = significant(100.0 * value.exp_m1(), 2);
+            format!(" ({sign}{percent}\u{a0}% per %\u{a0}RH)")
+        }
+        _ => String::new(),
+    };
+    let strips = answer.strips_from_to.filter(|_| do_strips_differ(answer));
+    let strips = strips.map_or(String::new(), |(least, largest)| {
+        let of = |number| significant(factor(number), 2);
+        format!(", in single strips × {} to × {}", of(least), of(largest))
+    });
+    format!("× {}{ends}{each}{strips}", significant(factor(value), 3))
+}
+
+/// Whether strips follow a law of their own each, by more than runs differ.
+fn do_strips_differ(answer: &Answer) -> bool {
+    answer.strips_differ_p.is_some_and(|p| p <= ONE_SLOPE)
 }
 
 fn brackets(low: f64, high: f64) -> String {
@@ -90,12 +108,14 @@ pub fn by_fits(answer: &Answer) -> String {
     }
 }
 
-/// Unit of what a law follows.
-pub fn unit(answer: &Answer) -> &'static str {
-    match answer.kind {
-        Kind::HumidityLaw => "% RH",
-        _ => "V",
-    }
+/// The range over which a law was measured: `, 15 to 90 % RH`; nothing of what is no law.
+fn range(answer: &Answer) -> String {
+    let unit = match answer.kind {
+        Kind::VoltageLaw => "V",
+        _ => "% RH",
+    };
+    let of = |(low, high)| format!(", {} to {}\u{a0}{unit}", plain(low), plain(high));
+    answer.from_to.map_or(String::new(), of)
 }
 
 /// An answer as a sentence.
@@ -116,11 +136,14 @@ pub fn about(answer: &Answer) -> String {
     let at = voltages(&answer.voltages_v);
     let at = if at.is_empty() { at } else { format!(", at {at} V") };
     let of = match &answer.against_material {
-        Some(other) if answer.kind == Kind::ByMaterial => format!("{} against {other}", answer.material),
+        Some(other) if answer.kind.is_by_material() => format!("{} against {other}", answer.material),
         _ => answer.material.clone(),
     };
     match answer.kind {
-        Kind::HumidityLaw | Kind::VoltageLaw => format!("{symbol} of {of} with the {}{at}", answer.upper),
+        Kind::HumidityLaw | Kind::HumidityByMaterial => {
+            format!("{symbol} of {of} with the {}{}{at}", answer.upper, range(answer))
+        }
+        Kind::VoltageLaw => format!("{symbol} of {of} with the {}{}", answer.upper, range(answer)),
         Kind::Environment if let Some((from, to)) = answer.times_s => format!(
             "{symbol} of {of}, {} over {}{at}, {} to {} s after the step",
             answer.upper,
@@ -152,7 +175,10 @@ pub fn shows(answer: &Answer) -> String {
         Scale::Ratio | Scale::PerUnit => "%",
     };
     match (answer.verdict, most) {
-        (Verdict::Differs, _) => number,
+        (Verdict::Differs, _) => match in_strips(&[answer]) {
+            Some((strips, material)) => format!("{number}{strips}, {material}"),
+            None => number,
+        },
         (Verdict::Alike, Some(most)) => format!("no effect larger than {most} {unit} (95 %): {number}"),
         (Verdict::Open, Some(_)) if answer.p.is_some_and(|p| p <= CLAIMED_BELOW) => format!(
             "{number}; of as many questions as were asked, one such answer is expected by chance ({})",
@@ -177,7 +203,7 @@ pub fn shows(answer: &Answer) -> String {
 /// The answers for a material, a line for each pair that the study asked: what differs, then what does not.
 pub fn lead(study: &Study, material: &str) -> Vec<String> {
     let own: Vec<&Answer> = (study.asked())
-        .filter(|answer| answer.material == material && answer.kind != Kind::ByMaterial)
+        .filter(|answer| answer.material == material && !answer.kind.is_by_material())
         .collect();
     let mut parts: Vec<(String, Vec<&Answer>)> = Vec::new();
     for answer in &own {
@@ -205,7 +231,7 @@ fn is_of_one_sample(answers: &[&Answer]) -> bool {
 /// `air against dry (vacuum, inert)`, `with the relative humidity`.
 fn pair(answer: &Answer) -> String {
     match answer.kind {
-        Kind::HumidityLaw | Kind::VoltageLaw => format!("with the {}", answer.upper),
+        kind if kind.is_law() => format!("with the {}{}", answer.upper, range(answer)),
         _ => format!("{} against {}", answer.upper, answer.lower),
     }
 }
@@ -232,9 +258,12 @@ fn told(of: &[&Answer]) -> String {
         .into_iter()
         .partition(|own| own.verdict == Verdict::Differs);
     let mut parts = Vec::new();
+    let of_strips = in_strips(&differ);
     if !differ.is_empty() {
-        parts.push(numbers(differ));
+        let of = of_strips.as_ref().map_or("", |(strips, _)| strips);
+        parts.push(numbers(differ) + of);
     }
+    parts.extend(of_strips.map(|(_, material)| material));
     if !curves_differ.is_empty() {
         parts.push(numbers(curves_differ));
     }
@@ -284,6 +313,34 @@ fn told(of: &[&Answer]) -> String {
     parts.join("; ")
 }
 
+/// Of laws that strips of several show: of whom that is told, and of which of them it is shown of the material; none of others.
+fn in_strips(differ: &[&Answer]) -> Option<(String, String)> {
+    let of: Vec<&Answer> = differ
+        .iter()
+        .copied()
+        .filter(|own| own.of_material.is_some())
+        .collect();
+    let strips = of.iter().map(|own| own.samples).max()?;
+    let is_shown = |own: &&Answer| own.of_material.as_ref().is_some_and(|of| of.is_shown);
+    let (shown, open): (Vec<&Answer>, Vec<&Answer>) = of.into_iter().partition(is_shown);
+    let names = |of: &[&Answer]| in_a_row(&of.iter().map(|own| symbol(own.parameter)).collect::<Vec<_>>());
+    let more = if strips == 2 {
+        "a third strip"
+    } else {
+        "further strips"
+    };
+    let material = match (shown.is_empty(), open.is_empty()) {
+        (_, true) => "of the material too".to_owned(),
+        (true, _) => format!("of the material that is not shown, {more} would tell"),
+        _ => format!(
+            "of the material too for {}; for {} {more} would tell",
+            names(&shown),
+            names(&open)
+        ),
+    };
+    Some((format!(" in the {strips} strips measured"), material))
+}
+
 /// By how much curves differ nowhere; nothing of none.
 fn nowhere_more(of: &[&Answer]) -> Option<String> {
     let bound = |own: &&Answer| {
@@ -315,6 +372,9 @@ pub fn basis(answers: &[&Answer]) -> Vec<String> {
     }
     };
     let mut said: Vec<String> = found.iter().map(of).collect();
+    if answers.iter().any(|own| own.of_material.is_some()) {
+        said.push("A law of the humidity is told of the strips measured, each with a level of its own; of the material it is shown where it stands beside what strips differ by (their slopes by chance, Kenward and Roger).".to_owned());
+    }
     if answers.iter().any(|own| own.is_of_curve() && own.value.is_some()) {
         said.push("Whole curves are compared at times spread evenly over the logarithm of the time since the step, in percent of the range of both together; what holds nowhere holds at each of these times (95 %), and what is told of one time holds at all of them.".to_owned());
     }
@@ -336,17 +396,23 @@ pub fn left_out(study: &Study) -> Vec<String> {
         let row = some.join(", ");
         (!some.is_empty()).then(|| format!("{all} part in no answer{of} ({row}{more}): {why}."))
     };
-    let parameters = of(
-        &study.left_out,
-        "",
-        "nothing stands against them in another condition, a tag is missing, their voltage moves, or what their model gets wrong has no known cause",
-    );
+    let mut reasons: Vec<&str> = study.left_out_why.clone();
+    reasons.sort_unstable();
+    reasons.dedup();
+    let parameters = reasons.into_iter().filter_map(|why| {
+        let each = study.left_out.iter().zip(&study.left_out_why);
+        let runs: Vec<String> = each
+            .filter(|(_, of)| **of == why)
+            .map(|(run, _)| run.clone())
+            .collect();
+        of(&runs, "", why)
+    });
     let curves = of(
         &study.left_out_of_curves,
         " about whole curves",
         "they do not begin with a step that is held, nothing tells when that was, or nothing stands against them in another environment",
     );
-    parameters.into_iter().chain(curves).collect()
+    parameters.chain(curves).collect()
 }
 
 /// How many questions were asked, and how their chances were judged.

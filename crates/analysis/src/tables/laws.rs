@@ -34,7 +34,7 @@ pub fn make(input: &TableInput) -> Table {
     Sheet::<&Dependence>::new("laws", "Laws across runs", 3)
         .remarks(
             REMARK,
-            "No question across runs can be asked: too few runs are fitted.",
+            "No question across runs can be asked: nothing that a parameter may follow differs among the fitted runs, or too few of them state it.",
         )
         .column(MATERIAL, |found| found.material.as_str())
         .column(PARAMETER, |found| words::symbol(&found.parameter).to_owned())

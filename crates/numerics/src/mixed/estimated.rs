@@ -1,7 +1,9 @@
 //! What a mixed model says: numbers with errors and degrees of freedom.
 
 use super::at::At;
+use crate::chance::f_chance;
 use crate::dense::Matrix;
+use crate::student::two_sided_chance;
 use crate::symmetric::Symmetric;
 
 /// A mixed model with its variances.
@@ -93,5 +95,20 @@ impl Estimated {
             variance: self.covariance.form(factors, factors),
             freedom,
         }
+    }
+
+    /// Chance that combinations that are all 0 lie as far from it together: Fisher's F over the fewest degrees of freedom of
+    /// any of them, Student's t of one. 1 where nothing is left to tell it.
+    pub fn joint_chance(&self, combinations: &[Vec<f64>]) -> f64 {
+        let each: Vec<Combined> = combinations.iter().map(|own| self.combined(own)).collect();
+        let freedom = each.iter().map(|own| own.freedom).fold(f64::INFINITY, f64::min);
+        if let [one] = each[..] {
+            return two_sided_chance(one.value / one.variance.sqrt(), freedom);
+        }
+        let of = |a: usize, b: usize| self.covariance.form(&combinations[a], &combinations[b]);
+        let values: Vec<f64> = each.iter().map(|own| own.value).collect();
+        let weighed = Symmetric::from_fn(each.len(), of).solve(&values, 1e-12);
+        let square: f64 = values.iter().zip(weighed).map(|(value, own)| value * own).sum();
+        f_chance(square / each.len() as f64, each.len(), freedom.min(1e6) as usize)
     }
 }

@@ -14,8 +14,8 @@ use crate::aside::Shown;
 use crate::error::ReportError;
 use crate::pages::policy::MOST_GROUPS_NAMED;
 use crate::site::Site;
-use ieap_analysis::laws::Dependence;
 use ieap_analysis::laws::words;
+use ieap_analysis::laws::{Covariate, Dependence};
 use ieap_analysis::monitoring::forecasts::{Dates, forecasts};
 use ieap_analysis::study;
 use ieap_domain::GroupDiagnosis;
@@ -72,9 +72,13 @@ pub fn answers(site: &Site, figures: &mut BTreeMap<String, String>) -> Result<An
 /// The strongest law of what surrounds or drives the strip; else, without a study, what follows use; else when a limit is
 /// reached.
 fn shows(site: &Site, claimed: &[&Dependence]) -> Option<Said> {
+    // What the study says of the humidity is not said again.
+    let mut asked = site.input.study.asked();
+    let says_humidity = asked.any(|own| own.kind == study::Kind::HumidityLaw);
+    let is_said = |found: &Dependence| says_humidity && found.covariate == Covariate::RelativeHumidity;
     // Where the study has answers, what follows cycle or order heads no page: it may be the same difference.
     let has_study = study::view::is_told(&site.input.study);
-    let first = claimed.first();
+    let first = claimed.iter().find(|found| !is_said(found));
     if let Some(found) = first.filter(|found| found.covariate.remoteness() == 0 || !has_study) {
         return Some(Said::new(law_words(found), "humidity.html", "all laws"));
     }
