@@ -5,11 +5,11 @@ use jiff::tz::TimeZone;
 
 use super::kind::Kind;
 use super::read::Table;
-use super::time_names::names_time;
 use crate::formats::climate::moments::Moments;
 use crate::formats::stamp::DateOrder;
 use crate::table::policy::EPOCH_SINCE_1990_S;
 use crate::text::header::Meaning;
+use crate::text::names::names_time;
 use crate::text::{Cell, Decimal, number};
 use ieap_domain::Quantity;
 

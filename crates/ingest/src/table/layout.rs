@@ -6,13 +6,13 @@ use super::kind::Kind;
 use super::numbers::{Found, Writing};
 use super::policy::ROWS_ASKED;
 use super::shape::{Shape, shape};
-use super::time_names::names_time;
 use crate::formats::ReadContext;
 use crate::formats::assemble::{is_modulus_sweep, is_spectrum};
 use crate::formats::error::{ReadError, quoted};
 use crate::text::grid::{Dialect, is_blank_or_comment};
 use crate::text::header::{Header, Meaning};
 use crate::text::likely::headed_by_unit;
+use crate::text::names::names_time;
 use crate::text::number;
 use crate::text::policy::{HEADER_WITHIN_LINES, LINES_ASKED, OBEYING_SHARE};
 use crate::text::{Decimal, Delimiter, Group, Line, NumberForm};
@@ -351,6 +351,7 @@ pub fn headers(names: &[&str], units: Option<&[String]>) -> Vec<Header> {
         (header, _) => header,
     };
     let mut headers: Vec<Header> = names.iter().enumerate().map(header).collect();
+    name_storage_modulus(&mut headers);
     let quantities: Vec<Option<Quantity>> = headers.iter().map(|h| h.meaning.quantity()).collect();
     let is_only = |quantity| quantities.iter().filter(|other| **other == quantity).count() == 1;
     for (header, quantity) in headers.iter_mut().zip(&quantities) {
@@ -359,6 +360,23 @@ pub fn headers(names: &[&str], units: Option<&[String]>) -> Vec<Header> {
         }
     }
     headers
+}
+
+/// Beside `Modulus"`, the loss modulus, `Modulus` is the storage modulus.
+fn name_storage_modulus(headers: &mut [Header]) {
+    let is_named = |header: &Header, name: &str| header.raw_name.to_lowercase().starts_with(name);
+    let is_loss = |header: &Header| {
+        header.meaning.quantity() == Some(Quantity::LossModulus) && is_named(header, "modulus")
+    };
+    if !headers.iter().any(is_loss) {
+        return;
+    }
+    let plain = headers
+        .iter_mut()
+        .filter(|header| header.meaning == Meaning::Other && is_named(header, "modulus"));
+    for header in plain {
+        header.meaning = Header::with_unit("storage modulus", &header.raw_unit).meaning;
+    }
 }
 
 /// Whether a time column among two cells or more can be used; none where there is no such column. The frequency of a

@@ -5,10 +5,11 @@
 //! two rows that make one name. Where no such row is there, a comment just above the readings may hold the names.
 
 use super::kind::{Kind, kind};
-use crate::formats::climate::meaning::{climate_column, names_dew_point};
+use crate::formats::climate::meaning::climate_column;
 use crate::table::policy::MOST_COLUMNS;
 use crate::text::grid::{is_blank, is_comment};
 use crate::text::header::{Header, Meaning};
+use crate::text::names::names_dew_point;
 use crate::text::number::unquote;
 use crate::text::policy::{HEADER_WITHIN_LINES, OBEYING_SHARE};
 use crate::text::unit_row::unit_row;
@@ -362,7 +363,7 @@ impl Shape {
 /// How much a name says: its quantity and unit, its quantity, or nothing.
 fn known(name: &str, unit: &str, kind: Option<Kind>) -> usize {
     if matches!(kind, Some(Kind::Moment | Kind::Date | Kind::Clock)) {
-        return usize::from(super::time_names::names_time(name));
+        return usize::from(crate::text::names::names_time(name));
     }
     let header = if unit.is_empty() {
         Header::parse(name)
@@ -375,7 +376,7 @@ fn known(name: &str, unit: &str, kind: Option<Kind>) -> usize {
         Meaning::Other if names_dew_point(name) => 2,
         Meaning::Other => match climate_column(name, unit) {
             Some(column) => 1 + usize::from(column.unit_is_stated),
-            None => usize::from(super::time_names::names_time(name)),
+            None => usize::from(crate::text::names::names_time(name)),
         },
     }
 }
