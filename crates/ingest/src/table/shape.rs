@@ -266,8 +266,13 @@ fn bare_comment(text: &str) -> &str {
     text.trim_start().trim_start_matches('#')
 }
 
-/// What names and units a row can be, with the row below it.
-fn readings_of(text: &str, delimiter: Delimiter, below: Option<&Row<'_>>) -> Vec<(Vec<String>, Vec<String>)> {
+/// What names and units a row can be, with the two rows below it.
+fn readings_of(
+    text: &str,
+    delimiter: Delimiter,
+    below: Option<&Row<'_>>,
+    next: Option<&Row<'_>>,
+) -> Vec<(Vec<String>, Vec<String>)> {
     let names = names_in(text, delimiter);
     let Some(below) = below else {
         return vec![(names, Vec::new())];
@@ -290,6 +295,13 @@ fn readings_of(text: &str, delimiter: Delimiter, below: Option<&Row<'_>>) -> Vec
             found.push((names, units));
         }
         None if is_words => {
+            // `CH0 CH1` between names and units.
+            let units_of =
+                |next: &Row<'_>| unit_row(names.len(), next.cells.iter().map(|cell| unquote(cell)));
+            if let Some(mut units) = next.and_then(units_of) {
+                units.resize(names.len(), String::new());
+                found.push((names.clone(), units));
+            }
             found.push((names.iter().enumerate().map(joined).collect(), Vec::new()));
             found.push((names, Vec::new()));
         }
@@ -327,10 +339,11 @@ impl Shape {
             if is_named && unit_row(cells.len(), cells.iter().map(String::as_str)).is_some() {
                 continue;
             }
-            let below = texts
-                .get(index + 1)
-                .map(|(at, text)| row(*at, text, self.delimiter));
-            for (names, units) in readings_of(text, self.delimiter, below.as_ref()) {
+            let below = |by: usize| {
+                let (at, text) = texts.get(index + by)?;
+                Some(row(*at, text, self.delimiter))
+            };
+            for (names, units) in readings_of(text, self.delimiter, below(1).as_ref(), below(2).as_ref()) {
                 self.take(best, names, units, at);
             }
         }

@@ -12,7 +12,7 @@ use crate::formats::ReadContext;
 use crate::formats::climate::moments::{Moments, NoOrder, moments};
 use crate::formats::error::{ReadError, quoted};
 use crate::formats::policy::BAD_SHARE;
-use crate::formats::stamp::DateOrder;
+use crate::formats::stamp::{DateOrder, in_digits};
 use crate::table::policy::{CLOCK_RESOLUTIONS, CLOCKS_AGREE_SHARE};
 use crate::text::header::{Header, Meaning};
 use crate::text::names::{counts_from_a_start, is_unit_of_time, names_time};
@@ -229,16 +229,16 @@ impl Wall {
 
     /// The last digit of the dates, s.
     fn printed_s(&self) -> f64 {
-        let seconds = self.raw.matches(':').count() >= 2;
-        let fraction = self
-            .raw
+        let raw = in_digits(&self.raw);
+        let seconds = raw.matches(':').count() >= 2;
+        let fraction = raw
             .rsplit(':')
             .next()
             .is_some_and(|last| last.contains(['.', ',']));
         match (fraction, seconds) {
             (true, _) => 1e-3,
             (false, true) => 1.0,
-            (false, false) if self.raw.contains(':') => 60.0,
+            (false, false) if raw.contains(':') => 60.0,
             _ => 1e-3,
         }
     }
@@ -548,8 +548,8 @@ impl From<super::epoch::EpochWall> for Wall {
             at: found.at,
             moments: found.moments,
             raw: found.raw,
-            reason: ", numbers since 1970".to_owned(),
-            offset: Some(found.offset),
+            reason: found.reason.to_owned(),
+            offset: found.offset,
         }
     }
 }

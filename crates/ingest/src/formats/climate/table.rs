@@ -17,8 +17,9 @@ use crate::table::policy::{AIR_IN_CELSIUS, LARGEST_FRACTION, SMOOTHER_WITHIN};
 use crate::table::{self, Question, Table, epoch, layout, start, times};
 use crate::text::dictionary::{Role, SENSORS, SERIALS, VALUE_LABELS, is_among};
 use crate::text::header::{Header, Meaning};
+use crate::text::lines::lines_of;
 use crate::text::names::{names_time, role};
-use crate::text::{Line, Lines, number};
+use crate::text::{Line, number};
 use crate::{Reading, RunTable};
 use ieap_domain::number::{fixed, percent};
 use ieap_domain::unit::{self, Conversion};
@@ -42,12 +43,12 @@ impl Format for ClimateTable {
     }
 
     fn version(&self) -> u32 {
-        4
+        5
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let lines: Vec<Line<'_>> = Lines::new(&text).collect();
+        let lines = lines_of(&text);
         if is_log(&lines) {
             Match::Possible {
                 score: 0.8,
@@ -72,7 +73,8 @@ impl Format for ClimateTable {
 /// it whatever else was logged with it.
 pub fn is_log(lines: &[Line<'_>]) -> bool {
     // No time of day, no number since 1970: that is told soonest.
-    let speaks_of_moments = |line: &Line<'_>| line.text.contains(':') || has_long_number(line.text);
+    let speaks_of_moments =
+        |line: &Line<'_>| line.text.contains([':', '時', '时']) || has_long_number(line.text);
     if !lines.iter().any(speaks_of_moments) {
         return false;
     }
