@@ -272,7 +272,7 @@ mod tests {
         for text in [
             "Time;Current (mA)\n01/02/2026 10:00:00;0,5\n01/02/2026 10:00:02;1,5\n",
             "time_s,current_a\n0,5,1,5\n1,5,2,5\n2,5,3,5\n",
-            "Time;Current (mA);curvature_per_cm\n10:00:00;0,5;0.5\n10:00:02;1,5;0.75\n",
+            "Time;Current (mA)\n10:00:00;0,5\n10:00:02;1.5\n",
             "Time;Current\n10:00:00;0,5\n10:00:02;1,5\n",
         ] {
             assert!(table(text).is_err(), "{text}");

@@ -342,8 +342,9 @@ mod tests {
         assert!(matches!(decided(&[&["9,412", "8,123"]]), Found::Open(_)));
         assert!(matches!(decided(&[&["1.000", "2.000"]]), Found::Open(_)));
         assert!(matches!(
-            decided(&[&["0,5"], &["0.5"]]),
+            decided(&[&["0,5", "0.5"], &["1"]]),
             Found::Contradiction { .. }
         ));
+        assert!(matches!(decided(&[&["0,5"], &["0.5"]]), Found::Each(_)));
     }
 }
