@@ -6,24 +6,34 @@ const WORDS: [(&str, &str); 3] = [
     (
         "air",
         "air;ambient;luft;raumluft;laborluft;aire;aria;õhk;ohk;воздух;\
-         空気;空气;ambiant",
+         空気;空气;空氣;大気;大气;powietrze;공기;ambiant",
     ),
     (
         "vacuum",
         "vacuum;vac;vakuum;vide;sousvide;vacío;vacio;vuoto;vácuo;vacuo;vaakum;вакуум;\
-         真空",
+         próżnia;真空;진공",
     ),
-    ("inert", "inert;inerte;inertgas;inertne;glovebox;schutzgas"),
+    (
+        "inert",
+        "inert;inerte;inertgas;inertne;glovebox;schutzgas;グローブボックス;不活性;手套箱",
+    ),
 ];
 /// Gases that hold no water and take no part.
 const GASES: &str = "argon;ar;argón;argoon;nitrogen;n2;stickstoff;azote;nitrógeno;nitrogeno;azoto;\
                      lämmastik;lammastik;аргон;азот;helium;heelium;\
-                     hélium;xenon;krypton";
+                     hélium;xenon;krypton;窒素;氮气;氮氣;アルゴン;氩气;氬氣;ヘリウム;氦气;질소;아르곤";
+
+/// The word of `words` that a name in small letters is, or that stands in it where words are written without blanks between
+/// them: `窒素雰囲気`.
+fn word_in<'w>(words: &'w str, lower: &str) -> Option<&'w str> {
+    let is_part = |word: &str| word.chars().all(|c| c > '\u{2e80}') && lower.contains(word);
+    words.split(';').find(|word| *word == lower || is_part(word))
+}
 
 /// The built-in environment whose kind a name is: `vide` of `vacuum`, `argon` of `inert`; none of a name that says nothing.
 pub fn kind_of(name: &str) -> Option<&'static str> {
     let lower = name.to_lowercase();
-    let is_among = |words: &str| words.split(';').any(|word| word == lower);
+    let is_among = |words: &str| word_in(words, &lower).is_some();
     let built_in = WORDS.iter().find(|(_, words)| is_among(words));
     built_in
         .map(|(id, _)| *id)
@@ -34,8 +44,8 @@ pub fn kind_of(name: &str) -> Option<&'static str> {
 /// gas its own name in small letters.
 pub fn id_of_word(word: &str) -> Option<String> {
     let lower = word.to_lowercase();
-    if GASES.split(';').any(|gas| gas == lower) {
-        return Some(lower);
+    if let Some(gas) = word_in(GASES, &lower) {
+        return Some(gas.to_owned());
     }
     kind_of(&lower).map(str::to_owned)
 }
@@ -66,6 +76,8 @@ mod tests {
             ("Argon", Some("argon")),
             ("Argoon", Some("argoon")),
             ("glovebox", Some("inert")),
+            ("窒素雰囲気", Some("窒素")),
+            ("空気中", Some("air")),
             ("fog", None),
         ] {
             assert_eq!(id_of_word(word).as_deref(), id, "{word}");

@@ -4,7 +4,11 @@ use super::unit::{Conversion, Dimension};
 
 /// One spelling for what files write in several: micro and degree signs, powers, bracketed stars, references.
 pub(super) fn normalise(unit: &str) -> String {
-    let mut text = unit.trim().to_owned();
+    let half = |c: char| match c {
+        '\u{ff01}'..='\u{ff5e}' => char::from_u32(c as u32 - 0xfee0).unwrap_or(c),
+        c => c,
+    };
+    let mut text: String = unit.trim().chars().map(half).collect();
     for (from, to) in [
         ("\u{b5}", "u"),
         ("\u{3bc}", "u"),
@@ -27,66 +31,119 @@ pub(super) fn normalise(unit: &str) -> String {
         }
     }
     let bare = text.trim_start_matches(['(', '[']).trim_end_matches([')', ']']);
-    if let Some((_, latin)) = CYRILLIC.iter().find(|(cyrillic, _)| *cyrillic == bare) {
-        return (*latin).to_owned();
-    }
     let bare = match bare.to_ascii_lowercase().find(" vs") {
         Some(reference) => &bare[..reference],
         None => bare,
     };
-    bare.chars().filter(|c| !c.is_whitespace()).collect()
+    let bare: String = bare.chars().filter(|c| !c.is_whitespace()).collect();
+    of_word(&bare).map_or(bare, str::to_owned)
 }
 
-/// Units as Russian instruments write them, after the signs above.
-const CYRILLIC: [(&str, &str); 24] = [
-    ("\u{412}", "V"),
-    ("\u{43c}\u{412}", "mV"),
-    ("\u{410}", "A"),
-    ("\u{43c}\u{410}", "mA"),
-    ("\u{43c}\u{43a}\u{410}", "uA"),
-    ("\u{43d}\u{410}", "nA"),
-    ("\u{43c}\u{43c}", "mm"),
-    ("\u{43c}\u{43a}\u{43c}", "um"),
-    ("1/\u{441}\u{43c}", "1/cm"),
-    ("1/\u{43c}", "1/m"),
-    ("deg\u{421}", "degC"),
-    ("\u{41a}", "K"),
-    ("\u{41f}\u{430}", "Pa"),
-    ("\u{433}\u{41f}\u{430}", "hPa"),
-    ("\u{43a}\u{41f}\u{430}", "kPa"),
-    ("\u{441}", "s"),
-    ("\u{441}\u{435}\u{43a}", "s"),
-    ("\u{43c}\u{441}", "ms"),
-    ("\u{43c}\u{43a}\u{441}", "us"),
-    ("\u{43c}\u{438}\u{43d}", "min"),
-    ("\u{447}", "h"),
-    ("\u{413}\u{446}", "Hz"),
-    ("\u{41e}\u{43c}", "Ohm"),
-    ("\u{43c}\u{41d}", "mN"),
+/// Words and letters for units in the languages of laboratories, in small letters after the signs above, with the spelling that
+/// conversions know. One in capitals is meant so: milli and mega differ by it.
+const WORDS: [(&str, &str); 28] = [
+    (
+        "s",
+        "sec;secs;second;seconds;sekunde;sekunden;seconde;secondes;segundo;segundos;secondo;secondi;sekundy;sekund;sekundit;с;\
+           сек;секунда;секунды;секунд;秒;초",
+    ),
+    ("ms", "msec;millisecond;milliseconds;millisekunden;мс;ミリ秒;毫秒"),
+    ("us", "usec;microsecond;microseconds;мкс"),
+    (
+        "min",
+        "minute;minutes;minuten;minutos;minuti;minuty;minutit;мин;минута;минуты;минут;分;分钟;분",
+    ),
+    (
+        "h",
+        "hr;hrs;hour;hours;stunde;stunden;heure;heures;hora;horas;ora;ore;godziny;tund;tundi;ч;час;часы;часов;時間;小时;小時;시간",
+    ),
+    ("d", "day;days;tag;tage;jour;jours;日;天"),
+    ("V", "volt;volts;вольт;в;ボルト;伏;伏特;볼트"),
+    ("mV", "millivolt;millivolts;милливольт;мв"),
+    (
+        "A",
+        "amp;amps;ampere;amperes;ampère;ampères;ампер;а;アンペア;安;安培",
+    ),
+    (
+        "mA",
+        "milliamp;milliamps;milliampere;milliamperes;milliampère;milliampères;миллиампер;ма;ミリアンペア;毫安",
+    ),
+    (
+        "uA",
+        "microamp;microamps;microampere;microamperes;микроампер;мка;微安",
+    ),
+    ("nA", "nanoamp;nanoamps;nanoampere;nanoamperes;на"),
+    (
+        "mm",
+        "millimeter;millimeters;millimetre;millimetres;миллиметр;мм;ミリメートル;毫米",
+    ),
+    ("um", "micrometer;micrometers;micrometre;micrometres;мкм;微米"),
+    ("1/cm", "1/см"),
+    ("1/m", "1/м"),
+    (
+        "degC",
+        "celsius;deg.c;degcelsius;gradcelsius;grad;degs;degс;град;градус;градусы;摄氏度;度",
+    ),
+    ("K", "kelvin;degk;к"),
+    ("degF", "fahrenheit;deg.f;degfahrenheit"),
+    (
+        "%",
+        "percent;pct;prozent;pourcent;pourcentage;porcento;porciento;porcentaje;percento;protsent;procent;процент;проценты;\
+           パーセント;百分比;%rh;rh%;%r.h.;%rf;rf%;%r.f.;%rel.f.;%hr;hr%;%h.r.;%ur",
+    ),
+    ("Pa", "pascal;па"),
+    ("hPa", "гпа"),
+    ("kPa", "кпа"),
+    ("MPa", "МПа;megapascal"),
+    ("Hz", "hertz;гц;ヘルツ;赫兹"),
+    ("Ohm", "ом;オーム;欧姆"),
+    ("mN", "millinewton;мн"),
+    ("N", "newton"),
 ];
+/// Fewest letters of a word in which a slip of one letter is seen. Chosen: shorter words are one letter from each other.
+const FEWEST_LETTERS_OF_A_SLIP: usize = 6;
+
+/// The spelling of a unit that a word is, where it is one, or one but for a letter.
+fn of_word(bare: &str) -> Option<&'static str> {
+    let lower = bare.to_lowercase();
+    let find = |is: &dyn Fn(&str) -> bool| {
+        let unit = WORDS.iter().find(|(_, words)| words.split(';').any(is));
+        unit.map(|(unit, _)| *unit)
+    };
+    let is_long = |word: &str| word.is_ascii() && word.len() >= FEWEST_LETTERS_OF_A_SLIP;
+    let is_word = bare.bytes().all(|byte| byte.is_ascii_alphabetic());
+    find(&|word| word == bare || word == lower).or_else(|| {
+        (is_word && is_long(&lower))
+            .then(|| find(&|word| is_long(word) && is_one_letter_off(&lower, word)))?
+    })
+}
+
+/// Whether one letter is another, more or less.
+fn is_one_letter_off(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let same = a.iter().zip(b).take_while(|(x, y)| x == y).count();
+    let (a, b) = (&a[same..], &b[same..]);
+    match (a, b) {
+        ([_, x @ ..], [_, y @ ..]) if x == y => true,
+        ([_, x @ ..], y) if x == y => true,
+        (x, [_, y @ ..]) => x == y,
+        _ => false,
+    }
+}
 
 /// Conversion of a normalised spelling, where it is a unit of that dimension.
 pub(super) fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion> {
     let word = spelled.to_ascii_lowercase();
     match dimension {
         Dimension::Time => time(spelled, &word),
-        Dimension::Voltage => prefixed(spelled, "V").or_else(|| named(&word, &["volt", "volts", "vdc"])),
-        Dimension::Current => {
-            prefixed(spelled, "A").or_else(|| named(&word, &["amp", "amps", "ampere", "amperes", "adc"]))
-        }
+        Dimension::Voltage => prefixed(spelled, "V").or_else(|| named(&word, &["vdc"])),
+        Dimension::Current => prefixed(spelled, "A").or_else(|| named(&word, &["adc"])),
         Dimension::CurrentDensity => current_density(spelled),
         Dimension::Curvature => curvature(spelled),
         Dimension::Length => length(spelled),
         Dimension::Force => force(spelled),
         Dimension::Temperature => temperature(spelled, &word),
-        // `rF`, relative Feuchte.
-        Dimension::Ratio => named(
-            &word,
-            &[
-                "%", "percent", "%rh", "rh%", "%r.h.", "%rf", "rf%", "%r.f.", "%rel.f.", "pct", "%hr", "hr%",
-                "%h.r.", "%ur",
-            ],
-        ),
+        Dimension::Ratio => named(spelled, &["%"]),
         Dimension::Pressure => pressure(spelled, &word),
         Dimension::GasFraction => match word.as_str() {
             "ppb" | "ppbv" => Some(Conversion::scale(1.0, 1000.0)),
@@ -145,12 +202,9 @@ fn time(spelled: &str, word: &str) -> Option<Conversion> {
         return Some(conversion);
     }
     Some(match word {
-        "sec" | "secs" | "second" | "seconds" => Conversion::IDENTITY,
-        "msec" | "millisecond" | "milliseconds" => Conversion::scale(1.0, 1e3),
-        "usec" | "microsecond" | "microseconds" => Conversion::scale(1.0, 1e6),
-        "min" | "minute" | "minutes" => Conversion::scale(60.0, 1.0),
-        "h" | "hr" | "hrs" | "hour" | "hours" => Conversion::scale(3600.0, 1.0),
-        "d" | "day" | "days" => Conversion::scale(86_400.0, 1.0),
+        "min" => Conversion::scale(60.0, 1.0),
+        "h" => Conversion::scale(3600.0, 1.0),
+        "d" => Conversion::scale(86_400.0, 1.0),
         _ => return None,
     })
 }
@@ -203,9 +257,9 @@ fn force(spelled: &str) -> Option<Conversion> {
 
 fn temperature(spelled: &str, word: &str) -> Option<Conversion> {
     Some(match (spelled, word) {
-        ("C", _) | (_, "degc" | "celsius" | "deg.c" | "degcelsius") => Conversion::IDENTITY,
-        ("K", _) | (_, "kelvin" | "degk") => Conversion::IDENTITY.shifted(0.0, -273.15),
-        ("F", _) | (_, "degf" | "fahrenheit" | "deg.f") => Conversion::scale(5.0, 9.0).shifted(-32.0, 0.0),
+        ("C", _) | (_, "degc") => Conversion::IDENTITY,
+        ("K", _) => Conversion::IDENTITY.shifted(0.0, -273.15),
+        ("F", _) | (_, "degf") => Conversion::scale(5.0, 9.0).shifted(-32.0, 0.0),
         _ => return None,
     })
 }

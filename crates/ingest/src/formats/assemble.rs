@@ -1,14 +1,15 @@
 //! From cells to channels: units, order of time, text among numbers, ranges, and what a run needs.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::cells::CellTable;
+use super::cells::{CellColumn, CellTable};
 use super::columns::{holds_text, judge_columns, read_flags};
 use super::error::{ReadError, quoted};
 use super::plausible::{implausible, is_impossible};
 use super::time_axis::{self, TimeAxis};
 use crate::RunTable;
-use crate::formats::policy::{BAD_SHARE, MOSTLY_CAPACITIVE};
+use crate::formats::policy::{BAD_SHARE, MOSTLY_CAPACITIVE, SAME_READING_SHARE};
 use crate::text::header::{Header, Meaning};
 use ieap_domain::number::exact;
 use ieap_domain::unit::Conversion;
@@ -116,6 +117,7 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
             found: "no row with a time".to_owned(),
         });
     }
+    one_response_each(raw, &meanings)?;
     let mut channels = channels(raw, &meanings, time_index, &axis, issues);
     issues.extend(turn_imaginary(&mut channels));
     let responds = |channel: &Channel| {
@@ -282,6 +284,47 @@ fn time_column(raw: &Raw, meanings: &[Meaning]) -> Result<Option<usize>, ReadErr
     })
 }
 
+/// Refuses two columns of one response of a run that hold other readings: nothing says which is right.
+fn one_response_each(raw: &Raw, meanings: &[Meaning]) -> Result<(), ReadError> {
+    let is_response = |index: &usize| {
+        let quantity = meanings[*index].quantity();
+        raw.must_be_run
+            && quantity.is_some_and(Quantity::is_response)
+            && raw.headers[*index].is_named_wholly()
+    };
+    let value = |index: usize, row: usize| {
+        conversion_of(&meanings[index]).apply(raw.cells.columns[index].numbers[row])
+    };
+    let differ = |a: usize, b: usize| {
+        let pairs = (0..raw.cells.rows()).map(|row| (value(a, row), value(b, row)));
+        pairs
+            .into_iter()
+            .any(|(a, b)| (a - b).abs() > SAME_READING_SHARE * a.abs().max(b.abs()))
+    };
+    let found: Vec<usize> = (0..meanings.len()).filter(is_response).collect();
+    for (at, &second) in found.iter().enumerate() {
+        let is_twin = |first: &&usize| {
+            meanings[**first].quantity() == meanings[second].quantity()
+                && raw.headers[**first].position_mm == raw.headers[second].position_mm
+        };
+        if let Some(&first) = found[..at].iter().find(is_twin)
+            && differ(first, second)
+        {
+            let name = |index: usize| quoted(&raw.headers[index].raw_name);
+            return Err(ReadError::Column {
+                line: raw.cells.header_line,
+                index: second + 1,
+                column: name(second),
+                reason: format!(
+                    "it measures what column {} does and holds other readings; say which counts, or mend the unit of one",
+                    name(first)
+                ),
+            });
+        }
+    }
+    Ok(())
+}
+
 fn conversion_of(meaning: &Meaning) -> Conversion {
     match meaning {
         Meaning::Known { conversion, .. } => *conversion,
@@ -302,6 +345,7 @@ fn channels(
     let mut shared: Vec<(Vec<u32>, Arc<[f64]>)> = Vec::new();
     let mut channels: Vec<Channel> = Vec::new();
     let mut flags: Vec<RowFlag> = Vec::new();
+    let codes = codes(raw, meanings);
     let is_of_strip = meanings
         .iter()
         .any(|m| m.quantity().is_some_and(Quantity::is_response));
@@ -333,7 +377,7 @@ fn channels(
             _ => conversion_of(&meanings[index]),
         };
         let mut numbers = std::mem::take(&mut column.numbers);
-        let gaps = take_impossible(&mut numbers, quantity, conversion);
+        let gaps = take_impossible(&mut numbers, quantity, conversion, &codes);
         if let Some((first, number)) = gaps.first() {
             let message = format!(
                 "{} of {} readings of {} are no measurements, first {}; left out",
@@ -388,11 +432,46 @@ fn channels(
     channels
 }
 
+/// Numbers that no humidity or temperature can be, with their rows: what an instrument writes where a sensor is off, it writes for
+/// all that the sensor measures.
+fn codes(raw: &Raw, meanings: &[Meaning]) -> BTreeSet<(usize, u64)> {
+    let of_column = |(column, meaning): (&CellColumn, &Meaning)| {
+        let (quantity, conversion) = (
+            meaning.quantity().unwrap_or(Quantity::Other),
+            conversion_of(meaning),
+        );
+        let is_code = |number: &f64| {
+            quantity != Quantity::Other
+                && number.is_finite()
+                && is_impossible(quantity, *number, conversion.apply(*number))
+        };
+        let rows = column
+            .numbers
+            .iter()
+            .enumerate()
+            .filter(|(_, number)| is_code(number));
+        rows.map(|(row, number)| (row, number.to_bits()))
+            .collect::<Vec<_>>()
+    };
+    raw.cells
+        .columns
+        .iter()
+        .zip(meanings)
+        .flat_map(of_column)
+        .collect()
+}
+
 /// Takes numbers out that are no measurements; gives their rows.
-fn take_impossible(numbers: &mut [f64], quantity: Quantity, conversion: Conversion) -> Vec<(u32, f64)> {
+fn take_impossible(
+    numbers: &mut [f64],
+    quantity: Quantity,
+    conversion: Conversion,
+    codes: &BTreeSet<(usize, u64)>,
+) -> Vec<(u32, f64)> {
     let mut found = Vec::new();
     for (row, number) in numbers.iter_mut().enumerate() {
-        if is_impossible(quantity, *number, conversion.apply(*number)) {
+        let is_code = quantity != Quantity::Other && codes.contains(&(row, number.to_bits()));
+        if is_code || is_impossible(quantity, *number, conversion.apply(*number)) {
             found.push((row as u32, *number));
             *number = f64::NAN;
         }

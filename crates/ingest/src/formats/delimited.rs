@@ -3,8 +3,9 @@
 use super::cells::CellTable;
 use super::error::{ReadError, quoted};
 use crate::text::grid::{Dialect, push_line};
+use crate::text::lines::lines_of;
 use crate::text::whole_line::sign_of_whole;
-use crate::text::{Cell, Decimal, Decoded, Delimiter, Line, Lines, decode, number};
+use crate::text::{Cell, Decimal, Decoded, Delimiter, Line, decode, number};
 use ieap_domain::{Issue, RunStatus};
 
 /// A delimited text before its columns get their meaning.
@@ -45,7 +46,7 @@ pub fn text<'a>(decoded: &'a Decoded<'_>, issues: &mut Vec<Issue>) -> Result<Tex
         Some(at) => (&whole[..at], Some(at)),
         None => (whole, None),
     };
-    let mut lines: Vec<Line<'_>> = Lines::new(readable).collect();
+    let mut lines = lines_of(readable);
     let (mut status, mut status_evidence) = drop_cut_line(&mut lines, issues);
     if let Some(at) = nul_at {
         let line = readable.matches('\n').count() + 1;

@@ -6,7 +6,8 @@ use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext, ReadError};
 use crate::table::{self, layout, start, times};
 use crate::text::header::Header;
-use crate::text::{Delimiter, Line, Lines};
+use crate::text::lines::lines_of;
+use crate::text::{Delimiter, Line};
 use crate::{Reading, RunTable, StartedAt};
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, Quantity};
@@ -28,7 +29,7 @@ impl Format for PlainTable {
     }
 
     fn version(&self) -> u32 {
-        7
+        8
     }
 
     fn is_generic(&self) -> bool {
@@ -39,7 +40,7 @@ impl Format for PlainTable {
         let Some(text) = head.text() else {
             return Match::No;
         };
-        let lines: Vec<Line<'_>> = Lines::new(&text).collect();
+        let lines = lines_of(&text);
         match layout::best_shape(&lines) {
             Ok(_) | Err(ReadError::HeaderOnly { .. } | ReadError::NoReading { .. }) => Match::Possible {
                 score: 0.6,
@@ -100,7 +101,15 @@ pub fn runs(
     issues: &mut Vec<Issue>,
 ) -> Result<Runs, ReadError> {
     let tables = table::tables(lines, is_flag, context)?;
+    let blocks = tables[0].layout.blocks(lines);
+    if !blocks.is_empty() {
+        return side_by_side(lines, blocks, context, must_be_run, issues);
+    }
     issues.extend(tables[0].layout.between(lines));
+    if !tables[0].layout.own_numbers.is_empty() {
+        let message = "columns have decimal marks of their own: a comma in some, a point in others; each is read by its own";
+        issues.push(Issue::note("decimal-marks-differ", message));
+    }
     let names_at = tables[0].layout.shape.names_at;
     let head = lines[..names_at.unwrap_or(0)].iter().map(|line| line.text);
     let mut started_at = start::stated(head, context.date_order);
@@ -144,6 +153,44 @@ pub fn runs(
             found.len()
         );
         issues.push(Issue::note("logger-restarted", message));
+    }
+    Ok((found, started_at, names_at))
+}
+
+/// The runs of blocks of columns that stand side by side, each read as a text of its own.
+fn side_by_side(
+    lines: &[Line<'_>],
+    blocks: Vec<(String, Vec<Line<'_>>)>,
+    context: &ReadContext,
+    must_be_run: bool,
+    issues: &mut Vec<Issue>,
+) -> Result<Runs, ReadError> {
+    let names_at = blocks[0].1.first().map_or(0, |names| names.number);
+    let names_at = lines.iter().position(|line| line.number == names_at);
+    let head = lines[..names_at.unwrap_or(0)].iter().map(|line| line.text);
+    let mut started_at = start::stated(head, context.date_order);
+    let mut found = Vec::new();
+    let message = format!(
+        "the same names stand {} times side by side: each block of columns is a run",
+        blocks.len()
+    );
+    issues.push(Issue::note("blocks-side-by-side", message));
+    for (index, (label, block)) in blocks.into_iter().enumerate() {
+        let (tables, own_start, _) = runs(&block, context, must_be_run, issues)?;
+        started_at = started_at.or(own_start);
+        let name = if label.is_empty() {
+            format!("block {}", index + 1)
+        } else {
+            label
+        };
+        found.extend(tables.into_iter().map(|table| RunTable {
+            name: if table.name.is_empty() {
+                name.clone()
+            } else {
+                format!("{name}, {}", table.name)
+            },
+            ..table
+        }));
     }
     Ok((found, started_at, names_at))
 }
@@ -225,7 +272,7 @@ mod tests {
         for text in [
             "Time;Current (mA)\n01/02/2026 10:00:00;0,5\n01/02/2026 10:00:02;1,5\n",
             "time_s,current_a\n0,5,1,5\n1,5,2,5\n2,5,3,5\n",
-            "Time;Current (mA);curvature_per_cm\n10:00:00;0,5;0.5\n10:00:02;1,5;0.75\n",
+            "Time;Current (mA)\n10:00:00;0,5\n10:00:02;1.5\n",
             "Time;Current\n10:00:00;0,5\n10:00:02;1,5\n",
         ] {
             assert!(table(text).is_err(), "{text}");

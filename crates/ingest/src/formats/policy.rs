@@ -13,6 +13,9 @@ pub(super) const EXTENSION: f64 = 0.1;
 pub(crate) const BAD_SHARE: f64 = 0.05;
 /// A step of time this many times longer than the steps on both sides of it is a gap. Chosen.
 pub(super) const GAP_FACTOR: f64 = 10.0;
+/// Share by which two columns of one quantity may differ and still hold the same readings: rounded to three digits. Chosen: units
+/// differ by 1000.
+pub(super) const SAME_READING_SHARE: f64 = 0.01;
 /// Share of the interval by which a printed time may differ from the sample's and still be the same. Chosen.
 pub(super) const SAME_TIME_SHARE: f64 = 1e-6;
 /// Share of the sum of the imaginary parts' sizes above which their sign is that of -Z'': a strip is capacitive. At high

@@ -6,6 +6,7 @@ use jiff::ToSpan;
 use jiff::civil::{Date, DateTime};
 
 use super::error::quoted;
+use crate::text::names::half_width;
 use crate::{StartedAt, Timestamp};
 pub use ieap_domain::DateOrder;
 use ieap_domain::Issue;
@@ -64,8 +65,64 @@ pub fn shared(starts: impl IntoIterator<Item = StartedAt>, issues: &mut Vec<Issu
     }
 }
 
-/// The date and time in a text that holds nothing else: `05/26/2000 10:11:12.5 AM`, `Dec. 24, 2026   20:15:16`.
+/// Half-days in words, morning first.
+const HALF_DAYS: [(&str, &str); 10] = [
+    ("a. m.", "AM"),
+    ("p. m.", "PM"),
+    ("a.m.", "AM"),
+    ("p.m.", "PM"),
+    ("午前", "AM"),
+    ("午後", "PM"),
+    ("上午", "AM"),
+    ("下午", "PM"),
+    ("오전", "AM"),
+    ("오후", "PM"),
+];
+/// Eras that years are counted in, with the year before their first.
+const ERAS: [(&str, u32); 2] = [("令和", 2018), ("平成", 1988)];
+
+/// A date or time of day with numbers and marks for what is written in words: `2026年3月19日 午前11時40分` and `令和8年3月19日` as
+/// `2026/3/19 11:40 AM`.
+pub fn in_digits(raw: &str) -> Cow<'_, str> {
+    if raw.is_ascii() && !raw.contains("m.") {
+        return Cow::Borrowed(raw);
+    }
+    let mut text = half_width(raw).into_owned();
+    for (era, before) in ERAS {
+        let year = text.split_once(era).and_then(|(_, rest)| rest.split_once('年'));
+        let year = year
+            .and_then(|(year, _)| Some((year.to_owned(), if year == "元" { 1 } else { year.parse().ok()? })));
+        if let Some((written, number)) = year {
+            let number: u32 = number;
+            text = text.replacen(&format!("{era}{written}"), &(before + number).to_string(), 1);
+        }
+    }
+    let mut half = None;
+    for (word, latin) in HALF_DAYS {
+        if let Some(at) = text.find(word) {
+            text.replace_range(at..at + word.len(), " ");
+            half = Some(latin);
+        }
+    }
+    let mark = |c: char| match c {
+        '年' | '月' | '년' | '월' => Some('/'),
+        '日' | '일' => Some(' '),
+        '時' | '时' | '点' | '分' | '시' | '분' => Some(':'),
+        '秒' | '초' => None,
+        c => Some(c),
+    };
+    let marked: String = text.chars().filter_map(mark).collect();
+    let words: Vec<&str> = marked
+        .split_whitespace()
+        .map(|word| word.trim_end_matches(':'))
+        .collect();
+    Cow::Owned(words.into_iter().chain(half).collect::<Vec<_>>().join(" "))
+}
+
+/// The date and time in a text that holds nothing else: `05/26/2000 10:11:12.5 AM`, `Dec. 24, 2026   20:15:16`. The hour 24 is the
+/// first of the next day.
 pub fn civil(raw: &str, order: DateOrder) -> Option<DateTime> {
+    let raw = &*in_digits(raw);
     let words = words(&date_first(raw))?;
     let [a, b, c, hour, minute, rest @ ..] = words.numbers() else {
         return None;
@@ -92,6 +149,12 @@ pub fn civil(raw: &str, order: DateOrder) -> Option<DateTime> {
         _ => return None,
     };
     let hour = match (small(hour)?, words.afternoon) {
+        (24, None) if small(minute)? == 0 && (second, nanosecond) == (0, 0) => {
+            return date
+                .tomorrow()
+                .ok()
+                .map(|next| next.to_datetime(jiff::civil::Time::midnight()));
+        }
         (hour, None) => hour,
         (hour @ 1..=12, Some(afternoon)) => hour % 12 + if afternoon { 12 } else { 0 },
         _ => return None,
@@ -224,6 +287,17 @@ mod tests {
             ("2026-05-13 10:20:30", YearFirst, Some("2026-05-13T10:20:30")),
             ("23:00:00 28/Mar/2026", DayFirst, Some("2026-03-28T23:00:00")),
             ("11:00:00 PM 28/03/2026", DayFirst, Some("2026-03-28T23:00:00")),
+            (
+                "2026年3月19日 11時40分05秒",
+                YearFirst,
+                Some("2026-03-19T11:40:05"),
+            ),
+            ("2026/03/19 午後1:40:00", YearFirst, Some("2026-03-19T13:40:00")),
+            ("令和8年3月19日 午前0時05分", YearFirst, None),
+            ("令和8年3月19日 0時05分", YearFirst, Some("2026-03-19T00:05:00")),
+            ("19/03/2026 12:20:00 p. m.", DayFirst, Some("2026-03-19T12:20:00")),
+            ("12.05.2026 24:00:00", DayFirst, Some("2026-05-13T00:00:00")),
+            ("12.05.2026 24:00:01", DayFirst, None),
             ("28. Okt 2026 10:00", DayFirst, Some("2026-10-28T10:00:00")),
             ("31/12/2020 10:00:00", MonthFirst, None),
             ("2026-05-13", YearFirst, None),

@@ -43,7 +43,7 @@ impl Format for TaTrios {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -67,6 +67,7 @@ impl Format for TaTrios {
             .unwrap_or(lines.len());
         let (preamble, rest) = lines.split_at(first_step);
         let steps = steps(rest);
+        let of_analyser = preamble.iter().any(|line| is_of_analyser(line.text));
         let mut tables: Vec<RunTable> = Vec::new();
         for step in &steps {
             let is_taken = tables.iter().any(|table| table.name == step.name);
@@ -75,7 +76,7 @@ impl Format for TaTrios {
             } else {
                 step.name.to_owned()
             };
-            tables.push(table(name, step, &mut issues)?);
+            tables.push(table(name, step, of_analyser, &mut issues)?);
         }
         let Some(first) = steps.first() else {
             return Err(ReadError::HeaderOnly {
@@ -168,7 +169,19 @@ fn step<'a>(lines: &[Line<'a>]) -> Option<Step<'a>> {
     })
 }
 
-fn table(name: String, step: &Step<'_>, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
+/// Whether a line above the steps names a dynamic mechanical analyser: `Instrument type	DMA850`.
+fn is_of_analyser(text: &str) -> bool {
+    text.split_once('\t').is_some_and(|(key, value)| {
+        key.starts_with("Instrument") && ["DMA", "RSA", "Q800"].iter().any(|name| value.contains(name))
+    })
+}
+
+fn table(
+    name: String,
+    step: &Step<'_>,
+    of_analyser: bool,
+    issues: &mut Vec<Issue>,
+) -> Result<RunTable, ReadError> {
     let unit = |index: usize| {
         if step.units.is_empty() {
             None
@@ -180,21 +193,25 @@ fn table(name: String, step: &Step<'_>, issues: &mut Vec<Issue>) -> Result<RunTa
         .names
         .iter()
         .enumerate()
-        .map(|(index, name)| header(name, unit(index)))
+        .map(|(index, name)| header(name, unit(index), of_analyser))
         .collect();
     let dialect = Dialect::new(Delimiter::Tab, delimited::decimal_of(&step.rows, Delimiter::Tab)?);
     let cells = delimited::cells_of(step.names_line, headers.len(), &step.rows, dialect);
     assemble_untimed(Raw::of_instrument(name, headers, cells), issues)
 }
 
-/// Displacements and forces of a rheometer or analyser are not those of an actuator. Without a row of units they stand in
-/// the names.
-fn header(name: &str, unit: Option<&str>) -> Header {
+/// Displacements and forces of a rheometer or analyser are not those of an actuator, and only an analyser's moduli are of bending or
+/// stretching. Without a row of units they stand in the names.
+fn header(name: &str, unit: Option<&str>, of_analyser: bool) -> Header {
     let header = match unit {
         None => Header::parse(name),
         Some(unit) => Header::with_unit(name, unit),
     };
-    let is_kept = |quantity| matches!(quantity, Quantity::Time | Quantity::Temperature);
+    let is_kept = |quantity: Quantity| match quantity {
+        Quantity::Time | Quantity::Temperature => true,
+        Quantity::LossFactor | Quantity::Frequency | Quantity::RelativeHumidity => of_analyser,
+        quantity => of_analyser && quantity.is_modulus(),
+    };
     Header {
         meaning: if header.meaning.quantity().is_some_and(is_kept) {
             header.meaning

@@ -7,49 +7,11 @@ use crate::name_pattern::number_of_name;
 use crate::tags::value::shortest;
 use crate::text::decode;
 use crate::text::header::{Header, Meaning};
+use crate::text::names::sheet_column;
 use ieap_domain::Quantity;
 use ieap_domain::safe_text::from_csv_text;
 use ieap_domain::tag::keys;
 
-/// Words for columns whose names are no quantities: the tag or column, and its names in small letters.
-const COLUMNS: [(&str, &str); 8] = [
-    (
-        "file",
-        "file;filename;file name;fichier;nom du fichier;nom de fichier;datei;dateiname;fail;failinimi;faili nimi;archivo;\
-         fichero;nombre de archivo;arquivo;файл;имя файла;ファイル;文件",
-    ),
-    (
-        keys::SAMPLE,
-        "sample;strip;specimen;échantillon;echantillon;éprouvette;eprouvette;probe;streifen;muster;proov;katsekeha;riba;\
-         muestra;campione;amostra;образец;試料;样品",
-    ),
-    (
-        keys::ENVIRONMENT,
-        "environment;atmosphere;atmosphère;milieu;environnement;gaz;gas;umgebung;atmosphäre;keskkond;atmosfäär;ambiente;\
-         atmósfera;atmosfera;среда;атмосфера;雰囲気;环境",
-    ),
-    (
-        keys::CYCLE,
-        "cycle;zyklus;tsükkel;répétition;repetition;repeat;wiederholung;kordus;essai;ciclo;цикл",
-    ),
-    (
-        keys::OPERATOR,
-        "operator;opérateur;operateur;bediener;mõõtja;operaator;operador;operatore;оператор",
-    ),
-    (
-        keys::INSTRUMENT,
-        "instrument;appareil;gerät;geraet;seade;instrumento;strumento;прибор",
-    ),
-    (
-        keys::NOTE,
-        "note;notes;remark;remarks;remarque;remarques;commentaire;commentaires;bemerkung;bemerkungen;kommentar;märkus;\
-         märkused;nota;notas;osservazioni;примечание;備考;备注",
-    ),
-    (
-        keys::REST_BEFORE_S,
-        "rest_before_s;repos (s);rest (s);pause (s);ruhe (s);paus (s);reposo (s);riposo (s)",
-    ),
-];
 /// Rows above the names that are looked through.
 const MOST_TITLES: usize = 30;
 /// Rows and columns beyond which nothing is looked for.
@@ -76,11 +38,7 @@ enum Column {
 }
 
 fn column(name: &str) -> Option<Column> {
-    let plain = name.trim().to_lowercase().replace(['\n', '\r'], " ");
-    let named = COLUMNS
-        .iter()
-        .find(|(key, names)| *key == plain || names.split(';').any(|known| known == plain));
-    if let Some((key, _)) = named {
+    if let Some(key) = sheet_column(name) {
         return Some(Column::Text(key));
     }
     let header = Header::parse(name);
@@ -211,16 +169,10 @@ fn of_grid(grid: &[Vec<String>]) -> Option<Rewritten> {
     Some(rewritten)
 }
 
-/// Whether a column's name in small letters is that of files.
-fn names_files(plain: &str) -> bool {
-    let (_, names) = COLUMNS[0];
-    names.split(';').any(|known| known == plain)
-}
-
 /// Whether a row names a column of files and one that tells what is measured, and has no column of the program's own sheets.
 fn is_header(row: &[String]) -> bool {
     // Every table of readings is asked: what names no column of files costs a look and no more.
-    if !row.iter().any(|cell| names_files(&cell.trim().to_lowercase())) {
+    if !row.iter().any(|cell| sheet_column(cell) == Some("file")) {
         return false;
     }
     let plain: Vec<String> = row

@@ -1,5 +1,6 @@
 //! Times of day and durations: `10:00:00`, `0:01.5`, `27:00:00`, `1d 02:03:04`, `1.02:03:04`, `2 days, 3:04:05`.
 
+use crate::formats::stamp::in_digits;
 use crate::text::number::unquote;
 
 /// What the two fields of a time such as `0:42` are.
@@ -58,10 +59,10 @@ pub struct Fields {
 
 /// The parts of a text that is a time and nothing else.
 pub fn fields(text: &str) -> Option<Fields> {
-    let text = unquote(text);
+    let text = in_digits(unquote(text));
     let (negative, text) = match text.strip_prefix('-') {
         Some(rest) => (true, rest),
-        None => (false, text),
+        None => (false, &*text),
     };
     let first_colon = text.find(':')?;
     let (days, clock) = with_days(text, first_colon)?;

@@ -1,32 +1,82 @@
-//! Numbers since 1970, as loggers and scripts write moments: seconds, milliseconds or microseconds, by their size.
+//! Numbers that are moments, by their size: seconds, milliseconds or microseconds since 1970, as loggers and scripts write them,
+//! seconds since 1904, as LabVIEW does, and days since the year 0, the `datenum` of MATLAB.
 
 use jiff::civil::DateTime;
 use jiff::tz::TimeZone;
 
 use super::kind::Kind;
 use super::read::Table;
-use super::time_names::names_time;
 use crate::formats::climate::moments::Moments;
 use crate::formats::stamp::DateOrder;
-use crate::table::policy::EPOCH_SINCE_1990_S;
+use crate::table::policy::OUR_TIME_S;
 use crate::text::header::Meaning;
+use crate::text::names::names_time;
 use crate::text::{Cell, Decimal, number};
 use ieap_domain::Quantity;
 
-/// Whether a cell holds a number that is a moment since 1990.
+/// Whether a cell holds a number that is a moment of our time.
 pub fn is_moment(cell: &str) -> bool {
     let number = number::parse(cell, Decimal::Point);
-    matches!(number, Cell::Number(number) if UNITS_S.iter().any(|unit_s| EPOCH_SINCE_1990_S.contains(&(number * unit_s))))
+    let is_one = |number: f64| {
+        COUNTS
+            .iter()
+            .any(|count| count.word.is_empty() && OUR_TIME_S.contains(&count.since_1970_s(number)))
+    };
+    matches!(number, Cell::Number(number) if is_one(number))
 }
 
-/// Seconds, milliseconds, microseconds.
-const UNITS_S: [f64; 3] = [1.0, 1e-3, 1e-6];
+/// A way to count moments.
+#[derive(Debug, Clone, Copy)]
+struct Count {
+    /// Seconds of one unit.
+    unit_s: f64,
+    /// From zero to 1970, s.
+    zero_to_1970_s: f64,
+    /// What the name of its column must hold; empty: nothing.
+    word: &'static str,
+    /// Whether it counts in UTC.
+    in_utc: bool,
+    reason: &'static str,
+}
+
+impl Count {
+    fn since_1970_s(&self, number: f64) -> f64 {
+        number * self.unit_s - self.zero_to_1970_s
+    }
+}
+
+const SINCE_1970: &str = ", numbers since 1970";
+const fn since_1970(unit_s: f64) -> Count {
+    Count {
+        unit_s,
+        zero_to_1970_s: 0.0,
+        word: "",
+        in_utc: true,
+        reason: SINCE_1970,
+    }
+}
+const COUNTS: [Count; 5] = [
+    since_1970(1.0),
+    since_1970(1e-3),
+    since_1970(1e-6),
+    Count {
+        zero_to_1970_s: 2_082_844_800.0,
+        reason: ", seconds since 1904",
+        ..since_1970(1.0)
+    },
+    Count {
+        unit_s: 86_400.0,
+        zero_to_1970_s: 719_529.0 * 86_400.0,
+        word: "datenum",
+        in_utc: false,
+        reason: ", days since the year 0",
+    },
+];
 
 /// A column of such numbers.
 pub struct Epoch {
     column: usize,
-    /// Seconds of one unit.
-    unit_s: f64,
+    count: Count,
 }
 
 /// The moments that it gives.
@@ -39,11 +89,13 @@ pub struct EpochWall {
     pub moments: Moments,
     /// The first number as the file has it.
     pub raw: String,
-    /// Offset from UTC, `+00:00` where no local time stands beside it.
-    pub offset: String,
+    /// Offset from UTC, `+00:00` where no local time stands beside it; none of a local count.
+    pub offset: Option<String>,
+    /// How it is counted, in words.
+    pub reason: &'static str,
 }
 
-/// The column of numbers since 1970, where one is named as a time and all its numbers lie since 1990.
+/// The column of such numbers, where one is named as a time and all its numbers are of our time.
 pub fn find(table: &Table<'_>) -> Option<Epoch> {
     (0..table.headers.len()).find_map(|column| {
         let header = &table.headers[column];
@@ -57,15 +109,17 @@ pub fn find(table: &Table<'_>) -> Option<Epoch> {
             Meaning::Known { conversion, .. } => Some(conversion.apply(1.0)),
             _ => None,
         };
-        let fits = |unit_s: &f64| {
-            if stated_s.is_some_and(|stated_s| (stated_s / unit_s - 1.0).abs() > 1e-9) {
+        let lower = header.raw_name.to_lowercase();
+        let fits = |count: &Count| {
+            let is_other = |stated_s: f64| (stated_s / count.unit_s - 1.0).abs() > 1e-9;
+            if stated_s.is_some_and(is_other) || !lower.contains(count.word) {
                 return false;
             }
             let mut filled = numbers.iter().filter(|number| number.is_finite()).peekable();
-            filled.peek().is_some() && filled.all(|number| EPOCH_SINCE_1990_S.contains(&(number * unit_s)))
+            filled.peek().is_some() && filled.all(|number| OUR_TIME_S.contains(&count.since_1970_s(*number)))
         };
-        let unit_s = UNITS_S.into_iter().find(fits)?;
-        Some(Epoch { column, unit_s })
+        let count = COUNTS.into_iter().find(fits)?;
+        Some(Epoch { column, count })
     })
 }
 
@@ -78,16 +132,21 @@ pub fn wall(table: &Table<'_>, epoch: Epoch, local: Option<(Vec<usize>, DateTime
     let first = numbers[at[0]];
     let elapsed_s = at
         .iter()
-        .map(|row| (numbers[*row] - first) * epoch.unit_s)
+        .map(|row| (numbers[*row] - first) * epoch.count.unit_s)
         .collect();
-    let utc = utc(first * epoch.unit_s);
-    let (mut columns, mut moment, mut offset) = (vec![epoch.column], utc, "+00:00".to_owned());
+    let utc = utc(epoch.count.since_1970_s(first));
+    let own = epoch.count.in_utc.then(|| "+00:00".to_owned());
+    let (mut columns, mut moment, mut offset) = (vec![epoch.column], utc, own);
     if let Some((local_columns, local)) = local {
         columns.extend(local_columns);
         let minutes = (local.duration_since(utc).as_secs_f64() / 60.0).round() as i64;
         if minutes.abs() <= 14 * 60 {
             let sign = if minutes < 0 { '-' } else { '+' };
-            offset = format!("{sign}{:02}:{:02}", minutes.abs() / 60, minutes.abs() % 60);
+            offset = Some(format!(
+                "{sign}{:02}:{:02}",
+                minutes.abs() / 60,
+                minutes.abs() % 60
+            ));
             moment = local;
         }
     }
@@ -99,10 +158,11 @@ pub fn wall(table: &Table<'_>, epoch: Epoch, local: Option<(Vec<usize>, DateTime
             first: moment,
             elapsed_s,
             set_back: Vec::new(),
-            in_utc: true,
+            in_utc: epoch.count.in_utc,
         },
         raw: first.to_string(),
         offset,
+        reason: epoch.count.reason,
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a cell can be, before anything is known of its column.
 
-use crate::formats::stamp::{DateOrder, civil};
+use crate::formats::stamp::{DateOrder, civil, in_digits};
 use crate::table::duration;
 use crate::table::numbers::is_readable;
 use crate::text::number::{self, unquote};
@@ -75,6 +75,7 @@ pub fn is_gap(text: &str) -> bool {
 
 /// Whether a text is a date with a time of day, in any order and with any offset.
 pub fn is_moment(text: &str) -> bool {
+    let text = &*in_digits(text);
     let date = crate::formats::climate::moments::with_offset(text).map_or(text, |(date, _)| date);
     date.contains([':', 'T', 't', '.', ' '])
         && DateOrder::ALL

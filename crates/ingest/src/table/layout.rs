@@ -2,17 +2,17 @@
 //!
 //! The decision comes from the grammar of the rows and never from the computer's locale.
 
-use super::kind::Kind;
+use super::kind::{Kind, kind};
 use super::numbers::{Found, Writing};
 use super::policy::ROWS_ASKED;
 use super::shape::{Shape, shape};
-use super::time_names::names_time;
 use crate::formats::ReadContext;
 use crate::formats::assemble::{is_modulus_sweep, is_spectrum};
 use crate::formats::error::{ReadError, quoted};
 use crate::text::grid::{Dialect, is_blank_or_comment};
 use crate::text::header::{Header, Meaning};
 use crate::text::likely::headed_by_unit;
+use crate::text::names::names_time;
 use crate::text::number;
 use crate::text::policy::{HEADER_WITHIN_LINES, LINES_ASKED, OBEYING_SHARE};
 use crate::text::{Decimal, Delimiter, Group, Line, NumberForm};
@@ -26,6 +26,8 @@ pub struct Layout {
     pub dialect: Dialect,
     /// Where names and readings stand, and what the columns hold.
     pub shape: Shape,
+    /// How the numbers of each column are written, where columns differ; else empty.
+    pub own_numbers: Vec<NumberForm>,
 }
 
 impl Layout {
@@ -39,7 +41,8 @@ impl Layout {
     /// Ranges of lines of readings: one, or several where the names stand again because a logger was started anew.
     pub fn parts(&self, lines: &[Line<'_>]) -> Vec<std::ops::Range<usize>> {
         let Some(names) = self.shape.names_at.map(|at| lines[at].text.trim()) else {
-            return std::iter::once(self.shape.data_at..lines.len()).collect();
+            let all = self.shape.data_at..lines.len();
+            return std::iter::once(all.start..self.without_foot(lines, all.clone())).collect();
         };
         let mut parts = Vec::new();
         let mut from = self.shape.data_at;
@@ -52,14 +55,15 @@ impl Layout {
             parts.push(from..self.without_foot(lines, from..at));
             from = (at + below).min(lines.len());
         }
-        parts.push(from..lines.len());
+        parts.push(from..self.without_foot(lines, from..lines.len()));
         parts
     }
 
-    /// Says how many lines between the parts are no rows.
+    /// Says how many lines between the parts and behind them are no rows.
     pub fn between(&self, lines: &[Line<'_>]) -> Option<Issue> {
         let parts = self.parts(lines);
-        let gaps = parts.windows(2).map(|pair| pair[0].end..pair[1].start);
+        let ends = parts.iter().skip(1).map(|part| part.start).chain([lines.len()]);
+        let gaps = parts.iter().zip(ends).map(|(part, end)| part.end..end);
         let is_other = |at: &usize| {
             !is_blank_or_comment(lines[*at].text)
                 && lines[*at].text.trim() != lines[self.shape.names_at.unwrap_or(0)].text.trim()
@@ -67,7 +71,7 @@ impl Layout {
         let mut others = gaps.flatten().filter(is_other);
         let first = others.next()?;
         let message = format!(
-            "{} lines between the parts of the file are no rows, first {}",
+            "{} lines between or behind the rows have neither their fields nor what these hold, first {}; they are no rows",
             1 + others.count(),
             quoted(lines[first].text)
         );
@@ -76,15 +80,79 @@ impl Layout {
 
     /// The end of a part without the lines behind it that are no rows, such as `Logging to: LD0029.CSV`.
     fn without_foot(&self, lines: &[Line<'_>], part: std::ops::Range<usize>) -> usize {
-        let names = self.shape.names.len();
-        let is_row = |at: &usize| {
-            let (fields, filled) = width_of(self.dialect.delimiter, lines[*at].text);
-            fields == names || filled == names
-        };
+        let is_row = |at: &usize| self.is_row(lines[*at].text);
         part.clone()
             .rev()
             .find(is_row)
             .map_or(part.start, |last| last + 1)
+    }
+
+    /// Whether a line is a row: it has as many fields as there are names, or its fields hold what their columns do.
+    fn is_row(&self, text: &str) -> bool {
+        let names = self.shape.names.len();
+        let (fields, filled) = width_of(self.dialect.delimiter, text);
+        if fields == names || filled == names {
+            return true;
+        }
+        let (mut holds, mut strays) = (false, false);
+        self.dialect.delimiter.split(text, |index, cell| {
+            let (own, of) = (
+                kind(cell),
+                self.shape.kinds.get(index).copied().unwrap_or(Kind::Empty),
+            );
+            strays |= own != of && own != Kind::Empty;
+            holds |= own == of && !matches!(own, Kind::Empty | Kind::Word);
+        });
+        holds && !strays
+    }
+
+    /// The parts as one, with the lines above them: for a table whose names stand again although its rows go on.
+    pub fn joined<'a>(&self, lines: &[Line<'a>], parts: &[std::ops::Range<usize>]) -> Vec<Line<'a>> {
+        let rows = parts.iter().flat_map(|part| &lines[part.clone()]);
+        lines[..self.shape.data_at].iter().chain(rows).copied().collect()
+    }
+
+    /// The lines of each of several blocks that stand side by side under the same names, from the names on; none where there is
+    /// one. Each has a name: what stands above its names.
+    pub fn blocks<'a>(&self, lines: &[Line<'a>]) -> Vec<(String, Vec<Line<'a>>)> {
+        let names: Vec<String> = self
+            .shape
+            .names
+            .iter()
+            .map(|name| name.trim().to_lowercase())
+            .collect();
+        let repeats = |width: &usize| {
+            let at = |index: usize| names.get(index).map_or("", String::as_str);
+            (0..names.len().next_multiple_of(*width)).all(|index| at(index) == at(index % width))
+        };
+        let is_timed = |width: &usize| names[..*width].iter().any(|name| names_time(name));
+        let width = (2..=names.len().div_ceil(2)).find(|width| repeats(width) && is_timed(width));
+        let (Some(width), Some(names_at)) = (width.filter(|width| *width < names.len()), self.shape.names_at)
+        else {
+            return Vec::new();
+        };
+        let part = |line: &Line<'a>, block: usize| Line {
+            text: fields(
+                self.dialect.delimiter,
+                line.text,
+                block * width..(block + 1) * width,
+            ),
+            ..*line
+        };
+        let count = names.len().div_ceil(width);
+        let label = |block: usize| {
+            let above = lines[..names_at].last().map(|line| part(line, block).text);
+            let mark = |c: char| c.is_whitespace() || ",;\"|".contains(c);
+            above.unwrap_or("").trim_matches(mark).to_owned()
+        };
+        (0..count)
+            .map(|block| {
+                (
+                    label(block),
+                    lines[names_at..].iter().map(|line| part(line, block)).collect(),
+                )
+            })
+            .collect()
     }
 
     /// Decides the form of numbers anew, from all rows.
@@ -92,7 +160,7 @@ impl Layout {
     /// # Errors
     /// They contradict each other, or can be read in two ways.
     pub fn ask_all(&mut self, lines: &[Line<'_>], context: &ReadContext) -> Result<(), ReadError> {
-        self.dialect.numbers = numbers(&self.shape, lines, usize::MAX, context)?;
+        (self.dialect.numbers, self.own_numbers) = numbers(&self.shape, lines, usize::MAX, context)?;
         Ok(())
     }
 }
@@ -103,8 +171,9 @@ impl Layout {
 /// No line names what times the rows, no row follows, no delimiter fits, or the numbers can be read in several ways.
 pub fn decide(lines: &[Line<'_>], context: &ReadContext) -> Result<Layout, ReadError> {
     let shape = best_shape(lines)?;
-    let numbers = numbers(&shape, lines, ROWS_ASKED, context)?;
+    let (numbers, own_numbers) = numbers(&shape, lines, ROWS_ASKED, context)?;
     Ok(Layout {
+        own_numbers,
         dialect: Dialect {
             delimiter: shape.delimiter,
             numbers,
@@ -119,6 +188,9 @@ pub fn decide(lines: &[Line<'_>], context: &ReadContext) -> Result<Layout, ReadE
 /// As [`decide`], but for the numbers.
 pub fn best_shape(lines: &[Line<'_>]) -> Result<Shape, ReadError> {
     let shapes = shapes(lines);
+    if let Some(refusal) = on_its_side(lines) {
+        return Err(refusal);
+    }
     let Some(best) = best_of(&shapes) else {
         return Err(match names_alone(lines) {
             Some(names) => without_rows(names, lines),
@@ -264,6 +336,19 @@ fn evenness(shape: &Shape, lines: &[Line<'_>]) -> Option<bool> {
     (obeys(fitting) && (obeys(full) || ends_early)).then_some(!obeys(full))
 }
 
+/// Some fields of a line with what stands between them.
+fn fields(delimiter: Delimiter, text: &str, wanted: std::ops::Range<usize>) -> &str {
+    let (mut from, mut to) = (None, 0);
+    delimiter.split(text, |index, cell| {
+        if wanted.contains(&index) {
+            let start = cell.as_ptr() as usize - text.as_ptr() as usize;
+            from = from.or(Some(start));
+            to = start + cell.len();
+        }
+    });
+    from.map_or("", |from| &text[from..to])
+}
+
 /// Fields of a line, and fields up to the last that holds anything.
 fn width_of(delimiter: Delimiter, text: &str) -> (usize, usize) {
     let mut filled = 0;
@@ -282,13 +367,13 @@ fn rows<'l, 'a>(shape: &Shape, lines: &'l [Line<'a>]) -> impl Iterator<Item = &'
     data.filter(move |line| !is_blank_or_comment(line.text) && Some(line.text) != names)
 }
 
-/// The form of the numbers of a shape, by its first `most` rows.
+/// The form of the numbers of a shape, by its first `most` rows; that of each column, where they differ.
 fn numbers(
     shape: &Shape,
     lines: &[Line<'_>],
     most: usize,
     context: &ReadContext,
-) -> Result<NumberForm, ReadError> {
+) -> Result<(NumberForm, Vec<NumberForm>), ReadError> {
     let mut writing = Writing::new(shape.names.len());
     for line in rows(shape, lines).take(most) {
         shape.delimiter.split(line.text, |index, cell| {
@@ -310,7 +395,8 @@ fn numbers(
         _ => None,
     });
     match writing.decide(shape.delimiter, decimal, group) {
-        Found::One(form) => Ok(form),
+        Found::One(form) => Ok((form, Vec::new())),
+        Found::Each(forms) => Ok((forms[0], forms)),
         Found::Open(question) => Err(ReadError::Asked(question)),
         Found::Contradiction { line, first, second } => Err(ReadError::AmbiguousNumbers {
             line,
@@ -351,6 +437,7 @@ pub fn headers(names: &[&str], units: Option<&[String]>) -> Vec<Header> {
         (header, _) => header,
     };
     let mut headers: Vec<Header> = names.iter().enumerate().map(header).collect();
+    name_storage_modulus(&mut headers);
     let quantities: Vec<Option<Quantity>> = headers.iter().map(|h| h.meaning.quantity()).collect();
     let is_only = |quantity| quantities.iter().filter(|other| **other == quantity).count() == 1;
     for (header, quantity) in headers.iter_mut().zip(&quantities) {
@@ -359,6 +446,23 @@ pub fn headers(names: &[&str], units: Option<&[String]>) -> Vec<Header> {
         }
     }
     headers
+}
+
+/// Beside `Modulus"`, the loss modulus, `Modulus` is the storage modulus.
+fn name_storage_modulus(headers: &mut [Header]) {
+    let is_named = |header: &Header, name: &str| header.raw_name.to_lowercase().starts_with(name);
+    let is_loss = |header: &Header| {
+        header.meaning.quantity() == Some(Quantity::LossModulus) && is_named(header, "modulus")
+    };
+    if !headers.iter().any(is_loss) {
+        return;
+    }
+    let plain = headers
+        .iter_mut()
+        .filter(|header| header.meaning == Meaning::Other && is_named(header, "modulus"));
+    for header in plain {
+        header.meaning = Header::with_unit("storage modulus", &header.raw_unit).meaning;
+    }
 }
 
 /// Whether a time column among two cells or more can be used; none where there is no such column. The frequency of a
@@ -446,6 +550,34 @@ fn no_reading(shape: &Shape, lines: &[Line<'_>]) -> ReadError {
             }
         },
     }
+}
+
+/// A table on its side: each line begins with a name, and numbers stand behind it.
+fn on_its_side(lines: &[Line<'_>]) -> Option<ReadError> {
+    const FEWEST_NUMBERS: usize = 3;
+    let is_named = |line: &&Line<'_>| {
+        Delimiter::ALL.into_iter().any(|delimiter| {
+            let mut cells = Vec::new();
+            delimiter.split(line.text, |_, cell| cells.push(cell));
+            let is_known = |name: &str| Header::parse(name).meaning.quantity().is_some();
+            cells.len() > FEWEST_NUMBERS
+                && is_known(cells[0])
+                && cells[1..]
+                    .iter()
+                    .all(|cell| matches!(kind(cell), Kind::Number | Kind::Empty))
+        })
+    };
+    let mut filled = lines.iter().filter(|line| !is_blank_or_comment(line.text));
+    let (first, second) = (filled.next()?, filled.next()?);
+    (is_named(&first) && is_named(&second)).then(|| ReadError::NoReading {
+        header: first.number,
+        line: first.number,
+        found: format!(
+            "the table stands on its side (it is transposed): its names are in the first column, first {}",
+            quoted(first.text)
+        ),
+        mend: "transpose it, so that each column has its name in the first row",
+    })
 }
 
 fn no_header(lines: &[Line<'_>]) -> ReadError {

@@ -19,7 +19,6 @@ pub mod rows;
 pub mod shape;
 pub mod sheet;
 pub mod start;
-pub mod time_names;
 pub mod times;
 
 pub use question::{Answers, Question};

@@ -17,7 +17,7 @@ pub struct Writing {
     columns: Vec<BTreeMap<Pattern, Seen>>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Seen {
     count: usize,
     line: usize,
@@ -29,6 +29,8 @@ struct Seen {
 pub enum Found {
     /// One way reads all of them, or all ways that do give the same numbers.
     One(NumberForm),
+    /// Each column is written in one way, and not all in the same.
+    Each(Vec<NumberForm>),
     /// Cells of which no way reads both.
     Contradiction {
         /// Line of the first.
@@ -81,6 +83,20 @@ impl Writing {
         if fewest > 0
             && let Some((line, first, second)) = self.contradiction()
         {
+            let of_column = |column: &BTreeMap<Pattern, Seen>| {
+                let alone = Writing {
+                    columns: vec![column.clone()],
+                };
+                match alone.decide(delimiter, decimal, group) {
+                    Found::One(form) if alone.unread(form) == 0 => Some(form),
+                    _ => None,
+                }
+            };
+            if self.columns.len() > 1
+                && let Some(forms) = self.columns.iter().map(of_column).collect::<Option<Vec<_>>>()
+            {
+                return Found::Each(forms);
+            }
             return Found::Contradiction { line, first, second };
         }
         forms.retain(|(unread, _)| *unread == fewest);
@@ -326,8 +342,9 @@ mod tests {
         assert!(matches!(decided(&[&["9,412", "8,123"]]), Found::Open(_)));
         assert!(matches!(decided(&[&["1.000", "2.000"]]), Found::Open(_)));
         assert!(matches!(
-            decided(&[&["0,5"], &["0.5"]]),
+            decided(&[&["0,5", "0.5"], &["1"]]),
             Found::Contradiction { .. }
         ));
+        assert!(matches!(decided(&[&["0,5"], &["0.5"]]), Found::Each(_)));
     }
 }

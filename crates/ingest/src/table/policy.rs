@@ -3,8 +3,8 @@
 
 use std::ops::RangeInclusive;
 
-/// Moments since 1970 that a logger of our time can write, s: 1990 to 2100.
-pub(super) const EPOCH_SINCE_1990_S: RangeInclusive<f64> = 631_152_000.0..=4_102_444_800.0;
+/// Moments since 1970 that a logger of our time can write, s: 1990 to 2055. What counts from 1904 is larger then.
+pub(super) const OUR_TIME_S: RangeInclusive<f64> = 631_152_000.0..=2_713_996_799.0;
 
 /// Share by which an elapsed time and the dates beside it may differ and still be the same. Chosen: clocks of two chips drift by
 /// less; units differ by 60 and more.

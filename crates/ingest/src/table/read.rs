@@ -10,9 +10,11 @@ use crate::formats::ReadContext;
 use crate::formats::cells::CellTable;
 use crate::formats::error::ReadError;
 use crate::text::Line;
-use crate::text::grid::{is_blank_or_comment, push_line};
+use crate::text::grid::{is_blank_or_comment, push_line_in};
 use crate::text::header::Header;
+use crate::text::names::is_unit_of_time;
 use crate::text::number::unquote;
+use ieap_domain::Quantity;
 
 /// A table of cells with what its columns are named.
 #[derive(Debug)]
@@ -96,7 +98,7 @@ pub fn read<'a>(
 /// Adds a row; one that ends early where columns may be left away is whole.
 fn push_row(cells: &mut CellTable, line: Line<'_>, layout: &Layout) {
     let ragged = cells.ragged.clone();
-    push_line(cells, line, layout.dialect);
+    push_line_in(cells, line, layout.dialect, &layout.own_numbers);
     let is_short =
         |line: Line<'_>| layout.dialect.delimiter.split(line.text, |_, _| {}) < layout.shape.names.len();
     if layout.shape.ends_early && cells.ragged.count > ragged.count && is_short(line) {
@@ -159,6 +161,27 @@ impl Table<'_> {
     }
 }
 
+/// Whether the elapsed time of parts under the same names goes on from each to the next: then nothing started anew.
+fn goes_on(whole: &Table<'_>, parts: &[Table<'_>]) -> bool {
+    let is_elapsed = |column: &usize| {
+        let header = &whole.headers[*column];
+        whole.kind(*column) == Kind::Number
+            && (header.meaning.named_quantity() == Some(Quantity::Time) || is_unit_of_time(&header.raw_name))
+    };
+    let Some(column) = (0..whole.headers.len()).find(is_elapsed) else {
+        return false;
+    };
+    let numbers = &whole.cells.columns[column].numbers;
+    let mut at = 0;
+    let starts = parts.iter().map(|part| {
+        at += part.cells.rows();
+        at
+    });
+    starts
+        .take(parts.len() - 1)
+        .all(|at| numbers[at] > numbers[at - 1])
+}
+
 /// The tables of lines: more than one where a logger was started anew and wrote its names again.
 ///
 /// # Errors
@@ -183,6 +206,13 @@ pub fn tables<'a>(
             .collect();
     }
     tables.retain(|table| table.cells.rows() > 0);
+    if tables.len() > 1 {
+        let lines = layout.joined(lines, &layout.parts(lines));
+        let whole = read(&lines, &layout, layout.shape.data_at..lines.len(), &keeps_words);
+        if goes_on(&whole, &tables) {
+            tables = vec![whole];
+        }
+    }
     if tables.is_empty() {
         return Err(ReadError::HeaderOnly {
             line: layout.shape.names_at.map_or(0, |at| lines[at].number),

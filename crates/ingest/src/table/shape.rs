@@ -5,10 +5,11 @@
 //! two rows that make one name. Where no such row is there, a comment just above the readings may hold the names.
 
 use super::kind::{Kind, kind};
-use crate::formats::climate::meaning::{climate_column, names_dew_point};
+use crate::formats::climate::meaning::climate_column;
 use crate::table::policy::MOST_COLUMNS;
 use crate::text::grid::{is_blank, is_comment};
 use crate::text::header::{Header, Meaning};
+use crate::text::names::names_dew_point;
 use crate::text::number::unquote;
 use crate::text::policy::{HEADER_WITHIN_LINES, OBEYING_SHARE};
 use crate::text::unit_row::unit_row;
@@ -265,8 +266,13 @@ fn bare_comment(text: &str) -> &str {
     text.trim_start().trim_start_matches('#')
 }
 
-/// What names and units a row can be, with the row below it.
-fn readings_of(text: &str, delimiter: Delimiter, below: Option<&Row<'_>>) -> Vec<(Vec<String>, Vec<String>)> {
+/// What names and units a row can be, with the two rows below it.
+fn readings_of(
+    text: &str,
+    delimiter: Delimiter,
+    below: Option<&Row<'_>>,
+    next: Option<&Row<'_>>,
+) -> Vec<(Vec<String>, Vec<String>)> {
     let names = names_in(text, delimiter);
     let Some(below) = below else {
         return vec![(names, Vec::new())];
@@ -289,6 +295,13 @@ fn readings_of(text: &str, delimiter: Delimiter, below: Option<&Row<'_>>) -> Vec
             found.push((names, units));
         }
         None if is_words => {
+            // `CH0 CH1` between names and units.
+            let units_of =
+                |next: &Row<'_>| unit_row(names.len(), next.cells.iter().map(|cell| unquote(cell)));
+            if let Some(mut units) = next.and_then(units_of) {
+                units.resize(names.len(), String::new());
+                found.push((names.clone(), units));
+            }
             found.push((names.iter().enumerate().map(joined).collect(), Vec::new()));
             found.push((names, Vec::new()));
         }
@@ -326,10 +339,11 @@ impl Shape {
             if is_named && unit_row(cells.len(), cells.iter().map(String::as_str)).is_some() {
                 continue;
             }
-            let below = texts
-                .get(index + 1)
-                .map(|(at, text)| row(*at, text, self.delimiter));
-            for (names, units) in readings_of(text, self.delimiter, below.as_ref()) {
+            let below = |by: usize| {
+                let (at, text) = texts.get(index + by)?;
+                Some(row(*at, text, self.delimiter))
+            };
+            for (names, units) in readings_of(text, self.delimiter, below(1).as_ref(), below(2).as_ref()) {
                 self.take(best, names, units, at);
             }
         }
@@ -362,7 +376,7 @@ impl Shape {
 /// How much a name says: its quantity and unit, its quantity, or nothing.
 fn known(name: &str, unit: &str, kind: Option<Kind>) -> usize {
     if matches!(kind, Some(Kind::Moment | Kind::Date | Kind::Clock)) {
-        return usize::from(super::time_names::names_time(name));
+        return usize::from(crate::text::names::names_time(name));
     }
     let header = if unit.is_empty() {
         Header::parse(name)
@@ -375,7 +389,7 @@ fn known(name: &str, unit: &str, kind: Option<Kind>) -> usize {
         Meaning::Other if names_dew_point(name) => 2,
         Meaning::Other => match climate_column(name, unit) {
             Some(column) => 1 + usize::from(column.unit_is_stated),
-            None => usize::from(super::time_names::names_time(name)),
+            None => usize::from(crate::text::names::names_time(name)),
         },
     }
 }

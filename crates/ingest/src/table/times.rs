@@ -8,14 +8,14 @@ use super::kind::Kind;
 use super::question::Question;
 use super::read::{Settled, Table};
 use super::rows;
-use super::time_names::{counts_from_a_start, is_unit_of_time, names_time};
 use crate::formats::ReadContext;
 use crate::formats::climate::moments::{Moments, NoOrder, moments};
 use crate::formats::error::{ReadError, quoted};
 use crate::formats::policy::BAD_SHARE;
-use crate::formats::stamp::DateOrder;
+use crate::formats::stamp::{DateOrder, in_digits};
 use crate::table::policy::{CLOCK_RESOLUTIONS, CLOCKS_AGREE_SHARE};
 use crate::text::header::{Header, Meaning};
+use crate::text::names::{counts_from_a_start, is_unit_of_time, names_time};
 use crate::{StartedAt, Timestamp};
 use ieap_domain::unit::{self, Conversion};
 use ieap_domain::words::in_a_row;
@@ -116,18 +116,11 @@ fn unit_of(
     line: usize,
     issues: &mut Vec<Issue>,
 ) -> Result<Conversion, ReadError> {
-    const UNITS: [&str; 6] = ["s", "ms", "us", "min", "h", "d"];
     let unit = |word: &str| unit::conversion(Quantity::Time, word).ok();
     // An answer settles what is open, and nothing else.
     let or_answered = |asked: ReadError| context.answers.of("elapsed").and_then(unit).ok_or(asked);
     let shown = wall.and_then(|wall| wall.seconds_per(elapsed));
-    let agrees =
-        |conversion: Conversion, (ratio, error): (f64, f64)| (conversion.apply(1.0) - ratio).abs() <= error;
-    let by_wall = shown.and_then(|shown| {
-        UNITS
-            .into_iter()
-            .find(|word| unit(word).is_some_and(|unit| agrees(unit, shown)))
-    });
+    let by_wall = wall.and_then(|wall| unit_shown(wall, elapsed));
     match (elapsed.stated, shown) {
         (Some(stated), None) => Ok(stated),
         (Some(stated), Some(shown)) if agrees(stated, shown) => Ok(stated),
@@ -166,6 +159,20 @@ fn unit_of(
         }
         (None, _) => or_answered(no_unit(header, line)),
     }
+}
+
+/// Units that an elapsed time may count.
+const UNITS: [&str; 6] = ["s", "ms", "us", "min", "h", "d"];
+
+fn agrees(conversion: Conversion, (ratio, error): (f64, f64)) -> bool {
+    (conversion.apply(1.0) - ratio).abs() <= error
+}
+
+/// The unit of an elapsed time that the wall clock beside it shows.
+fn unit_shown(wall: &Wall, elapsed: &Elapsed) -> Option<&'static str> {
+    let shown = wall.seconds_per(elapsed)?;
+    let is_it = |word: &&str| unit::conversion(Quantity::Time, word).is_ok_and(|unit| agrees(unit, shown));
+    UNITS.into_iter().find(is_it)
 }
 
 /// A ratio with two digits, as people compare it.
@@ -222,16 +229,16 @@ impl Wall {
 
     /// The last digit of the dates, s.
     fn printed_s(&self) -> f64 {
-        let seconds = self.raw.matches(':').count() >= 2;
-        let fraction = self
-            .raw
+        let raw = in_digits(&self.raw);
+        let seconds = raw.matches(':').count() >= 2;
+        let fraction = raw
             .rsplit(':')
             .next()
             .is_some_and(|last| last.contains(['.', ',']));
         match (fraction, seconds) {
             (true, _) => 1e-3,
             (false, true) => 1.0,
-            (false, false) if self.raw.contains(':') => 60.0,
+            (false, false) if raw.contains(':') => 60.0,
             _ => 1e-3,
         }
     }
@@ -327,13 +334,16 @@ fn elapsed(
             Meaning::Known { conversion, .. } => Some(*conversion),
             _ => unit::conversion(Quantity::Time, header.raw_name.trim()).ok(),
         };
-        let is_open = stated.is_none() && whole_clock.is_some();
-        if !is_open {
-            return Ok(Some(Elapsed {
-                column,
-                numbers: table.cells.columns[column].numbers.clone(),
-                stated,
-            }));
+        let found = Elapsed {
+            column,
+            numbers: table.cells.columns[column].numbers.clone(),
+            stated,
+        };
+        // A letter that no clock beside it shows to be a time is something else.
+        let is_letter = header.raw_name.chars().count() == 1;
+        let is_other = is_letter && wall.is_some_and(|wall| unit_shown(wall, &found).is_none());
+        if stated.is_some() || (whole_clock.is_none() && !is_other) {
+            return Ok(Some(found));
         }
     }
     whole_clock
@@ -538,8 +548,8 @@ impl From<super::epoch::EpochWall> for Wall {
             at: found.at,
             moments: found.moments,
             raw: found.raw,
-            reason: ", numbers since 1970".to_owned(),
-            offset: Some(found.offset),
+            reason: found.reason.to_owned(),
+            offset: found.offset,
         }
     }
 }

@@ -26,13 +26,19 @@ impl Dialect {
 
 /// Adds one line as a row. A delimiter behind the last field, with nothing after it, is no field.
 pub fn push_line(table: &mut CellTable, line: Line<'_>, dialect: Dialect) {
+    push_line_in(table, line, dialect, &[]);
+}
+
+/// As [`push_line`], with the form of the numbers of each column where columns differ.
+pub fn push_line_in(table: &mut CellTable, line: Line<'_>, dialect: Dialect, own: &[NumberForm]) {
     let needed = table.columns.len();
     let mut filled_beyond = false;
     let found = dialect
         .delimiter
         .split(line.text, |index, text| match table.columns.get_mut(index) {
             Some(column) => {
-                column.push(line.number, number::parse_in(text, dialect.numbers), || {
+                let form = own.get(index).copied().unwrap_or(dialect.numbers);
+                column.push(line.number, number::parse_in(text, form), || {
                     number::unquote(text).to_owned()
                 });
             }

@@ -3,7 +3,7 @@
 use ieap_domain::Quantity;
 use ieap_domain::unit::{self, Conversion, UnitError};
 
-use super::names::{NEGATED, candidates};
+use super::names::{NEGATED, candidates, contained, half_width};
 use super::number::unquote;
 use crate::text::policy::LONGEST_NAME;
 
@@ -71,7 +71,8 @@ impl Header {
                 position_mm: None,
             };
         }
-        let (measured, position_mm) = placed(raw_name);
+        let half = half_width(raw_name);
+        let (measured, position_mm) = placed(&half);
         let (name, unit) = split(measured);
         Header {
             raw_name: raw_name.to_owned(),
@@ -107,6 +108,13 @@ impl Header {
             meaning,
             ..header
         }
+    }
+
+    /// Whether the whole name is that of a quantity, and not a word in it.
+    pub fn is_named_wholly(&self) -> bool {
+        let half = half_width(&self.raw_name);
+        let (name, _) = split(placed(&half).0);
+        !candidates(&name).is_empty()
     }
 
     /// A column kept under its own name, with the unit that stands in it.
@@ -158,12 +166,24 @@ fn split(cell: &str) -> (String, String) {
             unit.trim().to_owned(),
         )
     };
-    for (open, close) in [('(', ')'), ('[', ']')] {
+    const BRACKETS: [(char, char); 3] = [('(', ')'), ('[', ']'), ('{', '}')];
+    for (open, close) in BRACKETS {
         if cell.ends_with(close)
             && let Some(at) = opening(cell, open, close)
             && at > 0
         {
             return pair(&cell[..at], &cell[at + 1..cell.len() - 1]);
+        }
+    }
+    // `Time(s) CH0`: the input behind the unit.
+    for (open, close) in BRACKETS {
+        if let Some((name, rest)) = cell.split_once(open)
+            && let Some((unit, label)) = rest.split_once(close)
+            && unit::is_known(unit)
+            && !candidates(name).is_empty()
+            && is_channel(label)
+        {
+            return pair(name, unit);
         }
     }
     // `%rF`, `% HR`: the unit first.
@@ -230,6 +250,10 @@ fn suffix(cell: &str) -> Option<(String, String)> {
 pub(crate) fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
     unit::dimension(quantity)?;
     let proper = match (quantity, suffix.to_ascii_lowercase().as_str()) {
+        (Quantity::Time, "s") => "s",
+        (Quantity::Time, "ms") => "ms",
+        (Quantity::Time, "min") => "min",
+        (Quantity::Time, "h") => "h",
         (Quantity::Current, "a") => "A",
         (Quantity::Current, "ma") => "mA",
         (Quantity::Current, "ua") => "uA",
@@ -287,7 +311,16 @@ pub(crate) fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
 /// another kind makes it a column of its own; a full name with a wrong unit is refused.
 fn interpret(name: &str, unit: &str) -> Meaning {
     let mut refused = None;
-    for &quantity in candidates(name) {
+    let whole = candidates(name);
+    if whole.is_empty() && !unit.is_empty() {
+        let known = contained(name, unit)
+            .and_then(|quantity| Some((quantity, unit::conversion(quantity, unit).ok()?)));
+        return known.map_or(Meaning::Other, |(quantity, conversion)| Meaning::Known {
+            quantity,
+            conversion,
+        });
+    }
+    for &quantity in whole {
         match unit::conversion(quantity, unit) {
             Ok(conversion) => {
                 let conversion = if is_negative(quantity, name) {

@@ -57,6 +57,28 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
+/// The lines of a text. Where each line is one quoted cell as a whole, as spreadsheets write a table that was pasted into one column,
+/// it is what stands in the quotes.
+pub fn lines_of(text: &str) -> Vec<Line<'_>> {
+    fn inner<'a>(line: &Line<'a>) -> Option<&'a str> {
+        let inner = line.text.trim().strip_prefix('"')?.strip_suffix('"')?;
+        (!inner.contains('"') && inner.contains([',', ';', '\t'])).then_some(inner)
+    }
+    let mut lines: Vec<Line<'_>> = Lines::new(text).collect();
+    // A last line may be cut.
+    let (last, whole) = lines
+        .split_last()
+        .map_or((None, &[][..]), |(last, whole)| (Some(last), whole));
+    let filled = |line: &&Line<'_>| !line.text.trim().is_empty();
+    let are_quoted = whole.len() > 1 && whole.iter().filter(filled).all(|line| inner(line).is_some());
+    if are_quoted && last.is_some() {
+        for line in &mut lines {
+            line.text = inner(line).unwrap_or(line.text);
+        }
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,7 @@
 //! Text of instrument files: encoding, lines, delimiter and decimal sign, numbers.
 
 pub mod delimiter;
+pub(crate) mod dictionary;
 pub mod encoding;
 pub mod grid;
 pub mod header;

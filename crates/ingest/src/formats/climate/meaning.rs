@@ -1,8 +1,9 @@
 //! What a logger's column measures of the air, and with which of its sensors: `2_DHT22_RH`, `Outside Ave. (C)`,
 //! `MET_CS215_AirTemperature_degC_Avg`, `Temp, °F (LGR S/N: 1, SEN S/N: 2)`.
 
+use crate::text::dictionary::{CHAMBER, HUMIDITY, PLAIN, Role, TEMPERATURE, is_among};
 use crate::text::header::{Header, spelled_unit};
-use crate::text::names::names_of;
+use crate::text::names::{half_width, names_of, role, says_measured};
 use crate::text::policy::LONGEST_NAME;
 use ieap_domain::Quantity;
 use ieap_domain::unit::{self, Conversion};
@@ -24,79 +25,18 @@ pub struct ClimateColumn {
     pub is_mean: bool,
 }
 
-/// Words for the dew point, which is no temperature of the air.
-const DEW_POINT: [&str; 11] = [
-    "dew",
-    "taupunkt",
-    "frost",
-    "ros\u{e9}e",
-    "roc\u{ed}o",
-    "rugiada",
-    "orvalho",
-    "kastepunkt",
-    "\u{440}\u{43e}\u{441}\u{44b}",
-    "\u{9732}\u{70b9}",
-    "\u{9732}\u{9ede}",
-];
-/// Words of a name after which a column is no temperature or humidity of the air.
-const OTHER_THINGS: [&str; 14] = [
-    "soil", "panel", "ptemp", "wetbulb", "wet bulb", "batt", "surface", "deficit", "mixing", "absolute",
-    "vapo", "board", "cpu", "setpoint",
-];
-
-/// Whether a name is that of a dew point.
-pub fn names_dew_point(name: &str) -> bool {
-    let lower = name.to_lowercase();
-    DEW_POINT.iter().any(|word| lower.contains(word))
-}
-
-/// Kinds of value that are no reading and no mean.
-const OTHER_KINDS: [&str; 9] = ["min", "max", "std", "sd", "sdev", "tmn", "tmx", "wvc", "tot"];
-/// Short forms of humidity and temperature in names of sensors' columns, beside the names of [`crate::text::names`].
-const HUMIDITY: [&str; 3] = ["hum", "relhumidity", "relh"];
-const TEMPERATURE: [&str; 7] = ["ta", "tair", "airt", "airtc", "airtemp", "t", "celsius"];
-
-/// Words for what is measured in a chamber; a unit must stand beside them.
-const CHAMBER: [(&[&str], Quantity); 3] = [
-    (&["o2", "oxygen", "sauerstoff", "hapnik"], Quantity::Oxygen),
-    (&["h2o", "water", "moisture", "wasser", "vesi"], Quantity::Water),
-    (&["press", "barometer"], Quantity::Pressure),
-];
-/// Words that say nothing of which sensor it is.
-const PLAIN: [&str; 24] = [
-    "air",
-    "relativa",
-    "suhteline",
-    "\u{43e}\u{442}\u{43d}\u{43e}\u{441}\u{438}\u{442}\u{435}\u{43b}\u{44c}\u{43d}\u{430}\u{44f}",
-    "luft",
-    "humedad",
-    "rel",
-    "relative",
-    "ambient",
-    "avg",
-    "ave",
-    "average",
-    "mean",
-    "last",
-    "smp",
-    "percent",
-    "degc",
-    "degf",
-    "c",
-    "f",
-    "pct",
-    "rf",
-    "lft",
-    "tc",
-];
-
 /// What a column measures, from its name and unit as the file has them; none where it is no climate of the air.
 pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
+    (role(without_description(raw_name).0) == Role::Measured).then(|| spoken_of(raw_name, raw_unit))?
+}
+
+/// What the name and unit of a column speak of, whether it was measured or asked for.
+pub fn spoken_of(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     if raw_name.len() > LONGEST_NAME {
         return None;
     }
-    let (described, serial, label) = without_description(raw_name);
-    let lower = described.to_lowercase();
+    let half = half_width(raw_name);
+    let (described, serial, label) = without_description(&half);
     let unit = match raw_unit {
         "" => trailing_unit(described).unwrap_or_else(|| unit_in(described)),
         unit => unit.to_owned(),
@@ -104,14 +44,6 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     let named = without_unit(described, &unit);
     let words = words(named);
     let lower_words: Vec<String> = words.iter().map(|word| word.to_lowercase()).collect();
-    let is_other = names_dew_point(described)
-        || OTHER_THINGS.iter().any(|thing| lower.contains(thing))
-        || lower_words
-            .iter()
-            .any(|word| OTHER_KINDS.contains(&word.as_str()));
-    if is_other {
-        return None;
-    }
     // A whole name goes before the words of it: `rF` is no degree Fahrenheit.
     let whole = Header::parse(named.trim()).meaning.named_quantity();
     let is_humidity =
@@ -164,7 +96,7 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
         if says_humidity(&lower) || says_temperature(&lower) {
             (!number.is_empty()).then(|| number.to_owned())
         } else {
-            (!PLAIN.contains(&lower.as_str())).then(|| word.clone())
+            (!is_among(PLAIN, &lower) && !says_measured(&lower)).then(|| word.clone())
         }
     };
     let part: Vec<String> = words.iter().filter_map(tells_apart).chain(label).collect();
@@ -180,23 +112,30 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     })
 }
 
+/// What a cell speaks of that names the quantity of the value beside it, or its unit alone: `temperature_c`, `%RH`, `C`.
+pub fn of_label(cell: &str) -> Option<ClimateColumn> {
+    climate_column(cell, "")
+        .or_else(|| climate_column("temperature", cell))
+        .filter(|column| column.unit_is_stated)
+}
+
 /// A word without the number behind it.
 fn plain(word: &str) -> &str {
     word.trim_end_matches(|c: char| c.is_ascii_digit())
 }
 
-fn says(quantity: Quantity, short: &[&str], word: &str) -> bool {
-    short.contains(&plain(word)) || names_of(quantity).any(|name| is_name(name, plain(word)))
+fn says(quantity: Quantity, short: &str, word: &str) -> bool {
+    is_among(short, plain(word)) || names_of(quantity).any(|name| is_name(name, plain(word)))
 }
 
 /// Whether a word in small letters is humidity.
 fn says_humidity(word: &str) -> bool {
-    says(Quantity::RelativeHumidity, &HUMIDITY, word)
+    says(Quantity::RelativeHumidity, HUMIDITY, word)
 }
 
 /// Whether a word in small letters is temperature.
 fn says_temperature(word: &str) -> bool {
-    says(Quantity::Temperature, &TEMPERATURE, word)
+    says(Quantity::Temperature, TEMPERATURE, word)
 }
 
 /// The unit that is the last word of a name whose other words say what it measures: `inside Pressione hPa`, `outside T K`.
@@ -234,10 +173,8 @@ fn is_name(name: &str, word: &str) -> bool {
 
 /// What a chamber's gauge or analyser measures, by a word of its column.
 fn of_chamber(lower_words: &[String]) -> Option<Quantity> {
-    let is_named = |(words, quantity): &&(&[&str], Quantity)| {
-        let is = |word: &String| {
-            words.contains(&word.as_str()) || names_of(*quantity).any(|name| is_name(name, word))
-        };
+    let is_named = |(words, quantity): &&(&str, Quantity)| {
+        let is = |word: &String| is_among(words, word) || names_of(*quantity).any(|name| is_name(name, word));
         lower_words.iter().any(is)
     };
     let found = CHAMBER.iter().find(is_named);

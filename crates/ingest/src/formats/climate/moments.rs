@@ -83,14 +83,26 @@ fn elapsed(order: DateOrder, read: &[DateTime], in_utc: bool) -> Moments {
     let interval_s = median_step(&clock_s);
     let mut set_back: Vec<(f64, f64)> = Vec::new();
     let mut total_s = 0.0;
-    let mut elapsed_s = Vec::with_capacity(clock_s.len());
+    let mut elapsed_s: Vec<f64> = Vec::with_capacity(clock_s.len());
+    let mut ahead_from: Option<usize> = None;
     for (index, &clock) in clock_s.iter().enumerate() {
         let step = if index == 0 {
             interval_s
         } else {
             clock - clock_s[index - 1]
         };
+        if !in_utc && is_usual(step - SUMMER_TIME_S, interval_s) {
+            ahead_from = Some(index);
+        }
         if !in_utc && is_set_back(step, interval_s) {
+            // An hour that the clock was ahead by is taken back, and no hour came twice.
+            if let Some(from) = ahead_from.take() {
+                elapsed_s[from..]
+                    .iter_mut()
+                    .for_each(|ahead_s| *ahead_s -= SUMMER_TIME_S);
+                elapsed_s.push(clock + total_s);
+                continue;
+            }
             total_s += SUMMER_TIME_S;
             set_back.push((clock + total_s, SUMMER_TIME_S));
         }
@@ -112,8 +124,12 @@ fn elapsed(order: DateOrder, read: &[DateTime], in_utc: bool) -> Moments {
 
 /// Whether a step is the usual one on a clock that was set back by an hour meanwhile.
 fn is_set_back(step_s: f64, interval_s: f64) -> bool {
-    let usual = (step_s + SUMMER_TIME_S - interval_s).abs() <= (0.1 * interval_s).max(2.0);
-    step_s <= 0.0 && interval_s <= SUMMER_TIME_S && usual
+    step_s <= 0.0 && interval_s <= SUMMER_TIME_S && is_usual(step_s + SUMMER_TIME_S, interval_s)
+}
+
+/// Whether a step is about the usual one.
+fn is_usual(step_s: f64, interval_s: f64) -> bool {
+    (step_s - interval_s).abs() <= (0.1 * interval_s).max(2.0)
 }
 
 fn median_step(clock_s: &[f64]) -> f64 {
@@ -183,6 +199,18 @@ mod tests {
         ];
         let found = moments(&hourly, ALL).unwrap();
         assert_eq!(found.elapsed_s, [0.0, 3600.0, 7200.0, 10800.0]);
+    }
+
+    #[test]
+    fn an_hour_that_the_clock_was_ahead_by_for_a_while_is_no_gap() {
+        let texts = [
+            "08 01:55", "08 02:00", "08 03:05", "08 03:10", "08 02:15", "08 02:20",
+        ];
+        let texts: Vec<String> = texts.iter().map(|text| format!("2026-03-{text}:00")).collect();
+        let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+        let found = moments(&texts, ALL).unwrap();
+        assert_eq!(found.elapsed_s, [0.0, 300.0, 600.0, 900.0, 1200.0, 1500.0]);
+        assert_eq!(found.set_back, []);
     }
 
     #[test]

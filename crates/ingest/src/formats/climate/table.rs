@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::meaning::{ClimateColumn, climate_column, names_dew_point};
+use super::meaning::{ClimateColumn, climate_column, of_label, spoken_of};
 use crate::formats::assemble::{Raw, assemble};
 use crate::formats::error::quoted;
 use crate::formats::plausible::is_impossible;
@@ -14,9 +14,12 @@ use crate::formats::recognition::{FileHead, Match};
 use crate::formats::{Format, ReadContext, ReadError, delimited};
 use crate::table::kind::Kind;
 use crate::table::policy::{AIR_IN_CELSIUS, LARGEST_FRACTION, SMOOTHER_WITHIN};
-use crate::table::{self, Question, Table, epoch, layout, start, time_names, times};
+use crate::table::{self, Question, Table, epoch, layout, start, times};
+use crate::text::dictionary::{Role, SENSORS, SERIALS, VALUE_LABELS, is_among};
 use crate::text::header::{Header, Meaning};
-use crate::text::{Line, Lines, number};
+use crate::text::lines::lines_of;
+use crate::text::names::{names_time, role};
+use crate::text::{Line, number};
 use crate::{Reading, RunTable};
 use ieap_domain::number::{fixed, percent};
 use ieap_domain::unit::{self, Conversion};
@@ -40,12 +43,12 @@ impl Format for ClimateTable {
     }
 
     fn version(&self) -> u32 {
-        4
+        5
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let lines: Vec<Line<'_>> = Lines::new(&text).collect();
+        let lines = lines_of(&text);
         if is_log(&lines) {
             Match::Possible {
                 score: 0.8,
@@ -70,7 +73,8 @@ impl Format for ClimateTable {
 /// it whatever else was logged with it.
 pub fn is_log(lines: &[Line<'_>]) -> bool {
     // No time of day, no number since 1970: that is told soonest.
-    let speaks_of_moments = |line: &Line<'_>| line.text.contains(':') || has_long_number(line.text);
+    let speaks_of_moments =
+        |line: &Line<'_>| line.text.contains([':', '時', '时']) || has_long_number(line.text);
     if !lines.iter().any(speaks_of_moments) {
         return false;
     }
@@ -88,15 +92,26 @@ pub fn is_log(lines: &[Line<'_>]) -> bool {
         header.meaning.named_quantity().is_some_and(Quantity::is_response)
     };
     let is_climate = |(index, name): (usize, &String)| {
-        shape.kinds.get(index) == Some(&Kind::Number) && climate_column(name, unit(index)).is_some()
+        shape.kinds.get(index) == Some(&Kind::Number)
+            && (climate_column(name, unit(index)).is_some()
+                || (matches!(role(name), Role::Commanded | Role::Limit)
+                    && spoken_of(name, unit(index)).is_some()))
     };
     let first = lines.get(shape.data_at).map_or("", |line| line.text);
+    let labels_values = || {
+        let mut has_label = false;
+        shape.delimiter.split(first, |at, cell| {
+            has_label |=
+                shape.kinds.get(at) == Some(&Kind::Word) && of_label(number::unquote(cell)).is_some();
+        });
+        has_label && named().any(|(_, name)| is_among(VALUE_LABELS, &name.to_lowercase()))
+    };
     let is_epoch = |(index, name): (usize, &String)| {
         let mut is_moment = false;
         shape.delimiter.split(first, |at, cell| {
             is_moment |= at == index && epoch::is_moment(cell)
         });
-        is_moment && time_names::names_time(name)
+        is_moment && names_time(name)
     };
     let head = lines[..shape.names_at.unwrap_or(0)].iter().map(|line| line.text);
     let has_dates = shape
@@ -105,7 +120,7 @@ pub fn is_log(lines: &[Line<'_>]) -> bool {
         .any(|kind| matches!(kind, Kind::Moment | Kind::Date))
         || named().any(is_epoch)
         || start::stated(head, None).is_some();
-    has_dates && !named().any(is_response) && named().any(is_climate)
+    has_dates && !named().any(is_response) && (named().any(is_climate) || labels_values())
 }
 
 /// Whether ten digits stand side by side.
@@ -148,14 +163,31 @@ pub fn read_lines(
     let mut metadata = preamble(&lines[..names_at]);
     metadata.extend(stated_once(&read));
     let mut spent = settled.spent;
-    spent.extend(read.headers.iter().position(|header| is_serial(&header.raw_name)));
-    measured(&mut read, &spent, context, &mut issues)?;
-    let sensors = sensors(&read, &spent);
+    spent.extend(serial_of_one(&read));
+    let labels = labels(&read);
+    let label = labels.as_ref().map(|labels| labels.column);
+    let not_measured: Vec<usize> = (spent.iter().copied())
+        .chain(label)
+        .chain(labels.as_ref().map(|labels| labels.value))
+        .collect();
+    measured(&mut read, &not_measured, context, &mut issues)?;
+    let mut sensors = sensors(&read, &not_measured);
+    if let Some(labels) = &labels {
+        sensors = labels.within(sensors, read.cells.rows());
+    }
+    let headers = read.headers.clone();
+    spent.extend(label);
     read.drop_columns(&spent);
     let mut tables = Vec::new();
-    for (name, rows) in sensors {
+    for Part { sensor, rows, column } in sensors {
         let mut own = Vec::new();
-        let raw = Raw::of_instrument(name, read.headers.clone(), read.cells.only(rows.as_deref()));
+        let mut headers = headers.clone();
+        if let Some((value, header)) = column {
+            headers[value] = header;
+        }
+        let mut at = 0..;
+        headers.retain(|_| at.next().is_none_or(|at| !spent.contains(&at)));
+        let raw = Raw::of_instrument(sensor, headers, read.cells.only(rows.as_deref()));
         tables.push(RunTable {
             clock_set_back: settled.set_back.clone(),
             ..assemble(raw, &mut own)?
@@ -190,6 +222,9 @@ fn measured(
     let mut taken: Vec<Quantity> = Vec::new();
     let mut told: Vec<String> = Vec::new();
     let time = |header: &Header| header.meaning.quantity() == Some(Quantity::Time);
+    let has_humidity = (read.headers.iter())
+        .filter_map(|header| climate_column(&header.raw_name, &header.raw_unit))
+        .any(|column| column.quantity == Quantity::RelativeHumidity);
     for index in 0..read.headers.len() {
         if spent.contains(&index) || time(&read.headers[index]) {
             continue;
@@ -202,7 +237,10 @@ fn measured(
             raw_unit: read.headers[index].raw_unit.clone(),
             ..Header::other(&name)
         };
-        let found = climate_column(&name, &unit).filter(|_| read.kind(index) == Kind::Number);
+        // Beside a humidity the letter is the temperature of the same sensor.
+        let is_letter = has_humidity && name.trim() == "T" && unit.is_empty();
+        let spoken = if is_letter { "temperature" } else { name.as_str() };
+        let found = climate_column(spoken, &unit).filter(|_| read.kind(index) == Kind::Number);
         if let Some(ClimateColumn {
             quantity,
             mut conversion,
@@ -228,6 +266,12 @@ fn measured(
                 taken.push(quantity);
                 header.meaning = Meaning::Known { quantity, conversion };
             }
+        } else if role(&name) != Role::Measured && spoken_of(&name, &unit).is_some() {
+            let message = format!(
+                "column {} holds no measurement, by its name; it is not used",
+                quoted(&name)
+            );
+            issues.push(Issue::note("column-not-measured", message));
         } else if read.kind(index) == Kind::Number
             && speaks_of_climate(&name)
             && !counts_rows(&read.cells.columns[index].numbers)
@@ -255,9 +299,10 @@ fn measured(
 
 /// Whether a name that is not known may be that of a climate quantity all the same.
 fn speaks_of_climate(name: &str) -> bool {
-    let lower = name.to_lowercase();
-    let is_other = ["batt", "record"].iter().any(|word| lower.contains(word));
-    !name.is_empty() && !is_serial(name) && !names_dew_point(name) && !is_other
+    !name.is_empty()
+        && !is_serial(name)
+        && role(name) == Role::Measured
+        && !name.to_lowercase().contains("record")
 }
 
 /// Whether numbers count rows: each is one more than the one before.
@@ -341,12 +386,12 @@ fn unit_of(
 
 /// The rows of each sensor, where a column tells sensors apart: by its name, or because readings that jump from row to row are
 /// smooth within the rows of each of its words.
-fn sensors(read: &Table<'_>, spent: &[usize]) -> Vec<(String, Option<Vec<usize>>)> {
+fn sensors(read: &Table<'_>, spent: &[usize]) -> Vec<Part> {
     let columns = (0..read.headers.len()).filter(|column| !spent.contains(column));
     let several = columns.filter_map(|column| {
         let rows = rows_of_words(read, column)?;
         let lower = read.headers[column].raw_name.to_lowercase();
-        let is_named = SENSORS.iter().any(|name| lower.contains(name));
+        let is_named = SENSORS.split(';').any(|name| lower.contains(name));
         let is_word = read.kind(column) == Kind::Word;
         (is_named || (is_word && is_smooth_within(read, &rows))).then_some((is_named, rows))
     });
@@ -354,36 +399,93 @@ fn sensors(read: &Table<'_>, spent: &[usize]) -> Vec<(String, Option<Vec<usize>>
         .into_iter()
         .max_by_key(|(is_named, rows)| (*is_named, rows.len()));
     match found.map(|(_, rows)| rows) {
-        Some(rows) => rows.into_iter().map(|(name, rows)| (name, Some(rows))).collect(),
-        None => vec![(String::new(), None)],
+        Some(rows) => {
+            let part = |(sensor, rows): (String, Vec<usize>)| Part {
+                sensor,
+                rows: Some(rows),
+                column: None,
+            };
+            rows.into_iter().map(part).collect()
+        }
+        None => vec![Part::default()],
     }
 }
 
-/// Words in the name of a column that names sensors.
-const SENSORS: [&str; 22] = [
-    "transmitter",
-    "sensor",
-    "device",
-    "logger",
-    "probe",
-    "station",
-    "node",
-    "location",
-    "f\u{fc}hler",
-    "ger\u{e4}t",
-    "sonde",
-    "messstelle",
-    "capteur",
-    "equipo",
-    "sensore",
-    "andur",
-    "\u{434}\u{430}\u{442}\u{447}\u{438}\u{43a}",
-    "\u{30bb}\u{30f3}\u{30b5}",
-    "\u{4f20}\u{611f}\u{5668}",
-    "sond",
-    "anturi",
-    "channel",
-];
+/// A part of a table that is one sensor's.
+#[derive(Debug, Clone, Default)]
+struct Part {
+    sensor: String,
+    /// Its rows; none: all.
+    rows: Option<Vec<usize>>,
+    /// The column of values and what it measures in these rows, where another column names that.
+    column: Option<(usize, Header)>,
+}
+
+/// A column whose words name what the values beside it measure.
+struct Labels {
+    column: usize,
+    value: usize,
+    /// What each word names, and its rows.
+    words: Vec<(Header, Vec<usize>)>,
+}
+
+/// The columns of words and values, where a table has such.
+fn labels(read: &Table<'_>) -> Option<Labels> {
+    let is_value = |column: &usize| {
+        read.kind(*column) == Kind::Number
+            && is_among(VALUE_LABELS, &read.headers[*column].raw_name.to_lowercase())
+    };
+    let value = (0..read.headers.len()).find(is_value)?;
+    let words_of = |column: usize| -> Option<Labels> {
+        let mut rows: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        let texts = read.texts_of(column);
+        texts
+            .iter()
+            .enumerate()
+            .for_each(|(row, text)| rows.entry(text).or_default().push(row));
+        let header = |word: &str| {
+            let ClimateColumn {
+                quantity, conversion, ..
+            } = of_label(word)?;
+            Some(Header {
+                meaning: Meaning::Known { quantity, conversion },
+                ..Header::other(word)
+            })
+        };
+        let words = rows.into_iter().map(|(word, rows)| Some((header(word)?, rows)));
+        Some(Labels {
+            column,
+            value,
+            words: words.collect::<Option<_>>()?,
+        })
+    };
+    (0..read.headers.len())
+        .filter(|column| read.kind(*column) == Kind::Word)
+        .find_map(words_of)
+}
+
+impl Labels {
+    /// The parts of each sensor, one for each word.
+    fn within(&self, sensors: Vec<Part>, rows: usize) -> Vec<Part> {
+        let parts = sensors.iter().flat_map(|part| {
+            self.words.iter().map(|(header, own)| {
+                let all: Vec<usize> = part.rows.clone().unwrap_or_else(|| (0..rows).collect());
+                Part {
+                    rows: Some(
+                        all.into_iter()
+                            .filter(|row| own.binary_search(row).is_ok())
+                            .collect(),
+                    ),
+                    column: Some((self.value, header.clone())),
+                    ..part.clone()
+                }
+            })
+        });
+        parts
+            .filter(|part| part.rows.as_ref().is_none_or(|rows| !rows.is_empty()))
+            .collect()
+    }
+}
 
 /// The rows of each word or whole number of a column that has several, each in several rows.
 fn rows_of_words(read: &Table<'_>, column: usize) -> Option<BTreeMap<String, Vec<usize>>> {
@@ -437,19 +539,24 @@ fn is_smooth_within(read: &Table<'_>, rows: &BTreeMap<String, Vec<usize>>) -> bo
     })
 }
 
-/// A serial number that stands in the first row only, in a column of its own.
-fn stated_once(read: &Table<'_>) -> Option<(String, String)> {
+/// A column of the serial number of the one logger: with several it tells them apart.
+fn serial_of_one(read: &Table<'_>) -> Option<usize> {
     let at = read
         .headers
         .iter()
         .position(|header| is_serial(&header.raw_name))?;
+    (!rows_of_words(read, at).is_some_and(|words| words.len() > 1)).then_some(at)
+}
+
+/// The serial number of the one logger, by the first row.
+fn stated_once(read: &Table<'_>) -> Option<(String, String)> {
+    let at = serial_of_one(read)?;
     let text = *read.first_row.get(at)?;
     (!text.is_empty()).then(|| (read.headers[at].raw_name.clone(), text.to_owned()))
 }
 
 fn is_serial(name: &str) -> bool {
-    let lower = name.to_lowercase();
-    ["serial number", "serial no", "serial", "s/n", "seriennummer"].contains(&lower.trim_end_matches('.'))
+    is_among(SERIALS, name.to_lowercase().trim_end_matches('.'))
 }
 
 /// Lines before the header: `key: value` or text.

@@ -74,7 +74,7 @@ fn channels_of_different_rates_are_one_run_in_the_order_of_the_file() {
         (Quantity::Other, vec![0.0], vec![5.0]),
     ];
     assert_eq!(found, expected);
-    assert_eq!(codes(&reading), ["duplicate-quantity"]);
+    assert_eq!(codes(&reading), ["duplicate-quantity"; 2]);
     assert_eq!(
         (table.name.as_str(), table.rows, reading.is_step_response),
         ("", 4, true)
