@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Edge {
     /// It was not before this time, s.
+    // Databases of before hold edges without it, of origin `unseen`; their runs are asked again.
+    #[serde(default)]
     pub no_earlier_s: f64,
     /// It was not after this time, s.
     pub no_later_s: f64,
@@ -25,6 +27,7 @@ pub enum EdgeOrigin {
     /// The file or a person states it, to the instant.
     Stated,
     /// The readings beside it, and of one before the first of them the clock's zero.
+    #[serde(alias = "unseen")]
     Readings,
 }
 
