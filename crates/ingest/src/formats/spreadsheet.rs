@@ -27,7 +27,7 @@ impl Format for Spreadsheet {
     }
 
     fn version(&self) -> u32 {
-        8
+        9
     }
 
     fn is_generic(&self) -> bool {

@@ -30,7 +30,7 @@ impl Format for Toa5 {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

@@ -38,7 +38,7 @@ impl Format for LabviewLvm {
     }
 
     fn version(&self) -> u32 {
-        4
+        5
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

@@ -59,7 +59,7 @@ impl Format for LabviewTdms {
     }
 
     fn version(&self) -> u32 {
-        4
+        5
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

@@ -44,7 +44,7 @@ impl Format for MatlabMat {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn is_generic(&self) -> bool {

@@ -51,7 +51,7 @@ impl Format for Parquet {
     }
 
     fn version(&self) -> u32 {
-        5
+        6
     }
 
     fn is_generic(&self) -> bool {
