@@ -156,7 +156,7 @@ pub fn civil(raw: &str, order: DateOrder) -> Option<DateTime> {
                 .map(|next| next.to_datetime(jiff::civil::Time::midnight()));
         }
         (hour, None) => hour,
-        (hour @ 1..=12, Some(afternoon)) => hour % 12 + if afternoon { 12 } else { 0 },
+        (hour @ 0..=12, Some(afternoon)) => hour % 12 + if afternoon { 12 } else { 0 },
         _ => return None,
     };
     let time = jiff::civil::Time::new(hour, small(minute)?, second, nanosecond).ok()?;
@@ -293,7 +293,11 @@ mod tests {
                 Some("2026-03-19T11:40:05"),
             ),
             ("2026/03/19 午後1:40:00", YearFirst, Some("2026-03-19T13:40:00")),
-            ("令和8年3月19日 午前0時05分", YearFirst, None),
+            (
+                "令和8年3月19日 午後0時05分",
+                YearFirst,
+                Some("2026-03-19T12:05:00"),
+            ),
             ("令和8年3月19日 0時05分", YearFirst, Some("2026-03-19T00:05:00")),
             ("19/03/2026 12:20:00 p. m.", DayFirst, Some("2026-03-19T12:20:00")),
             ("12.05.2026 24:00:00", DayFirst, Some("2026-05-13T00:00:00")),

@@ -111,7 +111,7 @@ pub fn fields(text: &str) -> Option<Fields> {
         found.has_fraction = true;
     }
     if let Some(half) = half {
-        if !(1.0..13.0).contains(&found.parts[0]) {
+        if !(0.0..13.0).contains(&found.parts[0]) {
             return None;
         }
         found.parts[0] = found.parts[0] % 12.0 + half;

@@ -126,12 +126,14 @@ pub(super) fn contained(name: &str, unit: &str) -> Option<Quantity> {
     if name.split(['(', '[', '{']).skip(1).any(|text| in_brackets(&text)) {
         return None;
     }
+    // `Step time` is another time than `Time`.
+    let is_time = |word: &str| candidates(word).first() == Some(&Quantity::Time);
     let may_stand = |word: &&str| {
         let letters = word.chars().count();
         let is_long = if is_unspaced(word) {
             letters > 1
         } else {
-            letters >= FEWEST_CONTAINED && !is_among(NOT_CONTAINED, word)
+            letters >= FEWEST_CONTAINED && !is_among(NOT_CONTAINED, word) && !is_time(word)
         };
         (is_long || is_among(SHORT_CONTAINED, word)) && holds(&plain, word)
     };

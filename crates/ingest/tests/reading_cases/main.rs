@@ -11,6 +11,7 @@ mod layouts;
 mod log_expected;
 mod logs;
 mod moments;
+mod names_and_blocks;
 mod numbers;
 mod reads;
 #[allow(dead_code)]

@@ -266,7 +266,7 @@ fn measured(
                 taken.push(quantity);
                 header.meaning = Meaning::Known { quantity, conversion };
             }
-        } else if role(&name) != Role::Measured && spoken_of(&name, &unit).is_some() {
+        } else if matches!(role(&name), Role::Commanded | Role::Limit) && spoken_of(&name, &unit).is_some() {
             let message = format!(
                 "column {} holds no measurement, by its name; it is not used",
                 quoted(&name)
