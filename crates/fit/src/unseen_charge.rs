@@ -4,7 +4,6 @@
 //! alone leaves open of it stands in the capacitance, the resistance and the coupling.
 
 use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
-use ieap_domain::{Channel, Quantity};
 use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
@@ -56,11 +55,8 @@ pub(crate) fn look(input: &FitInput, options: &FitOptions, identified: &mut Iden
         seen: &seen,
         tau_s: shortest_s / UNSEEN_FASTER,
     };
-    // A clock of its own that is off takes up what such a charge does at the step.
-    let is_own = |channel: &Channel| channel.quantity == Quantity::Curvature && channel.own_clock;
-    let is_timed_alike = !input.channels.iter().any(is_own);
     let found = match &identified.curvature {
-        Ok((sampled, bending)) if bending.shown.is_response() && is_timed_alike => parts.found(sampled),
+        Ok((sampled, bending)) if bending.shown.is_response() => parts.found(sampled),
         _ => None,
     };
     let Some(found) = found else {
