@@ -85,7 +85,7 @@ fn views_say_what_the_program_says() {
     let parameters = fits["fits"][0]["parameters"].as_object().unwrap();
     let rows = query(
         &folder,
-        "SELECT parameter, value, unit FROM fits_view WHERE dropped_why IS NULL ORDER BY parameter",
+        "SELECT parameter, value, unit FROM fits_view WHERE dropped_why IS NULL AND role = 'parameter' ORDER BY parameter",
     );
     assert_eq!(rows.len(), parameters.len());
     for row in rows {
