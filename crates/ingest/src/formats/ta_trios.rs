@@ -169,7 +169,7 @@ fn step<'a>(lines: &[Line<'a>]) -> Option<Step<'a>> {
     })
 }
 
-/// Whether a line above the steps names a dynamic mechanical analyser: `Instrument type	DMA850`.
+/// Whether a line above the steps names a dynamic mechanical analyser: instrument type DMA850.
 fn is_of_analyser(text: &str) -> bool {
     text.split_once('\t').is_some_and(|(key, value)| {
         key.starts_with("Instrument") && ["DMA", "RSA", "Q800"].iter().any(|name| value.contains(name))

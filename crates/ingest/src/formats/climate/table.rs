@@ -545,7 +545,9 @@ fn serial_of_one(read: &Table<'_>) -> Option<usize> {
         .headers
         .iter()
         .position(|header| is_serial(&header.raw_name))?;
-    (!rows_of_words(read, at).is_some_and(|words| words.len() > 1)).then_some(at)
+    rows_of_words(read, at)
+        .is_none_or(|words| words.len() <= 1)
+        .then_some(at)
 }
 
 /// The serial number of the one logger, by the first row.
