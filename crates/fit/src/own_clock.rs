@@ -105,16 +105,13 @@ pub fn aligned(input: &FitInput, options: &FitOptions) -> Option<Aligned> {
         let ahead_s = offset(bending, &drive, &electrical)?.best;
         (part > 0.0).then(|| (ahead_s - found.best) / part)
     };
+    // An edge that cannot go one way is asked the other; where no end can be fitted nothing tells how far the offset goes with it.
     let of_way = |by_s: &Vec<f64>| {
-        let ends = [-1.0, 1.0].map(|sign| moved(by_s, sign).unwrap_or(0.0).abs());
-        ends[0].max(ends[1])
+        let ends = [-1.0, 1.0].into_iter().filter_map(|sign| moved(by_s, sign));
+        ends.map(f64::abs).reduce(f64::max)
     };
-    let edge_error_s = settled
-        .open
-        .iter()
-        .map(|by_s| of_way(by_s).powi(2))
-        .sum::<f64>()
-        .sqrt();
+    let ways: Option<Vec<f64>> = settled.open.iter().map(of_way).collect();
+    let edge_error_s = ways?.iter().map(|way_s| way_s.powi(2)).sum::<f64>().sqrt();
     Some(Aligned {
         channels: later(input.channels, -found.best),
         drive: edges.drive().clone(),

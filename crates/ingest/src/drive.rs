@@ -9,7 +9,7 @@ use ieap_domain::{Channel, Drive, Edge, Issue, Level, Quantity, Segment};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 11;
+pub const VERSION: u32 = 12;
 
 mod found;
 mod held_current;
@@ -27,7 +27,7 @@ pub use stated::contradicted;
 pub use unseen::PAUSES;
 
 use start::{Start, before_steps, held_throughout};
-use step::step_threshold;
+use step::{step_threshold, told_levels};
 
 /// Finds the drive.
 ///
@@ -76,8 +76,8 @@ fn from_channel(
     let is_open = |t: f64| open.iter().any(|&(from, to)| t >= from && t < to);
     let closed: Vec<usize> = (0..values.len()).filter(|&i| !is_open(time_s[i])).collect();
     let readings = |values: &[f64]| -> Vec<f64> { closed.iter().map(|&i| values[i]).collect() };
-    let levels = match levels(&time_s, &values, &closed) {
-        Ok(levels) => levels,
+    let (levels, unanswered) = match told_levels(voltage, &closed, channels) {
+        Ok(told) => told,
         Err(NoLevels::Moves) => {
             return moving::staircase(&readings(&time_s), &readings(&values), channels, open);
         }
@@ -114,6 +114,7 @@ fn from_channel(
         );
         stepped(start, rest)
     };
+    found.issues.extend(unanswered);
     if let Some(drive) = &found.drive {
         let told = unseen::pauses((&time_s, &values), is_open, drive);
         found.issues.extend(told);
@@ -143,13 +144,17 @@ fn stepped(start: Start, rest: &[Stretch]) -> FoundDrive {
     }
 }
 
-/// Cuts the readings `closed` (indices) into stretches of constant voltage.
-fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretch>, NoLevels> {
+/// Cuts the readings `closed` (indices) into stretches of constant voltage: changes beyond `threshold`, V, make a new one.
+fn levels(
+    time_s: &[f64],
+    values: &[f64],
+    closed: &[usize],
+    threshold: f64,
+) -> Result<Vec<Stretch>, NoLevels> {
     let Some(&start) = closed.first() else {
         return Ok(Vec::new());
     };
     let noise_v = change_noise_v(values, closed);
-    let threshold = step_threshold(values, closed, noise_v);
     let share = |part: f64| ((closed.len() as f64 * part) as usize).max(20);
     let mut stretches: Vec<Stretch> = Vec::new();
     let (mut begin, mut last_before_s, mut sloping) = (0, time_s[start], 0);

@@ -203,6 +203,7 @@ pub const ROWS: &[(&str, Shown)] = &[
 })),
     ("probe-rows-left-out", Format("probe-table/table.faces_unsorted.csv")),
     ("ragged-rows", Format("plain-table/step.ragged.csv")),
+    ("range-exceeded", By("crates/ingest/tests/reading_cases/numbers.rs", "case_34_readings_at_the_end_of_a_range_are_left_out_and_said")),
     ("raw-file-lost", By("tests/it/verify.rs", "a_raw_file_that_is_lost_or_changed_is_found_and_the_original_mends_it")),
     ("raw-file-of-no-run", By("tests/it/issue_codes/mod.rs", "what_verify_notes")),
     ("reader-fault", Open("a fault of the program: tests/it/any_runs.rs looks for one")),
@@ -275,6 +276,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("unknown-key", By("tests/it/own_files.rs", "a_slip_in_campaign_toml_is_in_status_its_document_and_its_exit_status")),
     ("unknown-sample", By("crates/ingest/src/tags/tests.rs", "an_unknown_sample_leaves_the_run_untagged_and_an_unknown_environment_is_said")),
     ("variable-left-out", Format("matlab-mat/step.struct_of_integers.mat")),
+    ("voltage-change-unanswered", By("crates/ingest/src/drive/tests.rs", "a_small_fall_of_a_held_voltage_is_an_edge_where_the_current_answers_or_it_is_stated")),
     ("voltage-moves", Campaign(|to| {
     to.write("runs/a.csv", sine());
     to.write("runs/a.csv.toml", "voltage_v = 1\n");

@@ -709,3 +709,34 @@ fn a_record_that_began_late_has_an_edge_as_wide_as_its_witnesses_leave() {
     let late = find(&[volts, current], false, None, &[]);
     assert_eq!(edges(&late)[0], Edge::between(-293.0, 7.0));
 }
+
+#[test]
+fn a_small_fall_of_a_held_voltage_is_an_edge_where_the_current_answers_or_it_is_stated() {
+    let time_s: Arc<[f64]> = (1..=600).map(f64::from).collect();
+    let falls = |t: &f64| if *t < 400.0 { 1.2 } else { 1.19 };
+    let noise = |k: usize| 1e-6 * (((k.wrapping_mul(2_654_435_761) >> 7) % 1000) as f64 / 500.0 - 1.0);
+    let channel = |quantity, values: Vec<f64>| Channel::new(quantity, Arc::clone(&time_s), values.into());
+    let volts = |quantity| channel(quantity, time_s.iter().map(falls).collect());
+    let current = |answer: f64| {
+        let of = |(k, t): (usize, &f64)| {
+            let charging = 1e-2 * (-t / 60.0).exp() + 1e-3;
+            let answered = if *t < 400.0 {
+                0.0
+            } else {
+                answer * (-(t - 400.0) / 60.0).exp()
+            };
+            charging + answered + noise(k)
+        };
+        channel(Quantity::Current, time_s.iter().enumerate().map(of).collect())
+    };
+    let still = find(&[volts(Quantity::Voltage), current(0.0)], true, None, &[]);
+    assert_eq!(segments(&still), [(1.0, 1.2)]);
+    let told: Vec<&str> = still.issues.iter().map(|issue| issue.code.as_str()).collect();
+    assert!(told.contains(&step::UNANSWERED), "{still:?}");
+    let answered = find(&[volts(Quantity::Voltage), current(-1e-4)], true, None, &[]);
+    assert_eq!(segments(&answered).last(), Some(&(400.0, 1.19)));
+    let stated = find(&[volts(Quantity::ControlVoltage), current(0.0)], true, None, &[]);
+    assert_eq!(segments(&stated).last(), Some(&(400.0, 1.19)));
+    let alone = find(&[volts(Quantity::Voltage)], true, None, &[]);
+    assert_eq!(segments(&alone), [(1.0, 1.2)]);
+}

@@ -7,6 +7,7 @@ use super::cells::{CellColumn, CellTable};
 use super::columns::{holds_text, judge_columns, read_flags};
 use super::error::{ReadError, quoted};
 use super::plausible::{implausible, is_impossible};
+use super::range_end;
 use super::time_axis::{self, TimeAxis};
 use crate::RunTable;
 use crate::formats::policy::{BAD_SHARE, MOSTLY_CAPACITIVE, SAME_READING_SHARE};
@@ -413,7 +414,7 @@ fn channels(
             &raw.cells,
             is_of_strip,
         ));
-        channels.push(Channel {
+        let mut channel = Channel {
             quantity,
             raw_name: header.raw_name.clone(),
             raw_unit: header.raw_unit.clone(),
@@ -425,7 +426,11 @@ fn channels(
             time_s: time_of(rows, &all, &mut shared),
             values: values.into(),
             own_clock: false,
-        });
+        };
+        if quantity.is_response() {
+            issues.extend(range_end::leave_out(&mut channel));
+        }
+        channels.push(channel);
     }
     raw.flags.extend(flags);
     raw.flags.sort_by_key(|flag| flag.row);

@@ -29,6 +29,7 @@ pub mod plain_table;
 pub mod plausible;
 pub(crate) mod policy;
 pub mod probe_table;
+mod range_end;
 pub mod recognition;
 pub mod sample_clock;
 pub mod sheet_cells;

@@ -26,6 +26,14 @@ pub(super) const MOSTLY_CAPACITIVE: f64 = 0.9;
 pub(super) const GOING_BACK_SHARE: f64 = 0.01;
 /// Numbers from here on are no readings: instruments write 9.9E37, 9.91E37, 1E38 or 199.999E99 for an overload.
 pub(super) const OVERFLOW_FROM: f64 = 9e36;
+/// Neighbouring readings that repeat the largest one exactly from which on they may stand at the end of a range. Chosen: two of a
+/// coarse converter agree by chance.
+pub(super) const CEILING_READINGS: usize = 3;
+/// Behind them the course falls by more than this many times the least change of the record, from reading to reading: one that
+/// falls so fast was not flat by itself over [`CEILING_READINGS`].
+pub(super) const CEILING_ABOVE_RESOLUTION: f64 = CEILING_READINGS as f64;
+/// Its first fall is at most this many times the second: a larger one is an edge of the drive. Chosen.
+pub(super) const CEILING_SLOWS_DOWN: f64 = 3.0;
 /// A thermometer input without a probe reads 1467 degrees Celsius and a few tenths; no probe of a cell reads this, °C.
 pub(super) const NO_PROBE_ABOVE_C: f64 = 1000.0;
 

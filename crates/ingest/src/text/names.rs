@@ -110,6 +110,11 @@ fn holds(plain: &str, word: &str) -> bool {
     }
 }
 
+/// Whether a cell may hold a word. Most cells of most files are numbers, with a letter for their power of ten.
+fn is_worded(cell: &str) -> bool {
+    cell.chars().filter(|c| c.is_alphabetic()).nth(1).is_some()
+}
+
 /// Fewest letters of a name that may stand in another: letters and abbreviations stand in too many. Chosen.
 const FEWEST_CONTAINED: usize = 4;
 /// What may stand in a longer name although it has fewer letters, and names that may stand for other things there.
@@ -120,6 +125,9 @@ const NOT_CONTAINED: &str =
 /// The quantity that a longer name speaks of whose unit is stated: the one of which a name is contained in it and whose unit it is.
 /// None where it says two, or that it is no measurement.
 pub(super) fn contained(name: &str, unit: &str) -> Option<Quantity> {
+    if !is_worded(name) {
+        return None;
+    }
     let plain = plain(name);
     // A unit of its own in it says that the other is wrong.
     let in_brackets = |text: &&str| unit::is_known(text.split([')', ']', '}']).next().unwrap_or(""));
@@ -128,16 +136,17 @@ pub(super) fn contained(name: &str, unit: &str) -> Option<Quantity> {
     }
     // `Step time` is another time than `Time`.
     let is_time = |word: &str| candidates(word).first() == Some(&Quantity::Time);
-    let may_stand = |word: &&str| {
+    let may_stand = |word: &str| {
         let letters = word.chars().count();
         let is_long = if is_unspaced(word) {
             letters > 1
         } else {
             letters >= FEWEST_CONTAINED && !is_among(NOT_CONTAINED, word) && !is_time(word)
         };
-        (is_long || is_among(SHORT_CONTAINED, word)) && holds(&plain, word)
+        is_long || is_among(SHORT_CONTAINED, word)
     };
-    let longest = |names: &'static str| names.split(';').filter(may_stand).max_by_key(|word| word.len());
+    let stands = |word: &&str| holds(&plain, word) && may_stand(word);
+    let longest = |names: &'static str| names.split(';').filter(stands).max_by_key(|word| word.len());
     let found: Vec<(Quantity, &str)> = (QUANTITIES.iter())
         .filter_map(|(quantities, names)| Some((quantities[0], longest(names)?)))
         .collect();
@@ -247,6 +256,9 @@ pub fn is_unit_of_time(name: &str) -> bool {
 
 /// The column of a run sheet that a name is: as a whole, or by a word in it where it states no unit.
 pub(crate) fn sheet_column(name: &str) -> Option<&'static str> {
+    if !is_worded(name) {
+        return None;
+    }
     let lower = half_width(name.trim()).to_lowercase().replace(['\n', '\r'], " ");
     let find = |is: &dyn Fn(&str) -> bool| {
         let column = SHEET_COLUMNS
@@ -258,7 +270,8 @@ pub(crate) fn sheet_column(name: &str) -> Option<&'static str> {
         |known: &str| known.chars().count() >= if is_unspaced(known) { 2 } else { FEWEST_CONTAINED };
     find(&|known| known == lower).or_else(|| {
         let has_unit = !Header::parse(name).raw_unit.is_empty();
-        find(&|known| !has_unit && is_long(known) && holds(&plain(name), known))
+        let plain = plain(name);
+        find(&|known| !has_unit && is_long(known) && holds(&plain, known))
     })
 }
 

@@ -126,3 +126,25 @@ fn case_16_the_minus_of_typographers() {
     assert!(text.contains("\n0.0,\u{2212}2.0,\u{2212}9.400000e\u{2212}03\n"));
     Expected::run(&turned, 0.0).is_all_of(&of("run.csv", text));
 }
+
+#[test]
+fn case_34_readings_at_the_end_of_a_range_are_left_out_and_said() {
+    let (rows, full_ma) = (rows(421, -2.0, 0.1), 5.0);
+    let text = table("Time (s),Voltage (V),Current (mA)", &rows, |row| {
+        format!("{:.2},{:.1},{:.4}", row.t, row.volts, row.ma.min(full_ma))
+    });
+    let reading = of("run.csv", text);
+    tells(&reading, &["range-exceeded"]);
+    let channels = &reading.tables[0].channels;
+    let current = channels
+        .iter()
+        .find(|of| of.quantity == Quantity::Current)
+        .unwrap();
+    let at_end: Vec<u32> = (0..)
+        .zip(&rows)
+        .filter(|(_, row)| row.ma > full_ma)
+        .map(|(k, _)| k)
+        .collect();
+    assert!(at_end.len() > 5);
+    assert_eq!(*current.excluded, at_end);
+}
