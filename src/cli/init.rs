@@ -69,6 +69,7 @@ fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
         (Taken::ModulusLog, "modulus log"),
         (Taken::Copy, "copy of a run's file"),
         (Taken::NotRead, "file not read"),
+        (Taken::NoData, "file without data"),
         (Taken::LeftOut, "file left out"),
     ];
     let halves = proposed.pairs.len();

@@ -7,6 +7,7 @@ use crate::analysis;
 use crate::domain::file_story::{FileStory, HALF_WITHOUT_PARTNER, TagOfFile, WordOfName};
 use crate::domain::pairs::{LoneHalf, Pair};
 use crate::domain::{FileState, Issue, RunRecord, RunState, Severity, TagSource};
+use crate::ingest::formats::error::NO_DATA;
 use crate::ingest::name_pattern::{KnownIds, NamePattern};
 use crate::ingest::pairs::Paired;
 use crate::ingest::run_sheet::IS_SHEET;
@@ -124,7 +125,7 @@ fn became(
     runs: &[&RunRecord],
     (pair, half): (Option<&Pair>, Option<&LoneHalf>),
 ) -> &'static str {
-    let is_sheet = file.issue.as_ref().is_some_and(|issue| issue.code == IS_SHEET);
+    let is_of = |code: &str| file.issue.as_ref().is_some_and(|issue| issue.code == code);
     match file.state {
         _ if file.missing_since.is_some() => "gone from the folder",
         FileState::Run if pair.is_some() => "half of a run",
@@ -142,7 +143,8 @@ fn became(
         FileState::Alias => "copy of a file",
         FileState::Refused => "refused",
         FileState::Pending => "waiting",
-        FileState::Sidecar if is_sheet => "run sheet",
+        FileState::Sidecar if is_of(IS_SHEET) => "run sheet",
+        FileState::Sidecar if is_of(NO_DATA) => "no data",
         FileState::Sidecar => "beside a run",
         FileState::Log => "climate log",
     }

@@ -150,6 +150,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("no-circuit", Open("a spectrum that no circuit can be fitted to: none is known")),
     ("no-circuit-describes", By("crates/fit/src/impedance/tests.rs", "what_is_no_impedance_is_refused_and_what_no_circuit_describes_is_said")),
     ("no-complex-modulus", By("crates/analysis/src/dma/tests.rs", "what_a_log_lacks_is_said_and_nothing_is_made_up")),
+    ("no-data", By("crates/ingest/src/formats/no_data.rs", "notes_programs_pictures_and_documents_are_no_data")),
     ("no-drive", By("src/pipeline/standalone/in_memory/tests.rs", "what_is_missing_or_wrong_is_said_with_its_remedy")),
     ("no-header", Format("plain-table/refused.headerless.csv")),
     ("no-humidity", By("crates/analysis/src/dma/tests.rs", "what_a_log_lacks_is_said_and_nothing_is_made_up")),

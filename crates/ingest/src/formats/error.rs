@@ -37,6 +37,14 @@ pub enum ReadError {
         /// What shows it.
         sign: &'static str,
     },
+    /// It is no file of readings, and nobody has to do anything about it.
+    #[error("it is {kind}, which is no data ({sign})")]
+    NoData {
+        /// What it is, `a picture`.
+        kind: &'static str,
+        /// What shows it.
+        sign: &'static str,
+    },
     /// The format is known, but no file with this content was ever seen, so nothing is guessed.
     #[error("{what} is not read, for no such file was ever seen: found {found}")]
     NeverSeen {
@@ -232,6 +240,9 @@ pub enum ReadError {
     },
 }
 
+/// Code of a file that is no data.
+pub const NO_DATA: &str = "no-data";
+
 impl ReadError {
     /// Stable slug for scripts to count by.
     pub fn code(&self) -> &'static str {
@@ -239,6 +250,7 @@ impl ReadError {
             ReadError::Empty => "empty-file",
             ReadError::HeaderOnly { .. } => "header-only",
             ReadError::Sidecar { .. } => "sidecar",
+            ReadError::NoData { .. } => NO_DATA,
             ReadError::NeverSeen { .. } => "never-seen",
             ReadError::NotRead { .. } => "not-read-kind",
             ReadError::Structure { .. } => "broken-structure",
@@ -265,9 +277,9 @@ impl ReadError {
         matches!(self, ReadError::Empty | ReadError::HeaderOnly { .. })
     }
 
-    /// Whether the file belongs to a run without holding one: it is no refusal.
+    /// Whether the file lies beside runs without holding one, and nothing is to be done: it is no refusal.
     pub fn is_sidecar(&self) -> bool {
-        matches!(self, ReadError::Sidecar { .. })
+        matches!(self, ReadError::Sidecar { .. } | ReadError::NoData { .. })
     }
 
     /// Line and column; empty where the whole file is meant.
@@ -303,6 +315,7 @@ impl ReadError {
                 "wait until the instrument has written the file; it is looked at again when it changes"
             }
             ReadError::Sidecar { .. } => "nothing; keep it beside the run's file",
+            ReadError::NoData { .. } => "nothing; it may stay where it is",
             ReadError::NotRead { mend, .. } => mend,
             ReadError::NeverSeen { .. } => {
                 "export the run as text from the instrument's software, or as a plain table with units in its header"

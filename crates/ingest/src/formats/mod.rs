@@ -22,6 +22,7 @@ pub mod labview_lvm;
 pub mod labview_tdms;
 pub mod matlab_mat;
 pub mod netzsch;
+mod no_data;
 pub mod overload;
 pub mod palmsens;
 pub mod parquet;

@@ -1,7 +1,7 @@
 //! Which format a file has: by its content; the extension only breaks a tie.
 
 use super::error::{ReadError, quoted};
-use super::{ALL, sidecar, unread};
+use super::{ALL, no_data, sidecar, unread};
 use crate::formats::policy::{CERTAIN, EXTENSION, LEAD};
 use crate::profiles::propose;
 use crate::text::decode;
@@ -47,7 +47,7 @@ pub fn recognise(head: &FileHead<'_>) -> Result<(&'static dyn Format, Vec<Candid
         return Err(refusal);
     }
     match candidates.as_slice() {
-        [] => Err(unknown(head)),
+        [] => no_data::check(head).and(Err(unknown(head))),
         [first, second, ..] if leads(first, second, with_extension) => Ok((first.format, candidates)),
         [only] => Ok((only.format, candidates)),
         _ => Err(ReadError::AmbiguousFormat {

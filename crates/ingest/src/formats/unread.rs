@@ -49,7 +49,6 @@ fn binary(head: &FileHead<'_>) -> Option<Kind> {
         bytes if bytes.starts_with(b"SQLite format 3\0") => {
             Some(("an SQLite database", "it begins with SQLite format 3", AS_TABLE))
         }
-        bytes if bytes.starts_with(b"%PDF") => Some(("a PDF document", "it begins with %PDF", AS_TABLE)),
         _ => None,
     }
 }

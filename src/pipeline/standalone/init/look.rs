@@ -42,6 +42,8 @@ pub enum Taken {
     RunSheet,
     /// A sidecar of an instrument, or a file of tags.
     Sidecar,
+    /// A picture, a document or a text of people: it stays where it is.
+    NoData,
     /// The bytes of another file.
     Copy,
     /// Nothing that is read; it is copied to the runs, where it is listed with its reason.
@@ -60,6 +62,7 @@ impl Taken {
             Taken::ModulusLog => "modulus log",
             Taken::RunSheet => "run sheet",
             Taken::Sidecar => "beside a run",
+            Taken::NoData => "no data",
             Taken::Copy => "copy of a file",
             Taken::NotRead => "not read",
             Taken::LeftOut => "left out",
@@ -74,7 +77,7 @@ impl Taken {
             }
             Taken::Logger => Some("ambient"),
             Taken::ModulusLog => Some("dma"),
-            Taken::LeftOut => None,
+            Taken::NoData | Taken::LeftOut => None,
         }
     }
 }
@@ -239,6 +242,7 @@ fn one(path: &Path, shown: String, usable: &mut Vec<Profile>, looked: &mut Looke
     }
     match read(path, &name, &bytes, usable, looked) {
         Ok((reading, format)) => of_reading(seen(Taken::Run), &reading, format),
+        Err(ReadError::NoData { .. }) => seen(Taken::NoData),
         Err(error) if error.is_sidecar() => seen(Taken::Sidecar),
         // A proposal would take one of the answers without asking.
         Err(error @ ReadError::Asked(_)) => Seen {
