@@ -494,12 +494,13 @@ class Campaign:
         return rows
 
     def finding(self, group: str) -> Finding:
-        """The current finding of a group, by its name."""
-        groups = {found.group: found for found in self.diagnosis().groups}
-        if group not in groups:
-            raise InputError("there is no such group", group, f"one of {', '.join(groups) or 'none: run ieap diagnose'}")
-        found: Finding = groups[group]
-        return found
+        """The current finding of a group, by its name as the program takes it: ``"CNaf-1 in air"``, or with its tags."""
+        found = _document("diagnosis", self._native.diagnosis_document(group)).groups
+        if not found:
+            known = ", ".join(other.group for other in self.diagnosis().groups)
+            raise InputError("there is no such group", group, f"one of {known or 'none: run ieap diagnose'}")
+        first: Finding = found[0]
+        return first
 
     def fits(self) -> Record:
         """What ``ieap fit --json`` prints of the current fits: each of ``.fits`` is of a run."""
@@ -507,7 +508,7 @@ class Campaign:
 
     def diagnosis(self) -> Record:
         """What ``ieap diagnose --json`` prints of the current findings: each of ``.groups`` is a `Finding`."""
-        return _document("diagnosis", self._native.diagnosis_document())
+        return _document("diagnosis", self._native.diagnosis_document(None))
 
     def impedance(self, circuits: Sequence[str] = ()) -> Record:
         """What ``ieap impedance --json`` prints of the spectra that were taken in; ``circuits`` such as

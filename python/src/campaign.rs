@@ -108,10 +108,10 @@ impl Campaign {
         json(py, &document)
     }
 
-    /// What `ieap diagnose --json` prints of the current findings.
-    fn diagnosis_document(&self, py: Python<'_>) -> PyResult<String> {
+    /// What `ieap diagnose --json` prints of the current findings; of one group where it is named.
+    fn diagnosis_document(&self, py: Python<'_>, group: Option<String>) -> PyResult<String> {
         let choice = DiagnoseChoice::default();
-        let document = self.ask(py, |context| diagnosis_document(context, &choice, None))?;
+        let document = self.ask(py, |context| diagnosis_document(context, &choice, group.as_deref()))?;
         json(py, &document)
     }
 

@@ -67,7 +67,8 @@ def test_a_diagnosis(campaign, findings):
     assert finding.to_dict() == group
     assert finding.verdict == group["verdict"] and finding.sentence in repr(finding)
     own = ieap.Campaign(campaign)
-    assert own.finding(group["group"]).to_dict() == group
+    for said in (group["group"], "S in air"):
+        assert own.finding(said).to_dict() == group
     assert group["verdict"] in own.table("findings").column("verdict")
 
 

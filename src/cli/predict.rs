@@ -34,8 +34,8 @@ pub struct PredictArgs {
     /// A drive in place of a step: a table of time_s and voltage_v, each row held until the next
     #[arg(long, value_name = "FILE.csv", conflicts_with = "voltage")]
     drive: Option<PathBuf>,
-    /// Times to predict at, s [default: 1, 3, 10, ... up to the longest run]
-    #[arg(long = "at", id = "times", value_name = "S,S,...", value_delimiter = ',')]
+    /// Times to predict at, as 10s,5min [default: 1, 3, 10, ... s up to the longest run]
+    #[arg(long = "at", id = "times", value_name = "TIME,TIME,...", value_delimiter = ',', value_parser = typed::time)]
     times: Vec<f64>,
     /// Modulus for the blocked moment, as 460MPa [default: from the modulus logs at that humidity]
     #[arg(long, value_name = "MODULUS", value_parser = typed::modulus)]

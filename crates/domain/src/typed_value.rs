@@ -47,20 +47,20 @@ pub enum ValueKind {
     Voltage,
     /// Canonical V/s.
     VoltageRate,
-    /// Canonical percent relative humidity; the unit may be left out.
+    /// Canonical percent relative humidity.
     Humidity,
     /// Canonical °C.
     Temperature,
 }
 
 impl ValueKind {
-    /// Units that are read, for messages.
+    /// Units that are read, for messages; a bare number is in the first.
     pub fn units(self) -> &'static str {
         match self {
             ValueKind::Length => "mm, cm, um, m",
             ValueKind::Curvature => "/cm, /mm, /m",
-            ValueKind::Angle => "deg, rad",
-            ValueKind::Strain => "%, 1 (a share), ppm",
+            ValueKind::Angle => "rad, deg",
+            ValueKind::Strain => "1 (a share), %, ppm",
             ValueKind::Moment => "mNmm, uNm, Nm",
             ValueKind::Energy => "uJ, nJ, mJ, J",
             ValueKind::Modulus => "MPa, GPa, Pa",
@@ -81,13 +81,14 @@ impl ValueKind {
             .map(|c| if matches!(c, '\u{b5}' | '\u{3bc}') { 'u' } else { c })
             .collect();
         let times = match (self, bare.as_str()) {
+            (_, "") => 1.0,
             (ValueKind::Length, _) => return of_quantity(Quantity::TipDisplacement),
             (ValueKind::Curvature, _) => return of_quantity(Quantity::Curvature),
             (ValueKind::Modulus, _) => return of_quantity(Quantity::ComplexModulus),
             (ValueKind::Time, _) => return of_quantity(Quantity::Time),
             (ValueKind::Voltage, _) => return of_quantity(Quantity::Voltage),
             (ValueKind::Temperature, _) => return of_quantity(Quantity::Temperature),
-            (ValueKind::Angle, "rad") | (ValueKind::Strain, "1" | "") => 1.0,
+            (ValueKind::Angle, "rad") | (ValueKind::Strain, "1") => 1.0,
             (ValueKind::Angle, "deg" | "°") => std::f64::consts::PI / 180.0,
             (ValueKind::Strain, "%" | "percent") => 1e-2,
             (ValueKind::Strain, "ppm") => 1e-6,
@@ -97,16 +98,16 @@ impl ValueKind {
             (ValueKind::Moment, "nNm") | (ValueKind::Energy, "nJ") => 1e-3,
             (ValueKind::VoltageRate, "V/s") => 1.0,
             (ValueKind::VoltageRate, "mV/s") => 1e-3,
-            (ValueKind::Humidity, "" | "%" | "%RH") => 1.0,
+            (ValueKind::Humidity, "%" | "%RH") => 1.0,
             _ => return None,
         };
         Some(number * times)
     }
 
-    /// Reads `1.2mm`, `1.2 ± 0.05 mm` or `1.2+-0.05mm`.
+    /// Reads `1.2mm`, `1.2 ± 0.05 mm` or `1.2+-0.05mm`; `1.2` is in the canonical unit.
     ///
     /// # Errors
-    /// There is no finite number, or the unit is missing or another one.
+    /// There is no finite number, or the unit is another one.
     pub fn parse(self, text: &str) -> Result<Measured, TypedValueError> {
         let refused = || TypedValueError {
             found: text.to_owned(),
@@ -130,7 +131,8 @@ impl ValueKind {
 /// A value that cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "found {found:?}; needed a number with a decimal point and its unit, such as 1.2 or 1.2±0.1 followed by one of {units}"
+    "found {found:?}; needed a number with a decimal point and its unit, such as 1.2 or 1.2±0.1 followed by one of {units}; \
+     without a unit it is in the first of these"
 )]
 pub struct TypedValueError {
     found: String,
@@ -173,6 +175,9 @@ mod tests {
             (ValueKind::Time, "5 min", 300.0, 0.0),
             (ValueKind::VoltageRate, "10mV/s", 0.01, 0.0),
             (ValueKind::Humidity, "34", 34.0, 0.0),
+            (ValueKind::Voltage, "1.2", 1.2, 0.0),
+            (ValueKind::Length, "5±0.1", 5.0, 0.1),
+            (ValueKind::Temperature, "25", 25.0, 0.0),
             (ValueKind::Temperature, "25°C", 25.0, 0.0),
             (ValueKind::Temperature, "298.15 ± 0.5 K", 25.0, 0.5),
         ] {
@@ -183,9 +188,8 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_unit_or_another_one_is_refused() {
+    fn what_is_no_number_or_has_another_unit_is_refused() {
         for (kind, text) in [
-            (ValueKind::Length, "5"),
             (ValueKind::Length, "5V"),
             (ValueKind::Length, "1,2mm"),
             (ValueKind::Length, "inf mm"),
