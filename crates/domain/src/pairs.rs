@@ -39,7 +39,7 @@ impl HalfKind {
     }
 }
 
-/// Names of files that belong together, `[[pair]]`: what stands in braces is the same in both.
+/// Names of files that belong together, `[[pair]]`: what stands in braces is the same in both. Without braces they are two files.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PairNames {
     /// Of the file with the current, relative to the folder of the runs.

@@ -1,4 +1,5 @@
-//! Tags from file names: `{sample}_{environment}_rh{relative_humidity_percent}_{voltage_v}V_{cycle}`; `{_}` ignores a word.
+//! Tags from file names: `{sample}_{environment}[_rh{relative_humidity_percent}]_{voltage_v}V_{cycle}`; `{_}` ignores a word, and
+//! what stands in square brackets with a tag in it may be missing.
 
 mod number;
 mod propose;
@@ -49,10 +50,19 @@ pub enum PatternError {
         /// The second placeholder.
         second: String,
     },
+    /// More parts that may be missing than can be told apart.
+    #[error("it holds {found} parts in square brackets; write at most {MOST_OPTIONAL}")]
+    Optional {
+        /// How many.
+        found: usize,
+    },
     /// No placeholder at all.
     #[error("it holds no placeholder; write at least one tag key in braces, such as `{{sample}}`")]
     NoPlaceholder,
 }
+
+/// Parts that may be missing, at most: each doubles the ways to read a name. Chosen.
+const MOST_OPTIONAL: usize = 4;
 
 /// The placeholder of a word that is ignored.
 const IGNORED: &str = "_";
@@ -94,15 +104,113 @@ pub enum NameMatch {
 /// A pattern ready to be matched.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NamePattern {
+    /// With all that may be missing, then with less and less of it.
+    forms: Vec<Form>,
+}
+
+/// A pattern of which nothing may be missing.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Form {
     parts: Vec<Part>,
+}
+
+/// The texts of a pattern with and without what stands in square brackets, the fullest first. Brackets without a tag are signs
+/// of the name.
+fn with_and_without(text: &str) -> Vec<String> {
+    let brackets = text.match_indices('[').find_map(|(from, _)| {
+        let to = from + text[from..].find(']')?;
+        text[from..to].contains('{').then_some((from, to))
+    });
+    let Some((from, to)) = brackets else {
+        return vec![text.to_owned()];
+    };
+    let (before, within, after) = (&text[..from], &text[from + 1..to], &text[to + 1..]);
+    let with = with_and_without(after).into_iter();
+    let with = with.map(|rest| format!("{before}{within}{rest}"));
+    let without = with_and_without(after).into_iter();
+    with.chain(without.map(|rest| format!("{before}{rest}")))
+        .collect()
 }
 
 impl NamePattern {
     /// Makes a pattern of its text.
     ///
     /// # Errors
-    /// Where braces do not pair, a key is no key or stands twice, two placeholders touch, or there is none.
+    /// Where braces do not pair, a key is no key or stands twice, two placeholders touch, or there is none, also where what may
+    /// be missing is.
     pub fn compile(text: &str) -> Result<NamePattern, PatternError> {
+        let optional = text
+            .split('[')
+            .skip(1)
+            .filter(|part| part.contains('{') && part.contains(']'));
+        let found = optional.count();
+        if found > MOST_OPTIONAL {
+            return Err(PatternError::Optional { found });
+        }
+        let forms = with_and_without(text);
+        let forms: Result<Vec<Form>, PatternError> = forms.iter().map(|text| Form::compile(text)).collect();
+        Ok(NamePattern { forms: forms? })
+    }
+
+    /// The placeholders' keys in the pattern's order, without ignored words.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.forms[0].keys()
+    }
+
+    /// The name that these values give; none where a value is missing that may not be.
+    pub fn format(&self, value_of: impl Fn(&str) -> Option<String>) -> Option<String> {
+        self.forms.iter().find_map(|form| form.format(&value_of))
+    }
+
+    /// Reads a file name without its extension.
+    ///
+    /// Known samples and environments are tried first, so that an id may hold the sign that separates tags;
+    /// where no known id fits, any text does, and the caller can say that the id is not known.
+    pub fn match_stem(&self, stem: &str, known: KnownIds) -> NameMatch {
+        let tries = [
+            (known.samples, known.environments),
+            (known.samples, &[][..]),
+            (&[][..], known.environments),
+            (&[][..], &[][..]),
+        ];
+        // With the ids that are known first, whatever is missing then.
+        let mut ways = tries.into_iter().flat_map(|(samples, environments)| {
+            let ids = KnownIds {
+                samples,
+                environments,
+            };
+            self.forms.iter().map(move |form| form.matched(stem, ids))
+        });
+        ways.find(|found| *found != NameMatch::None)
+            .unwrap_or(NameMatch::None)
+    }
+
+    /// The words of a name, each with what it is taken for, of the first way to read it; none where the pattern does not
+    /// read it.
+    pub fn words(&self, stem: &str, known: KnownIds) -> Option<Vec<(String, String)>> {
+        self.forms.iter().find_map(|form| form.words(stem, known))
+    }
+
+    /// Where a name that the pattern does not read leaves it: behind the longest beginning that it reads.
+    pub fn mismatch(&self, stem: &str, known: KnownIds) -> Mismatch {
+        let of = self.forms.iter().map(|form| form.mismatch(stem, known));
+        let furthest = of.reduce(|most, next| {
+            if next.read.len() > most.read.len() {
+                next
+            } else {
+                most
+            }
+        });
+        furthest.unwrap_or_else(|| Mismatch {
+            read: String::new(),
+            rest: stem.to_owned(),
+            wanted: String::new(),
+        })
+    }
+}
+
+impl Form {
+    fn compile(text: &str) -> Result<Form, PatternError> {
         let mut parts = Vec::new();
         let mut literal = String::new();
         let mut signs = text.chars().enumerate();
@@ -123,21 +231,19 @@ impl NamePattern {
         if !literal.is_empty() {
             parts.push(Part::Literal(literal));
         }
-        let pattern = NamePattern { parts };
+        let pattern = Form { parts };
         let has_key = pattern.keys().next().is_some();
         has_key.then_some(pattern).ok_or(PatternError::NoPlaceholder)
     }
 
-    /// The placeholders' keys in the pattern's order, without ignored words.
-    pub fn keys(&self) -> impl Iterator<Item = &str> {
+    fn keys(&self) -> impl Iterator<Item = &str> {
         self.parts.iter().filter_map(|part| match part {
             Part::Tag(key) if key != IGNORED => Some(key.as_str()),
             _ => None,
         })
     }
 
-    /// The name that these values give; none where a value is missing.
-    pub fn format(&self, value_of: impl Fn(&str) -> Option<String>) -> Option<String> {
+    fn format(&self, value_of: impl Fn(&str) -> Option<String>) -> Option<String> {
         let text = |part: &Part| match part {
             Part::Literal(text) => Some(text.clone()),
             Part::Tag(key) => value_of(key),
@@ -145,33 +251,8 @@ impl NamePattern {
         self.parts.iter().map(text).collect()
     }
 
-    /// Reads a file name without its extension.
-    ///
-    /// Known samples and environments are tried first, so that an id may hold the sign that separates tags;
-    /// where no known id fits, any text does, and the caller can say that the id is not known.
-    pub fn match_stem(&self, stem: &str, known: KnownIds) -> NameMatch {
-        let tries = [
-            (known.samples, known.environments),
-            (known.samples, &[][..]),
-            (&[][..], known.environments),
-            (&[][..], &[][..]),
-        ];
-        tries
-            .into_iter()
-            .map(|(samples, environments)| {
-                let readings = Search::new(
-                    &self.parts,
-                    stem,
-                    KnownIds {
-                        samples,
-                        environments,
-                    },
-                )
-                .readings();
-                summary(readings)
-            })
-            .find(|found| *found != NameMatch::None)
-            .unwrap_or(NameMatch::None)
+    fn matched(&self, stem: &str, ids: KnownIds) -> NameMatch {
+        summary(Search::new(&self.parts, stem, ids).readings())
     }
 }
 
@@ -186,10 +267,8 @@ pub struct Mismatch {
     pub wanted: String,
 }
 
-impl NamePattern {
-    /// The words of a name, each with what it is taken for, of the first way to read it; none where the pattern does not
-    /// read it.
-    pub fn words(&self, stem: &str, known: KnownIds) -> Option<Vec<(String, String)>> {
+impl Form {
+    fn words(&self, stem: &str, known: KnownIds) -> Option<Vec<(String, String)>> {
         let search = Search::new(&self.parts, stem, known);
         let search = if search.leads_to_end[0][0] {
             search
@@ -223,8 +302,7 @@ impl NamePattern {
         (start == stem.len()).then_some(words)
     }
 
-    /// Where a name that the pattern does not read leaves it: behind the longest beginning that it reads.
-    pub fn mismatch(&self, stem: &str, known: KnownIds) -> Mismatch {
+    fn mismatch(&self, stem: &str, known: KnownIds) -> Mismatch {
         let search = Search::new(&self.parts, stem, known);
         let mut at: std::collections::BTreeSet<usize> = [0].into();
         let (mut part, mut reached) = (0, 0);

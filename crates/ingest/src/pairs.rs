@@ -165,6 +165,17 @@ fn alone_with_key<K: Ord>(
 }
 
 fn by_rule(halves: &[Half], open: &Open, rule: &PairNames, runs_folder: &str) -> Vec<(usize, usize)> {
+    let below = |at: usize| {
+        let path = &halves[at].path;
+        let below = path
+            .strip_prefix(runs_folder)
+            .and_then(|rest| rest.strip_prefix('/'));
+        below.unwrap_or(path)
+    };
+    let named = |among: &[usize], name: &str| among.iter().copied().find(|&at| below(at) == name);
+    if let Some(pair) = named(&open.electrical, &rule.current).zip(named(&open.bending, &rule.bending)) {
+        return vec![pair];
+    }
     let compiled = (
         NamePattern::compile(&rule.current),
         NamePattern::compile(&rule.bending),
@@ -176,18 +187,12 @@ fn by_rule(halves: &[Half], open: &Open, rule: &PairNames, runs_folder: &str) ->
         .keys()
         .filter(|key| bending.keys().any(|k| k == *key))
         .collect();
-    let key = |pattern: &NamePattern, at: usize| {
-        let path = &halves[at].path;
-        let below = path
-            .strip_prefix(runs_folder)
-            .and_then(|rest| rest.strip_prefix('/'));
-        match pattern.match_stem(below.unwrap_or(path), KnownIds::default()) {
-            NameMatch::One(found) => {
-                let value = |key: &&str| found.iter().find(|(known, _)| known == key).cloned();
-                Some((shared.iter().map(value).collect::<Vec<_>>(), at))
-            }
-            _ => None,
+    let key = |pattern: &NamePattern, at: usize| match pattern.match_stem(below(at), KnownIds::default()) {
+        NameMatch::One(found) => {
+            let value = |key: &&str| found.iter().find(|(known, _)| known == key).cloned();
+            Some((shared.iter().map(value).collect::<Vec<_>>(), at))
         }
+        _ => None,
     };
     alone_with_key(
         open.electrical.iter().filter_map(|&at| key(&current, at)),

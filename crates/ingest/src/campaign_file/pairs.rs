@@ -47,6 +47,9 @@ impl Checker<'_> {
             place: place.clone(),
             reason,
         };
+        if !(names.current.contains('{') || names.bending.contains('{')) {
+            return Ok(names);
+        }
         let keys = |text: &str| {
             let pattern = NamePattern::compile(text).map_err(|error| bad(error.to_string()))?;
             Ok::<_, Error>(pattern.keys().map(str::to_owned).collect::<Vec<_>>())

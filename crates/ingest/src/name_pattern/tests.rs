@@ -86,6 +86,29 @@ fn the_contract_pattern_reads_its_names() {
 }
 
 #[test]
+fn what_stands_in_square_brackets_with_a_tag_may_be_missing() {
+    let pattern = "{sample}_{environment}[_rh{relative_humidity_percent}]_{voltage_v}V[_{cycle}]";
+    let dry = [
+        ("sample", "CNaf-01"),
+        ("environment", "vacuum"),
+        ("voltage_v", "2.5"),
+    ];
+    assert_eq!(read(pattern, "CNaf-01_vacuum_2.5V"), one(&dry));
+    let with_cycle: Vec<(&str, &str)> = dry.into_iter().chain([("cycle", "3")]).collect();
+    assert_eq!(read(pattern, "CNaf-01_vacuum_2.5V_3"), one(&with_cycle));
+    let humid = [
+        ("sample", "CNaf-01"),
+        ("environment", "wet_air"),
+        ("relative_humidity_percent", "34"),
+        ("voltage_v", "2"),
+    ];
+    assert_eq!(read(pattern, "CNaf-01_wet_air_rh34_2V"), one(&humid));
+    assert_eq!(read("run[1]_{sample}", "run[1]_C1"), one(&[("sample", "C1")]));
+    let many = NamePattern::compile(&"[{a}_]".repeat(9));
+    assert_eq!(many, Err(PatternError::Optional { found: 9 }));
+}
+
+#[test]
 fn free_text_that_can_be_cut_twice_is_open_and_the_rest_is_kept() {
     let found = read("{sample}_{operator}_{comment}_{cycle}", "C1_anna_first_try_7");
     let NameMatch::Several { agreed, open } = found else {

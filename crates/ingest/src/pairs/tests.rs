@@ -153,6 +153,15 @@ fn times_pair_what_names_do_not_and_rules_go_before_both() {
         "runs",
     );
     assert_eq!(ruled.pairs[0].by, PairedBy::Rule);
+    let plain = PairRules {
+        by: Vec::new(),
+        named: vec![PairNames {
+            current: "0002.txt".to_owned(),
+            bending: "m-18.csv".to_owned(),
+        }],
+    };
+    let ruled = pair(&all, &plain, "runs").pairs;
+    assert_eq!((ruled.len(), ruled[0].bending.as_str()), (1, "runs/m-18.csv"));
     // A third that runs at the same time leaves a choice, and names that contradict are no pair.
     let mut three = all[..1].to_vec();
     three.extend([
