@@ -4,7 +4,9 @@
 use ieap_domain::number::fixed;
 use ieap_domain::{Channel, Drive, Edge, Issue, Level, Quantity, Segment};
 
-use super::{FoundDrive, Stretch, jumps};
+use super::found::FoundDrive;
+use super::jumps;
+use super::levels::Stretch;
 use crate::drive::policy::{AT_REST_BELOW, EDGE_STAYS, HELD_READINGS, JUST_APPLIED_FROM};
 
 /// Code of what is said of a strip before the record.

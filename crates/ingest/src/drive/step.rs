@@ -1,6 +1,6 @@
 //! From which change on a voltage makes a step.
 
-use super::{NoLevels, Stretch, change_noise_v, levels};
+use super::levels::{NoLevels, Stretch, change_noise_v, levels};
 use crate::drive::policy::{
     ANSWERS_WITHIN, DEPARTURE_OVER_NOISE, LEAST_STEP_NOISE, LEAST_STEP_SHARE, LEAST_STEP_V,
 };
