@@ -272,7 +272,7 @@ fn a_prediction_holds_what_the_simulated_strip_does_and_says_what_it_rests_on() 
         (vec!["--thickness", "0.4mm"], "identify the other laminate"),
         (vec!["--environment", "vacuum"], "one of air"),
         (vec!["--rh", "80"], "34 to 34 % RH"),
-        (vec!["--length", "60"], "needed a number"),
+        (vec!["--length", "60V"], "needed a number"),
         (vec!["-o", "step.doc"], ".csv, .svg"),
     ] {
         let ended = folder.ieap(&[&base[..], &wrong].concat()).expect(2);
@@ -462,7 +462,7 @@ fn bending_is_converted_with_the_strip_of_a_campaign() {
     let moment = &document["values"]["bending_moment_mn_mm"];
     assert!(moment["value"].is_null() && moment["reason"] == "needs the width");
     let wrong = folder
-        .ieap(&["convert", "displacement=1.2", "--length", "5mm"])
+        .ieap(&["convert", "displacement=1.2V", "--length", "5mm"])
         .expect(2);
     assert!(wrong.stderr.contains("mm, cm, um, m"), "{}", wrong.stderr);
     folder.write(
