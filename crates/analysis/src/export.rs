@@ -146,7 +146,7 @@ mod tests {
                 .ends_with("parameter,role,value,standard_error,low_95,high_95,converged,at_bound,reason")
         );
         assert!(
-            lines[2].ends_with("alpha_per_c_cm,,,,,true,false,no curvature channel"),
+            lines[2].ends_with("alpha_per_c_cm,parameter,,,,,true,false,no curvature channel"),
             "{text}"
         );
     }
