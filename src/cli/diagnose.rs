@@ -1,7 +1,5 @@
 //! `ieap diagnose`.
 
-use crate::domain::number::probabilities::equation;
-use crate::domain::number::significant;
 use crate::domain::words::counted;
 use clap::Args;
 
@@ -106,7 +104,7 @@ fn diagnosed(
     ))
 }
 
-/// Fits what has no current fit, without which nothing is asked across runs.
+/// Fits what has no current fit, without which the study has no answer.
 fn fit_what_is_due(global: &Global, context: &mut Context, output: &Output) -> Result<(), CliError> {
     let choice = FitChoice {
         seed: global.seed,
@@ -166,33 +164,10 @@ fn print(group: &GroupEntry, draws: usize, output: &Output) {
     lines.for_each(|line| output.result(line));
 }
 
-/// What holds across runs: what the design leaves open first, then what may be claimed.
+/// Fits in doubt, and where to go on.
 fn print_across(document: &DiagnosisDocument, output: &Output) {
-    if document.campaign_tests.is_empty()
-        && document.campaign_confounded.is_empty()
-        && document.campaign_doubted.is_empty()
-    {
-        return;
-    }
-    output.result(&format!(
-        "across runs: {} asked, {} claimed",
-        counted(document.campaign_tests.len(), "question"),
-        document.campaign.len()
-    ));
-    for tied in &document.campaign_confounded {
-        output.result(&format!("    {}", tied.sentence));
-    }
     for doubted in &document.campaign_doubted {
         output.result(&format!("    {}", doubted.sentence));
-    }
-    for found in &document.campaign {
-        output.result(&format!(
-            "    {}: {} (p = {}, {})",
-            found.effect,
-            found.sentence,
-            significant(found.p, 3),
-            equation("q", found.q)
-        ));
     }
     if !document.campaign_next_runs.is_empty() {
         output.result(&format!(

@@ -10,9 +10,7 @@ use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use crate::pipeline::Context;
-use crate::pipeline::findings::next_runs::{
-    NextRunEntry, SheetSummary, entries, plan, untying_entries, write_sheet,
-};
+use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary, entries, plan, write_sheet};
 
 /// List the runs to make next, and what each tells
 ///
@@ -30,13 +28,9 @@ pub struct NextArgs {
 pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
     let context = Context::open_read_only(&args.campaign.folder()?)?;
     let plan = plan(&context)?;
-    let (list, deconfounding) = (entries(&plan), untying_entries(&plan));
-    deconfounding
-        .iter()
-        .flat_map(|set| &set.sentences)
-        .for_each(|sentence| output.result(sentence));
+    let list = entries(&plan);
     if list.is_empty() {
-        output.result("no run to make next: nothing that a run at hand can untie, and no missing law that one would tell from another");
+        output.result("no run to make next: nothing that was compared was measured in one order only, and no missing law is to be told from another");
     }
     list.iter().for_each(|entry| print(entry, output));
     let written = match &args.sheet {
@@ -47,9 +41,8 @@ pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
         say(summary, &context.campaign.runs_folder, output);
     }
     output.document(&json!({
-        "schema": "ieap/next/1",
+        "schema": "ieap/next/2",
         "next_runs": list,
-        "untying": deconfounding,
         "sheet": written,
     }))?;
     Ok(DONE)
@@ -61,14 +54,6 @@ fn print(entry: &NextRunEntry, output: &Output) {
     place.extend(entry.relative_humidity_percent.map(|rh| format!("at {rh} % RH")));
     place.extend(entry.temperature_c.map(|t| format!("and {t} °C")));
     place.extend(entry.rest_before_s.map(|rest| format!("after {rest} s of rest")));
-    let named = [
-        ("with", &entry.instrument),
-        ("calibrated by", &entry.calibration),
-        ("by", &entry.operator),
-    ];
-    for (word, name) in named {
-        place.extend(name.as_ref().map(|name| format!("{word} {name}")));
-    }
     output.result(&format!(
         "{:>2}. {}  {}: {}",
         entry.rank,

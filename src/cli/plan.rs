@@ -30,7 +30,7 @@ pub struct PlanArgs {
     /// Environment of the runs [default: the only one]
     #[arg(long, value_name = "ENVIRONMENT", requires = "sample")]
     environment: Option<String>,
-    /// Relative humidity: of the runs, to 5 %, or between theirs, by the laws across runs [default: all runs]
+    /// Relative humidity: of the runs, to 5 %, or between theirs, by the laws of the study [default: all runs]
     #[arg(long, value_name = "PERCENT", value_parser = typed::humidity, requires = "sample")]
     rh: Option<f64>,
     /// An earlier run whose fit and noise tell; with --spec one of its runs [default: the first]

@@ -19,10 +19,10 @@ pub struct StripArgs {
     /// Environment of the runs [default: the only one]
     #[arg(long, value_name = "ENVIRONMENT")]
     environment: Option<String>,
-    /// Relative humidity: of the runs, to 5 %, or between theirs, by the laws across runs [default: all runs]
+    /// Relative humidity: of the runs, to 5 %, or between theirs, by the laws of the study [default: all runs]
     #[arg(long, value_name = "PERCENT", value_parser = typed::humidity)]
     rh: Option<f64>,
-    /// A humidity that changes meanwhile, by the laws across runs: a table of time_s and relative_humidity_percent, each row
+    /// A humidity that changes meanwhile, by the laws of the study: a table of time_s and relative_humidity_percent, each row
     /// held until the next
     #[arg(long, value_name = "FILE.csv", conflicts_with = "rh")]
     rh_course: Option<PathBuf>,

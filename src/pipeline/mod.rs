@@ -22,7 +22,6 @@ pub use crate::numerics::global::methods;
 pub use crate::numerics::interrupt::Interrupt;
 pub use campaign::context::{CODE_VERSION, Context};
 pub use campaign::places::REPORT_FOLDER;
-pub use findings::across_runs::campaign_laws;
 pub use findings::adopt::{Adopt, AdoptSummary};
 pub use findings::alarms::{AlarmSummary, RaiseAlarms, TakenBack};
 pub use findings::compare::{CompareModels, CompareSummary, current_comparisons};

@@ -90,19 +90,33 @@ fn hidden_in(order: &[[f64; 4]; 3], size: f64, prepare: fn(&CampaignFolder)) -> 
     }
     simulate(&folder, &runs);
     prepare(&folder);
-    // What is not fitted yet is fitted first: without fits nothing is asked across runs.
-    let ended = folder.ieap(&["diagnose", "--json", "--draws", "99"]);
-    assert_eq!(ended.status, 0, "{ended:#?}");
-    assert!(ended.stderr.contains("12 fitted"), "{}", ended.stderr);
-    ended.json()
+    folder.ieap(&["fit"]).expect(0);
+    folder.ieap(&["study", "--json"]).expect(0).json()
 }
 
-fn of_lambda(document: &Value) -> Vec<&Value> {
-    let entries = document["campaign"].as_array().unwrap();
+/// What the study says of lambda over numbers.
+fn of_lambda<'a>(document: &'a Value, kind: &str) -> Vec<&'a Value> {
+    let entries = document["answers"].as_array().unwrap();
     entries
         .iter()
-        .filter(|entry| entry["parameter"] == "lambda_per_s" && entry["effect"] != "sample-offset")
+        .filter(|entry| entry["parameter"] == "lambda_per_s" && entry["kind"] == kind)
         .collect()
+}
+
+/// The only law of the humidity; it holds the truth, 0.02 per percent.
+fn law(document: &Value) -> &Value {
+    let [entry] = of_lambda(document, "humidity-law")[..] else {
+        panic!("{:#}", document["answers"]);
+    };
+    assert_eq!(entry["verdict"], "differs", "{entry:#}");
+    assert_eq!(entry["covariate"], "relative_humidity_percent");
+    let end = |name: &str| entry[name].as_f64().unwrap();
+    let held = end("low_95")..=end("high_95");
+    assert!(
+        held.contains(&0.02) && end("high_95") - end("low_95") < 0.008,
+        "{entry:#}"
+    );
+    entry
 }
 
 #[test]
@@ -112,25 +126,18 @@ fn a_hidden_humidity_law_is_found_from_files() {
         [60.0, 20.0, 80.0, 40.0],
         [80.0, 40.0, 20.0, 60.0],
     ]);
-    let found = of_lambda(&document);
-    assert_eq!(found.len(), 1, "{:#}", document["campaign"]);
-    let entry = found[0];
-    assert_eq!(entry["effect"], "humidity-dependence");
-    assert_eq!(entry["covariate"], "relative_humidity_percent");
-    assert_eq!(entry["confounded_with"], Value::Array(vec![]));
-    assert!(entry["q"].as_f64().unwrap() <= 0.05);
-    // exp(0.02 x 60)
-    let (low, high) = (
-        entry["ratio"]["low_95"].as_f64().unwrap(),
-        entry["ratio"]["high_95"].as_f64().unwrap(),
+    let entry = law(&document);
+    assert_eq!(entry["also_changed"], Value::Array(vec![]));
+    assert_eq!(
+        (&entry["samples"], &entry["from_to"][1]),
+        (&3.into(), &80.0.into())
     );
-    assert!(low <= 3.32 && 3.32 <= high && high / low < 1.6, "{entry:#}");
-    let sentence = entry["sentence"].as_str().unwrap();
+    // Use tells nothing.
+    let of_use = of_lambda(&document, "other-law");
     assert!(
-        sentence.starts_with("λ of CNaf rises by a factor of 3."),
-        "{sentence}"
+        of_use.iter().all(|own| own["verdict"] != "differs"),
+        "{of_use:#?}"
     );
-    assert!(sentence.contains("from 20 to 80 % RH, 3 samples"), "{sentence}");
 }
 
 /// Takes the current out of every run table.
@@ -167,39 +174,15 @@ fn bending_without_a_current_is_fitted_and_asked_across_runs() {
         0.25,
         without_current,
     );
-    let found = of_lambda(&document);
-    assert_eq!(found.len(), 1, "{:#}", document["campaign"]);
-    assert_eq!(found[0]["effect"], "humidity-dependence");
-    assert_eq!(found[0]["runs"], 12, "{:#}", found[0]);
-    let asked = |key: &str| {
-        let tests = document["campaign_tests"].as_array().unwrap();
-        tests.iter().any(|test| test["parameter"] == key)
-    };
-    assert!(asked("curvature_total_per_cm_v") && !asked("rss_ohm_cm2"));
+    law(&document);
 }
 
 #[test]
-fn a_humidity_that_rose_with_every_run_is_one_finding_with_age() {
+fn a_humidity_that_rose_with_every_run_is_said_to_be_tied_to_age() {
     let rising = [20.0, 40.0, 60.0, 80.0];
     let document = hidden(&[rising; 3]);
-    let found = of_lambda(&document);
-    assert_eq!(found.len(), 1, "{:#}", document["campaign"]);
-    let mut names: Vec<&str> = found[0]["confounded_with"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .filter_map(Value::as_str)
-        .collect();
-    names.push(found[0]["covariate"].as_str().unwrap());
-    assert!(
-        names.contains(&"relative_humidity_percent") && names.contains(&"cycle"),
-        "{names:?}"
-    );
-    assert!(
-        found[0]["sentence"].as_str().unwrap().contains("cannot be told"),
-        "{:#}",
-        found[0]
-    );
+    let tied = law(&document)["also_changed"].to_string();
+    assert!(tied.contains("the cycle"), "{tied}");
 }
 
 const MONITORING: &str = r#"
@@ -345,14 +328,13 @@ fn what_is_a_function_of_the_voltage_is_not_said_to_come_from_use() {
         }
     }
     simulate(&folder, &runs);
-    let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();
-    let claimed = of_lambda(&document);
-    assert!(!claimed.is_empty(), "{document}");
-    for one in claimed {
-        let sentence = one["sentence"].as_str().unwrap();
-        assert!(
-            sentence.contains("voltage, cycle") && sentence.contains("cannot be told"),
-            "{sentence}"
-        );
-    }
+    folder.ieap(&["fit"]).expect(0);
+    let document = folder.ieap(&["study", "--json"]).expect(0).json();
+    assert_eq!(
+        of_lambda(&document, "voltage-law")[0]["verdict"],
+        "differs",
+        "{document:#}"
+    );
+    let of_use = of_lambda(&document, "other-law");
+    assert!(of_use.is_empty(), "{of_use:#?}");
 }

@@ -1,4 +1,4 @@
-//! `predict` and `drive` at a humidity at which no run was made: brought there by the laws across runs, against strips
+//! `predict` and `drive` at a humidity at which no run was made: brought there by the model of the study, against strips
 //! whose parameters follow the humidity in forms of their own.
 
 use std::fmt::Write;
@@ -278,7 +278,9 @@ fn runs_are_brought_to_a_humidity_between_theirs_and_it_is_said() {
     ];
     let found = folder.ieap(&drive).expect(0).json();
     assert!(
-        found["remarks"].to_string().contains("by the laws across runs"),
+        found["remarks"]
+            .to_string()
+            .contains("by the study's model of them"),
         "{found}"
     );
 }

@@ -152,7 +152,7 @@ fn materials_are_compared_by_what_they_are_made_of() {
         format!("{TOML}\n[compare]\nby = \"electrode\"\n"),
     );
     folder.ieap(&["report", "--quiet"]).expect(0);
-    let page = folder.report("comparison.html");
+    let page = folder.report("parameters.html");
     assert!(page.contains("platinum") && page.contains("carbon"), "{page}");
     // A run stays one of its material.
     assert_eq!(

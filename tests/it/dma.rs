@@ -158,14 +158,14 @@ fn a_report_has_the_page_where_there_are_logs_and_links_to_it() {
     let (folder, context) = thesis();
     let report = RenderReport::default().run(&context, &Silent).unwrap();
     let page = |name: &str| std::fs::read_to_string(folder.path().join("report").join(name)).unwrap();
-    assert!(page("index.html").contains("href=\"dma.html\""));
+    assert!(page("parameters.html").contains("href=\"dma.html\""));
     assert!(page("dma.html").contains("Simulated, not measured"));
     assert!(page("dma.csv").lines().count() > 50);
-    // Overview, comparison, parameters, findings, climate, files and this one.
-    assert_eq!(report.pages, 7);
+    // Overview, parameters, findings, climate, files and this one.
+    assert_eq!(report.pages, 6);
     let without = CampaignFolder::new();
     without.run_json();
-    assert!(!without.report("index.html").contains("dma.html"));
+    assert!(!without.report("parameters.html").contains("dma.html"));
     assert!(!without.join("report/dma.html").exists());
 }
 

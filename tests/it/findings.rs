@@ -101,7 +101,7 @@ fn a_hidden_leak_is_found_in_json_and_on_the_page_and_a_clean_sample_stays_right
     );
 
     let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();
-    assert_eq!(document["schema"], "ieap/diagnosis/3");
+    assert_eq!(document["schema"], "ieap/diagnosis/4");
     assert_eq!((&document["seed"], &document["draws"]), (&1.into(), &999.into()));
     let leaky = group(&document, "sample=leaky,environment=air");
     assert_eq!(leaky["verdict"], "law", "{leaky:#}");
@@ -391,7 +391,7 @@ fn status_says_which_findings_wait() {
     assert_eq!(waiting[0]["path"], "runs/b.csv");
     let issues = waiting[0]["issues"].as_array().unwrap();
     assert_eq!(issues.last().unwrap()["code"], "not-fitted-yet", "{issues:?}");
-    // What is asked across runs needs fits: a diagnosis makes them first.
+    // What the study asks needs fits: a diagnosis makes them first.
     folder.ieap(&["diagnose", "--draws", "99"]).expect(0);
     assert_eq!(lists("findings_out_of_date").len(), 0);
     assert_eq!(lists("not_fitted").len(), 0);

@@ -219,12 +219,11 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         curves: &[],
     });
     Input {
-        deconfounding: Vec::new(),
         next_runs: Vec::new(),
-        confounding: Vec::new(),
         campaign,
         climate: Default::default(),
-        laws: Default::default(),
+        doubts: Default::default(),
+        doubted: Vec::new(),
         study,
         monitoring: Default::default(),
         faults: vec![],

@@ -47,19 +47,6 @@ fn overview_of_a_troubled_campaign() {
 }
 
 #[test]
-fn comparison_of_a_troubled_campaign() {
-    insta::assert_json_snapshot!(page(&troubled_input(), "comparison.html"));
-}
-
-#[test]
-fn ratios_coverage_and_voltages_of_a_troubled_campaign() {
-    let input = troubled_input();
-    insta::assert_json_snapshot!("ratios", page(&input, "ratios.html"));
-    insta::assert_json_snapshot!("coverage", page(&input, "coverage.html"));
-    insta::assert_json_snapshot!("against_voltage", page(&input, "against-voltage.html"));
-}
-
-#[test]
 fn frequency_response_of_a_chirp_and_a_sine() {
     let mut input = troubled_input();
     input.frequency = frequency_runs(&input);
@@ -71,25 +58,25 @@ fn marks_against_a_covariate_know_their_runs() {
     let input = troubled_input();
     let against = PAGES
         .iter()
-        .find(|page| page.file == "against-environment.html")
+        .find(|page| page.file == "parameters.html")
         .expect("a page");
     let figures = (against.content)(&Site::new(&input))
         .expect("its content")
         .figures;
-    let figure = &figures["r1-ohm-cm2-0"];
+    let figure = &figures["environment-r1-ohm-cm2-0"];
     assert!(figure.contains(" data-r=\""), "{figure}");
 }
 
 #[test]
 fn parameters_of_a_troubled_campaign() {
-    insta::assert_json_snapshot!(page(&troubled_input(), "table5.html"));
+    insta::assert_json_snapshot!(page(&troubled_input(), "parameters.html"));
 }
 
 #[test]
-fn overview_and_comparison_of_a_campaign_with_currents_only() {
+fn overview_and_parameters_of_a_campaign_with_currents_only() {
     let input = current_only_input();
     insta::assert_json_snapshot!("current_only_overview", page(&input, "index.html"));
-    insta::assert_json_snapshot!("current_only_comparison", page(&input, "comparison.html"));
+    insta::assert_json_snapshot!("current_only_parameters", page(&input, "parameters.html"));
 }
 
 #[test]

@@ -411,15 +411,15 @@ fn what_panics_is_a_box_and_the_rest_is_as_it_would_be() {
     let stops = std::fs::read_to_string(folder.path().join("stops.html")).expect("its box");
     assert!(stops.contains("This page could not be made") && stops.contains("one too many"));
     // The navigation has one page more; apart from that a page that works does not change.
-    let page = std::fs::read_to_string(folder.path().join("table5.html")).expect("a page");
+    let page = std::fs::read_to_string(folder.path().join("parameters.html")).expect("a page");
     let main = |html: &str| html.split("<main>").nth(1).map(str::to_owned);
-    assert_eq!(main(&page), main(&whole["table5.html"]));
+    assert_eq!(main(&page), main(&whole["parameters.html"]));
 }
 
 #[test]
 fn empty_panels_say_why() {
     let files = site(&current_only_input());
-    let page = &files["comparison.html"];
+    let page = &files["parameters.html"];
     assert_eq!(
         page.matches("Not determined in any run, because no run has a curvature channel.")
             .count(),

@@ -93,16 +93,7 @@ fn results(folder: &CampaignFolder) -> Vec<(String, String)> {
     all.push(("fits".to_owned(), without_ids(&fits["fits"])));
     let alarms = folder.ieap(&["status", "--alarms", "--json"]).json();
     all.push(("alarms".to_owned(), alarms.to_string()));
-    for page in [
-        "comparison",
-        "table5",
-        "ratios",
-        "humidity",
-        "monitoring",
-        "against",
-        "findings",
-        "coverage",
-    ] {
+    for page in ["study", "parameters", "monitoring", "findings"] {
         let path = folder.join(&format!("report/{page}.html"));
         let text = std::fs::read_to_string(path).unwrap_or_default();
         // The footer says which change of the database it was made from.
@@ -257,7 +248,7 @@ fn results_with_bad_runs_are_those_without_them() {
         );
     }
     // What is condemned is shown beside the results, hollow and with the reason.
-    let comparison = std::fs::read_to_string(spoilt.join("report/comparison.html")).unwrap();
+    let comparison = std::fs::read_to_string(spoilt.join("report/parameters.html")).unwrap();
     assert!(comparison.contains("data-aside=\"1\"") && comparison.contains("its current is 1000 times"));
     assert!(comparison.contains("Beyond the axes, at an arrow: air/milliamperes.csv, set aside ("));
     // They stand in the lists of runs with the reason, and have their pages.
@@ -348,7 +339,7 @@ fn a_report_with_a_fault_is_not_made_again_until_something_changes() {
     let report = folder.join("report");
     let stamp = std::fs::read_to_string(report.join(".made-from")).unwrap();
     std::fs::remove_file(report.join(".made-from")).unwrap();
-    let fault = serde_json::json!({ "place": "comparison.html", "runs": [], "reason": "a fault" });
+    let fault = serde_json::json!({ "place": "parameters.html", "runs": [], "reason": "a fault" });
     let faulty = serde_json::json!({ "made_from": stamp, "faults": [fault] });
     std::fs::write(report.join(".faults.json"), faulty.to_string()).unwrap();
     let written = std::fs::read_to_string(report.join(".written")).unwrap();

@@ -59,15 +59,6 @@ impl Cache {
         }
     }
 
-    /// The value that was made from what has that hash: the kept one, or the one that `make` gives.
-    pub fn or_make<T: Serialize + DeserializeOwned>(&self, hash: &str, make: impl FnOnce() -> T) -> T {
-        self.earlier(hash).unwrap_or_else(|| {
-            let value = make();
-            self.put(hash, &value);
-            value
-        })
-    }
-
     fn note(&self, hash: &str, bytes: Vec<u8>) {
         let mut asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
         asked.insert(hash.to_owned(), bytes);
@@ -123,12 +114,12 @@ mod tests {
             [0.1, -0.0, f64::MIN_POSITIVE],
             "x".to_owned(),
         );
-        assert_eq!(made.or_make("a", || value.clone()), value);
-        assert!(made.or_make("b", || f64::NAN).is_nan());
+        made.put("a", &value);
+        made.put("b", &f64::NAN);
         assert!(Cache::read(&made.bytes(), "another").is_none());
         let read = Cache::read(&made.bytes(), "a program").unwrap();
-        assert_eq!(read.or_make("a", || (None, [0.0; 3], String::new())), value);
-        assert!(read.or_make::<f64>("b", || 1.0).is_nan());
+        assert_eq!(read.earlier("a"), Some(value));
+        assert!(read.earlier::<f64>("b").unwrap().is_nan());
         assert_eq!(read.earlier::<f64>("c"), None);
         assert_eq!(read.bytes(), made.bytes());
     }

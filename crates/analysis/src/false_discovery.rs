@@ -1,5 +1,4 @@
-//! What may be claimed where many groups are asked at once: q-values (Benjamini and Hochberg 1995; for answers that
-//! depend on each other in any way Benjamini and Yekutieli 2001).
+//! What may be claimed where many groups are asked at once: q-values (Benjamini and Hochberg 1995).
 
 use ieap_domain::finding_words::{About, say};
 use ieap_domain::{GroupDiagnosis, Verdict};
@@ -20,12 +19,6 @@ pub fn q_values(p: &[f64]) -> Vec<f64> {
         q[index] = smallest;
     }
     q
-}
-
-/// The same where nothing is known of how the answers depend on each other.
-pub fn q_values_dependent(p: &[f64]) -> Vec<f64> {
-    let harmonic: f64 = (1..=p.len()).map(|k| (k as f64).recip()).sum();
-    q_values(p).into_iter().map(|q| (q * harmonic).min(1.0)).collect()
 }
 
 /// Fills in the q of every misfit and of every effect over `found`, takes back what they do not carry, and says what is left.
@@ -110,17 +103,6 @@ mod tests {
         let q = q_values(&p);
         assert_eq!(q.iter().filter(|q| **q <= 0.05).count(), 4);
         assert!((q[0] - 0.0015).abs() < 1e-12 && (q[3] - 0.035625).abs() < 1e-12);
-    }
-
-    #[test]
-    fn any_dependence_costs_the_harmonic_sum() {
-        let p = [0.001, 0.02, 0.2, 0.9];
-        let (plain, dependent) = (q_values(&p), q_values_dependent(&p));
-        let harmonic = 1.0 + 1.0 / 2.0 + 1.0 / 3.0 + 1.0 / 4.0;
-        for (plain, dependent) in plain.iter().zip(&dependent) {
-            assert!((dependent - (plain * harmonic).min(1.0)).abs() < 1e-12);
-        }
-        assert!(q_values_dependent(&[]).is_empty());
     }
 
     #[test]

@@ -1,13 +1,12 @@
 //! Comparison across conditions, and the climate of runs.
 
+pub mod against;
 pub mod along;
 pub mod cache;
 pub mod climate;
-pub mod comparison;
 pub mod condemned;
 pub mod conditions;
 pub mod cycles;
-pub mod design;
 mod disk_file;
 pub mod dma;
 pub mod export;
@@ -48,7 +47,6 @@ pub mod traces;
 pub mod zone;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};
-pub use design::confounding;
 pub use export::{ExportError, TableFormat, rounded, write_table};
 pub use parameters::{PARAMETERS, ParameterInfo};
 pub use parquet_file::About;

@@ -223,9 +223,6 @@ pub struct StudyRules {
 /// Rules of campaign.toml, `[compare]`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CompareRules {
-    /// Tags of the condition that others are compared with (`environment`, `relative_humidity_percent`, `voltage_v`);
-    /// one that is left out is held equal. Empty: the condition with the most runs.
-    pub reference: Vec<(String, String)>,
     /// What stands for the material in comparisons; none: the material itself.
     #[serde(default)]
     pub by: Option<MaterialClass>,

@@ -8,13 +8,12 @@ use std::collections::BTreeMap;
 use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::frequency::FrequencyRun;
 use ieap_analysis::impedance::Spectra;
-use ieap_analysis::laws::CampaignLaws;
-use ieap_analysis::laws::matrix::ConfoundingMap;
+use ieap_analysis::laws::doubt::{Doubted, Doubts};
 use ieap_analysis::model_free::ModelFree;
 use ieap_analysis::models_compared::view::Compared;
 use ieap_analysis::monitoring::Monitoring;
 use ieap_analysis::online::OnlineDecision;
-use ieap_analysis::plan::{Deconfounding, PlannedRun};
+use ieap_analysis::plan::PlannedRun;
 use ieap_analysis::probe::Course;
 use ieap_analysis::shared_effects::SharedEffect;
 use ieap_domain::file_story::FileStory;
@@ -56,14 +55,12 @@ pub struct Input {
     pub origin: Origin,
     /// What the simulation gets wrong.
     pub findings: Findings,
-    /// What holds across runs.
-    pub laws: CampaignLaws,
-    /// What it takes to tell apart what the design ties together.
-    pub deconfounding: Vec<Deconfounding>,
+    /// What findings say against fits.
+    pub doubts: Doubts,
+    /// Groups whose fits are in doubt, and what is done with them.
+    pub doubted: Vec<Doubted>,
     /// Runs to make next, the first first.
     pub next_runs: Vec<PlannedRun>,
-    /// How far covariates leave each other unclear, by material.
-    pub confounding: Vec<ConfoundingMap>,
     /// What the study asked, with its answers.
     pub study: Study,
     /// Parameters over the life of the samples.
@@ -102,12 +99,11 @@ impl Input {
             cycles: &self.cycles,
             electrodes: &self.electrodes,
             files: &self.files,
-            laws: Some(&self.laws),
             groups: &self.findings.groups,
             comparisons: &self.comparisons,
             outdated_comparisons: self.outdated_comparisons,
             origin: &self.origin.database,
-            ..TableInput::new(&self.campaign, &self.runs, &self.laws.doubts)
+            ..TableInput::new(&self.campaign, &self.runs, &self.doubts)
         }
     }
 

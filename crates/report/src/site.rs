@@ -55,7 +55,9 @@ impl<'a> Site<'a> {
     pub fn lives(&self) -> Lives<'_> {
         Lives {
             monitoring: &self.input.monitoring,
-            laws: &self.input.laws,
+            study: &self.input.study,
+            facts: &self.facts,
+            doubted: &self.input.doubted,
             aside: &self.aside,
             of: self.input.of_tables(),
         }
@@ -69,7 +71,7 @@ impl<'a> Site<'a> {
             page.runs.iter().for_each(|&run| pages_of_runs[run] = index);
         }
         let conditions = conditions(&input.runs, &input.campaign);
-        let facts = facts(&input.runs, &input.campaign, &[]);
+        let facts = facts(&input.runs, &input.campaign);
         let lookup = Lookup::new(input, &conditions);
         Site {
             input,

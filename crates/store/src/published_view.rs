@@ -80,7 +80,7 @@ mod tests {
         let store = Store::in_memory().unwrap();
         assert_eq!(store.shown_of().unwrap(), None);
         let before = store.changes().unwrap();
-        let law = |sample: &str| format!("{{\"sample\":\"{sample}\",\"p\":0.01}}");
+        let law = |material: &str| format!("{{\"material\":\"{material}\",\"p\":0.01}}");
         store
             .put_shown(&[("law", vec![law("A"), law("B")])], 7, "2026-01-01T00:00:00Z")
             .unwrap();
@@ -91,8 +91,8 @@ mod tests {
         assert_eq!(store.changes().unwrap(), before);
         let seen: (String, f64, String) = store
             .connection
-            .query_row("SELECT sample, p, made_at FROM laws_view", [], |row| {
-                Ok((row.get("sample")?, row.get("p")?, row.get("made_at")?))
+            .query_row("SELECT material, p, made_at FROM laws_view", [], |row| {
+                Ok((row.get("material")?, row.get("p")?, row.get("made_at")?))
             })
             .unwrap();
         assert_eq!(seen, ("C".to_owned(), 0.01, "2026-01-02T00:00:00Z".to_owned()));

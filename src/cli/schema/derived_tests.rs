@@ -17,7 +17,7 @@ use crate::pipeline::documents::diagnosis::DiagnosisDocument;
 use crate::pipeline::documents::dma::Dma;
 use crate::pipeline::documents::fits::FitsDocument;
 use crate::pipeline::findings::impedance::Spectra;
-use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary, UntyingEntry};
+use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary};
 use crate::pipeline::findings::study::Study;
 use crate::pipeline::intake::trace::TraceSummary;
 use crate::pipeline::show::tables::MovedDocument;
@@ -66,7 +66,7 @@ fn derived() -> Vec<Derived> {
         }),
         document("comparison/1", "compare", whole::<ComparisonDocument>),
         document("convert/1", "convert NAME=VALUE", whole::<ConversionDocument>),
-        document("diagnosis/3", "diagnose", whole::<DiagnosisDocument>),
+        document("diagnosis/4", "diagnose", whole::<DiagnosisDocument>),
         document("dma/1", "dma", whole::<Document<Dma>>),
         document("drive/2", "drive", whole::<DriveDocument>),
         document("drop/1", "drop RUN", |of| {
@@ -91,10 +91,9 @@ fn derived() -> Vec<Derived> {
         }),
         document("inspect/1", "inspect FILE", whole::<Inspection>),
         document("moved/1", "table NAME --moved", whole::<MovedDocument>),
-        document("next/1", "next", |of| {
+        document("next/2", "next", |of| {
             keys([
                 ("next_runs", value::<Vec<NextRunEntry>>(of)),
-                ("untying", value::<Vec<UntyingEntry>>(of)),
                 ("sheet", value::<Option<SheetSummary>>(of)),
             ])
         }),

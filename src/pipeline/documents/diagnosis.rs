@@ -10,23 +10,23 @@ use crate::domain::Estimate;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::campaign::{self, CampaignEntry, CampaignTest, ConfoundedEntry, DoubtedEntry};
+use super::doubted::{self, DoubtedEntry};
 use super::fits::{as_object, parameter_entries};
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::shared_effects::{SharedEffectEntry, shared_effect_entries};
-use crate::analysis::laws::CampaignLaws;
+use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::online::OnlineDecision;
-use crate::analysis::study::{Evidence, Study, sentence};
+use crate::analysis::study::{Study, sentence};
 use crate::domain::{
     Account, CondemnedRun, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis, Hypothesis,
     HypothesisKind, MisfitPercent, MissingLaw, NextRun, ParameterScatter, ParameterShift, RunAlone,
     StrengthProfile, VaryingParameter, Verdict, Whereabouts,
 };
 use crate::pipeline::campaign::standing::{self, Runs};
-use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::current::findings_among;
 use crate::pipeline::findings::model_free::curves_after_steps;
-use crate::pipeline::findings::next_runs::{self, NextRunEntry, Plan, PlannedIds, UntyingEntry};
+use crate::pipeline::findings::next_runs::{self, NextRunEntry, Plan, PlannedIds};
+use crate::pipeline::findings::study;
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::infra::fault::{or_nothing, step};
 use crate::pipeline::{Context, DiagnoseChoice, PipelineError};
@@ -34,7 +34,7 @@ use crate::pipeline::{Context, DiagnoseChoice, PipelineError};
 /// Every current finding.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct DiagnosisDocument {
-    /// Always `ieap/diagnosis/3`.
+    /// Always `ieap/diagnosis/4`.
     pub schema: &'static str,
     /// Hash of the library of effects.
     pub library: String,
@@ -50,16 +50,8 @@ pub struct DiagnosisDocument {
     pub groups: Vec<GroupEntry>,
     /// Causes that several samples of a material share.
     pub campaign_effects: Vec<SharedEffectEntry>,
-    /// Effects that only a comparison of runs shows, as far as they may be claimed.
-    pub campaign: Vec<CampaignEntry>,
-    /// Covariates that the design lets nobody tell apart.
-    pub campaign_confounded: Vec<ConfoundedEntry>,
     /// Groups whose fits are in doubt, and what that does to the questions across runs.
     pub campaign_doubted: Vec<DoubtedEntry>,
-    /// Every question that was asked across runs.
-    pub campaign_tests: Vec<CampaignTest>,
-    /// What it takes to tell the confounded covariates apart.
-    pub campaign_untying: Vec<UntyingEntry>,
     /// Runs to make next, the first first.
     pub campaign_next_runs: Vec<NextRunEntry>,
     /// What the study asked, in words.
@@ -229,41 +221,34 @@ pub fn diagnosis_document(
     let ids = PlannedIds::of(context, &all)?;
     let runs = Runs::of(all).speaking;
     let (mut faults, kept) = (Vec::new(), Cache::default());
-    let across = match group {
-        Some(_) => CampaignLaws::default(),
-        None => or_nothing(
-            campaign_laws(context, (&runs, &findings), choice.seed, &kept),
-            &mut faults,
-        )?,
-    };
+    let curves = step("curves after the steps", || {
+        curves_after_steps(context, &runs, &kept)
+    });
+    let curves = or_nothing(curves, &mut faults)?;
+    let study = || Ok(study::of_runs(context, &runs, &findings, &curves));
+    let study = or_nothing(step("what the study asked", study), &mut faults)?;
     let plan = || match group {
         Some(_) => Ok(Plan::default()),
         None => Ok(next_runs::plan_from(
             context,
             (&runs, &ids),
-            &across,
+            &study,
             &findings.groups,
-            &kept,
         )),
     };
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
-    let curves = step("curves after the steps", || {
-        curves_after_steps(context, &runs, &kept)
-    });
-    let curves = or_nothing(curves, &mut faults)?;
-    let study = || {
-        Ok(Study::of(Evidence {
-            runs: &runs,
-            campaign: &context.campaign,
-            doubts: &across.doubts,
-            curves: &curves,
-        }))
+    let of_groups = Findings {
+        groups: &findings.groups,
+        runs: &findings.runs,
     };
-    let study = or_nothing(step("what the study asked", study), &mut faults)?;
+    let told_of_doubts = match group {
+        Some(_) => Vec::new(),
+        None => Doubts::new(of_groups, &runs).told(of_groups),
+    };
     let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
     let told: Vec<_> = runs.iter().filter_map(LumpedOrDistributedEntry::of).collect();
     Ok(DiagnosisDocument {
-        schema: "ieap/diagnosis/3",
+        schema: "ieap/diagnosis/4",
         library: library_hash(),
         seed: options.seed,
         draws: options.draws,
@@ -283,11 +268,7 @@ pub fn diagnosis_document(
             .map(|found| group_entry(found, &told))
             .collect(),
         campaign_effects,
-        campaign: campaign::entries(&across),
-        campaign_confounded: campaign::confounded(&across),
-        campaign_doubted: campaign::doubted(&across),
-        campaign_tests: campaign::tests(&across),
-        campaign_untying: next_runs::untying_entries(&plan),
+        campaign_doubted: doubted::entries(&told_of_doubts),
         campaign_next_runs: next_runs::entries(&plan),
         campaign_contrasts: study.asked().map(sentence).collect(),
         study,

@@ -1,9 +1,9 @@
 //! What `--json` prints, from what is stored.
 
-pub mod campaign;
 pub mod comparison;
 pub mod diagnosis;
 pub mod dma;
+pub mod doubted;
 pub mod fits;
 pub mod group_lines;
 pub mod groups;

@@ -45,8 +45,7 @@ pub struct AlarmSummary {
 
 /// What monitoring of these runs, which speak, comes to.
 fn watched(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> Result<Monitoring, PipelineError> {
-    // The charge that passed is one axis among several and no alarm depends on it.
-    let facts = || facts(runs, &context.campaign, &vec![None; runs.len()]);
+    let facts = || facts(runs, &context.campaign);
     let found = || {
         monitor(Evidence {
             runs,

@@ -1,6 +1,5 @@
 //! From readings and fits to what is found: misfits and causes, models compared, moduli, spectra, what holds across runs.
 
-pub(super) mod across_runs;
 pub(super) mod adopt;
 pub mod alarms;
 pub mod blocked;

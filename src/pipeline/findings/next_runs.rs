@@ -6,13 +6,10 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::across_runs::campaign_laws;
-use crate::analysis::cache::Cache;
-use crate::analysis::laws::CampaignLaws;
-use crate::analysis::laws::covariate::Covariate;
-use crate::analysis::laws::design::Level;
+use super::study;
 use crate::analysis::plan::list::{Grounds, RowOfSheet};
-use crate::analysis::plan::{Deconfounding, PlannedRun, deconfound, next_runs, words};
+use crate::analysis::plan::{PlannedRun, next_runs};
+use crate::analysis::study::Study;
 use crate::domain::safe_text::csv_text;
 use crate::domain::tag::keys;
 use crate::domain::{GroupDiagnosis, RunRecord};
@@ -28,8 +25,6 @@ use crate::system::fs;
 /// What is planned.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plan {
-    /// A plan for every tied set.
-    pub deconfounding: Vec<Deconfounding>,
     /// Runs to make, the first first.
     pub runs: Vec<PlannedRun>,
 }
@@ -55,12 +50,6 @@ pub struct NextRunEntry {
     pub temperature_c: Option<f64>,
     /// Nominal voltage, V.
     pub voltage_v: Option<f64>,
-    /// Instrument, where it must be a certain one.
-    pub instrument: Option<String>,
-    /// Calibration, likewise.
-    pub calibration: Option<String>,
-    /// Who measures, likewise.
-    pub operator: Option<String>,
     /// The drive in words.
     pub drive: String,
     /// Rest before it, s.
@@ -73,39 +62,12 @@ pub struct NextRunEntry {
     pub set_size: Option<f64>,
     /// The same after it.
     pub expected_set_size: Option<f64>,
-    /// Largest variance inflation before it; null where that has no bound, or the run unties nothing.
-    pub inflation_before: Option<f64>,
-    /// The same after it.
-    pub inflation_after: Option<f64>,
     /// Part of what is open that it closes: what the list is ranked by.
     pub closes: f64,
     /// Run sheet that it stands on already.
     pub on_sheet: Option<String>,
     /// Why, in words.
     pub why: String,
-}
-
-/// A plan for a tied set, as documents state it.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct UntyingEntry {
-    /// Material.
-    pub material: String,
-    /// Whether runs within samples, or samples, are compared.
-    pub compared: &'static str,
-    /// Covariates that are tied.
-    pub covariates: Vec<&'static str>,
-    /// Largest variance inflation now, of what can be untied; null where it has no bound.
-    pub inflation_before: Option<f64>,
-    /// The same after the runs of the plan.
-    pub inflation_after: Option<f64>,
-    /// Number of runs.
-    pub runs: usize,
-    /// Whether these untie all that runs in conditions of the design can untie.
-    pub reached: bool,
-    /// Pairs that they cannot.
-    pub left: Vec<[&'static str; 2]>,
-    /// In words.
-    pub sentences: Vec<String>,
 }
 
 /// Plans from what the campaign says now.
@@ -117,9 +79,13 @@ pub fn plan(context: &Context) -> Result<Plan, PipelineError> {
     let findings = findings_among(context, &all)?;
     let ids = PlannedIds::of(context, &all)?;
     let runs = Runs::of(all).speaking;
-    let kept = Cache::default();
-    let laws = campaign_laws(context, (&runs, &findings), None, &kept)?;
-    Ok(plan_from(context, (&runs, &ids), &laws, &findings.groups, &kept))
+    let of_parameters = study::of_runs(context, &runs, &findings, &[]);
+    Ok(plan_from(
+        context,
+        (&runs, &ids),
+        &of_parameters,
+        &findings.groups,
+    ))
 }
 
 /// What the sheets and the runs say of planned ids, runs that were set aside too.
@@ -149,29 +115,23 @@ impl PlannedIds {
     }
 }
 
-/// Plans from laws and findings that are known already; what was planned for them before is taken from `kept`.
+/// Plans from a study and findings that are known already.
 pub(crate) fn plan_from(
     context: &Context,
     (runs, ids): (&[RunRecord], &PlannedIds),
-    laws: &CampaignLaws,
+    study: &Study,
     groups: &[GroupDiagnosis],
-    kept: &Cache,
 ) -> Plan {
-    let deconfounding = deconfound(laws, runs, &context.campaign, kept);
     let mut planned_runs = next_runs(&Grounds {
         runs,
         campaign: &context.campaign,
-        laws,
-        plans: &deconfounding,
+        study,
         groups,
         open: &ids.open,
         last_number: ids.last_number,
     });
     shorten_misread(context, &mut planned_runs);
-    Plan {
-        deconfounding,
-        runs: planned_runs,
-    }
+    Plan { runs: planned_runs }
 }
 
 /// Names that `name_pattern` would read tags from become the bare id, so that a name says nothing beside the sheet.
@@ -199,7 +159,7 @@ fn shorten_misread(context: &Context, runs: &mut [PlannedRun]) {
 pub fn entries(plan: &Plan) -> Vec<NextRunEntry> {
     let entry = |(place, planned): (usize, &PlannedRun)| {
         let run = &planned.run;
-        let (set, inflation) = (run.expected.set_size.unzip(), run.expected.inflation.unzip());
+        let set = run.set_size.unzip();
         NextRunEntry {
             rank: place + 1,
             planned: planned.planned.clone(),
@@ -210,48 +170,18 @@ pub fn entries(plan: &Plan) -> Vec<NextRunEntry> {
             relative_humidity_percent: run.relative_humidity_percent,
             temperature_c: run.temperature_c,
             voltage_v: run.voltage_v,
-            instrument: run.names.get(&Covariate::Instrument).cloned(),
-            calibration: run.names.get(&Covariate::Calibration).cloned(),
-            operator: run.names.get(&Covariate::Operator).cloned(),
             drive: run.drive.clone(),
             rest_before_s: run.rest_before_s,
             cycle: planned.cycle,
             splits: run.splits.clone(),
             set_size: set.0,
             expected_set_size: set.1,
-            inflation_before: inflation.0.filter(|value| value.is_finite()),
-            inflation_after: inflation.1.filter(|value| value.is_finite()),
             closes: run.closes,
             on_sheet: planned.on_sheet.clone(),
             why: run.why.join("; "),
         }
     };
     plan.runs.iter().enumerate().map(entry).collect()
-}
-
-/// The plans of tied sets as documents state them.
-pub fn untying_entries(plan: &Plan) -> Vec<UntyingEntry> {
-    // A set of names of use alone has nothing that runs deconfound, and no inflation to state.
-    let finite = |value: f64| (value.is_finite() && value > 1.0).then_some(value);
-    let entry = |plan: &Deconfounding| UntyingEntry {
-        material: plan.material.clone(),
-        compared: match plan.level {
-            Level::Within => "runs",
-            Level::Between => "samples",
-        },
-        covariates: plan.covariates.iter().map(|covariate| covariate.key()).collect(),
-        inflation_before: finite(plan.inflation_before),
-        inflation_after: finite(plan.inflation_after),
-        runs: plan.steps.len(),
-        reached: plan.is_reached() && plan.would.is_empty(),
-        left: plan
-            .left
-            .iter()
-            .map(|(one, other)| [one.key(), other.key()])
-            .collect(),
-        sentences: words::reached(plan),
-    };
-    plan.deconfounding.iter().map(entry).collect()
 }
 
 /// What writing a run sheet did.
@@ -370,23 +300,10 @@ fn cells(planned: &PlannedRun) -> Vec<(String, String)> {
         // Spreadsheets guess the encoding of a CSV: an arrow would not survive everywhere.
         ("why", Some(run.why.join("; ").replace('→', "to"))),
     ];
-    let mut cells: Vec<(String, String)> = given
+    given
         .into_iter()
         .filter_map(|(column, value)| Some((column.to_owned(), value?)))
-        .collect();
-    let names = [
-        (Covariate::Instrument, keys::INSTRUMENT),
-        (Covariate::Operator, keys::OPERATOR),
-        (Covariate::Calibration, Covariate::Calibration.key()),
-    ];
-    for (covariate, key) in names {
-        cells.extend(
-            run.names
-                .get(&covariate)
-                .map(|name| (key.to_owned(), name.clone())),
-        );
-    }
-    cells
+        .collect()
 }
 
 /// Writes rows under the columns of a sheet and whatever else they state; the file is exchanged whole.

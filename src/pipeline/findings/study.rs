@@ -2,11 +2,13 @@
 
 use crate::analysis::cache::Cache;
 use crate::analysis::laws::doubt::{Doubts, Findings};
+use crate::analysis::model_free::curves::StepCurves;
 use crate::analysis::study::Evidence;
 pub use crate::analysis::study::Study;
 pub use crate::analysis::study::view::lines;
+use crate::domain::RunRecord;
 use crate::pipeline::campaign::standing;
-use crate::pipeline::findings::current::current_findings;
+use crate::pipeline::findings::current::{CurrentFindings, current_findings};
 use crate::pipeline::findings::model_free::curves_after_steps;
 use crate::pipeline::{Context, PipelineError};
 
@@ -19,15 +21,25 @@ pub const SCHEMA: &str = "ieap/study/1";
 /// The database cannot be read.
 pub fn study(context: &Context) -> Result<Study, PipelineError> {
     let runs = standing::runs(context)?.speaking;
-    let found = current_findings(context)?;
+    let curves = curves_after_steps(context, &runs, &Cache::default())?;
+    Ok(of_runs(context, &runs, &current_findings(context)?, &curves))
+}
+
+/// The same of these runs, of which a diagnosis found this, and of their curves where they were read.
+pub(crate) fn of_runs(
+    context: &Context,
+    runs: &[RunRecord],
+    found: &CurrentFindings,
+    curves: &[StepCurves],
+) -> Study {
     let findings = Findings {
         groups: &found.groups,
         runs: &found.runs,
     };
-    Ok(Study::of(Evidence {
-        runs: &runs,
+    Study::of(Evidence {
+        runs,
         campaign: &context.campaign,
-        doubts: &Doubts::new(findings, &runs),
-        curves: &curves_after_steps(context, &runs, &Cache::default())?,
-    }))
+        doubts: &Doubts::new(findings, runs),
+        curves,
+    })
 }

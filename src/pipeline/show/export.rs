@@ -7,16 +7,16 @@ use super::found_tables;
 pub use crate::analysis::TableFormat;
 use crate::analysis::cache::Cache;
 use crate::analysis::dma::table::modulus_table;
-use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::doubt::{Doubts, Findings};
+use crate::analysis::laws::facts::facts;
 use crate::analysis::monitoring::{Evidence, Monitoring, monitor};
 use crate::analysis::{self, About, ExportError, TraceWriter, run_tables, tables, traces};
 use crate::domain::{Campaign, ModulusLog, RunRecord, string_enum};
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing;
-use crate::pipeline::findings::across_runs::{campaign_facts, campaign_laws};
 use crate::pipeline::findings::current::{CurrentFindings, current_findings};
 use crate::pipeline::findings::model_free::{WithoutModel, without_model};
+use crate::pipeline::findings::study::{self, Study};
 use crate::pipeline::infra::fault::step;
 use crate::pipeline::infra::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError};
@@ -44,7 +44,7 @@ string_enum! {
         /// Findings.
         Findings = "findings" => "One row a finding of the diagnosis, of a group of runs or of a run by itself, with the gain on held-out readings",
         /// Laws.
-        Laws = "laws" => "One row a question asked across runs, with the law where it is claimed",
+        Laws = "laws" => "One row a law that was asked for: its change over the range, per unit, and of the material",
         /// Long-term monitoring.
         Monitoring = "monitoring" => "One row a sample and parameter that is watched",
         /// Numbers without a model.
@@ -165,10 +165,10 @@ impl Table {
             _ => {}
         }
         if self == Table::Laws {
-            made.laws = campaign_laws(context, (&runs, &made.found), None, &Cache::default())?;
+            made.study = study::of_runs(context, &runs, &made.found, &[]);
         }
         if self == Table::Monitoring {
-            let facts = campaign_facts(context, &runs, &Cache::default())?;
+            let facts = facts(&runs, &context.campaign);
             let findings = Findings {
                 groups: &made.found.groups,
                 runs: &made.found.runs,
@@ -205,7 +205,7 @@ impl Table {
             Table::Findings => {
                 found_tables::findings_table((&made.found.groups, &made.found.runs), &runs, campaign)
             }
-            Table::Laws => found_tables::laws_table(&made.laws),
+            Table::Laws => found_tables::laws_table(&made.study),
             Table::Monitoring => found_tables::monitoring_table(&made.monitoring),
             Table::ModelFree => tables::model_free::frame(&made.without_model.steps, &runs, campaign),
             Table::Cycles => tables::cycles::frame(&made.without_model.trains, &runs, campaign),
@@ -225,7 +225,7 @@ impl Table {
 struct Made {
     logs: Vec<ModulusLog>,
     found: CurrentFindings,
-    laws: CampaignLaws,
+    study: Study,
     monitoring: Monitoring,
     without_model: WithoutModel,
 }

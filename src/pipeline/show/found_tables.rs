@@ -5,14 +5,13 @@ use std::collections::BTreeMap;
 
 use crate::analysis::conditions::material;
 use crate::analysis::json_rows::rows;
-use crate::analysis::laws::CampaignLaws;
-use crate::analysis::laws::fitted::Interval;
+use crate::analysis::monitoring::fitted::Interval;
 use crate::analysis::monitoring::{Monitoring, Watched, series::Reaches, words};
 use crate::analysis::run_tables::runs_table;
+use crate::analysis::study::{Answer, OfMaterial, Study, Verdict, sentence};
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, GroupDiagnosis, HeldOutGain, RunRecord};
 use crate::pipeline::campaign::standing;
-use crate::pipeline::documents::campaign::{CampaignEntry, CampaignTest, entries, tests};
 use crate::report;
 use crate::show::{Frame, Sheet};
 use crate::store::PublishedRows;
@@ -104,39 +103,41 @@ fn word(of: &impl serde::Serialize) -> Option<String> {
     value.as_str().map(str::to_owned)
 }
 
-/// One row a question asked across runs; with the law where it is claimed.
-pub fn laws_table(laws: &CampaignLaws) -> Frame {
-    let claimed = entries(laws);
-    let of_question = |test: &CampaignTest| {
-        claimed.iter().find(|entry| {
-            (entry.effect, &entry.parameter, entry.covariate)
-                == (test.effect, &test.parameter, test.covariate)
-                && (entry.material == test.material || entry.material.is_none())
-                && entry.sentence == test.sentence
-        })
-    };
-    let asked = tests(laws);
-    type Asked<'a> = (&'a CampaignTest, Option<&'a CampaignEntry>);
-    Sheet::<Asked>::new("laws", "", 1)
-        .plain("material", |(test, _)| test.material.clone())
-        .plain("sample", |(_, law)| (*law)?.sample.clone())
-        .plain("parameter", |(test, _)| test.parameter.as_str())
-        .plain("covariate", |(test, _)| test.covariate)
-        .plain("effect", |(test, _)| test.effect)
-        .plain("claimed", |(_, law)| law.is_some())
-        .plain("law", |(_, law)| Some((*law)?.law))
-        .plain("coefficient", |(_, law)| (*law)?.coefficient.value)
-        .plain("coefficient_low_95", |(_, law)| (*law)?.coefficient.low_95)
-        .plain("coefficient_high_95", |(_, law)| (*law)?.coefficient.high_95)
-        .plain("coefficient_unit", |(_, law)| Some((*law)?.coefficient_unit))
-        .plain("ratio", |(_, law)| Some((*law)?.ratio.as_ref()?.ratio.value))
-        .plain("p", |(test, _)| test.p)
-        .plain("q", |(test, _)| test.q)
-        .plain("confounded_with", |(test, _)| list(&test.confounded_with))
-        .plain("runs", |(_, law)| Some((*law)?.runs))
-        .plain("samples", |(_, law)| Some((*law)?.samples))
-        .plain("sentence", |(test, _)| test.sentence.as_str())
-        .frame(asked.iter().map(|test| (test, of_question(test))))
+/// One row a law that was asked for.
+pub fn laws_table(study: &Study) -> Frame {
+    let over = |own: &Answer, number: Option<f64>| number.map(|number| own.over_all(number));
+    let of = |own: &Answer, number: fn(&OfMaterial) -> f64| own.of_material.as_ref().map(number);
+    Sheet::<&Answer>::new("laws", "", 1)
+        .plain("question", |own| own.kind.key())
+        .plain("material", |own| own.material.as_str())
+        .plain("against_material", |own| own.against_material.clone())
+        .plain("parameter", |own| own.parameter)
+        .plain("covariate", |own| own.covariate.unwrap_or("voltage_v"))
+        .plain("follows", |own| own.upper.as_str())
+        .plain("over", |own| (!own.lower.is_empty()).then(|| own.lower.clone()))
+        .plain("claimed", |own| own.verdict == Verdict::Differs)
+        .plain("scope", |own| own.scope.key())
+        .plain("scale", |own| own.scale.key())
+        .plain("per_unit", |own| own.value)
+        .plain("per_unit_low_95", |own| own.low_95)
+        .plain("per_unit_high_95", |own| own.high_95)
+        .plain("low_end", |own| own.from_to.map(|ends| ends.0))
+        .plain("high_end", |own| own.from_to.map(|ends| ends.1))
+        .plain("change", move |own| over(own, own.value))
+        .plain("change_low_95", move |own| over(own, own.low_95))
+        .plain("change_high_95", move |own| over(own, own.high_95))
+        .plain("p", |own| own.p)
+        .plain("q", |own| own.q)
+        .plain("of_material", move |own| of(own, |law| law.value))
+        .plain("of_material_low_95", move |own| of(own, |law| law.low_95))
+        .plain("of_material_high_95", move |own| of(own, |law| law.high_95))
+        .plain("of_material_q", |own| own.of_material.as_ref()?.q)
+        .plain("strips_differ_p", |own| own.strips_differ_p)
+        .plain("also_changed", |own| list(&own.also_changed))
+        .plain("runs", |own| own.of_runs.len())
+        .plain("samples", |own| own.samples)
+        .plain("sentence", |own| sentence(own))
+        .frame(study.laws())
 }
 
 /// One row a parameter of a sample that is watched.
@@ -206,7 +207,7 @@ pub fn shown(input: &report::Input) -> Vec<PublishedRows> {
             "finding",
             in_json(&findings_table(found, &input.runs, &input.campaign)),
         ),
-        ("law", in_json(&laws_table(&input.laws))),
+        ("law", in_json(&laws_table(&input.study))),
         ("monitoring", in_json(&monitoring_table(&input.monitoring))),
     ]
 }

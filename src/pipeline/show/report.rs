@@ -10,7 +10,6 @@ use super::own_templates::OwnTemplates;
 use crate::analysis::cache::Cache;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::laws::facts::facts;
-use crate::analysis::laws::matrix::confounding_maps;
 use crate::analysis::monitoring::{self, monitor};
 use crate::analysis::shared_effects::{sentence, shared_effects};
 use crate::analysis::study::{Evidence, Study};
@@ -23,7 +22,6 @@ use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::campaign::places::{FAULTS, KEPT_VALUES, REPORT_FOLDER, STAMP};
 use crate::pipeline::campaign::standing::{self, Runs};
-use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::{CurrentFindings, findings_among};
@@ -443,17 +441,13 @@ pub(crate) fn input(
     } = Runs::of(all);
     same_tags::annotate(&mut runs);
     sequence::annotate(&mut runs);
-    let mut laws = or_nothing(campaign_laws(context, (&runs, &found), None, kept), &mut faults)?;
-    if laws.facts.len() != runs.len() {
-        laws.facts = facts(&runs, &context.campaign, &vec![None; runs.len()]);
-    }
-    let doubts = Doubts::new(
-        Findings {
-            groups: &found.groups,
-            runs: &found.runs,
-        },
-        &runs,
-    );
+    let facts = facts(&runs, &context.campaign);
+    let of_groups = Findings {
+        groups: &found.groups,
+        runs: &found.runs,
+    };
+    let doubts = Doubts::new(of_groups, &runs);
+    let doubted = doubts.told(of_groups);
     let curves = step("curves after the steps", || {
         curves_after_steps(context, &runs, kept)
     });
@@ -477,9 +471,8 @@ pub(crate) fn input(
         Ok(next_runs::plan_from(
             context,
             (&runs, &ids),
-            &laws,
+            &study,
             &findings.groups,
-            kept,
         ))
     };
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
@@ -501,19 +494,17 @@ pub(crate) fn input(
         Ok(monitor(monitoring::Evidence {
             runs: &runs,
             campaign: &context.campaign,
-            facts: &laws.facts,
+            facts: &facts,
             doubts: &doubts,
         }))
     };
     let monitoring = or_nothing(step("monitoring", monitoring), &mut faults)?;
-    let confounding = step("confounding", || Ok(confounding_maps(&laws, &runs)));
     Ok(report::Input {
         before: Before::default(),
-        confounding: or_nothing(confounding, &mut faults)?,
         faults,
-        deconfounding: plan.deconfounding,
         next_runs: plan.runs,
-        laws,
+        doubts,
+        doubted,
         study,
         monitoring,
         campaign: context.campaign.clone(),

@@ -6,7 +6,6 @@ use serde::Serialize;
 use crate::analysis::cache::Cache;
 use crate::analysis::frequency::FrequencyRun;
 use crate::analysis::impedance::OneLikelihood;
-use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::model_free::curves::StepCurves;
 use crate::analysis::probe::Course;
@@ -18,7 +17,6 @@ use crate::domain::{
 };
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing::{self, Runs};
-use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::current_findings;
@@ -46,7 +44,6 @@ pub(crate) struct TableData {
     one_likelihood: Vec<OneLikelihood>,
     electrodes: Vec<Course>,
     files: Vec<SourceFile>,
-    laws: Option<CampaignLaws>,
     groups: Vec<GroupDiagnosis>,
     doubts: Doubts,
     comparisons: Vec<RunComparison>,
@@ -96,7 +93,6 @@ impl TableData {
             curves: Vec::new(),
             reductions: Vec::new(),
             one_likelihood: Vec::new(),
-            laws: None,
             electrodes: electrode_courses(context)?,
             runs,
             set_aside,
@@ -131,11 +127,6 @@ impl TableData {
             Need::OneLikelihood => {
                 self.one_likelihood = in_one_likelihood(context, &self.runs, &self.spectra)?;
             }
-            Need::Laws => {
-                let found = current_findings(context)?;
-                let laws = campaign_laws(context, (&self.runs, &found), None, &Cache::default())?;
-                self.laws = Some(laws);
-            }
         }
         Ok(self)
     }
@@ -156,7 +147,6 @@ impl TableData {
             one_likelihood: &self.one_likelihood,
             electrodes: &self.electrodes,
             files: &self.files,
-            laws: self.laws.as_ref(),
             groups: &self.groups,
             doubts: &self.doubts,
             comparisons: &self.comparisons,

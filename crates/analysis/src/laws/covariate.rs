@@ -16,8 +16,6 @@ pub enum Covariate {
     Cycle,
     /// Hours since the start of the sample's first run.
     Age,
-    /// Charge that passed in the sample's earlier runs, per area, C/cm2.
-    ChargeBefore,
     /// Hours of exposure before the run, from a tag.
     Exposure,
     /// Place of the run among the sample's runs.
@@ -34,8 +32,6 @@ pub enum Covariate {
     Operator,
     /// Batch of the sample.
     Batch,
-    /// The sample itself.
-    Sample,
     /// Environment: a factor of the design.
     Environment,
     /// Step voltage, V: a factor of the design.
@@ -84,15 +80,13 @@ pub enum Kind {
 }
 
 impl Covariate {
-    /// Every covariate but declared tags, which come after them; of two that cannot be told apart the earlier one gives a finding its name where nothing
-    /// else decides.
-    pub const ALL: [Covariate; 17] = [
+    /// Every covariate but declared tags, which come after them.
+    pub const ALL: [Covariate; 15] = [
         Covariate::RelativeHumidity,
         Covariate::Temperature,
         Covariate::Direction,
         Covariate::Cycle,
         Covariate::Age,
-        Covariate::ChargeBefore,
         Covariate::Exposure,
         Covariate::RunOrder,
         Covariate::FirstRun,
@@ -101,16 +95,14 @@ impl Covariate {
         Covariate::Calibration,
         Covariate::Operator,
         Covariate::Batch,
-        Covariate::Sample,
         Covariate::Environment,
         Covariate::Voltage,
     ];
 
     /// Those that grow as a sample is used.
-    pub const OF_AGE: [Covariate; 5] = [
+    pub const OF_AGE: [Covariate; 4] = [
         Covariate::Cycle,
         Covariate::Age,
-        Covariate::ChargeBefore,
         Covariate::Exposure,
         Covariate::RunOrder,
     ];
@@ -123,7 +115,6 @@ impl Covariate {
             Covariate::Direction => "humidity_direction",
             Covariate::Cycle => "cycle",
             Covariate::Age => "age_h",
-            Covariate::ChargeBefore => "charge_before_c_per_cm2",
             Covariate::Exposure => "exposure_h",
             Covariate::RunOrder => "run_order",
             Covariate::FirstRun => "first_run",
@@ -132,86 +123,10 @@ impl Covariate {
             Covariate::Calibration => "calibration",
             Covariate::Operator => "operator",
             Covariate::Batch => "batch",
-            Covariate::Sample => "sample",
             Covariate::Environment => "environment",
             Covariate::Voltage => "voltage_v",
             Covariate::TagNumber(tag) | Covariate::TagName(tag) => tag.0,
         }
-    }
-
-    /// How near it is to a cause, the nearest first: 0 what surrounds and drives the strip, 1 how far it is used, 2 in which
-    /// order and by whom it was measured.
-    pub fn remoteness(self) -> u8 {
-        match self {
-            Covariate::RelativeHumidity
-            | Covariate::Temperature
-            | Covariate::Direction
-            | Covariate::RestBefore
-            | Covariate::Environment
-            | Covariate::Voltage
-            | Covariate::TagNumber(_)
-            | Covariate::TagName(_) => 0,
-            Covariate::Cycle | Covariate::Age | Covariate::ChargeBefore | Covariate::Exposure => 1,
-            Covariate::RunOrder
-            | Covariate::FirstRun
-            | Covariate::Instrument
-            | Covariate::Calibration
-            | Covariate::Operator
-            | Covariate::Batch
-            | Covariate::Sample => 2,
-        }
-    }
-
-    /// Whether it is what people or instruments state of a run, or follows from that alone. What follows from the order of
-    /// a sample's runs, and factors of the design, are not.
-    pub(super) fn is_stated(self) -> bool {
-        match self {
-            Covariate::Age
-            | Covariate::ChargeBefore
-            | Covariate::RunOrder
-            | Covariate::FirstRun
-            | Covariate::Sample
-            | Covariate::Environment
-            | Covariate::Voltage => false,
-            Covariate::RelativeHumidity
-            | Covariate::Temperature
-            | Covariate::Direction
-            | Covariate::Cycle
-            | Covariate::Exposure
-            | Covariate::RestBefore
-            | Covariate::Instrument
-            | Covariate::Calibration
-            | Covariate::Operator
-            | Covariate::Batch
-            | Covariate::TagNumber(_)
-            | Covariate::TagName(_) => true,
-        }
-    }
-
-    /// The word by which it enters the seeds of random draws: another one would draw other numbers.
-    pub(super) fn seed_word(self) -> String {
-        let word = match self {
-            Covariate::RelativeHumidity => "RelativeHumidity",
-            Covariate::Temperature => "Temperature",
-            Covariate::Direction => "Direction",
-            Covariate::Cycle => "Cycle",
-            Covariate::Age => "Age",
-            Covariate::ChargeBefore => "ChargeBefore",
-            Covariate::Exposure => "Exposure",
-            Covariate::RunOrder => "RunOrder",
-            Covariate::FirstRun => "FirstRun",
-            Covariate::RestBefore => "RestBefore",
-            Covariate::Instrument => "Instrument",
-            Covariate::Calibration => "Calibration",
-            Covariate::Operator => "Operator",
-            Covariate::Batch => "Batch",
-            Covariate::Sample => "Sample",
-            Covariate::Environment => "Environment",
-            Covariate::Voltage => "Voltage",
-            Covariate::TagNumber(tag) => return format!("TagNumber(DeclaredTag(\"{}\"))", tag.0),
-            Covariate::TagName(tag) => return format!("TagName(DeclaredTag(\"{}\"))", tag.0),
-        };
-        word.to_owned()
     }
 
     /// Name in sentences.
@@ -222,7 +137,6 @@ impl Covariate {
             Covariate::Direction => "wetting or drying",
             Covariate::Cycle => "cycle",
             Covariate::Age => "age",
-            Covariate::ChargeBefore => "charge passed before",
             Covariate::Exposure => "exposure",
             Covariate::RunOrder => "order of the runs",
             Covariate::FirstRun => "first run",
@@ -231,7 +145,6 @@ impl Covariate {
             Covariate::Calibration => "calibration",
             Covariate::Operator => "operator",
             Covariate::Batch => "batch",
-            Covariate::Sample => "sample",
             Covariate::Environment => "environment",
             Covariate::Voltage => "voltage",
             Covariate::TagNumber(tag) | Covariate::TagName(tag) => tag.0,
@@ -244,35 +157,10 @@ impl Covariate {
             Covariate::RelativeHumidity => "% RH",
             Covariate::Temperature => "°C",
             Covariate::Age | Covariate::Exposure => "h",
-            Covariate::ChargeBefore => "C cm⁻²",
             Covariate::RestBefore => "s",
             Covariate::Voltage => "V",
             _ => "",
         }
-    }
-
-    /// Id of the effect that a dependence on it is; none for the factors of the design, which are no effect.
-    pub fn effect(self) -> Option<&'static str> {
-        match self {
-            Covariate::RelativeHumidity | Covariate::Direction => Some("humidity-dependence"),
-            Covariate::Temperature => Some("temperature-dependence"),
-            Covariate::RestBefore => Some("carry-over"),
-            Covariate::Cycle
-            | Covariate::Age
-            | Covariate::ChargeBefore
-            | Covariate::Exposure
-            | Covariate::RunOrder => Some("degradation"),
-            Covariate::FirstRun => Some("conditioning"),
-            Covariate::Instrument | Covariate::Calibration | Covariate::Operator => Some("instrument-shift"),
-            Covariate::Batch | Covariate::Sample => Some("sample-offset"),
-            Covariate::TagNumber(_) | Covariate::TagName(_) => Some("tag-dependence"),
-            Covariate::Environment | Covariate::Voltage => None,
-        }
-    }
-
-    /// Whether it is a factor of the design: what the drive or the surroundings were set to.
-    pub fn is_factor(self) -> bool {
-        self.effect().is_none()
     }
 
     /// How its values compare.
@@ -282,7 +170,6 @@ impl Covariate {
             | Covariate::Calibration
             | Covariate::Operator
             | Covariate::Batch
-            | Covariate::Sample
             | Covariate::Environment
             | Covariate::Voltage
             | Covariate::TagName(_) => Kind::Category,

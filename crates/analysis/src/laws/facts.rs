@@ -36,22 +36,21 @@ pub struct RunFacts {
     pub names: BTreeMap<Covariate, String>,
 }
 
-/// Facts of every run that has a sample, in the order of the runs. `charge_c` is what passed in each run, C, where
-/// that is known.
-pub fn facts(runs: &[RunRecord], campaign: &Campaign, charge_c: &[Option<f64>]) -> Vec<RunFacts> {
+/// Facts of every run that has a sample, in the order of the runs.
+pub fn facts(runs: &[RunRecord], campaign: &Campaign) -> Vec<RunFacts> {
     let declared = declared(runs, &campaign.extra_tags);
     let mut facts: Vec<RunFacts> = runs
         .iter()
         .enumerate()
         .filter_map(|(index, run)| of_run(index, run, campaign, &declared))
         .collect();
-    add_history(&mut facts, runs, charge_c);
+    add_history(&mut facts, runs);
     facts
 }
 
 /// Facts of a run that is not among `runs`: what it states of itself, and where it would stand among those of its sample,
 /// whose facts are `known` and stay as they are. As it counts for none of them it stands between two in their order. The
-/// charge before it and the way of the humidity to it are not among them. The index of the run is 0.
+/// way of the humidity to it is not among them. The index of the run is 0.
 pub fn facts_beside(
     run: &RunRecord,
     runs: &[RunRecord],
@@ -198,7 +197,7 @@ fn climate(run: &RunRecord, quantity: ClimateQuantity, key: &str) -> Option<Know
 
 /// Adds what follows from the order of each sample's runs. Without starts the cycle gives the order; where neither
 /// does, nothing is added.
-fn add_history(facts: &mut [RunFacts], runs: &[RunRecord], charge_c: &[Option<f64>]) {
+fn add_history(facts: &mut [RunFacts], runs: &[RunRecord]) {
     let mut samples: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (place, fact) in facts.iter().enumerate() {
         samples.entry(fact.sample.clone()).or_default().push(place);
@@ -209,7 +208,6 @@ fn add_history(facts: &mut [RunFacts], runs: &[RunRecord], charge_c: &[Option<f6
             continue;
         };
         let first_start = start_s(&runs[facts[ordered[0]].run]);
-        let mut passed = Some(0.0);
         for (order, &place) in ordered.iter().enumerate() {
             let run = facts[place].run;
             let exact = |value: f64| Known {
@@ -223,13 +221,6 @@ fn add_history(facts: &mut [RunFacts], runs: &[RunRecord], charge_c: &[Option<f6
             if let (Some(first), Some(start)) = (first_start, start_s(&runs[run])) {
                 numbers.insert(Covariate::Age, exact((start - first) / 3600.0));
             }
-            if let Some(passed) = passed {
-                numbers.insert(Covariate::ChargeBefore, exact(passed));
-            }
-            let own = charge_c.get(run).copied().flatten().zip(runs[run].area_cm2);
-            passed = passed
-                .zip(own)
-                .map(|(passed, (charge, area))| passed + charge / area);
         }
         for (place, direction) in directions(&ordered, facts) {
             rises += usize::from(direction > 0.0);
@@ -317,25 +308,22 @@ mod tests {
         for (run, cycle) in runs.iter_mut().zip(["3", "1", "2"]) {
             run.tags.push(tag(keys::CYCLE, cycle));
         }
-        let charge = [Some(0.3), Some(0.1), Some(0.2)];
-        let found = facts(&runs, &campaign(), &charge);
+        let found = facts(&runs, &campaign());
         let of = |k: usize, covariate| found[k].numbers.get(&covariate).map(|known| known.value);
         // One first run cannot be told from a run.
         assert_eq!(of(1, Covariate::FirstRun), None);
         assert_eq!(of(0, Covariate::RunOrder), Some(3.0));
         assert_eq!(of(0, Covariate::Age), None);
-        assert!((of(0, Covariate::ChargeBefore).unwrap() - 3.0).abs() < 1e-12);
         for (run, hour) in runs.iter_mut().zip([0, 1, 5]) {
             run.tags
                 .push(tag(keys::STARTED_AT, &format!("2026-11-20T{hour:02}:00:00Z")));
         }
-        let found = facts(&runs, &campaign(), &[None, None, None]);
+        let found = facts(&runs, &campaign());
         let ages: Vec<f64> = found
             .iter()
             .map(|fact| fact.numbers[&Covariate::Age].value)
             .collect();
         assert_eq!(ages, [0.0, 1.0, 5.0]);
-        assert!(!found[1].numbers.contains_key(&Covariate::ChargeBefore));
     }
 
     #[test]
@@ -347,14 +335,13 @@ mod tests {
             run
         };
         let runs = [of("a", 4), of("b", 8)];
-        let known = facts(&runs, &campaign(), &[]);
+        let known = facts(&runs, &campaign());
         let beside = |hour| facts_beside(&of("odd", hour), &runs, &known, &campaign()).unwrap();
         let of = |hour, covariate| beside(hour).numbers.get(&covariate).map(|known| known.value);
         assert_eq!(of(6, Covariate::RunOrder), Some(1.5));
         assert_eq!(of(6, Covariate::Age), Some(2.0));
         assert_eq!(of(9, Covariate::RunOrder), Some(2.5));
         assert_eq!(of(1, Covariate::Age), Some(-3.0));
-        assert_eq!(of(6, Covariate::ChargeBefore), None);
     }
 
     #[test]
@@ -370,7 +357,7 @@ mod tests {
         }
         let mut stated = campaign();
         stated.extra_tags = vec!["pre_charge_s".to_owned(), "specimen".to_owned()];
-        let found = facts(&runs, &stated, &[None, None]);
+        let found = facts(&runs, &stated);
         let number = Covariate::TagNumber(DeclaredTag::of("pre_charge_s"));
         let name = Covariate::TagName(DeclaredTag::of("specimen"));
         assert_eq!(found[1].numbers[&number].value, 20.0);
@@ -385,7 +372,7 @@ mod tests {
             run("a", "CNaf-01", "air", Some(34.0), 2.0),
             run("b", "CNaf-01", "air", Some(34.0), 2.0),
         ];
-        let found = facts(&runs, &campaign(), &[None, None]);
+        let found = facts(&runs, &campaign());
         assert!(!found[0].numbers.contains_key(&Covariate::RunOrder));
         assert_eq!(
             found[0].numbers[&Covariate::RelativeHumidity].standard_error,

@@ -189,7 +189,7 @@ mod tests {
         ]) {
             run.fit = Some(fit(&[("lambda_per_s", estimate), ("tau1_s", known(1.0, 0.1))]));
         }
-        let facts = facts(&runs, &campaign(), &[None; 3]);
+        let facts = facts(&runs, &campaign());
         assert_eq!(keys(&runs, &facts, &[0, 1, 2]), ["lambda_per_s"]);
         let found = values(&runs, &facts, &[0, 1, 2], "lambda_per_s");
         assert_eq!((found.values.len(), found.left_out.as_slice()), (1, &[1, 2][..]));

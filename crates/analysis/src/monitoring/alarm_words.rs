@@ -2,8 +2,8 @@
 
 use super::Watched;
 use super::words::{A_FACTOR, place, subject};
-use crate::laws::fitted::Interval;
 use crate::laws::words::{ends, moves, round, short, symbol};
+use crate::monitoring::fitted::Interval;
 use crate::zone::Zone;
 use ieap_domain::number::fixed;
 use ieap_domain::words::in_a_row;

@@ -25,7 +25,7 @@ pub fn life(lives: &Lives, watched: &Watched) -> Option<Chart> {
     let title = format!("{} {name}", symbol(&watched.parameter));
     let panels = [Some(of_life(lives, watched)?), control(lives, watched)];
     let chart = Chart::new(title.trim_end(), panels.into_iter().flatten().collect());
-    Some(chart.told(words::life_and_others(watched)))
+    Some(chart.told(words::life(watched)))
 }
 
 /// The same for print: without the control chart, and with the name of the sample.
@@ -119,8 +119,8 @@ fn set_aside(lives: &Lives, watched: &Watched, factor: f64) -> Vec<Layer> {
     let layer = |aside: &crate::condemned::Aside| {
         let run = &lives.of.set_aside[aside.run - lives.of.runs.len()];
         let (facts, reference) = (aside.facts.as_ref()?, lives.monitoring.reference.as_ref()?);
-        let is_here = facts.sample == watched.sample
-            && reference.holds(run, facts, &lives.laws.facts, &campaign.monitoring);
+        let is_here =
+            facts.sample == watched.sample && reference.holds(run, facts, lives.facts, &campaign.monitoring);
         let place = facts.numbers.get(&watched.axis).filter(|_| is_here)?;
         let estimate = usable(run, &watched.parameter)?;
         let value = estimate.value.filter(|value| value.is_finite())?;

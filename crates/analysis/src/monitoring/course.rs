@@ -5,10 +5,10 @@
 
 use super::policy::{FEWEST_FOR_STEP, MOST_PLACES, SHOWN_BELOW};
 use super::series::{Change, Series, Study};
-use crate::laws::chance_of::{Answer, ask};
-use crate::laws::fitted::{self, Fitted, Interval, Material};
-use crate::laws::policy::{AS_GOOD, STEP_PAID, STEP_SIDE};
-use crate::laws::shape::{Bend, Law, progress};
+use crate::monitoring::chance_of::{Answer, ask};
+use crate::monitoring::fitted::{self, Fitted, Interval, Material};
+use crate::monitoring::policy::{AS_GOOD, STEP_PAID, STEP_SIDE};
+use crate::monitoring::shape::{Bend, Law, progress};
 use ieap_numerics::correlation::Autoregression;
 use ieap_numerics::grouped::{Grouped, dot, shared_variance};
 use ieap_numerics::student::quantile_95;
@@ -40,8 +40,6 @@ pub(super) struct Scatter {
     correlation: f64,
     /// Readings that tell as much as one independent one.
     pub(super) per_independent: f64,
-    /// Number of the sample of each reading: all are of one.
-    sample: Vec<usize>,
     /// Places at which laws may bend.
     levels: Vec<f64>,
 }
@@ -126,13 +124,13 @@ impl Series {
     /// Adds what happens over the axis, beside the jumps between segments.
     pub(super) fn add_course(&self, study: &mut Study, segment: &[usize], seed: u64) {
         let mut shapes: Vec<Vec<f64>> = [
-            (Law::Exponential, 0.0),
-            (Law::SquareRoot, 0.0),
-            (Law::Threshold, 0.6),
+            (Law::Exponential, 0.0, 1.0),
+            (Law::SquareRoot, 0.0, 1.0),
+            (Law::Knee, 0.6, 0.0),
         ]
         .into_iter()
-        .map(|(law, at)| {
-            let along = |&x: &f64| progress(law, x, study.span, Bend { at, part: 1.0 });
+        .map(|(law, at, part)| {
+            let along = |&x: &f64| progress(law, x, study.span, Bend { at, part });
             self.x.iter().map(along).collect()
         })
         .collect();
@@ -192,9 +190,7 @@ impl Series {
         let steps = places.iter().map(|&at| self.column(at));
         let columns: Vec<Vec<f64>> = shapes.iter().cloned().chain(steps).collect();
         let innovations = Innovations::of(&variance, segment, correlation);
-        let answer = innovations.ask(&self.y, &[], &columns, seed)?;
-        // Steps at neighbouring places are nearly the same question: their number says little.
-        Some(answer.p.min(answer.drawn))
+        Some(innovations.ask(&self.y, &[], &columns, seed)?.p)
     }
 
     /// What scatters about a course of the `flexible` columns, for which a search of places is paid with `searched`
@@ -206,7 +202,6 @@ impl Series {
             variance,
             correlation: 0.0,
             per_independent: 1.0,
-            sample: vec![0; n],
             levels: levels(&self.x),
         };
         if n < FEWEST_FOR_STEP {
@@ -230,7 +225,6 @@ impl Series {
         Material {
             y: &self.y,
             variance: &scatter.variance,
-            sample: &scatter.sample,
             nuisance,
             x: &self.x,
             levels: &scatter.levels,
@@ -270,7 +264,7 @@ impl Series {
         let columns: Vec<Vec<f64>> = places.iter().map(|&at| self.column(at)).collect();
         let innovations = Innovations::of(&scatter.variance, segment, scatter.correlation);
         let answer = innovations.ask(&self.y, shapes, &columns, seed.wrapping_add(1))?;
-        let p = answer.p.min(answer.drawn);
+        let p = answer.p;
         if p > SHOWN_BELOW {
             return None;
         }

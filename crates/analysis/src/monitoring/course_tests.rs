@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::series::{Series, Study};
-use crate::laws::shape::Law;
+use crate::monitoring::shape::Law;
 use ieap_numerics::control_chart;
 
 /// Runs of a series, and the scatter of the logarithm from run to run.

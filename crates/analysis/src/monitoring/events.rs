@@ -11,7 +11,7 @@ use ieap_domain::quantiles::NORMAL_95;
 use super::moved::Moved;
 use super::policy::JUMP_SIDE;
 use super::{Watched, alarm_words};
-use crate::laws::fitted::Interval;
+use crate::monitoring::fitted::Interval;
 use crate::zone::Zone;
 use ieap_domain::tag::keys;
 use ieap_domain::{Alarm, AlarmPlace, AlarmSign, Campaign, Estimate, RunRecord};
@@ -277,7 +277,6 @@ mod tests {
             starts_s: Vec::new(),
             series,
             study,
-            other_axes: Vec::new(),
             brought: Vec::new(),
             limit: None,
             left_out: 0,

@@ -3,8 +3,8 @@
 use super::series::Reaches;
 use super::{Monitoring, Watched, words};
 use crate::laws::Covariate;
-use crate::laws::fitted::Interval;
 use crate::laws::words::symbol;
+use crate::monitoring::fitted::Interval;
 use crate::zone::{Zone, seconds};
 use ieap_domain::number::significant;
 use ieap_domain::tag::keys;

@@ -101,7 +101,7 @@ fn alarms(jumps: bool, noise_part: f64, seed: u64) -> (f64, Vec<Alarm>) {
         })
         .collect();
     let campaign = campaign();
-    let facts = facts(&runs, &campaign, &vec![None; runs.len()]);
+    let facts = facts(&runs, &campaign);
     let doubts = Doubts::default();
     let evidence = Evidence {
         runs: &runs,

@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::series::{Series, Study};
-use crate::laws::shape::Law;
+use crate::monitoring::shape::Law;
 use ieap_numerics::control_chart;
 
 /// Total drift of a series with one, and the scatter about it.

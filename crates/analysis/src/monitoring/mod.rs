@@ -2,11 +2,13 @@
 //! alarms, and what of a change comes back with the air.
 
 mod alarm_words;
+mod chance_of;
 pub mod charts;
 mod course;
 #[cfg(test)]
 mod course_tests;
 mod events;
+pub mod fitted;
 pub mod forecasts;
 #[cfg(test)]
 mod jump_tests;
@@ -20,6 +22,7 @@ pub mod reference;
 mod season_tests;
 mod seasons;
 pub mod series;
+pub mod shape;
 mod sheet;
 pub mod view;
 mod watched;
@@ -35,7 +38,7 @@ use rayon::prelude::*;
 use crate::laws::covariate::Covariate;
 use crate::laws::doubt::Doubts;
 use crate::laws::facts::{RunFacts, start_s};
-use crate::laws::values::{Value, Values, keys, values};
+use crate::laws::values::{Value, keys, values};
 use ieap_domain::{Alarm, Campaign, RunRecord};
 use ieap_numerics::control_chart;
 use reference::Reference;
@@ -166,64 +169,42 @@ fn watch(evidence: Evidence, places: &[usize], (key, chart_limit): (&str, f64)) 
     if found.values.len() < policy::FEWEST_RUNS {
         return None;
     }
-    let axes: Vec<Covariate> = Covariate::OF_AGE
-        .into_iter()
-        .filter(|axis| {
-            found
-                .values
-                .iter()
-                .all(|value| facts[value.place].numbers.contains_key(axis))
-        })
-        .collect();
-    let (&axis, others) = axes.split_first()?;
+    let is_stated = |axis: &Covariate| {
+        let mut values = found.values.iter();
+        values.all(|value| facts[value.place].numbers.contains_key(axis))
+    };
+    let axis = Covariate::OF_AGE.into_iter().find(is_stated)?;
     let number =
         |place: usize, axis: Covariate| facts[place].numbers.get(&axis).map_or(0.0, |known| known.value);
-    let in_order = |found: &Values, axis: Covariate| -> Vec<usize> {
-        let mut order: Vec<usize> = (0..found.values.len()).collect();
-        // Of runs at one place of the axis the order of the runs decides.
-        order.sort_by(|&a, &b| {
-            let by =
-                |axis| number(found.values[a].place, axis).total_cmp(&number(found.values[b].place, axis));
-            by(axis).then(by(Covariate::RunOrder))
-        });
-        order
-    };
-    let order = in_order(&found, axis);
+    let mut order: Vec<usize> = (0..found.values.len()).collect();
+    // Of runs at one place of the axis the order of the runs decides.
+    order.sort_by(|&a, &b| {
+        let by = |axis| number(found.values[a].place, axis).total_cmp(&number(found.values[b].place, axis));
+        by(axis).then(by(Covariate::RunOrder))
+    });
     let brought = seasons::bring(&mut found, facts, &order);
-    let over = |axis: Covariate| {
-        let order = in_order(&found, axis).into_iter();
-        let ordered: Vec<Value> = order.map(|k| found.values[k]).collect();
-        let breaks = (1..ordered.len())
-            .filter(|&k| {
-                [Covariate::Instrument, Covariate::Calibration]
-                    .iter()
-                    .any(|name| {
-                        facts[ordered[k].place].names.get(name) != facts[ordered[k - 1].place].names.get(name)
-                    })
-            })
-            .collect();
-        let series = Series {
-            x: ordered.iter().map(|value| number(value.place, axis)).collect(),
-            y: ordered.iter().map(|value| value.y).collect(),
-            variance: ordered.iter().map(|value| value.variance).collect(),
-            is_log: found.is_log,
-            breaks,
-        };
-        let runs: Vec<usize> = ordered.iter().map(|value| facts[value.place].run).collect();
-        (series, runs)
+    let ordered: Vec<Value> = order.into_iter().map(|k| found.values[k]).collect();
+    let is_another = |k: &usize, name: &Covariate| {
+        let of = |k: usize| facts[ordered[k].place].names.get(name);
+        of(*k) != of(*k - 1)
     };
-    let (series, of_runs) = over(axis);
-    let seed = of_runs.first().map_or(1, |run| runs[*run].id.unsigned_abs() + 1);
-    let study = series.study(chart_limit, seed);
-    let other_axes = others
-        .iter()
-        .filter_map(|&axis| {
-            let (series, _) = over(axis);
-            let study = series.study(chart_limit, seed);
-            let law = study.trends.first().copied().filter(|_| study.is_shown());
-            Some((axis, law?))
+    let breaks = (1..ordered.len())
+        .filter(|k| {
+            [Covariate::Instrument, Covariate::Calibration]
+                .iter()
+                .any(|name| is_another(k, name))
         })
         .collect();
+    let series = Series {
+        x: ordered.iter().map(|value| number(value.place, axis)).collect(),
+        y: ordered.iter().map(|value| value.y).collect(),
+        variance: ordered.iter().map(|value| value.variance).collect(),
+        is_log: found.is_log,
+        breaks,
+    };
+    let of_runs: Vec<usize> = ordered.iter().map(|value| facts[value.place].run).collect();
+    let seed = of_runs.first().map_or(1, |run| runs[*run].id.unsigned_abs() + 1);
+    let study = series.study(chart_limit, seed);
     let fact = &facts[places[0]];
     let limit = campaign.monitoring.limits.iter().find(|limit| {
         limit.parameter == key
@@ -251,7 +232,6 @@ fn watch(evidence: Evidence, places: &[usize], (key, chart_limit): (&str, f64)) 
         runs: of_runs,
         series,
         study,
-        other_axes,
         brought,
         limit,
         left_out: found.left_out.len(),

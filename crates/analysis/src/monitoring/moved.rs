@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::series::Series;
-use crate::laws::fitted::Interval;
-use crate::laws::policy::STEP_PAID;
+use crate::monitoring::fitted::Interval;
+use crate::monitoring::policy::STEP_PAID;
 use ieap_numerics::grouped::{Grouped, dot};
 use ieap_numerics::student::{quantile_95, two_sided_chance};
 

@@ -53,7 +53,7 @@ fn alarms(seed: u64, stays: impl Fn(usize) -> f64) -> Vec<Alarm> {
     campaign.monitoring.reference = wanted
         .map(|(key, value)| (key.to_owned(), value.to_owned()))
         .into();
-    let facts = facts(&runs, &campaign, &vec![None; runs.len()]);
+    let facts = facts(&runs, &campaign);
     let doubts = Doubts::default();
     monitor(Evidence {
         runs: &runs,

@@ -150,7 +150,7 @@ mod tests {
 
     /// The values before and after, and to what they were brought.
     fn brought(runs: &[RunRecord]) -> (Vec<f64>, Vec<f64>, Vec<Brought>) {
-        let facts = facts(runs, &campaign(), &vec![None; runs.len()]);
+        let facts = facts(runs, &campaign());
         let places: Vec<usize> = (0..runs.len()).collect();
         let mut found = values(runs, &facts, &places, "lambda_per_s");
         let y = |found: &Values| found.values.iter().map(|value| value.y).collect::<Vec<f64>>();

@@ -3,9 +3,9 @@
 use super::policy::{
     FEWEST_FOR_JUMPS, FEWEST_FOR_TREND, FOLLOWED, JUMP_SIDE, JUMP_SIGMAS, SHOWN_BELOW, STAYS,
 };
-use crate::laws::fitted::{Fitted, Interval};
-use crate::laws::policy::{AS_GOOD, STEP_SIDE};
-use crate::laws::shape::{Law, Span};
+use crate::monitoring::fitted::{Fitted, Interval};
+use crate::monitoring::policy::{AS_GOOD, STEP_SIDE};
+use crate::monitoring::shape::{Law, Span};
 use ieap_domain::number::fixed;
 use ieap_numerics::control_chart::{self, self_starting};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, median};

@@ -36,7 +36,7 @@ pub fn view(lives: &Lives) -> Vec<Block> {
     blocks.extend(Block::issues(&alarms).map(|alarms| Block::part("Alarms", vec![alarms])));
     blocks.extend(table(sheet::steps(&monitoring.watched, &dates)));
     blocks.extend(probe::view::view(of.electrodes));
-    let mut split = words::split(lives.laws);
+    let mut split = words::split(lives.study);
     split.extend(words::brought(&monitoring.watched));
     if !split.is_empty() {
         let split = split.iter().map(Block::say).collect();
@@ -92,7 +92,7 @@ fn in_doubt(lives: &Lives) -> Option<String> {
     let watched = lives.monitoring.watched.iter().flat_map(|watched| &watched.runs);
     let watched: BTreeSet<&str> = watched.map(|&run| lives.of.runs[run].path.as_str()).collect();
     let has_some = |found: &&Doubted| found.runs.iter().any(|run| watched.contains(run.as_str()));
-    let doubted = lives.laws.doubted.iter().filter(has_some);
+    let doubted = lives.doubted.iter().filter(has_some);
     let groups: BTreeSet<&str> = doubted.map(|found| found.group.as_str()).collect();
     let names: Vec<&str> = groups.into_iter().collect();
     (!names.is_empty()).then(|| {

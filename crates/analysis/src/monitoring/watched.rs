@@ -2,7 +2,6 @@
 
 use super::series::{Reaches, Series, Study};
 use crate::laws::covariate::Covariate;
-use crate::laws::fitted::Fitted;
 use ieap_domain::Limit;
 
 /// One parameter of one sample in the reference condition.
@@ -24,8 +23,6 @@ pub struct Watched {
     pub series: Series,
     /// What is made of them.
     pub study: Study,
-    /// The best law over every other axis that is known and over which one is shown.
-    pub other_axes: Vec<(Covariate, Fitted)>,
     /// The humidity and the temperature to which its values were brought by a law.
     pub brought: Vec<(Covariate, f64)>,
     /// The limit that holds for it, with when it is reached.

@@ -2,13 +2,12 @@
 
 use super::Watched;
 use super::series::Reaches;
-use crate::false_discovery::CLAIMED_BELOW;
 use crate::laws::covariate::Covariate;
-use crate::laws::fitted::{Fitted, Interval};
-use crate::laws::policy::AS_GOOD;
-use crate::laws::shape::Law;
-use crate::laws::words::{listed, moves, round, short, symbol};
-use crate::laws::{CampaignLaws, Dependence};
+use crate::laws::words::{moves, round, short, symbol};
+use crate::monitoring::fitted::{Fitted, Interval};
+use crate::monitoring::policy::AS_GOOD;
+use crate::monitoring::shape::Law;
+use crate::study::{self, Answer, Kind, Study, Verdict};
 use ieap_domain::Limit;
 use ieap_domain::number::fixed;
 use ieap_domain::words::{counted, in_a_row};
@@ -31,19 +30,6 @@ pub fn life(watched: &Watched) -> String {
         );
     }
     text
-}
-
-/// The same with the laws over the other axes that grow with use.
-pub fn life_and_others(watched: &Watched) -> String {
-    let others = watched.other_axes.iter().map(|(axis, law)| {
-        let unit = match axis.unit() {
-            "" => String::new(),
-            unit => format!(" ({unit})"),
-        };
-        let moves = moves(law.size, watched.series.is_log);
-        format!(" Over {}{unit}: {moves}, {}.", axis.label(), law.law.key())
-    });
-    life(watched) + &others.collect::<String>()
 }
 
 pub(super) fn subject(watched: &Watched) -> String {
@@ -354,100 +340,22 @@ pub fn brought(watched: &[Watched]) -> Vec<String> {
     said.into_iter().map(sentence).collect()
 }
 
-/// What of the changes over the campaign comes back with the humidity, and what is age, where a design allows to say:
-/// of every parameter that follows either.
-pub fn split(laws: &CampaignLaws) -> Vec<String> {
-    let mut asked: Vec<(&str, &str)> = laws
-        .claimed()
-        .filter(|found| is_of_age(found) || is_of_humidity(found))
-        .map(|found| (found.material.as_str(), found.parameter.as_str()))
-        .collect();
-    asked.sort_unstable();
-    asked.dedup();
-    let answer = |(material, parameter)| split_of(laws, material, parameter);
-    asked.into_iter().map(answer).collect()
-}
-
-fn is_of_age(found: &Dependence) -> bool {
-    Covariate::OF_AGE.contains(&found.covariate)
-}
-
-fn is_of_humidity(found: &Dependence) -> bool {
-    found.covariate == Covariate::RelativeHumidity
-}
-
-fn split_of(laws: &CampaignLaws, material: &str, parameter: &str) -> String {
-    let what = format!("{} of {material}", symbol(parameter));
-    // The clearest answer about each.
-    let known = |wanted: fn(&Dependence) -> bool| {
-        let own = laws
-            .dependences
+/// What of the changes over the campaign comes back with the humidity, and what stays with use: of every parameter that
+/// follows either, as the study has it.
+pub fn split(study: &Study) -> Vec<String> {
+    let shown = study.laws().filter(|own| own.verdict == Verdict::Differs);
+    let said = |own: &Answer| {
+        let is_of_use = Covariate::OF_AGE
             .iter()
-            .filter(|found| found.material == material && found.parameter == parameter && wanted(found));
-        own.min_by(|a, b| a.q.total_cmp(&b.q))
+            .any(|age| own.covariate == Some(age.key()));
+        let what = match (own.kind, own.also_changed.is_empty()) {
+            (Kind::HumidityLaw, true) => "It comes back with the humidity.",
+            (Kind::OtherLaw, true) if is_of_use => "It stays.",
+            (Kind::HumidityLaw, false) => "Whether it comes back cannot be told.",
+            (Kind::OtherLaw, false) if is_of_use => "Whether it stays cannot be told.",
+            _ => return None,
+        };
+        Some(format!("{} {what}", study::sentence(own)))
     };
-    let claimed = |found: Option<&Dependence>| found.is_some_and(|found| found.q <= CLAIMED_BELOW);
-    let (age, humidity) = (known(is_of_age), known(is_of_humidity));
-    let is_mixed = |found: &&Dependence| {
-        let others = &found.confounded_with;
-        if is_of_age(found) {
-            others.contains(&Covariate::RelativeHumidity)
-        } else {
-            others.iter().any(|other| Covariate::OF_AGE.contains(other))
-        }
-    };
-    let mixed = [age, humidity].into_iter().flatten();
-    if let Some(found) = mixed.filter(|found| found.q <= CLAIMED_BELOW).find(is_mixed) {
-        let mut names = vec![found.covariate];
-        names.extend(&found.confounded_with);
-        names.retain(|one| *one == Covariate::RelativeHumidity || Covariate::OF_AGE.contains(one));
-        names.sort_unstable();
-        return format!(
-            "{what}: ageing and humidity cannot be told apart, for {} changed together.",
-            listed(&names)
-        );
-    }
-    let how = |found: &Dependence| match found.change() {
-        Some(change) => moves(change, found.is_log),
-        None => "changes, by how much cannot be told".to_owned(),
-    };
-    let stays = |found: &Dependence| format!("with age ({}) it {}", found.covariate.label(), how(found));
-    let returns = |found: &Dependence| format!("with humidity it {} and comes back", how(found));
-    // What the readings rule out was asked about too.
-    let asked_about = |one: Option<&Dependence>, beside: &Dependence, wanted: fn(Covariate) -> bool| {
-        let mut ruled_out = beside.told_apart.ruled_out.iter();
-        one.is_some() || ruled_out.any(|rival| wanted(rival.covariate))
-    };
-    match (age, humidity) {
-        (Some(age), Some(humidity)) if claimed(Some(age)) && claimed(Some(humidity)) => {
-            format!("{what}: {} and stays so; {}.", stays(age), returns(humidity))
-        }
-        (Some(age), other) if claimed(Some(age)) => {
-            if asked_about(other, age, |one| one == Covariate::RelativeHumidity) {
-                format!(
-                    "{what}: {}; that any of it follows humidity is not shown.",
-                    stays(age)
-                )
-            } else {
-                format!(
-                    "{what}: {}; humidity did not change enough to say what follows it.",
-                    stays(age)
-                )
-            }
-        }
-        (other, Some(humidity)) => {
-            if asked_about(other, humidity, |one| Covariate::OF_AGE.contains(&one)) {
-                format!(
-                    "{what}: {}; that any of it stays with age is not shown.",
-                    returns(humidity)
-                )
-            } else {
-                format!(
-                    "{what}: {}; the order of the runs is not known well enough to say what stays with age.",
-                    returns(humidity)
-                )
-            }
-        }
-        _ => String::new(),
-    }
+    shown.filter_map(said).collect()
 }

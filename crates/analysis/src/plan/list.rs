@@ -4,14 +4,13 @@ use serde::Serialize;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::deconfound::Deconfounding;
-use super::proposed::{Proposal, of_group, of_plan};
-use crate::laws::CampaignLaws;
+use super::proposed::{Proposal, of_group};
+use super::untie::untying;
 use crate::laws::covariate::Covariate;
+use crate::laws::facts::facts;
+use crate::study::Study;
 use ieap_domain::number::digits;
 use ieap_domain::{Campaign, GroupDiagnosis, RunRecord};
-
-pub use super::proposed::Expected;
 
 /// A run that is planned, with the name that its file is to have.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,10 +57,8 @@ pub struct Grounds<'a> {
     pub runs: &'a [RunRecord],
     /// The campaign.
     pub campaign: &'a Campaign,
-    /// What holds across runs.
-    pub laws: &'a CampaignLaws,
-    /// Plans of its tied sets.
-    pub plans: &'a [Deconfounding],
+    /// What the study says.
+    pub study: &'a Study,
     /// Findings of groups.
     pub groups: &'a [GroupDiagnosis],
     /// Rows of run sheets that are not done yet.
@@ -70,54 +67,38 @@ pub struct Grounds<'a> {
     pub last_number: u32,
 }
 
-/// The runs to make next, those first that close the largest part of what is open; those of one plan stay together in
-/// their order. A run that stands on a sheet already keeps its name.
+/// The runs to make next, those first that close the largest part of what is open. A run that stands on a sheet already keeps its name.
 pub fn next_runs(grounds: &Grounds) -> Vec<PlannedRun> {
-    let mut proposals: Vec<Proposal> = Vec::new();
-    for plan in grounds.plans {
-        let of_this = of_plan(plan, grounds.runs, grounds.campaign);
-        merge(&mut proposals, of_this);
-    }
+    let mut proposals = untying(grounds.study, grounds.runs, grounds.campaign);
     let of_groups = grounds
         .groups
         .iter()
         .filter_map(|group| of_group(group, grounds.runs, grounds.campaign));
     for proposal in of_groups {
-        merge(&mut proposals, vec![proposal]);
+        merge(&mut proposals, proposal);
     }
     proposals.sort_by(|a, b| b.closes.total_cmp(&a.closes));
     named(proposals, grounds)
 }
 
-/// Adds runs; one that is to be made anyway gains a reason instead.
-fn merge(all: &mut Vec<Proposal>, more: Vec<Proposal>) {
-    let mut taken = BTreeSet::new();
-    for proposal in more {
-        let same = (0..all.len()).find(|k| !taken.contains(k) && is_same(&all[*k], &proposal));
-        match same {
-            Some(k) => {
-                taken.insert(k);
-                let known = &mut all[k];
-                known.closes = known.closes.max(proposal.closes);
-                known.why.extend(proposal.why);
-                for split in proposal.splits {
-                    if !known.splits.contains(&split) {
-                        known.splits.push(split);
-                    }
-                }
-                known.expected.set_size = known.expected.set_size.or(proposal.expected.set_size);
-                known.expected.inflation = known.expected.inflation.or(proposal.expected.inflation);
-            }
-            None => {
-                taken.insert(all.len());
-                all.push(proposal);
-            }
+/// Adds a run; one that is to be made anyway gains a reason instead.
+fn merge(all: &mut Vec<Proposal>, proposal: Proposal) {
+    let Some(known) = all.iter_mut().find(|known| is_same(known, &proposal)) else {
+        all.push(proposal);
+        return;
+    };
+    known.closes = known.closes.max(proposal.closes);
+    known.why.extend(proposal.why);
+    for split in proposal.splits {
+        if !known.splits.contains(&split) {
+            known.splits.push(split);
         }
     }
+    known.set_size = known.set_size.or(proposal.set_size);
 }
 
 fn is_same(a: &Proposal, b: &Proposal) -> bool {
-    (&a.sample, &a.environment, &a.drive, &a.names) == (&b.sample, &b.environment, &b.drive, &b.names)
+    (&a.sample, &a.environment, &a.drive) == (&b.sample, &b.environment, &b.drive)
         && near(a.relative_humidity_percent, b.relative_humidity_percent, 4.0)
         && near(a.voltage_v, b.voltage_v, 0.01)
         && near(a.rest_before_s, b.rest_before_s, 1.0)
@@ -197,7 +178,8 @@ impl Cycles {
     fn of(grounds: &Grounds) -> Cycles {
         let mut last: BTreeMap<String, u32> = BTreeMap::new();
         let mut uncounted = BTreeSet::new();
-        for fact in &grounds.laws.facts {
+        let facts = facts(grounds.runs, grounds.campaign);
+        for fact in &facts {
             match fact.numbers.get(&Covariate::Cycle) {
                 Some(known) if (0.0..1e9).contains(&known.value) => {
                     let cycle = last.entry(fact.sample.clone()).or_insert(0);
@@ -227,5 +209,21 @@ impl Cycles {
         let last = self.last.entry(sample.to_owned()).or_insert(0);
         *last += 1;
         Some(*last)
+    }
+}
+
+impl PlannedRun {
+    /// `CNaf-1, air, 33 % RH`: what is to be measured and where.
+    pub fn place(&self) -> String {
+        let run = &self.run;
+        let mut place = vec![run.sample.clone()];
+        place.extend(run.environment.clone());
+        place.extend(
+            run.relative_humidity_percent
+                .map(|rh| format!("{} % RH", digits(rh, 0))),
+        );
+        place.extend(run.temperature_c.map(|celsius| format!("{celsius} °C")));
+        place.extend(run.rest_before_s.map(|rest| format!("{rest} s of rest before")));
+        place.join(", ")
     }
 }

@@ -1,29 +1,7 @@
-//! Runs that are proposed, before they have a name: from the plans of tied sets, and from the sets of causes.
+//! Runs that are proposed, before they have a name.
 
-use std::collections::BTreeMap;
-
-use super::deconfound::{Deconfounding, Step};
-use super::future::Setting;
-use super::policy::MOST_INFLATION;
-use super::words;
-use crate::conditions::{VOLTAGE_STEP_V, nominal_voltage_v};
-use crate::laws::covariate::Covariate;
-use crate::laws::policy::INFLATION_LIMIT;
-use ieap_domain::number::fixed;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, GroupDiagnosis, RunRecord};
-
-/// Pairs that a reason names.
-const SAID: usize = 3;
-
-/// What a run is expected to bring.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Expected {
-    /// Causes that explain the group equally well, before and after.
-    pub set_size: Option<(f64, f64)>,
-    /// Largest variance inflation of the tied set, before and after; infinite where nothing can be told apart.
-    pub inflation: Option<(f64, f64)>,
-}
 
 /// A run that should be made.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,122 +20,16 @@ pub struct Proposal {
     pub voltage_v: Option<f64>,
     /// Rest before it, s.
     pub rest_before_s: Option<f64>,
-    /// Instrument, calibration and operator where one must be another.
-    pub names: BTreeMap<Covariate, String>,
     /// The drive in words.
     pub drive: String,
     /// What it tells apart: covariates, or effects.
     pub splits: Vec<String>,
-    /// What it is expected to bring.
-    pub expected: Expected,
+    /// Causes that explain the group equally well, before and as expected after it; none where it tells no causes apart.
+    pub set_size: Option<(f64, f64)>,
     /// Why, in sentences.
     pub why: Vec<String>,
     /// Part of what is open that it closes, from 0 to 1: the rank.
     pub closes: f64,
-}
-
-/// The runs of a plan, none where they bring nothing. All close the same part: what the plan brings, shared among them.
-pub fn of_plan(plan: &Deconfounding, runs: &[RunRecord], campaign: &Campaign) -> Vec<Proposal> {
-    if !plan.gains() {
-        return Vec::new();
-    }
-    let size = |inflation: f64| inflation.clamp(INFLATION_LIMIT, MOST_INFLATION).ln();
-    let open = size(plan.inflation_before) - INFLATION_LIMIT.ln();
-    let closed = size(plan.inflation_before) - size(plan.inflation_after);
-    let closes = if open > 0.0 { closed / open } else { 0.0 } / plan.steps.len().max(1) as f64;
-    let of_step = |step: &Step| of_step(plan, step, runs, campaign, closes);
-    plan.steps.iter().map(of_step).collect()
-}
-
-fn of_step(
-    plan: &Deconfounding,
-    step: &Step,
-    runs: &[RunRecord],
-    campaign: &Campaign,
-    closes: f64,
-) -> Proposal {
-    let setting = &step.setting;
-    let number = |covariate| setting.numbers.get(&covariate).copied();
-    let voltage_v = setting
-        .names
-        .get(&Covariate::Voltage)
-        .and_then(|name| name.parse().ok());
-    let pairs: Vec<String> = step.splits.iter().map(|pair| words::pair(*pair)).collect();
-    let mut splits: Vec<String> = Vec::new();
-    for covariate in step.splits.iter().flat_map(|(one, other)| [one, other]) {
-        let key = covariate.key().to_owned();
-        if !splits.contains(&key) {
-            splits.push(key);
-        }
-    }
-    let told = match pairs.is_empty() {
-        true => "loosens what is tied".to_owned(),
-        false if pairs.len() > SAID => {
-            let more = pairs.len() - SAID;
-            format!("tells {}, and {more} more pairs", pairs[..SAID].join(", "))
-        }
-        false => format!("tells {}", pairs.join(", ")),
-    };
-    Proposal {
-        sample: setting.sample.clone(),
-        material: plan.material.clone(),
-        environment: setting.names.get(&Covariate::Environment).cloned(),
-        relative_humidity_percent: number(Covariate::RelativeHumidity),
-        temperature_c: number(Covariate::Temperature),
-        voltage_v,
-        rest_before_s: number(Covariate::RestBefore),
-        names: [Covariate::Instrument, Covariate::Calibration, Covariate::Operator]
-            .into_iter()
-            .filter_map(|covariate| Some((covariate, setting.names.get(&covariate)?.clone())))
-            .collect(),
-        drive: drive_of(setting, voltage_v, runs, campaign),
-        splits,
-        expected: Expected {
-            set_size: None,
-            inflation: Some((step.inflation_before, step.inflation_after)),
-        },
-        why: vec![format!(
-            "{told}: {}{}",
-            words::brings(step.inflation_before, step.inflation_after),
-            if setting.is_new_humidity {
-                "; a humidity that was not measured yet"
-            } else {
-                ""
-            }
-        )],
-        closes,
-    }
-}
-
-/// The drive that the condition was measured with: the plainest among the material's runs, of the same sample where
-/// there is one.
-fn drive_of(setting: &Setting, voltage_v: Option<f64>, runs: &[RunRecord], campaign: &Campaign) -> String {
-    let material = |sample: &str| campaign.sample(sample).map(|sample| sample.material.as_str());
-    let environment = setting.names.get(&Covariate::Environment).map(String::as_str);
-    let is_alike = |run: &&RunRecord| {
-        let sample = run.tag(keys::SAMPLE);
-        let same_voltage = nominal_voltage_v(run)
-            .zip(voltage_v)
-            .is_some_and(|(a, b)| (a - b).abs() < VOLTAGE_STEP_V);
-        same_voltage && sample.is_some_and(|sample| material(sample) == material(&setting.sample))
-    };
-    let rank = |run: &RunRecord| {
-        let segments = run
-            .drive
-            .as_ref()
-            .map_or(usize::MAX, |drive| drive.segments.len());
-        let other_sample = run.tag(keys::SAMPLE) != Some(setting.sample.as_str());
-        let other_environment = run.tag(keys::ENVIRONMENT) != environment;
-        (segments, other_environment, other_sample)
-    };
-    let found = runs.iter().filter(is_alike).min_by_key(|run| rank(run));
-    let described = found.and_then(|run| {
-        let last = |found: f64, time: f64| found.max(time);
-        let duration_s = run.channels.iter().filter_map(|c| c.last_time_s).reduce(last)?;
-        Some(words::drive(run.drive.as_ref()?, duration_s))
-    });
-    described
-        .unwrap_or_else(|| voltage_v.map_or_else(String::new, |volts| format!("hold {} V", fixed(volts, 2))))
 }
 
 /// The run that splits the set of a group, where one is known.
@@ -194,13 +66,9 @@ pub fn of_group(group: &GroupDiagnosis, runs: &[RunRecord], campaign: &Campaign)
         temperature_c: mean(keys::TEMPERATURE_C),
         voltage_v: leading_volts(&next.drive),
         rest_before_s: mean(keys::REST_BEFORE_S),
-        names: BTreeMap::new(),
         drive: format!("hold {}", next.drive),
         splits: next.splits.clone(),
-        expected: Expected {
-            set_size: Some((size, after)),
-            inflation: None,
-        },
+        set_size: Some((size, after)),
         why: vec![format!(
             "tells {} apart in {}: of {causes} causes {} should be left",
             next.splits.join(", "),

@@ -1,8 +1,8 @@
 //! The course of an electrode's resistance: a trend, cracks, both or neither, by the same questions as monitoring asks.
 
 use super::{DAY_S, ProbeReading, ProbeSeries};
-use crate::laws::shape::Law;
 use crate::monitoring::series::{Series, Study};
+use crate::monitoring::shape::Law;
 use ieap_numerics::control_chart;
 
 /// Readings between false alarms of a control chart; charts are not shown here.

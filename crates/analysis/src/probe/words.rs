@@ -1,8 +1,8 @@
 //! The course of an electrode's resistance in sentences.
 
 use super::{Course, DAY_S};
-use crate::laws::shape::Law;
 use crate::laws::words::{moves, short};
+use crate::monitoring::shape::Law;
 use ieap_domain::number::fixed;
 use ieap_domain::words::counted;
 

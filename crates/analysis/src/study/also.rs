@@ -4,9 +4,12 @@ use std::collections::BTreeSet;
 
 use ieap_domain::number::plain;
 use ieap_domain::words::in_a_row;
+use ieap_numerics::grouped::Grouped;
 
+use super::measured::{Value, distinct};
 use crate::laws::Covariate;
 use crate::laws::facts::RunFacts;
+use crate::laws::policy::INFLATION_LIMIT;
 
 /// Numbers that may stand behind a difference; of those that say the same (how long a strip was used) the first that is known
 /// is told.
@@ -19,6 +22,34 @@ const NAMES: [Covariate; 4] = [
     Covariate::Operator,
     Covariate::Batch,
 ];
+
+/// What of use changed with a number within each strip and its surroundings, so that the design cannot tell them apart.
+pub(super) fn changed_with(facts: &[RunFacts], values: &[Value], x: &[f64]) -> Vec<String> {
+    let number = |own: &Value, of: &Covariate| Some(facts[own.place].numbers.get(of)?.value);
+    let column = |of: &Covariate| {
+        values
+            .iter()
+            .map(|own| number(own, of))
+            .collect::<Option<Vec<f64>>>()
+    };
+    let Some((of, column)) = USE.iter().find_map(|of| Some((of, column(of)?))) else {
+        return Vec::new();
+    };
+    let part = |own: &Value| (own.sample, own.cell.0);
+    let parts = distinct(values.iter().map(part));
+    let group: Vec<usize> = (values.iter())
+        .map(|own| parts.binary_search(&part(own)).unwrap_or(0))
+        .collect();
+    let square = |beside: &[Vec<f64>]| -> f64 {
+        let grouped = Grouped::new(&vec![1.0; x.len()], &group, beside);
+        grouped.residual(x).iter().map(|x| x * x).sum()
+    };
+    let is_tied = square(&[]) > INFLATION_LIMIT * square(&[column]);
+    is_tied
+        .then(|| format!("the {}", of.label()))
+        .into_iter()
+        .collect()
+}
 
 /// Each in a few words: `the cycle (7 to 9 against 1 to 6)`. What shares a value on both sides is not among them, nor what
 /// some runs do not state.

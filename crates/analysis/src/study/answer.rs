@@ -4,6 +4,8 @@ use ieap_domain::{Estimate, string_enum};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::laws::Covariate;
+
 string_enum! {
     /// What is asked.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -22,6 +24,8 @@ string_enum! {
         ByMaterial = "environment-by-material" => "environments, one material against another",
         /// Whether a parameter follows the humidity otherwise in another material: a difference of slopes.
         HumidityByMaterial = "humidity-by-material" => "law of the humidity, one material against another",
+        /// By which law it follows what differs from run to run beside what the study compares.
+        OtherLaw = "other-law" => "law of what else differs",
         /// Whether it acts otherwise at another voltage: a ratio of ratios.
         ByVoltage = "environment-by-voltage" => "environments, one voltage against another",
     }
@@ -32,7 +36,7 @@ impl Kind {
     pub fn is_law(self) -> bool {
         matches!(
             self,
-            Kind::HumidityLaw | Kind::VoltageLaw | Kind::HumidityByMaterial
+            Kind::HumidityLaw | Kind::VoltageLaw | Kind::HumidityByMaterial | Kind::OtherLaw
         )
     }
 
@@ -122,6 +126,30 @@ pub struct OfMaterial {
     pub is_shown: bool,
 }
 
+/// The values behind a law, brought to the mean of what was taken out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// What the law goes through whatever its size: the means of what is followed and of the logarithm, or of points.
+    pub middle: (f64, f64),
+    /// The values.
+    pub points: Vec<Point>,
+}
+
+/// A value behind a law.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Its sample.
+    pub sample: String,
+    /// Its run, as a place among those that the study was made from.
+    pub run: usize,
+    /// What is followed.
+    pub x: f64,
+    /// Logarithm of the parameter, or points.
+    pub y: f64,
+    /// Standard error by the fit.
+    pub error: f64,
+}
+
 /// An answer.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Answer {
@@ -135,6 +163,8 @@ pub struct Answer {
     pub material: String,
     /// The second of two materials.
     pub against_material: Option<String>,
+    /// Key of what a law follows.
+    pub covariate: Option<&'static str>,
     /// What stands above: an environment, a voltage; or what a law follows.
     pub upper: String,
     /// What it is held against; empty for a law.
@@ -143,7 +173,7 @@ pub struct Answer {
     pub voltages_v: Vec<f64>,
     /// Of whom it is told.
     pub scope: Scope,
-    /// Ends of the range over which a law was measured, percent RH or V.
+    /// Ends of the range over which a law was measured, in the unit of what it follows.
     pub from_to: Option<(f64, f64)>,
     /// Length of that range.
     pub span: Option<f64>,
@@ -197,6 +227,10 @@ pub struct Answer {
     #[serde(skip)]
     #[schemars(skip)]
     pub of_runs: Vec<usize>,
+    /// The values behind a law.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub drawn: Option<Drawn>,
     /// What else changed with it, so that it may be the cause.
     pub also_changed: Vec<String>,
     /// Why there is no number.
@@ -212,6 +246,24 @@ impl Answer {
             high_95: self.high_95.or(self.at_most),
             reason: self.reason.clone(),
             ..Estimate::not_determined("")
+        }
+    }
+
+    /// A change per unit over the range of what a law follows: a factor, or points.
+    pub fn over_all(&self, number: f64) -> f64 {
+        let all = self.span.unwrap_or(1.0) * number;
+        match self.scale {
+            Scale::Points => all,
+            Scale::Ratio | Scale::PerUnit | Scale::OfRange => all.exp(),
+        }
+    }
+
+    /// Unit of what a law follows; empty where it has none.
+    pub fn unit(&self) -> &'static str {
+        let of = |key| Covariate::ALL.into_iter().find(|own| own.key() == key);
+        match self.kind {
+            Kind::VoltageLaw => "V",
+            _ => self.covariate.and_then(of).map_or("", Covariate::unit),
         }
     }
 

@@ -8,6 +8,7 @@ use ieap_domain::{Factor, StudyRules};
 use super::answer::{Answer, Kind};
 use super::combined::Term;
 use super::curves::Curves;
+use super::laws::Other;
 use super::measured::{Cell, Measured};
 use super::measures::{CURVES, MEASURES};
 use super::slope::Slope;
@@ -24,6 +25,8 @@ pub struct Asking<'a> {
     pub measured: BTreeMap<(usize, &'static str), Result<Measured, &'static str>>,
     /// Slopes over the humidity.
     pub slopes: BTreeMap<(usize, &'static str), Slope>,
+    /// Slopes over what else differs.
+    pub others: BTreeMap<(usize, &'static str), Vec<Other>>,
     /// Curves of each material.
     pub curves: BTreeMap<(usize, &'static str), Curves>,
 }
@@ -38,6 +41,7 @@ impl Asking<'_> {
                 found.extend(self.voltages(material, key));
                 found.extend(self.humidity_law(material, key));
                 found.extend(self.humidity_by_material(material, key));
+                found.extend(self.other_laws(material, key));
                 found.extend(self.materials(material, key));
                 found
             };

@@ -32,6 +32,8 @@ impl Asking<'_> {
             scope: Scope::Material,
             material: self.conditions.materials[material].clone(),
             against_material: None,
+            covariate: None,
+            drawn: None,
             upper: upper.to_owned(),
             lower: lower.to_owned(),
             voltages_v: Vec::new(),

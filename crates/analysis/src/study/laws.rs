@@ -1,15 +1,18 @@
-//! Questions about the voltage, and laws of the humidity.
+//! Questions about the voltage, laws of the humidity, and laws of what else differs from run to run.
 
 use ieap_domain::Factor;
 
-use super::answer::{Answer, Kind, Scope};
+use super::also::{USE, changed_with};
+use super::answer::{Answer, Drawn, Kind, Point, Scope};
 use super::asking::Asking;
 use super::combined::{Term, reach};
 use super::measured::{Measured, Value, distinct};
 use super::policy::FEWEST_LEVELS;
-use super::slope::{Slope, Told, levels};
+use super::slope::{Followed, Over, Slope, Told, levels};
 use crate::conditions::{Conditions, volts};
+use crate::laws::Covariate;
 use crate::laws::facts::RunFacts;
+use crate::laws::policy::{FEWEST_OF_A_KIND, INFLATION_LIMIT};
 
 impl Asking<'_> {
     /// Highest against lowest voltage in each surroundings; over all of them the law of three voltages and more, else the ratio.
@@ -57,7 +60,14 @@ impl Asking<'_> {
                 span: ends.map(|(low, high)| high - low),
                 ..self.blank(Kind::VoltageLaw, material, key, ("voltage", ""))
             };
-            found.push(self.answer(&[Term { of, factors }], &used, asks, blank));
+            let sizes = of
+                .values
+                .iter()
+                .map(|own| self.conditions.voltages_v[own.cell.1].abs());
+            found.push(Answer {
+                also_changed: changed_with(self.facts, &of.values, &sizes.collect::<Vec<f64>>()),
+                ..self.answer(&[Term { of, factors }], &used, asks, blank)
+            });
         } else if let ([low, high], Some(factors)) = (&self.conditions.voltages_v[..], mean_of(&steps)) {
             let blank = self.blank(Kind::Voltage, material, key, (&volts(*high), &volts(*low)));
             found.push(self.answer(&[Term { of, factors }], &[0, 1], asks, blank));
@@ -69,7 +79,29 @@ impl Asking<'_> {
     pub(super) fn humidity_law(&self, material: usize, key: &'static str) -> Option<Answer> {
         let slope = self.slopes.get(&(material, key))?;
         let blank = self.blank(Kind::HumidityLaw, material, key, ("relative humidity", ""));
+        let blank = Answer {
+            covariate: Some(Covariate::RelativeHumidity.key()),
+            ..blank
+        };
         Some(self.law(&[(slope, 1.0)], self.asks(Factor::Humidity), blank))
+    }
+
+    /// Laws of what differs from run to run beside what the study compares.
+    pub(super) fn other_laws(&self, material: usize, key: &'static str) -> Vec<Answer> {
+        let all = self.others.get(&(material, key)).map_or(&[][..], Vec::as_slice);
+        let answer = |other: &Other| {
+            let (upper, lower) = (other.upper.as_str(), other.lower.as_str());
+            let blank = Answer {
+                covariate: Some(other.of.key()),
+                ..self.blank(Kind::OtherLaw, material, key, (upper, lower))
+            };
+            let answer = self.law(&[(&other.slope, 1.0)], false, blank);
+            Answer {
+                from_to: answer.from_to.filter(|_| lower.is_empty()),
+                ..answer
+            }
+        };
+        all.iter().map(answer).collect()
     }
 
     /// Whether the first material follows the humidity otherwise.
@@ -78,25 +110,46 @@ impl Asking<'_> {
         let (own, first) = (of(material)?, of(0).filter(|_| material > 0)?);
         let mut blank = self.blank(Kind::HumidityByMaterial, 0, key, ("relative humidity", ""));
         blank.against_material = Some(self.conditions.materials[material].clone());
+        blank.covariate = Some(Covariate::RelativeHumidity.key());
         let is_asked = self.asks(Factor::Humidity) && self.asks(Factor::Material);
         Some(self.law(&[(first, 1.0), (own, -1.0)], is_asked, blank))
     }
 
+    /// Values brought to the mean of what was taken out, for a picture; none where nothing tells the scatter.
+    fn drawn(&self, slope: &Slope, told: &Told) -> Option<Drawn> {
+        let size = told.of.estimated()?.combined(&told.factors).value;
+        let count = told.fitted.len() as f64;
+        let mean_x = slope.numbers.iter().sum::<f64>() / count;
+        let mean_y = told.fitted.iter().sum::<f64>() / count;
+        let each = told.of.values.iter().zip(&slope.numbers).zip(&told.fitted);
+        let point = |((own, x), fitted): ((&Value, &f64), &f64)| Point {
+            sample: self.facts[own.place].sample.clone(),
+            run: self.facts[own.place].run,
+            x: *x,
+            y: own.y - fitted + mean_y + size * (x - mean_x),
+            error: own.variance.sqrt(),
+        };
+        Some(Drawn {
+            middle: (mean_x, mean_y),
+            points: each.map(point).collect(),
+        })
+    }
+
     /// A sum of slopes: of the strips as they are, and beside it of their materials; of these alone where they tell more.
     fn law(&self, slopes: &[(&Slope, f64)], is_asked: bool, blank: Answer) -> Answer {
-        let strips = terms(slopes, |slope| slope.strips.as_ref());
-        let material = terms(slopes, |slope| slope.material.as_ref());
+        let strips = terms(slopes, self::strips);
+        let material = terms(slopes, self::material);
         // Where strips were measured at different humidities their material tells more than what differs within each.
         let by_strips = match (&strips, &material) {
             (Some(strips), Some(material)) => reach(strips) <= reach(material),
             (strips, _) => strips.is_some(),
         };
-        let (scope, told) = if by_strips {
-            (Scope::Strips, strips.as_ref())
+        let (scope, of) = if by_strips {
+            (Scope::Strips, self::strips as fn(&Slope) -> Option<&Told>)
         } else {
-            (Scope::Material, material.as_ref())
+            (Scope::Material, self::material as fn(&Slope) -> Option<&Told>)
         };
-        let Some(told) = told else {
+        let Some(told) = terms(slopes, of) else {
             return blank;
         };
         let voltages = distinct((told.iter()).flat_map(|term| term.of.values.iter().map(|own| own.cell.1)));
@@ -118,7 +171,7 @@ impl Asking<'_> {
         let differ = slopes.first().filter(|_| slopes.len() == 1);
         let differ = differ.and_then(|(slope, _)| slope.differ);
         let answer = self.answer(
-            told,
+            &told,
             &voltages,
             is_asked,
             Answer {
@@ -127,7 +180,12 @@ impl Asking<'_> {
                 ..blank
             },
         );
+        let drawn = match (slopes, of(slopes[0].0)) {
+            ([(slope, _)], Some(told)) => self.drawn(slope, told),
+            _ => None,
+        };
         Answer {
+            drawn,
             scope,
             of_material: (material.filter(|_| scope == Scope::Strips)).and_then(|of| self.of_material(&of)),
             strips_differ_p: differ.map(|own| own.p),
@@ -138,36 +196,169 @@ impl Asking<'_> {
     }
 }
 
+fn strips(slope: &Slope) -> Option<&Told> {
+    slope.strips.as_ref()
+}
+
+fn material(slope: &Slope) -> Option<&Told> {
+    slope.material.as_ref()
+}
+
 /// Slopes in one scope, each with its sign; none where one is not told in it.
-fn terms<'a>(slopes: &[(&'a Slope, f64)], scope: fn(&'a Slope) -> Option<&'a Told>) -> Option<Vec<Term<'a>>> {
+fn terms<'a>(
+    slopes: &[(&'a Slope, f64)],
+    scope: impl Fn(&'a Slope) -> Option<&'a Told>,
+) -> Option<Vec<Term<'a>>> {
     let term = |&(slope, sign): &(&'a Slope, f64)| {
-        let (of, factors) = scope(slope)?;
-        let factors = factors.iter().map(|factor| sign * factor).collect();
-        Some(Term { of, factors })
+        let told = scope(slope)?;
+        let factors = told.factors.iter().map(|factor| sign * factor).collect();
+        Some(Term {
+            of: &told.of,
+            factors,
+        })
     };
     slopes.iter().map(term).collect()
 }
 
-/// The slope of one parameter over the humidity, beside a level for each environment and voltage where an environment was
-/// measured at three humidities or more, else beside one for each voltage; none of fewer.
-pub(super) fn humidity_slope(all: &Measured, conditions: &Conditions, facts: &[RunFacts]) -> Option<Slope> {
+/// A law of what differs beside what the study compares.
+pub(super) struct Other {
+    of: Covariate,
+    /// The number that is followed, or one of two names.
+    upper: String,
+    /// The other name; empty for a number.
+    lower: String,
+    slope: Slope,
+}
+
+/// What else a parameter may follow: of what says how long a strip was used the first that is known.
+fn followed(facts: &[RunFacts]) -> Vec<Covariate> {
+    let has = |of: &Covariate| {
+        let mut all = facts.iter();
+        all.any(|fact| fact.numbers.contains_key(of) || fact.names.contains_key(of))
+    };
+    let mut found: Vec<Covariate> = vec![Covariate::Temperature];
+    found.extend(USE.into_iter().find(has));
+    found.extend([
+        Covariate::Exposure,
+        Covariate::RestBefore,
+        Covariate::FirstRun,
+        Covariate::Direction,
+        Covariate::Instrument,
+        Covariate::Calibration,
+        Covariate::Operator,
+    ]);
+    let declared = facts
+        .iter()
+        .flat_map(|fact| fact.numbers.keys().chain(fact.names.keys()));
+    let is_tag = |of: &&Covariate| matches!(of, Covariate::TagNumber(_) | Covariate::TagName(_));
+    found.extend(distinct(declared.filter(is_tag).copied()));
+    found.retain(has);
+    found
+}
+
+/// Slopes over what else differs, beside a level for each condition: of what the design tells from the conditions, and of
+/// which each side was measured often enough.
+pub(super) fn other_slopes(all: &Measured, facts: &[RunFacts]) -> Vec<Other> {
+    followed(facts)
+        .into_iter()
+        .flat_map(|of| others_of(all, facts, of))
+        .collect()
+}
+
+fn others_of(all: &Measured, facts: &[RunFacts], of: Covariate) -> Vec<Other> {
+    let name = |own: &&Value| facts[own.place].names.get(&of).map(String::as_str);
+    let names = distinct(all.values.iter().filter_map(|own| name(&own)));
+    let slope = |values: &[Value], numbers: Vec<f64>| {
+        let least = numbers.iter().copied().reduce(f64::min)?;
+        let raised = numbers.iter().filter(|own| **own > least).count();
+        (raised.min(numbers.len() - raised) >= FEWEST_OF_A_KIND
+            || distinct(numbers.iter().map(|own| own.to_bits())).len() >= FEWEST_LEVELS)
+            .then_some(())?;
+        let over = over_conditions(values, &Followed { of, numbers }, facts)?;
+        (over.inflation() <= INFLATION_LIMIT).then(|| Slope::of(&over))?
+    };
+    let other = |upper: &str, lower: &str, slope: Option<Slope>| {
+        Some(Other {
+            of,
+            upper: upper.to_owned(),
+            lower: lower.to_owned(),
+            slope: slope?,
+        })
+    };
+    if let [first, others @ ..] = &names[..] {
+        let against_first = |own: &&str| {
+            let is_of = |value: &&Value| name(value).is_some_and(|of| of == *own || of == *first);
+            let values: Vec<Value> = all.values.iter().filter(is_of).copied().collect();
+            let numbers = values
+                .iter()
+                .map(|value| f64::from(u8::from(name(&value) == Some(*own))));
+            let found = slope(&values, numbers.collect());
+            other(&format!("{} {own}", of.label()), first, found)
+        };
+        return others.iter().filter_map(against_first).collect();
+    }
+    let (values, numbers) = stating(all, facts, of);
+    other(of.label(), "", slope(&values, numbers))
+        .into_iter()
+        .collect()
+}
+
+/// Values of runs that state a number, with that.
+pub(super) fn stating(all: &Measured, facts: &[RunFacts], of: Covariate) -> (Vec<Value>, Vec<f64>) {
+    let number = |own: &Value| Some((*own, facts[own.place].numbers.get(&of)?.value));
+    all.values.iter().filter_map(number).unzip()
+}
+
+/// Values over what is followed, beside a level for each condition.
+pub(super) fn over_conditions<'a>(
+    values: &'a [Value],
+    followed: &Followed,
+    facts: &[RunFacts],
+) -> Option<Over<'a>> {
+    let cells = distinct(values.iter().map(|own| own.cell));
+    Over::new(values, followed, facts, |own| {
+        cells.binary_search(&own.cell).unwrap_or(0)
+    })
+}
+
+/// Values over the humidity, beside a level for each environment and voltage where an environment was measured at three
+/// humidities or more, else beside one for each voltage; none of fewer.
+pub(super) fn of_humidity(all: &Measured, conditions: &Conditions) -> Option<Vec<Value>> {
     let known = all.values.iter().filter(|own| own.humidity_percent.is_some());
     let known: Vec<Value> = known.copied().collect();
+    let varied = varied(&known, conditions);
     let environment = |own: &Value| conditions.surroundings[own.cell.0].environment.as_str();
-    let has_law = |of: &mut dyn Iterator<Item = &Value>| {
-        levels(of.filter_map(|own| own.humidity_percent)).len() >= FEWEST_LEVELS
-    };
-    let environments = distinct(known.iter().map(environment));
-    let varied: Vec<&str> = environments
-        .into_iter()
-        .filter(|name| has_law(&mut known.iter().filter(|own| environment(own) == *name)))
-        .collect();
     let is_of = |own: &&Value| varied.is_empty() || varied.contains(&environment(own));
     let values: Vec<Value> = known.iter().filter(is_of).copied().collect();
+    has_law(&mut values.iter()).then_some(values)
+}
+
+fn has_law(of: &mut dyn Iterator<Item = &Value>) -> bool {
+    levels(of.filter_map(|own| own.humidity_percent)).len() >= FEWEST_LEVELS
+}
+
+/// Environments that were measured at three humidities or more.
+fn varied<'a>(known: &[Value], conditions: &'a Conditions) -> Vec<&'a str> {
+    let environment = |own: &Value| conditions.surroundings[own.cell.0].environment.as_str();
+    distinct(known.iter().map(environment))
+        .into_iter()
+        .filter(|name| has_law(&mut known.iter().filter(|own| environment(own) == *name)))
+        .collect()
+}
+
+/// The values of [`of_humidity`] as the slope takes them.
+pub(super) fn over_humidity<'a>(
+    values: &'a [Value],
+    conditions: &Conditions,
+    facts: &[RunFacts],
+) -> Option<Over<'a>> {
+    let varied = varied(values, conditions);
+    let environment = |own: &Value| conditions.surroundings[own.cell.0].environment.as_str();
     let level = |own: &Value| (varied.binary_search(&environment(own)).unwrap_or(0), own.cell.1);
     let distinct = distinct(values.iter().map(level));
-    has_law(&mut values.iter()).then_some(())?;
-    Slope::of(&values, facts, |own| {
+    let numbers = values.iter().filter_map(|own| own.humidity_percent).collect();
+    let of = Covariate::RelativeHumidity;
+    Over::new(values, &Followed { of, numbers }, facts, |own| {
         distinct.binary_search(&level(own)).unwrap_or(0)
     })
 }

@@ -9,17 +9,18 @@ use serde::Serialize;
 use super::answer::{Answer, Kind, OfMaterial, Scale, Verdict};
 use super::asking::Asking;
 use super::curves::Curves;
-use super::laws::humidity_slope;
+use super::laws::{of_humidity, other_slopes, over_humidity};
 use super::measured::{Bound, Cell, Measured};
 use super::measures::{BENDING_LOST, BENDING_PER_VOLT, CURVES, MEASURES};
 use super::placed::Placed;
 use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LOSS_AFTER_S};
+use super::slope::Slope;
 use crate::conditions::{Conditions, conditions_of_materials};
 use crate::false_discovery::{CLAIMED_BELOW, q_values};
+use crate::laws;
 use crate::laws::doubt::Doubts;
 use crate::laws::facts::{RunFacts, facts};
 use crate::laws::values::{Values, values};
-use crate::laws::{self, OfHumidity};
 use crate::model_free::curves::StepCurves;
 use crate::parameters::{COMPARED, usable};
 
@@ -70,7 +71,7 @@ impl Study {
             ..evidence
         };
         let conditions = conditions_of_materials(evidence.runs, evidence.campaign);
-        let facts = facts(evidence.runs, evidence.campaign, &vec![None; evidence.runs.len()]);
+        let facts = facts(evidence.runs, evidence.campaign);
         let declared = &evidence.campaign.study.compare;
         let compared = if declared.is_empty() {
             varied(&conditions)
@@ -93,12 +94,18 @@ impl Study {
                 ))
             }));
         }
-        let of_humidity = |(&at, of): (&_, &Result<Measured, _>)| {
-            Some((at, humidity_slope(of.as_ref().ok()?, &conditions, &facts)?))
+        let slope = |(&at, of): (&_, &Result<Measured, _>)| {
+            let values = of_humidity(of.as_ref().ok()?, &conditions)?;
+            let over = over_humidity(&values, &conditions, &facts)?;
+            Some((at, Slope::of(&over)?))
         };
-        let slopes = measured.iter().filter_map(of_humidity).collect();
+        let slopes = measured.iter().filter_map(slope).collect();
+        let other =
+            |(&at, of): (&_, &Result<Measured, _>)| Some((at, other_slopes(of.as_ref().ok()?, &facts)));
+        let others = measured.iter().filter_map(other).collect();
         let asking = Asking {
             slopes,
+            others,
             rules: &evidence.campaign.study,
             compared: &compared,
             conditions: &conditions,
@@ -140,12 +147,10 @@ impl Study {
         self.answers.iter().filter(|answer| answer.is_of_study)
     }
 
-    /// p and q of every law of the humidity, by material and parameter.
-    pub fn of_humidity(&self) -> OfHumidity {
-        let laws = self.answers.iter().filter(|own| own.kind == Kind::HumidityLaw);
-        let named = |own: &Answer| (own.material.clone(), own.parameter.to_owned());
-        laws.filter_map(|own| Some((named(own), (own.p?, own.q?))))
-            .collect()
+    /// Laws over what differs from run to run: of the humidity, of the voltage, of what else does.
+    pub fn laws(&self) -> impl Iterator<Item = &Answer> {
+        let laws = self.answers.iter().filter(|answer| answer.kind.is_law());
+        laws.filter(|answer| answer.p.is_some())
     }
 
     /// Materials, in the order of the campaign.
@@ -218,10 +223,10 @@ fn logarithms(own: &Values) -> Result<ByPlace, &'static str> {
 }
 
 /// The values of a parameter of a material, or why they cannot be compared; none where no run has one.
-fn measure(
+pub(super) fn measure(
     evidence: &Evidence,
     placed: &Placed,
-    key: &'static str,
+    key: &str,
 ) -> Option<Result<Measured, &'static str>> {
     let facts = placed.facts;
     let places: Vec<usize> = placed.cells.keys().copied().collect();
@@ -297,11 +302,16 @@ fn bound(evidence: &Evidence, facts: &[RunFacts], place: usize, key: &str) -> Bo
     }
 }
 
-/// Fills in the q of every answer, by families (parameters, whole curves, details; laws told of the material), and what it
-/// shows.
+/// Fills in the q of every answer, by families (parameters, whole curves, laws of what else differs, details; laws told of the
+/// material), and what it shows.
 fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
-    for of_family in [(true, false), (true, true), (false, false)] {
-        let family = |own: &Answer| (own.is_of_study, own.is_of_study && own.is_of_curve());
+    let family = |own: &Answer| match (own.is_of_study, own.is_of_curve(), own.kind) {
+        (true, false, _) => 0,
+        (true, true, _) => 1,
+        (false, _, Kind::OtherLaw) => 2,
+        (false, ..) => 3,
+    };
+    for of_family in 0..4 {
         let mut family: Vec<&mut Answer> = answers
             .iter_mut()
             .filter(|own| family(own) == of_family && own.p.is_some())
@@ -311,14 +321,16 @@ fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
             own.q = Some(q);
         }
     }
-    let mut laws: Vec<&mut OfMaterial> = answers
-        .iter_mut()
-        .filter(|own| own.is_of_study)
-        .filter_map(|own| own.of_material.as_mut())
-        .collect();
-    let p: Vec<f64> = laws.iter().map(|own| own.p).collect();
-    for (own, q) in laws.iter_mut().zip(q_values(&p)) {
-        (own.q, own.is_shown) = (Some(q), q <= CLAIMED_BELOW);
+    for of_family in [0, 2] {
+        let mut laws: Vec<&mut OfMaterial> = answers
+            .iter_mut()
+            .filter(|own| family(own) == of_family)
+            .filter_map(|own| own.of_material.as_mut())
+            .collect();
+        let p: Vec<f64> = laws.iter().map(|own| own.p).collect();
+        for (own, q) in laws.iter_mut().zip(q_values(&p)) {
+            (own.q, own.is_shown) = (Some(q), q <= CLAIMED_BELOW);
+        }
     }
     for own in answers.iter_mut() {
         let least = match own.scale {

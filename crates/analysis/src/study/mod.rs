@@ -9,6 +9,7 @@ mod also;
 mod answer;
 mod asking;
 mod combined;
+mod course;
 mod curves;
 mod environments;
 mod laws;
@@ -26,10 +27,13 @@ mod words;
 #[cfg(test)]
 mod curves_tests;
 #[cfg(test)]
+mod other_laws_tests;
+#[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod two_scopes_tests;
 
-pub use answer::{Answer, Basis, Kind, OfMaterial, Scale, Scope, Verdict};
+pub use answer::{Answer, Basis, Drawn, Kind, OfMaterial, Point, Scale, Scope, Verdict};
+pub use course::{Course, courses};
 pub use made::{Evidence, Study};
-pub use words::{about, lead, sentence};
+pub use words::{about, lead, sentence, symbol};

@@ -26,3 +26,6 @@ pub const ONE_SLOPE: f64 = 0.05;
 /// Strips up to which a law is told of the strips as they are, beside their material: of more the material tells as much, and
 /// a level and a slope for each would cost minutes. Chosen.
 pub const MOST_STRIPS: usize = 12;
+/// Powers of a course at most: a cubic bends twice. `cargo test -p ieap-analysis --lib other_laws` holds a parameter that goes
+/// straight, not in its logarithm, by a factor of 3.4. Chosen.
+pub const MOST_POWERS: usize = 3;

@@ -2,15 +2,18 @@
 
 use ieap_domain::Factor;
 use ieap_domain::number::significant;
-use ieap_domain::words::{counted, in_a_row};
+use ieap_domain::quantiles::NORMAL_95;
+use ieap_domain::words::{capital, counted, in_a_row};
 use ieap_show::quantities::{MATERIAL, Quantity};
 use ieap_show::{Block, Chart, Column, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
 
-use super::answer::{Answer, Kind, Scale};
+use super::answer::{Answer, Kind, Point, Scale, Verdict};
 use super::made::Study;
 use super::measures::BENDING_PER_VOLT;
-use super::words::{about, basis, by_fits, family, lead, left_out, shows, symbol, voltages};
+use super::words::{about, basis, by_fits, family, lead, left_out, sentence, shows, symbol, voltages};
+use crate::ParameterInfo;
 use crate::conditions::volts;
+use crate::tables::laws;
 
 const KIND: Quantity = Quantity::plain("question", "Question", "what is compared");
 const PARAMETER: Quantity = Quantity::plain("parameter", "Parameter", "parameter");
@@ -65,6 +68,8 @@ const BASIS: Quantity = Quantity::plain(
 
 /// A bar is drawn as far as this factor from its mark; one that goes on ends at the edge.
 const WIDEST: f64 = 30.0;
+/// Places at which a law is drawn.
+const DRAWN: usize = 40;
 /// Pictures on the overview.
 const MOST_DRAWN: usize = 3;
 /// Further answers there: the pictures have all, and the page of the study says all.
@@ -169,6 +174,10 @@ pub fn view(study: &Study) -> Vec<Block> {
     blocks.extend(causes(&asked));
     let table = Block::Table(on_page(asked.iter().copied()));
     blocks.push(Block::part("What the study asked", vec![table]));
+    let laws = laws::of(study);
+    if !laws.rows.is_empty() {
+        blocks.push(Block::part("Laws", vec![Block::Table(laws)]));
+    }
     if let Some(each) = at_each_voltage(study) {
         blocks.push(Block::part("At each voltage", vec![Block::Table(each)]));
     }
@@ -218,11 +227,28 @@ fn causes(asked: &[&Answer]) -> Option<Block> {
 
 /// What the overview says first: the answers of each material in a line each, with pictures.
 pub fn overview(study: &Study) -> Vec<Block> {
-    if is_told(study) {
-        answers(study, MOST_DRAWN, MOST_SAID)
-    } else {
-        Vec::new()
+    if !is_told(study) {
+        return Vec::new();
     }
+    let mut blocks = answers(study, MOST_DRAWN, MOST_SAID);
+    let name = |said: &'_ String| {
+        said.split_once(" (")
+            .map_or(said.clone(), |(name, _)| name.to_owned())
+    };
+    let mut names: Vec<String> = study
+        .asked()
+        .flat_map(|own| &own.also_changed)
+        .map(name)
+        .collect();
+    names.sort();
+    names.dedup();
+    if !names.is_empty() {
+        blocks.push(Block::Say(format!(
+            "In this design {} changed with some of what is compared, and may be the cause as well.",
+            in_a_row(&names)
+        )));
+    }
+    blocks
 }
 
 /// The first answer of each material, so many pictures, so many of the other answers.
@@ -236,6 +262,7 @@ fn answers(study: &Study, drawn: usize, said: usize) -> Vec<Block> {
     let charts = materials
         .iter()
         .filter_map(|material| chart(study, material))
+        .chain(law_charts(study, |_| true))
         .take(drawn)
         .map(Block::Chart);
     // In turn, so that no material keeps the others out.
@@ -336,6 +363,70 @@ fn chart(study: &Study, material: &str) -> Option<Chart> {
         Chart::new(format!("{material}: what its surroundings do"), vec![panel])
             .told("Ratios at equal voltage, bars 95 %, with the scatter from run to run where the design tells it; a bar that reaches the edge goes on.")
     })
+}
+
+/// Every law that is shown over numbers, the clearest first: the values behind it, brought to the mean strip, and its band.
+pub fn law_charts<'a>(
+    study: &'a Study,
+    is_asked: impl Fn(&str) -> bool + 'a,
+) -> impl Iterator<Item = Chart> + 'a {
+    let is_drawn = |own: &&Answer| own.verdict == Verdict::Differs && own.from_to.is_some();
+    let mut laws: Vec<&Answer> = study.laws().filter(is_drawn).collect();
+    laws.sort_by(|a, b| {
+        let rank = |own: &Answer| (!own.is_of_study, own.p.unwrap_or(1.0));
+        rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal)
+    });
+    let laws = laws.into_iter().filter(move |own| is_asked(own.parameter));
+    laws.filter_map(law_chart)
+}
+
+fn law_chart(answer: &Answer) -> Option<Chart> {
+    let (drawn, (from, to)) = (answer.drawn.as_ref()?, answer.from_to?);
+    let (value, low, high) = (answer.value?, answer.low_95?, answer.high_95?);
+    let info = ParameterInfo::of(answer.parameter);
+    let factor = info.map_or(1.0, |info| info.shown_factor);
+    let on_scale = |y: f64| match answer.scale {
+        Scale::Points => y,
+        Scale::Ratio | Scale::PerUnit | Scale::OfRange => factor * y.exp(),
+    };
+    let place = |k: usize| from + (to - from) * k as f64 / (DRAWN - 1) as f64;
+    let at = |slope: f64, x: f64| on_scale(drawn.middle.1 + slope * (x - drawn.middle.0));
+    let line = (0..DRAWN).map(|k| (place(k), at(value, place(k))));
+    let ends = |k: usize| [at(low, place(k)), at(high, place(k))];
+    let band = (0..DRAWN).map(|k| (ends(k)[0].min(ends(k)[1]), ends(k)[0].max(ends(k)[1])));
+    let mut layers = vec![Layer::new("Law", Mark::Line, Ink::Readings, line).with_bars(band.collect())];
+    let mut samples: Vec<&str> = drawn.points.iter().map(|own| own.sample.as_str()).collect();
+    samples.sort_unstable();
+    samples.dedup();
+    for (at, sample) in samples.into_iter().enumerate() {
+        let own = || drawn.points.iter().filter(|own| own.sample == sample);
+        let bar = |own: &Point| {
+            let reach = NORMAL_95 * own.error;
+            (on_scale(own.y - reach), on_scale(own.y + reach))
+        };
+        let points = own().map(|own| (own.x, on_scale(own.y)));
+        let layer = Layer::new(sample, Mark::Marks, Ink::Series(at % Ink::COLOURS), points);
+        layers.push(layer.with_bars(own().map(bar).collect()));
+    }
+    let name = match info {
+        Some(info) => format!("{} ({})", info.symbol, info.shown_unit),
+        None => symbol(answer.parameter).to_owned(),
+    };
+    let x = match answer.unit() {
+        "" => answer.upper.clone(),
+        unit => format!("{} ({unit})", answer.upper),
+    };
+    let y = match answer.scale {
+        Scale::Points => Range::linear(name, ""),
+        Scale::Ratio | Scale::PerUnit | Scale::OfRange => Range::log(name, ""),
+    };
+    let panel = Panel {
+        x: Range::linear(capital(&x), ""),
+        y,
+        layers,
+    };
+    let title = format!("{} of {}", symbol(answer.parameter), answer.material);
+    Some(Chart::new(title, vec![panel]).told(sentence(answer)))
 }
 
 /// What a terminal shows: the answers, then each question of the study in a line.

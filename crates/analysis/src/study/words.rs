@@ -71,7 +71,7 @@ pub fn number(answer: &Answer) -> String {
 /// A law as a factor over the range of what it follows, `× 6.5 [5.9, 7.2] (+2.5 % per % RH)`: per unit a large change says
 /// nothing, a small one is lost.
 fn over_range(answer: &Answer, value: f64, interval: Option<(f64, f64)>) -> String {
-    let factor = |number: f64| (answer.span.unwrap_or(1.0) * number).exp();
+    let factor = |number: f64| answer.over_all(number);
     let ends = interval.map_or(String::new(), |(low, high)| {
         format!(" [{}]", brackets(factor(low), factor(high)))
     });
@@ -110,11 +110,11 @@ pub fn by_fits(answer: &Answer) -> String {
 
 /// The range over which a law was measured: `, 15 to 90 % RH`; nothing of what is no law.
 fn range(answer: &Answer) -> String {
-    let unit = match answer.kind {
-        Kind::VoltageLaw => "V",
-        _ => "% RH",
+    let unit = match answer.unit() {
+        "" => String::new(),
+        unit => format!("\u{a0}{unit}"),
     };
-    let of = |(low, high)| format!(", {} to {}\u{a0}{unit}", plain(low), plain(high));
+    let of = |(low, high)| format!(", {} to {}{unit}", plain(low), plain(high));
     answer.from_to.map_or(String::new(), of)
 }
 
@@ -143,7 +143,12 @@ pub fn about(answer: &Answer) -> String {
         Kind::HumidityLaw | Kind::HumidityByMaterial => {
             format!("{symbol} of {of} with the {}{}{at}", answer.upper, range(answer))
         }
-        Kind::VoltageLaw => format!("{symbol} of {of} with the {}{}", answer.upper, range(answer)),
+        Kind::OtherLaw if !answer.lower.is_empty() => {
+            format!("{symbol} of {of}, {} over {}", answer.upper, answer.lower)
+        }
+        Kind::VoltageLaw | Kind::OtherLaw => {
+            format!("{symbol} of {of} with the {}{}", answer.upper, range(answer))
+        }
         Kind::Environment if let Some((from, to)) = answer.times_s => format!(
             "{symbol} of {of}, {} over {}{at}, {} to {} s after the step",
             answer.upper,
@@ -425,7 +430,12 @@ pub fn family(study: &Study) -> String {
     let curves = of(|own| own.is_of_study && own.is_of_curve());
     let mut families = vec![format!("{} of the study", counted(questions, "question"))];
     families.extend((curves > 0).then(|| counted(curves, "whole curve")));
-    families.push(counted(of(|own| !own.is_of_study), "detail"));
+    let laws = of(|own| own.kind == Kind::OtherLaw);
+    families.extend((laws > 0).then(|| counted(laws, "law of what else differed")));
+    families.push(counted(
+        of(|own| !own.is_of_study && own.kind != Kind::OtherLaw),
+        "detail",
+    ));
     format!(
         "{} were judged, each family by itself: of what is claimed at most 1 in 20 is expected to be chance (Benjamini and Hochberg).",
         in_a_row(&families)

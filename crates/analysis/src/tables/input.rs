@@ -3,7 +3,6 @@
 use crate::cycles::CycleRun;
 use crate::frequency::FrequencyRun;
 use crate::impedance::OneLikelihood;
-use crate::laws::CampaignLaws;
 use crate::laws::doubt::Doubts;
 use crate::model_free::ModelFree;
 use crate::model_free::curves::StepCurves;
@@ -46,8 +45,6 @@ pub struct TableInput<'a> {
     pub electrodes: &'a [Course],
     /// Every file that the last scan saw.
     pub files: &'a [SourceFile],
-    /// What holds across runs, for tables that ask for it.
-    pub laws: Option<&'a CampaignLaws>,
     /// Diagnoses of groups.
     pub groups: &'a [GroupDiagnosis],
     /// What they say against the fits of the runs.
@@ -88,7 +85,6 @@ impl<'a> TableInput<'a> {
             reductions: &[],
             electrodes: &[],
             files: &[],
-            laws: None,
             groups: &[],
             doubts,
             comparisons: &[],

@@ -1,124 +1,111 @@
-//! Laws across runs: which parameter follows what, by which law, with its coefficient where it is claimed.
+//! Laws: by which factor a parameter goes over the range of what it follows, of the strips measured and of their material.
 
 use super::TableInput;
-use crate::laws::shape::{Law, form};
-use crate::laws::{Covariate, Dependence, words};
-use crate::parameters::ParameterInfo;
+use crate::study::{Answer, OfMaterial, Study, symbol};
+use ieap_domain::Estimate;
+use ieap_domain::number::significant;
 use ieap_show::quantities::{MATERIAL, Quantity, RUNS, SAMPLES};
 use ieap_show::{Rough, Sheet, Table, Value};
 
+const KIND: Quantity = Quantity::plain("question", "Question", "what is asked");
 const PARAMETER: Quantity = Quantity::plain("parameter", "Parameter", "parameter");
-const COVARIATE: Quantity = Quantity::plain("covariate", "x", "what it may follow");
-const STANDING: Quantity = Quantity::plain("standing", "Standing", "whether it is claimed");
-const FORM: Quantity = Quantity::plain("law", "Law", "form of the law");
-const COEFFICIENT: Quantity = Quantity::plain("coefficient", "b", "coefficient of the law");
-const COEFFICIENT_UNIT: Quantity =
-    Quantity::plain("coefficient_unit", "Unit of b", "unit of the coefficient");
-const BEND: Quantity = Quantity::plain(
-    "bend",
-    "c",
-    "threshold, knee, step or time constant, in the unit of x",
+const FOLLOWS: Quantity = Quantity::plain("x", "x", "what it follows");
+const SHOWN: Quantity = Quantity::plain("shown", "shown", "what is shown");
+const FACTOR: Quantity = Quantity::plain(
+    "factor",
+    "from x₀ to x₁",
+    "factor, or points, over the range of x",
 );
-const START: Quantity = Quantity::plain("start", "a", "value at the low end, of the mean sample");
-const START_UNIT: Quantity = Quantity::plain("start_unit", "Unit of a", "unit of the value");
+const INTERVAL: Quantity = Quantity::plain("interval_95", "95 %", "its 95 % interval");
+const SCOPE: Quantity = Quantity::plain("scope", "of", "of whom it is told");
+const OF_MATERIAL: Quantity = Quantity::plain(
+    "of_material",
+    "of the material",
+    "95 % interval of the same told of the material: strips differ by chance",
+);
 const LOW: Quantity = Quantity::plain("low", "x₀", "low end of x");
 const HIGH: Quantity = Quantity::plain("high", "x₁", "high end of x");
 const UNIT: Quantity = Quantity::plain("unit", "Unit of x", "unit of x");
-const Q: Quantity = Quantity::plain("q_value", "q", "false discovery rate at which it is claimed");
-const REMARK: &str = "b stands only where a law is claimed; of the others a footnote says why not. Confounded: it changes, and x may be another covariate. Laws hold between x₀ and x₁. Samples of another length than stated, and failures that are not at random, stand in `ieap export --what laws`.";
+const Q: Quantity = Quantity::plain(
+    "q_value",
+    "q",
+    "false-discovery rate at which it would be claimed",
+);
+const STRIPS: Quantity = Quantity::plain(
+    "single_strips",
+    "in single strips",
+    "the least and the largest of the strips' own",
+);
+const ALSO: Quantity = Quantity::plain(
+    "also_changed",
+    "changed with it",
+    "what else changed with it, so that it may be the cause",
+);
+const REMARK: &str = "By one mixed model a parameter: x is followed by the same factor for every unit. Of two materials the factor of one over that of the other. Points are of bending lost in an hour. Intervals are 95 %.";
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {
-    let laws = input.laws.into_iter().flat_map(|laws| &laws.dependences);
-    let of_claimed = |found: &Dependence| found.span.filter(|_| found.stated().is_some());
-    Sheet::<&Dependence>::new("laws", "Laws across runs", 3)
+    of(&input.study())
+}
+
+/// The same of a study that is known.
+pub fn of(study: &Study) -> Table {
+    let rows: Vec<&Answer> = study.laws().collect();
+    Sheet::<&Answer>::new("laws", "Laws", 3)
         .remarks(
             REMARK,
-            "No question across runs can be asked: nothing that a parameter may follow differs among the fitted runs, or too few of them state it.",
+            "No law can be asked for: nothing that a parameter may follow was measured at enough places, or nothing tells the scatter from run to run.",
         )
-        .column(MATERIAL, |found| found.material.as_str())
-        .column(PARAMETER, |found| words::symbol(&found.parameter).to_owned())
-        .column(COVARIATE, |found| found.covariate.label())
-        .column(STANDING, |found| standing(found))
-        .column(FORM, |found| {
-            let (law, _) = found.stated()?;
-            Some(form(
-                law,
-                words::symbol(&found.parameter),
-                symbol(found.covariate),
-                found.is_log,
-            ))
+        .column(KIND, |own| own.kind.label())
+        .column(MATERIAL, |own| match &own.against_material {
+            Some(other) if own.kind.is_by_material() => format!("{} / {other}", own.material),
+            _ => own.material.clone(),
         })
-        .column(COEFFICIENT, |found| match found.stated() {
-            Some((_, coefficient)) => Value::from(coefficient.estimate()),
-            None => Value::Missing.noted([words::sentence(found)]),
+        .column(PARAMETER, |own| symbol(own.parameter).to_owned())
+        .column(FOLLOWS, |own| match own.lower.is_empty() {
+            true => own.upper.clone(),
+            false => format!("{} over {}", own.upper, own.lower),
         })
-        .column(COEFFICIENT_UNIT, |found| {
-            unit(found).filter(|unit| !unit.is_empty())
+        .column(SHOWN, |own| own.verdict.label())
+        .column(FACTOR, |own| Value::from(factor(own)))
+        .column(INTERVAL, |own| ends(&factor(own)))
+        .column(SCOPE, |own| own.scope.label())
+        .column(OF_MATERIAL, |own| {
+            let of: &OfMaterial = own.of_material.as_ref()?;
+            ends(&estimate(own, [of.value, of.low_95, of.high_95].map(Some)))
         })
-        .column(BEND, |found| {
-            of_claimed(found)?;
-            found.laws.first()?.bend_at.map(|at| at.estimate())
+        .column(STRIPS, |own| {
+            let (least, largest) = own.strips_from_to?;
+            let of = |number| significant(own.over_all(number), 2);
+            Some(format!("{} to {}", of(least), of(largest)))
         })
-        .column(START, move |found| {
-            of_claimed(found)?;
-            let start = if found.is_log {
-                found.start.exp()
-            } else {
-                found.start
-            };
-            Some(Rough(
-                start * ParameterInfo::of(&found.parameter)?.shown_factor,
-                3,
-            ))
-        })
-        .column(START_UNIT, move |found| {
-            of_claimed(found)?;
-            Some(ParameterInfo::of(&found.parameter)?.shown_unit)
-        })
-        .column(LOW, |found| found.span.map(|span| Rough(span.low, 3)))
-        .column(HIGH, |found| found.span.map(|span| Rough(span.high, 3)))
-        .column(UNIT, |found| {
-            Some(found.covariate.unit()).filter(|unit| !unit.is_empty())
-        })
-        .column(Q, |found| Rough(found.q, 2))
-        .column(RUNS, |found| found.runs)
-        .column(SAMPLES, |found| found.samples.len())
-        .over(laws)
+        .column(LOW, |own| own.from_to.map(|ends| Rough(ends.0, 3)))
+        .column(HIGH, |own| own.from_to.map(|ends| Rough(ends.1, 3)))
+        .column(UNIT, |own| Some(own.unit()).filter(|unit| !unit.is_empty()))
+        .column(Q, |own| own.q.map(|q| Rough(q, 2)))
+        .column(RUNS, |own| own.of_runs.len())
+        .column(SAMPLES, |own| own.samples)
+        .column(ALSO, |own| own.also_changed.join("; "))
+        .over(rows)
 }
 
-/// `claimed`, `confounded` where what it follows may be another covariate, or `open`.
-fn standing(found: &Dependence) -> Value {
-    match (found.is_claimed(), found.confounded_with.is_empty()) {
-        (false, _) => Value::from("open"),
-        (true, true) => Value::from("claimed"),
-        (true, false) => Value::from("confounded").noted([words::sentence(found)]),
+fn ends(of: &Estimate) -> Option<String> {
+    let (low, high) = of.low_95.zip(of.high_95)?;
+    Some(format!("{} to {}", significant(low, 3), significant(high, 3)))
+}
+
+fn factor(own: &Answer) -> Estimate {
+    estimate(own, [own.value, own.low_95, own.high_95])
+}
+
+/// A law over the range of what it follows.
+fn estimate(own: &Answer, numbers: [Option<f64>; 3]) -> Estimate {
+    let [value, one, other] = numbers.map(|number| number.map(|number| own.over_all(number)));
+    Estimate {
+        value,
+        low_95: one.zip(other).map(|(a, b)| a.min(b)),
+        high_95: one.zip(other).map(|(a, b)| a.max(b)),
+        reason: None,
+        ..Estimate::not_determined("")
     }
-}
-
-fn symbol(covariate: Covariate) -> &'static str {
-    match covariate {
-        Covariate::RelativeHumidity => "RH",
-        Covariate::Temperature => "T",
-        _ => "x",
-    }
-}
-
-/// Unit of the coefficient: of a part or a logarithm per unit of x; of the parameter itself where it may be negative.
-fn unit(found: &Dependence) -> Option<String> {
-    let (law, _) = found.stated()?;
-    let of = match (law, found.covariate.unit()) {
-        (Law::Exponential | Law::Linear | Law::Threshold | Law::Knee, "% RH") => "%⁻¹".to_owned(),
-        (Law::Exponential | Law::Linear | Law::Threshold | Law::Knee, of) if !of.is_empty() => {
-            format!("({of})⁻¹")
-        }
-        (Law::SquareRoot, of) if !of.is_empty() => format!("({of})^-½"),
-        _ => String::new(),
-    };
-    let info = ParameterInfo::of(&found.parameter).filter(|_| !found.is_log);
-    Some(
-        format!("{} {of}", info.map_or("", |info| info.unit))
-            .trim()
-            .to_owned(),
-    )
 }

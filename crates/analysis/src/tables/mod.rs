@@ -7,7 +7,7 @@ mod extended;
 mod findings;
 mod fits;
 mod input;
-mod laws;
+pub mod laws;
 pub mod model_free;
 pub mod moved;
 mod of_condition;
@@ -49,8 +49,6 @@ pub enum Need {
     Reductions,
     /// Steps fitted together with spectra.
     OneLikelihood,
-    /// What holds across runs.
-    Laws,
 }
 
 /// A table that can be asked for.
@@ -119,8 +117,8 @@ pub const TABLES: &[NamedTable] = &[
     NamedTable::new("reductions", "Where a simpler circuit would do in each run, one branch or none to leak, and what it costs", reductions::make).needing(Need::Reductions),
     NamedTable::new("models", "Which model describes which material in which environment, as `ieap compare` found it", |input| models_compared::view::table(input.compared())).comparing_materials(),
     NamedTable::new("findings", "What the model gets wrong in each group of runs, and why", findings::make),
-    NamedTable::new("laws", "Which parameter follows what from run to run, by which law, with its coefficient where it is claimed", laws::make).needing(Need::Laws),
-    NamedTable::new("runs-used", "Every law, contrast, fit of a group and diagnosis with the runs that it is made from, and why others were left out", runs_used::make).needing(Need::Laws),
+    NamedTable::new("laws", "By which factor a parameter goes over the humidity, the voltage, the temperature, the use: of the strips measured and of their material", laws::make),
+    NamedTable::new("runs-used", "Every law, contrast, fit of a group and diagnosis with the runs that it is made from, and why others were left out", runs_used::make),
     NamedTable::new("electrodes", "Resistance of the electrodes over time, by the four-point probe, with cracks", electrodes::make),
     NamedTable::new("stiffness", "Alpha split into stiffness and coupling, by modulus logs and blocking forces: which of them a change follows", stiffness::make),
     NamedTable::new("impedance", "Circuits fitted to the impedance spectra, one row a spectrum and circuit", |input| sheet::impedance(input.spectra)),

@@ -6,10 +6,10 @@ use super::TableInput;
 use super::extended::identity;
 use super::of_several::contribution;
 use crate::conditions::material;
-use crate::laws::{CampaignLaws, Covariate, words};
+use crate::laws::facts::{RunFacts, facts};
 use crate::one_fit::SharedEstimate;
 use crate::parameters::COMPARED;
-use crate::study::{Answer, Kind, about};
+use crate::study::{Answer, Kind, Verdict, about};
 use ieap_domain::tag::keys;
 use ieap_domain::{GroupDiagnosis, RunRecord};
 use ieap_show::quantities::{Quantity, RUN};
@@ -30,8 +30,7 @@ struct Part<'a> {
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {
-    let laws = input.laws.map_or_else(Vec::new, |laws| of_laws(input, laws));
-    let parts = laws
+    let parts = of_study(input)
         .into_iter()
         .chain(of_group_fits(input))
         .chain(of_diagnoses(input));
@@ -55,32 +54,21 @@ fn every<'a>(input: &TableInput<'a>) -> impl Iterator<Item = &'a RunRecord> {
     input.runs.iter().chain(input.set_aside)
 }
 
-fn of_laws<'a>(input: &TableInput<'a>, laws: &CampaignLaws) -> Vec<Part<'a>> {
-    let mut parts = Vec::new();
-    for found in laws.claimed() {
-        let claim = format!(
-            "{} of {} with {}",
-            words::symbol(&found.parameter),
-            found.material,
-            found.covariate.label()
-        );
-        let used: BTreeSet<&str> = paths(input, &found.used);
-        for run in every(input).filter(|run| material(run, input.campaign) == Some(&found.material)) {
-            let left_out = || why_not(input, laws, run, (&found.parameter, Some(found.covariate)));
-            parts.push(part("law", &claim, run, &used, left_out));
-        }
-    }
+fn of_study<'a>(input: &TableInput<'a>) -> Vec<Part<'a>> {
     let study = input.study();
-    let of_environments = |own: &&Answer| own.kind == Kind::Environment && COMPARED.contains(&own.parameter);
-    for found in study
-        .asked()
-        .filter(of_environments)
-        .filter(|own| own.value.is_some())
-    {
+    let facts = facts(input.runs, input.campaign);
+    let is_told = |own: &&Answer| match own.kind {
+        Kind::Environment => own.is_of_study && own.value.is_some(),
+        kind => kind.is_law() && !kind.is_by_material() && own.verdict == Verdict::Differs,
+    };
+    let mut parts = Vec::new();
+    let of_parameter = |own: &&Answer| COMPARED.contains(&own.parameter);
+    for found in study.answers.iter().filter(of_parameter).filter(is_told) {
         let used = paths(input, &found.of_runs);
+        let kind = if found.kind.is_law() { "law" } else { "contrast" };
         for run in every(input).filter(|run| is_compared(input, found, run)) {
-            let left_out = || why_not(input, laws, run, (found.parameter, None));
-            parts.push(part("contrast", &about(found), run, &used, left_out));
+            let left_out = || why_not(input, &facts, run, found);
+            parts.push(part(kind, &about(found), run, &used, left_out));
         }
     }
     parts
@@ -105,8 +93,11 @@ fn part<'a>(
     }
 }
 
-/// Whether a run is of either side of an answer about environments.
+/// Whether a run is of the material of a law, or of either side of an answer about environments.
 fn is_compared(input: &TableInput, found: &Answer, run: &RunRecord) -> bool {
+    if found.kind.is_law() {
+        return material(run, input.campaign) == Some(&found.material);
+    }
     let is_side = |environment: &str| {
         [&found.upper, &found.lower]
             .iter()
@@ -115,38 +106,32 @@ fn is_compared(input: &TableInput, found: &Answer, run: &RunRecord) -> bool {
     run.tag(keys::ENVIRONMENT).is_some_and(is_side) && material(run, input.campaign) == Some(&found.material)
 }
 
-/// Why a run is no part of what is said of a parameter, as the search across runs goes through it.
-fn why_not(
-    input: &TableInput,
-    laws: &CampaignLaws,
-    run: &RunRecord,
-    (key, covariate): (&str, Option<Covariate>),
-) -> String {
+/// Why a run is no part of what is said of a parameter.
+fn why_not(input: &TableInput, facts: &[RunFacts], run: &RunRecord, found: &Answer) -> String {
     if !run.standing.speaks() {
         return format!("set aside: {}", run.standing.reason());
     }
-    if laws.doubts.leaves_out(&run.path) {
+    if input.doubts.leaves_out(&run.path) {
         return "the model does not describe its group, and no cause is known".to_owned();
     }
-    let estimate = match contribution(input.doubts, run, key).estimate {
+    let estimate = match contribution(input.doubts, run, found.parameter).estimate {
         Err(why) => return why,
         Ok(estimate) => estimate,
     };
-    let states = |covariate: &Covariate| {
-        let facts = laws
-            .facts
-            .iter()
-            .find(|facts| input.runs[facts.run].path == run.path);
-        facts
-            .is_some_and(|facts| facts.numbers.contains_key(covariate) || facts.names.contains_key(covariate))
+    let states = |key: &str| {
+        let own = facts.iter().find(|facts| input.runs[facts.run].path == run.path);
+        own.is_some_and(|own| {
+            let mut stated = own.numbers.keys().chain(own.names.keys());
+            stated.any(|covariate| covariate.key() == key)
+        })
     };
-    match covariate {
+    match found.covariate {
         _ if estimate.value.is_none() => {
             let why = estimate.reason.clone();
             why.unwrap_or_else(|| "it gives a bound".to_owned())
         }
         _ if estimate.at_bound => "the value lies at a limit of the search".to_owned(),
-        Some(covariate) if !states(&covariate) => format!("it states no {}", covariate.label()),
+        Some(key) if !states(key) => format!("it states no {}", found.upper),
         _ if SharedEstimate::of(run, &estimate).is_some() => {
             "its fit is one with that of a run that is used".to_owned()
         }

@@ -83,14 +83,6 @@ pub enum CampaignFileError {
         /// What may stand there.
         needed: String,
     },
-    /// The reference of comparisons states what no condition has.
-    #[error("{}, [compare] reference: found {found}; needed are environment = \"...\", relative_humidity_percent = a number or voltage_v = a number", path.display())]
-    BadReference {
-        /// The file.
-        path: PathBuf,
-        /// The key with its value.
-        found: String,
-    },
     /// Two entries have the same id.
     #[error("{}, {place}: the id \"{id}\" is already taken by an entry above; give each its own id", path.display())]
     DuplicateId {

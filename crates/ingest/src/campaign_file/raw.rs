@@ -200,8 +200,6 @@ pub(super) struct Climate {
 /// `[compare]`.
 #[derive(Deserialize, Default)]
 pub(super) struct Compare {
-    #[serde(default)]
-    pub reference: BTreeMap<String, Scalar>,
     pub by: Option<String>,
 }
 

@@ -83,9 +83,9 @@ title = {id}                            # what stands above the report
 # scatter_percent = 10                   # from run to run, where every condition has one run
 # alike_percent = 25                     # an effect that is no larger is none
 
-# Ratios on the comparison pages are to this condition; what it leaves out is held equal (docs/study.md).
-# [compare]                              # without it: the condition with the most runs
-# reference = {{ environment = "air", relative_humidity_percent = 34 }}
+# Materials that are put together by what [[material]] states of them (docs/study.md).
+# [compare]
+# by = "electrode"                       # or "membrane", "electrolyte"
 
 # Long-term monitoring: repeat a run in one condition now and then (docs/monitoring.md).
 # [monitoring]

@@ -289,23 +289,6 @@ proptest::proptest! {
     }
 }
 
-#[test]
-fn the_reference_of_comparisons_is_tags_of_a_condition() {
-    let loaded = load(&format!(
-        "{HEAD}[compare]\nreference = {{ environment = \"air\", relative_humidity_percent = 34 }}\n"
-    ));
-    let stated = loaded.unwrap().campaign.compare.reference;
-    let expected = [("environment", "air"), ("relative_humidity_percent", "34")];
-    assert_eq!(
-        stated,
-        expected.map(|(key, value)| (key.to_owned(), value.to_owned()))
-    );
-    for wrong in ["voltage_v = \"high\"", "sample = \"s\"", "environment = \" \""] {
-        let told = message(&format!("{HEAD}[compare]\nreference = {{ {wrong} }}\n"));
-        assert!(told.contains("[compare] reference: found"), "{told}");
-    }
-}
-
 /// The line of every entry was counted from the beginning of the file: 2.9 s for so many samples.
 #[test]
 fn eight_thousand_samples_are_read_each_with_its_line() {

@@ -7,8 +7,7 @@ use plotters::style::{Color, ShapeStyle};
 use super::aside::{AsideMark, draw_aside};
 use super::axis::{Axis, Scale};
 use super::canvas::{Area, Ink, TENTHS, svg};
-use super::group::{Group as Series, grouped, series};
-use super::law::line;
+use super::group::{Group as Series, grouped};
 use super::panel::{Chart, Margins, TICK_SIZE, label, panel, text_style};
 use super::shape::PAGE_WIDTH;
 use ieap_domain::Estimate;
@@ -60,14 +59,6 @@ pub fn comparison(groups: &[Group], y: &Axis, title: &str, desc: &str) -> Result
     svg(SIZE, title, desc, |area| comparison_on(area, groups, y))
 }
 
-/// The same of ratios, with a line at 1.
-///
-/// # Errors
-/// The message of the drawing library.
-pub fn ratio_comparison(groups: &[Group], y: &Axis, title: &str, desc: &str) -> Result<String, String> {
-    svg(SIZE, title, desc, |area| panel_on(area, groups, y, Some(1.0)))
-}
-
 /// The same as one of small multiples.
 ///
 /// # Errors
@@ -81,11 +72,6 @@ pub fn small_comparison(groups: &[Group], y: &Axis, title: &str, desc: &str) -> 
 /// # Errors
 /// The message of the drawing library.
 pub fn comparison_on(area: &Area, groups: &[Group], y: &Axis) -> Result<(), String> {
-    panel_on(area, groups, y, None)
-}
-
-/// One panel, with a line across at `level` where there is one.
-fn panel_on(area: &Area, groups: &[Group], y: &Axis, level: Option<f64>) -> Result<(), String> {
     let slots: usize = groups.iter().map(|group| group.slots.len()).sum();
     let width = slots as f64 + GAP * groups.len().saturating_sub(1) as f64;
     let x = Axis {
@@ -103,10 +89,6 @@ fn panel_on(area: &Area, groups: &[Group], y: &Axis, level: Option<f64>) -> Resu
         ..MARGINS
     };
     let mut chart = panel(area, margins, &x, y, true)?;
-    if let Some(level) = level.filter(|level| y.shows(*level)) {
-        let across = vec![(x.low, y.position(level)), (x.high, y.position(level))];
-        series(&mut chart, "", |chart| line(chart, across, Ink::Muted, 12))?;
-    }
     // A title wider than the plot ends with it: room for what is longer is on the left.
     let is_wide = names.axis_title.chars().count() as f64 * CHARACTER > width * pixels_per_slot;
     let (at, anchor) = if is_wide {

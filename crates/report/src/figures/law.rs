@@ -20,9 +20,6 @@ const MARGINS: Margins = Margins {
     bottom: 46,
 };
 
-/// Length of the tail of a mark, px: as much beyond the mark as the mark is wide.
-const TAIL: f64 = 10.0;
-
 /// Size of one panel of small multiples, px.
 pub const SMALL: (u32, u32) = (400, 230);
 
@@ -41,9 +38,6 @@ pub struct Mark {
     pub style: usize,
     /// Index of the run that it stands for.
     pub run: Option<usize>,
-    /// From where the covariate came: -1 from below (a tail to the left), 1 from above (to the right), 0 where that is not
-    /// known or not shown.
-    pub came_from: i8,
 }
 
 /// A law as it is drawn: at each place the value and the ends of the band.
@@ -62,50 +56,10 @@ pub struct Curve {
 pub struct Beside {
     /// The law.
     pub law: Curve,
-    /// Horizontal lines: limits.
-    pub limits: Vec<f64>,
-    /// Vertical lines: changes.
-    pub changes: Vec<f64>,
     /// What readouts call the marks of each style.
     pub names: Vec<String>,
     /// Runs that no result is made from.
     pub aside: Vec<AsideMark>,
-}
-
-/// All that one panel shows: a page draws it on its own, a print among others.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LawFigure {
-    /// Covariate.
-    pub x: Axis,
-    /// Parameter.
-    pub y: Axis,
-    /// Points.
-    pub marks: Vec<Mark>,
-    /// What stands beside them.
-    pub beside: Beside,
-    /// What it shows.
-    pub title: String,
-    /// What is seen.
-    pub desc: String,
-}
-
-impl LawFigure {
-    /// The panel for a page.
-    ///
-    /// # Errors
-    /// The message of the drawing library.
-    pub fn svg(&self) -> Result<String, String> {
-        let axes = (&self.x, &self.y);
-        law_panel(axes, &self.marks, &self.beside, &self.title, &self.desc)
-    }
-
-    /// The panel on the whole of `area`.
-    ///
-    /// # Errors
-    /// The message of the drawing library.
-    pub fn on(&self, area: &Area) -> Result<(), String> {
-        draw_on(area, (&self.x, &self.y), (&self.marks, &self.beside))
-    }
 }
 
 /// Draws one panel.
@@ -147,7 +101,7 @@ fn draw_on(area: &Area, (x, y): (&Axis, &Axis), (marks, beside): (&[Mark], &Besi
     draw_aside(&mut chart, (x, y), &beside.aside)
 }
 
-/// The law with its band, limits and changes.
+/// The law with its band.
 fn draw_beside(chart: &mut Chart, x: &Axis, y: &Axis, beside: &Beside) -> Result<(), String> {
     if beside.law.x.len() > 1 {
         let seen = pixels(chart);
@@ -163,14 +117,6 @@ fn draw_beside(chart: &mut Chart, x: &Axis, y: &Axis, beside: &Beside) -> Result
         );
         chart.draw_series([band]).map_err(|error| error.to_string())?;
         line(chart, curve(&|k| beside.law.y[k]), Ink::Text, 14)?;
-    }
-    for &limit in beside.limits.iter().filter(|limit| y.shows(**limit)) {
-        let across = vec![(x.low, y.position(limit)), (x.high, y.position(limit))];
-        line(chart, across, Ink::Vermillion, 12)?;
-    }
-    for &change in beside.changes.iter().filter(|change| x.shows(**change)) {
-        let up = vec![(x.position(change), y.low), (x.position(change), y.high)];
-        line(chart, up, Ink::Muted, 10)?;
     }
     Ok(())
 }
@@ -196,11 +142,6 @@ fn draw_marks(
     let color = ink(style);
     let seen = pixels(chart);
     grouped(chart, group, |chart| {
-        for mark in marks.iter().filter(|mark| mark.came_from != 0) {
-            let (across, up) = (x.position(mark.x), y.inside(mark.y));
-            let end = (across + f64::from(mark.came_from) * TAIL / seen.across).clamp(x.low, x.high);
-            line(chart, vec![(across, up), (end, up)], color, 18)?;
-        }
         for mark in marks {
             let (across, up) = (x.position(mark.x), y.inside(mark.y));
             let ends = [y.inside(mark.bar.0), y.inside(mark.bar.1)];
@@ -251,7 +192,6 @@ mod tests {
             bar: (8e-4, 1.2e-3),
             style: 1,
             run: None,
-            came_from: -1,
         };
         let law = Curve {
             x: vec![20.0, 50.0, 80.0],
@@ -260,23 +200,13 @@ mod tests {
         };
         let beside = Beside {
             law,
-            limits: vec![5e-3],
-            changes: vec![60.0],
             names: vec!["CNaf-1".into(), "CNaf-2".into()],
             ..Beside::default()
         };
-        let figure = LawFigure {
-            x,
-            y,
-            marks: vec![mark],
-            beside,
-            title: "t".into(),
-            desc: "d".into(),
-        };
-        let drawn = figure.svg().unwrap();
+        let drawn = law_panel((&x, &y), &[mark], &beside, "t", "d").unwrap();
         assert!(drawn.contains("class=\"f k-muted\" opacity=\"0.18\""), "{drawn}");
-        // The limit; both bars in one path; the tail; the mark with the form of its sample.
-        assert_eq!(drawn.matches("s k-2").count(), 3, "{drawn}");
+        // Both bars in one path; the mark with the form of its sample.
+        assert_eq!(drawn.matches("s k-2").count(), 1, "{drawn}");
         assert_eq!(drawn.matches("dots dot-k-2-1").count(), 1, "{drawn}");
         assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
     }

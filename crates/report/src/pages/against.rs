@@ -1,27 +1,20 @@
 //! Every parameter against one covariate, run by run: small multiples, one a parameter and material.
 
-use super::parameter_section::ParameterSection;
 use ieap_domain::range_of;
 use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
-use serde::Serialize;
-
-use super::Content;
-use super::across;
-use super::comparison::caution;
-use super::law_cards::{SampleKey, sample_keys};
-use crate::aside::{AsideRow, Shown, beyond_words, marks};
+use super::parameters::{Panel, Section};
+use crate::aside::{Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;
 use crate::figures::axis::{Axis, Scale, Tick};
 use crate::figures::calendar::calendar_axis;
 use crate::figures::law::{Beside, Mark, SMALL, sized_panel};
-use crate::input::Input;
 use crate::site::Site;
-use ieap_analysis::comparison::against::{Against, Places};
+use ieap_analysis::against::{Against, Places};
 use ieap_analysis::conditions::compared_material;
-use ieap_analysis::laws::facts::{Known, facts};
+use ieap_analysis::laws::facts::Known;
 use ieap_analysis::parameters::usable;
 use ieap_analysis::{PARAMETERS, ParameterInfo};
 use ieap_domain::tag::keys;
@@ -36,76 +29,41 @@ const SPREAD: f64 = 0.7;
 /// Room beside them of runs that are set aside.
 const ASIDE: f64 = 0.2;
 
-#[derive(Debug, Serialize)]
-struct AgainstPage {
-    heading: String,
-    lead: &'static str,
-    caution: Vec<String>,
-    /// Tag that marks are coloured by.
-    group_by: &'static str,
-    groups: Vec<SampleKey>,
-    parameters: Vec<ParameterSection<Panel>>,
-    /// Runs whose readings are known to be wrong.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    aside: Vec<AsideRow>,
-}
-
-#[derive(Debug, Serialize)]
-struct Panel {
-    /// Empty where all materials share the panel.
-    material: String,
-    figure: String,
-    note: String,
-    /// Runs set aside that lie beyond the axes.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    beyond: String,
-}
-
-/// Whether runs differ in it.
-pub fn is_shown(input: &Input, against: Against) -> bool {
-    let facts = facts(&input.runs, &input.campaign, &[]);
-    against.places(&input.runs, &input.campaign, &facts).is_some()
-}
-
-/// Makes the page.
-pub fn content(site: &Site, against: Against) -> Result<Content, ReportError> {
+/// Every parameter in a section of its own, and by what its marks are told apart; none where runs do not differ in it.
+pub fn sections(
+    site: &Site,
+    against: Against,
+    shown: &mut Shown,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Option<(Groups, Vec<Section>)>, ReportError> {
     let input = site.input;
-    let nowhere = Places {
-        names: Vec::new(),
-        of_run: vec![None; input.runs.len()],
+    let Some(places) = against.places(&input.runs, &input.campaign, &site.facts) else {
+        return Ok(None);
     };
-    let places = against
-        .places(&input.runs, &input.campaign, &site.facts)
-        .unwrap_or(nowhere);
     let groups = Groups::new(site, against);
-    let mut figures = BTreeMap::new();
-    let (mut parameters, mut shown) = (Vec::new(), Shown::default());
+    let mut sections = Vec::new();
     for info in &PARAMETERS {
-        let section = Section {
+        let own = Drawing {
             site,
             against,
             places: &places,
             groups: &groups,
             info,
         };
-        let panels = section.panels(&mut shown, &mut figures)?;
-        parameters.extend(ParameterSection::of(info, panels));
+        let panels = own.panels(shown, figures)?;
+        if !panels.is_empty() {
+            sections.push(Section::of(
+                format!("{}-{}", name(against), info.key),
+                info,
+                panels,
+            ));
+        }
     }
-    let mut caution = caution(site);
-    caution.extend(across::tied(site));
-    let page = AgainstPage {
-        heading: format!("Parameters against {}", name(against)),
-        lead: "One mark a run: its value with the 95 % interval by the fit and, where the covariate was measured, the standard error of its place. Runs that give a bound or nothing are left out and counted.",
-        caution,
-        group_by: groups.key,
-        groups: sample_keys(&groups.names),
-        parameters,
-        aside: shown.rows(site),
-    };
-    Content::new("against.html", &page, figures)
+    Ok(Some((groups, sections)))
 }
 
-fn name(against: Against) -> &'static str {
+/// What the runs are shown against, in a word.
+pub fn name(against: Against) -> &'static str {
     match against {
         Against::Humidity => "humidity",
         Against::Voltage => "voltage",
@@ -117,10 +75,11 @@ fn name(against: Against) -> &'static str {
 }
 
 /// By what marks are told apart.
-struct Groups {
+pub struct Groups {
     /// Tag.
-    key: &'static str,
-    names: Vec<String>,
+    pub key: &'static str,
+    /// Names, in the order of the markers.
+    pub names: Vec<String>,
     of_run: Vec<Option<usize>>,
 }
 
@@ -157,7 +116,7 @@ impl Groups {
 }
 
 /// One parameter.
-struct Section<'a> {
+struct Drawing<'a> {
     site: &'a Site<'a>,
     against: Against,
     places: &'a Places,
@@ -165,7 +124,7 @@ struct Section<'a> {
     info: &'static ParameterInfo,
 }
 
-impl Section<'_> {
+impl Drawing<'_> {
     fn panels(
         &self,
         shown: &mut Shown,
@@ -184,7 +143,8 @@ impl Section<'_> {
             if marks.is_empty() {
                 continue;
             }
-            let id = format!("{}-{at}", self.info.key.replace('_', "-"));
+            let key = self.info.key.replace('_', "-");
+            let id = format!("{}-{key}-{at}", self::name(self.against));
             let of = if name.is_empty() {
                 String::new()
             } else {
@@ -208,7 +168,7 @@ impl Section<'_> {
             panels.push(Panel {
                 beyond: beyond_words(&beside.aside, (Some(&x), &y), self.info.shown_unit),
                 material: name.clone(),
-                figure: id,
+                figure: Some(id),
                 note: match left_out {
                     0 => String::new(),
                     some => format!("{} left out: a bound, or not determined.", counted(some, "run")),
@@ -244,7 +204,6 @@ impl Section<'_> {
                 bar: (shown(estimate.low_95), shown(estimate.high_95)),
                 style,
                 run: Some(run),
-                came_from: 0,
             });
         }
         if !self.places.names.is_empty() {
@@ -364,7 +323,6 @@ mod tests {
             bar: (1.0, 1.0),
             style: 0,
             run: None,
-            came_from: 0,
         };
         let mut marks: Vec<Mark> = (0..50).map(|k| mark(f64::from(k % 2))).collect();
         stand_side_by_side(&mut marks, 2);

@@ -1,98 +1,42 @@
-//! The comparison: each parameter over all conditions, with 95 % intervals.
+//! Each parameter over all conditions, with 95 % intervals.
 
-use ieap_domain::words::{counted, in_a_row};
+use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::Content;
+use super::parameters::{Panel, Section};
 use super::wording::{NOT_CONVERGED, humidity_label, voltage_labels};
-use crate::aside::{AsideRow, Shown, beyond_words, marks};
+use crate::aside::{Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
 use crate::figures::comparison::{Group, Slot, comparison, small_comparison};
 use crate::site::Site;
+use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::Conditions;
 use ieap_analysis::laws::words;
 use ieap_analysis::parameters::{COMPARED, usable};
-use ieap_analysis::{ParameterInfo, confounding, study};
 use ieap_domain::Estimate;
 
 /// How far beyond the largest (or below the smallest positive) value an interval may stretch an axis.
 const STRETCH: f64 = 2.0;
 
-#[derive(Debug, Serialize)]
-struct Comparison {
-    caution: Vec<String>,
-    single_material: bool,
-    parameters: Vec<ParameterSection>,
-    /// Runs whose readings are known to be wrong.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    aside: Vec<AsideRow>,
-}
-
-#[derive(Debug, Serialize)]
-struct ParameterSection {
-    id: &'static str,
-    symbol: &'static str,
-    name: &'static str,
-    sentences: Vec<String>,
-    panels: Vec<Panel>,
-}
-
-#[derive(Debug, Serialize)]
-struct Panel {
-    material: String,
-    /// Id of the figure; none where nothing is determined.
-    figure: Option<String>,
-    /// Why there is no figure, or which runs are missing from it and why.
-    note: String,
-    /// Runs set aside that lie beyond the axes.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    beyond: String,
-}
-
-/// Makes the page.
-pub fn content(site: &Site) -> Result<Content, ReportError> {
-    let mut figures = BTreeMap::new();
-    let mut shown = Shown::default();
-    let parameters: Result<Vec<ParameterSection>, ReportError> = COMPARED
-        .iter()
-        .filter_map(|key| ParameterInfo::of(key))
-        .map(|parameter| section(site, parameter, &mut shown, &mut figures))
-        .collect();
-    let page = Comparison {
-        caution: caution(site).into_iter().chain(doubts(site)).collect(),
-        single_material: site.conditions.materials.len() == 1,
-        parameters: parameters?,
-        aside: shown.rows(site),
-    };
-    Content::new("comparison.html", &page, figures)
-}
-
-/// What the order of the runs lets nobody tell apart, in sentences.
-pub fn caution(site: &Site) -> Vec<String> {
-    let found = confounding(&site.input.runs);
-    let mut sentences = Vec::new();
-    if !found.environment_with_age.is_empty() {
-        sentences.push(format!(
-            "The environments of {} were measured one after the other: a difference between them may also be age.",
-            in_a_row(&found.environment_with_age)
-        ));
-    }
-    if !found.voltage_with_age.is_empty() {
-        sentences.push(format!(
-            "The voltages of {} only rose with time: an effect of voltage may also be the effect of the steps before.",
-            in_a_row(&found.voltage_with_age)
-        ));
-    }
-    sentences
+/// Every parameter in a section of its own.
+pub fn sections(
+    site: &Site,
+    shown: &mut Shown,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<Section>, ReportError> {
+    let parameters = COMPARED.iter().filter_map(|key| ParameterInfo::of(key));
+    parameters
+        .map(|parameter| section(site, parameter, shown, figures))
+        .collect()
 }
 
 /// Fits that a finding doubts, and what is done with them.
 pub fn doubts(site: &Site) -> Vec<String> {
-    site.input.laws.doubted.iter().map(words::doubted).collect()
+    site.input.doubted.iter().map(words::doubted).collect()
 }
 
 fn section(
@@ -100,7 +44,7 @@ fn section(
     parameter: &'static ParameterInfo,
     shown: &mut Shown,
     figures: &mut BTreeMap<String, String>,
-) -> Result<ParameterSection, ReportError> {
+) -> Result<Section, ReportError> {
     let materials = &site.conditions.materials;
     let groups: Vec<Vec<Group>> = (0..materials.len())
         .map(|material| groups(site, material, parameter))
@@ -140,19 +84,7 @@ fn section(
         }
         panels.push(panel);
     }
-    let asked = site
-        .input
-        .study
-        .asked()
-        .filter(|own| own.parameter == parameter.key);
-    let sentences = asked.map(study::sentence).collect();
-    Ok(ParameterSection {
-        id: parameter.key,
-        symbol: parameter.symbol,
-        name: parameter.name,
-        sentences,
-        panels,
-    })
+    Ok(Section::of(parameter.key.to_owned(), parameter, panels))
 }
 
 /// A small panel of the overview.
@@ -160,11 +92,11 @@ fn section(
 pub struct SmallPanel {
     title: String,
     figure: String,
-    /// The section of the comparison that shows it large.
+    /// The section that shows it large.
     href: String,
 }
 
-/// Materials that the overview draws: those with most runs; the comparison has all.
+/// Materials that the overview draws: those with most runs; the page of parameters has all.
 const SMALL_MATERIALS: usize = 3;
 
 /// Every parameter over all conditions, small.
@@ -211,7 +143,7 @@ pub fn small_panels(
             panels.push(SmallPanel {
                 title: format!("{} of {}", parameter.symbol, names[material]),
                 figure,
-                href: format!("comparison.html#{}", parameter.key),
+                href: format!("parameters.html#{}", parameter.key),
             });
         }
     }
@@ -286,7 +218,7 @@ fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> (Vec<usi
     let of = |&run: &usize| {
         let record = &site.input.runs[run];
         let stated = usable(record, parameter.key)?;
-        let estimate = site.input.laws.doubts.stated(&record.path, parameter.key, stated);
+        let estimate = site.input.doubts.stated(&record.path, parameter.key, stated);
         let estimate = Estimate {
             value: shown(estimate.value),
             standard_error: shown(estimate.standard_error),

@@ -117,7 +117,6 @@ fn figure(
             bar: *bar,
             style: 0,
             run: None,
-            came_from: 0,
         })
         .collect();
     let beside = Beside {

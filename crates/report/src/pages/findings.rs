@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::across;
+use super::answers::next_words;
 use super::finding_words::campaign_lead;
 use super::wording::{RunLink, group_title, readable};
 use crate::error::ReportError;
@@ -111,7 +111,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     }
     let page = FindingsPage {
         summary,
-        next: across::next_words(site),
+        next: next_words(site),
         groups: (0..groups.len()).map(|place| group_row(site, place)).collect(),
         shared: findings
             .shared

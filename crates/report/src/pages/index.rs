@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::answers::{Answers, answers};
-use super::comparison::{SmallPanel, caution, small_panels};
+use super::answers::{Said, answers};
+use super::comparison::{SmallPanel, small_panels};
 use super::needs::{Need, needs};
 use super::run_fit::symbol_of;
 use super::runs_table::{RunsTable, runs_table};
@@ -29,11 +29,10 @@ struct Index {
     lead: String,
     /// What the study asked, with its picture.
     blocks: Vec<blocks::Item>,
-    answers: Answers,
+    answers: Vec<Said>,
     /// Numbers that moved not long ago; empty where none did.
     moved: String,
     needs: Vec<Need>,
-    caution: Vec<String>,
     counts: Vec<Count>,
     small: Vec<SmallPanel>,
     runs: RunsTable,
@@ -109,14 +108,12 @@ struct Problem {
 pub fn content(site: &Site) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
     let blocks = blocks::items(site, study::view::overview(&site.input.study), 2, &mut figures)?;
-    let answers = answers(site, &mut figures)?;
     let index = Index {
         lead: lead(site),
         blocks,
-        answers,
+        answers: answers(site),
         moved: moved(site),
         needs: needs(site),
-        caution: caution(site),
         counts: counts(site),
         small: small_panels(site, &mut figures)?,
         runs: runs_table(site),

@@ -1,10 +1,8 @@
 //! The pages. A page is one file here, one template, and one row in [`PAGES`]; navigation follows from the list.
 
-pub mod across;
 pub mod against;
 mod answers;
 pub mod comparison;
-pub mod coverage;
 pub mod finding;
 mod finding_alone;
 mod finding_answer;
@@ -14,14 +12,11 @@ mod finding_law;
 mod finding_posterior;
 pub mod finding_words;
 pub mod findings;
-pub mod humidity;
 pub mod index;
-pub mod law_cards;
 mod needs;
 mod page;
-mod parameter_section;
+pub mod parameters;
 pub(crate) mod policy;
-pub mod ratios;
 pub mod residuals;
 pub mod run;
 pub mod run_clocks;
@@ -40,10 +35,9 @@ pub mod wording;
 
 use super::blocks;
 use super::input::Input;
-use ieap_analysis::comparison::against::Against;
 use ieap_analysis::{
-    along, climate, dma, files, frequency, impedance, methods, models_compared, monitoring, stiffness, study,
-    tables,
+    along, climate, dma, files, frequency, impedance, methods, models_compared, monitoring, plan, stiffness,
+    study, tables,
 };
 use ieap_domain::RunRecord;
 use ieap_domain::fault::caught;
@@ -55,11 +49,10 @@ pub use run_page::{Outline, content as run_page_content, drawn_content};
 pub use runs_table::{listed, numbers};
 pub use strip::content as strip_content;
 
-const COMPARISON: Option<&str> = Some("comparison.html");
-const AGAINST: &str = include_str!("../../../../templates/pages/against.html");
+const PARAMETERS: Option<&str> = Some("parameters.html");
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 25] = [
+pub const PAGES: [Page; 15] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -73,93 +66,26 @@ pub const PAGES: [Page; 25] = [
         title: "Study",
         under: None,
         template: blocks::PAGE,
-        is_shown: |input| study::view::is_told(&input.study),
-        content: |site| blocks::content(site, "study.html", study::view::view(&site.input.study)),
+        is_shown: |input| study::view::is_told(&input.study) || !input.next_runs.is_empty(),
+        content: |site| {
+            let Input { study, next_runs, .. } = site.input;
+            let mut shown = study::view::view(study);
+            shown.extend(plan::view::view(next_runs));
+            blocks::content(site, "study.html", shown)
+        },
     },
     Page {
-        file: "comparison.html",
-        title: "Comparison",
-        under: None,
-        template: include_str!("../../../../templates/pages/comparison.html"),
-        is_shown: |_| true,
-        content: comparison::content,
-    },
-    Page {
-        file: "ratios.html",
-        title: "Ratios",
-        under: COMPARISON,
-        template: include_str!("../../../../templates/pages/ratios.html"),
-        is_shown: ratios::is_shown,
-        content: ratios::content,
-    },
-    Page {
-        file: "coverage.html",
-        title: "Coverage",
-        under: COMPARISON,
-        template: include_str!("../../../../templates/pages/coverage.html"),
-        is_shown: coverage::is_shown,
-        content: coverage::content,
-    },
-    Page {
-        file: "against-humidity.html",
-        title: "Humidity",
-        under: COMPARISON,
-        template: AGAINST,
-        is_shown: |input| against::is_shown(input, Against::Humidity),
-        content: |site| against::content(site, Against::Humidity),
-    },
-    Page {
-        file: "against-voltage.html",
-        title: "Voltage",
-        under: COMPARISON,
-        template: AGAINST,
-        is_shown: |input| against::is_shown(input, Against::Voltage),
-        content: |site| against::content(site, Against::Voltage),
-    },
-    Page {
-        file: "against-environment.html",
-        title: "Environment",
-        under: COMPARISON,
-        template: AGAINST,
-        is_shown: |input| against::is_shown(input, Against::Environment),
-        content: |site| against::content(site, Against::Environment),
-    },
-    Page {
-        file: "against-material.html",
-        title: "Material",
-        under: COMPARISON,
-        template: AGAINST,
-        is_shown: |input| against::is_shown(input, Against::Material),
-        content: |site| against::content(site, Against::Material),
-    },
-    Page {
-        file: "against-sample.html",
-        title: "Sample",
-        under: COMPARISON,
-        template: AGAINST,
-        is_shown: |input| against::is_shown(input, Against::Sample),
-        content: |site| against::content(site, Against::Sample),
-    },
-    Page {
-        file: "against-time.html",
-        title: "Time",
-        under: COMPARISON,
-        template: AGAINST,
-        is_shown: |input| against::is_shown(input, Against::Time),
-        content: |site| against::content(site, Against::Time),
-    },
-    Page {
-        file: "table5.html",
+        file: "parameters.html",
         title: "Parameters",
         under: None,
-        template: include_str!("../../../../templates/pages/table5.html"),
+        template: include_str!("../../../../templates/pages/parameters.html"),
         is_shown: |_| true,
-        content: table5::content,
+        content: parameters::content,
     },
     Page {
         file: "methods.html",
         title: "Methods",
-        under: Some("table5.html"),
+        under: PARAMETERS,
         template: blocks::PAGE,
         is_shown: |input| !input.runs.is_empty(),
         content: |site| {
@@ -171,7 +97,7 @@ pub const PAGES: [Page; 25] = [
     Page {
         file: "along.html",
         title: "Along the strip",
-        under: None,
+        under: PARAMETERS,
         template: blocks::PAGE,
         is_shown: |input| input.runs.iter().any(RunRecord::is_along),
         content: |site| {
@@ -183,7 +109,7 @@ pub const PAGES: [Page; 25] = [
     Page {
         file: "dma.html",
         title: "Modulus (DMA)",
-        under: None,
+        under: PARAMETERS,
         template: blocks::PAGE,
         is_shown: |input| !input.modulus_logs.is_empty(),
         content: |site| {
@@ -194,7 +120,7 @@ pub const PAGES: [Page; 25] = [
     Page {
         file: "stiffness.html",
         title: "Stiffness or coupling",
-        under: None,
+        under: PARAMETERS,
         template: blocks::PAGE,
         is_shown: |input| stiffness::view::is_told(&input.of_tables()),
         content: |site| {
@@ -206,7 +132,7 @@ pub const PAGES: [Page; 25] = [
     Page {
         file: "frequency.html",
         title: "Frequency response",
-        under: None,
+        under: PARAMETERS,
         template: blocks::PAGE,
         is_shown: |input| !input.frequency.is_empty(),
         content: |site| {
@@ -217,7 +143,7 @@ pub const PAGES: [Page; 25] = [
     Page {
         file: "models.html",
         title: "Models compared",
-        under: None,
+        under: PARAMETERS,
         template: blocks::PAGE,
         is_shown: |input| !input.comparisons.is_empty(),
         content: |site| {
@@ -231,7 +157,7 @@ pub const PAGES: [Page; 25] = [
     Page {
         file: "impedance.html",
         title: "Impedance",
-        under: None,
+        under: PARAMETERS,
         template: blocks::PAGE,
         is_shown: |input| !input.spectra.runs.is_empty(),
         content: |site| {
@@ -254,14 +180,6 @@ pub const PAGES: [Page; 25] = [
         template: include_str!("../../../../templates/pages/residuals.html"),
         is_shown: |input| input.runs.iter().any(|run| run.fit.is_some()),
         content: residuals::content,
-    },
-    Page {
-        file: "humidity.html",
-        title: "Across runs",
-        under: None,
-        template: include_str!("../../../../templates/pages/humidity.html"),
-        is_shown: humidity::is_shown,
-        content: humidity::content,
     },
     Page {
         file: "monitoring.html",

@@ -1,5 +1,6 @@
 //! What only a person can mend, with the place where it is told.
 
+use ieap_domain::tag::keys;
 use ieap_domain::words::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -35,11 +36,11 @@ pub fn needs(site: &Site) -> Vec<Need> {
         files_in(input, FileState::Pending),
     );
     let lacks = |lack: &str| format!(" {lack} a tag: {}", missing_tags(input));
-    // The covariate that most runs do not state.
-    let most = input.laws.lacking.iter().max_by_key(|found| found.without.len());
-    let lacking = most.map_or(0, |found| found.without.len());
-    let covariate = most.map_or("", |found| found.covariate.label());
-    let sought = |lack: &str| format!(" {lack} a tag over which laws are sought: {covariate}");
+    // Where others state a humidity, laws of it are told without those that do not.
+    let is_stated = |run: &RunRecord| run.tag(keys::RELATIVE_HUMIDITY_PERCENT).is_some();
+    let fitted = runs(&|run| run.fit.is_some() && !is_stated(run));
+    let lacking = if runs(&is_stated) > 0 { fitted } else { 0 };
+    let sought = |lack: &str| format!(" {lack} a tag over which laws are sought: relative humidity");
     let halves = input.file_stories.iter();
     let halves = halves.filter(|file| file.became == HALF_WITHOUT_PARTNER).count();
     let asked: [(usize, &str, [&str; 2], &'static str); 9] = [
@@ -74,12 +75,7 @@ pub fn needs(site: &Site) -> Vec<Need> {
             "#warnings",
         ),
         (stuck, "fit", [" did not converge"; 2], "#warnings"),
-        (
-            lacking,
-            "run",
-            [&sought("lacks"), &sought("lack")],
-            "humidity.html",
-        ),
+        (lacking, "run", [&sought("lacks"), &sought("lack")], "study.html"),
         (waiting, "file", [" waits", " wait"], "#waiting"),
     ];
     let need = |(count, thing, [one, many], href): (usize, &str, [&str; 2], &'static str)| Need {

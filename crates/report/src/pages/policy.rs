@@ -1,8 +1,6 @@
 //! What decides what a page says and what it leaves out: every number with its unit and where it comes from. Sizes of what is
 //! drawn stand where it is drawn.
 
-use ieap_analysis::laws::policy::INFLATION_LIMIT;
-
 /// Residual over noise up to which the model describes the readings. Chosen.
 pub(super) const WITHIN_NOISE: f64 = 1.3;
 /// Residual over noise from which a misfit is called systematic whatever its shape. Chosen.
@@ -12,9 +10,6 @@ pub(super) const CORRELATED_FROM: f64 = 0.5;
 
 /// Groups that a sentence names at most; more are counted. Chosen.
 pub(super) const MOST_GROUPS_NAMED: usize = 3;
-/// Inflations from which a pair of covariates is shaded, one shade darker at each; from the second on it is confounded. The others
-/// are chosen.
-pub(super) const INFLATION_SHADES: [f64; 4] = [2.0, INFLATION_LIMIT, 20.0, 100.0];
 
 /// Shifts of a parameter below this many standard errors are not put into words. Chosen.
 pub(super) const CLEAR_SHIFT_SIGMAS: f64 = 2.0;
@@ -27,8 +22,6 @@ pub(super) const MOST_EXPLANATIONS: usize = 8;
 pub(crate) const OPEN_ISSUES: usize = 8;
 /// Files listed for one reason at most: a folder of thousands of foreign files must not bury the rest of the page. Chosen.
 pub(super) const MOST_FILES_OF_REASON: usize = 20;
-/// Conditions to fill that are shown at most; the rest is counted. Chosen.
-pub(super) const MOST_TO_FILL: usize = 12;
 /// Flagged stretches that are listed at most. Chosen.
 pub(super) const MOST_FLAGS: usize = 12;
 /// Segments of a drive that are spelled out at most. Chosen.
@@ -39,8 +32,6 @@ pub(crate) const MOVED_SHOWN_S: f64 = 604_800.0;
 pub(super) const MOST_MOVED_NAMED: usize = 3;
 /// Runs listed on the overview at most: a page of thousands opens slowly. The pages of the groups have all. Chosen.
 pub(super) const MOST_RUNS_LISTED: usize = 500;
-/// Laws that are drawn without being asked for, the strongest first. Chosen.
-pub(super) const MOST_LAWS_DRAWN: usize = 12;
 /// Sweeps, or modulus logs, that have a section of their own; the table and the export have all. Chosen.
 pub(crate) const MOST_SECTIONS: usize = 40;
 /// Residual figures on the page of a finding at most: a page with more takes long to open. The worst runs come first. Chosen.

@@ -180,14 +180,14 @@ pub fn section(site: &Site, run: usize) -> RunSection {
     let alone = site.finding_alone(run);
     RunSection {
         condition: condition(site, run),
-        summary: summary(record, site.input.laws.doubts.is_of(&record.path)),
+        summary: summary(record, site.input.doubts.is_of(&record.path)),
         along: (record.is_along() && record.standing.speaks()).then(|| AlongLine {
             places: along::places(record),
             href: site.strip_href(run),
             decision: along::decision(record),
         }),
         parameters: record.fit.as_ref().map_or_else(Vec::new, |fit| {
-            fits::parameters(&site.input.laws.doubts, &record.path, fit)
+            fits::parameters(&site.input.doubts, &record.path, fit)
         }),
         model_free: fits::model_free(site.model_free(run)),
         cycles: fits::cycles(site.cycles(run)),

@@ -222,7 +222,7 @@ pub fn parameters_table(site: &Site, runs: &[usize]) -> Option<ParametersTable> 
                 kind: "missing",
             };
         };
-        let stated = site.input.laws.doubts.stated(&run.path, key, estimate);
+        let stated = site.input.doubts.stated(&run.path, key, estimate);
         let text = EstimateText::of(&stated, factor);
         ParameterCell {
             text: text.text,

@@ -1,12 +1,8 @@
-//! The page of parameters: table 5 of [`ieap_analysis::tables`], one section a material, each row with its runs.
-
-use std::collections::BTreeMap;
+//! The table of parameters: table 5 of [`ieap_analysis::tables`], one section a material, each row with its runs.
 
 use serde::Serialize;
 
-use super::Content;
 use super::wording::RunLink;
-use crate::error::ReportError;
 use crate::site::Site;
 use crate::tables::{ShownCell, grid, note_letter};
 use ieap_analysis::tables::{self, Cell, SourceOrigin, named};
@@ -18,8 +14,9 @@ const FIRST_VALUE: usize = 4;
 /// The last two columns are numbers of samples and runs: the page shows the runs themselves.
 const COUNTS: usize = 2;
 
+/// The table as the page shows it.
 #[derive(Debug, Serialize)]
-struct Page {
+pub struct Shown {
     columns: Vec<Column>,
     materials: Vec<Material>,
     footnotes: Vec<Footnote>,
@@ -71,8 +68,8 @@ struct Footnote {
     text: String,
 }
 
-/// Makes the page.
-pub fn content(site: &Site) -> Result<Content, ReportError> {
+/// Makes it.
+pub fn shown(site: &Site) -> Shown {
     let input = site.input;
     let table = named("table5").map(|named| named.table(&input.of_tables()));
     let table = table.unwrap_or_default();
@@ -117,13 +114,12 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         letter: note_letter(at),
         text: text.clone(),
     });
-    let page = Page {
+    Shown {
         columns: columns.collect(),
         materials,
         footnotes: footnotes.collect(),
         remarks: crate::tables::remarks(&table),
-    };
-    Content::new("table5.html", &page, BTreeMap::new())
+    }
 }
 
 /// `28–38 % RH`; empty where no humidity is known.

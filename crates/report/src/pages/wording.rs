@@ -159,7 +159,7 @@ impl EstimateText {
 pub fn estimate_of(site: &Site, run: &RunRecord, parameter: &ParameterInfo) -> EstimateText {
     match run.fit.as_ref().map(|fit| fit.parameter(parameter.key)) {
         Some(Some(estimate)) => {
-            let stated = site.input.laws.doubts.stated(&run.path, parameter.key, estimate);
+            let stated = site.input.doubts.stated(&run.path, parameter.key, estimate);
             let text = EstimateText::of(&stated, parameter.shown_factor);
             if run.fit.as_ref().is_some_and(|fit| fit.converged) {
                 text

@@ -182,7 +182,7 @@ impl Grounds {
     pub fn brought_in_short(&self) -> String {
         let of = |brought: &BroughtEntry| {
             format!(
-                ", taken to {} {} by the laws across runs",
+                ", taken to {} {} by the laws of the study",
                 brought.to, brought.unit
             )
         };

@@ -1,9 +1,9 @@
 //! Runs in the surroundings asked for: those made there, else all of the environment, brought there by the laws that hold
 //! across the runs.
 //!
-//! A parameter that follows the humidity, the temperature or the age goes from a run's own to the one asked for as its law
-//! does. What the law leaves open goes into the prediction: its size by its interval, its form by the laws that describe
-//! the runs as well. That runs stray from the law is seen in how they then differ from each other.
+//! A parameter that follows the humidity, the temperature or the age goes from a run's own to the one asked for as the study's
+//! model of it does. What that leaves open goes into the prediction. That runs stray from it is seen in how they then differ
+//! from each other.
 
 use crate::domain::words::in_a_row;
 use std::collections::BTreeMap;
@@ -13,18 +13,15 @@ use serde::Serialize;
 
 use super::asked::{AskedStrip, Condition};
 use super::source::Source;
-use crate::analysis::cache::Cache;
-use crate::analysis::laws::design::Level;
+use crate::analysis::laws::Covariate;
+use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::laws::facts::{RunFacts, facts};
-use crate::analysis::laws::fitted::{Fitted, value_at};
 use crate::analysis::laws::words::symbol;
-use crate::analysis::laws::{Covariate, Dependence};
-use crate::domain::quantiles::NORMAL_95;
+use crate::analysis::study::{Course, Evidence, courses};
 use crate::domain::tag::keys;
 use crate::domain::{RunRecord, range_of};
 use crate::model::changing::Change;
 use crate::model::scaling::propagation::{values, with_values};
-use crate::pipeline::findings::across_runs::campaign_laws;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::{Context, PipelineError};
 
@@ -48,7 +45,7 @@ struct Way {
     /// The condition of each run, by its path.
     own: BTreeMap<String, f64>,
     /// One law a parameter.
-    laws: Vec<Dependence>,
+    laws: Vec<Course>,
 }
 
 /// A condition that no run has, to which runs were brought.
@@ -116,15 +113,19 @@ impl Surroundings {
                 .all_asked(way)
                 .try_for_each(|to| way.refuse_outside(to, &found.runs))?;
         }
-        let laws = campaign_laws(
-            context,
-            (speaking, &current_findings(context)?),
-            None,
-            &Cache::default(),
-        )?
-        .dependences;
+        let now = current_findings(context)?;
+        let findings = Findings {
+            groups: &now.groups,
+            runs: &now.runs,
+        };
+        let evidence = Evidence {
+            runs: speaking,
+            campaign: &context.campaign,
+            doubts: &Doubts::new(findings, speaking),
+            curves: &[],
+        };
         for way in &mut found.ways {
-            way.laws = of_covariate(&laws, material, way.condition.covariate);
+            way.laws = courses(&evidence, material, way.condition.covariate);
             way.refuse_without_laws(&found.runs, material)?;
         }
         Ok(found)
@@ -176,13 +177,13 @@ impl Surroundings {
         let variants = self.variants();
         let models: Vec<Vec<f64>> = variants
             .iter()
-            .map(|variant| self.taken(source, &before, Some(variant), None))
+            .map(|&variant| self.taken(source, &before, Some(variant), None))
             .collect();
         source.changes = self.changes(source, &before, None, &after);
         source.variant_changes = variants
             .iter()
             .zip(&models)
-            .map(|(variant, first)| self.changes(source, &before, Some(variant), first))
+            .map(|(&variant, first)| self.changes(source, &before, Some(variant), first))
             .collect();
         source.variants = models.iter().map(|values| with_values(values)).collect();
         let n = before.len();
@@ -204,7 +205,7 @@ impl Surroundings {
         &self,
         source: &Source,
         before: &[f64],
-        variant: Option<&Variant>,
+        variant: Option<Variant>,
         first: &[f64],
     ) -> Vec<Change> {
         let change = |&(from_s, percent): &(f64, f64)| {
@@ -221,7 +222,7 @@ impl Surroundings {
         &self,
         source: &Source,
         before: &[f64],
-        variant: Option<&Variant>,
+        variant: Option<Variant>,
         humidity_percent: Option<f64>,
     ) -> Vec<f64> {
         let mut after = before.to_vec();
@@ -231,17 +232,13 @@ impl Surroundings {
                 .unwrap_or(way.condition.to);
             let own = way.own.get(&source.run).copied().unwrap_or(to);
             for (l, law) in way.laws.iter().enumerate() {
-                let (Some(at), Some(best)) = (
-                    source.keys.iter().position(|key| *key == law.parameter),
-                    law.laws.first(),
-                ) else {
+                let Some(at) = source.keys.iter().position(|key| *key == law.parameter) else {
                     continue;
                 };
-                let (fitted, size) = match variant.filter(|variant| variant.of == (w, l)) {
-                    Some(variant) => (&variant.fitted, variant.size),
-                    None => (best, best.size.value),
+                after[at] *= match variant.filter(|variant| (variant.way, variant.law) == (w, l)) {
+                    Some(variant) => law.factors_one_error_off(own, to)[variant.direction],
+                    None => law.factor(own, to),
                 };
-                after[at] = moved(law, fitted, size, (own, to), after[at]);
             }
         }
         after
@@ -250,13 +247,17 @@ impl Surroundings {
     /// What the laws allow as well, in the order of [`Source::variants`].
     fn variants(&self) -> Vec<Variant> {
         let ways = self.ways.iter().enumerate();
-        let laws = ways.flat_map(|(w, way)| way.laws.iter().enumerate().map(move |(l, law)| ((w, l), law)));
-        laws.flat_map(|(of, law)| variants_of(of, law)).collect()
+        let laws = ways.flat_map(|(w, way)| way.laws.iter().enumerate().map(move |(l, law)| (w, l, law)));
+        let of_law = |(way, law, of): (usize, usize, &Course)| {
+            let directions = 0..of.directions();
+            directions.map(move |direction| Variant { way, law, direction })
+        };
+        laws.flat_map(of_law).collect()
     }
 
     /// Share with which each variant counts in the variance.
     pub fn weights(&self) -> Vec<f64> {
-        self.variants().iter().map(|variant| variant.weight).collect()
+        vec![1.0; self.variants().len()]
     }
 
     /// What was brought where.
@@ -301,83 +302,17 @@ impl Surroundings {
     }
 }
 
-/// A law with another size or form, which counts with a weight.
+/// A law that is one standard error off in one direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Variant {
-    /// Which way, and which of its laws.
-    of: (usize, usize),
-    fitted: Fitted,
-    size: f64,
-    weight: f64,
-}
-
-/// The law one standard error larger; and the other forms that describe the runs as well, of which each is as likely as the
-/// one that is used.
-fn variants_of(of: (usize, usize), law: &Dependence) -> Vec<Variant> {
-    let as_good = law.as_good();
-    let mut variants = Vec::new();
-    for (k, fitted) in law.laws.iter().enumerate() {
-        let variant = |size, weight| Variant {
-            of,
-            fitted: *fitted,
-            size,
-            weight,
-        };
-        match (k, error_of(fitted)) {
-            (0, error) => variants.push(variant(fitted.size.value + error.unwrap_or_default(), 1.0)),
-            _ if as_good.contains(&fitted.law) => {
-                variants.push(variant(fitted.size.value, 1.0 / as_good.len() as f64));
-            }
-            _ => {}
-        }
-    }
-    variants
-}
-
-/// Standard error of a law's size; none where its interval is open.
-fn error_of(fitted: &Fitted) -> Option<f64> {
-    let (low, high) = fitted.size.low_95.zip(fitted.size.high_95)?;
-    Some((high - low) / (2.0 * NORMAL_95))
-}
-
-/// A parameter's value, taken from one condition to another.
-fn moved(law: &Dependence, fitted: &Fitted, size: f64, (from, to): (f64, f64), value: f64) -> f64 {
-    let Some(span) = law.span else {
-        return value;
-    };
-    let at = |x: f64| value_at(fitted.law, size, x, span, fitted.bend, law.is_log);
-    let change = at(to) - at(from);
-    if law.is_log {
-        value * change.exp()
-    } else {
-        value + change
-    }
-}
-
-/// The laws of a material over a covariate whose size is known, one a parameter: of runs within samples before those of
-/// samples, for strips differ otherwise too.
-fn of_covariate(laws: &[Dependence], material: &str, covariate: Covariate) -> Vec<Dependence> {
-    let is_known = |law: &&Dependence| {
-        let best = law.laws.first();
-        law.material == material
-            && law.covariate == covariate
-            && best.is_some_and(|best| error_of(best).is_some())
-    };
-    let mut known: Vec<&Dependence> = laws.iter().filter(is_known).collect();
-    known.sort_by_key(|law| {
-        (
-            law.parameter.clone(),
-            law.level != Level::Within,
-            std::cmp::Reverse(law.runs),
-        )
-    });
-    known.dedup_by(|later, first| later.parameter == first.parameter);
-    known.into_iter().cloned().collect()
+    way: usize,
+    law: usize,
+    direction: usize,
 }
 
 /// The covariate of every run that has it, by path.
 fn numbers(context: &Context, speaking: &[RunRecord], covariate: Covariate) -> BTreeMap<String, f64> {
-    // The charge of earlier runs is no condition that can be asked for.
-    let facts = facts(speaking, &context.campaign, &vec![None; speaking.len()]);
+    let facts = facts(speaking, &context.campaign);
     let number = |fact: &RunFacts| {
         let known = fact.numbers.get(&covariate)?;
         Some((speaking[fact.run].path.clone(), known.value))
@@ -443,7 +378,7 @@ impl Way {
             .collect();
         own.dedup();
         let needed = format!(
-            "what a run has ({}){}: no parameter of {material} has a law over the {} that takes runs elsewhere; the page \"Across runs\" of the report says what was asked",
+            "what a run has ({}){}: no parameter of {material} has a law over the {} that takes runs elsewhere; `ieap table laws` says what was asked",
             own.join(", "),
             self.near(),
             covariate.label()
@@ -460,7 +395,7 @@ impl Way {
         let names =
             |keys: &[&String]| in_a_row(&keys.iter().map(|key| symbol(key).to_owned()).collect::<Vec<_>>());
         let mut sentence = format!(
-            "runs at {low} to {high} {unit} were taken there by the laws across runs, with what these leave open ({}).",
+            "runs at {low} to {high} {unit} were taken there by the study's model of them, with what that leaves open ({}).",
             names(&with)
         );
         if !without.is_empty() {
@@ -472,7 +407,7 @@ impl Way {
         let tied: Vec<String> = self
             .laws
             .iter()
-            .flat_map(Dependence::tied_to)
+            .flat_map(|law| &law.tied)
             .map(|of| of.label().to_owned())
             .collect();
         if let Some(first) = tied.first() {

@@ -1,8 +1,10 @@
 //! Where each run stands on a covariate that parameters are shown against.
 
+use std::collections::BTreeMap;
+
 use crate::conditions::{compared_material, nominal_voltage_v};
 use crate::laws::covariate::Covariate;
-use crate::laws::facts::{Known, RunFacts};
+use crate::laws::facts::{Known, RunFacts, start_s};
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, RunRecord};
 
@@ -45,40 +47,20 @@ impl Against {
 
     /// Places of `runs`; none where fewer than two differ. `facts` hold what is known of the climate of runs.
     pub fn places(self, runs: &[RunRecord], campaign: &Campaign, facts: &[RunFacts]) -> Option<Places> {
-        let name_of = |run| self.name_of(run, campaign).map(str::to_owned);
-        let places = match self {
-            Against::Humidity => {
-                let mut of_run = vec![None; runs.len()];
-                for fact in facts {
-                    of_run[fact.run] = fact.numbers.get(&Covariate::RelativeHumidity).copied();
-                }
-                numbers(of_run)
-            }
-            Against::Voltage => numbers(runs.iter().map(|run| nominal_voltage_v(run).map(exact)).collect()),
-            Against::Time => numbers(runs.iter().map(|run| start_s(run).map(exact)).collect()),
-            Against::Environment | Against::Material | Against::Sample => {
-                let names: Vec<Option<String>> = runs.iter().map(name_of).collect();
-                let mut distinct: Vec<String> = names.iter().flatten().cloned().collect();
-                distinct.sort();
-                distinct.dedup();
-                let stated = self.stated(campaign);
-                distinct.sort_by_key(|name| {
-                    stated
-                        .iter()
-                        .position(|known| known == name)
-                        .unwrap_or(usize::MAX)
-                });
-                let place = |name: &Option<String>| {
-                    let name = name.as_ref()?;
-                    let at = distinct.iter().position(|known| known == name)?;
-                    Some(exact(at as f64))
-                };
-                Places {
-                    of_run: names.iter().map(place).collect(),
-                    names: distinct,
-                }
-            }
+        let named = runs.iter().filter_map(|run| self.name_of(run, campaign));
+        let mut names: Vec<String> = named.map(str::to_owned).collect();
+        names.sort();
+        names.dedup();
+        let stated = self.stated(campaign);
+        let rank = |name: &String| stated.iter().position(|known| known == name);
+        names.sort_by_key(|name| rank(name).unwrap_or(usize::MAX));
+        let facts: BTreeMap<usize, &RunFacts> = facts.iter().map(|fact| (fact.run, fact)).collect();
+        let mut places = Places {
+            names,
+            of_run: Vec::new(),
         };
+        let place = |(at, run)| self.place_of(run, campaign, facts.get(&at).copied(), &places);
+        places.of_run = runs.iter().enumerate().map(place).collect();
         let mut known = places.of_run.iter().flatten().map(|known| known.value);
         let first = known.next()?;
         known.any(|value| value != first).then_some(places)
@@ -105,12 +87,13 @@ impl Against {
         }
     }
 
-    /// Environment, material or sample.
+    /// Environment, material or sample; none of numbers.
     fn name_of<'a>(self, run: &'a RunRecord, campaign: &'a Campaign) -> Option<&'a str> {
         match self {
             Against::Environment => run.tag(keys::ENVIRONMENT),
             Against::Material => compared_material(run, campaign),
-            _ => run.tag(keys::SAMPLE),
+            Against::Sample => run.tag(keys::SAMPLE),
+            Against::Humidity | Against::Voltage | Against::Time => None,
         }
     }
 
@@ -141,18 +124,6 @@ fn exact(value: f64) -> Known {
     }
 }
 
-fn numbers(of_run: Vec<Option<Known>>) -> Places {
-    Places {
-        names: Vec::new(),
-        of_run,
-    }
-}
-
-fn start_s(run: &RunRecord) -> Option<f64> {
-    let start: jiff::Timestamp = run.tag(keys::STARTED_AT)?.parse().ok()?;
-    Some(start.as_second() as f64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -166,7 +137,7 @@ mod tests {
             run("a", "CPvf-01", "air", Some(34.0), 2.0),
             run("b", "CNaf-01", "vacuum", None, 2.0),
         ];
-        let facts = facts(&runs, &campaign, &[]);
+        let facts = facts(&runs, &campaign);
         let places = |against: Against| against.places(&runs, &campaign, &facts);
         // One stated humidity is nothing to compare.
         assert_eq!(places(Against::Humidity), None);

@@ -1,10 +1,7 @@
-//! One law fitted to the values of one parameter, with its interval, and the laws compared.
+//! One law of a trend fitted to a series, with its interval, and the laws compared.
 
-use super::policy::{AS_GOOD, FEWEST_SAMPLES, LARGEST, MOST_FOLDS};
-use super::resolution::{Over, Resolution};
-use super::shape::{self, Bend, Law, Span, at_progress, coefficient, is_of_amounts, progress};
-use ieap_domain::Estimate;
-use ieap_domain::quantiles::NORMAL_95_ROUNDED;
+use super::policy::{AS_GOOD, LARGEST};
+use super::shape::{self, Bend, Law, Span, at_progress, is_of_amounts, progress};
 use ieap_numerics::grouped::{Grouped, dot};
 use ieap_numerics::student::quantile_95;
 
@@ -18,8 +15,6 @@ pub struct Material<'a> {
     pub y: &'a [f64],
     /// Variances, those that all share counted in.
     pub variance: &'a [f64],
-    /// Sample of each row (for leaving samples out).
-    pub sample: &'a [usize],
     /// Group and other columns taken out of everything.
     pub nuisance: &'a Grouped,
     /// The number followed, its errors allowed for.
@@ -35,7 +30,7 @@ pub struct Material<'a> {
 }
 
 /// A number with its 95 % interval; an open end is none.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Value.
     pub value: f64,
@@ -45,56 +40,19 @@ pub struct Interval {
     pub high_95: Option<f64>,
 }
 
-impl Interval {
-    /// Whether it says which way a change goes.
-    pub fn is_directed(self) -> bool {
-        self.low_95.is_some_and(|low| low > 0.0) || self.high_95.is_some_and(|high| high < 0.0)
-    }
-
-    /// As an estimate; the standard error is a quarter of what lies between the ends, near enough.
-    pub fn estimate(self) -> Estimate {
-        let ends = self.low_95.zip(self.high_95);
-        Estimate {
-            value: Some(self.value),
-            standard_error: ends.map(|(low, high)| (high - low) / (2.0 * NORMAL_95_ROUNDED)),
-            low_95: self.low_95,
-            high_95: self.high_95,
-            at_bound: false,
-            reason: None,
-        }
-    }
-
-    /// The same through a rising or falling function.
-    pub fn map(self, of: impl Fn(f64) -> f64) -> Interval {
-        let (low, high) = (self.low_95.map(&of), self.high_95.map(&of));
-        let falls = low.zip(high).is_some_and(|(low, high)| low > high);
-        let (low_95, high_95) = if falls { (high, low) } else { (low, high) };
-        Interval {
-            value: of(self.value),
-            low_95,
-            high_95,
-        }
-    }
-}
-
 /// A fitted law.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fitted {
     /// The law.
     pub law: Law,
-    /// Logarithm of the ratio of the value at the high end to that at the low end (for [`Law::Decay`], at the shortest
-    /// rest to that after an endless one); a difference on a plain scale.
+    /// Logarithm of the ratio of the value at the high end to that at the low end; a difference on a plain scale.
     pub size: Interval,
-    /// The law's own coefficient.
-    pub coefficient: Interval,
     /// Threshold, knee, step or time constant in the covariate's unit, where the law has one.
     pub bend_at: Option<Interval>,
     /// Bend of the best fit.
     pub bend: Bend,
     /// Bayesian information criterion, with as many readings as are left free by groups and other columns.
     pub bic: f64,
-    /// Root mean square of left-out samples' deviations, in standard deviations; none with too few samples.
-    pub left_out_rms: Option<f64>,
 }
 
 /// The law at `x`: logarithm of the ratio to its start, or difference.
@@ -122,72 +80,50 @@ pub fn compare(material: &Material, laws: &[Law]) -> Vec<Fitted> {
     fitted
 }
 
-/// Criterion of no law at all.
-pub fn bic_of_none(material: &Material) -> f64 {
-    let left = material.nuisance.residual(material.y);
-    criterion(dot(&left, &left), material.readings, 0)
-}
-
 /// Bayesian information criterion of what leaves a `square`, for so many `parameters`.
-pub fn criterion(square: f64, readings: f64, parameters: usize) -> f64 {
+fn criterion(square: f64, readings: f64, parameters: usize) -> f64 {
     let n = readings.max(1.0);
     n * (square.max(1e-12) / n).ln() + parameters as f64 * n.ln()
 }
 
-/// A law at its best, without intervals.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Least {
-    /// The law.
-    pub law: Law,
-    /// As in [`Fitted::size`].
-    pub size: f64,
-    /// Bend of the best fit.
-    pub bend: Bend,
-    /// Weighted square that it leaves.
-    pub square: f64,
-    /// As in [`Fitted::bic`].
-    pub bic: f64,
+/// What laws leave of a series.
+struct Left<'a> {
+    material: &'a Material<'a>,
+    /// What nuisance leaves of the values.
+    left: Vec<f64>,
 }
 
-/// Of `laws` the one that describes the values best by the criterion; none where they allow none.
-pub fn least(material: &Material, laws: &[Law]) -> Option<Least> {
-    let each = laws.iter().filter_map(|&law| {
-        let found = search(material, law)?;
-        Some(Least {
-            law,
-            size: found.size,
-            bend: found.bends[found.best],
-            square: found.square,
-            bic: criterion(found.square, material.readings, law.paid_for()),
-        })
-    });
-    each.min_by(|a, b| a.bic.total_cmp(&b.bic))
+impl Left<'_> {
+    /// Sum of squares that is left beside a curve.
+    fn square(&self, curve: &[f64]) -> f64 {
+        let column = self.material.nuisance.residual(curve);
+        self.left.iter().zip(column).map(|(y, c)| (y - c).powi(2)).sum()
+    }
+
+    /// The factor of a curve that leaves least, and the curve's own square.
+    fn factor(&self, curve: &[f64]) -> (f64, f64) {
+        let column = self.material.nuisance.residual(curve);
+        let square = dot(&column, &column);
+        (dot(&column, &self.left) / square, square)
+    }
 }
 
-/// A law's best bend and size, with every bend that was tried.
-struct Search<'a> {
-    freedom: usize,
-    resolution: Resolution<'a>,
-    bends: Vec<Bend>,
-    shapes: Vec<Shape>,
-    best: usize,
-    size: f64,
-    square: f64,
-}
-
-fn search<'a>(material: &'a Material, law: Law) -> Option<Search<'a>> {
+/// Fits one law; none where its bends are not to be had or nothing is left free.
+pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
     let mut bends = shape::bends(law, material.levels, material.span);
     let freedom = material.nuisance.freedom().checked_sub(law.parameters())?;
     // A bend needs readings about it: three more for each number beyond the first.
     if bends.is_empty() || freedom + 2 < 3 * law.parameters() {
         return None;
     }
-    let resolution = Resolution::new(material);
-    let all = resolution.over((0..material.y.len()).collect());
+    let all = Left {
+        material,
+        left: material.nuisance.residual(material.y),
+    };
     let made = |bends: &[Bend]| -> Vec<Shape> {
         bends
             .iter()
-            .map(|&bend| Shape::new(&resolution, law, bend))
+            .map(|&bend| Shape::new(material, law, bend))
             .collect()
     };
     let mut shapes = made(&bends);
@@ -198,61 +134,31 @@ fn search<'a>(material: &'a Material, law: Law) -> Option<Search<'a>> {
         });
         each.min_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let (mut size, mut square, mut best) = best_of(&shapes)?;
+    let (mut size, mut square, mut k) = best_of(&shapes)?;
     for _ in 0..FINER {
-        let more = shape::finer(law, &bends, best);
+        let more = shape::finer(law, &bends, k);
         shapes.extend(made(&more));
         bends.extend(more);
-        (size, square, best) = best_of(&shapes)?;
+        (size, square, k) = best_of(&shapes)?;
     }
-    Some(Search {
-        freedom,
-        resolution,
-        bends,
-        shapes,
-        best,
-        size,
-        square,
-    })
-}
-
-/// Fits one law; none where its bends are not to be had or nothing is left free.
-pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
-    let Search {
-        freedom,
-        resolution,
-        bends,
-        shapes,
-        best: k,
-        size,
-        square,
-    } = search(material, law)?;
-    let all = resolution.over((0..material.y.len()).collect());
     let spread = (square / freedom as f64).max(1.0);
     let allowed = square + quantile_95(freedom as f64).powi(2) * spread;
     let profile = |size: f64| -> f64 {
         let each = shapes.iter().map(|shape| shape.square(&all, size));
         each.fold(f64::INFINITY, f64::min)
     };
-    let ends = (
-        end(&profile, size, -1.0, allowed),
-        end(&profile, size, 1.0, allowed),
-    );
     let size = Interval {
         value: size,
-        low_95: ends.0,
-        high_95: ends.1,
+        low_95: end(&profile, size, -1.0, allowed),
+        high_95: end(&profile, size, 1.0, allowed),
     };
-    let bend = bends[k];
     let has_bend = law.parameters() > 1;
     Some(Fitted {
         law,
         size,
-        coefficient: size.map(|size| coefficient(law, size, material.span, bend, material.is_log)),
         bend_at: has_bend.then(|| bend_interval(material, law, (&bends, &shapes), &all, k, allowed)),
-        bend,
+        bend: bends[k],
         bic: criterion(square, material.readings, law.paid_for()),
-        left_out_rms: left_out(&resolution, &shapes),
     })
 }
 
@@ -263,17 +169,16 @@ struct Shape {
 }
 
 impl Shape {
-    fn new(resolution: &Resolution, law: Law, bend: Bend) -> Shape {
-        let material = resolution.material;
+    fn new(material: &Material, law: Law, bend: Bend) -> Shape {
         let progress = |&x: &f64| progress(law, x, material.span, bend);
         Shape {
-            progress: resolution.x.iter().map(progress).collect(),
+            progress: material.x.iter().map(progress).collect(),
             by_amount: material.is_log && is_of_amounts(law),
         }
     }
 
     /// Sum of squares with that size.
-    fn square(&self, over: &Over, size: f64) -> f64 {
+    fn square(&self, over: &Left, size: f64) -> f64 {
         let curve: Vec<f64> = (self.progress.iter())
             .map(|&g| at_progress(size, g, self.by_amount))
             .collect();
@@ -281,7 +186,7 @@ impl Shape {
     }
 
     /// Best size, with its sum of squares.
-    fn best(&self, over: &Over) -> (f64, f64) {
+    fn best(&self, over: &Left) -> (f64, f64) {
         let (linear, plain) = over.factor(&self.progress);
         if plain <= 1e-14 {
             return (0.0, self.square(over, 0.0));
@@ -350,13 +255,13 @@ fn bend_interval(
     material: &Material,
     law: Law,
     (bends, shapes): (&[Bend], &[Shape]),
-    all: &Over,
+    all: &Left,
     best: usize,
     allowed: f64,
 ) -> Interval {
     let span = material.span;
     let in_unit = |at: f64| match law {
-        Law::Threshold | Law::Knee | Law::Step => span.low + at * span.length(),
+        Law::Knee | Law::Step => span.low + at * span.length(),
         _ => at * span.length(),
     };
     let held: Vec<f64> = bends
@@ -385,34 +290,6 @@ fn bend_interval(
         low_95: below.map(in_unit),
         high_95: above.map(in_unit),
     }
-}
-
-/// Leaves samples out in turn and predicts them.
-fn left_out(resolution: &Resolution, shapes: &[Shape]) -> Option<f64> {
-    let sample = resolution.material.sample;
-    let samples = sample.iter().max().map_or(0, |last| last + 1);
-    if samples < FEWEST_SAMPLES {
-        return None;
-    }
-    let folds = samples.min(MOST_FOLDS);
-    let mut square = 0.0;
-    for fold in 0..folds {
-        let (out, kept): (Vec<usize>, Vec<usize>) =
-            (0..sample.len()).partition(|&r| sample[r] % folds == fold);
-        let (out, kept) = (resolution.over(out), resolution.over(kept));
-        let best = shapes
-            .iter()
-            .map(|shape| (shape, shape.best(&kept)))
-            .min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
-        square += best.0.square(&out, best.1.0);
-    }
-    Some((square / sample.len() as f64).sqrt())
-}
-
-/// Root mean square of the deviations without a law, comparable with [`Fitted::left_out_rms`].
-pub fn rms_of_none(material: &Material) -> f64 {
-    let left = material.nuisance.residual(material.y);
-    (dot(&left, &left) / left.len().max(1) as f64).sqrt()
 }
 
 #[cfg(test)]
@@ -453,7 +330,6 @@ mod tests {
         let material = Material {
             y,
             variance: &variance,
-            sample,
             nuisance: &nuisance,
             x,
             levels: &levels,
@@ -467,25 +343,12 @@ mod tests {
     #[test]
     fn the_law_that_was_hidden_is_chosen() {
         let plain = Bend { at: 0.0, part: 1.0 };
-        let threshold = Bend { at: 0.6, part: 0.0 };
-        for (law, size, bend) in [
-            (Law::Exponential, 2.5, plain),
-            (Law::Linear, 2.5, plain),
-            (Law::Power, 1.1, plain),
-            (Law::Threshold, 1.5, threshold),
-        ] {
+        for (law, size, bend) in [(Law::Exponential, 2.5, plain), (Law::Linear, 2.5, plain)] {
             let (x, y, sample) = hidden(law, size, bend, 0.1, 5);
-            let found = compared(
-                &x,
-                &y,
-                &sample,
-                0.1,
-                &[Law::Exponential, Law::Linear, Law::Power, Law::Threshold],
-            );
+            let found = compared(&x, &y, &sample, 0.1, &[Law::Exponential, Law::Linear]);
             assert_eq!(found[0].law, law, "{found:#?}");
             let size_found = found[0].size;
             assert!((size_found.value - size).abs() < 0.15, "{law:?} {size_found:?}");
-            assert!(found[0].left_out_rms.unwrap() < 1.1);
         }
     }
 
@@ -498,7 +361,14 @@ mod tests {
             &y,
             &sample,
             0.05,
-            Law::of(super::super::covariate::Covariate::Cycle),
+            &[
+                Law::Linear,
+                Law::SquareRoot,
+                Law::Exponential,
+                Law::Approach,
+                Law::Step,
+                Law::Knee,
+            ],
         );
         assert_eq!(found[0].law, Law::Knee);
         let at = found[0].bend_at.unwrap();

@@ -1,10 +1,10 @@
 //! How often chance alone ties readings to columns as strongly: permutation within exchangeable blocks; normal
 //! errors where few orders exist; and the F distribution where the tail is beyond the draws.
 
-use super::policy::{CHOICES, DRAWS, ENOUGH, FEWEST_ORDERS, RESOLVED, SCORE_AS_GOOD};
+use super::policy::{DRAWS, ENOUGH, FEWEST_ORDERS, RESOLVED};
 
+use rand::SeedableRng;
 use rand::seq::SliceRandom;
-use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -12,37 +12,12 @@ use ieap_numerics::chance::f_chance;
 use ieap_numerics::grouped::{Grouped, dot};
 use ieap_numerics::interrupt;
 
-/// What a p-value rests on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Basis {
-    /// Orders drawn within blocks.
-    Permutation,
-    /// Normal errors with as many degrees of freedom: drawn, or by the F distribution.
-    NormalErrors,
-}
-
-impl Basis {
-    /// Stored name.
-    pub fn key(self) -> &'static str {
-        match self {
-            Basis::Permutation => "permutation",
-            Basis::NormalErrors => "normal-errors",
-        }
-    }
-}
-
 /// What was answered.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
-    /// Probability of a tie at least as strong by chance.
+    /// Probability of a tie at least as strong by chance: the share of draws that did as well, the readings themselves counted
+    /// as one, or what the F distribution says where that is less than draws resolve.
     pub p: f64,
-    /// The strongest of the alternatives; of those as good, the first.
-    pub best: usize,
-    /// What `p` rests on.
-    pub basis: Basis,
-    /// Share of draws that did as well, the readings themselves counted as one: a probability too, and sharper than `p`
-    /// where many alternatives that are alike were asked about.
-    pub drawn: f64,
     /// Degrees of freedom left by the strongest alternative.
     pub freedom: usize,
 }
@@ -76,10 +51,6 @@ pub fn ask(
     };
     let own: Vec<f64> = usable.iter().map(|&k| score(k, &residual, whole)).collect();
     let observed = own.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let best = own
-        .iter()
-        .position(|score| *score >= observed - SCORE_AS_GOOD)
-        .map_or(usable[0], |at| usable[at]);
     let tail = usable
         .iter()
         .map(|&k| {
@@ -94,19 +65,9 @@ pub fn ask(
         .fold(1.0, f64::min);
     // Alternatives are alike, so that their number is more than is asked: the bound is safe.
     let tail = (tail * usable.len() as f64).min(1.0);
-    let freedom = alternatives[best].freedom();
-    let from_f = Answer {
-        p: tail,
-        best,
-        basis: Basis::NormalErrors,
-        drawn: 1.0,
-        freedom,
-    };
-    let basis = if orders(block) < FEWEST_ORDERS {
-        Basis::NormalErrors
-    } else {
-        Basis::Permutation
-    };
+    let best = usable.iter().zip(&own).max_by(|a, b| a.1.total_cmp(b.1));
+    let freedom = best.map_or(0, |(&k, _)| alternatives[k].freedom());
+    let is_permuted = orders(block) >= FEWEST_ORDERS;
     let mut draw = residual.clone();
     let places = places_of(block);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -114,37 +75,27 @@ pub fn ask(
     let mut as_strong = 0;
     let threshold = observed - 1e-9 * observed.abs().max(1.0);
     for done in 1..=DRAWS {
-        match basis {
-            Basis::Permutation => places
-                .iter()
-                .for_each(|place| shuffle(&residual, &mut draw, place, &mut random)),
-            Basis::NormalErrors => draw
-                .iter_mut()
-                .for_each(|x| *x = StandardNormal.sample(&mut random)),
+        if is_permuted {
+            let all = places.iter();
+            all.for_each(|place| shuffle(&residual, &mut draw, place, &mut random));
+        } else {
+            draw.iter_mut()
+                .for_each(|x| *x = StandardNormal.sample(&mut random));
         }
         let null_square = null.square_left(&draw, &mut null_room);
         as_strong += usize::from(usable.iter().any(|&k| score(k, &draw, null_square) >= threshold));
         if as_strong == ENOUGH {
             let p = ENOUGH as f64 / done as f64;
-            return Some(Answer {
-                p,
-                basis,
-                drawn: p,
-                ..from_f
-            });
+            return Some(Answer { p, freedom });
         }
     }
     let drawn = (as_strong + 1) as f64 / (DRAWS + 1) as f64;
-    Some(if as_strong < RESOLVED {
-        Answer { drawn, ..from_f }
+    let p = if as_strong < RESOLVED {
+        tail.min(drawn)
     } else {
-        Answer {
-            p: drawn,
-            basis,
-            drawn,
-            ..from_f
-        }
-    })
+        drawn
+    };
+    Some(Answer { p, freedom })
 }
 
 /// The ratio of mean squares as a standard normal score (Wilson and Hilferty 1931), so that alternatives of
@@ -201,24 +152,6 @@ pub fn distance_from_even(p: &[f64]) -> f64 {
         .enumerate()
         .map(|(k, &p)| above(k, p))
         .fold(0.0, f64::max)
-}
-
-/// Exact chance, by drawing, that `hits` (which items have the property) differ as much as they do by `score`, where
-/// every choice of as many items is as likely: share of draws with an `extent` at least as large.
-pub fn random_choice_chance(hits: &[bool], extent: &dyn Fn(&[bool]) -> f64, seed: u64) -> f64 {
-    let observed = extent(hits);
-    let threshold = observed - 1e-9 * observed.abs().max(1.0);
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut drawn = hits.to_vec();
-    let mut as_strong = 0;
-    for _ in 0..CHOICES {
-        interrupt::check();
-        for k in (1..drawn.len()).rev() {
-            drawn.swap(k, random.random_range(0..=k));
-        }
-        as_strong += usize::from(extent(&drawn) >= threshold);
-    }
-    (as_strong + 1) as f64 / (CHOICES + 1) as f64
 }
 
 #[cfg(test)]
@@ -290,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tie_is_found_and_its_shape_told() {
+    fn a_tie_is_found() {
         let group: Vec<usize> = (0..24).map(|k| k / 4).collect();
         let x: Vec<f64> = (0..24).map(|k| f64::from(k % 4)).collect();
         let bent: Vec<f64> = x.iter().map(|x| f64::max(x - 2.0, 0.0)).collect();
@@ -305,28 +238,6 @@ mod tests {
             .map(|shape| Grouped::new(&[1.0; 24], &group, std::slice::from_ref(shape)))
             .collect();
         let answer = ask(&y, &null, &full, &group, 1).unwrap();
-        assert!(
-            answer.p < 1e-4 && answer.best == 1 && answer.basis == Basis::NormalErrors,
-            "{answer:?}"
-        );
-    }
-
-    #[test]
-    fn failures_at_one_end_are_no_chance() {
-        let volts = [1.0, 1.0, 1.5, 1.5, 2.0, 2.0, 2.5, 2.5, 3.0, 3.0];
-        let extent = |failed: &[bool]| -> f64 {
-            let sum: f64 = volts
-                .iter()
-                .zip(failed)
-                .filter(|(_, failed)| **failed)
-                .map(|(v, _)| v - 2.0)
-                .sum();
-            sum.abs()
-        };
-        let mut failed = [false; 10];
-        failed[7..].fill(true);
-        let p = random_choice_chance(&failed, &extent, 3);
-        // Of 120 choices of three, 2 at either end are as far (one of the two at 2.5 V is free).
-        assert!((p - 4.0 / 120.0).abs() < 0.008, "{p}");
+        assert!(answer.p < 1e-4, "{answer:?}");
     }
 }
