@@ -28,6 +28,7 @@ mod doubted_fits;
 mod effects;
 mod elsewhere;
 mod errors_stay_errors;
+mod fates;
 mod findings;
 mod findings_fixture;
 mod fit_groups;
