@@ -107,6 +107,7 @@ fn pairs(summary: &IngestSummary, output: &Output) {
 pub(super) fn left_out(summary: &IngestSummary, output: &Output) {
     refused(output, "refused", &summary.refused);
     refused(output, NOT_READ, &summary.unread);
+    refused(output, TAGS_NO_RUN, &summary.unread_statements);
     if summary.unreadable_tags.is_empty() {
         return;
     }
@@ -126,6 +127,9 @@ pub(super) fn left_out(summary: &IngestSummary, output: &Output) {
         output.message("  ... `ieap status` lists all");
     }
 }
+
+/// What is said of statements that are of no run.
+pub const TAGS_NO_RUN: &str = "of tags by which no run is tagged";
 
 /// What is said of files that the system could not give.
 pub const NOT_READ: &str = "that could not be read now, tried again at every look";

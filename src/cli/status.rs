@@ -169,7 +169,7 @@ fn collect(status: &Status, told: &mut Sections) {
     told.section("file", "refused", &status.refused);
     told.section("file", ingest::NOT_READ, &status.unread);
     unreadable_tags(status, told);
-    let waiting = "waiting (empty, header only, or still growing)";
+    let waiting = "waiting (empty, header only, still growing, or tags of no run)";
     told.section("file", waiting, &status.pending);
     told.section("raw file", "lost from the archive", &status.raw_files_lost);
     words_missed(status, told);

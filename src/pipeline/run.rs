@@ -120,8 +120,7 @@ impl Run {
         if context.store.condemned_by_diagnosis()? != condemned {
             // A run that shared its parameters with others does so no more, and what was watched with it is watched without.
             let later = self.fits().run(context, observer)?;
-            fit.fitted += later.fitted;
-            fit.not_converged.extend(later.not_converged);
+            fit.and_then(later);
         }
         if !self.skip_diagnosis {
             // What findings say against fits is part of what is watched.

@@ -51,7 +51,7 @@ fn log(seed: u32, header: &str, columns: &[&str]) -> String {
     text
 }
 
-fn plain_log(seed: u32) -> String {
+pub fn plain_log(seed: u32) -> String {
     log(
         seed,
         "time_s,relative_humidity_percent,storage_modulus_mpa,loss_modulus_mpa\n",

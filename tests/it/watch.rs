@@ -222,3 +222,37 @@ below = 1e6
     assert_eq!(told().matches("c_total_f_per_cm2 limit").count(), 1, "{}", told());
     drop(watching);
 }
+
+/// The intake gives a run a new name while the other thread fits it: the fit is of the run, whatever that is named.
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_renamed_while_it_is_fitted_keeps_its_fit_and_gets_its_name_back() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/before.csv", run_table(1));
+    let watching = Watching::start(&folder, &[]);
+    let at = |name: &str| folder.join(&format!("runs/{name}.csv"));
+    let runs = || counted(3, 70);
+    let is_run = |name: &str| {
+        let sql = "SELECT count(*) FROM run WHERE path = ?1 AND superseded_at IS NULL";
+        let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+        let found = database.query_row(sql, [format!("runs/{name}.csv")], |row| row.get::<_, i64>(0));
+        found.is_ok_and(|count| count == 1)
+    };
+    for n in 0..runs() {
+        folder.write(&format!("runs/n{n}.csv"), run_table(100 + n as u32));
+        until("a run", || is_run(&format!("n{n}")));
+        std::fs::rename(at(&format!("n{n}")), at(&format!("mn{n}"))).unwrap();
+        until("its new name", || is_run(&format!("mn{n}")));
+    }
+    until("all fits", || fitted(&folder) == 1 + runs() as u64);
+    let (status, said) = watching.stop();
+    assert_eq!(status, 0, "{said}");
+    assert_eq!(crate::between::strays(folder.path()), 0);
+    folder.ieap(&["verify"]).expect(0);
+    for n in 0..runs() {
+        std::fs::rename(at(&format!("mn{n}")), at(&format!("n{n}"))).unwrap();
+    }
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    assert_eq!(fitted(&folder), 1 + runs() as u64);
+    crate::rebuild::comes_back(&folder);
+}

@@ -81,12 +81,15 @@ const KINDS: [(&str, &str); 9] = [
 ];
 
 /// Current fits: of one that came from elsewhere nothing that is drawn is stored.
-const FIT: &str = "SELECT name, key, CASE WHEN json_valid(document) THEN json_remove(document, '$.found.drawn_hash') ELSE document END
-     FROM result NOT INDEXED WHERE kind = 'fit' AND superseded_at IS NULL ORDER BY name";
+const FIT: &str = "SELECT path, key, CASE WHEN json_valid(document) THEN json_remove(document, '$.found.drawn_hash') ELSE document END
+     FROM result NOT INDEXED JOIN run ON run.id = run_id
+     WHERE result.kind = 'fit' AND result.superseded_at IS NULL ORDER BY path";
 /// Current analyses of modulus logs, with what is drawn of them.
-const ANALYSIS: &str = "SELECT name, key, document, drawn FROM result NOT INDEXED WHERE kind = 'modulus' AND superseded_at IS NULL ORDER BY name";
-const DIAGNOSIS: &str = "SELECT kind || ' ' || name, key, document FROM result NOT INDEXED
-     WHERE kind IN ('group', 'run', 'climate') AND superseded_at IS NULL ORDER BY kind, name";
+const ANALYSIS: &str = "SELECT path, key, document, drawn FROM result NOT INDEXED JOIN run ON run.id = run_id
+     WHERE result.kind = 'modulus' AND result.superseded_at IS NULL ORDER BY path";
+const DIAGNOSIS: &str = "SELECT result.kind || ' ' || coalesce(name, path) AS told, key, document
+     FROM result NOT INDEXED LEFT JOIN run ON run.id = run_id
+     WHERE result.kind IN ('group', 'run', 'climate') AND result.superseded_at IS NULL ORDER BY told";
 
 impl Store {
     /// What the database says, whatever it says it with.

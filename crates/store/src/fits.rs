@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::journal::Entry;
+use super::journal::{Entry, read_line};
 use super::new_run::RunRow;
-use super::results::{self, NewResult, ResultDocument, ResultKind, StoredResult};
-use super::rows::RUN;
-use super::{Store, StoreError};
+use super::results::{self, NewResult, ResultDocument, ResultKind, RunThen, StoredResult, Subject};
+use super::rows::{JOURNAL_LINE, RUN, check};
+use super::{StepError, Store, StoreError, Transaction};
 use ieap_domain::tag::keys;
 use ieap_domain::{
     AlongCurve, AskedFit, ClimateCurve, CurveSource, Drive, Fit, RunCurve, RunKind, RunRecord, RunState,
@@ -21,6 +21,9 @@ pub struct FitTask {
     pub path: String,
     /// Which revision of it.
     pub revision: u32,
+    /// Hash of all that was known of the run when this was read, its name left out: by it a result is held against the run
+    /// where it is stored.
+    pub state: String,
     /// The drive.
     pub drive: Drive,
     /// Active area, cm2.
@@ -39,8 +42,19 @@ pub struct FitTask {
     pub last_asked: AskedFit,
 }
 
-/// How a fit that came out was asked for by hand: the run's name, and what was asked for.
-pub type AskedOf<'a> = (&'a str, &'a AskedFit);
+impl FitTask {
+    /// The run as it was when this was read.
+    pub fn then(&self) -> RunThen<'_> {
+        RunThen {
+            run_id: self.run_id,
+            name: &self.path,
+            state: &self.state,
+        }
+    }
+}
+
+/// How a fit was asked for by hand: the run's row id, and what was asked for.
+pub type AskedOf<'a> = (i64, &'a AskedFit);
 
 impl ResultDocument for Fit {
     const DRAWN: &'static [&'static str] = &["curves", "along"];
@@ -68,7 +82,8 @@ impl Store {
         Ok(ready.filter_map(|run| fit_task(run, asked)).collect())
     }
 
-    /// Stores fits, or why there are none, each as the current result of its run, and how those were asked for that came out.
+    /// Stores fits, or why there are none, each as the current result of its run, and how those were asked for that came out;
+    /// tells of each whether it is stored.
     ///
     /// # Errors
     /// See [`StoreError`].
@@ -77,21 +92,20 @@ impl Store {
         now: &str,
         fits: &[NewResult<'_, Fit>],
         asked: &[AskedOf<'_>],
-    ) -> Result<(), StoreError> {
+    ) -> Result<Vec<bool>, StoreError> {
         if fits.is_empty() {
-            return Ok(());
+            return Ok(Vec::new());
         }
-        let (words, open) = (self.words()?, AskedFit::default());
         self.write("storing fits", now, |transaction| {
-            results::keep(transaction, now, ResultKind::Fit, fits)?;
-            for &(run, asked) in asked {
-                let asked = if asked.is_open() { &open } else { asked };
-                if asked != words.asked.get(run).unwrap_or(&open) {
-                    let (run, asked) = (run.to_owned(), asked.clone());
-                    transaction.says(now, Entry::Asked { run, asked })?;
-                }
+            let kept = results::keep(transaction, now, ResultKind::Fit, fits)?;
+            let came_out = |run_id: i64| {
+                let mut fits = fits.iter().zip(&kept);
+                fits.any(|(fit, kept)| *kept && fit.found.is_ok() && fit.of == Subject::Run(run_id))
+            };
+            for &(run_id, asked) in asked.iter().filter(|(run_id, _)| came_out(*run_id)) {
+                say_asked(transaction, now, run_id, asked)?;
             }
-            Ok(())
+            Ok(kept)
         })
     }
 
@@ -142,6 +156,40 @@ impl Store {
     }
 }
 
+/// Says how the fit of a run was asked for, under the name that the run has now, where that is not what holds already.
+fn say_asked(
+    transaction: &Transaction<'_>,
+    now: &str,
+    run_id: i64,
+    asked: &AskedFit,
+) -> Result<(), StepError> {
+    let Some(run) = RunRow::current(transaction, run_id)?.map(|run| run.path) else {
+        return Ok(());
+    };
+    let sql = JOURNAL_LINE.select("", "WHERE what = 'asked' AND name = ?1 ORDER BY n DESC LIMIT 1");
+    let mut statement = transaction.prepare_cached(&sql)?;
+    let mut rows = statement.query([&run])?;
+    let holds = match rows.next()? {
+        Some(row) => {
+            check(JOURNAL_LINE, row)?;
+            match read_line(row)?.entry {
+                Entry::Asked { asked, .. } => asked,
+                _ => AskedFit::default(),
+            }
+        }
+        None => AskedFit::default(),
+    };
+    if holds == *asked || (holds.is_open() && asked.is_open()) {
+        return Ok(());
+    }
+    let asked = if asked.is_open() {
+        AskedFit::default()
+    } else {
+        asked.clone()
+    };
+    transaction.says(now, Entry::Asked { run, asked })
+}
+
 /// Fills in the fit of a run, or why there is none where it was tried.
 pub(super) fn fill_in_fit(record: &mut RunRecord, stored: Option<StoredResult<Fit>>) {
     match stored {
@@ -189,7 +237,7 @@ fn fit_task(run: RunRow, asked: &BTreeMap<String, AskedFit>) -> Option<FitTask> 
     for offset in run.origin().offsets.iter().filter(|offset| offset.applied) {
         data_hash += &format!(":{}={:?}", offset.clock, offset.offset_s);
     }
-    let tagging = run.tagging;
+    let tagging = &run.tagging;
     for key in [keys::LEAVE_OUT, keys::LEAVE_OUT_MARKED] {
         if let Some(value) = tagging.chosen.get(key) {
             data_hash += &format!(":{key}={value}");
@@ -197,8 +245,11 @@ fn fit_task(run: RunRow, asked: &BTreeMap<String, AskedFit>) -> Option<FitTask> 
     }
     let error = tagging.chosen.get(keys::ELECTRODE_RESISTANCE_ERROR);
     let error: Option<f64> = error.and_then(|error| error.parse().ok());
+    let state = run.state_hash();
+    let tagging = run.tagging;
     Some(FitTask {
         run_id: run.id,
+        state,
         revision: run.revision,
         drive: tagging.drive?,
         area_cm2: tagging.area_cm2?,

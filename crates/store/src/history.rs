@@ -93,8 +93,8 @@ impl Earlier {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::NewResult;
     use crate::testing::new_run;
+    use crate::{NewResult, RunThen, Subject};
     use ieap_domain::{RunKind, testing};
 
     /// Hours of one day, RFC 3339 UTC.
@@ -102,18 +102,26 @@ mod tests {
         format!("2026-01-01T{hour:02}:00:00Z")
     }
 
+    /// The run that there is, by row id.
+    fn only_run(store: &Store) -> (i64, String) {
+        store.states_of_runs().unwrap().pop_first().unwrap()
+    }
+
     fn save_fit(store: &mut Store, hour: u32, evaluations: u64) {
         let fit = Fit {
             evaluations,
             ..testing::fit(&[])
         };
+        let (run_id, state) = only_run(store);
+        let (name, state) = ("runs/a.csv", state.as_str());
         let result = NewResult {
-            name: "runs/a.csv",
+            of: Subject::Run(run_id),
+            made_from: &[RunThen { run_id, name, state }],
             key: &evaluations.to_string(),
             version: &format!("version {evaluations}"),
             found: Ok(&fit),
         };
-        store.save_fits(&at(hour), &[result], &[]).unwrap();
+        assert_eq!(store.save_fits(&at(hour), &[result], &[]).unwrap(), [true]);
     }
 
     /// A run read at 1 h and fitted at 2 and 4 h; new bytes of it at 6 h, fitted at 8 h.
@@ -183,8 +191,10 @@ mod tests {
                 issues: Vec::new(),
                 curves: Vec::new(),
             };
+            let (run_id, _) = only_run(&store);
             let result = NewResult {
-                name: "dma/a.csv",
+                of: Subject::Run(run_id),
+                made_from: &[],
                 key: &hour.to_string(),
                 version: "",
                 found: Ok(&analysis),

@@ -63,7 +63,7 @@ pub use new_run::{NewRun, RunContent, Tagging};
 pub use place::FILE_NAME;
 pub use published_view::PublishedRows;
 pub use read_files::ReadFile;
-pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, StoredResult};
+pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, RunThen, StoredResult, Subject};
 pub use snapshot::Snapshot;
 pub use store::Store;
 use transaction::Transaction;

@@ -2,17 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use rusqlite::{Row, params};
+use rusqlite::{OptionalExtension, Row, params};
 use serde::{Deserialize, Serialize};
 
 use super::blob::{hash_of, pack_f64, pack_u32, packed_json};
 use super::columns::{json_in, key_in, to_json};
 use super::results::retire_of_run;
-use super::rows::{CONTENT, RUN, RUN_FILE};
+use super::rows::{CONTENT, RUN, RUN_FILE, check};
 use super::{StepError, StoreError, Transaction};
 use ieap_domain::{
-    Channel, ChannelSummary, ClimateCurve, Drive, Issue, RunClimate, RunFile, RunKind, RunOrigin, RunState,
-    RunStatus, Tag,
+    Channel, ChannelSummary, ClimateCurve, Drive, InputHash, Issue, RunClimate, RunFile, RunKind, RunOrigin,
+    RunState, RunStatus, Tag,
 };
 
 /// Raw bytes that are archived.
@@ -196,6 +196,40 @@ impl RunRow {
             tagging: json_in(row, "tagging", "the tags of a run")?,
         })
     }
+
+    /// The run of that row id; none where it is no current one.
+    pub fn current(transaction: &Transaction<'_>, run_id: i64) -> Result<Option<RunRow>, StepError> {
+        let sql = RUN.select("", "WHERE id = ?1 AND superseded_at IS NULL");
+        let mut statement = transaction.prepare_cached(&sql)?;
+        let mut rows = statement.query([run_id])?;
+        let Some(row) = rows.next()? else { return Ok(None) };
+        check(RUN, row)?;
+        RunRow::read(row).map(Some)
+    }
+
+    /// Hash of all that results are made from and that may change of a revision; its name is not in it.
+    pub fn state_hash(&self) -> String {
+        let tagging = &self.tagging;
+        let mut hash = InputHash::new();
+        hash.text(&self.data_hash).text(self.state.key());
+        hash.count(tagging.chosen.len());
+        for (key, value) in &tagging.chosen {
+            hash.text(key).text(value);
+        }
+        hash.flag(tagging.drive.is_some());
+        if let Some(drive) = &tagging.drive {
+            hash.drive(drive);
+        }
+        for number in [
+            tagging.area_cm2,
+            tagging.length_cm,
+            tagging.electrode_resistance_ohm_per_sq,
+            tagging.clock_offset_s,
+        ] {
+            hash.number_or_none(number);
+        }
+        hash.finished()
+    }
 }
 
 /// Stores a run as the new current revision of its name; gives its number.
@@ -295,13 +329,19 @@ impl Tagging {
 
 /// Retires the current revision of a run; gives the newest revision number so far (0: none).
 pub(super) fn supersede(transaction: &Transaction<'_>, now: &str, path: &str) -> Result<i64, StepError> {
-    transaction.change(RUN, ("path = ?1 AND superseded_at IS NULL", &path), || {
-        transaction
-            .prepare_cached("UPDATE run SET superseded_at = ?2 WHERE path = ?1 AND superseded_at IS NULL")?
-            .execute(params![path, now])?;
-        Ok(())
-    })?;
-    retire_of_run(transaction, now, path)?;
+    let current = transaction
+        .prepare_cached("SELECT id FROM run WHERE path = ?1 AND superseded_at IS NULL")?
+        .query_row([path], |row| row.get::<_, i64>(0))
+        .optional()?;
+    if let Some(id) = current {
+        transaction.change(RUN, ("id = ?1", &id), || {
+            transaction
+                .prepare_cached("UPDATE run SET superseded_at = ?2 WHERE id = ?1")?
+                .execute(params![id, now])?;
+            Ok(())
+        })?;
+        retire_of_run(transaction, now, id)?;
+    }
     Ok(transaction
         .prepare_cached("SELECT coalesce(max(revision), 0) FROM run WHERE path = ?1")?
         .query_row([path], |row| row.get(0))?)

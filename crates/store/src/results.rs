@@ -10,6 +10,7 @@ use serde_json::{Map, Value};
 
 use super::blob::{packed_json, unpacked_json};
 use super::columns::{from_json, to_json};
+use super::new_run::RunRow;
 use super::rows::RESULT;
 use super::{StepError, Store, StoreError, Transaction};
 use ieap_domain::{Issue, string_enum};
@@ -40,6 +41,33 @@ string_enum! {
 }
 
 impl ResultKind {
+    /// Whether each is of one run or log.
+    pub fn is_of_run(self) -> bool {
+        !matches!(self, ResultKind::Group | ResultKind::Alarms | ResultKind::Climate)
+    }
+
+    /// Whether it speaks of runs by their names: under other names it is another one.
+    fn says_names(self) -> bool {
+        matches!(self, ResultKind::Comparison | ResultKind::Group | ResultKind::Run)
+    }
+
+    /// SQL that finds results by the name of what they are of.
+    fn named(self, name: &str) -> String {
+        if self.is_of_run() {
+            format!("run_id IN (SELECT id FROM run WHERE path = {name})")
+        } else {
+            format!("name = {name}")
+        }
+    }
+
+    /// SQL that finds the current result by kind and name.
+    fn current(self) -> String {
+        format!(
+            "WHERE kind = ?1 AND {} AND superseded_at IS NULL",
+            self.named("?2")
+        )
+    }
+
     /// In words of messages.
     fn words(self) -> &'static str {
         match self {
@@ -62,11 +90,33 @@ pub trait ResultDocument: Serialize + DeserializeOwned {
     const DRAWN: &'static [&'static str] = &[];
 }
 
+/// What a result is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Subject<'a> {
+    /// A run or a modulus log, by its row id: its name may change.
+    Run(i64),
+    /// A group, or what there is one of.
+    Named(&'a str),
+}
+
+/// A run, or a log, as it was when something was made of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RunThen<'a> {
+    /// Row id.
+    pub run_id: i64,
+    /// Its name then.
+    pub name: &'a str,
+    /// Hash of all that was known of it but its name ([`FitTask::state`](super::FitTask::state)).
+    pub state: &'a str,
+}
+
 /// A result on its way into the database.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewResult<'a, T> {
-    /// Of the run, the log or the group.
-    pub name: &'a str,
+    /// What it is of.
+    pub of: Subject<'a>,
+    /// The runs that it was made from: where one of them is no longer what it was then, the result is not stored.
+    pub made_from: &'a [RunThen<'a>],
     /// Hash of everything that it depends on; empty where it is to be made again whenever it is asked for.
     pub key: &'a str,
     /// Version of the program.
@@ -89,7 +139,7 @@ pub struct StoredResult<T> {
 pub struct ResultOrigin {
     /// Row id.
     pub id: i64,
-    /// Name of the run, the log or the group.
+    /// Name of the group, or that which the run or the log has now.
     pub name: String,
     /// Hash of everything that it depends on.
     pub key: String,
@@ -121,7 +171,8 @@ enum Document<T> {
 /// Key of a document under which the hash of what is drawn stands.
 const DRAWN_HASH: &str = "drawn_hash";
 impl Store {
-    /// Stores results of a kind, each as the current one of its name.
+    /// Stores results of a kind, each as the current one of what it is of, where the runs that it was made from still are
+    /// what they were; tells of each whether it is stored.
     ///
     /// # Errors
     /// See [`StoreError`].
@@ -130,9 +181,9 @@ impl Store {
         now: &str,
         kind: ResultKind,
         results: &[NewResult<'_, T>],
-    ) -> Result<(), StoreError> {
+    ) -> Result<Vec<bool>, StoreError> {
         if results.is_empty() {
-            return Ok(());
+            return Ok(Vec::new());
         }
         self.write("storing results", now, |transaction| {
             keep(transaction, now, kind, results)
@@ -153,9 +204,9 @@ impl Store {
             return Ok(());
         }
         self.write("retiring results", now, |transaction| {
-            names
-                .iter()
-                .try_for_each(|name| retire(transaction, now, kind, name))
+            let condition = format!("kind = '{}' AND {}", kind.key(), kind.named("?1"));
+            let mut names = names.iter();
+            names.try_for_each(|name| retire(transaction, now, (&condition, name)))
         })
     }
 
@@ -174,7 +225,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn result_keys(&self, kind: ResultKind) -> Result<BTreeMap<String, String>, StoreError> {
-        let read = |row: &Row<'_>| Ok((row.get("name")?, row.get("key")?));
+        let read = |row: &Row<'_>| Ok((row.get("of_name")?, row.get("key")?));
         let keys = self.listed("reading what results depend on", RESULT, &list_of(kind), read)?;
         Ok(keys.into_iter().collect())
     }
@@ -198,20 +249,22 @@ impl Store {
         name: &str,
         when: When<'_>,
     ) -> Result<Option<StoredResult<T>>, StoreError> {
-        let kind = kind.key();
-        let (condition, values): (&str, Vec<&dyn ToSql>) = match &when {
-            When::Now => ("superseded_at IS NULL", vec![&kind, &name]),
+        let (key, of) = (kind.key(), kind.named("?2"));
+        let (condition, values): (String, Vec<&dyn ToSql>) = match &when {
+            When::Now => ("superseded_at IS NULL".to_owned(), vec![&key, &name]),
             When::Before => (
-                "id < (SELECT id FROM result WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL)
-                 AND document NOT LIKE '{\"issue\"%'",
-                vec![&kind, &name],
+                format!(
+                    "id < (SELECT id FROM result WHERE kind = ?1 AND {of} AND superseded_at IS NULL)
+                     AND document NOT LIKE '{{\"issue\"%'"
+                ),
+                vec![&key, &name],
             ),
             When::At(moment) => (
-                "made_at <= ?3 AND (superseded_at IS NULL OR superseded_at > ?3)",
-                vec![&kind, &name, moment],
+                "made_at <= ?3 AND (superseded_at IS NULL OR superseded_at > ?3)".to_owned(),
+                vec![&key, &name, moment],
             ),
         };
-        let rest = format!("WHERE kind = ?1 AND name = ?2 AND {condition} ORDER BY id DESC LIMIT 1");
+        let rest = format!("WHERE kind = ?1 AND {of} AND {condition} ORDER BY id DESC LIMIT 1");
         let found = self.kept("reading a result", RESULT, ("", &rest), values.as_slice(), read)?;
         Ok(found.into_iter().next())
     }
@@ -222,11 +275,11 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn drawn<D: DeserializeOwned>(&self, kind: ResultKind, name: &str) -> Result<Option<D>, StoreError> {
-        let rest = "WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL AND drawn IS NOT NULL";
+        let rest = format!("{} AND drawn IS NOT NULL", kind.current());
         let found = self.kept(
             "reading curves",
             RESULT,
-            (", drawn", rest),
+            (", drawn", &rest),
             [kind.key(), name],
             |row| {
                 check_drawn(row)?;
@@ -242,7 +295,6 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn state_of_result(&self, kind: ResultKind, name: &str) -> Result<Option<String>, StoreError> {
-        let rest = ("", "WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL");
         let state = |row: &Row<'_>| {
             let (key, drawn) = (row.get::<_, String>("key")?, stated_drawn_hash(row)?);
             Ok(format!("{key} {}", drawn.unwrap_or_default()))
@@ -250,7 +302,7 @@ impl Store {
         let found = self.kept(
             "reading what a result is made from",
             RESULT,
-            rest,
+            ("", &kind.current()),
             [kind.key(), name],
             state,
         )?;
@@ -261,8 +313,8 @@ impl Store {
     pub(super) fn check_all_drawn(&self) -> Result<Vec<StoreError>, StoreError> {
         let doing = "checking curves";
         // A document that is damaged is told with its row.
-        let sql = "SELECT id, kind, name, document, drawn FROM result ORDER BY id";
-        let found = self.rows(doing, sql, [], |row| Ok(check_drawn(row).err()))?;
+        let sql = RESULT.select(", drawn", "ORDER BY id");
+        let found = self.rows(doing, &sql, [], |row| Ok(check_drawn(row).err()))?;
         Ok(found.into_iter().flatten().map(self.named(doing)).collect())
     }
 }
@@ -271,51 +323,83 @@ fn list_of(kind: ResultKind) -> String {
     format!("result {}", kind.key())
 }
 
-/// Stores results of a kind, each as the current one of its name.
+/// Stores results of a kind, each as the current one of what it is of; tells of each whether it is stored: what was made from a
+/// run that is another one by now is not.
 pub(super) fn keep<T: ResultDocument>(
     transaction: &Transaction<'_>,
     now: &str,
     kind: ResultKind,
     results: &[NewResult<'_, T>],
-) -> Result<(), StepError> {
+) -> Result<Vec<bool>, StepError> {
+    let mut known = BTreeMap::new();
+    let mut kept = Vec::with_capacity(results.len());
     for result in results {
-        retire(transaction, now, kind, result.name)?;
-        let (document, drawn) = written(kind, result.found)?;
-        transaction.change(
-            RESULT,
-            ("name = ?1 AND superseded_at IS NULL", &result.name),
-            || {
-                transaction
-                    .prepare_cached(
-                        "INSERT INTO result (kind, name, key, version, document, made_at, drawn)
-                     VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
-                    )?
-                    .execute(params![
-                        kind.key(),
-                        result.name,
-                        result.key,
-                        result.version,
-                        document,
-                        now,
-                        drawn
-                    ])?;
-                Ok(())
-            },
-        )?;
+        let mut is_so = true;
+        for then in result.made_from {
+            is_so &= is_as_then(transaction, kind, &mut known, then)?;
+        }
+        if is_so {
+            insert(transaction, now, kind, result)?;
+        }
+        kept.push(is_so);
     }
-    Ok(())
+    Ok(kept)
 }
 
-/// Takes the result of a name out of those that are current.
-pub(super) fn retire(
+/// Whether a run is current and what it was then; `known` are name and state of those that were looked at.
+fn is_as_then(
+    transaction: &Transaction<'_>,
+    kind: ResultKind,
+    known: &mut BTreeMap<i64, Option<(String, String)>>,
+    then: &RunThen<'_>,
+) -> Result<bool, StepError> {
+    if !known.contains_key(&then.run_id) {
+        let run = RunRow::current(transaction, then.run_id)?;
+        let now = run.map(|run| (run.state_hash(), run.path));
+        known.insert(then.run_id, now);
+    }
+    let is_so =
+        |(state, name): &(String, String)| state == then.state && (name == then.name || !kind.says_names());
+    Ok(known[&then.run_id].as_ref().is_some_and(is_so))
+}
+
+fn insert<T: ResultDocument>(
     transaction: &Transaction<'_>,
     now: &str,
     kind: ResultKind,
-    name: &str,
+    result: &NewResult<'_, T>,
 ) -> Result<(), StepError> {
-    let sql = "SELECT id FROM result WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL";
-    let mut statement = transaction.prepare_cached(sql)?;
-    let ids = statement.query_map([kind.key(), name], |row| row.get::<_, i64>(0))?;
+    let (column, of): (_, &dyn ToSql) = match &result.of {
+        Subject::Run(id) => ("run_id", id),
+        Subject::Named(name) => ("name", name),
+    };
+    let condition = format!("kind = '{}' AND {column} = ?1", kind.key());
+    retire(transaction, now, (&condition, of))?;
+    let (document, drawn) = written(kind, result.found)?;
+    let condition = format!("{condition} AND superseded_at IS NULL");
+    transaction.change(RESULT, (&condition, of), || {
+        let sql = format!(
+            "INSERT INTO result (kind, {column}, key, version, document, made_at, drawn)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)"
+        );
+        transaction.prepare_cached(&sql)?.execute(params![
+            kind.key(),
+            of,
+            result.key,
+            result.version,
+            document,
+            now,
+            drawn
+        ])?;
+        Ok(())
+    })
+}
+
+/// Takes results out of those that are current: those that the condition finds, which has one parameter.
+fn retire(transaction: &Transaction<'_>, now: &str, of: (&str, &dyn ToSql)) -> Result<(), StepError> {
+    let sql = format!("SELECT id FROM result WHERE superseded_at IS NULL AND {}", of.0);
+    let mut statement = transaction.prepare_cached(&sql)?;
+    let ids = statement.query_map([of.1], |row| row.get::<_, i64>(0))?;
     for id in ids.collect::<rusqlite::Result<Vec<_>>>()? {
         transaction.change(RESULT, ("id = ?1", &id), || {
             transaction
@@ -327,28 +411,9 @@ pub(super) fn retire(
     Ok(())
 }
 
-/// Takes what was found in the readings of a run, or a log, out of what is current.
-pub(super) fn retire_of_run(transaction: &Transaction<'_>, now: &str, name: &str) -> Result<(), StepError> {
-    let kinds = [
-        ResultKind::Fit,
-        ResultKind::Modulus,
-        ResultKind::Marks,
-        ResultKind::Same,
-    ];
-    kinds
-        .into_iter()
-        .try_for_each(|kind| retire(transaction, now, kind, name))
-}
-
-/// Gives the results of a run, or a log, its new name.
-pub(super) fn rename(transaction: &Transaction<'_>, old: &str, new: &str) -> Result<(), StepError> {
-    let condition = "name = ?1 AND kind <> 'group'";
-    transaction.change(RESULT, (condition, &old), || {
-        transaction
-            .prepare_cached(&format!("UPDATE result SET name = ?2 WHERE {condition}"))?
-            .execute([old, new])?;
-        Ok(())
-    })
+/// Takes all that was found of a run, or a log, out of what is current.
+pub(super) fn retire_of_run(transaction: &Transaction<'_>, now: &str, run_id: i64) -> Result<(), StepError> {
+    retire(transaction, now, ("run_id = ?1", &run_id))
 }
 
 /// The document of a result, and what is drawn of it.
@@ -394,7 +459,7 @@ fn read<T: ResultDocument>(row: &Row<'_>) -> Result<StoredResult<T>, StepError> 
 fn read_origin(row: &Row<'_>) -> Result<ResultOrigin, StepError> {
     Ok(ResultOrigin {
         id: row.get("id")?,
-        name: row.get("name")?,
+        name: row.get("of_name")?,
         key: row.get("key")?,
         version: row.get("version")?,
         made_at: row.get("made_at")?,
@@ -433,7 +498,7 @@ fn damaged(row: &Row<'_>) -> StoreError {
     };
     let kind = ResultKind::from_key(text("kind")).map_or("result", ResultKind::words);
     StoreError::Damaged {
-        what: format!("the {kind} of {}", text("name")),
+        what: format!("the {kind} of {}", text("of_name")),
     }
 }
 

@@ -28,6 +28,8 @@ pub(super) struct Table {
     told: &'static str,
     /// SQL of the list that a row stands in; NULL where it stands in none.
     pub(super) list: &'static str,
+    /// SQL of what stands in rows of other tables and is read with it; it is not hashed here.
+    beside: &'static str,
 }
 
 /// Revisions of runs.
@@ -36,6 +38,7 @@ pub(super) const RUN: Table = Table {
     columns: "id, path, revision, superseded_at, kind, state, data_hash, tag_digest, ingested_at, row_hash, reading, tagging",
     told: "'run ' || id || ' (' || path || ')'",
     list: "CASE WHEN superseded_at IS NULL THEN 'run ' || kind END",
+    beside: "",
 };
 /// Files of runs.
 pub(super) const RUN_FILE: Table = Table {
@@ -43,6 +46,7 @@ pub(super) const RUN_FILE: Table = Table {
     columns: "id, run_id, ordinal, path, hash, row_hash",
     told: "'the file ' || path || ' of run ' || run_id",
     list: "'run_file'",
+    beside: "",
 };
 /// Raw bytes that are archived.
 pub(super) const CONTENT: Table = Table {
@@ -50,6 +54,7 @@ pub(super) const CONTENT: Table = Table {
     columns: "id, hash, size_bytes, archive_path, ingested_at, row_hash",
     told: "'what is known of the raw file ' || archive_path",
     list: "'content'",
+    beside: "",
 };
 /// Files of the folder.
 pub(super) const SOURCE_FILE: Table = Table {
@@ -57,6 +62,7 @@ pub(super) const SOURCE_FILE: Table = Table {
     columns: "id, path, size_bytes, modified_ns, inode, changed_ns, hash, state, reader, issue, missing_since, row_hash",
     told: "'what is known of the file ' || path",
     list: "'source_file'",
+    beside: "",
 };
 /// Revisions of climate logs.
 pub(super) const CLIMATE_LOG: Table = Table {
@@ -64,6 +70,7 @@ pub(super) const CLIMATE_LOG: Table = Table {
     columns: "id, path, revision, superseded_at, hash, ingested_at, row_hash, reading",
     told: "'climate log ' || path",
     list: "CASE WHEN superseded_at IS NULL THEN 'climate_log' END",
+    beside: "",
 };
 /// Lines of the journal.
 pub(super) const JOURNAL_LINE: Table = Table {
@@ -71,14 +78,17 @@ pub(super) const JOURNAL_LINE: Table = Table {
     columns: "n, line, what, name, row_hash",
     told: "'line ' || n || ' of the journal in it'",
     list: "'journal_line ' || what",
+    beside: "",
 };
 /// Results of all kinds.
 pub(super) const RESULT: Table = Table {
     name: "result",
-    columns: "id, kind, name, key, version, made_at, superseded_at, row_hash, document",
+    columns: "id, kind, run_id, name, key, version, made_at, superseded_at, row_hash, document",
     told: "'the ' || CASE kind WHEN 'group' THEN 'diagnosis' WHEN 'run' THEN 'diagnosis' WHEN 'modulus' THEN 'analysis' \
-           WHEN 'comparison' THEN 'comparison of models' ELSE kind END || ' of ' || name",
+           WHEN 'comparison' THEN 'comparison of models' ELSE kind END || ' of ' || \
+           coalesce(name, (SELECT path FROM run WHERE run.id = run_id), 'no run')",
     list: "CASE WHEN superseded_at IS NULL THEN 'result ' || kind END",
+    beside: ", coalesce(name, (SELECT path FROM run WHERE run.id = run_id), '') AS of_name",
 };
 /// The count of changes.
 pub(super) const CHANGE_COUNT: Table = Table {
@@ -86,6 +96,7 @@ pub(super) const CHANGE_COUNT: Table = Table {
     columns: "only_row, changes, changed_at, row_hash",
     told: "'the count of changes'",
     list: "'change_count'",
+    beside: "",
 };
 /// Name of the sum that is the hash of the last line of the journal in the database.
 pub(super) const JOURNAL_END: &str = "journal_end";
@@ -111,8 +122,11 @@ impl Table {
             columns,
             told,
             list,
+            beside,
         } = self;
-        format!("SELECT {columns}, {told} AS told_of_row, {list} AS list_of_row {more} FROM {name} {rest}")
+        format!(
+            "SELECT {columns}, {told} AS told_of_row, {list} AS list_of_row {beside} {more} FROM {name} {rest}"
+        )
     }
 
     /// How many columns of [`Table::select`] are the row's own.

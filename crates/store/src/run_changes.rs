@@ -7,7 +7,7 @@ use super::files::{take_new_name, upsert_file};
 use super::journal::{Entry, NamedBytes, NamedRun};
 use super::new_run::{NewRun, ReadDocument, TagDocument, TagOfSource, Tagging, insert_run};
 use super::read_files::supersede_parts;
-use super::results::{self, retire_of_run};
+use super::results::retire_of_run;
 use super::rows::{JOURNAL_LINE, RUN, RUN_FILE};
 use super::{FileRow, RunContent, StepError, Store, StoreError, Transaction};
 use ieap_domain::tag::UNREADABLE;
@@ -59,10 +59,7 @@ impl Store {
                 Ok(())
             })?;
             if tagging.state != RunState::Ready {
-                let name: String = transaction
-                    .prepare_cached("SELECT path FROM run WHERE id = ?1")?
-                    .query_row([run_id], |row| row.get(0))?;
-                retire_of_run(transaction, now, &name)?;
+                retire_of_run(transaction, now, run_id)?;
             }
             Ok(())
         })
@@ -149,7 +146,6 @@ impl Store {
                 })?;
             }
             rename_words(transaction, old, new)?;
-            results::rename(transaction, old, new)?;
             take_new_name(transaction, now, old, file)
         })
     }

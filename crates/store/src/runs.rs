@@ -84,6 +84,17 @@ impl Store {
         Ok(rows)
     }
 
+    /// What every current run is, by row id, as results made of it are held against it ([`FitTask::state`]).
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    ///
+    /// [`FitTask::state`]: super::FitTask::state
+    pub fn states_of_runs(&self) -> Result<BTreeMap<i64, String>, StoreError> {
+        let rows = self.all_current_rows()?.into_iter();
+        Ok(rows.map(|run| (run.id, run.state_hash())).collect())
+    }
+
     /// The current run of a name.
     fn current_run(&self, path: &str) -> Result<Option<RunRow>, StoreError> {
         let rest = ("", "WHERE path = ?1 AND superseded_at IS NULL");

@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 
 use super::new_run::RunRow;
-use super::results::{self, NewResult, ResultDocument, ResultKind};
-use super::{Store, StoreError};
+use super::results::{self, NewResult, ResultDocument, ResultKind, RunThen, Subject};
+use super::{StepError, Store, StoreError, Transaction};
 use ieap_domain::{RunKind, SameReadings};
 
 /// A few readings of a run as hashes, the smallest ones: runs that hold the same readings share some.
@@ -65,49 +65,35 @@ impl Store {
         same: &[SameReadings],
     ) -> Result<(), StoreError> {
         let runs = self.current_rows(RunKind::Actuation)?.into_iter();
-        let runs: BTreeMap<i64, (String, String)> =
-            runs.map(|run| (run.id, (run.path, run.data_hash))).collect();
+        let runs: BTreeMap<i64, RunRow> = runs.map(|run| (run.id, run)).collect();
         let mut known = self.standing_in()?;
         let mut changed = BTreeSet::new();
         for pair in same {
-            let (Some((path, _)), Some((_, data_hash))) = (runs.get(&pair.run_id), runs.get(&pair.in_run_id))
-            else {
+            let (Some(run), Some(other)) = (runs.get(&pair.run_id), runs.get(&pair.in_run_id)) else {
                 continue;
             };
-            let all = known.entry(path.clone()).or_default();
-            all.retain(|other| other.data_hash != *data_hash);
-            let (data_hash, whole) = (data_hash.clone(), pair.whole);
+            let all = known.entry(run.path.clone()).or_default();
+            all.retain(|known| known.data_hash != other.data_hash);
+            let (data_hash, whole) = (other.data_hash.clone(), pair.whole);
             all.push(StandingIn { data_hash, whole });
-            changed.insert((path.clone(), pair.run_id));
+            changed.insert(pair.run_id);
         }
+        let marked = marks.iter().filter_map(|(run_id, marks)| {
+            let run = runs.get(run_id)?;
+            let marks = marks.clone();
+            Some((run, key(version, &run.data_hash), Marks { marks }))
+        });
+        let marked: Vec<(&RunRow, String, Marks)> = marked.collect();
+        let standing = changed.iter().map(|run_id| {
+            let run = &runs[run_id];
+            let standing_in = known.get(&run.path).cloned().unwrap_or_default();
+            (run, run.data_hash.clone(), Same { standing_in })
+        });
+        let standing: Vec<(&RunRow, String, Same)> = standing.collect();
+        // Of a run that is another one by now they are made at the next look.
         self.write("storing marks of readings", now, |transaction| {
-            for (run_id, marks) in marks {
-                let Some((name, data_hash)) = runs.get(run_id) else {
-                    continue;
-                };
-                let (marks, key) = (Marks { marks: marks.clone() }, key(version, data_hash));
-                let result = NewResult {
-                    name,
-                    key: &key,
-                    version: "",
-                    found: Ok(&marks),
-                };
-                results::keep(transaction, now, ResultKind::Marks, &[result])?;
-            }
-            for (name, run_id) in &changed {
-                let same = Same {
-                    standing_in: known.get(name).cloned().unwrap_or_default(),
-                };
-                let (key, found) = (&runs[run_id].1, Ok(&same));
-                let result = NewResult {
-                    name,
-                    key,
-                    version: "",
-                    found,
-                };
-                results::keep(transaction, now, ResultKind::Same, &[result])?;
-            }
-            Ok(())
+            keep_of_runs(transaction, now, ResultKind::Marks, &marked)?;
+            keep_of_runs(transaction, now, ResultKind::Same, &standing)
         })
     }
 
@@ -174,6 +160,32 @@ impl Store {
         let listed = |(run_id, paths): (i64, BTreeSet<String>)| (run_id, paths.into_iter().collect());
         Ok(names.into_iter().map(listed).collect())
     }
+}
+
+/// Stores what was found of runs, each with its key.
+fn keep_of_runs<T: ResultDocument>(
+    transaction: &Transaction<'_>,
+    now: &str,
+    kind: ResultKind,
+    found: &[(&RunRow, String, T)],
+) -> Result<(), StepError> {
+    for (run, key, found) in found {
+        let state = run.state_hash();
+        let then = RunThen {
+            run_id: run.id,
+            name: &run.path,
+            state: &state,
+        };
+        let result = NewResult {
+            of: Subject::Run(run.id),
+            made_from: &[then],
+            key,
+            version: "",
+            found: Ok(found),
+        };
+        results::keep(transaction, now, kind, &[result])?;
+    }
+    Ok(())
 }
 
 fn key(version: u32, data_hash: &str) -> String {

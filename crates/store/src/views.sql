@@ -6,13 +6,13 @@
 
 -- One row a run: what was measured, under which tags, and whether anybody or anything speaks against it.
 CREATE VIEW runs_view AS
-WITH fit AS (SELECT name, document FROM result WHERE kind = 'fit' AND superseded_at IS NULL AND (document -> '$.found') IS NOT NULL),
+WITH fit AS (SELECT run_id, document FROM result WHERE kind = 'fit' AND superseded_at IS NULL AND (document -> '$.found') IS NOT NULL),
 condemned AS (
     SELECT CAST(value ->> '$.run' AS VARCHAR) AS run, CAST(value ->> '$.reason' AS VARCHAR) AS reason
     FROM result, json_each(document, '$.found.condemned') WHERE kind IN ('group', 'run') AND superseded_at IS NULL
 ),
 same AS MATERIALIZED (
-    SELECT name AS run, CAST(value ->> '$.data_hash' AS VARCHAR) AS data_hash
+    SELECT run_id, CAST(value ->> '$.data_hash' AS VARCHAR) AS data_hash
     FROM result, json_each(document, '$.found.standing_in') WHERE kind = 'same' AND superseded_at IS NULL
 ),
 shown_run AS (
@@ -44,7 +44,7 @@ FROM (SELECT
     run.id AS run_id,
     run.path AS run,
     run.kind,
-    CASE WHEN fit.name IS NOT NULL THEN 'fitted' ELSE run.state END AS state,
+    CASE WHEN fit.run_id IS NOT NULL THEN 'fitted' ELSE run.state END AS state,
     CAST(run.tagging ->> '$.chosen.sample' AS VARCHAR) AS sample,
     CAST(run.tagging ->> '$.chosen.environment' AS VARCHAR) AS environment,
     CAST(run.tagging ->> '$.chosen.voltage_v' AS DOUBLE) AS voltage_v,
@@ -71,12 +71,12 @@ FROM (SELECT
      FROM journal_line WHERE what = 'word' AND journal_line.name = run.path ORDER BY n DESC LIMIT 1) AS dropped_why,
     (SELECT condemned.reason FROM condemned WHERE condemned.run = run.path LIMIT 1) AS condemned_why,
     nullif(CAST((SELECT json_group_array(other.path) FROM same
-     JOIN run AS other ON other.data_hash = same.data_hash AND other.superseded_at IS NULL AND other.path <> same.run
-     WHERE same.run = run.path) AS VARCHAR), '[]') AS same_readings_in,
+     JOIN run AS other ON other.data_hash = same.data_hash AND other.superseded_at IS NULL AND other.id <> same.run_id
+     WHERE same.run_id = run.id) AS VARCHAR), '[]') AS same_readings_in,
     (SELECT standing FROM shown_run WHERE shown_run.path = run.path) AS shown_standing,
     (SELECT reason FROM shown_run WHERE shown_run.path = run.path) AS shown_reason
 FROM run
-LEFT JOIN fit ON fit.name = run.path
+LEFT JOIN fit ON fit.run_id = run.id
 WHERE run.superseded_at IS NULL) AS known) AS told
 LEFT JOIN shown_sample ON shown_sample.id = told.sample;
 
@@ -162,7 +162,7 @@ SELECT
     runs.speaks
 FROM runs_view AS runs JOIN (
     SELECT
-        name,
+        run_id,
         version AS code_version,
         made_at,
         CAST(document ->> '$.found.model_version' AS INTEGER) AS model_version,
@@ -178,7 +178,7 @@ FROM runs_view AS runs JOIN (
         CAST(own.value ->> '$.estimate.reason' AS VARCHAR) AS reason
     FROM result, json_each('["parameter", "nuisance"]') AS part, json_each(document, '$.found.' || part.value || 's') AS own
     WHERE kind = 'fit' AND superseded_at IS NULL
-) AS fit ON fit.name = runs.run;
+) AS fit ON fit.run_id = runs.run_id;
 
 -- One row a run and tag, from every source; chosen = 1 marks the value that holds.
 CREATE VIEW tags_view AS
@@ -226,7 +226,10 @@ SELECT
     CAST((SELECT json_group_array(value ->> '$[0]') FROM json_each(diagnosis.document, '$.found.members')) AS VARCHAR) AS runs,
     CAST(diagnosis.document ->> '$.found.draws' AS INTEGER) AS draws,
     diagnosis.made_at
-FROM result AS diagnosis
+FROM (
+    SELECT result.id, result.kind, coalesce(result.name, run.path) AS name, document, version, made_at, result.superseded_at
+    FROM result LEFT JOIN run ON run.id = run_id
+) AS diagnosis
 WHERE diagnosis.kind IN ('group', 'run') AND diagnosis.superseded_at IS NULL;
 
 -- One row a law that was asked for: how a parameter follows what differs from run to run, and whether that is claimed.

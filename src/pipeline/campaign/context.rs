@@ -7,6 +7,7 @@ use crate::ingest::campaign_file;
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet::RunSheets;
 use crate::ingest::scan::{self, ReadFileError};
+use crate::ingest::tags::TagFiles;
 use crate::pipeline::PipelineError;
 use crate::store::{InstanceLock, Store};
 use crate::system::passing::Passing;
@@ -32,6 +33,8 @@ pub struct Context {
     pub profiles: Vec<Profile>,
     /// Run sheets among the runs, as they were read last; none until runs are tagged.
     pub sheets: RunSheets,
+    /// Files that state tags of runs, as they were read last.
+    pub stated: TagFiles,
     /// BLAKE3 of campaign.toml's text.
     pub campaign_digest: String,
     /// What a look at the campaign found that followed a disorderly end: raw files that are lost, a damaged journal.
@@ -92,6 +95,7 @@ impl Context {
             folder: folder.to_owned(),
             profiles: profiles::load(folder)?,
             sheets: RunSheets::default(),
+            stated: TagFiles::of(folder),
             campaign_digest: digest(&loaded.text),
             campaign: loaded.campaign,
             warnings: loaded.warnings,

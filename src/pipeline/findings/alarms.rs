@@ -20,7 +20,7 @@ use crate::pipeline::infra::allowed::AllowedCommands;
 use crate::pipeline::infra::command::{self, Ended};
 use crate::pipeline::infra::fault::step;
 use crate::pipeline::{Context, DiagnoseChoice, Observer, PipelineError};
-use crate::store::{NewResult, ResultDocument, ResultKind, StoredResult};
+use crate::store::{NewResult, ResultDocument, ResultKind, StoredResult, Subject};
 
 /// The verb that `run` and `watch` end with.
 #[derive(Debug, Clone, Default)]
@@ -237,14 +237,17 @@ fn keep(context: &mut Context, key: &str, found: &Alarms) -> Result<(), Pipeline
         return Ok(());
     }
     let result = NewResult {
-        name: OF,
+        of: Subject::Named(OF),
+        // Which runs are watched is in the key, by which they are looked at again.
+        made_from: &[],
         key,
         version: CODE_VERSION,
         found: Ok(found),
     };
-    Ok(context
+    context
         .store
-        .keep_results(&now(), ResultKind::Alarms, &[result])?)
+        .keep_results(&now(), ResultKind::Alarms, &[result])?;
+    Ok(())
 }
 
 /// Runs the campaign's command in its folder, where it was allowed, and says how it ended; none where there is no command.

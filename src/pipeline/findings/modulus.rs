@@ -1,12 +1,14 @@
 //! Analyses every modulus log that is not analysed yet, or whose readings or column tags changed.
 
+use std::collections::BTreeSet;
+
 use crate::analysis::dma;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, InputHash, Issue, ModulusAnalysis, RunRecord, RunState};
 use crate::ingest::named_columns::named_columns;
-use crate::pipeline::campaign::derived::{Derived, Made, bring_up_to_date, sorted};
+use crate::pipeline::campaign::derived::{Anew, Derived, Made, bring_up_to_date, sorted};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::ResultKind;
+use crate::store::{ResultKind, RunThen};
 
 /// The verb `dma`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -46,36 +48,63 @@ impl AnalyseModulus {
         context: &mut Context,
         observer: &dyn Observer,
     ) -> Result<ModulusSummary, PipelineError> {
-        let mut logs = context.store.dma_logs()?;
-        logs.retain(|log| log.state == RunState::Ready);
-        let (mut summary, count) = (ModulusSummary::default(), logs.len());
-        let due = sorted(&Modulus, context, logs, self.again)?.due;
-        bring_up_to_date(&Modulus, context, &due, observer, |_, log, made| {
-            summary.analysed += usize::from(made.is_ok());
-            observer.say(&format!("analysed {log}"));
-        })?;
-        summary.failed = failed(context)?;
-        summary.up_to_date = count - summary.analysed - summary.failed.len();
-        Ok(summary)
+        let mut summary = ModulusSummary::default();
+        let mut analysed = BTreeSet::new();
+        let mut again = self.again;
+        loop {
+            let logs = logs(context)?;
+            let count = logs.len();
+            let due = sorted(&Modulus, context, logs, again)?.due;
+            let anew = bring_up_to_date(&Modulus, context, &due, observer, |_, log, made| {
+                if made.is_ok() {
+                    analysed.insert(log.to_owned());
+                }
+                observer.say(&format!("analysed {log}"));
+            })?;
+            if anew == Anew::No {
+                summary.failed = failed(context)?;
+                summary.analysed = analysed.len();
+                summary.up_to_date = count.saturating_sub(summary.analysed + summary.failed.len());
+                return Ok(summary);
+            }
+            again = false;
+        }
     }
+}
+
+/// A modulus log, and what it is ([`FitTask::state`](crate::store::FitTask::state)).
+type Log = (RunRecord, String);
+
+/// Logs that can be analysed.
+fn logs(context: &Context) -> Result<Vec<Log>, PipelineError> {
+    let _moment = context.store.snapshot()?;
+    let mut states = context.store.states_of_runs()?;
+    let logs = context.store.dma_logs()?.into_iter();
+    let ready = logs.filter(|log| log.state == RunState::Ready);
+    let with_state = |log: RunRecord| {
+        let state = states.remove(&log.id)?;
+        Some((log, state))
+    };
+    Ok(ready.filter_map(with_state).collect())
 }
 
 /// Analyses of modulus logs.
 struct Modulus;
 
 impl Derived for Modulus {
-    type Subject = RunRecord;
+    type Subject = Log;
     type Readings = Vec<Channel>;
     type Found = ModulusAnalysis;
     const KIND: ResultKind = ResultKind::Modulus;
     const DOING: &'static str = "analysing modulus logs";
     const AT_ONCE: usize = 8;
 
-    fn names<'s>(&self, log: &'s RunRecord) -> Vec<&'s str> {
-        vec![&log.path]
+    fn runs<'s>(&self, (log, state): &'s Log) -> Vec<RunThen<'s>> {
+        let (run_id, name) = (log.id, &log.path);
+        vec![RunThen { run_id, name, state }]
     }
 
-    fn key(&self, log: &RunRecord) -> String {
+    fn key(&self, (log, _): &Log) -> String {
         let mut hash = InputHash::new();
         hash.whole(dma::VERSION.into()).text(&log.data_hash);
         let counts = |key: &str| key.ends_with(keys::COLUMN) || key == keys::LEAVE_OUT;
@@ -85,11 +114,11 @@ impl Derived for Modulus {
         hash.finished()
     }
 
-    fn load(&self, context: &Context, log: &RunRecord) -> Result<Vec<Channel>, PipelineError> {
+    fn load(&self, context: &Context, (log, _): &Log) -> Result<Vec<Channel>, PipelineError> {
         Ok(context.store.channels(log.id)?)
     }
 
-    fn make(&self, log: &RunRecord, channels: Vec<Channel>) -> Vec<Made<ModulusAnalysis>> {
+    fn make(&self, (log, _): &Log, channels: Vec<Channel>) -> Vec<Made<ModulusAnalysis>> {
         let (channels, _) = named_columns(&channels, &chosen_tags(log));
         vec![dma::analyse(&channels)]
     }

@@ -11,7 +11,7 @@ use crate::ingest::derived;
 use crate::pipeline::campaign::derived::Derived;
 use crate::pipeline::campaign::group_tags::take_tags;
 use crate::pipeline::{Context, PipelineError};
-use crate::store::{NewResult, ResultKind};
+use crate::store::{NewResult, ResultKind, RunThen};
 
 /// Groups fitted between two commits.
 const BATCH: usize = 8;
@@ -38,8 +38,8 @@ impl Derived for Groups {
     const DOING: &'static str = "fitting extended models";
     const AT_ONCE: usize = BATCH;
 
-    fn names<'s>(&self, group: &'s ExtendedGroup) -> Vec<&'s str> {
-        group.runs.iter().map(|run| run.task.path.as_str()).collect()
+    fn runs<'s>(&self, group: &'s ExtendedGroup) -> Vec<RunThen<'s>> {
+        group.runs.iter().map(|run| run.task.then()).collect()
     }
 
     fn key(&self, group: &ExtendedGroup) -> String {
@@ -64,7 +64,7 @@ impl Derived for Groups {
         context: &mut Context,
         results: &[NewResult<'_, Fit>],
         of: &[&ExtendedGroup],
-    ) -> Result<(), PipelineError> {
+    ) -> Result<Vec<bool>, PipelineError> {
         store(context, results, of.iter().flat_map(|group| &group.runs))
     }
 }

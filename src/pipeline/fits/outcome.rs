@@ -1,7 +1,5 @@
 //! How fits came out: what is said of those that failed, how they are stored and counted.
 
-use std::collections::BTreeSet;
-
 use super::choice::HeldChoice;
 use super::plan::Planned;
 use crate::domain::{Fit, Issue, KnownParameter};
@@ -28,6 +26,13 @@ pub struct FitSummary {
 }
 
 impl FitSummary {
+    /// Adds what was fitted later, of runs that changed in between.
+    pub(crate) fn and_then(&mut self, later: FitSummary) {
+        self.fitted += later.fitted;
+        self.failed.extend(later.failed);
+        self.not_converged.extend(later.not_converged);
+    }
+
     /// Whether a fault of the program stopped a fit.
     pub fn has_fault(&self) -> bool {
         self.failed.iter().any(|(_, issue)| issue.code == FAULT)
@@ -81,17 +86,12 @@ impl FitSummary {
     }
 }
 
-/// Stores fits of these runs, and how those were asked for that came out.
+/// Stores fits of these runs, and how those were asked for that came out; tells of each whether it is stored.
 pub(crate) fn store<'p>(
     context: &mut Context,
     results: &[NewResult<'_, Fit>],
     of: impl Iterator<Item = &'p Planned>,
-) -> Result<(), PipelineError> {
-    let came_out: BTreeSet<&str> = (results.iter())
-        .filter(|result| result.found.is_ok())
-        .map(|result| result.name)
-        .collect();
-    let asked = of.map(|run| (run.task.path.as_str(), &run.chosen.asked));
-    let asked: Vec<AskedOf<'_>> = asked.filter(|(run, _)| came_out.contains(run)).collect();
+) -> Result<Vec<bool>, PipelineError> {
+    let asked: Vec<AskedOf<'_>> = of.map(|run| (run.task.run_id, &run.chosen.asked)).collect();
     Ok(context.store.save_fits(&now(), results, &asked)?)
 }

@@ -10,9 +10,9 @@ use crate::domain::{Channel, Fit, Issue, KnownParameter};
 use crate::fit::{FitInput, FitOptions, distributed, fit_knowing};
 use crate::ingest::derived;
 use crate::pipeline::campaign::batch::{Making, TO_THE_END};
-use crate::pipeline::campaign::derived::{Derived, Keyed, bring_up_to_date, sorted};
+use crate::pipeline::campaign::derived::{Anew, Derived, Keyed, bring_up_to_date, sorted};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{FitTask, NewResult, ResultKind};
+use crate::store::{FitTask, NewResult, ResultKind, RunThen};
 
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
 const BATCH: usize = 32;
@@ -32,6 +32,22 @@ impl FitRuns {
     /// # Errors
     /// The model is not known, or the database fails; a run that cannot be fitted is no error.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
+        let (mut summary, mut anew) = self.once(context, self.again, observer)?;
+        while anew == Anew::Yes {
+            let (later, still) = self.once(context, false, observer)?;
+            summary.and_then(later);
+            anew = still;
+        }
+        Ok(summary)
+    }
+
+    /// Fits what is due of the runs as they are now; tells whether some changed meanwhile.
+    fn once(
+        &self,
+        context: &mut Context,
+        again: bool,
+        observer: &dyn Observer,
+    ) -> Result<(FitSummary, Anew), PipelineError> {
         let plan = fit_plan(context, &self.choice.asked())?;
         let in_groups = plan.extended.iter().flat_map(|group| &group.runs);
         let chosen = plan.single.iter().chain(in_groups).map(|run| &run.chosen);
@@ -40,18 +56,18 @@ impl FitRuns {
             unknown_groups: plan.unknown_groups,
             ..FitSummary::default()
         };
-        let runs = sorted(&Single, context, plan.single, self.again)?;
+        let runs = sorted(&Single, context, plan.single, again)?;
         let groups = extended::Groups::new();
-        let in_groups = sorted(&groups, context, plan.extended, self.again)?;
+        let in_groups = sorted(&groups, context, plan.extended, again)?;
         let of_groups = in_groups.up_to_date.iter().map(|(_, group)| group.runs.len());
         summary.up_to_date = runs.up_to_date.len() + of_groups.sum::<usize>();
-        bring_up_to_date(&Single, context, &runs.due, observer, |_, run, made| {
+        let single = bring_up_to_date(&Single, context, &runs.due, observer, |_, run, made| {
             summary.took(run, made)
         })?;
-        bring_up_to_date(&groups, context, &in_groups.due, observer, |_, run, made| {
+        let extended = bring_up_to_date(&groups, context, &in_groups.due, observer, |_, run, made| {
             summary.took(run, made)
         })?;
-        Ok(summary)
+        Ok((summary, single.or(extended)))
     }
 
     /// Number of runs that would be fitted.
@@ -78,8 +94,8 @@ impl Derived for Single {
     const DOING: &'static str = "fitting";
     const AT_ONCE: usize = BATCH;
 
-    fn names<'s>(&self, run: &'s Planned) -> Vec<&'s str> {
-        vec![&run.task.path]
+    fn runs<'s>(&self, run: &'s Planned) -> Vec<RunThen<'s>> {
+        vec![run.task.then()]
     }
 
     fn key(&self, run: &Planned) -> String {
@@ -108,7 +124,7 @@ impl Derived for Single {
         context: &mut Context,
         results: &[NewResult<'_, Fit>],
         of: &[&Planned],
-    ) -> Result<(), PipelineError> {
+    ) -> Result<Vec<bool>, PipelineError> {
         store(context, results, of.iter().copied())
     }
 }

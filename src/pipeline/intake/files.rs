@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::ingest::pairs::paired;
+use super::ingest::statements::is_statement;
 use crate::analysis;
 use crate::domain::file_story::{FileStory, HALF_WITHOUT_PARTNER, TagOfFile, WordOfName};
 use crate::domain::pairs::{LoneHalf, Pair};
@@ -145,6 +146,7 @@ fn became(
         FileState::Pending => "waiting",
         FileState::Sidecar if is_of(IS_SHEET) => "run sheet",
         FileState::Sidecar if is_of(NO_DATA) => "no data",
+        FileState::Sidecar if is_statement(&file.path) => "tags",
         FileState::Sidecar => "beside a run",
         FileState::Log => "climate log",
     }

@@ -236,6 +236,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("sidecar", Format("biologic-mpr/sidecar.wait.mpr")),
     ("start-state-assumed", By("crates/ingest/src/drive/tests.rs", "one_voltage_throughout_is_a_step_from_the_discharged_state")),
     ("starts-differ", Format("palmsens-csv/dpv.two_curves.csv")),
+    ("statement-unread", By("tests/it/fates.rs", "a_statement_of_no_run_is_said_wherever_one_looks")),
     ("spectrum-columns", Format("plain-table/refused.frequency_alone.csv")),
     ("sheets-joined", By("crates/ingest/src/formats/sheet_tests.rs", "sheets_of_current_and_camera_are_one_run")),
     ("still-growing", Open("a file that grows between two looks")),

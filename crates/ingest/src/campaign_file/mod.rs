@@ -18,6 +18,7 @@ mod template;
 
 use std::path::{Path, PathBuf};
 
+use crate::scan::composed;
 use ieap_domain::{Campaign, Issue};
 use ieap_system::fs;
 
@@ -87,7 +88,9 @@ fn read_text(folder: &Path, path: &Path) -> Result<String, CampaignFileError> {
     }
 }
 
-fn from_text(text: String, path: &Path) -> Result<Loaded, CampaignFileError> {
+fn from_text(written: String, path: &Path) -> Result<Loaded, CampaignFileError> {
+    // An id is one however the marks above its letters are written.
+    let text = composed(&written);
     let tree = toml::de::DeTable::parse(&text).map_err(|error| {
         let (line, column) = line_and_column(&text, error.span().map_or(0, |span| span.start));
         CampaignFileError::NotToml {
@@ -99,7 +102,7 @@ fn from_text(text: String, path: &Path) -> Result<Loaded, CampaignFileError> {
     })?;
     let lines = lines::Lines::of(&text);
     let mut warnings = keys::unknown_keys(tree.get_ref(), &lines);
-    let raw: raw::File = toml::from_str(&text).map_err(|error| {
+    let mut raw: raw::File = toml::from_str(&text).map_err(|error| {
         let (line, column) = line_and_column(&text, error.span().map_or(0, |span| span.start));
         CampaignFileError::WrongType {
             path: path.into(),
@@ -108,12 +111,16 @@ fn from_text(text: String, path: &Path) -> Result<Loaded, CampaignFileError> {
             found: error.message().to_owned(),
         }
     })?;
+    // Folders are there under the names that are written.
+    if let Ok(places) = toml::from_str(&written) {
+        raw.take_places(places);
+    }
     let checked = check::Checker { path, lines: &lines };
     let campaign = checked.campaign(raw, &mut warnings)?;
     Ok(Loaded {
         campaign,
         warnings,
-        text,
+        text: written,
     })
 }
 

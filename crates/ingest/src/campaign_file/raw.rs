@@ -45,6 +45,16 @@ pub(super) struct File {
     pub answers: BTreeMap<String, String>,
 }
 
+impl File {
+    /// Takes the folders that another reading names.
+    pub fn take_places(&mut self, other: File) {
+        self.runs.folder = other.runs.folder;
+        self.dma.folder = other.dma.folder;
+        self.impedance.folder = other.impedance.folder;
+        self.report.templates = other.report.templates;
+    }
+}
+
 /// `[tags]`.
 #[derive(Deserialize, Default)]
 pub(super) struct Tags {

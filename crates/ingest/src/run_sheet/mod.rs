@@ -16,7 +16,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::scan::{SeenFile, parse_display_path};
+use crate::scan::{SeenFile, composed, parse_display_path};
 use crate::text::decode;
 use ieap_domain::tag::keys;
 use ieap_domain::words::counted;
@@ -98,7 +98,9 @@ impl DamagedSheet {
         let text = (bytes.len() as u64 <= LARGEST_BYTES).then(|| text.unwrap_or_else(own));
         DamagedSheet {
             issue,
-            text: text.filter(|text| !text.contains('\0')),
+            text: text
+                .filter(|text| !text.contains('\0'))
+                .map(|text| composed(&text)),
         }
     }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::policy::{DELIMITERS, LARGEST_BYTES, SAID};
 use super::{IS_DAMAGED, SheetRow, is_numeric, laboratory};
+use crate::scan::composed;
 use crate::tags::value::usable;
 use crate::text::number::{self, Cell, Decimal};
 use crate::text::{Decoded, decode};
@@ -164,7 +165,10 @@ fn row(
             "put cells that hold the delimiter in quotation marks",
         ));
     }
-    let values: Vec<String> = record.iter().map(|cell| from_csv_text(cell.trim())).collect();
+    let values: Vec<String> = record
+        .iter()
+        .map(|cell| composed(&from_csv_text(cell.trim())))
+        .collect();
     let cells = || columns.iter().zip(values.iter().map(String::as_str));
     let cell = |wanted: &str| {
         cells()

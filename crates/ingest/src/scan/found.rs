@@ -62,6 +62,8 @@ impl SeenFile {
 pub struct Scan {
     /// Files that can be data.
     pub files: Vec<Arc<SeenFile>>,
+    /// Files that state something of others ([`super::states_for`]).
+    pub statements: Vec<Arc<SeenFile>>,
     /// Folders looked into, relative to the campaign, the runs folder first.
     pub folders: Vec<PathBuf>,
     /// Folders that could not be looked into, as text: what is known below them is not gone.

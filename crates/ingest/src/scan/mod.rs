@@ -16,7 +16,7 @@ pub(crate) use fingerprint::{changed_ns, identity, modified_ns};
 
 pub use display::{display_path, parse_display_path};
 pub use found::{Scan, ScanError, ScanLimits, SeenFile};
-pub use names::{is_own_product, is_passing_name, is_statement};
+pub use names::{StatesFor, compared, composed, is_own_product, is_passing_name, states_for};
 pub use readiness::{Readiness, Sighting, readiness};
 pub use stable_read::{DEFAULT_LIMIT_BYTES, ReadFileError, read_stable};
 pub use walk::scan;

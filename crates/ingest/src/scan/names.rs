@@ -3,6 +3,10 @@
 use std::ffi::OsStr;
 use std::path::{Component, Path};
 
+use unicode_normalization::UnicodeNormalization;
+
+use super::display::display_path;
+
 /// Whether a path relative to the campaign is, or lies in, something that the program writes itself: the
 /// database with its companions, the archive, the report and backups.
 pub fn is_own_product(relative: &Path) -> bool {
@@ -29,9 +33,34 @@ pub fn is_passing_name(name: &OsStr) -> bool {
         || NAMES.contains(&name.as_str())
 }
 
-/// Whether a file of that name states tags or the campaign rather than readings: any `.toml`.
-pub fn is_statement(name: &OsStr) -> bool {
-    name.to_string_lossy().to_lowercase().ends_with(".toml")
+/// What a statement is for.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum StatesFor {
+    /// Everything below its folder: `tags.toml`.
+    Folder,
+    /// The file beside it of that name, in the form of [`compared`]: `a.csv.toml` is for `a.csv`.
+    File(String),
+}
+
+/// What a file of that name states something for; none where it holds readings. A statement ends in `.toml`; letter case does
+/// not count, nor how marks above letters are written.
+pub fn states_for(name: &OsStr) -> Option<StatesFor> {
+    let name = compared(name);
+    match name.strip_suffix(".toml")? {
+        "tags" => Some(StatesFor::Folder),
+        file => Some(StatesFor::File(file.to_owned())),
+    }
+}
+
+/// The form in which names are compared: that of Macs and that of others of the same letters is one, and so are small and
+/// capital letters.
+pub fn compared(name: &OsStr) -> String {
+    composed(&display_path(Path::new(name)).to_lowercase())
+}
+
+/// A text with each letter and its marks as one character (Unicode form NFC), as all but Macs write it.
+pub fn composed(text: &str) -> String {
+    text.nfc().collect()
 }
 
 #[cfg(test)]
@@ -86,7 +115,25 @@ mod tests {
         ] {
             assert!(!is_passing_name(OsStr::new(name)), "{name}");
         }
-        assert!(is_statement(OsStr::new("a.csv.toml")) && is_statement(OsStr::new("TAGS.TOML")));
-        assert!(!is_statement(OsStr::new("toml.csv")));
+    }
+
+    #[test]
+    fn a_statement_is_for_the_file_of_its_name_however_that_is_written() {
+        let file = |name: &str| Some(StatesFor::File(name.to_owned()));
+        for (name, states) in [
+            ("a.csv.toml", file("a.csv")),
+            ("A.CSV.Toml", file("a.csv")),
+            ("a.toml", file("a")),
+            ("So\u{308}.csv.toml", file("s\u{f6}.csv")),
+            ("S\u{d6}.csv.toml", file("s\u{f6}.csv")),
+            ("TAGS.TOML", Some(StatesFor::Folder)),
+            ("toml.csv", None),
+        ] {
+            assert_eq!(states_for(OsStr::new(name)), states, "{name}");
+        }
+        assert_eq!(
+            compared(OsStr::new("So\u{308}.csv")),
+            compared(OsStr::new("s\u{f6}.CSV"))
+        );
     }
 }

@@ -9,7 +9,7 @@ use super::display::display_path;
 use super::fingerprint::{changed_ns, identity, modified_ns};
 use super::found::{Scan, ScanError, ScanLimits, SeenFile};
 use super::frame_folder;
-use super::names::{is_own_product, is_passing_name, is_statement};
+use super::names::{is_own_product, is_passing_name, states_for};
 use ieap_domain::Issue;
 use ieap_system::fs::{self, Metadata};
 
@@ -17,7 +17,7 @@ use ieap_system::fs::{self, Metadata};
 ///
 /// An optional folder that is not there is no fault; what is known below it is out of sight, not gone.
 ///
-/// Hidden and passing files, `.toml` files and what the program writes itself are left out. Links are
+/// Hidden and passing files and what the program writes itself are left out, `.toml` files listed apart. Links are
 /// followed only to what lies inside the campaign, and no folder is looked into twice. A folder below that
 /// cannot be read is an issue, and the rest is looked through.
 ///
@@ -173,8 +173,6 @@ impl Walk<'_> {
                 self.links.push((relative, depth));
             } else if kind.is_dir() {
                 below.push(relative);
-            } else if is_statement(&name) {
-                continue;
             } else if kind.is_file() {
                 match entry.metadata() {
                     Ok(metadata) => self.file(relative, &metadata, None),
@@ -200,7 +198,6 @@ impl Walk<'_> {
         }
         match fs::metadata(&target) {
             Ok(metadata) if metadata.is_dir() => self.folder_tree(relative, depth + 1),
-            Ok(_) if relative.file_name().is_some_and(is_statement) => {}
             Ok(metadata) if metadata.is_file() => self.file(relative, &metadata, Some(target)),
             Ok(_) => self.special(&relative),
             Err(error) => self.broken_link(&relative, &error),
@@ -219,12 +216,20 @@ impl Walk<'_> {
             age: self.now.duration_since(modified).ok(),
             link_target,
         };
-        self.found.files.push(file.into());
+        let states = file.relative.file_name().and_then(states_for);
+        let list = match states {
+            Some(_) => &mut self.found.statements,
+            None => &mut self.found.files,
+        };
+        list.push(file.into());
     }
 
     fn sorted(mut self) -> Scan {
         let bytes = |path: &Path| path.as_os_str().as_encoded_bytes().to_vec();
         self.found.files.sort_by_cached_key(|file| bytes(&file.relative));
+        self.found
+            .statements
+            .sort_by_cached_key(|file| bytes(&file.relative));
         self.found.folders.sort_by_cached_key(|folder| bytes(folder));
         self.found.unreadable.sort();
         self.found

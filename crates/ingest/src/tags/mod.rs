@@ -6,6 +6,7 @@ mod files;
 mod policy;
 mod sources;
 mod stated_value;
+mod unread_statement;
 pub(crate) mod value;
 
 use std::path::{Path, PathBuf};
@@ -14,15 +15,16 @@ use ieap_domain::tag::{UNREADABLE, keys};
 use ieap_domain::{Campaign, Issue, Tag, TagSource};
 
 use super::name_pattern::environment;
-use super::scan::display_path;
+use super::scan::{composed, display_path};
 
 pub use declared::{MISSPELT, TagKey, UNDECLARED, objection, tag_key};
 
 pub use ieap_domain::tag::MISSING;
 
 pub use agreement::NAMES_CONTRADICT;
-pub use files::{TagFiles, tag_files_for};
+pub use files::TagFiles;
 pub use stated_value::{UNKNOWN_SAMPLE, value_objection};
+pub use unread_statement::{UNREAD_STATEMENT, unread_statement};
 
 /// Another name under which the readings of a run lie: what is stated of it is stated of the run.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -103,11 +105,11 @@ pub fn is_unreadable(issue: &Issue) -> bool {
     UNREADABLE.contains(&issue.code.as_str())
 }
 
-/// The name of a file without its last extension, as `name_pattern` wants it; bytes that are no UTF-8 match
-/// no pattern.
+/// The name of a file without its last extension, as `name_pattern` wants it, letters with their marks composed; bytes that
+/// are no UTF-8 match no pattern.
 pub fn stem(data_file: &Path) -> String {
     let stem = data_file.file_stem().unwrap_or_default();
-    stem.to_string_lossy().into_owned()
+    composed(&stem.to_string_lossy())
 }
 
 /// Gathers the tags of a run from every source and chooses, for each key, that of the strongest source.

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use crate::campaign_file::line_and_column;
 use crate::name_pattern::{KnownIds, NameMatch, NamePattern};
-use crate::scan::display_path;
+use crate::scan::{compared, display_path, parse_display_path};
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Issue, Tag, TagSource};
 
-use super::files::{TagFile, TagFiles, relative_tag_files};
+use super::files::{TagFile, TagFiles};
 use super::value::shortest;
 use super::{OtherName, TagRequest, is_unreadable, stem, tags_of};
 
@@ -56,12 +56,11 @@ pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> 
 fn in_tag_files(files: &TagFiles, data_files: &[PathBuf], kept: &[Tag], issues: &mut Vec<Issue>) -> Vec<Tag> {
     let (mut tags, mut read) = (Vec::new(), Vec::new());
     for file in data_files {
-        for (path, source) in relative_tag_files(file) {
+        for (path, source) in files.of_file(file) {
             // Files of one run share their folders' tags.
             if !read.contains(&path) {
                 tags.extend(in_file(files, &path, source, issues).unwrap_or_else(|| {
-                    let shown = display_path(&path);
-                    let of_file = |tag: &&Tag| tag.source == source && tag.detail == shown;
+                    let of_file = |tag: &&Tag| tag.source == source && is_named_as(&path, &tag.detail);
                     kept.iter().filter(of_file).cloned().collect()
                 }));
                 read.push(path);
@@ -71,16 +70,23 @@ fn in_tag_files(files: &TagFiles, data_files: &[PathBuf], kept: &[Tag], issues: 
     tags
 }
 
+/// Whether that was a name of a statement, however it was written.
+fn is_named_as(path: &Path, shown: &str) -> bool {
+    let other = parse_display_path(shown);
+    let name = |path: &Path| path.file_name().map(compared);
+    path.parent() == other.parent() && name(path) == name(&other)
+}
+
 /// Tags that are stated of each other name of the readings; a tags.toml that stands above both names says nothing new.
 pub(super) fn of_other_names(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Vec<Tag>> {
     let own = request
         .data_files
         .iter()
-        .flat_map(|file| relative_tag_files(file));
+        .flat_map(|file| request.tag_files.of_file(file));
     let mut read: Vec<PathBuf> = own.map(|(path, _)| path).collect();
     let mut of_name = |other: &OtherName| {
         let mut tags = other.hand.clone();
-        for (path, source) in relative_tag_files(&other.file) {
+        for (path, source) in request.tag_files.of_file(&other.file) {
             if !read.contains(&path) {
                 tags.extend(in_file(request.tag_files, &path, source, issues).unwrap_or_default());
                 read.push(path);

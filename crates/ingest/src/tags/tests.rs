@@ -331,7 +331,8 @@ fn tag_files_are_those_inside_the_campaign_and_their_digest_follows_their_conten
     let folder = tempfile::tempdir().unwrap();
     let campaign = folder.path();
     fs::create_dir_all(campaign.join("runs/set")).unwrap();
-    let files = tag_files_for(campaign, Path::new(FILE));
+    let files = TagFiles::of(campaign).of_file(Path::new(FILE));
+    let files: Vec<PathBuf> = files.into_iter().map(|(file, _)| campaign.join(file)).collect();
     let expected = [
         "runs/set/CNaf-01_air_2.5V.csv.toml",
         "runs/set/tags.toml",

@@ -4,6 +4,7 @@ use jiff::civil::DateTime;
 use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
 
+use crate::scan::composed;
 use ieap_domain::number::exact;
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, Tag};
@@ -38,7 +39,7 @@ pub(crate) fn usable(key: &str, value: &str, timezone: Option<&str>) -> Result<S
     match key {
         keys::STARTED_AT => start(text, timezone),
         key if keys::NUMERIC.contains(&key) => number(key, text),
-        _ => Ok(text.to_owned()),
+        _ => Ok(composed(text)),
     }
 }
 

@@ -6,7 +6,7 @@ use notify::event::{
     AccessKind, AccessMode, CreateKind, Event, EventKind, MetadataKind, ModifyKind, RenameMode,
 };
 
-use crate::scan::{is_own_product, is_passing_name};
+use crate::scan::{StatesFor, is_own_product, is_passing_name, states_for};
 
 /// What an event is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -56,7 +56,7 @@ impl Places {
         let is_above = |folder: &Path| self.folders().any(|data| data.starts_with(folder));
         let above = path.parent().is_some_and(is_above);
         let name = path.file_name().unwrap_or_default();
-        above && (name == "campaign.toml" || name == "tags.toml")
+        above && (name == "campaign.toml" || states_for(name) == Some(StatesFor::Folder))
     }
 }
 

@@ -1,8 +1,10 @@
 //! Results come back as they were stored, and whatever changed of them is told.
 
 use super::*;
+use crate::FileRow;
+use crate::testing::new_run;
 use ieap_domain::testing::{fit, known};
-use ieap_domain::{Fit, Quantity, RunCurve};
+use ieap_domain::{FileState, Fit, Quantity, RunCurve, RunKind};
 
 const NOW: &str = "2026-01-01T00:00:00Z";
 
@@ -21,16 +23,34 @@ fn made() -> Fit {
     made
 }
 
-fn with(found: Result<&Fit, &Issue>) -> Store {
+/// A store with one run.
+fn with_run() -> Store {
     let mut store = Store::in_memory().unwrap();
+    let run = new_run("runs/a.csv", RunKind::Actuation, &[1.0, 2.0]);
+    store.save_runs(NOW, &[], &[run]).unwrap();
+    store
+}
+
+fn with(found: Result<&Fit, &Issue>) -> Store {
+    let mut store = with_run();
+    keep(&mut store, "k", found);
+    store
+}
+
+fn keep(store: &mut Store, key: &str, found: Result<&Fit, &Issue>) {
+    let (run_id, state) = store.states_of_runs().unwrap().pop_first().unwrap();
+    let (name, state) = ("runs/a.csv", state.as_str());
     let result = NewResult {
-        name: "runs/a.csv",
-        key: "k",
+        of: Subject::Run(run_id),
+        made_from: &[RunThen { run_id, name, state }],
+        key,
         version: "1.0",
         found,
     };
-    store.keep_results(NOW, ResultKind::Fit, &[result]).unwrap();
-    store
+    assert_eq!(
+        store.keep_results(NOW, ResultKind::Fit, &[result]).unwrap(),
+        [true]
+    );
 }
 
 fn wrong(store: &Store) -> Vec<String> {
@@ -60,13 +80,7 @@ fn a_result_comes_back_to_the_bit_and_its_curves_when_they_are_asked_for() {
 fn a_new_result_takes_the_place_of_the_one_before_and_a_retired_one_is_kept() {
     let made = made();
     let mut store = with(Ok(&made));
-    let newer = NewResult {
-        name: "runs/a.csv",
-        key: "k2",
-        version: "1.0",
-        found: Ok(&made),
-    };
-    store.keep_results(NOW, ResultKind::Fit, &[newer]).unwrap();
+    keep(&mut store, "k2", Ok(&made));
     let keys = store.result_keys(ResultKind::Fit).unwrap();
     assert_eq!(
         keys.into_iter().collect::<Vec<_>>(),
@@ -87,7 +101,7 @@ fn a_new_result_takes_the_place_of_the_one_before_and_a_retired_one_is_kept() {
 #[test]
 fn whatever_changes_of_a_result_is_damage() {
     for tampering in [
-        "UPDATE result SET name = 'runs/a.csv', document = replace(document, '0.3', '0.4')",
+        "UPDATE result SET document = replace(document, '0.3', '0.4')",
         "UPDATE result SET key = 'other'",
         "UPDATE result SET version = '1.1'",
         "UPDATE result SET made_at = '2026-01-02T00:00:00Z'",
@@ -103,11 +117,11 @@ fn whatever_changes_of_a_result_is_damage() {
         assert!(!wrong(&store).is_empty(), "{tampering}");
     }
     // Given to another run, it is damage there.
-    let store = with(Ok(&made()));
-    store
-        .connection
-        .execute_batch("UPDATE result SET name = 'runs/b.csv'")
-        .unwrap();
+    let mut store = with(Ok(&made()));
+    let other = new_run("runs/b.csv", RunKind::Actuation, &[3.0, 4.0]);
+    store.save_runs(NOW, &[], &[other]).unwrap();
+    let given = "UPDATE result SET run_id = (SELECT id FROM run WHERE path = 'runs/b.csv')";
+    store.connection.execute_batch(given).unwrap();
     assert!(store.result::<Fit>(ResultKind::Fit, "runs/b.csv").is_err());
 }
 
@@ -142,14 +156,90 @@ fn curves_that_changed_are_damage_and_numbers_are_read_without_them() {
     assert_eq!(wrong(&store).len(), 1);
 }
 
+/// The run of the tests as another one than it was: by its name, by a tag, by new bytes.
+fn changed(store: &mut Store, how: &str) {
+    let path = "runs/a.csv";
+    let run_id = *store.states_of_runs().unwrap().first_key_value().unwrap().0;
+    let mut run = new_run(path, RunKind::Actuation, &[1.0, 2.0]);
+    match how {
+        "renamed" => store
+            .rename_run(NOW, path, "runs/b.csv", &file("runs/b.csv"))
+            .unwrap(),
+        "tagged" => {
+            run.tagging.area_cm2 = Some(0.2);
+            store.retag(NOW, run_id, &run.tagging).unwrap();
+        }
+        "replaced" => {
+            let other = new_run(path, RunKind::Actuation, &[3.0, 4.0]);
+            store.save_runs(NOW, &[], &[other]).unwrap();
+        }
+        _ => unreachable!("{how}"),
+    }
+}
+
+fn file(path: &str) -> FileRow {
+    FileRow {
+        path: path.to_owned(),
+        size_bytes: 1,
+        modified_ns: 1,
+        inode: 1,
+        changed_ns: 1,
+        hash: None,
+        state: FileState::Run,
+        reader: String::new(),
+        issue: None,
+        missing_since: None,
+    }
+}
+
+/// What is made while its run changes is stored where it still is true, under the name that the run has then.
 #[test]
-fn results_follow_a_run_to_its_new_name() {
+fn a_result_is_of_its_run_as_it_is_where_it_is_stored() {
+    let found = made();
+    for (how, fit, diagnosis) in [
+        ("renamed", true, false),
+        ("tagged", false, false),
+        ("replaced", false, false),
+    ] {
+        let mut store = with_run();
+        let (run_id, state) = store.states_of_runs().unwrap().pop_first().unwrap();
+        changed(&mut store, how);
+        let name = if how == "renamed" {
+            "runs/b.csv"
+        } else {
+            "runs/a.csv"
+        };
+        let made_from = [RunThen {
+            run_id,
+            name: "runs/a.csv",
+            state: &state,
+        }];
+        // A diagnosis speaks of its run by name.
+        for (kind, kept) in [(ResultKind::Fit, fit), (ResultKind::Run, diagnosis)] {
+            let result = NewResult {
+                of: Subject::Run(run_id),
+                made_from: &made_from,
+                key: "k",
+                version: "1.0",
+                found: Ok(&found),
+            };
+            assert_eq!(
+                store.keep_results(NOW, kind, &[result]).unwrap(),
+                [kept],
+                "{how} {kind:?}"
+            );
+            let stored = store.results::<Fit>(kind).unwrap();
+            let names: Vec<&str> = stored.iter().map(|stored| &*stored.origin.name).collect();
+            assert_eq!(names, if kept { vec![name] } else { vec![] }, "{how} {kind:?}");
+        }
+        assert!(wrong(&store).is_empty(), "{how}");
+    }
+}
+
+#[test]
+fn results_follow_a_run_to_its_new_name_and_end_with_its_revision() {
     let mut store = with(Ok(&made()));
-    store
-        .write("renaming", NOW, |transaction| {
-            rename(transaction, "runs/a.csv", "runs/b.csv")
-        })
-        .unwrap();
+    changed(&mut store, "renamed");
     assert!(read_back(&store).unwrap().is_none());
     assert!(
         store
@@ -157,5 +247,13 @@ fn results_follow_a_run_to_its_new_name() {
             .unwrap()
             .is_some()
     );
+    assert!(wrong(&store).is_empty());
+    // A run of the old name has none of it, and the name is free for it.
+    let other = new_run("runs/a.csv", RunKind::Actuation, &[3.0, 4.0]);
+    store.save_runs(NOW, &[], &[other]).unwrap();
+    assert!(read_back(&store).unwrap().is_none());
+    let mut store = with(Ok(&made()));
+    changed(&mut store, "replaced");
+    assert!(store.results::<Fit>(ResultKind::Fit).unwrap().is_empty());
     assert!(wrong(&store).is_empty());
 }

@@ -10,11 +10,13 @@ use crate::analysis::models_compared::{ComparedCondition, models_compared};
 use crate::domain::{Channel, Issue, RunComparison, RunRecord};
 use crate::fit::FitError;
 use crate::model::{FitModel, bending_law, fit_models};
-use crate::pipeline::campaign::derived::{Derived, Keyed, Made, Sorted, bring_up_to_date, look, sorted};
+use crate::pipeline::campaign::derived::{
+    Anew, Derived, Keyed, Made, Sorted, bring_up_to_date, look, sorted,
+};
 use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::fits::outcome::fit_fault;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{FitTask, ResultKind};
+use crate::store::{FitTask, ResultKind, RunThen};
 use hash::input_hash;
 use scored::scored;
 
@@ -74,8 +76,8 @@ impl Derived for Comparing {
     const DOING: &'static str = "comparing models";
     const AT_ONCE: usize = 4;
 
-    fn names<'s>(&self, group: &'s Group) -> Vec<&'s str> {
-        group.tasks.iter().map(|task| task.path.as_str()).collect()
+    fn runs<'s>(&self, group: &'s Group) -> Vec<RunThen<'s>> {
+        group.tasks.iter().map(FitTask::then).collect()
     }
 
     fn key(&self, group: &Group) -> String {
@@ -116,17 +118,15 @@ impl CompareModels {
         context: &mut Context,
         observer: &dyn Observer,
     ) -> Result<CompareSummary, PipelineError> {
-        let asked = self.asked(context)?;
+        let mut asked = self.asked(context, self.again)?;
         let mut summary = asked.summary();
-        bring_up_to_date(
-            &asked.comparing,
-            context,
-            &asked.due,
-            observer,
-            |group, run, made| {
-                summary.took(group, run, made);
-            },
-        )?;
+        loop {
+            let took = |group: &Group, run: &str, made: &Made<RunComparison>| summary.took(group, run, made);
+            if bring_up_to_date(&asked.comparing, context, &asked.due, observer, took)? == Anew::No {
+                break;
+            }
+            asked = self.asked(context, false)?;
+        }
         summary.comparisons = asked.stored(context)?;
         asked.sum_up(context, &mut summary);
         Ok(summary)
@@ -137,7 +137,7 @@ impl CompareModels {
     /// # Errors
     /// As of [`CompareModels::run`].
     pub fn look(&self, context: &Context, observer: &dyn Observer) -> Result<CompareSummary, PipelineError> {
-        let asked = self.asked(context)?;
+        let asked = self.asked(context, self.again)?;
         let mut summary = asked.summary();
         let due = asked.due.iter().flat_map(|(_, group)| &group.tasks);
         let due: BTreeSet<&str> = due.map(|task| task.path.as_str()).collect();
@@ -158,12 +158,12 @@ impl CompareModels {
         Ok(summary)
     }
 
-    fn asked(&self, context: &Context) -> Result<Asked, PipelineError> {
+    fn asked(&self, context: &Context, again: bool) -> Result<Asked, PipelineError> {
         let models = self.models()?;
         let runs = standing::speaking(context)?;
         let groups = grouped(context, &runs)?;
         let comparing = Comparing { models };
-        let Sorted { up_to_date, due } = sorted(&comparing, context, groups, self.again)?;
+        let Sorted { up_to_date, due } = sorted(&comparing, context, groups, again)?;
         Ok(Asked {
             comparing,
             runs,
@@ -293,8 +293,10 @@ fn keys_of(groups: &[Group], set: &[(String, u32)]) -> BTreeMap<String, String> 
     };
     let of_group = |group: &Group| {
         let key = comparing.key(group);
-        let names: Vec<String> = comparing.names(group).into_iter().map(str::to_owned).collect();
-        names.into_iter().map(move |name| (name, key.clone()))
+        let tasks = group.tasks.iter();
+        tasks
+            .map(|task| (task.path.clone(), key.clone()))
+            .collect::<Vec<_>>()
     };
     groups.iter().flat_map(of_group).collect()
 }

@@ -2,12 +2,13 @@
 
 use super::inputs::{BATCH, not_condemned, with_inputs};
 use super::subject::Subject;
-use super::{Row, save};
+use super::{Row, runs_of, save};
 use crate::analysis::shared_effects::{shared_effects, values_without};
 use crate::diagnose::{DiagnoseOptions, fall_from_others};
 use crate::domain::fault::caught;
 use crate::domain::{Channel, FromOthers, GroupDiagnosis, InputHash};
 use crate::pipeline::campaign::batch::{Making, TO_THE_END};
+use crate::pipeline::campaign::derived::Anew;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{Diagnosed, FitTask, ResultKind, StoredDiagnosis};
@@ -28,7 +29,8 @@ pub(super) fn hold_against_others(
     tasks: &[FitTask],
     options: &DiagnoseOptions,
     observer: &dyn Observer,
-) -> Result<(), PipelineError> {
+) -> Result<Anew, PipelineError> {
+    let mut anew = Anew::No;
     let due = due(context, subjects)?;
     let making = Making {
         doing: "predicting samples from others",
@@ -43,8 +45,9 @@ pub(super) fn hold_against_others(
     let make = |due: &Due, channels: Vec<Vec<Channel>>| held(due, tasks, &channels, options);
     making.run(context, &due, load, make, |context, made| {
         let rows: Vec<Row> = made.into_iter().map(|(_, row)| row).collect();
-        save(context, &rows)
-    })
+        save(context, &rows, observer, &mut anew, |_| {})
+    })?;
+    Ok(anew)
 }
 
 fn due<'a>(context: &Context, subjects: &'a [Subject]) -> Result<Vec<Due<'a>>, PipelineError> {
@@ -121,7 +124,12 @@ fn made_of(input_hash: &str, held: &FromOthers) -> String {
 }
 
 /// The group's row with what came out. An effect that cannot be held against the group is left without a fall.
-fn held(due: &Due, tasks: &[FitTask], channels: &[Vec<Channel>], options: &DiagnoseOptions) -> Row {
+fn held<'t>(
+    due: &Due,
+    tasks: &'t [FitTask],
+    channels: &[Vec<Channel>],
+    options: &DiagnoseOptions,
+) -> Row<'t> {
     let mut found = due.stored.diagnosed.found.clone();
     found.from_others = with_inputs(due.subject, tasks, channels, |inputs| {
         let inputs = &not_condemned(inputs, &due.stored.diagnosed.found);
@@ -144,6 +152,7 @@ fn held(due: &Due, tasks: &[FitTask], channels: &[Vec<Channel>], options: &Diagn
     Row {
         kind: due.stored.kind,
         name: origin.name.clone(),
+        made_from: runs_of(due.subject, tasks),
         key: origin.key.clone(),
         version: origin.version.clone(),
         diagnosed: Diagnosed {

@@ -16,12 +16,13 @@ use crate::domain::fault::caught;
 use crate::domain::{Channel, GroupDiagnosis};
 use crate::pipeline::campaign::batch::Making;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::campaign::derived::Anew;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::fits::along;
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{Diagnosed, FitTask, NewResult, ResultKind};
+use crate::store::{self, Diagnosed, FitTask, NewResult, ResultKind, RunThen};
 pub(crate) use ahead::condemned_ahead;
 pub use choice::{DiagnoseChoice, stands_in};
 use input_hash::input_hash;
@@ -70,6 +71,17 @@ pub struct DiagnoseSummary {
 }
 
 impl DiagnoseSummary {
+    /// Adds what was diagnosed later, of runs that changed in between.
+    fn and_then(&mut self, later: DiagnoseSummary) {
+        self.diagnosed += later.diagnosed;
+        self.left = later.left;
+        self.failed.extend(later.failed);
+        self.failed.sort();
+        self.failed.dedup();
+        self.claimed.extend(later.claimed);
+        self.unknown_keys = later.unknown_keys;
+    }
+
     /// Whether a fault of the program stopped a diagnosis.
     pub fn has_fault(&self) -> bool {
         !self.failed.is_empty()
@@ -105,6 +117,26 @@ impl DiagnoseRuns {
         may_go_on: &(dyn Fn() -> bool + Sync),
         begins: &mut dyn FnMut(&Context) -> Result<(), PipelineError>,
     ) -> Result<DiagnoseSummary, PipelineError> {
+        let mut hears_once = Some(begins);
+        let mut begins = |context: &Context| hears_once.take().map_or(Ok(()), |begins| begins(context));
+        let (mut summary, mut anew) = self.once(context, self.again, observer, may_go_on, &mut begins)?;
+        while anew == Anew::Yes {
+            let (later, still) = self.once(context, false, observer, may_go_on, &mut begins)?;
+            summary.and_then(later);
+            anew = still;
+        }
+        Ok(summary)
+    }
+
+    /// Diagnoses what is due of the runs as they are now; tells whether some changed meanwhile.
+    fn once(
+        &self,
+        context: &mut Context,
+        again: bool,
+        observer: &dyn Observer,
+        may_go_on: &(dyn Fn() -> bool + Sync),
+        begins: &mut dyn FnMut(&Context) -> Result<(), PipelineError>,
+    ) -> Result<(DiagnoseSummary, Anew), PipelineError> {
         let options = self.choice.options(&context.campaign)?;
         let tasks = context.store.fit_tasks()?;
         let (all, unknown_keys) = subjects(context, &tasks, &standing::to_diagnose(context)?);
@@ -130,13 +162,12 @@ impl DiagnoseRuns {
         for subject in asked {
             let hash = input_hash(subject, &tasks, &options, &library);
             let stored = known.get(&(subject.kind, subject.name.clone()));
-            if let Some((_, is_fault)) = stored.filter(|(known, _)| *known == hash && !self.again) {
+            if let Some((_, is_fault)) = stored.filter(|(known, _)| *known == hash && !again) {
                 summary.up_to_date += 1;
                 // It stands until the input or the library changes, and is said until then.
                 summary.failed.extend(is_fault.then(|| subject.name.clone()));
                 continue;
             }
-            summary.diagnosed += 1;
             match places.get(&hash) {
                 Some(&place) => due[place].2.push(subject),
                 None => {
@@ -166,22 +197,25 @@ impl DiagnoseRuns {
             diagnose_one(subjects[0], members, &tasks, &channels, &options)
         };
         let mut made: Vec<Due> = Vec::new();
+        let mut anew = Anew::No;
         making.run(context, &due, load, make, |context, found| {
             let (done, found): (Vec<Due>, Vec<GroupDiagnosis>) =
                 found.into_iter().map(|(due, found)| (due.clone(), found)).unzip();
-            save_batch(context, &done, found, (&tasks, &options, &library), &mut summary)?;
+            let rows = rows(&done, found, (&tasks, &options, &library));
             made.extend(done);
-            Ok(())
+            save(context, &rows, observer, &mut anew, |row| {
+                let found = &row.diagnosed.found;
+                summary.diagnosed += 1;
+                summary.failed.extend(found.is_fault.then(|| row.name.clone()));
+            })
         })?;
         let count = |due: &[Due]| due.iter().map(|(_, _, subjects)| subjects.len()).sum::<usize>();
         summary.left = count(&due) - count(&made);
-        summary.diagnosed -= summary.left;
         summary.claimed = claimed(context, &made)?;
-        if summary.left > 0 {
-            return Ok(summary);
+        if summary.left == 0 && anew == Anew::No {
+            anew = from_others::hold_against_others(context, &all, &tasks, &options, observer)?;
         }
-        from_others::hold_against_others(context, &all, &tasks, &options, observer)?;
-        Ok(summary)
+        Ok((summary, anew))
     }
 
     /// The subjects that are asked for.
@@ -288,19 +322,15 @@ pub(crate) fn diagnose_one(
     })
 }
 
-fn save_batch(
-    context: &mut Context,
+/// What was found of a batch, as it is stored.
+fn rows<'t>(
     batch: &[Due],
     found: Vec<GroupDiagnosis>,
-    (tasks, options, library): (&[FitTask], &DiagnoseOptions, &str),
-    summary: &mut DiagnoseSummary,
-) -> Result<(), PipelineError> {
+    (tasks, options, library): (&'t [FitTask], &DiagnoseOptions, &str),
+) -> Vec<Row<'t>> {
     let mut rows = Vec::new();
     for ((hash, members, subjects), found) in batch.iter().zip(found) {
         for subject in subjects {
-            if found.is_fault {
-                summary.failed.push(subject.name.clone());
-            }
             let mut found = found.clone();
             found.group.clone_from(&subject.name);
             if subject.kind == ResultKind::Run {
@@ -312,6 +342,7 @@ fn save_batch(
             rows.push(Row {
                 kind: subject.kind,
                 name: subject.name.clone(),
+                made_from: runs_of(subject, tasks),
                 key: hash.clone(),
                 version: CODE_VERSION.to_owned(),
                 diagnosed: Diagnosed {
@@ -324,30 +355,54 @@ fn save_batch(
             });
         }
     }
-    save(context, &rows)
+    rows
+}
+
+/// The runs that a subject is made of, as they were.
+fn runs_of<'t>(subject: &Subject, tasks: &'t [FitTask]) -> Vec<RunThen<'t>> {
+    subject.members.iter().map(|&index| tasks[index].then()).collect()
 }
 
 /// A diagnosis on its way into the database.
-struct Row {
+struct Row<'t> {
     kind: ResultKind,
     name: String,
+    made_from: Vec<RunThen<'t>>,
     key: String,
     version: String,
     diagnosed: Diagnosed,
 }
 
-fn save(context: &mut Context, rows: &[Row]) -> Result<(), PipelineError> {
+/// Stores diagnoses of runs that are what they were; `took` is told of each.
+fn save(
+    context: &mut Context,
+    rows: &[Row<'_>],
+    observer: &dyn Observer,
+    anew: &mut Anew,
+    mut took: impl FnMut(&Row<'_>),
+) -> Result<(), PipelineError> {
     for kind in [ResultKind::Group, ResultKind::Run] {
-        let of_kind = rows.iter().filter(|row| row.kind == kind);
-        let results: Vec<NewResult<'_, Diagnosed>> = of_kind
+        let of_kind: Vec<&Row<'_>> = rows.iter().filter(|row| row.kind == kind).collect();
+        let results: Vec<NewResult<'_, Diagnosed>> = (of_kind.iter())
             .map(|row| NewResult {
-                name: &row.name,
+                of: match kind {
+                    ResultKind::Run => store::Subject::Run(row.made_from[0].run_id),
+                    _ => store::Subject::Named(&row.name),
+                },
+                made_from: &row.made_from,
                 key: &row.key,
                 version: &row.version,
                 found: Ok(&row.diagnosed),
             })
             .collect();
-        context.store.keep_results(&now(), kind, &results)?;
+        let kept = context.store.keep_results(&now(), kind, &results)?;
+        for (kept, row) in kept.into_iter().zip(of_kind) {
+            if kept {
+                took(row);
+            } else {
+                anew.of("diagnosing", &title(&row.name), observer);
+            }
+        }
     }
     Ok(())
 }

@@ -19,7 +19,7 @@ use crate::domain::{
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, PipelineError};
-use crate::store::{NewResult, ResultKind, Store, StoreError};
+use crate::store::{NewResult, ResultKind, Store, StoreError, Subject};
 
 /// Stretches that an overview curve is thinned over.
 const DRAWN: usize = 400;
@@ -51,14 +51,17 @@ pub fn assess(context: &mut Context, shelf: &Shelf) -> Result<(), PipelineError>
     }
     let assessment = assessment(context, shelf, &runs)?;
     let result = NewResult {
-        name: NAME,
+        of: Subject::Named(NAME),
+        // The sensors' readings and the runs are in the key, by which the next look makes it again.
+        made_from: &[],
         key: &inputs,
         version: CODE_VERSION,
         found: Ok(&assessment),
     };
-    Ok(context
+    context
         .store
-        .keep_results(&now(), ResultKind::Climate, &[result])?)
+        .keep_results(&now(), ResultKind::Climate, &[result])?;
+    Ok(())
 }
 
 /// What the logs came to when it was last computed.

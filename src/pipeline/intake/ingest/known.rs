@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::statements::is_statement;
 use super::{Readers, now};
 use crate::ingest::scan::{self, Changes, Known};
 use crate::pipeline::intake::climate::log_folders;
@@ -22,7 +23,8 @@ pub fn files_due(context: &Context) -> Result<usize, PipelineError> {
         &optional,
         scan::ScanLimits::default(),
     )?;
-    let stored = context.store.files()?;
+    let mut stored = context.store.files()?;
+    stored.retain(|file| !is_statement(&file.path));
     let changes = scan::diff(&known(&stored), &seen);
     let listed: BTreeSet<&String> = seen.issues.iter().map(|issue| &issue.place).collect();
     let gone = changes.gone.iter().filter(|path| !listed.contains(path)).count();

@@ -14,6 +14,7 @@ mod retag;
 mod rows;
 mod settle;
 mod start;
+pub(crate) mod statements;
 mod summary;
 pub(crate) mod tagging;
 pub(crate) mod unread;
@@ -26,6 +27,7 @@ use std::sync::Arc;
 use super::climate::{self, Shelf, holds_logs, is_below, log_folders};
 use crate::domain::{FileState, Issue, RunKind};
 use crate::ingest::scan::{self, Changes, Scan, SeenFile};
+use crate::ingest::tags::{TagFiles, UNREAD_STATEMENT};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::{planned, standing};
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -34,6 +36,7 @@ use batch::in_batches;
 use known::{Orphans, known, note_change_times};
 use prepare::Group;
 pub(crate) use readers::Readers;
+use statements::{Statements, is_statement};
 
 pub(crate) use batch::together;
 pub use known::files_due;
@@ -81,14 +84,17 @@ impl Ingest<'_> {
             &context.campaign.optional_folders(),
             scan::ScanLimits::default(),
         )?;
+        let mut statements = Statements::default();
+        statements.take(&mut seen);
         let of_logs = |path: &str| holds_logs(path, &runs_folder);
         // Where the runs folder is the whole campaign, the logs lie in it.
         seen.files.retain(|file| !of_logs(&file.display));
-        let (logs, stored): (Vec<FileRow>, Vec<FileRow>) = context
-            .store
-            .files()?
-            .into_iter()
-            .partition(|file| of_logs(&file.path));
+        let known_files = context.store.files()?.into_iter();
+        let (stated, files): (Vec<FileRow>, Vec<FileRow>) =
+            known_files.partition(|file| is_statement(&file.path));
+        let (logs, stored): (Vec<FileRow>, Vec<FileRow>) =
+            files.into_iter().partition(|file| of_logs(&file.path));
+        context.stated = TagFiles::of(&context.folder);
         let changes = scan::diff(&known(&stored), &seen);
         note_change_times(context, &stored, &changes)?;
         let mut summary = IngestSummary {
@@ -102,7 +108,11 @@ impl Ingest<'_> {
                 .iter()
                 .cloned()
                 .partition(|file| is_below(&file.path, folder));
-            self.take_logs(context, (folder, &logs), &mut summary, observer)?;
+            let taken = self.take_logs(context, (folder, &logs), &mut summary, observer)?;
+            match taken {
+                Some(mut seen) => statements.take(&mut seen),
+                None => statements.out_of_sight(folder),
+            }
         }
         let shelf = Shelf::open(&context.store)?;
         let kind_of = |path: &str| context.campaign.kind_of(path);
@@ -137,33 +147,36 @@ impl Ingest<'_> {
         // A run sheet that could not be read is in doubt when runs are tagged.
         keep_unread(context, &mut summary)?;
         retag::retag_runs(context, &mut summary, observer)?;
+        statements.settle(context, &stated)?;
         climate::assess(context, &shelf)?;
         list_states(context, &mut summary)?;
         Ok(summary)
     }
 
-    /// Takes in what is new among the logs of a folder. One that cannot be looked through costs the logs, not the
-    /// runs.
+    /// Takes in what is new among the logs of a folder; gives what it saw. A folder that cannot be looked through costs the
+    /// logs, not the runs.
     fn take_logs(
         &mut self,
         context: &mut Context,
         (folder, stored): (&str, &[FileRow]),
         summary: &mut IngestSummary,
         observer: &dyn Observer,
-    ) -> Result<(), PipelineError> {
+    ) -> Result<Option<Scan>, PipelineError> {
         let seen = match scan::scan(&context.folder, folder, &[], scan::ScanLimits::default()) {
             Ok(seen) => seen,
-            Err(scan::ScanError::FolderMissing { .. }) if stored.is_empty() => return Ok(()),
+            Err(scan::ScanError::FolderMissing { .. }) if stored.is_empty() => {
+                return Ok(Some(Scan::default()));
+            }
             Err(scan::ScanError::FolderMissing { path }) => {
                 let path = path.display();
                 observer.warn(&format!(
                     "{path} is not there; the climate logs known from it stay"
                 ));
-                return Ok(());
+                return Ok(None);
             }
             Err(error) => {
                 observer.warn(&format!("climate logs are not looked at: {error}"));
-                return Ok(());
+                return Ok(None);
             }
         };
         let changes = scan::diff(&known(stored), &seen);
@@ -194,7 +207,8 @@ impl Ingest<'_> {
             let found = seen.files.iter().filter(|file| orphans.contains(&file.display));
             groups = found.map(group).collect();
         }
-        settle::gone(context, &readers, stored, &changes, &seen, summary)
+        settle::gone(context, &readers, stored, &changes, &seen, summary)?;
+        Ok(Some(seen))
     }
 
     /// Files that may be read now: new or changed ones, and those that another version of a reader read. The others
@@ -265,6 +279,9 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     for file in context.store.unsettled_files()? {
         match (file.state, file.issue) {
             (FileState::Refused, Some(issue)) => summary.refused.push((file.path, issue)),
+            (FileState::Pending, Some(issue)) if issue.code == UNREAD_STATEMENT => {
+                summary.unread_statements.push((file.path, issue));
+            }
             (FileState::Pending, _) => summary.waiting.push(file.path),
             _ => {}
         }

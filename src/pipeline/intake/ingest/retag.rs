@@ -32,7 +32,7 @@ pub fn retag_runs(
 ) -> Result<(), PipelineError> {
     let shelf = Shelf::open(&context.store)?;
     // What is written from here on is of the next time: digest and tags are of one reading.
-    let stated = TagFiles::of(&context.folder);
+    context.stated = TagFiles::of(&context.folder);
     context.sheets = known_sheets(context)?;
     let windows: BTreeMap<i64, Option<Window>> = context
         .store
@@ -58,7 +58,7 @@ pub fn retag_runs(
         let files = tag_files(&path, &files);
         let digest = digest(
             context,
-            (&shelf, &stated),
+            &shelf,
             (&path, &files),
             others_of(run_id),
             window,
@@ -86,13 +86,13 @@ pub fn retag_runs(
         together(context, |context| {
             for run in batch {
                 let (due, others) = (&due[&run.id], others_of(run.id));
-                match held_by(context, run, others, &stated) {
+                match held_by(context, run, others) {
                     Some(issues) if due.changed => {
                         context.store.hold_tags(&now(), run.id, &due.digest, &issues)?;
                     }
                     // Only its date could be told now: that waits for what cannot be read, too.
                     Some(_) => {}
-                    None if retag(context, (&shelf, &stated), run, others, gone.contains(&run.id))? => {
+                    None if retag(context, &shelf, run, others, gone.contains(&run.id))? => {
                         retagged.push(run.path.clone())
                     }
                     None => {}
@@ -118,20 +118,9 @@ struct Due {
 
 /// Why a run keeps the tags that it has until something is mended: what they came from cannot be read now, and the next
 /// source would give other tags. One that waits for tags is not held.
-fn held_by(
-    context: &Context,
-    run: &RunRecord,
-    other_names: &[String],
-    stated: &TagFiles,
-) -> Option<Vec<Issue>> {
+fn held_by(context: &Context, run: &RunRecord, other_names: &[String]) -> Option<Vec<Issue>> {
     let files: Vec<&str> = run.files.iter().map(|file| file.path.as_str()).collect();
-    let mut issues = unreadable(
-        context,
-        stated,
-        &run.path,
-        &tag_files(&run.path, &files),
-        other_names,
-    );
+    let mut issues = unreadable(context, &run.path, &tag_files(&run.path, &files), other_names);
     let is_lost = run.tags.iter().any(|tag| context.sheets.is_from_damaged(tag));
     if run.state == RunState::Untagged || issues.is_empty() && !is_lost {
         return None;
@@ -166,7 +155,7 @@ fn stated_beside(tags: &[Tag]) -> impl Iterator<Item = &Tag> {
 /// tags from runs that stay.
 fn retag(
     context: &mut Context,
-    (shelf, stated): (&Shelf, &TagFiles),
+    shelf: &Shelf,
     run: &RunRecord,
     other_names: &[String],
     is_gone: bool,
@@ -203,7 +192,7 @@ fn retag(
         started_at,
         kept: is_gone.then(|| stated_beside(&run.tags).cloned().collect()),
     };
-    let tagging = tagging(context, shelf, stated, &input)?;
+    let tagging = tagging(context, shelf, &input)?;
     let was_held = run.state != RunState::Untagged && run.issues.iter().any(is_unreadable);
     let is_news = !(was_held || is_gone) || tagging.tags != run.tags;
     context.store.retag(&now(), run.id, &tagging)?;

@@ -12,7 +12,6 @@ use crate::domain::data_hash::data_hash;
 use crate::domain::{FileState, Issue, ProfileUse, RunClock, RunKind, RunOrigin, RunStatus};
 use crate::ingest::Reading;
 use crate::ingest::scan::{Changes, Scan};
-use crate::ingest::tags::TagFiles;
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -345,7 +344,7 @@ fn new_run(
         kept: None,
     };
     Ok(NewRun {
-        tagging: tagging(context, shelf, &TagFiles::of(&context.folder), &input)?,
+        tagging: tagging(context, shelf, &input)?,
         data_hash: data_hash(&part.channels),
         format: format_of(first, files[0].profile.as_ref()),
         origin,

@@ -34,6 +34,8 @@ pub struct IngestSummary {
     pub unread: Vec<(String, Issue)>,
     /// What cannot be read of tag files, now: the runs that they speak for wait.
     pub unreadable_tags: Vec<UnreadableTags>,
+    /// Files that state tags and with which no file is read, now, with the reason.
+    pub unread_statements: Vec<(String, Issue)>,
     /// Files that wait: empty, header only, or still growing.
     pub waiting: Vec<String>,
     /// Raw files that the archive had lost, or held with other bytes, and that are whole again.
@@ -68,9 +70,11 @@ pub struct UnreadableTags {
 }
 
 impl IngestSummary {
-    /// Whether some inputs could not be used: refused, not to be had from the system, or tags that cannot be read.
+    /// Whether some inputs could not be used: refused, not to be had from the system, tags that cannot be read, or that are of
+    /// no run.
     pub fn left_out_inputs(&self) -> bool {
-        !self.refused.is_empty() || !self.unread.is_empty() || !self.unreadable_tags.is_empty()
+        let lists = [&self.refused, &self.unread, &self.unread_statements];
+        lists.iter().any(|list| !list.is_empty()) || !self.unreadable_tags.is_empty()
     }
 
     /// Whether the database changed.

@@ -16,7 +16,7 @@ use crate::domain::{
 };
 use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::{display_path, parse_display_path};
-use crate::ingest::tags::{self, OtherName, Resolved, TagFiles, TagRequest};
+use crate::ingest::tags::{self, OtherName, Resolved, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, clocks, drive};
 use crate::pipeline::intake::climate::{self, Asked, Shelf, Start, climate_of};
 use crate::pipeline::{Context, PipelineError};
@@ -52,16 +52,11 @@ pub struct TaggingInput<'a> {
     pub kept: Option<Vec<Tag>>,
 }
 
-/// Tags a run with what `stated` holds of its tag files.
+/// Tags a run with what [`Context::stated`] holds of its tag files.
 ///
 /// # Errors
 /// The database cannot be read.
-pub fn tagging(
-    context: &Context,
-    shelf: &Shelf,
-    stated: &TagFiles,
-    input: &TaggingInput<'_>,
-) -> Result<Tagging, PipelineError> {
+pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Result<Tagging, PipelineError> {
     let files = tag_files(input.run_path, &input.file_paths);
     let hand = hand_tags(context, input.run_path, &files)?;
     let mut header = input.header_tags.clone();
@@ -85,7 +80,7 @@ pub fn tagging(
     let other_names = other_names(context, input.other_names)?;
     let request = TagRequest {
         campaign: &context.campaign,
-        tag_files: stated,
+        tag_files: &context.stated,
         data_files: &files,
         stem: &tags::stem(named),
         name_pattern: context.campaign.name_pattern_of(input.kind),
@@ -128,7 +123,7 @@ pub fn tagging(
     resolved.issues.extend(doubts);
     let digest = digest(
         context,
-        (shelf, stated),
+        shelf,
         (input.run_path, &files),
         input.other_names,
         window,
@@ -279,7 +274,7 @@ pub fn tag_files(run_path: &str, file_paths: &[&str]) -> Vec<PathBuf> {
 /// BLAKE3 over everything that the tags of a run come from, but the file itself.
 pub fn digest(
     context: &Context,
-    (shelf, stated): (&Shelf, &TagFiles),
+    shelf: &Shelf,
     (run_path, files): (&str, &[PathBuf]),
     other_paths: &[String],
     window: Option<Window>,
@@ -294,7 +289,7 @@ pub fn digest(
         .whole(drive::VERSION.into())
         .whole(drive::jumps::VERSION.into())
         .whole(climate::VERSION.into())
-        .text(&stated.digest(files))
+        .text(&context.stated.digest(files))
         .text(&shelf.digest(window));
     take_stated(&mut hash, &planned_tags(context, run_path, files));
     let doubts = doubts(context, run_path, files, other_paths);
@@ -308,7 +303,7 @@ pub fn digest(
         hash.bytes(other.file.as_os_str().as_encoded_bytes());
         take_stated(&mut hash, &other.hand);
         take_stated(&mut hash, &other.planned);
-        hash.text(&stated.digest(&[other.file]));
+        hash.text(&context.stated.digest(&[other.file]));
     }
     Ok(hash.finished())
 }
@@ -359,14 +354,13 @@ fn planned_names(context: &Context, run_path: &str, files: &[PathBuf]) -> Vec<St
 /// What keeps the tags of a run from being known: tag files and run sheets that cannot be read.
 pub fn unreadable(
     context: &Context,
-    stated: &TagFiles,
     run_path: &str,
     files: &[PathBuf],
     other_paths: &[String],
 ) -> Vec<Issue> {
     let others = other_paths.iter().map(|path| parse_display_path(path));
     let all: Vec<PathBuf> = files.iter().cloned().chain(others).collect();
-    let mut issues = stated.unreadable(&all);
+    let mut issues = context.stated.unreadable(&all);
     issues.extend(doubts(context, run_path, files, other_paths));
     issues
 }

@@ -16,7 +16,7 @@ use crate::ingest::formats::{ReadContext, ReadError};
 use crate::ingest::pairs::{half_of, window_s};
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet::SheetRow;
-use crate::ingest::scan::{is_own_product, is_passing_name, is_statement};
+use crate::ingest::scan::{is_own_product, is_passing_name, states_for};
 use crate::ingest::{Reading, climate_log, drive, run_sheet};
 use crate::pipeline::intake::ingest::groups::is_named_as_copy;
 use crate::pipeline::intake::ingest::unread::missing_responses;
@@ -234,7 +234,7 @@ fn one(path: &Path, shown: String, usable: &mut Vec<Profile>, looked: &mut Looke
     {
         return seen(Taken::Sidecar);
     }
-    if is_statement(path.file_name().unwrap_or_default()) {
+    if path.file_name().and_then(states_for).is_some() {
         return seen(Taken::Sidecar);
     }
     if run_sheet::is_sheet(&name, &bytes) {

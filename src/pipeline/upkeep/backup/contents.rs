@@ -11,7 +11,7 @@ use super::manifest::{LeftOut, Manifest, StoredFile};
 use super::shelf::Shelf;
 use crate::ingest::campaign_file;
 use crate::ingest::profiles;
-use crate::ingest::scan::{self, Scan, SeenFile, display_path, is_passing_name, is_statement};
+use crate::ingest::scan::{self, Scan, SeenFile, display_path, is_passing_name, states_for};
 use crate::pipeline::intake::climate::log_folders;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{FileRow, Store};
@@ -119,8 +119,8 @@ pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<
                     "files in it came, went or got other names while it was listed; make a backup again";
                 omitted.unread.push(reason(runs_folder, why));
             }
-            for folder in &seen.folders {
-                let stated = statements(root, folder, &mut omitted.unread);
+            for file in &seen.statements {
+                let stated = statement(root, &file.relative, &mut omitted.unread);
                 stated.into_iter().for_each(&mut add);
             }
             for path in &seen.unreadable {
@@ -155,7 +155,8 @@ const MOST_LISTINGS: usize = 4;
 /// listed until two listings in a row say the same. Says whether they did.
 fn of_one_moment<E>(list: impl Fn() -> Result<Scan, E>) -> Result<(Scan, bool), E> {
     let names = |seen: &Scan| -> BTreeSet<String> {
-        let files = seen.files.iter().map(|file| file.display.clone());
+        let files = seen.files.iter().chain(&seen.statements);
+        let files = files.map(|file| file.display.clone());
         files.chain(seen.unreadable.iter().cloned()).collect()
     };
     let mut before = list()?;
@@ -193,7 +194,7 @@ fn data_file(root: &Path, file: &SeenFile, row: Option<&FileRow>) -> Wanted {
     }
 }
 
-/// Files of a folder that state tags, profiles, views of frames.
+/// Files of a folder that state tags or profiles.
 fn statements(root: &Path, folder: &Path, unread: &mut Vec<LeftOut>) -> Vec<Wanted> {
     let entries = match fs::entries(root.join(folder)) {
         Ok(entries) => entries,
@@ -207,7 +208,7 @@ fn statements(root: &Path, folder: &Path, unread: &mut Vec<LeftOut>) -> Vec<Want
     let named = entries.into_iter().filter(|entry| {
         let name = entry.file_name();
         // What is no file, and a link that leads nowhere, is told when it is read.
-        is_statement(&name) && !is_passing_name(&name) && !entry.path().is_dir()
+        states_for(&name).is_some() && !is_passing_name(&name) && !entry.path().is_dir()
     });
     named
         .filter_map(|entry| statement(root, &folder.join(entry.file_name()), unread))

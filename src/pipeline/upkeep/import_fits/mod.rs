@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::domain::{AskedFit, Issue};
+use crate::domain::{AskedFit, Fit, Issue};
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::fits::outcome::{NOT_FITTED, store};
 use crate::pipeline::fits::plan::fit_plan;
 use crate::pipeline::fits::result::FitResult;
 use crate::pipeline::fits::runs::Due;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{NewResult, ResultKind};
+use crate::store::{NewResult, ResultKind, RunThen, Subject};
 use crate::system::fs;
 use again::Again;
 
@@ -213,32 +213,43 @@ fn take(
     known: &mut Known,
     summary: &mut ImportSummary,
 ) -> Result<(), PipelineError> {
-    let (mut results, mut planned) = (Vec::new(), Vec::new());
-    for Row { result, .. } in batch {
-        let Some(due) = known.due(context, &result.asked, &result.run)? else {
-            continue;
-        };
-        planned.push(due.1.clone());
-        let Some(found) = result.outcome() else { continue };
+    let mut of_each = Vec::new();
+    for row in batch {
+        let due = known.due(context, &row.result.asked, &row.result.run)?;
+        let both = due.and_then(|due| Some((due.1.clone(), row.result.outcome()?)));
+        of_each.extend(both.map(|(planned, found)| (row, planned, found)));
+    }
+    let made_from: Vec<[RunThen<'_>; 1]> = of_each.iter().map(|(_, run, _)| [run.task.then()]).collect();
+    let results = of_each
+        .iter()
+        .zip(&made_from)
+        .map(|((row, _, found), made_from)| NewResult {
+            of: Subject::Run(made_from[0].run_id),
+            made_from,
+            key: &row.result.input_hash,
+            version: &row.result.code_version,
+            found: *found,
+        });
+    let results: Vec<NewResult<'_, Fit>> = results.collect();
+    let kept = store(context, &results, of_each.iter().map(|(_, run, _)| run))?;
+    for (kept, (row, _, found)) in kept.into_iter().zip(&of_each) {
         match found {
+            _ if !kept => {
+                let reason = "the run changed while its fit was taken in; import it again".to_owned();
+                summary.refuse(row.file, row.row, Some(row.result.run.clone()), reason);
+            }
             Ok(_) => {
                 summary.imported += 1;
-                if result.code_version != CODE_VERSION {
+                if row.result.code_version != CODE_VERSION {
                     *(summary.of_other_versions)
-                        .entry(result.code_version.clone())
+                        .entry(row.result.code_version.clone())
                         .or_default() += 1;
                 }
             }
-            Err(issue) => summary.failed.push((result.run.clone(), issue.clone())),
+            Err(issue) => summary.failed.push((row.result.run.clone(), (*issue).clone())),
         }
-        results.push(NewResult {
-            name: &result.run,
-            key: &result.input_hash,
-            version: &result.code_version,
-            found,
-        });
     }
-    store(context, &results, planned.iter())
+    Ok(())
 }
 
 /// Whether a result is of that run as it is now, fitted as the campaign would fit it.

@@ -128,18 +128,21 @@ CREATE INDEX journal_line_what ON journal_line (what, name);
 -- What follows from readings: fits, analyses of modulus logs, diagnoses, comparisons of models. Earlier ones stay.
 CREATE TABLE result (
     id            INTEGER NOT NULL PRIMARY KEY,
-    kind          TEXT    NOT NULL,              -- fit, modulus, comparison, alarms, climate, marks, group (its diagnosis) or run (its diagnosis by itself)
-    name          TEXT    NOT NULL,              -- of the run, the modulus log or the group
+    kind          TEXT    NOT NULL,              -- fit, modulus, comparison, alarms, climate, marks, same, group (its diagnosis) or run (its diagnosis by itself)
+    run_id        INTEGER REFERENCES run (id) ON DELETE CASCADE, -- the run or modulus log that it is of, whatever that is named; NULL: of none alone
+    name          TEXT,                          -- of the group, or of what there is one of; NULL where it is of a run
     key           TEXT    NOT NULL,              -- BLAKE3 over everything that it depends on; empty: a fault stopped it
     version       TEXT    NOT NULL,              -- of the program that made it
     made_at       TEXT    NOT NULL,              -- when, RFC 3339 UTC
     superseded_at TEXT,                          -- when another took its place; NULL: it is current
     row_hash      BLOB    NOT NULL DEFAULT x'',
     document      TEXT    NOT NULL,              -- JSON: what was found, or the issue why nothing could be
-    drawn         BLOB                           -- zstd of JSON: what pages draw of it; its hash stands in the document
+    drawn         BLOB,                          -- zstd of JSON: what pages draw of it; its hash stands in the document
+    CHECK ((run_id IS NULL) <> (name IS NULL))
 ) STRICT;
-CREATE UNIQUE INDEX result_current ON result (kind, name) WHERE superseded_at IS NULL;
-CREATE INDEX result_name ON result (name, kind);
+CREATE UNIQUE INDEX result_of_run ON result (kind, run_id) WHERE superseded_at IS NULL AND run_id IS NOT NULL;
+CREATE UNIQUE INDEX result_named ON result (kind, name) WHERE superseded_at IS NULL AND name IS NOT NULL;
+CREATE INDEX result_run ON result (run_id, kind);
 
 -- Counts every committed change, so that a report knows whether it is out of date.
 CREATE TABLE change_count (
