@@ -3,7 +3,6 @@
 
 use calamine::{Data, Reader, Xlsx, open_workbook};
 use ieap::analysis::monitoring::series::{Reaches, Series};
-use ieap::analysis::monitoring::shape::Law;
 use ieap::numerics::control_chart;
 
 use super::shared;
