@@ -166,7 +166,7 @@ fn changed(folder: &CampaignFolder, rng: &mut ChaCha8Rng) {
         1 => folder.write(&path, ""),
         2 => folder.write(&path, "time_s;current_a\n0;1.5\n1;2,5\n"),
         3 | 4 => folder.write(&format!("{path}.toml"), "cycle = 3\n"),
-        5 => folder.write(&format!("{path}.TOML"), "cycle = [\n"),
+        5 => folder.write(&format!("{path}.TOML"), "cycle = 3\n"),
         6 => folder.write(&format!("{at}/tags.toml"), "environment = \"air\"\n"),
         7 => folder.write(
             &format!("{at}/{}.toml", name.split('.').next().unwrap()),

@@ -230,3 +230,22 @@ fn a_report_without_hashes_of_an_earlier_version_is_made_anew_once() {
     assert!(!folder.ieap(&["report"]).expect(0).stdout.contains("(unchanged)"));
     assert!(folder.ieap(&["report"]).expect(0).stdout.contains("(unchanged)"));
 }
+
+#[test]
+fn a_result_of_no_run_is_found_and_runs_that_wait_for_results_are_told_and_no_damage() {
+    let folder = campaign();
+    folder.write("runs/c.csv", run_table(3));
+    folder.ieap(&["ingest"]).expect(0);
+    let told = folder.ieap(&["verify"]).expect(0);
+    // result-waits
+    assert!(told.stdout.contains("runs/c.csv waits for the fit"), "{told:#?}");
+    forge(
+        folder.path(),
+        "UPDATE run SET superseded_at = '2026-01-02T00:00:00Z' WHERE path = 'runs/a.csv'",
+    );
+    let (status, codes) = found(&folder, &[]);
+    assert_eq!(status, 4);
+    assert!(codes.contains(&"result-stray".to_owned()), "{codes:?}");
+    folder.ieap(&["rebuild"]).expect(0);
+    is_sound(&folder);
+}

@@ -309,6 +309,17 @@ impl Store {
         Ok(found.into_iter().next())
     }
 
+    /// Current results, in words, of a run or log that is no current one.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn stray_results(&self) -> Result<Vec<String>, StoreError> {
+        let rest = "WHERE superseded_at IS NULL AND run_id IS NOT NULL
+                    AND run_id NOT IN (SELECT id FROM run WHERE superseded_at IS NULL) ORDER BY id";
+        let told = |row: &Row<'_>| Ok(row.get::<_, String>("told_of_row")?);
+        self.kept("looking for results of no run", RESULT, ("", rest), [], told)
+    }
+
     /// What is wrong with what is drawn of results, current and earlier ones, in the order in which they were made.
     pub(super) fn check_all_drawn(&self) -> Result<Vec<StoreError>, StoreError> {
         let doing = "checking curves";

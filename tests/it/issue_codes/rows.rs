@@ -238,6 +238,8 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("starts-differ", Format("palmsens-csv/dpv.two_curves.csv")),
     ("statement-unread", By("tests/it/fates.rs", "a_statement_of_no_run_is_said_wherever_one_looks")),
     ("spectrum-columns", Format("plain-table/refused.frequency_alone.csv")),
+    ("result-stray", By("tests/it/verify.rs", "a_result_of_no_run_is_found_and_runs_that_wait_for_results_are_told_and_no_damage")),
+    ("result-waits", By("tests/it/verify.rs", "a_result_of_no_run_is_found_and_runs_that_wait_for_results_are_told_and_no_damage")),
     ("sheets-joined", By("crates/ingest/src/formats/sheet_tests.rs", "sheets_of_current_and_camera_are_one_run")),
     ("still-growing", Open("a file that grows between two looks")),
     ("suspicious-range", Format("labview-lvm/step.cut.lvm")),

@@ -257,3 +257,12 @@ fn results_follow_a_run_to_its_new_name_and_end_with_its_revision() {
     assert!(store.results::<Fit>(ResultKind::Fit).unwrap().is_empty());
     assert!(wrong(&store).is_empty());
 }
+
+#[test]
+fn a_result_of_a_run_that_is_no_more_is_told_as_stray() {
+    let store = with(Ok(&made()));
+    assert!(store.stray_results().unwrap().is_empty());
+    let gone = "UPDATE run SET superseded_at = '2026-01-02T00:00:00Z'";
+    store.connection.execute_batch(gone).unwrap();
+    assert_eq!(store.stray_results().unwrap(), ["the fit of runs/a.csv"]);
+}

@@ -1,5 +1,5 @@
-//! Whether what a campaign rests on is as it was stored: the database, the raw files, the journal, the report; and, asked for
-//! deeply, whether every current number can be derived again from the raw bytes, to the same bits.
+//! Whether what a campaign rests on is as it was stored: the database with what results are of, the raw files, the journal, the
+//! report; and, asked for deeply, whether every current number can be derived again from the raw bytes, to the same bits.
 
 pub mod archive;
 mod database;
@@ -8,6 +8,7 @@ mod journal;
 mod part;
 mod report;
 mod short;
+mod subjects;
 mod weekly;
 
 use std::path::Path;
@@ -62,6 +63,7 @@ impl Verify {
         let can_be_read = database.is_sound();
         let mut parts = vec![database, archive::part(&context, observer)?];
         if can_be_read {
+            parts.push(subjects::part(&context)?);
             parts.push(journal::part(&context)?);
             parts.push(report::part(&context)?);
         } else {
