@@ -2,6 +2,7 @@
 //! read. What stood earlier stays.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use rusqlite::{Row, ToSql, params};
 use serde::de::DeserializeOwned;
@@ -364,14 +365,16 @@ fn is_as_then(
     known: &mut BTreeMap<i64, Option<(String, String)>>,
     then: &RunThen<'_>,
 ) -> Result<bool, StepError> {
-    if !known.contains_key(&then.run_id) {
-        let run = RunRow::current(transaction, then.run_id)?;
-        let now = run.map(|run| (run.state_hash(), run.path));
-        known.insert(then.run_id, now);
-    }
+    let now = match known.entry(then.run_id) {
+        Entry::Occupied(known) => known.into_mut(),
+        Entry::Vacant(place) => {
+            let run = RunRow::current(transaction, then.run_id)?;
+            place.insert(run.map(|run| (run.state_hash(), run.path)))
+        }
+    };
     let is_so =
         |(state, name): &(String, String)| state == then.state && (name == then.name || !kind.says_names());
-    Ok(known[&then.run_id].as_ref().is_some_and(is_so))
+    Ok(now.as_ref().is_some_and(is_so))
 }
 
 fn insert<T: ResultDocument>(
