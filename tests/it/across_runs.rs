@@ -113,7 +113,7 @@ fn law(document: &Value) -> &Value {
     let end = |name: &str| entry[name].as_f64().unwrap();
     let held = end("low_95")..=end("high_95");
     assert!(
-        held.contains(&0.02) && end("high_95") - end("low_95") < 0.008,
+        held.contains(&0.02) && end("high_95") - end("low_95") < 0.012,
         "{entry:#}"
     );
     entry

@@ -351,7 +351,7 @@ fn a_campaign_of_strips_has_its_pages_and_figures() {
         index.contains(">19</td>") && index.contains("distributed: 19 places"),
         "{index}"
     );
-    assert!(page("index.html").contains("href=\"along.html\""));
+    assert!(page("parameters.html").contains("href=\"along.html\""));
     // Pages carry a hash of the run's path in their names.
     let named = |start: &str| {
         let files = std::fs::read_dir(folder.join("report/along")).expect("a folder");

@@ -8,10 +8,9 @@ use ieap_domain::{Factor, StudyRules};
 use super::answer::{Answer, Kind};
 use super::combined::Term;
 use super::curves::Curves;
-use super::laws::Other;
 use super::measured::{Cell, Measured};
 use super::measures::{CURVES, MEASURES};
-use super::slope::Slope;
+use super::slope::{Other, Slope};
 use crate::conditions::Conditions;
 use crate::laws::facts::RunFacts;
 

@@ -8,7 +8,7 @@ use super::asking::Asking;
 use super::combined::{Term, reach};
 use super::measured::{Measured, Value, distinct};
 use super::policy::FEWEST_LEVELS;
-use super::slope::{Followed, Over, Slope, Told, levels};
+use super::slope::{Followed, Other, Over, Slope, Told, levels};
 use crate::conditions::{Conditions, volts};
 use crate::laws::Covariate;
 use crate::laws::facts::RunFacts;
@@ -218,16 +218,6 @@ fn terms<'a>(
         })
     };
     slopes.iter().map(term).collect()
-}
-
-/// A law of what differs beside what the study compares.
-pub(super) struct Other {
-    of: Covariate,
-    /// The number that is followed, or one of two names.
-    upper: String,
-    /// The other name; empty for a number.
-    lower: String,
-    slope: Slope,
 }
 
 /// What else a parameter may follow: of what says how long a strip was used the first that is known.

@@ -51,6 +51,18 @@ pub(super) struct Slope {
     pub tied: Vec<Covariate>,
 }
 
+/// The slope over what differs beside what the study compares.
+pub(super) struct Other {
+    /// What it is of.
+    pub of: Covariate,
+    /// The number that is followed, or one of two names.
+    pub upper: String,
+    /// The other name; empty for a number.
+    pub lower: String,
+    /// The slope.
+    pub slope: Slope,
+}
+
 /// How the strips' own slopes differ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Differ {

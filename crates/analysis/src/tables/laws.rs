@@ -50,7 +50,6 @@ pub fn make(input: &TableInput) -> Table {
 
 /// The same of a study that is known.
 pub fn of(study: &Study) -> Table {
-    let rows: Vec<&Answer> = study.laws().collect();
     Sheet::<&Answer>::new("laws", "Laws", 3)
         .remarks(
             REMARK,
@@ -62,9 +61,9 @@ pub fn of(study: &Study) -> Table {
             _ => own.material.clone(),
         })
         .column(PARAMETER, |own| symbol(own.parameter).to_owned())
-        .column(FOLLOWS, |own| match own.lower.is_empty() {
-            true => own.upper.clone(),
-            false => format!("{} over {}", own.upper, own.lower),
+        .column(FOLLOWS, |own| {
+            let names = [own.upper.as_str(), own.lower.as_str()].join(" over ");
+            names.trim_end_matches(" over ").to_owned()
         })
         .column(SHOWN, |own| own.verdict.label())
         .column(FACTOR, |own| Value::from(factor(own)))
@@ -86,7 +85,7 @@ pub fn of(study: &Study) -> Table {
         .column(RUNS, |own| own.of_runs.len())
         .column(SAMPLES, |own| own.samples)
         .column(ALSO, |own| own.also_changed.join("; "))
-        .over(rows)
+        .over(study.laws())
 }
 
 fn ends(of: &Estimate) -> Option<String> {
@@ -100,12 +99,11 @@ fn factor(own: &Answer) -> Estimate {
 
 /// A law over the range of what it follows.
 fn estimate(own: &Answer, numbers: [Option<f64>; 3]) -> Estimate {
-    let [value, one, other] = numbers.map(|number| number.map(|number| own.over_all(number)));
+    let [value, low_95, high_95] = numbers.map(|number| number.map(|number| own.over_all(number)));
     Estimate {
         value,
-        low_95: one.zip(other).map(|(a, b)| a.min(b)),
-        high_95: one.zip(other).map(|(a, b)| a.max(b)),
-        reason: None,
-        ..Estimate::not_determined("")
+        low_95,
+        high_95,
+        ..Estimate::default()
     }
 }

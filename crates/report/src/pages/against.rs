@@ -4,7 +4,7 @@ use ieap_domain::range_of;
 use ieap_domain::words::counted;
 use std::collections::BTreeMap;
 
-use super::parameters::{Panel, Section};
+use super::parameter_section::{Panel, Section};
 use crate::aside::{Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::parameters::{Panel, Section};
+use super::parameter_section::{Panel, Section};
 use super::wording::{NOT_CONVERGED, humidity_label, voltage_labels};
 use crate::aside::{Shown, beyond_words, marks};
 use crate::error::ReportError;

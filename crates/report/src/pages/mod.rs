@@ -15,6 +15,7 @@ pub mod findings;
 pub mod index;
 mod needs;
 mod page;
+mod parameter_section;
 pub mod parameters;
 pub(crate) mod policy;
 pub mod residuals;

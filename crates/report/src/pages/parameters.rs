@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::comparison::doubts;
+use super::parameter_section::Section;
 use super::{Content, against, comparison, table5};
 use crate::aside::{AsideRow, Shown};
 use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::site::Site;
-use ieap_analysis::ParameterInfo;
 use ieap_analysis::against::Against;
 
 #[derive(Debug, Serialize)]
@@ -35,29 +35,6 @@ struct Choice {
     sections: Vec<Section>,
 }
 
-/// A parameter with its figures.
-#[derive(Debug, Serialize)]
-pub struct Section {
-    id: String,
-    symbol: &'static str,
-    name: &'static str,
-    panels: Vec<Panel>,
-}
-
-/// A figure of a parameter.
-#[derive(Debug, Serialize)]
-pub struct Panel {
-    /// Empty where all materials share the panel.
-    pub material: String,
-    /// Id of the figure; none where nothing is determined.
-    pub figure: Option<String>,
-    /// Why there is no figure, or which runs are missing from it and why.
-    pub note: String,
-    /// Runs set aside that lie beyond the axes.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub beyond: String,
-}
-
 /// A name with its marker.
 #[derive(Debug, Serialize)]
 struct SampleKey {
@@ -65,18 +42,6 @@ struct SampleKey {
     /// Outline of the marker in a box of 100 by 100.
     path: &'static str,
     name: String,
-}
-
-impl Section {
-    /// Of a parameter.
-    pub fn of(id: String, info: &'static ParameterInfo, panels: Vec<Panel>) -> Section {
-        Section {
-            id,
-            symbol: info.symbol,
-            name: info.name,
-            panels,
-        }
-    }
 }
 
 /// Makes the page.
