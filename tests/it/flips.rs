@@ -192,7 +192,7 @@ fn the_structure_is_looked_at_after_a_disorderly_end() {
     let page: usize = rusqlite::Connection::open(folder.join("campaign.db"))
         .unwrap()
         .query_row(
-            "SELECT rootpage FROM sqlite_schema WHERE name = 'result_name'",
+            "SELECT rootpage FROM sqlite_schema WHERE name = 'result_run'",
             [],
             |row| Ok(row.get::<_, i64>(0)? as usize),
         )

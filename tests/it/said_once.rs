@@ -229,7 +229,7 @@ fn media(found: &GroupDiagnosis) -> Media {
         (page.content)(&site).expect("its content").context
     };
     let overview = context("index.html");
-    let said = overview["answers"]["said"].as_array().expect("sentences").iter();
+    let said = overview["answers"].as_array().expect("sentences").iter();
     let of_findings = said.filter(|said| said["href"] == "findings.html");
     let page = finding_content(&site, 0).expect("its content").context;
     let row = context("findings.html")["groups"][0].clone();

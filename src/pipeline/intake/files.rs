@@ -8,7 +8,6 @@ use crate::analysis;
 use crate::domain::file_story::{FileStory, HALF_WITHOUT_PARTNER, TagOfFile, WordOfName};
 use crate::domain::pairs::{LoneHalf, Pair};
 use crate::domain::{FileState, Issue, RunRecord, RunState, Severity, TagSource};
-use crate::ingest::formats::error::NO_DATA;
 use crate::ingest::name_pattern::{KnownIds, NamePattern};
 use crate::ingest::pairs::Paired;
 use crate::ingest::run_sheet::IS_SHEET;
@@ -145,7 +144,7 @@ fn became(
         FileState::Refused => "refused",
         FileState::Pending => "waiting",
         FileState::Sidecar if is_of(IS_SHEET) => "run sheet",
-        FileState::Sidecar if is_of(NO_DATA) => "no data",
+        FileState::Sidecar if is_of("no-data") => "no data",
         FileState::Sidecar if is_statement(&file.path) => "tags",
         FileState::Sidecar => "beside a run",
         FileState::Log => "climate log",

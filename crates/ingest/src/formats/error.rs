@@ -240,9 +240,6 @@ pub enum ReadError {
     },
 }
 
-/// Code of a file that is no data.
-pub const NO_DATA: &str = "no-data";
-
 impl ReadError {
     /// Stable slug for scripts to count by.
     pub fn code(&self) -> &'static str {
@@ -250,7 +247,7 @@ impl ReadError {
             ReadError::Empty => "empty-file",
             ReadError::HeaderOnly { .. } => "header-only",
             ReadError::Sidecar { .. } => "sidecar",
-            ReadError::NoData { .. } => NO_DATA,
+            ReadError::NoData { .. } => "no-data",
             ReadError::NeverSeen { .. } => "never-seen",
             ReadError::NotRead { .. } => "not-read-kind",
             ReadError::Structure { .. } => "broken-structure",

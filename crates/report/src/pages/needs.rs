@@ -75,7 +75,7 @@ pub fn needs(site: &Site) -> Vec<Need> {
             "#warnings",
         ),
         (stuck, "fit", [" did not converge"; 2], "#warnings"),
-        (lacking, "run", [&sought("lacks"), &sought("lack")], "study.html"),
+        (lacking, "run", [&sought("lacks"), &sought("lack")], "#all-runs"),
         (waiting, "file", [" waits", " wait"], "#waiting"),
     ];
     let need = |(count, thing, [one, many], href): (usize, &str, [&str; 2], &'static str)| Need {

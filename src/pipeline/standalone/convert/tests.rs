@@ -85,7 +85,7 @@ fn what_is_missing_is_said_in_its_place_and_elsewhere_refused() {
     for given in [
         "moment=1mNmm",
         "tip-displacement=4mm",
-        "displacement=1",
+        "displacement=1V",
         "bend=1mm",
         "displacement",
     ] {

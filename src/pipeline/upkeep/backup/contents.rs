@@ -119,8 +119,9 @@ pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<
                     "files in it came, went or got other names while it was listed; make a backup again";
                 omitted.unread.push(reason(runs_folder, why));
             }
-            for file in &seen.statements {
-                let stated = statement(root, &file.relative, &mut omitted.unread);
+            // Links among them, which a scan does not follow, are told.
+            for folder in &seen.folders {
+                let stated = statements(root, folder, &mut omitted.unread);
                 stated.into_iter().for_each(&mut add);
             }
             for path in &seen.unreadable {
