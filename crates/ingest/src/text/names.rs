@@ -1,4 +1,4 @@
-//! Names of columns held against the [`super::dictionary`].
+//! Names of columns held against the dictionary.
 //!
 //! A name is known as a whole; or, where its unit is one of the quantity, by a name that is contained in it (`OUT1 変位(mm)`,
 //! `Sample Temp. [°C]`). A name that is not known is a column of its own; a profile says what it is
