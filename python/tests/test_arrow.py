@@ -103,4 +103,4 @@ def test_a_column_that_is_no_number_is_pointed_out(table):
 def test_results_are_arrow_too(campaign, fits):
     fits_table = pa.table(ieap.Campaign(campaign).table("fits"))
     assert pa.types.is_floating(fits_table.schema.field("value").type)
-    assert fits_table.num_rows == sum(len(fit["parameters"]) for fit in fits["fits"])
+    assert fits_table.num_rows == sum(len(fit["parameters"]) + len(fit["nuisances"]) for fit in fits["fits"])

@@ -168,16 +168,23 @@ FROM runs_view AS runs JOIN (
         CAST(document ->> '$.found.model_version' AS INTEGER) AS model_version,
         CAST(document ->> '$.found.why_stopped' AS VARCHAR) AS why_stopped,
         CAST(document ->> '$.found.n_samples' AS INTEGER) AS n_samples,
-        CAST(part.value AS VARCHAR) AS role,
-        CAST(own.value ->> '$.key' AS VARCHAR) AS key,
-        CAST(own.value ->> '$.estimate.value' AS DOUBLE) AS value,
-        CAST(own.value ->> '$.estimate.standard_error' AS DOUBLE) AS standard_error,
-        CAST(own.value ->> '$.estimate.low_95' AS DOUBLE) AS low_95,
-        CAST(own.value ->> '$.estimate.high_95' AS DOUBLE) AS high_95,
-        CAST(CAST(own.value ->> '$.estimate.at_bound' AS VARCHAR) IN ('1', 'true') AS INTEGER) AS at_bound,
-        CAST(own.value ->> '$.estimate.reason' AS VARCHAR) AS reason
-    FROM result, json_each('["parameter", "nuisance"]') AS part, json_each(document, '$.found.' || part.value || 's') AS own
-    WHERE kind = 'fit' AND superseded_at IS NULL
+        role,
+        CAST(own ->> '$.key' AS VARCHAR) AS key,
+        CAST(own ->> '$.estimate.value' AS DOUBLE) AS value,
+        CAST(own ->> '$.estimate.standard_error' AS DOUBLE) AS standard_error,
+        CAST(own ->> '$.estimate.low_95' AS DOUBLE) AS low_95,
+        CAST(own ->> '$.estimate.high_95' AS DOUBLE) AS high_95,
+        CAST(CAST(own ->> '$.estimate.at_bound' AS VARCHAR) IN ('1', 'true') AS INTEGER) AS at_bound,
+        CAST(own ->> '$.estimate.reason' AS VARCHAR) AS reason
+    FROM (
+        SELECT run_id, version, made_at, document, 'parameter' AS role, own.value AS own
+        FROM result, json_each(document, '$.found.parameters') AS own
+        WHERE kind = 'fit' AND superseded_at IS NULL
+        UNION ALL
+        SELECT run_id, version, made_at, document, 'nuisance' AS role, own.value AS own
+        FROM result, json_each(document, '$.found.nuisances') AS own
+        WHERE kind = 'fit' AND superseded_at IS NULL
+    ) AS stated
 ) AS fit ON fit.run_id = runs.run_id;
 
 -- One row a run and tag, from every source; chosen = 1 marks the value that holds.
