@@ -16,6 +16,9 @@ pub fn f_chance(ratio: f64, above: usize, below: usize) -> f64 {
     if above == 0 || below == 0 || ratio.is_nan() {
         return 1.0;
     }
+    if ratio.is_infinite() {
+        return 0.0;
+    }
     FisherSnedecor::new(above as f64, below as f64)
         .map_or(1.0, |chance| chance.sf(ratio.max(0.0)).clamp(0.0, 1.0))
 }

@@ -25,14 +25,20 @@ pub fn quantile(p: f64, degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(p))
 }
 
-/// Chance that Student's t lies as far from 0 as `t`, on either side; 1 without degrees of freedom.
+/// Chance that Student's t lies as far from 0 as `t`, on either side; 1 without degrees of freedom or without a number.
 pub fn two_sided_chance(t: f64, degrees_of_freedom: f64) -> f64 {
+    if t.is_nan() {
+        return 1.0;
+    }
     StudentsT::new(0.0, 1.0, degrees_of_freedom)
         .map_or(1.0, |chance| (2.0 * chance.sf(t.abs())).clamp(0.0, 1.0))
 }
 
-/// Chance that Student's t lies above `t`; 1 without degrees of freedom.
+/// Chance that Student's t lies above `t`; 1 without degrees of freedom or without a number.
 pub fn one_sided_chance(t: f64, degrees_of_freedom: f64) -> f64 {
+    if t.is_nan() {
+        return 1.0;
+    }
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(1.0, |chance| chance.sf(t).clamp(0.0, 1.0))
 }
 
