@@ -18,7 +18,8 @@ pub struct Parameter {
 }
 
 /// A number that a fit estimates beside the parameters of its model, since the readings depend on it too. The key carries the
-/// unit: `edge_1_s`, `current_zero_a`, `curvature_zero_per_cm`, `bending_clock_ahead_s`, `unseen_charge_percent`.
+/// unit: `edge_1_s`, `current_zero_a`, `curvature_zero_per_cm`, `bending_clock_ahead_s`, `unseen_charge_percent`,
+/// `current_noise_correlation`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Nuisance {
     /// What it is, with the unit; edges are numbered as the drive has them, from 1.

@@ -86,7 +86,7 @@ pub(super) fn fit(input: &FitInput, options: &FitOptions, sampled: Sampled, why:
         why_stopped: format!("current: not fitted, {why}; curvature: {}", judged.stop.words()),
         n_samples: noise.readings,
         parameters,
-        nuisances: vec![nuisances::zero(Quantity::Curvature, judged.zeros[1])],
+        nuisances: nuisances::of_bending(&judged),
         r_squared_current: None,
         r_squared_curvature: noise.r_squared,
         noise: vec![noise],

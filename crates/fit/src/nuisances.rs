@@ -1,4 +1,5 @@
-//! What a fit estimates beside the parameters of its model: edges, zeros, the offset of a clock, a charge that no reading saw.
+//! What a fit estimates beside the parameters of its model: edges, zeros, the offset of a clock, a charge that no reading saw,
+//! the memory of the noise that weighs it.
 //! A fit can be made again from its parameters and these.
 
 use ieap_domain::quantiles::NORMAL_95;
@@ -56,7 +57,25 @@ pub(crate) fn zero(quantity: Quantity, zero: Option<Zero>) -> Nuisance {
     }
 }
 
-/// Zeros and unseen charge of a run that was fitted in two steps, or judged after them.
+/// The memories of the noise that a fit allows for, of current and curvature.
+pub(crate) fn memories(found: [Option<Estimate>; 2]) -> impl Iterator<Item = Nuisance> {
+    let keys = ["current_noise_correlation", "curvature_noise_correlation"];
+    let of = |(key, estimate): (&str, Option<Estimate>)| {
+        let nuisance = estimated(key.to_owned(), estimate?);
+        let is_assumed = nuisance.estimate.value.is_some() && nuisance.estimate.standard_error.is_none();
+        Some(Nuisance {
+            origin: if is_assumed {
+                NuisanceOrigin::Assumed
+            } else {
+                nuisance.origin
+            },
+            ..nuisance
+        })
+    };
+    keys.into_iter().zip(found).filter_map(of)
+}
+
+/// Zeros, unseen charge and memories of the noise of a run that was fitted in two steps, or judged after them.
 pub(crate) fn of_steps(
     electrical: Option<&Electrical>,
     bending: Option<&Bending>,
@@ -66,7 +85,25 @@ pub(crate) fn of_steps(
     let current = electrical.map(|own| zero(Quantity::Current, judged_zero(0).or_else(|| own.zero())));
     let curvature = bending.map(|own| zero(Quantity::Curvature, judged_zero(1).or(own.zero)));
     let unseen = electrical.and_then(unseen_charge);
-    [current, curvature, unseen].into_iter().flatten().collect()
+    let memories = judged.map_or_else(
+        || {
+            [
+                electrical.map(|own| own.residuals.memory()),
+                bending.map(|own| own.residuals.memory()),
+            ]
+        },
+        |judged| judged.memories.clone(),
+    );
+    let found = [current, curvature, unseen].into_iter().flatten();
+    found.chain(self::memories(memories)).collect()
+}
+
+/// Zero and memory of the noise of a bending that is fitted without a current.
+pub(crate) fn of_bending(judged: &Judged) -> Vec<Nuisance> {
+    let zero = zero(Quantity::Curvature, judged.zeros[1]);
+    std::iter::once(zero)
+        .chain(memories(judged.memories.clone()))
+        .collect()
 }
 
 /// What is known of a charge that no reading of the current saw, in percent of the whole.

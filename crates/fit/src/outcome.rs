@@ -281,6 +281,7 @@ pub(super) fn joint_fit(
                 let place = usize::from(quantity == Quantity::Curvature);
                 nuisances::zero(quantity, zeros[place])
             })
+            .chain(nuisances::memories(run.memories()))
             .collect(),
         noise: responses.iter().map(|response| response.noise.clone()).collect(),
         curves: responses.into_iter().map(|response| response.curve).collect(),

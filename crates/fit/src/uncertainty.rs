@@ -1,5 +1,7 @@
 //! What the residuals of a fit say of its noise, and the covariance of its parameters under that noise.
 
+use ieap_domain::Estimate;
+use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::column_memory::LongColumn;
 use ieap_numerics::correlation::{Autoregression, HigherOrder, recurring_excess, slow_excess};
 use ieap_numerics::decay::{BLOCK, Column};
@@ -9,6 +11,7 @@ use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::sampled::Sampled;
+use crate::joint::noise::NOT_ONE_NUMBER;
 use crate::policy::LOST_BELOW;
 
 /// Residuals of one response with what they say of the noise.
@@ -78,6 +81,17 @@ impl Residuals {
             None => self.noise.long_run_variance() / self.noise.variance,
         };
         if ratio.is_finite() { ratio.max(1.0) } else { 1.0 }
+    }
+
+    /// Correlation of neighbouring residuals, known as well as that of a first-order autoregression can be.
+    pub(super) fn memory(&self) -> Estimate {
+        if self.higher.is_some() {
+            return Estimate::not_determined(NOT_ONE_NUMBER);
+        }
+        let value = self.noise.correlation;
+        let error = ((1.0 - value * value).max(0.0) / self.residuals.len().max(1) as f64).sqrt();
+        let (low, high) = (value - NORMAL_95 * error, value + NORMAL_95 * error);
+        Estimate::determined(value, error, low.max(-1.0), high.min(1.0))
     }
 
     /// Coefficients of the autoregression, lag 1 first.

@@ -7,12 +7,15 @@ mod again;
 mod autocorrelation;
 mod growth;
 mod lagged;
+mod memory;
 mod shared;
 pub(crate) mod slow;
 mod smooth;
 #[cfg(test)]
 mod tests;
 mod tried;
+
+use ieap_domain::Estimate;
 
 use crate::sampled::Sampled;
 
@@ -21,6 +24,7 @@ use super::whitening::{Autocorrelation, Whitener};
 pub(crate) use again::Again;
 use growth::growth;
 pub(crate) use lagged::{Products, products, white};
+pub(crate) use memory::NOT_ONE_NUMBER;
 use smooth::Smooth;
 
 /// Noise of one channel.
@@ -174,6 +178,11 @@ impl Noise {
             by_correlation: Vec::new(),
             freedom: freedom.max(1.0),
         }
+    }
+
+    /// Correlation of neighbouring readings, with its interval.
+    pub(crate) fn memory(&self) -> Estimate {
+        memory::estimate(self)
     }
 
     /// The whitener that belongs to it.

@@ -2,7 +2,7 @@
 
 use crate::joint::policy::LEAST_NOISE_PART;
 use crate::sampled::Sampled;
-use ieap_domain::{Channel, Drive, Quantity};
+use ieap_domain::{Channel, Drive, Estimate, Quantity};
 use ieap_model::LumpedModel;
 use ieap_model::lumped::SegmentResponse;
 use ieap_numerics::noise::local_scatter;
@@ -125,6 +125,11 @@ impl<'a> RunReadings<'a> {
             .flatten()
             .map(|response| response.sampled.len())
             .sum()
+    }
+
+    /// Memories of the noise of current and curvature that weigh a fit; none of a channel that is not there.
+    pub(crate) fn memories(&self) -> [Option<Estimate>; 2] {
+        [&self.current, &self.curvature].map(|own| own.as_ref().map(|response| response.noise.memory()))
     }
 
     /// Weighted residuals over the condensed readings, appended to `out`.

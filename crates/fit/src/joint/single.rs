@@ -6,6 +6,7 @@ use crate::electrical::Electrical;
 use crate::joint::policy::{CHOSEN_WIDER, FOLLOWED_LOG};
 use crate::policy::{BRANCH_CLEAR, BRANCH_EVIDENCE};
 use crate::zero::Zero;
+use ieap_domain::Estimate;
 use ieap_numerics::least_squares::{Minimum, Problem, Stop};
 use ieap_numerics::student::quantile_95;
 
@@ -36,6 +37,8 @@ pub(crate) struct Judged {
     pub(crate) fitted: [Option<Vec<f64>>; 2],
     /// Zeros of current and curvature in the fit; none of one that is taken as 0.
     pub(crate) zeros: [Option<Zero>; 2],
+    /// Memories of the noise of current and curvature that weighed the fit.
+    pub(crate) memories: [Option<Estimate>; 2],
     /// Why the search stopped.
     pub(crate) stop: Stop,
     /// Evaluations.
@@ -117,6 +120,7 @@ impl Judged {
             partners: Vec::new(),
             fitted: [None, None],
             zeros: [None; 2],
+            memories: [None, None],
             stop: bottom.stop,
             evaluations: bottom.evaluations,
             parabolic: false,
@@ -133,6 +137,7 @@ impl Judged {
         let local = problem.local(0, &bottom.at);
         self.stop = bottom.stop;
         self.zeros = problem.zeros(0, bottom);
+        self.memories = problem.runs[0].memories();
         self.fitted = problem.runs[0].fitted(&problem.model(&local), problem.offsets(&local));
     }
 

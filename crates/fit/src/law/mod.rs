@@ -137,6 +137,8 @@ fn add_law(
     fit.parameters.extend(parameters);
     fit.nuisances
         .push(nuisances::zero(Quantity::Curvature, bent.zero));
+    fit.nuisances
+        .extend(nuisances::memories([None, Some(bent.residuals.memory())]));
     fit.issues
         .extend(bent.zero.filter(Zero::is_plain).map(bent_at_rest));
     if !bent.stop.converged() {

@@ -157,7 +157,7 @@ fn the_stated_parameters_leave_the_stated_residual_with_every_lumped_model_and_i
 #[test]
 fn a_fit_is_made_again_from_what_it_prints() {
     let time_s: Arc<[f64]> = (-25..700).map(|k| 2.0 * f64::from(k) + 0.7).collect();
-    let mut held = 0;
+    let (mut held, mut weighed) = (0, 0);
     let given = [(0.0, 2.0), (400.3, 0.0), (900.9, 1.2)];
     for (seed, levels) in (70..).zip([&given[..1], &given[..2], &given[..]]) {
         let segment = |&(start_s, volts)| Segment::at(start_s, Level::Voltage(volts));
@@ -181,9 +181,19 @@ fn a_fit_is_made_again_from_what_it_prints() {
             held += usize::from(holds_together(&fit, &run, &seen));
             let edges = (1..=levels.len()).filter(|k| fit.nuisance(&format!("edge_{k}_s")).is_some());
             assert_eq!(edges.count(), levels.len(), "{:?}", fit.nuisances);
+            // The noise is white; what too few branches leave is not.
+            for key in ["current_noise_correlation", "curvature_noise_correlation"] {
+                let memory = fit.nuisance(key).unwrap();
+                if let (Some(low), Some(high)) = (memory.low_95, memory.high_95)
+                    && name != "lumped-1"
+                {
+                    assert!(low < 0.05 && high - low < 0.4, "{name} {key}: {memory:?}");
+                    weighed += 1;
+                }
+            }
         }
     }
-    assert!(held >= 4, "{held}");
+    assert!(held >= 4 && weighed >= 12, "{held}, {weighed}");
 }
 
 #[test]

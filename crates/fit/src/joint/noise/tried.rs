@@ -27,3 +27,11 @@ pub(super) fn lowest(curve: &[f64]) -> (f64, f64) {
 pub(super) fn correlation_at(index: f64) -> f64 {
     (FROM + (TO - FROM) * index / CORRELATIONS as f64).tanh()
 }
+
+/// What is thought of each correlation that was tried, their sum being one; empty where none was.
+pub(super) fn posterior(curve: &[f64]) -> Vec<f64> {
+    let least = curve.iter().copied().fold(f64::INFINITY, f64::min);
+    let weights: Vec<f64> = curve.iter().map(|own| (0.5 * (least - own)).exp()).collect();
+    let sum: f64 = weights.iter().sum();
+    weights.into_iter().map(|weight| weight / sum).collect()
+}
