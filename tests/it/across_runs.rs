@@ -103,8 +103,8 @@ fn of_lambda<'a>(document: &'a Value, kind: &str) -> Vec<&'a Value> {
         .collect()
 }
 
-/// The only law of the humidity; it holds the truth, 0.02 per percent.
-fn law(document: &Value) -> &Value {
+/// The only law of the humidity; it holds the truth, 0.02 per percent, in an interval at most so wide.
+fn law(document: &Value, widest: f64) -> &Value {
     let [entry] = of_lambda(document, "humidity-law")[..] else {
         panic!("{:#}", document["answers"]);
     };
@@ -113,7 +113,7 @@ fn law(document: &Value) -> &Value {
     let end = |name: &str| entry[name].as_f64().unwrap();
     let held = end("low_95")..=end("high_95");
     assert!(
-        held.contains(&0.02) && end("high_95") - end("low_95") < 0.012,
+        held.contains(&0.02) && end("high_95") - end("low_95") < widest,
         "{entry:#}"
     );
     entry
@@ -126,7 +126,7 @@ fn a_hidden_humidity_law_is_found_from_files() {
         [60.0, 20.0, 80.0, 40.0],
         [80.0, 40.0, 20.0, 60.0],
     ]);
-    let entry = law(&document);
+    let entry = law(&document, 0.008);
     assert_eq!(entry["also_changed"], Value::Array(vec![]));
     assert_eq!(
         (&entry["samples"], &entry["from_to"][1]),
@@ -174,14 +174,14 @@ fn bending_without_a_current_is_fitted_and_asked_across_runs() {
         0.25,
         without_current,
     );
-    law(&document);
+    law(&document, 0.012);
 }
 
 #[test]
 fn a_humidity_that_rose_with_every_run_is_said_to_be_tied_to_age() {
     let rising = [20.0, 40.0, 60.0, 80.0];
     let document = hidden(&[rising; 3]);
-    let tied = law(&document)["also_changed"].to_string();
+    let tied = law(&document, 0.008)["also_changed"].to_string();
     assert!(tied.contains("the cycle"), "{tied}");
 }
 

@@ -47,7 +47,7 @@ mod whitened;
 mod widened;
 mod zero;
 
-use ieap_domain::{Drive, Fit, KnownParameter};
+use ieap_domain::{Drive, Fit, Issue, KnownParameter};
 use ieap_model::rival_law;
 
 pub use described::{Described, Left, Noise, describe};
@@ -120,8 +120,14 @@ pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
 fn fit_cleaned(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
-    let Some(aligned) = aligned(input, options) else {
-        return fit_on_one_clock(input, options);
+    let aligned = match aligned(input, options) {
+        Ok(Some(aligned)) => aligned,
+        Ok(None) => return fit_on_one_clock(input, options),
+        Err(open) => {
+            let mut fit = fit_on_one_clock(input, options)?;
+            fit.issues.push(open);
+            return Ok(fit);
+        }
     };
     let mut fit = fit_on_one_clock(
         &FitInput {
@@ -200,17 +206,21 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
     let cleaned: Vec<Cleaned> = inputs.iter().map(Cleaned::of).collect();
     let each = inputs.iter().zip(&cleaned);
     let inputs: Vec<FitInput> = each.map(|(input, cleaned)| cleaned.input(input)).collect();
-    let aligned: Vec<Option<Aligned>> = inputs.iter().map(|input| aligned(input, &own)).collect();
+    let aligned: Vec<Result<Option<Aligned>, Issue>> =
+        inputs.iter().map(|input| aligned(input, &own)).collect();
     let on_one_clock = inputs.iter().zip(&aligned).map(|(input, aligned)| FitInput {
-        channels: aligned
-            .as_ref()
-            .map_or(input.channels, |aligned| &aligned.channels),
+        channels: match aligned {
+            Ok(Some(aligned)) => &aligned.channels,
+            _ => input.channels,
+        },
         ..*input
     });
     let mut group = group::fit_on_one_clock(&on_one_clock.collect::<Vec<_>>(), options)?;
     for ((fit, input), aligned) in group.runs.iter_mut().zip(&inputs).zip(&aligned) {
-        if let Some(aligned) = aligned {
-            own_clock::widen(fit, input, aligned, |input| in_two_steps(input, &own));
+        match aligned {
+            Ok(Some(aligned)) => own_clock::widen(fit, input, aligned, |input| in_two_steps(input, &own)),
+            Ok(None) => {}
+            Err(open) => fit.issues.push(open.clone()),
         }
     }
     for (fit, cleaned) in group.runs.iter_mut().zip(&cleaned) {

@@ -65,30 +65,53 @@ impl Aligned {
     }
 }
 
-/// The channels of a run whose bending has a clock of its own, on one clock; none where there is no such bending, or nothing
-/// tells the offset.
-pub fn aligned(input: &FitInput, options: &FitOptions) -> Option<Aligned> {
+/// The channels of a run whose bending has a clock of its own, on one clock; none where there is no such bending.
+///
+/// # Errors
+/// What a reader must know where nothing tells the offset: the bending is then fitted on its own clock.
+pub fn aligned(input: &FitInput, options: &FitOptions) -> Result<Option<Aligned>, Issue> {
     let is_bending = |channel: &&Channel| channel.quantity == Quantity::Curvature;
     let is_own = |channel: &Channel| channel.own_clock && !channel.is_empty();
-    if !input.channels.iter().find(is_bending).is_some_and(is_own) || input.drive.moves() {
-        return None;
+    if !input.channels.iter().find(is_bending).is_some_and(is_own) {
+        return Ok(None);
     }
     let cleaned = Cleaned::of(input);
     let input = &cleaned.input(input);
-    let bending = input.channels.iter().find(is_bending)?;
-    let settled = settled(input, options).ok()?;
+    let bending = input.channels.iter().find(is_bending);
+    let offset = bending.map(|bending| against_current(input, options, bending));
+    offset.transpose().map_err(|why| open(&why))
+}
+
+/// What is said of a clock whose offset nothing tells.
+fn open(why: &str) -> Issue {
+    let words = format!(
+        "the bending has a clock of its own, and nothing tells how far it is off: {why}; its readings are taken at the \
+         times of their own clock"
+    );
+    Issue::warning("bending-clock-open", words).mend("state clock_offset_s, 0 where both clocks agree")
+}
+
+/// The offset that the onset and the course of the bending tell.
+fn against_current(input: &FitInput, options: &FitOptions, bending: &Channel) -> Result<Aligned, String> {
+    if input.drive.moves() {
+        return Err("the voltage moves all the time".to_owned());
+    }
+    let settled = settled(input, options).map_err(|error| error.to_string())?;
     let edges = &settled.edges;
     let placed = FitInput {
         drive: edges.drive(),
         ..*input
     };
-    let (_, electrical) = identify(&placed, options, Readings::new(&placed).ok()?)
-        .current
-        .ok()?;
+    let circuit = |there: &FitInput| -> Result<Electrical, String> {
+        let readings = Readings::new(there).map_err(|error| error.to_string())?;
+        identify(there, options, readings).current.map(|(_, own)| own)
+    };
+    let electrical = circuit(&placed)?;
     if electrical.conductances_a_per_v.is_empty() {
-        return None;
+        return Err("the current shows no charge that could bend the strip".to_owned());
     }
-    let found = offset(bending, edges.drive(), &electrical)?;
+    let found =
+        offset(bending, edges.drive(), &electrical).ok_or("no offset fits better than its neighbours")?;
     // Where the edges are moves the circuit, and with both the offset.
     let moved = |by_s: &Vec<f64>, sign: f64| {
         let whole: Vec<f64> = by_s.iter().map(|by_s| sign * by_s).collect();
@@ -99,10 +122,7 @@ pub fn aligned(input: &FitInput, options: &FitOptions) -> Option<Aligned> {
             drive: &drive,
             ..*input
         };
-        let (_, electrical) = identify(&there, options, Readings::new(&there).ok()?)
-            .current
-            .ok()?;
-        let ahead_s = offset(bending, &drive, &electrical)?.best;
+        let ahead_s = offset(bending, &drive, &circuit(&there).ok()?)?.best;
         (part > 0.0).then(|| (ahead_s - found.best) / part)
     };
     // An edge that cannot go one way is asked the other; where no end can be fitted nothing tells how far the offset goes with it.
@@ -111,8 +131,9 @@ pub fn aligned(input: &FitInput, options: &FitOptions) -> Option<Aligned> {
         ends.map(f64::abs).reduce(f64::max)
     };
     let ways: Option<Vec<f64>> = settled.open.iter().map(of_way).collect();
-    let edge_error_s = ways?.iter().map(|way_s| way_s.powi(2)).sum::<f64>().sqrt();
-    Some(Aligned {
+    let ways = ways.ok_or("where the edges are moves it, and no fit tells how far")?;
+    let edge_error_s = ways.iter().map(|way_s| way_s.powi(2)).sum::<f64>().sqrt();
+    Ok(Aligned {
         channels: later(input.channels, -found.best),
         drive: edges.drive().clone(),
         edge_error_s,

@@ -37,6 +37,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("base-parameter-was-wrong", By("tests/it/findings.rs", "an_adopted_model_is_fitted_to_its_group_and_says_how_wrong_the_base_was")),
     ("bending-alone", By("crates/fit/src/tests/bending.rs", "of_charging_and_relaxation_the_slower_is_taken_for_relaxation_and_it_is_said")),
     ("bending-clock", By("crates/fit/src/tests/edges.rs", "bending_on_a_clock_of_its_own_is_moved_by_what_the_clocks_differ")),
+    ("bending-clock-open", By("crates/fit/src/tests/edges.rs", "bending_on_a_clock_of_its_own_that_nothing_tells_of_is_said")),
     ("blocks-side-by-side", By("crates/ingest/tests/reading_cases/names_and_blocks.rs", "blocks_of_columns_under_the_same_names_are_runs")),
     ("broken-container", By("crates/ingest/src/formats/unpacking.rs", "a_damaged_archive_is_named")),
     ("broken-structure", Format("biologic-mpr/refused.row_width.mpr")),

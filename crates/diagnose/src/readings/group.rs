@@ -382,7 +382,8 @@ impl<'a> GroupRun<'a> {
             channels: &cleaned.channels,
             ..given.input
         };
-        let aligned = aligned(&input, &FitOptions::default());
+        // Where nothing tells the offset the fit of the run says so.
+        let aligned = aligned(&input, &FitOptions::default()).unwrap_or_default();
         let on_one_clock = aligned
             .as_ref()
             .map_or(input.channels, |aligned| &aligned.channels);

@@ -113,7 +113,7 @@ fn bending_on_a_clock_of_its_own_is_moved_by_what_the_clocks_differ() {
             area_cm2: AREA_CM2,
         };
         // To within the second in which the edge lies.
-        let [best, low, high] = aligned(&input, &FitOptions::default()).unwrap().ahead_s;
+        let [best, low, high] = aligned(&input, &FitOptions::default()).unwrap().unwrap().ahead_s;
         assert!(
             (best + 2.0).abs() < 1.0 && low < best && best < high,
             "{best} [{low}, {high}]"
@@ -128,6 +128,18 @@ fn bending_on_a_clock_of_its_own_is_moved_by_what_the_clocks_differ() {
         (inside, of) = (inside + holding, of + all);
     }
     assert!(10 * inside >= 8 * of && of >= 12, "{inside} of {of}");
+}
+
+#[test]
+fn bending_on_a_clock_of_its_own_that_nothing_tells_of_is_said() {
+    let drive = Drive::step(2.0);
+    let (time_s, seen) = beside(&drive, 1);
+    let mut run = channels(&model(&CPVF_AIR_1V), &drive, &time_s, 0.003, 0.0, 12_001);
+    run[1].own_clock = true;
+    // The current stays as it is.
+    let rests = run[0].values[run[0].values.len() - 1];
+    run[0].values = run[0].values.iter().map(|_| rests).collect();
+    assert_eq!(codes(&fitted(&run, &seen), "bending-clock-open"), 1);
 }
 
 /// A table whose rest was cut away, and which counts from its step. Taken at its first reading, which comes seconds after the step,
