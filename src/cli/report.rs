@@ -23,7 +23,11 @@ pub struct ReportArgs {
 
 pub fn run(args: &ReportArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let context = args.campaign.open(global, output)?;
-    let summary = RenderReport { again: args.again }.run(&context, output)?;
+    let verb = RenderReport {
+        again: args.again,
+        before: None,
+    };
+    let summary = verb.run(&context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/report/1", "report": summary }))?;
     Ok(match summary.refused {

@@ -12,6 +12,8 @@ use crate::domain::Fault;
 use crate::pipeline::campaign::standing::{self, SetAside};
 use crate::pipeline::infra::allowed::AllowedCommands;
 use crate::pipeline::infra::fault::{or_nothing, step};
+use crate::pipeline::show::report::said_before;
+use crate::report::moved::Numbers;
 
 /// The verb `run`.
 #[derive(Debug, Clone, Default)]
@@ -69,19 +71,22 @@ pub struct Made {
     pub faults: Vec<Fault>,
 }
 
-/// Renders the report; a fault of the program costs the report and is noted.
+/// Renders the report, numbers held against `before` or against the report that stands; a fault of the program costs the
+/// report and is noted.
 ///
 /// # Errors
 /// As of [`RenderReport::run`].
 pub(super) fn render(
     context: &Context,
     observer: &dyn Observer,
+    before: Option<&Numbers>,
     faults: &mut Vec<Fault>,
 ) -> Result<ReportSummary, PipelineError> {
-    or_nothing(
-        step("report", || RenderReport::default().run(context, observer)),
-        faults,
-    )
+    let verb = RenderReport {
+        before: before.cloned(),
+        ..RenderReport::default()
+    };
+    or_nothing(step("report", || verb.run(context, observer)), faults)
 }
 
 impl Run {
@@ -102,6 +107,8 @@ impl Run {
             mut faults,
         } = self.make(context, observer)?;
         let condemned = context.store.condemned_by_diagnosis()?;
+        // The first report of this command is none that anybody has read.
+        let before = said_before(context, observer);
         let mut first = None;
         let diagnose = if self.skip_diagnosis {
             DiagnoseSummary::default()
@@ -109,7 +116,7 @@ impl Run {
             self.diagnosis()
                 .run_while(context, observer, &|| true, &mut |context| {
                     // What a fault stops here is tried again at the end, and told then.
-                    let rendered = render(context, observer, &mut Vec::new())?;
+                    let rendered = render(context, observer, Some(&before), &mut Vec::new())?;
                     if rendered.rendered {
                         observer.say(&format!("a first report stands: {}", rendered.index.display()));
                     }
@@ -131,7 +138,7 @@ impl Run {
             faults.dedup();
         }
         let set_aside = standing::runs(context)?.set_aside;
-        let last = render(context, observer, &mut faults)?;
+        let last = render(context, observer, Some(&before), &mut faults)?;
         // What the diagnosis left as it was need not be rendered twice.
         let is_made = !last.index.as_os_str().is_empty();
         let report = match first {

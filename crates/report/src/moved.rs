@@ -15,10 +15,22 @@ pub const FILE: &str = ".numbers";
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Numbers(BTreeMap<String, BTreeMap<String, Number>>);
 
+/// A number as a report says it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Said {
+    /// As it is printed.
+    pub text: String,
+    /// Value and standard error, in the unit that the parameter's key names; none of what is no value, or has no error.
+    pub measured: Option<(f64, f64)>,
+}
+
 /// A number as it is printed, and what it was before it moved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Number {
     text: String,
+    /// Value and standard error that it is held against: those that stood when it moved last.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    stood: Option<(f64, f64)>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     was: Option<Was>,
 }
@@ -62,11 +74,11 @@ impl Numbers {
     }
 
     /// What a report says, by run and parameter, after the one before.
-    pub fn after(before: &Before, said: impl Iterator<Item = (String, Vec<(String, String)>)>) -> Numbers {
+    pub fn after(before: &Before, said: impl Iterator<Item = (String, Vec<(String, Said)>)>) -> Numbers {
         let Before { numbers, now } = before;
-        let of_run = |(run, said): (String, Vec<(String, String)>)| {
-            let own = said.into_iter().map(|(key, text)| {
-                let number = numbers.moved_to(&run, &key, text, now);
+        let of_run = |(run, said): (String, Vec<(String, Said)>)| {
+            let own = said.into_iter().map(|(key, said)| {
+                let number = numbers.moved_to(&run, &key, said, now);
                 (key, number)
             });
             let own = own.collect();
@@ -75,16 +87,24 @@ impl Numbers {
         Numbers(said.map(of_run).collect())
     }
 
-    /// A number that is said now: with what it was, where it is another, or was another not long ago.
-    fn moved_to(&self, run: &str, key: &str, text: String, now: &str) -> Number {
+    /// A number that is said now: with what it was, where it is another by more than its error, or was so not long ago.
+    fn moved_to(&self, run: &str, key: &str, said: Said, now: &str) -> Number {
+        let Said { text, measured } = said;
         let before = self.0.get(run).and_then(|own| own.get(key));
-        let was = match before {
-            Some(before) if before.text != text => Some(Was {
-                text: before.text.clone(),
-                until: now.to_owned(),
-            }),
-            Some(before) => before.was.clone().filter(|was| was.text != text),
-            None => None,
+        let has_moved = |before: &&Number| before.text != text && !before.is_within_error(measured);
+        let (was, stood) = match (before, before.filter(has_moved)) {
+            (_, Some(before)) => {
+                let was = Was {
+                    text: before.text.clone(),
+                    until: now.to_owned(),
+                };
+                (Some(was), measured)
+            }
+            (Some(before), None) => {
+                let was = before.was.clone().filter(|was| was.text != text);
+                (was, before.stood.or(measured))
+            }
+            (None, None) => (None, measured),
         };
         let is_recent = |was: &Was| match (seconds(now), seconds(&was.until)) {
             (Some(now), Some(until)) => now - until <= MOVED_SHOWN_S,
@@ -92,6 +112,7 @@ impl Numbers {
         };
         Number {
             was: was.filter(is_recent),
+            stood,
             text,
         }
     }
@@ -116,13 +137,48 @@ impl Numbers {
     }
 }
 
+impl Number {
+    /// Whether a value lies within the standard error of the one that stood.
+    fn is_within_error(&self, measured: Option<(f64, f64)>) -> bool {
+        let both = self.stood.zip(measured);
+        both.is_some_and(|((stood, error), (value, _))| (value - stood).abs() <= error)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn number(numbers: &Numbers, text: &str, now: &str) -> Numbers {
-        let number = numbers.moved_to("a.csv", "lambda_per_s", text.to_owned(), now);
+        measured(numbers, (text, None), now)
+    }
+
+    fn measured(numbers: &Numbers, (text, measured): (&str, Option<(f64, f64)>), now: &str) -> Numbers {
+        let said = Said {
+            text: text.to_owned(),
+            measured,
+        };
+        let number = numbers.moved_to("a.csv", "lambda_per_s", said, now);
         Numbers([("a.csv".to_owned(), [("lambda_per_s".to_owned(), number)].into())].into())
+    }
+
+    #[test]
+    fn what_stays_within_its_error_did_not_move_and_many_small_ways_are_one() {
+        let day = |day: u32| format!("2026-11-{day}T06:00:00Z");
+        let first = measured(
+            &Numbers::default(),
+            ("3.053 ± 0.018", Some((3.053, 0.018))),
+            &day(20),
+        );
+        let second = measured(&first, ("3.053 ± 0.019", Some((3.053, 0.019))), &day(21));
+        assert_eq!(second.moved().count(), 0);
+        let third = measured(&second, ("3.067 ± 0.019", Some((3.067, 0.019))), &day(22));
+        assert_eq!(third.moved().count(), 0);
+        let fourth = measured(&third, ("3.081 ± 0.019", Some((3.081, 0.019))), &day(23));
+        assert_eq!(fourth.was("a.csv", "lambda_per_s").unwrap().text, "3.067 ± 0.019");
+        // What becomes no value moved.
+        let fifth = measured(&third, ("above 1", None), &day(23));
+        assert_eq!(fifth.moved().count(), 1);
     }
 
     #[test]

@@ -42,10 +42,12 @@ use crate::store::journal::End;
 use crate::system::{fs, program_mark};
 
 /// The verb `report`.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct RenderReport {
     /// Render even where nothing changed.
     pub again: bool,
+    /// What numbers are held against to say that they moved; what the report that stands says where this is none.
+    pub before: Option<Numbers>,
 }
 
 /// What `report` did.
@@ -149,7 +151,10 @@ impl RenderReport {
         let input = report::Input {
             templates: own.texts.clone(),
             before: Before {
-                numbers: before(&target, observer),
+                numbers: self
+                    .before
+                    .clone()
+                    .unwrap_or_else(|| said_before(context, observer)),
                 now: now(),
             },
             ..input(context, changes, &changed_at, &values)?
@@ -187,8 +192,8 @@ impl RenderReport {
 
 /// What the report that stands says of each run; nothing where there is none. What cannot be read is said: no number is then
 /// marked as moved.
-fn before(target: &Path, observer: &dyn Observer) -> Numbers {
-    let path = target.join(report::moved::FILE);
+pub fn said_before(context: &Context, observer: &dyn Observer) -> Numbers {
+    let path = context.folder.join(REPORT_FOLDER).join(report::moved::FILE);
     let said = match fs::read_own_text(&path) {
         Ok(text) => Numbers::read(&text).map_err(|error| error.to_string()),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Numbers::default()),

@@ -179,7 +179,7 @@ impl Shared<'_> {
                 for line in told.new_lines(context)? {
                     (self.hear)(&Watched::Fitted(&line));
                 }
-                let report = render(context, self.observer, &mut made.faults)?;
+                let report = render(context, self.observer, None, &mut made.faults)?;
                 Ok((made, report))
             });
             match refusals.passed(made, self.observer)? {

@@ -162,7 +162,11 @@ fn a_report_that_cannot_be_brought_to_the_disk_leaves_the_old_one() {
     folder.write("runs/a.csv", run_table(1));
     let mut context = open(folder.path());
     ingest(&mut context);
-    let render = || RenderReport { again: true }.run(&context, &Silent);
+    let verb = RenderReport {
+        again: true,
+        ..RenderReport::default()
+    };
+    let render = || verb.run(&context, &Silent);
     render().unwrap();
     let old = hash_of_report(folder.path());
     struct NoSync;

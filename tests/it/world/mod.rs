@@ -393,7 +393,7 @@ impl World {
 }
 
 fn render(context: &mut Context) -> Result<(), PipelineError> {
-    RenderReport { again: false }.run(context, &Silent).map(drop)
+    RenderReport::default().run(context, &Silent).map(drop)
 }
 
 /// Plays one world; gives what was wrong in it.

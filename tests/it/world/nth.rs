@@ -34,7 +34,7 @@ fn taken_in(files: u32, weather: Weather) -> (String, u64) {
     let run = || -> Result<(), PipelineError> {
         let mut context = Context::open(path, false)?;
         Ingest { ready: &mut |_| true }.run(&mut context, &Silent)?;
-        RenderReport { again: false }.run(&context, &Silent).map(drop)
+        RenderReport::default().run(&context, &Silent).map(drop)
     };
     computer.have(weather);
     let outcome = on(&computer, run);

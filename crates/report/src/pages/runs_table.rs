@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use serde::Serialize;
 
 use super::wording::{EstimateText, RunLink, estimate_of, has_warnings};
-use crate::moved::Numbers;
+use crate::moved::{Numbers, Said};
 use crate::pages::policy::MOST_RUNS_LISTED;
 use crate::site::Site;
 use crate::sparkline::Sparks;
@@ -91,8 +91,16 @@ pub fn numbers(site: &Site) -> Numbers {
     let parameters = || COMPARED.iter().filter_map(|key| ParameterInfo::of(key));
     let fitted = site.input.runs.iter().filter(|run| run.fit.is_some());
     let said = fitted.map(|run| {
-        let texts = parameters().map(|info| (info.key.to_owned(), estimate_of(site, run, info).text));
-        (run.path.clone(), texts.collect())
+        let said = |info: &ParameterInfo| Said {
+            text: estimate_of(site, run, info).text,
+            measured: run
+                .fit
+                .as_ref()
+                .and_then(|fit| fit.parameter(info.key))
+                .and_then(|own| own.value.zip(own.standard_error)),
+        };
+        let said = parameters().map(|info| (info.key.to_owned(), said(info)));
+        (run.path.clone(), said.collect())
     });
     Numbers::after(&site.input.before, said)
 }
