@@ -122,7 +122,8 @@ fn thousands_of_files_that_came_while_it_stood_still_are_taken_in() {
     }
     tell("-CONT");
     let begun = Instant::now();
-    let longest = Duration::from_secs(counted(120, 600) as u64);
+    // Only what never comes to an end fails here: how long it takes is for benchmarks.
+    let longest = Duration::from_secs(900);
     let runs = || -> i64 {
         let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
         let sql = "SELECT count(*) FROM result WHERE kind = 'marks' AND superseded_at IS NULL";
