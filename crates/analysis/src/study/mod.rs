@@ -19,6 +19,7 @@ mod measures;
 mod pairs;
 mod placed;
 mod policy;
+mod scoped;
 mod slope;
 pub mod view;
 mod whole_curves;
@@ -33,7 +34,7 @@ mod tests;
 #[cfg(test)]
 mod two_scopes_tests;
 
-pub use answer::{Answer, Basis, Drawn, Kind, OfMaterial, Point, Scale, Scope, Verdict};
+pub use answer::{Answer, Basis, Drawn, InScope, Kind, Point, Scale, Scope, Verdict};
 pub use course::{Course, courses};
 pub use made::{Evidence, Study};
 pub use words::{about, lead, sentence, symbol};
