@@ -19,6 +19,7 @@ mod measures;
 mod pairs;
 mod placed;
 mod policy;
+pub mod power;
 mod scoped;
 mod slope;
 pub mod view;
@@ -29,6 +30,8 @@ mod words;
 mod curves_tests;
 #[cfg(test)]
 mod other_laws_tests;
+#[cfg(test)]
+mod power_tests;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
