@@ -12,15 +12,17 @@ use super::typed;
 use crate::domain::Drive;
 use crate::domain::typed_value::Measured;
 use crate::pipeline::Context;
+use crate::pipeline::findings::study_plan::{self, StudyPlan};
 use crate::pipeline::standalone::forward::AskedStrip;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
 use crate::pipeline::standalone::preflight::{DRAWS, Named, PlanDocument, Preflight, Subject, Trial, table};
 
-/// Say what a run will determine, before it is made
+/// Say what a run will determine, or a study will see, before it is made
 ///
 /// The run is simulated with its noise several times, and each is fitted as the run itself will be.
+/// With --study whole campaigns are simulated, and the study is asked in how many it sees a change.
 #[derive(Debug, Args)]
-#[command(group(ArgGroup::new("subject").required(true).multiple(true).args(["sample", "run", "spec"])))]
+#[command(group(ArgGroup::new("subject").required(true).multiple(true).args(["sample", "run", "spec", "study"])))]
 pub struct PlanArgs {
     #[command(flatten)]
     campaign: CampaignArg,
@@ -52,8 +54,8 @@ pub struct PlanArgs {
     #[arg(long, value_name = "FILE.csv", conflicts_with = "voltage", group = "driven")]
     drive: Option<PathBuf>,
     /// Time between readings, as 0.25s
-    #[arg(long, value_name = "TIME", value_parser = typed::time, allow_hyphen_values = true)]
-    every: f64,
+    #[arg(long, value_name = "TIME", value_parser = typed::time, allow_hyphen_values = true, required_unless_present = "study")]
+    every: Option<f64>,
     /// Time between readings of the bending, as 1s [default: as --every]
     #[arg(long, value_name = "TIME", value_parser = typed::time, allow_hyphen_values = true)]
     bending_every: Option<f64>,
@@ -72,12 +74,30 @@ pub struct PlanArgs {
     /// Largest voltage that may be proposed, as 2.5V [default: the largest that was measured]
     #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage)]
     max_voltage: Option<f64>,
-    /// Simulated runs for each way to make the run
-    #[arg(long, value_name = "N", default_value_t = DRAWS)]
-    draws: usize,
+    /// Simulated runs for each way to make the run, or campaigns for each number of strips [default: 20, or 100]
+    #[arg(long, value_name = "N")]
+    draws: Option<usize>,
+    /// Ask in how many campaigns like this one the study would see a change
+    #[arg(long, conflicts_with_all = [
+        "sample", "run", "spec", "every", "driven", "duration", "bending_every", "start_known", "current_noise", "curvature_noise",
+        "max_voltage", "length", "width",
+    ])]
+    study: bool,
+    /// Numbers of strips a material [default: 2,3,4,6]
+    #[arg(long, value_name = "N,N", value_delimiter = ',', requires = "study")]
+    strips: Vec<usize>,
+    /// Change that is to be seen, percent [default: `alike_percent` of the study]
+    #[arg(long, value_name = "PERCENT", requires = "study")]
+    change: Option<f64>,
+    /// Runs a strip and condition [default: as in the campaign]
+    #[arg(long, value_name = "N", requires = "study")]
+    repeats: Option<usize>,
 }
 
 pub fn run(args: &PlanArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let Some(every_s) = args.every else {
+        return plan_study(args, global, output);
+    };
     let drive = match (&args.drive, args.voltage) {
         (Some(path), _) => Some(read_drive(path)?),
         (None, volts) => volts.map(Drive::step),
@@ -92,18 +112,38 @@ pub fn run(args: &PlanArgs, global: &Global, output: &Output) -> Result<u8, CliE
     let plan = Preflight {
         trial: Trial {
             drive: drive.unwrap_or_else(|| subject.drive.clone()),
-            every_s: args.every,
-            bending_every_s: args.bending_every.unwrap_or(args.every),
+            every_s,
+            bending_every_s: args.bending_every.unwrap_or(every_s),
             for_s: args.duration.unwrap_or(subject.for_s),
             start_is_known: args.start_known || subject.start_is_known,
         },
         max_voltage_v: args.max_voltage.unwrap_or(subject.largest_v),
-        draws: args.draws,
+        draws: args.draws.unwrap_or(DRAWS),
         seed: global.seed.unwrap_or_default(),
         subject,
     };
     let document = plan.run(output)?;
     print(&document, output);
+    output.document(&document)?;
+    Ok(DONE)
+}
+
+fn plan_study(args: &PlanArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let plan = StudyPlan {
+        strips: if args.strips.is_empty() {
+            study_plan::STRIPS.to_vec()
+        } else {
+            args.strips.clone()
+        },
+        change_percent: args.change,
+        repeats: args.repeats,
+        draws: args.draws.unwrap_or(study_plan::DRAWS),
+        seed: global.seed.unwrap_or_default(),
+    };
+    let document = plan.run(&context, output)?;
+    let said = document.answer.iter().chain(&document.remarks);
+    said.for_each(|sentence| output.result(sentence));
     output.document(&document)?;
     Ok(DONE)
 }

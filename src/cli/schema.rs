@@ -21,7 +21,7 @@ macro_rules! schemas {
 }
 
 /// Every document that `--json` prints, by name. tests/it/schemas.rs holds what is printed against them.
-pub const SCHEMAS: [Schema; 42] = schemas![
+pub const SCHEMAS: [Schema; 43] = schemas![
     "alarms",
     "backup",
     "comparison",
@@ -59,6 +59,7 @@ pub const SCHEMAS: [Schema; 42] = schemas![
     "simulate",
     "status",
     "study",
+    "study-plan",
     "table",
     "tables",
     "tag",

@@ -103,6 +103,7 @@ mod stiffness;
 #[cfg(unix)]
 mod stops;
 mod study;
+mod study_counts;
 mod tables;
 mod terminal;
 mod two_stores;

@@ -113,3 +113,35 @@ fn what_cannot_be_asked_is_told_how_to_be() {
         .stderr;
     assert!(said.contains("`ieap status` lists the runs"), "{said}");
 }
+
+#[test]
+fn a_plan_of_a_study_says_how_many_campaigns_see_a_change_and_what_that_rests_on() {
+    let folder = folder();
+    let asked = |more: &[&str]| {
+        let plan = [
+            "plan", "--study", "--strips", "1,2,4", "--change", "30", "--draws", "20",
+        ];
+        folder.ieap(&[&plan[..], &["--repeats", "2"], more].concat())
+    };
+    let document = asked(&["--json"]).expect(0).json();
+    assert_eq!(document["schema"], "ieap/study-plan/1");
+    let seen = document["seen"].as_array().unwrap();
+    assert_eq!(seen.len(), 6, "{seen:#?}");
+    let number = |at: usize, of: &str| seen[at][of].as_u64();
+    assert_eq!(
+        (number(0, "strips"), number(0, "of_material")),
+        (Some(1), None),
+        "{seen:#?}"
+    );
+    assert!(number(2, "of_material") >= number(1, "of_material"), "{seen:#?}");
+    assert_eq!(document["scatter"][0]["materials"], 0);
+    let said = asked(&[]).expect(0).stdout;
+    assert!(
+        said.starts_with("Any parameter, changed by 30 % from one environment to another: seen of the material with 2 strips in ")
+            && said.contains("Assumed, for no material has repeats on two strips in two environments: "),
+        "{said}"
+    );
+    let refused = folder.ieap(&["plan", "--study", "--strips", "0"]).expect(2);
+    assert!(refused.stderr.contains("--strips"), "{}", refused.stderr);
+    folder.ieap(&["plan", "--study", "--every", "1s"]).expect(2);
+}

@@ -19,6 +19,7 @@ use crate::pipeline::documents::fits::FitsDocument;
 use crate::pipeline::findings::impedance::Spectra;
 use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary};
 use crate::pipeline::findings::study::Study;
+use crate::pipeline::findings::study_plan::StudyPlanDocument;
 use crate::pipeline::intake::trace::TraceSummary;
 use crate::pipeline::show::tables::MovedDocument;
 use crate::pipeline::standalone::convert::ConversionDocument;
@@ -111,6 +112,7 @@ fn derived() -> Vec<Derived> {
         }),
         document("run/1", "run", |of| keys([("run", value::<RunSummary>(of))])),
         document("study/1", "study", whole::<Document<Study>>),
+        document("study-plan/1", "plan --study", whole::<StudyPlanDocument>),
         document("status/2", "status", |of| keys([("status", value::<Status>(of))])),
         document("tag/1", "tag RUN KEY=VALUE", |of| {
             keys([

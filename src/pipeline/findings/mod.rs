@@ -15,3 +15,4 @@ pub mod one_likelihood;
 pub mod reductions;
 pub mod strip_modulus;
 pub mod study;
+pub mod study_plan;

@@ -8,7 +8,7 @@ use crate::analysis::json_rows::rows;
 use crate::analysis::monitoring::fitted::Interval;
 use crate::analysis::monitoring::{Monitoring, Watched, series::Reaches, words};
 use crate::analysis::run_tables::runs_table;
-use crate::analysis::study::{Answer, OfMaterial, Study, Verdict, sentence};
+use crate::analysis::study::{Answer, InScope, Study, Verdict, sentence};
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, GroupDiagnosis, HeldOutGain, RunRecord};
 use crate::pipeline::campaign::standing;
@@ -106,7 +106,7 @@ fn word(of: &impl serde::Serialize) -> Option<String> {
 /// One row a law that was asked for.
 pub fn laws_table(study: &Study) -> Frame {
     let over = |own: &Answer, number: Option<f64>| number.map(|number| own.over_all(number));
-    let of = |own: &Answer, number: fn(&OfMaterial) -> f64| own.of_material.as_ref().map(number);
+    let of = |own: &Answer, number: fn(&InScope) -> f64| own.of_material.as_ref().map(number);
     Sheet::<&Answer>::new("laws", "", 1)
         .plain("question", |own| own.kind.key())
         .plain("material", |own| own.material.as_str())

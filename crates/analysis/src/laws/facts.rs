@@ -22,7 +22,7 @@ pub struct Known {
 }
 
 /// One run as laws see it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct RunFacts {
     /// Index of the run.
     pub run: usize,

@@ -107,12 +107,12 @@ string_enum! {
     }
 }
 
-/// The law of the strips that were measured, told of their material: a change of the logarithm per unit, or points.
+/// An answer in the other scope, on the same scale.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct OfMaterial {
+pub struct InScope {
     /// The number.
     pub value: f64,
-    /// Its 95 % interval, with what strips differ by.
+    /// Its 95 % interval, of the material with what strips differ by.
     pub low_95: f64,
     /// Upper end.
     pub high_95: f64,
@@ -120,9 +120,9 @@ pub struct OfMaterial {
     pub degrees_of_freedom: Option<f64>,
     /// Chance of a number as far from none.
     pub p: f64,
-    /// The same over all laws of the study.
+    /// The same over all that was asked and is told in this scope.
     pub q: Option<f64>,
-    /// Whether it is shown of the material.
+    /// Whether it is shown in this scope.
     pub is_shown: bool,
 }
 
@@ -211,11 +211,13 @@ pub struct Answer {
     pub p: Option<f64>,
     /// The same over all that was asked: at most this part of what is claimed is expected to be chance.
     pub q: Option<f64>,
-    /// Of a law of the strips as they are: the same of their material; none of one strip.
-    pub of_material: Option<OfMaterial>,
-    /// Of a law: chance that strips with one law differ as much as these.
+    /// Of an answer of the material: the same of the strips that were measured, as they were in each of the surroundings.
+    pub of_strips: Option<InScope>,
+    /// Of an answer of the strips as they are: the same of their material; none of one strip.
+    pub of_material: Option<InScope>,
+    /// Chance that strips that are alike in it differ as much as these.
     pub strips_differ_p: Option<f64>,
-    /// Of a law: the least and the largest of the strips' own.
+    /// The least and the largest of the strips' own, on the scale of the number.
     pub strips_from_to: Option<(f64, f64)>,
     /// What is shown.
     pub verdict: Verdict,
@@ -270,6 +272,14 @@ impl Answer {
     /// Whether it is about a whole curve.
     pub fn is_of_curve(&self) -> bool {
         self.scale == Scale::OfRange
+    }
+
+    /// The same in the other scope, where that is this one.
+    pub(super) fn beside(&mut self, scope: Scope) -> Option<&mut InScope> {
+        match scope {
+            Scope::Strips => self.of_strips.as_mut(),
+            Scope::Material => self.of_material.as_mut(),
+        }
     }
 
     /// The number back from its logarithm, where it is one.

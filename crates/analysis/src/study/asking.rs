@@ -99,10 +99,7 @@ impl Asking<'_> {
                     0.0
                 }
             };
-            Term {
-                of,
-                factors: of.cells.iter().map(factor).collect(),
-            }
+            Term::of_conditions(of, of.cells.iter().map(factor).collect())
         });
         let blank = self.blank_of_materials(material, key);
         let mut voltages: Vec<usize> = shared.iter().map(|cell| cell.1).collect();

@@ -4,16 +4,41 @@ use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::student::{quantile, quantile_95, two_sided_chance};
 
 use super::also::also_changed;
-use super::answer::{Answer, Basis, Kind, OfMaterial, Scale, Scope, Verdict};
+use super::answer::{Answer, Basis, InScope, Kind, Scale, Scope, Verdict};
 use super::asking::Asking;
-use super::measured::Measured;
+use super::measured::{Measured, Value};
 use super::measures::{BENDING_LOST, CURVES};
 use super::policy::LEAST_ERROR;
+use super::scoped::{Scoped, Told};
 
-/// A combination of the conditions of one parameter of one material.
+/// A combination of what one model of a parameter of a material tells.
 pub(super) struct Term<'a> {
     pub of: &'a Measured,
     pub factors: Vec<f64>,
+    /// On which side of it each value stands: positive above, negative below.
+    pub side: Vec<f64>,
+}
+
+impl<'a> Term<'a> {
+    /// Of conditions.
+    pub fn of_conditions(of: &'a Measured, factors: Vec<f64>) -> Term<'a> {
+        let side = |own: &Value| of.at(own.cell).map_or(0.0, |at| factors[at]);
+        Term {
+            side: of.values.iter().map(side).collect(),
+            of,
+            factors,
+        }
+    }
+
+    /// A number in one scope, with a sign.
+    pub fn of_number(told: &'a Told, sign: f64) -> Term<'a> {
+        let signed = |of: &[f64]| of.iter().map(|own| sign * own).collect();
+        Term {
+            of: &told.of,
+            factors: signed(&told.factors),
+            side: signed(&told.side),
+        }
+    }
 }
 
 impl Asking<'_> {
@@ -61,6 +86,7 @@ impl Asking<'_> {
             no_more_than: None,
             p: None,
             q: None,
+            of_strips: None,
             of_material: None,
             strips_differ_p: None,
             strips_from_to: None,
@@ -70,6 +96,67 @@ impl Asking<'_> {
             of_runs: Vec::new(),
             also_changed: Vec::new(),
             reason: None,
+        }
+    }
+
+    /// A sum of combinations of conditions, in both scopes.
+    pub(super) fn contrast(
+        &self,
+        of: Vec<(&Measured, Vec<f64>)>,
+        voltages: &[usize],
+        is_asked: bool,
+        blank: Answer,
+    ) -> Answer {
+        let of: Vec<Scoped> = (of.into_iter())
+            .map(|(of, factors)| Scoped::of_conditions(of, factors))
+            .collect();
+        let plus: Vec<(&Scoped, f64)> = of.iter().map(|own| (own, 1.0)).collect();
+        let voltages = |_: &[Term]| voltages.to_vec();
+        self.in_scopes(&plus, voltages, is_asked, blank)
+    }
+
+    /// A sum of numbers: of the strips as they are, and beside it of their materials; the other way round where nothing tells
+    /// what strips do from what their runs share by chance. Of the materials alone where these tell more.
+    pub(super) fn in_scopes(
+        &self,
+        of: &[(&Scoped, f64)],
+        voltages: impl Fn(&[Term]) -> Vec<usize>,
+        is_asked: bool,
+        blank: Answer,
+    ) -> Answer {
+        let both = InBoth::of(of);
+        let (first, beside) = if both.is_by_material || both.strips.is_none() {
+            (&both.material, &both.strips)
+        } else {
+            (&both.strips, &both.material)
+        };
+        let Some(told) = first else {
+            return blank;
+        };
+        let scale = blank.scale;
+        let answer = self.answer(told, &voltages(told), is_asked, blank);
+        let beside = beside.as_ref().and_then(|of| InScope::of(of, scale));
+        let (of_strips, of_material) = if both.is_by_material {
+            (beside, None)
+        } else {
+            (None, beside)
+        };
+        let differ = of
+            .first()
+            .filter(|_| of.len() == 1)
+            .and_then(|(own, _)| own.differ);
+        let shown = |number| Answer::shown(scale, number);
+        Answer {
+            scope: if both.is_by_material || both.strips.is_none() {
+                answer.scope
+            } else {
+                Scope::Strips
+            },
+            of_strips,
+            of_material,
+            strips_differ_p: differ.map(|own| own.p),
+            strips_from_to: differ.map(|own| (shown(own.least), shown(own.largest))),
+            ..answer
         }
     }
 
@@ -164,30 +251,14 @@ impl Asking<'_> {
         answer
     }
 
-    /// The same sum of the material, beside the answer for the strips as they are.
-    pub(super) fn of_material(&self, terms: &[Term]) -> Option<OfMaterial> {
-        let (all, reach) = (summed(terms)?, reach(terms));
-        Some(OfMaterial {
-            value: all.value,
-            low_95: all.value - reach,
-            high_95: all.value + reach,
-            degrees_of_freedom: all.freedom.is_finite().then_some(all.freedom),
-            p: two_sided_chance(all.value / all.error, all.freedom),
-            q: None,
-            is_shown: false,
-        })
-    }
-
-    /// Places of the runs above and below: those whose factor is positive, and negative.
+    /// Places of the runs above and below.
     pub(super) fn places(&self, terms: &[Term]) -> (Vec<usize>, Vec<usize>) {
         let (mut upper, mut lower) = (Vec::new(), Vec::new());
         for term in terms {
-            for value in &term.of.values {
-                // What stands for no condition is of one side as a whole.
-                let whole: f64 = term.factors.iter().sum();
-                match term.of.at(value.cell).map_or(whole, |at| term.factors[at]) {
-                    factor if factor > 0.0 => upper.push(value.place),
-                    factor if factor < 0.0 => lower.push(value.place),
+            for (value, side) in term.of.values.iter().zip(&term.side) {
+                match *side {
+                    side if side > 0.0 => upper.push(value.place),
+                    side if side < 0.0 => lower.push(value.place),
                     _ => {}
                 }
             }
@@ -196,8 +267,58 @@ impl Asking<'_> {
     }
 }
 
+/// A sum of numbers in both scopes.
+pub(super) struct InBoth<'a> {
+    /// Of the strips as they are; none where their materials tell more.
+    pub strips: Option<Vec<Term<'a>>>,
+    /// Of their materials.
+    pub material: Option<Vec<Term<'a>>>,
+    /// Whether the answer is that of the materials.
+    is_by_material: bool,
+}
+
+impl<'a> InBoth<'a> {
+    /// The sum of these, each with its sign.
+    pub fn of(of: &[(&'a Scoped, f64)]) -> InBoth<'a> {
+        let material = terms(of, |own| own.material.as_ref());
+        // Where strips were measured at different places their material tells more than what differs within each.
+        let tells_more = |own: &Vec<Term>| material.as_ref().is_none_or(|of| reach(own) <= reach(of));
+        InBoth {
+            strips: terms(of, |own| own.strips.as_ref()).filter(tells_more),
+            is_by_material: material.is_some() && of.iter().any(|(own, _)| own.is_of_surroundings),
+            material,
+        }
+    }
+}
+
+impl InScope {
+    /// A sum in one scope; none where nothing tells the scatter.
+    pub(super) fn of(terms: &[Term], scale: Scale) -> Option<InScope> {
+        let (all, reach) = (summed(terms)?, reach(terms));
+        let shown = |number: f64| Answer::shown(scale, number);
+        Some(InScope {
+            value: shown(all.value),
+            low_95: shown(all.value - reach),
+            high_95: shown(all.value + reach),
+            degrees_of_freedom: all.freedom.is_finite().then_some(all.freedom),
+            p: two_sided_chance(all.value / all.error, all.freedom),
+            q: None,
+            is_shown: false,
+        })
+    }
+}
+
+/// Numbers in one scope, each with its sign; none where one is not told in it.
+fn terms<'a>(
+    of: &[(&'a Scoped, f64)],
+    scope: impl Fn(&'a Scoped) -> Option<&'a Told<'a>>,
+) -> Option<Vec<Term<'a>>> {
+    let term = |&(own, sign): &(&'a Scoped, f64)| Some(Term::of_number(scope(own)?, sign));
+    of.iter().map(term).collect()
+}
+
 /// Half-width of the 95 % interval of a sum; infinite where nothing tells the scatter.
-pub(super) fn reach(terms: &[Term]) -> f64 {
+fn reach(terms: &[Term]) -> f64 {
     summed(terms).map_or(f64::INFINITY, |all| quantile_95(all.freedom) * all.error)
 }
 

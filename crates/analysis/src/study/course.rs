@@ -60,13 +60,13 @@ impl Course {
     fn of(parameter: &str, over: &Over) -> Option<Course> {
         // Through as many places as a curve has coefficients, its level counted, goes any: one place more tells of it.
         let powers = over.places().saturating_sub(2).clamp(1, MOST_POWERS);
-        let column = |power: usize| over.x.iter().map(|x| x.powi(power as i32)).collect();
+        let column = |power: usize| over.columns.x.iter().map(|x| x.powi(power as i32)).collect();
         let columns: Vec<Vec<f64>> = (1..=powers).map(column).collect();
         let count = columns.len();
-        let (told, at) = if over.samples <= MOST_STRIPS {
-            over.with_levels(columns)?
+        let (told, at) = if over.columns.samples <= MOST_STRIPS {
+            over.columns.with_levels(columns)?
         } else {
-            over.by_chance(columns)?
+            over.columns.by_chance(columns)?
         };
         let of = told.of.estimated().filter(|_| at.len() == count)?;
         let keep: Vec<usize> = at.clone().collect();

@@ -5,7 +5,6 @@ use ieap_domain::quantiles::NORMAL_95;
 
 use super::answer::{Answer, Kind};
 use super::asking::Asking;
-use super::combined::Term;
 use super::measured::{Bound, Cell, Measured};
 use super::pairs::Pair;
 use crate::conditions::volts;
@@ -43,12 +42,7 @@ impl Asking<'_> {
                 .filter(|_| !shared.is_empty() || self.rules.voltages_together);
             match pooled {
                 Some(factors) => {
-                    found.push(self.answer(
-                        &[Term { of, factors }],
-                        &shared,
-                        pair.is_of_study,
-                        blank.clone(),
-                    ));
+                    found.push(self.contrast(vec![(of, factors)], &shared, pair.is_of_study, blank.clone()));
                 }
                 None if pair.is_of_study => found.push(Answer {
                     is_of_study: true,
@@ -77,7 +71,7 @@ impl Asking<'_> {
         if let (Some(above), Some(below)) = (upper, lower) {
             let mut factors = vec![0.0; of.cells.len()];
             (factors[above], factors[below]) = (1.0, -1.0);
-            return Some(self.answer(&[Term { of, factors }], &[cells.0.1], false, blank));
+            return Some(self.contrast(vec![(of, factors)], &[cells.0.1], false, blank));
         }
         let side = |cell: Cell, at: Option<usize>| -> Option<Bound> {
             let Some(at) = at else {
@@ -128,7 +122,7 @@ impl Asking<'_> {
             format!("{} at {}", pair.lower.name, volts(low)),
         );
         let blank = self.blank(Kind::ByVoltage, material, key, (&names.0, &names.1));
-        Some(self.answer(&[Term { of, factors }], &[low, high], false, blank))
+        Some(self.contrast(vec![(of, factors)], &[low, high], false, blank))
     }
 
     /// Whether a pair differs otherwise than in the first material.
@@ -147,11 +141,11 @@ impl Asking<'_> {
         for (of, sign) in [(first, 1.0), (own, -1.0)] {
             let factors = self.difference(of, &pair.upper, &pair.lower, &shared)?;
             let factors = factors.into_iter().map(|factor| sign * factor).collect();
-            terms.push(Term { of, factors });
+            terms.push((of, factors));
         }
         let mut blank = self.blank(Kind::ByMaterial, 0, key, (&pair.upper.name, &pair.lower.name));
         blank.against_material = Some(self.conditions.materials[material].clone());
         let is_asked = pair.is_of_study && self.asks(Factor::Material);
-        Some(self.answer(&terms, &shared, is_asked, blank))
+        Some(self.contrast(terms, &shared, is_asked, blank))
     }
 }

@@ -5,10 +5,11 @@ use ieap_domain::Factor;
 use super::also::{USE, changed_with};
 use super::answer::{Answer, Drawn, Kind, Point, Scope};
 use super::asking::Asking;
-use super::combined::{Term, reach};
+use super::combined::Term;
 use super::measured::{Measured, Value, distinct};
 use super::policy::FEWEST_LEVELS;
-use super::slope::{Followed, Other, Over, Slope, Told, levels};
+use super::scoped::Scoped;
+use super::slope::{Followed, Other, Over, Slope, levels};
 use crate::conditions::{Conditions, volts};
 use crate::laws::Covariate;
 use crate::laws::facts::RunFacts;
@@ -36,7 +37,7 @@ impl Asking<'_> {
             let blank = self.blank(Kind::Voltage, material, key, (&names.0, &names.1));
             let ends = [of.cells[low].1, of.cells[high].1];
             steps.push(factors.clone());
-            found.push(self.answer(&[Term { of, factors }], &ends, false, blank));
+            found.push(self.contrast(vec![(of, factors)], &ends, false, blank));
             // A law goes over the size of the voltage: its sign is the side to which the strip bends.
             let size = |k: usize| volt(k).abs();
             let mut sizes: Vec<f64> = cells.iter().map(|&k| size(k)).collect();
@@ -66,11 +67,11 @@ impl Asking<'_> {
                 .map(|own| self.conditions.voltages_v[own.cell.1].abs());
             found.push(Answer {
                 also_changed: changed_with(self.facts, &of.values, &sizes.collect::<Vec<f64>>()),
-                ..self.answer(&[Term { of, factors }], &used, asks, blank)
+                ..self.contrast(vec![(of, factors)], &used, asks, blank)
             });
         } else if let ([low, high], Some(factors)) = (&self.conditions.voltages_v[..], mean_of(&steps)) {
             let blank = self.blank(Kind::Voltage, material, key, (&volts(*high), &volts(*low)));
-            found.push(self.answer(&[Term { of, factors }], &[0, 1], asks, blank));
+            found.push(self.contrast(vec![(of, factors)], &[0, 1], asks, blank));
         }
         found
     }
@@ -116,7 +117,11 @@ impl Asking<'_> {
     }
 
     /// Values brought to the mean of what was taken out, for a picture; none where nothing tells the scatter.
-    fn drawn(&self, slope: &Slope, told: &Told) -> Option<Drawn> {
+    fn drawn(&self, slope: &Slope, scope: Scope) -> Option<Drawn> {
+        let told = match scope {
+            Scope::Strips => slope.scoped.strips.as_ref()?,
+            Scope::Material => slope.scoped.material.as_ref()?,
+        };
         let size = told.of.estimated()?.combined(&told.factors).value;
         let count = told.fitted.len() as f64;
         let mean_x = slope.numbers.iter().sum::<f64>() / count;
@@ -135,24 +140,8 @@ impl Asking<'_> {
         })
     }
 
-    /// A sum of slopes: of the strips as they are, and beside it of their materials; of these alone where they tell more.
+    /// A sum of slopes.
     fn law(&self, slopes: &[(&Slope, f64)], is_asked: bool, blank: Answer) -> Answer {
-        let strips = terms(slopes, self::strips);
-        let material = terms(slopes, self::material);
-        // Where strips were measured at different humidities their material tells more than what differs within each.
-        let by_strips = match (&strips, &material) {
-            (Some(strips), Some(material)) => reach(strips) <= reach(material),
-            (strips, _) => strips.is_some(),
-        };
-        let (scope, of) = if by_strips {
-            (Scope::Strips, self::strips as fn(&Slope) -> Option<&Told>)
-        } else {
-            (Scope::Material, self::material as fn(&Slope) -> Option<&Told>)
-        };
-        let Some(told) = terms(slopes, of) else {
-            return blank;
-        };
-        let voltages = distinct((told.iter()).flat_map(|term| term.of.values.iter().map(|own| own.cell.1)));
         let low = slopes.iter().map(|(slope, _)| slope.range.0).reduce(f64::max);
         let high = slopes.iter().map(|(slope, _)| slope.range.1).reduce(f64::min);
         let ends = low.zip(high).filter(|(low, high)| low < high);
@@ -168,56 +157,29 @@ impl Asking<'_> {
             .map(|own| format!("the {}", own.label()))
             .collect();
         tied.dedup();
-        let differ = slopes.first().filter(|_| slopes.len() == 1);
-        let differ = differ.and_then(|(slope, _)| slope.differ);
-        let answer = self.answer(
-            &told,
-            &voltages,
-            is_asked,
-            Answer {
-                from_to: Some(ends),
-                span: Some(ends.1 - ends.0),
-                ..blank
-            },
-        );
-        let drawn = match (slopes, of(slopes[0].0)) {
-            ([(slope, _)], Some(told)) => self.drawn(slope, told),
+        let of: Vec<(&Scoped, f64)> = slopes
+            .iter()
+            .map(|(slope, sign)| (&slope.scoped, *sign))
+            .collect();
+        let voltages = |told: &[Term]| {
+            distinct((told.iter()).flat_map(|term| term.of.values.iter().map(|own| own.cell.1)))
+        };
+        let blank = Answer {
+            from_to: Some(ends),
+            span: Some(ends.1 - ends.0),
+            ..blank
+        };
+        let answer = self.in_scopes(&of, voltages, is_asked, blank);
+        let drawn = match slopes {
+            [(slope, _)] => self.drawn(slope, answer.scope),
             _ => None,
         };
         Answer {
             drawn,
-            scope,
-            of_material: (material.filter(|_| scope == Scope::Strips)).and_then(|of| self.of_material(&of)),
-            strips_differ_p: differ.map(|own| own.p),
-            strips_from_to: differ.map(|own| (own.least, own.largest)),
             also_changed: tied,
             ..answer
         }
     }
-}
-
-fn strips(slope: &Slope) -> Option<&Told> {
-    slope.strips.as_ref()
-}
-
-fn material(slope: &Slope) -> Option<&Told> {
-    slope.material.as_ref()
-}
-
-/// Slopes in one scope, each with its sign; none where one is not told in it.
-fn terms<'a>(
-    slopes: &[(&'a Slope, f64)],
-    scope: impl Fn(&'a Slope) -> Option<&'a Told>,
-) -> Option<Vec<Term<'a>>> {
-    let term = |&(slope, sign): &(&'a Slope, f64)| {
-        let told = scope(slope)?;
-        let factors = told.factors.iter().map(|factor| sign * factor).collect();
-        Some(Term {
-            of: &told.of,
-            factors,
-        })
-    };
-    slopes.iter().map(term).collect()
 }
 
 /// What else a parameter may follow: of what says how long a strip was used the first that is known.

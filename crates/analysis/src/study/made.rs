@@ -6,7 +6,7 @@ use ieap_domain::{Campaign, Drive, Factor, RunRecord, Sample};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::answer::{Answer, Kind, OfMaterial, Scale, Verdict};
+use super::answer::{Answer, InScope, Kind, Scale, Scope, Verdict};
 use super::asking::Asking;
 use super::curves::Curves;
 use super::laws::{of_humidity, other_slopes, over_humidity};
@@ -79,13 +79,10 @@ impl Study {
             declared.clone()
         };
         let stated_percent = evidence.campaign.study.scatter_percent;
-        let (mut measured, mut curves) = (BTreeMap::new(), BTreeMap::new());
+        let measured = measured_of(&evidence, &conditions, &facts);
+        let mut curves = BTreeMap::new();
         for material in 0..conditions.materials.len() {
             let placed = Placed::new(&conditions, &facts, material);
-            let parameters = MEASURES.into_iter();
-            measured.extend(
-                parameters.filter_map(|key| Some(((material, key), measure(&evidence, &placed, key)?))),
-            );
             let read = CURVES.into_iter();
             curves.extend(read.filter_map(|key| {
                 Some((
@@ -163,6 +160,21 @@ impl Study {
         }
         found
     }
+}
+
+/// By material and parameter: the values, or why they cannot be compared.
+pub(super) fn measured_of(
+    evidence: &Evidence,
+    conditions: &Conditions,
+    facts: &[RunFacts],
+) -> BTreeMap<(usize, &'static str), Result<Measured, &'static str>> {
+    let of_material = |material: usize| {
+        let placed = Placed::new(conditions, facts, material);
+        MEASURES
+            .into_iter()
+            .filter_map(move |key| Some(((material, key), measure(evidence, &placed, key)?)))
+    };
+    (0..conditions.materials.len()).flat_map(of_material).collect()
 }
 
 /// Why a fitted run takes part in no answer about a parameter.
@@ -302,8 +314,8 @@ fn bound(evidence: &Evidence, facts: &[RunFacts], place: usize, key: &str) -> Bo
     }
 }
 
-/// Fills in the q of every answer, by families (parameters, whole curves, laws of what else differs, details; laws told of the
-/// material), and what it shows.
+/// Fills in the q of every answer, by families (parameters, whole curves, laws of what else differs, details; in each of
+/// them what is told in the other scope by itself), and what it shows.
 fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
     let family = |own: &Answer| match (own.is_of_study, own.is_of_curve(), own.kind) {
         (true, false, _) => 0,
@@ -312,24 +324,20 @@ fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
         (false, ..) => 3,
     };
     for of_family in 0..4 {
-        let mut family: Vec<&mut Answer> = answers
-            .iter_mut()
+        let mut judged: Vec<&mut Answer> = (answers.iter_mut())
             .filter(|own| family(own) == of_family && own.p.is_some())
             .collect();
-        let p: Vec<f64> = family.iter().filter_map(|own| own.p).collect();
-        for (own, q) in family.iter_mut().zip(q_values(&p)) {
+        let p: Vec<f64> = judged.iter().filter_map(|own| own.p).collect();
+        for (own, q) in judged.iter_mut().zip(q_values(&p)) {
             own.q = Some(q);
         }
-    }
-    for of_family in [0, 2] {
-        let mut laws: Vec<&mut OfMaterial> = answers
-            .iter_mut()
-            .filter(|own| family(own) == of_family)
-            .filter_map(|own| own.of_material.as_mut())
-            .collect();
-        let p: Vec<f64> = laws.iter().map(|own| own.p).collect();
-        for (own, q) in laws.iter_mut().zip(q_values(&p)) {
-            (own.q, own.is_shown) = (Some(q), q <= CLAIMED_BELOW);
+        for scope in Scope::ALL {
+            let mut told: Vec<&mut InScope> =
+                (judged.iter_mut()).filter_map(|own| own.beside(scope)).collect();
+            let p: Vec<f64> = told.iter().map(|own| own.p).collect();
+            for (own, q) in told.iter_mut().zip(q_values(&p)) {
+                (own.q, own.is_shown) = (Some(q), q <= CLAIMED_BELOW);
+            }
         }
     }
     for own in answers.iter_mut() {

@@ -49,6 +49,7 @@ pub struct Scatter {
 }
 
 /// One parameter of one material.
+#[derive(Clone)]
 pub struct Measured {
     /// Conditions with a value, in order.
     pub cells: Vec<Cell>,

@@ -19,6 +19,8 @@ mod measures;
 mod pairs;
 mod placed;
 mod policy;
+pub mod power;
+mod scoped;
 mod slope;
 pub mod view;
 mod whole_curves;
@@ -29,11 +31,13 @@ mod curves_tests;
 #[cfg(test)]
 mod other_laws_tests;
 #[cfg(test)]
+mod power_tests;
+#[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod two_scopes_tests;
 
-pub use answer::{Answer, Basis, Drawn, Kind, OfMaterial, Point, Scale, Scope, Verdict};
+pub use answer::{Answer, Basis, Drawn, InScope, Kind, Point, Scale, Scope, Verdict};
 pub use course::{Course, courses};
 pub use made::{Evidence, Study};
 pub use words::{about, lead, sentence, symbol};

@@ -29,3 +29,12 @@ pub const MOST_STRIPS: usize = 12;
 /// Powers of a course at most: a cubic bends twice. `cargo test -p ieap-analysis --lib other_laws` holds a parameter that goes
 /// straight, not in its logarithm, by a factor of 3.4. Chosen.
 pub const MOST_POWERS: usize = 3;
+/// Where no runs tell it, strips differ in a parameter by this, percent. Chosen: twice what follows.
+pub const STRIPS_DIFFER_PERCENT: f64 = 20.0;
+/// Where no runs tell it, this is what runs differ by, and a strip in one surroundings, percent. Chosen: the fits of the thesis
+/// repeat to 10 to 30 %, which holds both.
+pub const SCATTER_PERCENT: f64 = 10.0;
+/// Where no runs tell it, the error of a fit, percent. Chosen: a tenth to a half of the scatter is usual.
+pub const STATED_ERROR_PERCENT: f64 = 2.0;
+/// Humidities of a planned law where the campaign has none of its own, percent. Chosen: what saturated salts give, evenly.
+pub const HUMIDITIES_PERCENT: [f64; 5] = [20.0, 35.0, 50.0, 65.0, 80.0];

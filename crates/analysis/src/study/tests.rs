@@ -58,6 +58,14 @@ pub(super) fn nothing(_: &str, _: &str, _: &str) -> f64 {
 }
 
 pub(super) fn simulated(design: Design, truth: Truth, seed: u64) -> (Vec<RunRecord>, Campaign) {
+    let (runs, campaign, _) = simulated_with_own(design, truth, seed);
+    (runs, campaign)
+}
+
+/// By material, parameter and environment: by how much the strips strayed in it, on average.
+type Strayed = [[[f64; 3]; 2]; 2];
+
+fn simulated_with_own(design: Design, truth: Truth, seed: u64) -> (Vec<RunRecord>, Campaign, Strayed) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut draw = |size: f64| {
         if size > 0.0 {
@@ -67,8 +75,8 @@ pub(super) fn simulated(design: Design, truth: Truth, seed: u64) -> (Vec<RunReco
         }
     };
     let mut campaign = campaign();
-    let mut runs = Vec::new();
-    for material in MATERIALS {
+    let (mut runs, mut strayed) = (Vec::new(), Strayed::default());
+    for (m, material) in MATERIALS.into_iter().enumerate() {
         for sample in 0..design.samples {
             let id = format!("{material}-{sample}");
             campaign.samples.push(Sample {
@@ -77,8 +85,9 @@ pub(super) fn simulated(design: Design, truth: Truth, seed: u64) -> (Vec<RunReco
                 ..campaign.samples[0].clone()
             });
             let own = KEYS.map(|_| draw(design.scatter[0]));
-            for environment in ENVIRONMENTS {
+            for (e, environment) in ENVIRONMENTS.into_iter().enumerate() {
                 let both = KEYS.map(|_| draw(design.scatter[1]));
+                (0..2).for_each(|k| strayed[m][k][e] += both[k] / design.samples as f64);
                 for voltage in 0..design.voltages {
                     for repeat in 0..design.repeats {
                         // Every tenth lost run in a hundred draws: by a number of its own.
@@ -109,28 +118,31 @@ pub(super) fn simulated(design: Design, truth: Truth, seed: u64) -> (Vec<RunReco
             }
         }
     }
-    (runs, campaign)
+    (runs, campaign, strayed)
 }
 
 fn study(design: Design, truth: Truth, seed: u64) -> Study {
-    let (runs, mut campaign) = simulated(design, truth, seed);
+    study_with_own(design, truth, seed).0
+}
+
+fn study_with_own(design: Design, truth: Truth, seed: u64) -> (Study, Strayed) {
+    let (runs, mut campaign, strayed) = simulated_with_own(design, truth, seed);
     campaign.study.compare = vec![Factor::Environment, Factor::Material];
-    Study::of(Evidence {
+    let study = Study::of(Evidence {
         runs: &runs,
         campaign: &campaign,
         doubts: &Doubts::default(),
         curves: &[],
-    })
+    });
+    (study, strayed)
 }
 
-/// The true logarithm of a pooled answer about environments.
-fn true_value(own: &Answer, truth: Truth) -> f64 {
+/// The true logarithm of a pooled answer about environments, by that of an environment in a material.
+fn true_value(own: &Answer, truth: impl Fn(&str, &str) -> f64) -> f64 {
     let of = |material: &str| {
         let side = |name: &str| match name.strip_prefix("dry (") {
-            Some(_) => {
-                0.5 * (truth(material, own.parameter, "vacuum") + truth(material, own.parameter, "inert"))
-            }
-            None => truth(material, own.parameter, name),
+            Some(_) => 0.5 * (truth(material, "vacuum") + truth(material, "inert")),
+            None => truth(material, name),
         };
         side(&own.upper) - side(&own.lower)
     };
@@ -149,12 +161,17 @@ struct Counts {
     false_claims: usize,
     true_found: usize,
     true_there: usize,
+    /// Of the strips as they were measured, by what these strayed.
+    strips_asked: usize,
+    strips_held: usize,
+    strips_found: usize,
 }
 
 fn counted(design: Design, truth: Truth, seeds: std::ops::Range<u64>) -> Counts {
     let mut counts = Counts::default();
+    let place = |of: &[&str], name: &str| of.iter().position(|own| *own == name).unwrap();
     for seed in seeds {
-        let study = study(design, truth, seed);
+        let (study, strayed) = study_with_own(design, truth, seed);
         let mut has_false = false;
         let of_environments = |own: &&Answer| {
             matches!(own.kind, Kind::Environment | Kind::ByMaterial) && own.scale == Scale::Ratio
@@ -164,7 +181,20 @@ fn counted(design: Design, truth: Truth, seeds: std::ops::Range<u64>) -> Counts 
             .filter(of_environments)
             .filter(|own| KEYS.contains(&own.parameter))
         {
-            let truth = true_value(own, truth);
+            let k = place(&KEYS, own.parameter);
+            let of = |material: &str, environment: &str| truth(material, KEYS[k], environment);
+            let of_strips = |material: &str, environment: &str| {
+                let (m, e) = (place(&MATERIALS, material), place(&ENVIRONMENTS, environment));
+                of(material, environment) + strayed[m][k][e]
+            };
+            if let Some(strips) = &own.of_strips {
+                let own_truth = true_value(own, of_strips);
+                let ends = strips.low_95.ln()..=strips.high_95.ln();
+                counts.strips_asked += 1;
+                counts.strips_held += usize::from(ends.contains(&own_truth));
+                counts.strips_found += usize::from(strips.is_shown && true_value(own, of) != 0.0);
+            }
+            let truth = true_value(own, of);
             let (Some(low), Some(high)) = (own.low_95, own.high_95) else {
                 continue;
             };
@@ -225,6 +255,34 @@ fn two_effects_are_found_and_named_with_their_size() {
             .any(|line| line.starts_with("CPvf, inert against vacuum: α × ")),
         "{lead:?}"
     );
+}
+
+#[test]
+fn two_strips_tell_what_surroundings_did_to_them_and_say_what_their_material_needs() {
+    let two = Design {
+        samples: 2,
+        ..BALANCED
+    };
+    let counts = counted(two, two_effects, 0..6);
+    assert!(
+        counts.strips_held as f64 >= 0.88 * counts.strips_asked as f64 && counts.strips_asked > 0,
+        "{counts:?}"
+    );
+    assert!(counts.strips_found == counts.true_there, "{counts:?}");
+    let study = study(two, two_effects, 1);
+    let is_open = |own: &&Answer| {
+        own.verdict == Verdict::Open && own.of_strips.as_ref().is_some_and(|strips| strips.is_shown)
+    };
+    let open = study.asked().find(is_open).unwrap();
+    assert_eq!(open.scope, Scope::Material, "{open:?}");
+    let said = sentence(open);
+    assert!(
+        said.contains("; in the 2 strips as they were measured ")
+            && said.ends_with(", of the material that is not shown, a third strip would tell."),
+        "{said}"
+    );
+    let lead = lead(&study, &open.material).join("\n");
+    assert!(lead.contains("in the 2 strips as they were measured "), "{lead}");
 }
 
 #[test]
@@ -417,6 +475,17 @@ fn a_law_of_the_voltage_goes_over_its_size_and_runs_of_no_answer_are_named() {
     assert!(
         law.low_95.unwrap() < 0.3 && law.high_95.unwrap() > 0.3 && law.span == Some(2.0),
         "{law:?}"
+    );
+    assert_eq!((law.scope, law.samples), (Scope::Strips, 3), "{law:?}");
+    let material = law.of_material.as_ref().unwrap();
+    assert!(
+        material.is_shown && material.low_95 <= law.low_95.unwrap(),
+        "{law:?}"
+    );
+    let said = sentence(law);
+    assert!(
+        said.contains(" in the 3 strips measured, of the material too"),
+        "{said}"
     );
     assert_eq!(study.left_out, [runs[0].path.clone()]);
     assert!(words::left_out(&study)[0].starts_with("1 fitted run takes part in no answer (runs/"));

@@ -7,7 +7,7 @@ use ieap_domain::words::{capital, counted, in_a_row};
 use ieap_show::quantities::{MATERIAL, Quantity};
 use ieap_show::{Block, Chart, Column, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
 
-use super::answer::{Answer, Kind, Point, Scale, Verdict};
+use super::answer::{Answer, InScope, Kind, Point, Scale, Verdict};
 use super::made::Study;
 use super::measures::BENDING_PER_VOLT;
 use super::words::{about, basis, by_fits, family, lead, left_out, sentence, shows, symbol, voltages};
@@ -60,6 +60,17 @@ const UNDONE: Quantity = Quantity::plain(
 );
 const Q: Quantity = Quantity::plain("q", "q", "false-discovery rate at which it would be claimed");
 const VERDICT: Quantity = Quantity::plain("verdict", "shown", "what is shown");
+const SCOPE: Quantity = Quantity::plain("scope", "of", "of whom it is told");
+const OF_STRIPS: Quantity = Quantity::plain(
+    "of_strips_95",
+    "of the strips",
+    "95 % interval of the same told of the strips as they were measured, where it is told of the material",
+);
+const OF_MATERIAL: Quantity = Quantity::plain(
+    "of_material_95",
+    "of the material",
+    "95 % interval of the same told of the material, where it is told of the strips: strips differ by chance",
+);
 const BASIS: Quantity = Quantity::plain(
     "scatter_from",
     "scatter from",
@@ -88,6 +99,7 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
             .zip(ends.1)
             .map(|(low, high)| format!("{} to {}", significant(low, 3), significant(high, 3)))
     };
+    let beside = move |own: Option<&InScope>| own.and_then(|own| ends((Some(own.low_95), Some(own.high_95))));
     let rough = |number: Option<f64>| number.map(|number| Value::Rough(number, FEW));
     Sheet::<&Answer>::new("contrasts", "What environment, humidity, voltage and material do to each parameter", 6)
         .remarks(
@@ -103,6 +115,9 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         .column(NUMBER, |own| own.estimate())
         .column(MOST_AT, move |own| rough(own.most_at_s))
         .column(INTERVAL, |own| ends((own.low_95, own.high_95)))
+        .column(SCOPE, |own| own.scope.label())
+        .column(OF_STRIPS, move |own| beside(own.of_strips.as_ref()))
+        .column(OF_MATERIAL, move |own| beside(own.of_material.as_ref()))
         .column(FITS_INTERVAL, |own| ends((own.fits_low_95, own.fits_high_95)))
         .column(MOST, move |own| rough(own.no_more_than))
         .column(UNDONE, move |own| rough(own.undone_by_scatter))
@@ -117,7 +132,17 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
 
 /// The same on the page, which says beside it what is compared, what intervals rest on and what changed with what.
 fn on_page<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
-    let beside = [KIND, VOLTAGES, MOST, BASIS, SAMPLES, RUNS, ALSO];
+    let beside = [
+        KIND,
+        VOLTAGES,
+        MOST,
+        OF_STRIPS,
+        OF_MATERIAL,
+        BASIS,
+        SAMPLES,
+        RUNS,
+        ALSO,
+    ];
     table(answers).without(&beside.map(|own| own.key))
 }
 

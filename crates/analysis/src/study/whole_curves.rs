@@ -125,10 +125,7 @@ impl Asking<'_> {
         let at_time = |&at: &i32| {
             let terms: Vec<Term> = sides
                 .iter()
-                .map(|side| Term {
-                    of: &side.0.at[&at],
-                    factors: term(side, at),
-                })
+                .map(|side| Term::of_conditions(&side.0.at[&at], term(side, at)))
                 .collect();
             Answer {
                 most_at_s: Some(time_s(at)),

@@ -179,12 +179,16 @@ pub fn shows(answer: &Answer) -> String {
         Scale::OfRange => "% of its range at any time",
         Scale::Ratio | Scale::PerUnit => "%",
     };
-    match (answer.verdict, most) {
-        (Verdict::Differs, _) => match in_strips(&[answer]) {
+    let strips = in_strips(&[answer]);
+    let in_strips = strips.as_ref().map_or("", |(strips, _)| strips);
+    let said = match (answer.verdict, most) {
+        (Verdict::Differs, _) => match &strips {
             Some((strips, material)) => format!("{number}{strips}, {material}"),
             None => number,
         },
-        (Verdict::Alike, Some(most)) => format!("no effect larger than {most} {unit} (95 %): {number}"),
+        (Verdict::Alike, Some(most)) => {
+            format!("no effect larger than {most} {unit}{in_strips} (95 %): {number}")
+        }
         (Verdict::Open, Some(_)) if answer.p.is_some_and(|p| p <= CLAIMED_BELOW) => format!(
             "{number}; of as many questions as were asked, one such answer is expected by chance ({})",
             equation("q", answer.q)
@@ -202,6 +206,10 @@ pub fn shows(answer: &Answer) -> String {
             format!("{number} by the {of} alone: nothing tells the scatter from run to run")
         }
         _ => number,
+    };
+    match strips_alone(&[answer]) {
+        Some(strips) => format!("{said}; {strips}"),
+        None => said,
     }
 }
 
@@ -244,7 +252,7 @@ fn pair(answer: &Answer) -> String {
 /// What a pair does to the parameters: those that differ with their numbers, strongest first; those that do by themselves, but
 /// of as many questions one such answer is expected by chance; those that do not, with the largest effect that could hide;
 /// those that are open.
-fn told(of: &[&Answer]) -> String {
+fn told(all: &[&Answer]) -> String {
     let numbers = |mut of: Vec<&Answer>| {
         of.sort_by(|a, b| a.p.unwrap_or(1.0).total_cmp(&b.p.unwrap_or(1.0)));
         let each = of
@@ -253,7 +261,7 @@ fn told(of: &[&Answer]) -> String {
         in_a_row(&each.collect::<Vec<_>>())
     };
     let names = |of: &[&Answer]| in_a_row(&of.iter().map(|own| symbol(own.parameter)).collect::<Vec<_>>());
-    let (curves, of): (Vec<&Answer>, Vec<&Answer>) = of.iter().partition(|own| own.is_of_curve());
+    let (curves, of): (Vec<&Answer>, Vec<&Answer>) = all.iter().partition(|own| own.is_of_curve());
     let with = |verdict: Verdict| of.iter().copied().filter(move |own| own.verdict == verdict);
     let (alone, open): (Vec<&Answer>, Vec<&Answer>) =
         with(Verdict::Open).partition(|own| own.p.is_some_and(|p| p <= CLAIMED_BELOW));
@@ -293,10 +301,12 @@ fn told(of: &[&Answer]) -> String {
                 .copied()
                 .filter(|own| (own.scale == Scale::Points) == (unit == "points"))
                 .collect();
+            let strips = in_strips(&of);
             parts.push(format!(
-                "no effect larger than {} {unit} on {}",
+                "no effect larger than {} {unit} on {}{}",
                 rounded_bound(most, true).value_text(),
-                names(&of)
+                names(&of),
+                strips.as_ref().map_or("", |(strips, _)| strips)
             ));
         }
     }
@@ -307,10 +317,12 @@ fn told(of: &[&Answer]) -> String {
         .into_iter()
         .chain(with(Verdict::Bound))
         .chain(untold)
+        .filter(|own| strips_alone(&[own]).is_none())
         .collect();
     if !open.is_empty() {
         parts.push(format!("open: {}", names(&open)));
     }
+    parts.extend(strips_alone(all));
     parts.extend(nowhere_more(&bounded));
     if parts.is_empty() {
         return "nothing was determined".to_owned();
@@ -318,7 +330,43 @@ fn told(of: &[&Answer]) -> String {
     parts.join("; ")
 }
 
-/// Of laws that strips of several show: of whom that is told, and of which of them it is shown of the material; none of others.
+/// What is open of the material and shown of the strips as they were measured; none of others.
+fn strips_alone(of: &[&Answer]) -> Option<String> {
+    let shown = |own: &&Answer| {
+        let strips = own
+            .of_strips
+            .as_ref()
+            .filter(|of| of.is_shown && own.verdict == Verdict::Open)?;
+        let of_strips = Answer {
+            value: Some(strips.value),
+            low_95: Some(strips.low_95),
+            high_95: Some(strips.high_95),
+            ..(*own).clone()
+        };
+        Some((
+            own.samples,
+            format!("{} {}", symbol(own.parameter), number(&of_strips)),
+        ))
+    };
+    let (strips, numbers): (Vec<usize>, Vec<String>) = of.iter().filter_map(shown).unzip();
+    let strips = strips.into_iter().max()?;
+    Some(format!(
+        "in the {strips} strips as they were measured {}, of the material that is not shown, {} would tell",
+        in_a_row(&numbers),
+        more(strips)
+    ))
+}
+
+/// What would tell of a material.
+fn more(strips: usize) -> &'static str {
+    if strips == 2 {
+        "a third strip"
+    } else {
+        "further strips"
+    }
+}
+
+/// Of what strips of several show: of whom that is told, and of which of it the same is shown of the material; none of others.
 fn in_strips(differ: &[&Answer]) -> Option<(String, String)> {
     let of: Vec<&Answer> = differ
         .iter()
@@ -329,11 +377,7 @@ fn in_strips(differ: &[&Answer]) -> Option<(String, String)> {
     let is_shown = |own: &&Answer| own.of_material.as_ref().is_some_and(|of| of.is_shown);
     let (shown, open): (Vec<&Answer>, Vec<&Answer>) = of.into_iter().partition(is_shown);
     let names = |of: &[&Answer]| in_a_row(&of.iter().map(|own| symbol(own.parameter)).collect::<Vec<_>>());
-    let more = if strips == 2 {
-        "a third strip"
-    } else {
-        "further strips"
-    };
+    let more = more(strips);
     let material = match (shown.is_empty(), open.is_empty()) {
         (_, true) => "of the material too".to_owned(),
         (true, _) => format!("of the material that is not shown, {more} would tell"),
@@ -378,7 +422,10 @@ pub fn basis(answers: &[&Answer]) -> Vec<String> {
     };
     let mut said: Vec<String> = found.iter().map(of).collect();
     if answers.iter().any(|own| own.of_material.is_some()) {
-        said.push("A law of the humidity is told of the strips measured, each with a level of its own; of the material it is shown where it stands beside what strips differ by (their slopes by chance, Kenward and Roger).".to_owned());
+        said.push("What goes with humidity, voltage or another number is told of the strips measured, each with a level of its own; of the material it is shown where it stands beside what strips differ by (their slopes by chance, Kenward and Roger).".to_owned());
+    }
+    if answers.iter().any(|own| own.of_strips.is_some()) {
+        said.push("What surroundings do is told of the material; where that is open and the strips as they were measured show it, it is said of them: what a strip does in surroundings that it was put into once is not told from how it was put there.".to_owned());
     }
     if answers.iter().any(|own| own.is_of_curve() && own.value.is_some()) {
         said.push("Whole curves are compared at times spread evenly over the logarithm of the time since the step, in percent of the range of both together; what holds nowhere holds at each of these times (95 %), and what is told of one time holds at all of them.".to_owned());

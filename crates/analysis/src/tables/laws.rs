@@ -1,7 +1,7 @@
 //! Laws: by which factor a parameter goes over the range of what it follows, of the strips measured and of their material.
 
 use super::TableInput;
-use crate::study::{Answer, OfMaterial, Study, symbol};
+use crate::study::{Answer, InScope, Study, symbol};
 use ieap_domain::Estimate;
 use ieap_domain::number::significant;
 use ieap_show::quantities::{MATERIAL, Quantity, RUNS, SAMPLES};
@@ -70,7 +70,7 @@ pub fn of(study: &Study) -> Table {
         .column(INTERVAL, |own| ends(&factor(own)))
         .column(SCOPE, |own| own.scope.label())
         .column(OF_MATERIAL, |own| {
-            let of: &OfMaterial = own.of_material.as_ref()?;
+            let of: &InScope = own.of_material.as_ref()?;
             ends(&estimate(own, [of.value, of.low_95, of.high_95].map(Some)))
         })
         .column(STRIPS, |own| {
