@@ -8,7 +8,7 @@ use super::answer::{Answer, Basis, InScope, Kind, Scale, Scope, Verdict};
 use super::asking::Asking;
 use super::measured::{Measured, Value};
 use super::measures::{BENDING_LOST, CURVES};
-use super::policy::LEAST_ERROR;
+use super::policy::{LARGEST_RATIO, LEAST_ERROR};
 use super::scoped::{Scoped, Told};
 
 /// A combination of what one model of a parameter of a material tells.
@@ -292,10 +292,13 @@ impl<'a> InBoth<'a> {
 }
 
 impl InScope {
-    /// A sum in one scope; none where nothing tells the scatter.
+    /// A sum in one scope; none where nothing tells the scatter, or so little that the interval holds whatever could be.
     pub(super) fn of(terms: &[Term], scale: Scale) -> Option<InScope> {
         let (all, reach) = (summed(terms)?, reach(terms));
         let shown = |number: f64| Answer::shown(scale, number);
+        if !(reach < LARGEST_RATIO.ln() || scale != Scale::Ratio && reach.is_finite()) {
+            return None;
+        }
         Some(InScope {
             value: shown(all.value),
             low_95: shown(all.value - reach),

@@ -38,3 +38,6 @@ pub const SCATTER_PERCENT: f64 = 10.0;
 pub const STATED_ERROR_PERCENT: f64 = 2.0;
 /// Humidities of a planned law where the campaign has none of its own, percent. Chosen: what saturated salts give, evenly.
 pub const HUMIDITIES_PERCENT: [f64; 5] = [20.0, 35.0, 50.0, 65.0, 80.0];
+/// An interval of a ratio that reaches this far to either side of its value says nothing. Chosen: no parameter of a strip is
+/// known to change by as much.
+pub const LARGEST_RATIO: f64 = 1e12;
