@@ -13,7 +13,6 @@ use super::ingest;
 use super::interrupted::{GoesOn, interrupted};
 use super::output::Output;
 use super::signals;
-use crate::domain::FileState;
 use crate::domain::number::estimates::in_words;
 use crate::pipeline::documents::fits::{FitEntry, fits_document};
 use crate::pipeline::documents::groups::entry;
@@ -99,10 +98,9 @@ fn beside(
     })
 }
 
-/// Whether some inputs could not be used, as far as is stored.
+/// Whether some inputs are not used, as far as is stored.
 fn left_out_inputs(context: &Context) -> Result<bool, PipelineError> {
-    let unsettled = context.store.unsettled_files()?;
-    Ok(unsettled.iter().any(|file| file.state == FileState::Refused)
+    Ok(!context.store.unsettled_files()?.is_empty()
         || !context.store.unread_files()?.is_empty()
         || !context.store.unreadable_tag_files()?.is_empty())
 }

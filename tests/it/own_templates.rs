@@ -65,3 +65,18 @@ fn a_name_that_no_template_has_and_one_that_is_broken_are_told_and_ours_stand() 
     let ended = folder.ieap(&["report"]).expect(3);
     assert!(ended.stderr.contains("looks/: "), "{}", ended.stderr);
 }
+
+#[test]
+fn a_template_that_goes_on_without_end_costs_its_page_and_nothing_else() {
+    let folder = folder();
+    let long = "x".repeat(10_000);
+    let endless = format!(
+        "{{% for a in range(end=90000) %}}{{% for b in range(end=90000) %}}{long}{{% endfor %}}{{% endfor %}}"
+    );
+    folder.write("looks/blocks/say.html", endless);
+    let ended = folder.ieap(&["run", "--no-diagnose"]).expect(3);
+    assert!(ended.stderr.contains("climate.html"), "{}", ended.stderr);
+    let page = folder.report("climate.html");
+    assert!(page.contains("more than 64 MB"), "{page}");
+    assert!(folder.report("style.css").len() > 100);
+}

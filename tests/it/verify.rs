@@ -1,8 +1,10 @@
 //! `ieap verify` finds what is lost or damaged, and says how to mend it.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 
+use ieap::store::{How, LEFT_OUT, ResultKind, Store};
 use serde_json::Value;
 
 use crate::campaign::{CampaignFolder, forge, forge_results, run_table};
@@ -112,6 +114,79 @@ fn what_is_sealed_and_wrong_is_found_by_deriving_it_again() {
              (SELECT hash FROM run_file WHERE path = 'runs/b.csv')) WHERE path = 'runs/a.csv'",
     );
     is_found(&folder, "readings-differ");
+    let folder = campaign();
+    forge(
+        folder.path(),
+        "UPDATE content SET archive_path = archive_path || 'x' WHERE id = 1",
+    );
+    is_found(&folder, "table-differs");
+}
+
+/// Tables and columns of the database, with the type of each.
+fn columns(connection: &rusqlite::Connection) -> Vec<(String, String, String)> {
+    let sql = "SELECT tables.name, info.name, info.type FROM sqlite_schema AS tables, pragma_table_info(tables.name) AS info
+               WHERE tables.type = 'table' AND tables.name NOT LIKE 'sqlite_%'";
+    let mut statement = connection.prepare(sql).unwrap();
+    let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)));
+    rows.unwrap().map(Result::unwrap).collect()
+}
+
+/// Of every table: one value in a current row becomes another.
+#[test]
+fn a_value_that_changed_is_told_with_table_row_and_column_whatever_the_table() {
+    let folder = campaign();
+    folder.write("dma/tags.toml", "sample = \"S1\"\n");
+    folder.write("dma/d.csv", crate::dma::plain_log(1));
+    let log = "Time,Temperature (°C),Relative Humidity (%)\n2026-01-10 08:00:00,21.0,40.0\n2026-01-10 08:01:00,21.5,41.0\n";
+    folder.write("ambient/bench.csv", log);
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let whole = Store::open_read_only(folder.path()).unwrap().unwrap();
+    let kinds = [ResultKind::Fit, ResultKind::Modulus];
+    let all = columns(&rusqlite::Connection::open(folder.join("campaign.db")).unwrap());
+    let is_left_out = |table: &str, column: &str| {
+        let of = |(of, what, _): &(&str, &str, &str)| {
+            (*of == table || *of == "*") && (*what == column || *what == "*")
+        };
+        LEFT_OUT.iter().any(of)
+    };
+    let mut tables = BTreeSet::new();
+    for (table, column, of_type) in all {
+        // Row ids are others in every database.
+        if is_left_out(&table, &column) || (column == "id" && table != "identity") {
+            continue;
+        }
+        let place = tempfile::tempdir().unwrap();
+        let changed = whole.copy_in(place.path()).unwrap();
+        let connection = rusqlite::Connection::open(place.path().join("campaign.db")).unwrap();
+        let which = match table.as_str() {
+            "result" => "kind = 'modulus'",
+            "source_file" => "state = 'run'",
+            _ => "1",
+        };
+        let other = match of_type.as_str() {
+            "INTEGER" => format!("coalesce({column}, 0) + 1000"),
+            "BLOB" => "x'00'".to_owned(),
+            _ => format!("coalesce({column}, '') || 'x'"),
+        };
+        let sql = format!(
+            "PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON;
+             UPDATE {table} SET {column} = {other} WHERE rowid = (SELECT min(rowid) FROM {table} WHERE {which})"
+        );
+        connection.execute_batch(&sql).unwrap();
+        assert_eq!(connection.changes(), 1, "{table}.{column}");
+        let (found, _) = changed.table_by_table(&whole, &kinds).unwrap();
+        let told = found.iter().any(|differs| {
+            differs.table == table
+                && match &differs.how {
+                    How::Columns(columns) => columns.contains(&column),
+                    How::OnlyHere | How::OnlyThere => true,
+                }
+        });
+        assert!(told, "{table}.{column}: {found:?}");
+        tables.insert(table);
+    }
+    assert!(tables.len() > 9, "{tables:?}");
+    assert_eq!(whole.table_by_table(&whole, &kinds).unwrap().0, []);
 }
 
 #[test]

@@ -140,9 +140,11 @@ impl PageWriter<'_> {
         context.insert("page".to_owned(), content.context);
         let context =
             tera::Context::from_serialize(&context).map_err(|source| template_error(place.kind, source))?;
+        let mut html = Bounded(Vec::new());
         self.templates
-            .render(template, &context)
-            .map_err(|source| template_error(place.kind, source))
+            .render_to(template, &context, &mut html)
+            .map_err(|source| template_error(place.kind, source))?;
+        Ok(String::from_utf8_lossy(&html.0).into_owned())
     }
 
     /// What the layout shows around a page, whatever is on it.
@@ -213,6 +215,27 @@ fn above_of(template: &str) -> &str {
     match template {
         "strip.html" => "along.html",
         other => other,
+    }
+}
+
+/// Longest page, bytes: no browser shows more, and a template of somebody's own may go on without end.
+const LONGEST_PAGE: usize = 64 << 20;
+
+/// A page as it is filled, up to [`LONGEST_PAGE`].
+struct Bounded(Vec<u8>);
+
+impl std::io::Write for Bounded {
+    fn write(&mut self, part: &[u8]) -> std::io::Result<usize> {
+        if self.0.len() + part.len() > LONGEST_PAGE {
+            let found = format!("its template makes more than {} MB of it", LONGEST_PAGE >> 20);
+            return Err(std::io::Error::other(found));
+        }
+        self.0.extend_from_slice(part);
+        Ok(part.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
     }
 }
 

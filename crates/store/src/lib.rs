@@ -41,6 +41,7 @@ mod schema_page_tests;
 mod snapshot;
 mod standing;
 mod store;
+mod table_by_table;
 #[cfg(test)]
 mod testing;
 mod transaction;
@@ -66,4 +67,5 @@ pub use read_files::ReadFile;
 pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, RunThen, StoredResult, Subject};
 pub use snapshot::Snapshot;
 pub use store::Store;
+pub use table_by_table::{How, LEFT_OUT, RowDiffers};
 use transaction::Transaction;

@@ -351,7 +351,7 @@ fn remove_listed(folder: &Path, listed: &BTreeSet<String>) -> io::Result<()> {
 }
 
 /// Removes what was cut short in `parent` under names with that prefix: folders with our mark, and empty ones. Gives
-/// those that look like one and carry no mark, which stay.
+/// those that stay: they look like one and carry no mark, or cannot be removed.
 pub fn remove_leftovers(parent: &Path, prefix: &str) -> Vec<PathBuf> {
     let mut kept = Vec::new();
     for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
@@ -370,6 +370,9 @@ pub fn remove_leftovers(parent: &Path, prefix: &str) -> Vec<PathBuf> {
                 // Nobody knows what was written into it: another try may tell.
                 Err(_) => Ok(()),
             };
+            if path.exists() {
+                kept.push(path);
+            }
         } else if rest
             .trim_end_matches(".old")
             .bytes()

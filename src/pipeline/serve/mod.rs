@@ -2,11 +2,12 @@
 //!
 //! A report is a folder of files, so that the server sends one file a request and closes the connection: no library is
 //! needed for that, and none that is small is kept up. Only GET and HEAD of plain names below `report/` are answered.
-//! Whoever asks or takes too slowly is left ([`Limits`]), so that nobody keeps others from the report; who cannot be served
-//! because the system has no more open files is told to come again. On a loopback address the request must call the machine by a loopback name, so that no page of another
+//! Whoever asks or takes too slowly is left ([`Limits`]), and whoever has not asked yet gives way to others, so that nobody
+//! keeps others from the report; who cannot be served because the system has no more open files is told to come again. On a loopback address the request must call the machine by a loopback name, so that no page of another
 //! site reads the report through a name of its own.
 
 pub mod answer;
+mod clients;
 mod deadline;
 pub mod request;
 
@@ -14,12 +15,13 @@ use std::io::{self, Read};
 use std::net::{IpAddr, Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use crate::pipeline::Observer;
 use crate::pipeline::campaign::places::REPORT_FOLDER;
 use answer::{Answer, is_of_too_few_files};
+use clients::Clients;
 use deadline::Timed;
 
 /// Port that is taken without a wish.
@@ -32,7 +34,7 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// What a client may take of the server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Clients served at a time; the next one is told to come again.
+    /// Clients served at a time; for the next one the oldest that has not asked yet gives way, or it is told to come again.
     pub clients: usize,
     /// Time that a whole request may take, from the connection on, and longest time in which nothing of an answer is taken.
     pub patience: Duration,
@@ -92,7 +94,7 @@ impl Server {
     /// # Errors
     /// The listening socket failed.
     pub fn run(&self, stop: &AtomicBool, observer: &dyn Observer) -> io::Result<()> {
-        let clients = Arc::new(AtomicUsize::new(0));
+        let clients = Arc::new(Clients::default());
         let mut spare = self.listener.try_clone().ok();
         let mut is_told = false;
         while !stop.load(Ordering::SeqCst) {
@@ -130,23 +132,22 @@ impl Server {
         *spare = self.listener.try_clone().ok();
     }
 
-    fn hand_over(&self, stream: TcpStream, clients: &Arc<AtomicUsize>) {
-        if clients.load(Ordering::SeqCst) >= self.limits.clients {
+    fn hand_over(&self, stream: TcpStream, clients: &Arc<Clients>) {
+        let stream = Arc::new(stream);
+        if !clients.let_in(&stream, self.limits.clients) {
             turn_away(&stream);
             return;
         }
-        if stream.set_nonblocking(false).is_err() {
-            return;
-        }
-        clients.fetch_add(1, Ordering::SeqCst);
-        let counted = Counted(clients.clone());
         let (root, only_loopback, limits) = (self.root.clone(), !self.is_open(), self.limits);
-        // Where no thread can be had the client goes with what was to serve it.
-        let _ = std::thread::Builder::new().spawn(move || {
-            let _counted = counted;
+        let (asking, of) = (stream.clone(), clients.clone());
+        let served = std::thread::Builder::new().spawn(move || {
             // A client that goes away in the middle concerns nobody else.
-            let _ = serve(&stream, &root, only_loopback, limits);
+            let _ = serve(&asking, &of, &root, only_loopback, limits);
         });
+        // Where no thread can be had the client goes.
+        if served.is_err() {
+            drop(clients.has_asked(&stream));
+        }
     }
 }
 
@@ -158,15 +159,6 @@ fn unheard(error: &io::Error) -> String {
         ""
     };
     format!("a client could not be answered ({error}) and may come again{mend}")
-}
-
-/// A client that counts until it is gone, however that comes about.
-struct Counted(Arc<AtomicUsize>);
-
-impl Drop for Counted {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::SeqCst);
-    }
 }
 
 /// How long a client that is turned away may take to ask.
@@ -185,13 +177,26 @@ fn turn_away(stream: &TcpStream) {
     }
 }
 
-fn serve(stream: &TcpStream, root: &Path, only_loopback: bool, limits: Limits) -> io::Result<()> {
+fn serve(
+    stream: &Arc<TcpStream>,
+    clients: &Clients,
+    root: &Path,
+    only_loopback: bool,
+    limits: Limits,
+) -> io::Result<()> {
     let mut asking = Timed::new(stream, limits.patience, limits.patience);
-    let (answer, head_only) = match request::read(&mut asking) {
+    let asked = match stream.set_nonblocking(false) {
+        Ok(()) => request::read(&mut asking),
+        Err(_) => Ok(None),
+    };
+    let Some(_place) = clients.has_asked(stream) else {
+        return Ok(());
+    };
+    let (answer, head_only) = match asked {
         Ok(None) => return Ok(()),
         Err(why) => (Answer::refusal(why), false),
         Ok(Some(request)) => {
-            if only_loopback && !request.host.as_deref().is_none_or(is_loopback_name) {
+            if only_loopback && !is_loopback_name(&request.host) {
                 (Answer::wrong_host(), request.head_only)
             } else {
                 (Answer::to(&request, root), request.head_only)

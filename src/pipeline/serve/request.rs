@@ -18,7 +18,7 @@ pub struct Request {
     /// Tags of the versions that the client has.
     pub known_tags: Option<String>,
     /// What the client calls this machine.
-    pub host: Option<String>,
+    pub host: String,
 }
 
 /// Why a request is not answered.
@@ -80,11 +80,19 @@ fn parsed(head: &str) -> Result<Request, Refusal> {
         let found = fields.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
         found.map(|(_, value)| value.trim().to_owned())
     };
+    let file = file_of(target).ok_or(Refusal::Path)?;
+    // Of two names one could be for whoever looks at the first, and the other for whoever looks at the second.
+    let hosts = fields
+        .iter()
+        .filter(|(known, _)| known.eq_ignore_ascii_case("host"));
+    let (1, Some(host)) = (hosts.count(), field("host")) else {
+        return Err(Refusal::Malformed);
+    };
     Ok(Request {
         head_only,
-        file: file_of(target).ok_or(Refusal::Path)?,
+        file,
         known_tags: field("if-none-match"),
-        host: field("host"),
+        host,
     })
 }
 
@@ -142,9 +150,9 @@ mod tests {
         let request = found.unwrap().unwrap();
         assert_eq!(request.file, PathBuf::from("runs").join("a b.html"));
         assert_eq!(request.known_tags.as_deref(), Some("\"abc\""));
-        assert_eq!(request.host.as_deref(), Some("localhost:8421"));
+        assert_eq!(request.host, "localhost:8421");
         assert_eq!(
-            asked("HEAD / HTTP/1.0\r\n\r\n").unwrap().unwrap().file,
+            asked("HEAD / HTTP/1.0\r\nHost: a\r\n\r\n").unwrap().unwrap().file,
             PathBuf::from("index.html")
         );
     }
@@ -174,6 +182,14 @@ mod tests {
         assert_eq!(asked("GET / HTTP/1.1\r\n"), Err(Refusal::Malformed));
         assert_eq!(asked(&"x".repeat(20_000)), Err(Refusal::Malformed));
         assert_eq!(asked(""), Ok(None));
+        for hosts in [
+            "",
+            "Host: localhost\r\nhost: localhost\r\n",
+            "Host: localhost\r\nHost: b\r\n",
+        ] {
+            let found = asked(&format!("GET / HTTP/1.1\r\n{hosts}\r\n"));
+            assert_eq!(found, Err(Refusal::Malformed), "{hosts}");
+        }
     }
 
     proptest! {

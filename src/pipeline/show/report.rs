@@ -100,6 +100,12 @@ impl RenderReport {
         let index = target.join("index.html");
         // Also where nothing is to be rendered: what was cut short would stay until something changes.
         let leftovers = own_folder::remove_leftovers(&context.folder, FRESH);
+        for kept in leftovers {
+            observer.warn(&format!(
+                "{}: looks like what a rendering left that was cut short, but carries no mark of ours or cannot be removed; it stays. Remove it if it is not yours.",
+                kept.display()
+            ));
+        }
         // What others write meanwhile is shown the next time, whole.
         let snapshot = context.store.snapshot()?;
         let (changes, changed_at) = context.store.changes()?;
@@ -128,12 +134,6 @@ impl RenderReport {
         }
         if let Some(refused) = not_ours(&context.folder)? {
             return Ok(unchanged(Some(refused)));
-        }
-        for kept in leftovers {
-            observer.warn(&format!(
-                "{}: looks like what a rendering left that was cut short, but carries no mark of ours; it stays. Remove it if it is not yours.",
-                kept.display()
-            ));
         }
         let fresh = Fresh::begin(&context.folder, FRESH)
             .map_err(failed(&context.folder, "making the report's folder"))?;

@@ -244,6 +244,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("sheets-joined", By("crates/ingest/src/formats/sheet_tests.rs", "sheets_of_current_and_camera_are_one_run")),
     ("still-growing", Open("a file that grows between two looks")),
     ("suspicious-range", Format("labview-lvm/step.cut.lvm")),
+    ("table-differs", By("tests/it/verify.rs", "what_is_sealed_and_wrong_is_found_by_deriving_it_again")),
     ("table-not-found", Open("a reader of an earlier version")),
     ("table-refused", Campaign(|to| to.write("runs/a.xlsx", xlsx(&[("Run", &WHOLE), ("Other", &[&["Time (s)", "Current (mA)"], &["1", "2"], &["1", "2"], &["1", "3"]])])))),
     ("tag-disagreement", By("crates/ingest/src/tags/tests.rs", "sources_are_chosen_in_the_order_of_the_contract_and_disagreements_are_said")),

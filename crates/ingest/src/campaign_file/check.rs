@@ -22,6 +22,11 @@ pub const DEFAULT_MODEL: &str = "lumped-2";
 /// Absolute zero, degrees Celsius.
 const ABSOLUTE_ZERO_C: f64 = -273.15;
 
+/// The key that names the folder of runs.
+const RUNS: &str = "[runs] folder";
+/// The key that names the folder of modulus logs.
+const MODULUS: &str = "[dma] folder";
+
 /// Checks one file; `lines` gives the line of each entry.
 pub(super) struct Checker<'a> {
     pub path: &'a Path,
@@ -63,15 +68,19 @@ impl Checker<'_> {
             samples: samples.into(),
             materials: self.materials(file.material)?,
             environments: self.environments(file.environment)?,
-            runs_folder: self.folder(file.runs.folder, "runs")?,
+            runs_folder: self.folder(RUNS, file.runs.folder, "runs")?,
             name_pattern,
             dma_folder: self.dma_folder(file.dma.folder)?,
             dma_name_pattern,
-            impedance_folder: self.folder(file.impedance.folder, &impedance_folder())?,
+            impedance_folder: self.folder(
+                "[impedance] folder",
+                file.impedance.folder,
+                &impedance_folder(),
+            )?,
             impedance_name_pattern,
             impedance_circuits: file.impedance.circuits,
             templates_folder: (file.report.templates)
-                .map(|folder| self.folder(Some(folder), ""))
+                .map(|folder| self.folder("[report] templates", Some(folder), ""))
                 .transpose()?,
             fit,
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
@@ -91,6 +100,7 @@ impl Checker<'_> {
         if campaign.kind_of(&format!("{}/", campaign.runs_folder)) == RunKind::Dma {
             return Err(Error::FolderOutside {
                 path: self.path.into(),
+                key: RUNS,
                 found: campaign.runs_folder,
                 reason: "it lies in the folder of modulus logs",
             });
@@ -293,10 +303,11 @@ impl Checker<'_> {
 
     /// The folder of modulus logs, which cannot be the whole campaign: it tells them from runs.
     fn dma_folder(&self, folder: Option<String>) -> Result<String, Error> {
-        let folder = self.folder(folder, "dma")?;
+        let folder = self.folder(MODULUS, folder, "dma")?;
         match folder.as_str() {
             "." => Err(Error::FolderOutside {
                 path: self.path.into(),
+                key: MODULUS,
                 found: folder,
                 reason: "modulus logs need a folder of their own",
             }),
@@ -305,13 +316,14 @@ impl Checker<'_> {
     }
 
     /// A folder in its plain form, `data/runs`, without `./` and `/` at the end; `usual` where none is stated.
-    fn folder(&self, folder: Option<String>, usual: &str) -> Result<String, Error> {
+    fn folder(&self, key: &'static str, folder: Option<String>, usual: &str) -> Result<String, Error> {
         let Some(found) = folder else {
             return Ok(usual.to_owned());
         };
         let refuse = |reason| {
             Err(Error::FolderOutside {
                 path: self.path.into(),
+                key,
                 found: found.clone(),
                 reason,
             })
@@ -426,6 +438,7 @@ pub(super) fn runs_folder_stays_inside(campaign: &Path, runs_folder: &str, path:
     }
     Err(Error::FolderOutside {
         path: path.into(),
+        key: RUNS,
         found: runs_folder.to_owned(),
         reason: "it is a link that leads out of the campaign",
     })

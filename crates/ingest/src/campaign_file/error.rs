@@ -209,11 +209,13 @@ pub enum CampaignFileError {
         /// What is wrong.
         reason: String,
     },
-    /// The runs folder is not one inside the campaign.
-    #[error("{}, [runs] folder = \"{found}\": {reason}; name a folder inside the campaign, such as \"runs\"", path.display())]
+    /// A folder is not one inside the campaign.
+    #[error("{}, {key} = \"{found}\": {reason}; name a folder inside the campaign, such as \"data\"", path.display())]
     FolderOutside {
         /// The file.
         path: PathBuf,
+        /// The key that names it: `[runs] folder`.
+        key: &'static str,
         /// The folder found.
         found: String,
         /// Why it is refused: `it leads out of the campaign`.

@@ -75,22 +75,22 @@ pub struct Scan {
 /// Why there is no scan at all.
 #[derive(Debug, thiserror::Error)]
 pub enum ScanError {
-    /// The runs folder is not there: offline, not emptied.
-    #[error("{}: the runs folder is not there; nothing known is taken for removed. Connect the disk or share, create the folder, or correct `folder` under [runs] in campaign.toml", path.display())]
+    /// The folder is not there: offline, not emptied.
+    #[error("{}: the folder is not there; nothing known is taken for removed. Connect the disk or share, create the folder, or correct `folder` under [runs] in campaign.toml", path.display())]
     FolderMissing {
         /// The runs folder.
         path: PathBuf,
     },
-    /// The runs folder cannot be read.
-    #[error("{}: the runs folder cannot be read ({source}); give your user the right to list it", path.display())]
+    /// The folder cannot be read.
+    #[error("{}: the folder cannot be read ({source}); give your user the right to list it", path.display())]
     FolderUnreadable {
         /// The runs folder.
         path: PathBuf,
         /// What the operating system said.
         source: io::Error,
     },
-    /// The runs folder leads out of the campaign.
-    #[error("{}: the runs folder is a link that leads out of the campaign; move the files in, or mount the share there", path.display())]
+    /// The folder leads out of the campaign.
+    #[error("{}: the folder is a link that leads out of the campaign; move the files in, or mount the share there", path.display())]
     FolderOutside {
         /// The runs folder.
         path: PathBuf,

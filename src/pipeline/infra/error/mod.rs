@@ -219,6 +219,9 @@ impl PipelineError {
             | E::Archive(_)
             | E::File { .. }
             | E::NotOurs { .. }
+            | E::Campaign(CampaignFileError::Unreadable { .. })
+            | E::Profile(ProfileError::Unreadable { .. })
+            | E::Scan(ScanError::FolderUnreadable { .. })
             | E::Export(ExportError::Write { .. }) => true,
             E::Report(error) => error.is_of_disk(),
             E::Backup(error) => !error.is_usage(),

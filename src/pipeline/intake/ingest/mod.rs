@@ -34,13 +34,13 @@ use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FileRow;
 use batch::in_batches;
 use known::{Orphans, known, note_change_times};
-use prepare::Group;
+use prepare::{Group, not_read_now};
 pub(crate) use readers::Readers;
 use statements::{Statements, is_statement};
 
 pub(crate) use batch::together;
 pub use known::files_due;
-pub(crate) use prepare::{Outcome, PreparedFile, RunPart, With, joined, prepare_bytes, run_parts};
+pub(crate) use prepare::{Outcome, PreparedFile, RunPart, With, prepare_bytes, run_parts};
 pub use retag::retag_runs;
 pub(crate) use rows::{content_of, file_row, set_aside};
 pub(crate) use settle::{files_of_runs, runs_of};
@@ -175,7 +175,9 @@ impl Ingest<'_> {
                 return Ok(None);
             }
             Err(error) => {
-                observer.warn(&format!("climate logs are not looked at: {error}"));
+                let message = format!("the logs in it are not looked at: {error}");
+                let issue = not_read_now(&message);
+                summary.unread.push((folder.to_owned(), issue));
                 return Ok(None);
             }
         };

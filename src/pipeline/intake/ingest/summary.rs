@@ -70,11 +70,12 @@ pub struct UnreadableTags {
 }
 
 impl IngestSummary {
-    /// Whether some inputs could not be used: refused, not to be had from the system, tags that cannot be read, or that are of
-    /// no run.
+    /// Whether some inputs are not used: refused, waiting, not to be had from the system, tags that cannot be read, or that are
+    /// of no run. A file that waits counts as they do, for nothing says whether it waits for an instrument or for a person.
     pub fn left_out_inputs(&self) -> bool {
         let lists = [&self.refused, &self.unread, &self.unread_statements];
-        lists.iter().any(|list| !list.is_empty()) || !self.unreadable_tags.is_empty()
+        let has_waiting = !self.waiting.is_empty() || !self.unreadable_tags.is_empty();
+        lists.iter().any(|list| !list.is_empty()) || has_waiting
     }
 
     /// Whether the database changed.

@@ -1,224 +1,216 @@
-//! Every current number derived again: readings from the raw bytes, results from the readings.
+//! Everything derived again: a database is made anew in a folder of its own from archive and journal, results are made in it,
+//! and the two are held against each other, table by table.
 
 use crate::domain::words::counted;
 use crate::system::passing::Passing;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use rayon::prelude::*;
-
 use super::part::Part;
-use crate::domain::data_hash::data_hash;
-use crate::domain::{FileState, Issue, RunKind, RunRecord};
-use crate::ingest::Reading;
-use crate::ingest::climate_log;
-use crate::numerics::interrupt;
-use crate::pipeline::campaign::context::CODE_VERSION;
-use crate::pipeline::intake::ingest::{Outcome, joined, run_parts};
-use crate::pipeline::upkeep::rebuild::archived::ArchivedFiles;
+use crate::domain::Issue;
+use crate::ingest::archive::Archive;
+use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::intake::ingest::{IngestSummary, retag_runs};
+use crate::pipeline::upkeep::rebuild::replay::{Lost, replay};
 use crate::pipeline::{AnalyseModulus, Context, DiagnoseRuns, FitRuns, Observer, PipelineError};
-use crate::store::ResultKind;
-use crate::store::journal::NamedBytes;
+use crate::store::{How, ResultKind, RowDiffers, Store, journal};
 
-/// Reads the raw bytes of every current run and log again.
+/// Makes the database anew and compares: what was stored, and results.
 ///
 /// # Errors
-/// The database cannot be read.
-pub fn readings(context: &Context, observer: &dyn Observer) -> Result<Part, PipelineError> {
-    let runs: Vec<RunRecord> = (context.store.runs()?.into_iter())
-        .chain(context.store.dma_logs()?)
-        .chain(context.store.spectra()?)
-        .collect();
-    let archived = ArchivedFiles::of(context);
-    observer.begin("reading raw files again", runs.len() as u64);
-    let found: Vec<Option<Issue>> = runs
-        .par_iter()
-        .map(|run| {
-            let found = run_differs(&archived, run);
-            observer.advance();
-            found
-        })
-        .collect();
-    observer.end();
-    interrupt::check();
-    let logs = logs(context)?;
-    let of_logs = logs.iter().filter_map(|log| log_differs(&archived, log));
-    Ok(Part {
-        part: "readings",
-        looked_at: format!(
-            "raw bytes of {} and {} read again",
-            counted(runs.len(), "run"),
-            counted(logs.len(), "log")
-        ),
-        findings: found.into_iter().flatten().chain(of_logs).collect(),
-    })
-}
-
-/// What is wrong with the readings of a run, as its raw files have them.
-fn run_differs(archived: &ArchivedFiles<'_>, run: &RunRecord) -> Option<Issue> {
-    let mut readings: Vec<Reading> = Vec::new();
-    for file in &run.files {
-        let named = NamedBytes {
-            path: file.path.clone(),
-            hash: file.hash.clone(),
-        };
-        match archived.read(&named, run.kind, &run.format) {
-            Err(issue) => return Some(issue),
-            Ok(prepared) => match prepared.outcome {
-                Outcome::Read(reading) => readings.push(*reading),
-                _ => return None,
-            },
-        }
-    }
-    let parts = match readings.as_slice() {
-        [single] => run_parts(single, run.kind),
-        several => vec![joined(&several.iter().collect::<Vec<_>>()).0],
-    };
-    let is_same = parts
-        .iter()
-        .any(|part| data_hash(&part.channels) == run.data_hash);
-    (!is_same).then(|| differs(&run.path, run.reader_version))
-}
-
-fn differs(path: &str, reader_version: u32) -> Issue {
-    let found = format!(
-        "the raw bytes give other readings than are stored (they were read by version {reader_version} of the reader)"
-    );
-    Issue::error("readings-differ", found)
-        .at(path)
-        .mend("where the program is newer than the readings, the next `ieap run` reads the file anew; else report it with the file")
-}
-
-/// A current climate log.
-struct StoredLog {
-    file: NamedBytes,
-    data_hash: String,
-}
-
-fn logs(context: &Context) -> Result<Vec<StoredLog>, PipelineError> {
-    let files = context.store.files()?.into_iter();
-    let hashes: BTreeMap<String, String> = files
-        .filter(|file| file.state == FileState::Log)
-        .filter_map(|file| Some((file.path, file.hash?)))
-        .collect();
-    let series = context.store.log_series()?.into_iter();
-    let by_path: BTreeMap<String, String> = series.map(|series| (series.path, series.data_hash)).collect();
-    let of = |(path, data_hash): (String, String)| {
-        let hash = hashes.get(&path)?.clone();
-        Some(StoredLog {
-            file: NamedBytes { path, hash },
-            data_hash,
-        })
-    };
-    Ok(by_path.into_iter().filter_map(of).collect())
-}
-
-fn log_differs(archived: &ArchivedFiles<'_>, log: &StoredLog) -> Option<Issue> {
-    let prepared = match archived.read(&log.file, RunKind::Actuation, "") {
-        Ok(prepared) => prepared,
-        Err(issue) => return Some(issue),
-    };
-    let Outcome::Read(reading) = &prepared.outcome else {
-        return None;
-    };
-    match climate_log::log(reading, &log.file.path) {
-        Ok(made) if made.data_hash() == log.data_hash => None,
-        Ok(_) => Some(differs(&log.file.path, reading.reader_version)),
-        Err(issue) => Some(issue.at(&log.file.path)),
-    }
-}
-
-/// Makes every result again in a copy of the database, and holds the two against each other.
-///
-/// # Errors
-/// The copy cannot be made, or a model is not known.
-pub fn results(context: &Context, diagnoses: bool, observer: &dyn Observer) -> Result<Part, PipelineError> {
+/// The folder for the copies cannot be made, a database or the archive refuses, or a model is not known.
+pub fn parts(
+    context: &Context,
+    diagnoses: bool,
+    observer: &dyn Observer,
+) -> Result<[Part; 2], PipelineError> {
     let made = Passing::made(tempfile::tempdir, |folder| folder.path().to_owned());
-    let (folder, _passing) = made.map_err(|source| PipelineError::File {
+    let (folder, _passing) = made.map_err(in_temporary)?;
+    let [one, other] = ["stored", "made"].map(|name| folder.path().join(name));
+    for folder in [&one, &other] {
+        crate::system::fs::create_dir(folder).map_err(in_temporary)?;
+    }
+    // Others go on writing meanwhile: it is one moment that is compared.
+    let stored = context.store.copy_in(&one)?;
+    let (mut anew, lost) = made_anew(context, &stored, &other, observer)?;
+    let (kinds, made) = results(&mut anew, diagnoses, observer)?;
+    let (differing, tables) = stored.table_by_table(&anew.store, &kinds)?;
+    let lost = Lasting::of(lost, &differing);
+    let (of_results, of_tables): (Vec<_>, Vec<_>) =
+        (differing.iter()).partition(|differs| differs.table == "result");
+    let out_of_date: BTreeSet<&str> = of_tables
+        .iter()
+        .filter(|differs| is_out_of_date(differs))
+        .map(|differs| differs.key.as_str())
+        .collect();
+    let of_tables = of_tables
+        .into_iter()
+        .filter(|differs| !lost.explains(differs))
+        .map(|differs| of_table(differs, out_of_date.contains(differs.key.as_str())));
+    let tables: Vec<String> = tables.into_iter().filter(|table| table != "result").collect();
+    Ok([
+        Part {
+            part: "tables",
+            looked_at: format!(
+                "every row of {} against a database that was made anew from archive and journal",
+                tables.join(", ")
+            ),
+            findings: of_tables
+                .collect::<Vec<_>>()
+                .into_iter()
+                .chain(lost.issues())
+                .collect(),
+        },
+        Part {
+            part: "results",
+            looked_at: made,
+            findings: of_results.into_iter().map(of_result).collect(),
+        },
+    ])
+}
+
+fn in_temporary(source: std::io::Error) -> PipelineError {
+    PipelineError::File {
         path: std::env::temp_dir(),
         doing: "making a folder for a copy of the database",
         source,
-    })?;
-    let mut copy = copy_of(context, folder.path())?;
-    let before = inputs(&copy)?;
-    let fits = FitRuns {
-        again: true,
-        ..FitRuns::default()
     }
-    .run(&mut copy, observer)?;
-    let modulus = AnalyseModulus { again: true }.run(&mut copy, observer)?;
-    let mut looked_at = format!(
+}
+
+/// A database in `folder` of all that the journal says up to where `stored` has it, tagged as the files say now.
+fn made_anew(
+    context: &Context,
+    stored: &Store,
+    folder: &Path,
+    observer: &dyn Observer,
+) -> Result<(Context, Vec<Lost>), PipelineError> {
+    let mut store = Store::open(folder)?;
+    store.keep_journal_heard();
+    let mut anew = context.with_store(store)?;
+    let mut lines = journal::read(&context.folder)?.unwrap_or_default().lines;
+    let end = stored.last_said()?.n;
+    lines.retain(|line| line.n <= end);
+    let replayed = replay(&mut anew, &lines, observer)?;
+    if let Some(id) = Archive::new(&context.folder).owner()? {
+        anew.store.take_identity(&now(), &id)?;
+    }
+    retag_runs(&mut anew, &mut IngestSummary::default(), observer)?;
+    Ok((anew, replayed.lost))
+}
+
+/// Makes results in the new database; gives their kinds, and what was made in words.
+fn results(
+    anew: &mut Context,
+    diagnoses: bool,
+    observer: &dyn Observer,
+) -> Result<(Vec<ResultKind>, String), PipelineError> {
+    let fits = FitRuns::default().run(anew, observer)?;
+    let modulus = AnalyseModulus::default().run(anew, observer)?;
+    let mut kinds = vec![ResultKind::Fit, ResultKind::Modulus];
+    let mut made = format!(
         "{} and {} made again",
         counted(fits.fitted + fits.failed.len(), "fit"),
         counted(modulus.analysed + modulus.failed.len(), "modulus analysis")
     );
     if diagnoses {
-        let again = DiagnoseRuns {
-            again: true,
-            ..DiagnoseRuns::default()
+        let found = DiagnoseRuns::default().run(anew, observer)?;
+        made += &format!(", {}", counted(found.diagnosed, "diagnosis"));
+        kinds.extend([ResultKind::Group, ResultKind::Run]);
+    }
+    Ok((kinds, made))
+}
+
+/// Runs and logs of the database whose raw files do not give them again.
+struct Lasting(Vec<Lost>);
+
+impl Lasting {
+    fn of(mut lost: Vec<Lost>, differing: &[RowDiffers]) -> Lasting {
+        let is_there = |name: &str| {
+            differing
+                .iter()
+                .any(|differs| differs.how == How::OnlyHere && is_of(differs, name))
         };
-        let found = again.run(&mut copy, observer)?;
-        looked_at += &format!(", {}", counted(found.diagnosed, "diagnosis"));
+        lost.retain(|lost| is_there(&lost.name));
+        Lasting(lost)
     }
-    let after = inputs(&copy)?;
-    let differences = context.store.content()?.differences(&copy.store.content()?);
-    let is_result = |kind: &str| ["fit", "modulus analysis", "diagnosis"].contains(&kind);
-    let findings = differences
-        .into_iter()
-        .filter(|(kind, _)| is_result(kind))
-        .map(|(kind, name)| {
-            let part = (kind, name.clone());
-            finding(kind, &name, before.get(&part) == after.get(&part))
-        });
-    Ok(Part {
-        part: "results",
-        looked_at,
-        findings: findings.collect(),
-    })
-}
 
-fn copy_of(context: &Context, folder: &Path) -> Result<Context, PipelineError> {
-    context.with_store(context.store.copy_in(folder)?)
-}
-
-/// Hashes of what the results were made from, by kind and name.
-fn inputs(context: &Context) -> Result<BTreeMap<(&'static str, String), String>, PipelineError> {
-    let mut inputs = BTreeMap::new();
-    for (kind, words) in [
-        (ResultKind::Fit, "fit"),
-        (ResultKind::Modulus, "modulus analysis"),
-        (ResultKind::Group, "diagnosis"),
-        (ResultKind::Run, "diagnosis"),
-    ] {
-        for (name, key) in context.store.result_keys(kind)? {
-            let name = if words == "diagnosis" {
-                format!("{} {name}", kind.key())
-            } else {
-                name
-            };
-            inputs.insert((words, name), key);
-        }
+    fn explains(&self, differs: &RowDiffers) -> bool {
+        self.0.iter().any(|lost| is_of(differs, &lost.name))
     }
-    Ok(inputs)
+
+    fn issues(self) -> impl Iterator<Item = Issue> {
+        self.0.into_iter().map(|lost| lost.issue.at(&lost.name))
+    }
 }
 
-fn finding(kind: &'static str, name: &str, same_inputs: bool) -> Issue {
-    if same_inputs {
-        Issue::error(
-            "result-differs",
-            format!("made again by this program (version {CODE_VERSION}), the {kind} has other numbers"),
+/// Whether a row is of a run or log of that name, or hangs on it.
+fn is_of(differs: &RowDiffers, name: &str) -> bool {
+    let rest = differs.key.strip_prefix(name);
+    rest.is_some_and(|rest| rest.starts_with(' '))
+}
+
+/// Whether what a row was made from is no more what it would be made from now.
+fn is_out_of_date(differs: &RowDiffers) -> bool {
+    let has =
+        |column: &str| matches!(&differs.how, How::Columns(columns) if columns.iter().any(|of| of == column));
+    match differs.table.as_str() {
+        "run" => has("tag_digest") && !has("data_hash"),
+        "result" => has("key"),
+        _ => false,
+    }
+}
+
+/// In what a row differs, in words.
+fn in_words(differs: &RowDiffers) -> String {
+    let table = &differs.table;
+    match &differs.how {
+        How::Columns(columns) => format!("table {table}, {}", columns.join(", ")),
+        How::OnlyHere => format!("table {table}: a row that is not made again"),
+        How::OnlyThere => format!("table {table} lacks a row"),
+    }
+}
+
+fn of_table(differs: &RowDiffers, out_of_date: bool) -> Issue {
+    let what = in_words(differs);
+    if out_of_date {
+        return Issue::note(
+            "result-out-of-date",
+            format!("{what}: tags, campaign.toml or climate are others now than when it was tagged"),
         )
-        .at(name)
-        .mend(
+        .at(&differs.key)
+        .mend("`ieap run` tags it anew");
+    }
+    let of_readings = ["run", "channel", "climate_log", "climate_series"];
+    if of_readings.contains(&differs.table.as_str()) {
+        Issue::error(
+            "readings-differ",
+            format!("{what}: the raw bytes and what was said give other readings or tags than are stored"),
+        )
+        .at(&differs.key)
+        .mend("where the program is newer than the readings, the next `ieap run` reads the file anew; else report it with the file")
+    } else {
+        Issue::error(
+            "table-differs",
+            format!("{what}: archive and journal give something else than is stored"),
+        )
+        .at(&differs.key)
+        .mend("`ieap rebuild` makes the database anew from archive and journal")
+    }
+}
+
+fn of_result(differs: &RowDiffers) -> Issue {
+    let what = in_words(differs);
+    if matches!(differs.how, How::Columns(_)) && !is_out_of_date(differs) {
+        let message =
+            format!("{what}: made again by this program (version {CODE_VERSION}), it has other numbers");
+        Issue::error("result-differs", message).at(&differs.key).mend(
             "if another version of the program made it, `ieap fit --again` or `ieap diagnose --again` makes it \
              anew; else report it with the campaign",
         )
     } else {
-        Issue::note(
-            "result-out-of-date",
-            format!("the {kind} was made from other readings, tags or options than hold now"),
-        )
-        .at(name)
-        .mend("`ieap run` makes it anew")
+        let message = format!("{what}: it was made from other readings, tags or options than hold now");
+        Issue::note("result-out-of-date", message)
+            .at(&differs.key)
+            .mend("`ieap run` makes it anew")
     }
 }

@@ -70,8 +70,7 @@ impl Verify {
             parts.push(journal::alone(folder)?);
         }
         if self.deep && can_be_read {
-            parts.push(deep::readings(&context, observer)?);
-            parts.push(deep::results(&context, self.diagnoses, observer)?);
+            parts.extend(deep::parts(&context, self.diagnoses, observer)?);
         }
         let content = can_be_read.then(|| context.store.content()).transpose()?;
         Ok(Verified {

@@ -8,7 +8,7 @@ use crate::domain::{Issue, Severity};
 /// A part of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Part {
-    /// `database`, `archive`, `subjects`, `journal`, `report`, `readings` or `results`.
+    /// `database`, `archive`, `subjects`, `journal`, `report`, `tables` or `results`.
     pub part: &'static str,
     /// What was looked at, in words.
     pub looked_at: String,
