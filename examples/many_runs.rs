@@ -45,7 +45,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     let context = Context::open(&folder, false)?;
     let begun = Instant::now();
-    let report = RenderReport { again: true }.run(&context, &Silent)?;
+    let report = RenderReport {
+        again: true,
+        ..RenderReport::default()
+    }
+    .run(&context, &Silent)?;
     println!(
         "report: {:.1} s, {} pages",
         begun.elapsed().as_secs_f64(),
