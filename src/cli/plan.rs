@@ -17,7 +17,7 @@ use crate::pipeline::standalone::forward::AskedStrip;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
 use crate::pipeline::standalone::preflight::{DRAWS, Named, PlanDocument, Preflight, Subject, Trial, table};
 
-/// Say what a run will determine, or a study will see, before it is made
+/// Say beforehand what a run determines, or a study sees
 ///
 /// The run is simulated with its noise several times, and each is fitted as the run itself will be.
 /// With --study whole campaigns are simulated, and the study is asked in how many it sees a change.

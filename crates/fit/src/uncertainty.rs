@@ -11,8 +11,11 @@ use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::sampled::Sampled;
-use crate::joint::noise::NOT_ONE_NUMBER;
 use crate::policy::LOST_BELOW;
+
+/// Why a memory of several readings is no correlation of neighbours.
+pub(crate) const NOT_ONE_NUMBER: &str =
+    "the noise remembers more than its last reading: see its autoregression";
 
 /// Residuals of one response with what they say of the noise.
 #[derive(Debug, Clone, PartialEq)]

@@ -140,11 +140,18 @@ impl PageWriter<'_> {
         context.insert("page".to_owned(), content.context);
         let context =
             tera::Context::from_serialize(&context).map_err(|source| template_error(place.kind, source))?;
-        let mut html = Bounded(Vec::new());
-        self.templates
-            .render_to(template, &context, &mut html)
-            .map_err(|source| template_error(place.kind, source))?;
-        Ok(String::from_utf8_lossy(&html.0).into_owned())
+        let mut html = Bounded::default();
+        let rendered = self.templates.render_to(template, &context, &mut html);
+        let found = match rendered {
+            // What is made of the writer's own words keeps none of them.
+            Err(_) if html.is_full => Err(tera::Error::message(format!(
+                "the template makes more than {} MB of it; does one of its loops go on without end?",
+                LONGEST_PAGE >> 20
+            ))),
+            found => found,
+        };
+        found.map_err(|source| template_error(place.kind, source))?;
+        Ok(String::from_utf8_lossy(&html.page).into_owned())
     }
 
     /// What the layout shows around a page, whatever is on it.
@@ -222,15 +229,19 @@ fn above_of(template: &str) -> &str {
 const LONGEST_PAGE: usize = 64 << 20;
 
 /// A page as it is filled, up to [`LONGEST_PAGE`].
-struct Bounded(Vec<u8>);
+#[derive(Default)]
+struct Bounded {
+    page: Vec<u8>,
+    is_full: bool,
+}
 
 impl std::io::Write for Bounded {
     fn write(&mut self, part: &[u8]) -> std::io::Result<usize> {
-        if self.0.len() + part.len() > LONGEST_PAGE {
-            let found = format!("its template makes more than {} MB of it", LONGEST_PAGE >> 20);
-            return Err(std::io::Error::other(found));
+        self.is_full = self.page.len() + part.len() > LONGEST_PAGE;
+        if self.is_full {
+            return Err(std::io::ErrorKind::FileTooLarge.into());
         }
-        self.0.extend_from_slice(part);
+        self.page.extend_from_slice(part);
         Ok(part.len())
     }
 

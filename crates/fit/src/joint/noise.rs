@@ -24,7 +24,6 @@ use super::whitening::{Autocorrelation, Whitener};
 pub(crate) use again::Again;
 use growth::growth;
 pub(crate) use lagged::{Products, products, white};
-pub(crate) use memory::NOT_ONE_NUMBER;
 use smooth::Smooth;
 
 /// Noise of one channel.
@@ -182,7 +181,7 @@ impl Noise {
 
     /// Correlation of neighbouring readings, with its interval.
     pub(crate) fn memory(&self) -> Estimate {
-        memory::estimate(self)
+        memory::estimate(&self.autocorrelation, &self.by_correlation)
     }
 
     /// The whitener that belongs to it.

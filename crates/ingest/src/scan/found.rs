@@ -75,8 +75,8 @@ pub struct Scan {
 /// Why there is no scan at all.
 #[derive(Debug, thiserror::Error)]
 pub enum ScanError {
-    /// The folder is not there: offline, not emptied.
-    #[error("{}: the folder is not there; nothing known is taken for removed. Connect the disk or share, create the folder, or correct `folder` under [runs] in campaign.toml", path.display())]
+    /// The runs folder is not there: offline, not emptied.
+    #[error("{}: the runs folder is not there; nothing known is taken for removed. Connect the disk or share, create the folder, or correct `folder` under [runs] in campaign.toml", path.display())]
     FolderMissing {
         /// The runs folder.
         path: PathBuf,

@@ -219,10 +219,13 @@ impl PipelineError {
             | E::Archive(_)
             | E::File { .. }
             | E::NotOurs { .. }
-            | E::Campaign(CampaignFileError::Unreadable { .. })
-            | E::Profile(ProfileError::Unreadable { .. })
-            | E::Scan(ScanError::FolderUnreadable { .. })
             | E::Export(ExportError::Write { .. }) => true,
+            // A link that leads out of the campaign, or a pipe, is what somebody put there.
+            E::Campaign(CampaignFileError::Unreadable { source, .. })
+            | E::Profile(ProfileError::Unreadable { source, .. })
+            | E::Scan(ScanError::FolderUnreadable { source, .. }) => {
+                source.kind() != std::io::ErrorKind::InvalidInput
+            }
             E::Report(error) => error.is_of_disk(),
             E::Backup(error) => !error.is_usage(),
             _ => false,

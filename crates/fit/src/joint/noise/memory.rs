@@ -2,13 +2,10 @@
 
 use ieap_domain::Estimate;
 
-use super::Noise;
 use super::tried::{correlation_at, posterior};
 use crate::joint::whitening::Autocorrelation;
+use crate::uncertainty::NOT_ONE_NUMBER;
 
-/// Why a memory of several readings is no correlation of neighbours.
-pub(crate) const NOT_ONE_NUMBER: &str =
-    "the noise remembers more than its last reading: see its autoregression";
 const BY_TIME: &str = "the readings are uneven and the noise remembers by time: see its correlation time";
 const TOO_FEW: &str = "too few readings tell it: the noise is taken to be white";
 /// Half of what lies outside a 95 % interval.
@@ -16,8 +13,8 @@ const TAIL: f64 = 0.025;
 
 /// Correlation of the noise of neighbouring readings. The value is the one that weighs the fit; the interval is that of the
 /// likelihood with its prior, over the correlations that were tried.
-pub(super) fn estimate(noise: &Noise) -> Estimate {
-    let value = match &noise.autocorrelation {
+pub(super) fn estimate(autocorrelation: &Autocorrelation, by_correlation: &[f64]) -> Estimate {
+    let value = match autocorrelation {
         Autocorrelation::Order(coefficients) if coefficients.len() <= 1 => {
             coefficients.first().copied().unwrap_or(0.0)
         }
@@ -26,7 +23,7 @@ pub(super) fn estimate(noise: &Noise) -> Estimate {
         }
         Autocorrelation::Time { .. } => return Estimate::not_determined(BY_TIME),
     };
-    let weights = posterior(&noise.by_correlation);
+    let weights = posterior(by_correlation);
     if weights.is_empty() {
         return Estimate {
             value: Some(value),
@@ -58,11 +55,8 @@ mod tests {
     use super::*;
     use crate::joint::noise::tried::CORRELATIONS;
 
-    fn noise(rho: f64, by_correlation: Vec<f64>) -> Noise {
-        Noise {
-            by_correlation,
-            ..Noise::sized(&[1.0], 1.0, Autocorrelation::Order(vec![rho]), 10.0)
-        }
+    fn order(rho: f64) -> Autocorrelation {
+        Autocorrelation::Order(vec![rho])
     }
 
     /// The curve of a normal estimate at an index.
@@ -74,7 +68,7 @@ mod tests {
 
     #[test]
     fn the_interval_is_that_of_the_likelihood() {
-        let found = estimate(&noise(correlation_at(30.0), curve(30.0, 4.0)));
+        let found = estimate(&order(correlation_at(30.0)), &curve(30.0, 4.0));
         let end = |index: f64| correlation_at(index);
         assert!(
             (found.low_95.unwrap() - end(30.0 - 7.84)).abs() < 0.01,
@@ -89,6 +83,6 @@ mod tests {
 
     #[test]
     fn what_no_likelihood_tells_is_said_to_be_open() {
-        assert!(estimate(&noise(0.0, Vec::new())).standard_error.is_none());
+        assert!(estimate(&order(0.0), &[]).standard_error.is_none());
     }
 }
