@@ -1,7 +1,7 @@
 //! Power before measuring: in how many campaigns of a design the study would see a change of a given size.
 //!
 //! Campaigns are simulated with what strips, strips in surroundings and runs differ by, and asked by the model that answers the
-//! study ([`super::scoped`]); the other questions of the study stand beside it with chances of their own, as where they have
+//! study (`scoped.rs`); the other questions of the study stand beside it with chances of their own, as where they have
 //! nothing to find.
 
 use ieap_domain::tag::keys;
