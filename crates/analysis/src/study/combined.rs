@@ -133,9 +133,9 @@ impl Asking<'_> {
         let Some(told) = first else {
             return blank;
         };
-        let scale = blank.scale;
+        let (scale, span) = (blank.scale, blank.span);
         let answer = self.answer(told, &voltages(told), is_asked, blank);
-        let beside = beside.as_ref().and_then(|of| InScope::of(of, scale));
+        let beside = beside.as_ref().and_then(|of| InScope::of(of, scale, span));
         let (of_strips, of_material) = if both.is_by_material {
             (beside, None)
         } else {
@@ -179,7 +179,7 @@ impl Asking<'_> {
         let Some(by_fits) = by_fits else {
             return blank;
         };
-        let with_scatter = summed(terms);
+        let with_scatter = told(terms, scale, blank.span);
         // Where the scatter is known, runs and samples are weighed by it.
         let value: f64 = match &with_scatter {
             Some(all) => all.value,
@@ -292,13 +292,10 @@ impl<'a> InBoth<'a> {
 }
 
 impl InScope {
-    /// A sum in one scope; none where nothing tells the scatter, or so little that the interval holds whatever could be.
-    pub(super) fn of(terms: &[Term], scale: Scale) -> Option<InScope> {
-        let (all, reach) = (summed(terms)?, reach(terms));
+    /// A sum in one scope; none where nothing tells the scatter.
+    pub(super) fn of(terms: &[Term], scale: Scale, span: Option<f64>) -> Option<InScope> {
+        let (all, reach) = (told(terms, scale, span)?, reach(terms));
         let shown = |number: f64| Answer::shown(scale, number);
-        if !(reach < LARGEST_RATIO.ln() || scale != Scale::Ratio && reach.is_finite()) {
-            return None;
-        }
         Some(InScope {
             value: shown(all.value),
             low_95: shown(all.value - reach),
@@ -318,6 +315,18 @@ fn terms<'a>(
 ) -> Option<Vec<Term<'a>>> {
     let term = |&(own, sign): &(&'a Scoped, f64)| Some(Term::of_number(scope(own)?, sign));
     of.iter().map(term).collect()
+}
+
+/// A sum with its scatter; none where nothing tells that, or so little that the interval holds whatever could be. Of a law
+/// over `span` of its variable.
+fn told(terms: &[Term], scale: Scale, span: Option<f64>) -> Option<Summed> {
+    let reach = match scale {
+        Scale::Ratio => reach(terms),
+        Scale::PerUnit => reach(terms) * span.unwrap_or(1.0),
+        // No ratios: their numbers stay as they are.
+        Scale::Points | Scale::OfRange => 0.0,
+    };
+    summed(terms).filter(|_| reach < LARGEST_RATIO.ln())
 }
 
 /// Half-width of the 95 % interval of a sum; infinite where nothing tells the scatter.

@@ -194,7 +194,7 @@ impl Planned {
     fn asked(&self, values: Vec<Value>) -> (Option<f64>, Option<f64>) {
         let chances = |of: &Scoped| {
             let both = InBoth::of(&[(of, 1.0)]);
-            let p = |of: Option<Vec<_>>| Some(InScope::of(&of?, Scale::PerUnit)?.p);
+            let p = |of: Option<Vec<_>>| Some(InScope::of(&of?, Scale::PerUnit, None)?.p);
             (p(both.strips), p(both.material))
         };
         let (strips, material) = match &self.question {
