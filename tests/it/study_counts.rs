@@ -11,6 +11,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;
 
+use ieap::numerics::chance::as_few_chance;
+
 use crate::campaign::{CampaignFolder, counted};
 
 const HEAD: &str = r#"[simulation]
@@ -347,7 +349,7 @@ fn nine_designs_claim_little_that_is_not_there() {
     let number = |of: &str| std::env::var(of).ok().and_then(|text| text.parse().ok());
     let count = number("IEAP_COUNT").unwrap_or(counted(1, 4) as u64);
     let first: u64 = number("IEAP_SEED").unwrap_or(100);
-    let (mut claims, mut false_claims, mut there, mut found) = (0, 0, 0, 0);
+    let (mut claims, mut false_claims, mut there, mut found) = (0_usize, 0_usize, 0, 0);
     for design in designs() {
         let nothing = counts_of(design, false, first..first + count);
         let truth = counts_of(design, true, first + 50_000..first + 50_000 + count);
@@ -359,6 +361,8 @@ fn nine_designs_claim_little_that_is_not_there() {
             (there, found) = (there + truth.there, found + truth.found);
         }
     }
-    assert!(20 * false_claims <= claims.max(40), "{false_claims} of {claims}");
+    // The study claims at a rate of false discoveries of 5 %.
+    let by_chance = as_few_chance(claims - false_claims, claims, 0.95);
+    assert!(by_chance > 0.01, "{false_claims} of {claims}");
     assert!(20 * found >= 17 * there, "{found} of {there}");
 }
