@@ -11,6 +11,8 @@ mod aside;
 mod backups;
 mod bad_input;
 mod beside;
+#[cfg(unix)]
+mod beside_watch;
 mod between;
 mod book;
 mod brought;

@@ -6,6 +6,7 @@ use crate::system::passing::Passing;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use super::differs_in;
 use super::part::Part;
 use crate::domain::Issue;
 use crate::ingest::archive::Archive;
@@ -160,57 +161,47 @@ fn is_out_of_date(differs: &RowDiffers) -> bool {
     }
 }
 
-/// In what a row differs, in words.
-fn in_words(differs: &RowDiffers) -> String {
-    let table = &differs.table;
-    match &differs.how {
-        How::Columns(columns) => format!("table {table}, {}", columns.join(", ")),
-        How::OnlyHere => format!("table {table}: a row that is not made again"),
-        How::OnlyThere => format!("table {table} lacks a row"),
-    }
-}
-
 fn of_table(differs: &RowDiffers, out_of_date: bool) -> Issue {
-    let what = in_words(differs);
+    let (of, what) = (differs_in::subject(differs), differs_in::words(differs));
     if out_of_date {
         return Issue::note(
             "result-out-of-date",
-            format!("{what}: tags, campaign.toml or climate are others now than when it was tagged"),
+            format!("tags, campaign.toml or climate are others now than when it was tagged: {what}"),
         )
-        .at(&differs.key)
+        .at(of)
         .mend("`ieap run` tags it anew");
     }
     let of_readings = ["run", "channel", "climate_log", "climate_series"];
     if of_readings.contains(&differs.table.as_str()) {
         Issue::error(
             "readings-differ",
-            format!("{what}: the raw bytes and what was said give other readings or tags than are stored"),
+            format!("the raw bytes and what was said give other readings or tags than are stored: {what}"),
         )
-        .at(&differs.key)
+        .at(of)
         .mend("where the program is newer than the readings, the next `ieap run` reads the file anew; else report it with the file")
     } else {
         Issue::error(
             "table-differs",
-            format!("{what}: archive and journal give something else than is stored"),
+            format!("archive and journal give something else than is stored: {what}"),
         )
-        .at(&differs.key)
+        .at(of)
         .mend("`ieap rebuild` makes the database anew from archive and journal")
     }
 }
 
 fn of_result(differs: &RowDiffers) -> Issue {
-    let what = in_words(differs);
+    let (of, what) = (differs_in::subject(differs), differs_in::words(differs));
     if matches!(differs.how, How::Columns(_)) && !is_out_of_date(differs) {
         let message =
-            format!("{what}: made again by this program (version {CODE_VERSION}), it has other numbers");
-        Issue::error("result-differs", message).at(&differs.key).mend(
+            format!("made again by this program (version {CODE_VERSION}), it has other numbers: {what}");
+        Issue::error("result-differs", message).at(of).mend(
             "if another version of the program made it, `ieap fit --again` or `ieap diagnose --again` makes it \
              anew; else report it with the campaign",
         )
     } else {
-        let message = format!("{what}: it was made from other readings, tags or options than hold now");
+        let message = format!("it was made from other readings, tags or options than hold now: {what}");
         Issue::note("result-out-of-date", message)
-            .at(&differs.key)
+            .at(of)
             .mend("`ieap run` makes it anew")
     }
 }

@@ -4,6 +4,7 @@
 pub mod archive;
 mod database;
 mod deep;
+mod differs_in;
 mod journal;
 mod part;
 mod report;
