@@ -216,6 +216,8 @@ fn roughly(factor: f64) -> String {
             Some(part) => format!("to about a {part}"),
             None => format!("to about {} %", significant(100.0 * small, 2)),
         },
+        twice if twice >= FOLDS_FROM => format!("{}-fold", significant(twice, 2)),
+        half if half <= 1.0 / FOLDS_FROM => format!("to {} %", significant(100.0 * half, 2)),
         near => format!("by {} %", significant(100.0 * (near - 1.0).abs(), 2)),
     }
 }
@@ -317,7 +319,19 @@ fn bound(answer: &Answer) -> String {
 }
 
 /// `cannot be told with 2 strips (a third would): up to 2.6-fold is possible`.
-pub(super) fn cannot_be_told(answer: &Answer) -> String {
+fn cannot_be_told(answer: &Answer) -> String {
+    let possible = match (answer.no_more_than, answer.scale) {
+        (None, _) => String::new(),
+        (Some(most), Scale::Ratio | Scale::PerUnit) if most > 100.0 => {
+            format!(": up to {}-fold is possible", significant(1.0 + most / 100.0, 2))
+        }
+        (Some(_), _) => format!(": up to {} is possible", most(answer)),
+    };
+    untold(answer) + &possible
+}
+
+/// `cannot be told with 2 strips (a third would)`.
+pub(super) fn untold(answer: &Answer) -> String {
     if let Some(reason) = &answer.reason {
         return format!("{UNTOLD}: {reason}");
     }
@@ -330,14 +344,7 @@ pub(super) fn cannot_be_told(answer: &Answer) -> String {
         (_, 2) => " with 2 strips (a third would)".to_owned(),
         (_, strips) => format!(" with {strips} strips (more would)"),
     };
-    let possible = match (answer.no_more_than, answer.scale) {
-        (None, _) => String::new(),
-        (Some(most), Scale::Ratio | Scale::PerUnit) if most > 100.0 => {
-            format!(": up to {}-fold is possible", significant(1.0 + most / 100.0, 2))
-        }
-        (Some(_), _) => format!(": up to {} is possible", most(answer)),
-    };
-    format!("{UNTOLD}{would}{possible}")
+    format!("{UNTOLD}{would}")
 }
 
 /// `3.3 to 3.7`: as many digits as tell the ends apart.

@@ -15,6 +15,7 @@ use crate::false_discovery::CLAIMED_BELOW;
 use crate::parameters::COMPARED;
 
 /// A sentence: what one pair of conditions does, or does not, to some parameters of a material.
+#[derive(Clone)]
 struct Sentence<'a> {
     study: &'a Study,
     /// What is told, all of one pair.
@@ -29,7 +30,8 @@ struct Before<'a> {
     /// Parameters whose names were told.
     named: BTreeSet<&'static str>,
     material: Option<&'a str>,
-    pair: Option<(&'a str, &'a str)>,
+    /// Where the last sentence was about.
+    head: String,
 }
 
 /// The sentences of a material, what is known best first; one that says so where nothing can be told.
@@ -55,23 +57,30 @@ pub fn first_screen(study: &Study) -> Vec<String> {
             .partial_cmp(&b[0].rank())
             .unwrap_or(std::cmp::Ordering::Equal)
     });
-    let mut taken = vec![0; all.len()];
-    let mut left = FIRST_SCREEN_WORDS;
-    // In turn, so that no material keeps the others out.
+    let mut taken: Vec<Vec<Sentence>> = all.iter().map(|_| Vec::new()).collect();
+    // In turn, so that no material keeps the others out; where a sentence is too long, what it says first.
     for turn in 0..MOST_OF_MATERIAL {
-        for (own, taken) in all.iter().zip(&mut taken) {
-            let Some(sentence) = own.get(turn).filter(|_| *taken == turn) else {
+        for (at, own) in all.iter().enumerate() {
+            let Some(whole) = own.get(turn).filter(|_| taken[at].len() == turn) else {
                 continue;
             };
-            let words = words_of(&sentence.said(&mut Before::default()));
-            if words <= left {
-                (*taken, left) = (turn + 1, left - words);
+            for part in [whole.clone(), whole.first_alone()] {
+                taken[at].push(part);
+                if words_of(&paragraphs(&taken).join(" ")) <= FIRST_SCREEN_WORDS {
+                    break;
+                }
+                taken[at].pop();
             }
         }
     }
+    paragraphs(&taken)
+}
+
+/// A paragraph of each that has a sentence.
+fn paragraphs(all: &[Vec<Sentence>]) -> Vec<String> {
     let mut before = Before::default();
-    let said = all.iter().zip(taken).map(|(own, taken)| {
-        let said: Vec<String> = own[..taken].iter().map(|own| own.said(&mut before)).collect();
+    let said = all.iter().map(|own| {
+        let said: Vec<String> = own.iter().map(|own| own.said(&mut before)).collect();
         said.join(" ")
     });
     said.filter(|own| !own.is_empty()).collect()
@@ -245,6 +254,15 @@ fn nothing(study: &Study, material: &str) -> Option<String> {
 }
 
 impl<'a> Sentence<'a> {
+    /// The same of what it tells first, where it tells a change.
+    fn first_alone(&self) -> Sentence<'a> {
+        let told = if self.is_alike { self.of.len() } else { 1 };
+        Sentence {
+            of: self.of[..told].to_vec(),
+            ..self.clone()
+        }
+    }
+
     /// What is known best stands first.
     fn rank(&self) -> (bool, Standing, f64) {
         let first = self.of[0];
@@ -254,9 +272,11 @@ impl<'a> Sentence<'a> {
     fn said(&self, before: &mut Before<'a>) -> String {
         let first = self.of[0];
         let is_new = before.material != Some(first.material.as_str());
-        let head = match is_new || before.pair != Some(pair(first)) {
-            true => format!("{}, ", head(first)),
-            false => String::new(),
+        let place = head(first);
+        let head = if before.head != place {
+            format!("{place}, ")
+        } else {
+            String::new()
         };
         let whose = if is_new {
             format!("{}'s", first.material)
@@ -264,7 +284,7 @@ impl<'a> Sentence<'a> {
             "its".to_owned()
         };
         before.material = Some(first.material.as_str());
-        before.pair = Some(pair(first));
+        before.head = place;
         let text = if self.is_alike {
             format!("{head}{}", self.alike(&whose, before))
         } else {
@@ -313,9 +333,10 @@ impl<'a> Sentence<'a> {
         }
         let at: Vec<f64> = each.iter().map(|own| own.voltages_v[0]).collect();
         let values = each.iter().filter_map(|own| own.value).collect();
-        let against = match each[0].lower == answer.lower {
-            true => String::new(),
-            false => format!(" against {}", each[0].lower),
+        let against = if each[0].lower == answer.lower {
+            String::new()
+        } else {
+            format!(" against {}", each[0].lower)
         };
         Some((values, format!("{against}{}", at_voltages(&at))))
     }
@@ -327,9 +348,10 @@ impl<'a> Sentence<'a> {
             .asked()
             .filter(|own| own.material == answer.material && pair(own) == pair(answer));
         let all = of_pair.map(|own| own.voltages_v.len()).max().unwrap_or(0);
-        match answer.voltages_v.len() < all {
-            true => at_voltages(&answer.voltages_v),
-            false => String::new(),
+        if answer.voltages_v.len() < all {
+            at_voltages(&answer.voltages_v)
+        } else {
+            String::new()
         }
     }
 
@@ -404,9 +426,10 @@ impl<'a> Sentence<'a> {
 /// `leakage resistance Rₛₛ`, and `Rₛₛ` once that was said.
 fn named(answer: &Answer, before: &mut Before) -> String {
     let (name, symbol) = (name(answer.parameter), symbol(answer.parameter));
-    match before.named.insert(answer.parameter) && !name.is_empty() {
-        true => format!("{name} {symbol}"),
-        false => symbol.to_owned(),
+    if before.named.insert(answer.parameter) && !name.is_empty() {
+        format!("{name} {symbol}")
+    } else {
+        symbol.to_owned()
     }
 }
 

@@ -8,7 +8,7 @@ use ieap_show::quantities::{MATERIAL, Quantity};
 use ieap_show::{Block, Chart, Column, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
 
 use super::answer::{Answer, InScope, Kind, Point, Scale, Verdict};
-use super::grammar::{Standing, cannot_be_told};
+use super::grammar::{Standing, adverb, in_strips, untold};
 use super::made::Study;
 use super::measures::BENDING_PER_VOLT;
 use super::said::{first, lead};
@@ -144,23 +144,25 @@ fn on_page<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         MOST,
         OF_STRIPS,
         OF_MATERIAL,
+        SCOPE,
         BASIS,
         SAMPLES,
         RUNS,
         ALSO,
     ];
-    table_with(answers, |own| shown_in_words(own)).without(&beside.map(|own| own.key))
+    table_with(answers, shown_in_words).without(&beside.map(|own| own.key))
 }
 
 /// What is shown, and what would tell it where that is open.
 fn shown_in_words(answer: &Answer) -> String {
     match Standing::of(answer) {
-        Standing::Sure => "changes".to_owned(),
-        Standing::Probably => "probably changes".to_owned(),
-        Standing::InStrips => "changes in the strips measured".to_owned(),
+        Standing::Sure | Standing::Probably | Standing::InStrips => {
+            let text = format!("{}changes {}", adverb(answer), in_strips(answer));
+            text.trim_end().to_owned()
+        }
         Standing::Alike => "does not change".to_owned(),
         Standing::Bound => answer.verdict.label().to_owned(),
-        Standing::Open => cannot_be_told(answer),
+        Standing::Open => untold(answer),
     }
 }
 
@@ -318,9 +320,10 @@ fn design(study: &Study) -> String {
         (true, _) => format!("The study compares {all}, as `[study]` in campaign.toml says."),
         (false, _) => format!("The campaign varies {all}; `[study]` in campaign.toml says what is asked."),
     };
-    match study.has_one_strip_each() {
-        true => text + " Each material is one strip: nothing is said of another.",
-        false => text,
+    if study.has_one_strip_each() {
+        text + " Each material is one strip: nothing is said of another."
+    } else {
+        text
     }
 }
 

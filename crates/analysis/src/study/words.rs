@@ -45,9 +45,10 @@ pub fn voltages(of: &[f64]) -> String {
 /// ` at 1.2, 2.0 and 2.5 V`; nothing of none.
 pub(super) fn at_voltages(of: &[f64]) -> String {
     let each: Vec<String> = of.iter().map(|&volts| volts_number(volts)).collect();
-    match each.is_empty() {
-        true => String::new(),
-        false => format!(" at {} V", in_a_row(&each)),
+    if each.is_empty() {
+        String::new()
+    } else {
+        format!(" at {} V", in_a_row(&each))
     }
 }
 
@@ -69,21 +70,23 @@ pub fn by_fits(answer: &Answer) -> String {
 /// An answer as a sentence, with what else may be the cause.
 pub fn sentence(answer: &Answer) -> String {
     let text = told_alone(answer);
-    match answer.also_changed.is_empty() || answer.verdict == Verdict::Alike {
-        true => text + ".",
-        false => format!(
+    if answer.also_changed.is_empty() || answer.verdict == Verdict::Alike {
+        text + "."
+    } else {
+        format!(
             "{text}; in this design {} changed with it.",
             in_a_row(&answer.also_changed)
-        ),
+        )
     }
 }
 
 /// An answer as a sentence without its stop.
 pub(super) fn told_alone(answer: &Answer) -> String {
     let about = about(answer);
-    let about = match about.is_char_boundary(1) {
-        true => capital(&about),
-        false => about,
+    let about = if about.is_char_boundary(1) {
+        capital(&about)
+    } else {
+        about
     };
     format!("{about} {}", shows(answer))
 }

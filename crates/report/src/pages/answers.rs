@@ -61,19 +61,24 @@ fn lacks(site: &Site) -> Option<Said> {
             [only] => only.gain.as_ref().and_then(|gain| gain_in_short(&gain.proof)),
             _ => None,
         };
-        let with = gain.map_or(String::new(), |gain| format!(": with it {gain}"));
-        format!("{cause} of {}{with}", groups_words(of))
+        let with = gain.map_or(String::new(), |gain| format!(", with it {gain}"));
+        (groups_words(of), format!("{cause}{with}"))
     };
-    let each: Vec<String> = by_cause.iter().map(cause).collect();
-    let text = match (each.is_empty(), uncaused.is_empty()) {
-        (true, true) => wrong_in(groups),
-        (true, false) => format!("{}, and what it misses cannot be told", wrong_in(groups)),
-        (false, true) => format!("The model misses {}", each.join("; ")),
-        (false, false) => format!(
-            "The model misses {}; in {} it is wrong as well, without a cause",
-            each.join("; "),
-            counted(uncaused.len(), "group")
-        ),
+    let mut text = String::new();
+    for (of, misses) in by_cause.iter().map(cause) {
+        text += &if text.is_empty() {
+            format!("For {of} the model misses {misses}")
+        } else {
+            format!("; for {of} {misses}")
+        };
+    }
+    if text.is_empty() {
+        text = wrong_in(groups);
+    }
+    text += &match (by_cause.is_empty(), uncaused.len()) {
+        (_, 0) => String::new(),
+        (true, _) => ", and what it misses cannot be told".to_owned(),
+        (false, more) => format!("; in {} it is wrong without a cause", counted(more, "more group")),
     };
     Some(Said::new(text + ".", "findings.html", "all findings"))
 }

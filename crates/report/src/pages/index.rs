@@ -170,9 +170,10 @@ fn lead(site: &Site) -> String {
         return without_runs(site);
     }
     let fitted = runs.iter().filter(|run| run.fit.is_some()).count();
-    let strips = match site.input.study.has_one_strip_each() {
-        true => ", one strip a material",
-        false => "",
+    let strips = if site.input.study.has_one_strip_each() {
+        ", one strip a material"
+    } else {
+        ""
     };
     format!(
         "{} in {}{strips}; {} fitted.",
