@@ -389,7 +389,9 @@ fn numbers_are_those_of_the_tables(found: &GroupDiagnosis, media: &Media) {
     let errors = media.errors();
     for sentence in media.sentences.iter().chain([&media.overview]) {
         for told in sentence.split("the error of the ").skip(1) {
-            let (what, numbers) = told.split_once(" goes from ").expect("an error");
+            let (what, numbers) = ([" falls from ", " grows from "].into_iter())
+                .find_map(|verb| told.split_once(verb))
+                .expect("an error");
             let (before, rest) = numbers.split_once(" to ").expect("two numbers");
             let is_it = |row: &&[String; 3]| {
                 row[0].starts_with(&format!("Error of predicted {what}")) && row[1] == before

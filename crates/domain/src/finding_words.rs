@@ -4,7 +4,7 @@
 mod gain;
 mod varying;
 
-pub use gain::{StatedError, errors, gain_words};
+pub use gain::{StatedError, errors, gain_in_short, gain_words};
 pub use varying::{listed, printed, short, told_first};
 
 use crate::diagnosis::{RIGHT_FROM, WRONG_BELOW, follows_a_tag};
@@ -120,7 +120,7 @@ fn size(misfit: MisfitPercent) -> String {
     in_a_row(&each.into_iter().flatten().collect::<Vec<_>>())
 }
 
-/// The laws that are missing, as clauses: "faradaic-leak (...): a current leaks that changes with the voltage"; empty of none.
+/// The laws that are missing: "faradaic-leak (electrolysis current above an onset voltage)"; empty of none.
 pub fn causes(found: &GroupDiagnosis, about: &About) -> String {
     let each: Vec<String> = found.missing.iter().map(|law| cause(law, about)).collect();
     in_a_row(&each)
@@ -129,7 +129,7 @@ pub fn causes(found: &GroupDiagnosis, about: &About) -> String {
 /// A law in words: by its name; else by what it is, and which of the known curves lie within its band.
 fn cause(law: &MissingLaw, about: &About) -> String {
     if let Some(name) = &law.name {
-        return format!("{}: {}", with_summary(name, about), law.words);
+        return with_summary(name, about);
     }
     if law.law.is_none() {
         return format!(

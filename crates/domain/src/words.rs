@@ -21,6 +21,16 @@ pub fn counted(count: usize, noun: &str) -> String {
     }
 }
 
+/// `two`, up to ten; `11`.
+pub fn numeral(count: usize) -> String {
+    const WORDS: [&str; 11] = [
+        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
+    ];
+    WORDS
+        .get(count)
+        .map_or_else(|| count.to_string(), |word| (*word).to_owned())
+}
+
 /// `a`, `a and b`, `a, b and c`.
 pub fn in_a_row<T: AsRef<str>>(words: &[T]) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
@@ -49,6 +59,7 @@ mod tests {
         assert_eq!(counted(1, "spectrum"), "1 spectrum");
         assert_eq!(counted(2, "spectrum"), "2 spectra");
         assert_eq!(counted(5, "modulus analysis"), "5 modulus analyses");
+        assert_eq!([2, 11].map(numeral), ["two", "11"]);
     }
 
     #[test]

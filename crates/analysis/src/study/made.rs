@@ -150,6 +150,12 @@ impl Study {
         laws.filter(|answer| answer.p.is_some())
     }
 
+    /// Whether there is no more than one strip of each material.
+    pub fn has_one_strip_each(&self) -> bool {
+        let of_material = self.asked().filter(|own| !own.kind.is_by_material());
+        of_material.map(|own| own.samples).max() == Some(1)
+    }
+
     /// Materials, in the order of the campaign.
     pub fn materials(&self) -> Vec<&str> {
         let mut found: Vec<&str> = Vec::new();

@@ -12,6 +12,7 @@ mod combined;
 mod course;
 mod curves;
 mod environments;
+mod grammar;
 mod laws;
 mod made;
 mod measured;
@@ -20,6 +21,7 @@ mod pairs;
 mod placed;
 mod policy;
 pub mod power;
+mod said;
 mod scoped;
 mod slope;
 pub mod view;
@@ -28,6 +30,8 @@ mod words;
 
 #[cfg(test)]
 mod curves_tests;
+#[cfg(test)]
+mod grammar_tests;
 #[cfg(test)]
 mod other_laws_tests;
 #[cfg(test)]
@@ -39,5 +43,7 @@ mod two_scopes_tests;
 
 pub use answer::{Answer, Basis, Drawn, InScope, Kind, Point, Scale, Scope, Verdict};
 pub use course::{Course, courses};
+pub use grammar::UNTOLD;
 pub use made::{Evidence, Study};
-pub use words::{about, lead, sentence, symbol};
+pub use said::{first_parameter, first_screen, lead};
+pub use words::{about, sentence, symbol};

@@ -41,3 +41,15 @@ pub const HUMIDITIES_PERCENT: [f64; 5] = [20.0, 35.0, 50.0, 65.0, 80.0];
 /// An interval of a ratio that reaches this far to either side of its value says nothing. Chosen: no parameter of a strip is
 /// known to change by as much.
 pub const LARGEST_RATIO: f64 = 1e12;
+/// Ratio from which a change is said as a fold, and below its inverse as what is left; between them in percent. Chosen: a
+/// doubling is the first that people say so.
+pub const FOLDS_FROM: f64 = 2.0;
+/// Ratio from which what a law makes over all that was measured is said in a word. Chosen: "to a fifth", "sevenfold".
+pub const ROUGHLY_FROM: f64 = 3.0;
+/// Changes that one sentence tells at most. Chosen: two can be kept in mind.
+pub const TOLD_TOGETHER: usize = 2;
+/// Sentences about a material at most on the first screen. Chosen.
+pub const MOST_OF_MATERIAL: usize = 2;
+/// Words that the first screen says of a study at most, headings and the captions of pictures aside. Chosen: a quarter of a
+/// minute to read.
+pub const FIRST_SCREEN_WORDS: usize = 60;

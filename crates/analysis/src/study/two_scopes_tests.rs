@@ -207,12 +207,12 @@ fn two_strips_tell_a_law_of_themselves_and_say_what_their_material_needs() {
     );
     let lead = lead(&study, "CNaf").join("\n");
     assert!(
-        lead.contains("in the 2 strips measured; of the material "),
+        lead.contains(" in the two strips measured)") && lead.contains(" a percent ("),
         "{lead}"
     );
     let sentence = sentence(other);
     assert!(
-        sentence.starts_with("λ of CNaf against CPvf with the relative humidity, "),
+        sentence.starts_with("The change of λ of CNaf against CPvf with the relative humidity from "),
         "{sentence}"
     );
 }
@@ -235,9 +235,9 @@ fn strips_that_differ_in_their_slopes_are_told_apart_and_their_mean_is_the_law()
         "{lambda:?} {own:?}"
     );
     assert!(
-        words::number(lambda).contains(", in single strips × "),
+        sentence(lambda).contains(" times in single strips"),
         "{}",
-        words::number(lambda)
+        sentence(lambda)
     );
 }
 

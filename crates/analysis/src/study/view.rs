@@ -3,14 +3,16 @@
 use ieap_domain::Factor;
 use ieap_domain::number::significant;
 use ieap_domain::quantiles::NORMAL_95;
-use ieap_domain::words::{capital, counted, in_a_row};
+use ieap_domain::words::{capital, in_a_row};
 use ieap_show::quantities::{MATERIAL, Quantity};
 use ieap_show::{Block, Chart, Column, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
 
 use super::answer::{Answer, InScope, Kind, Point, Scale, Verdict};
+use super::grammar::{Standing, adverb, in_strips, untold};
 use super::made::Study;
 use super::measures::BENDING_PER_VOLT;
-use super::words::{about, basis, by_fits, family, lead, left_out, sentence, shows, symbol, voltages};
+use super::said::{first, lead};
+use super::words::{basis, by_fits, family, left_out, sentence, symbol, told_alone, voltages};
 use crate::ParameterInfo;
 use crate::conditions::volts;
 use crate::tables::laws;
@@ -81,15 +83,19 @@ const BASIS: Quantity = Quantity::plain(
 const WIDEST: f64 = 30.0;
 /// Places at which a law is drawn.
 const DRAWN: usize = 40;
-/// Pictures on the overview.
-const MOST_DRAWN: usize = 3;
-/// Further answers there: the pictures have all, and the page of the study says all.
-const MOST_SAID: usize = 4;
 /// Digits of a chance, and of a percentage.
 const FEW: i32 = 2;
 
 /// Table `contrasts`: every answer, or those of the study alone.
 pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
+    table_with(answers, |own| own.verdict.label().to_owned())
+}
+
+/// The same, with these words for what is shown.
+fn table_with<'a>(
+    answers: impl IntoIterator<Item = &'a Answer>,
+    shown: impl Fn(&Answer) -> String + 'static,
+) -> Table {
     let material = |own: &&Answer| match (&own.against_material, own.kind) {
         (Some(other), kind) if kind.is_by_material() => format!("{} / {other}", own.material),
         _ => own.material.clone(),
@@ -122,7 +128,7 @@ pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         .column(MOST, move |own| rough(own.no_more_than))
         .column(UNDONE, move |own| rough(own.undone_by_scatter))
         .column(Q, move |own| rough(own.q))
-        .column(VERDICT, |own| own.verdict.label())
+        .column(VERDICT, move |own| shown(own))
         .column(BASIS, |own| own.basis.label())
         .column(SAMPLES, |own| own.samples)
         .column(RUNS, |own| format!("{} and {}", own.runs.0, own.runs.1))
@@ -138,12 +144,26 @@ fn on_page<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         MOST,
         OF_STRIPS,
         OF_MATERIAL,
+        SCOPE,
         BASIS,
         SAMPLES,
         RUNS,
         ALSO,
     ];
-    table(answers).without(&beside.map(|own| own.key))
+    table_with(answers, shown_in_words).without(&beside.map(|own| own.key))
+}
+
+/// What is shown, and what would tell it where that is open.
+fn shown_in_words(answer: &Answer) -> String {
+    match Standing::of(answer) {
+        Standing::Sure | Standing::Probably | Standing::InStrips => {
+            let text = format!("{}changes {}", adverb(answer), in_strips(answer));
+            text.trim_end().to_owned()
+        }
+        Standing::Alike => "does not change".to_owned(),
+        Standing::Bound => answer.verdict.label().to_owned(),
+        Standing::Open => untold(answer),
+    }
 }
 
 /// Environments at each voltage, by the fits alone: a row a parameter and pair, a column a voltage.
@@ -194,7 +214,7 @@ fn at_each_voltage(study: &Study) -> Option<Table> {
 /// The page: the first answer of each material, their pictures, the other answers, then the tables.
 pub fn view(study: &Study) -> Vec<Block> {
     let asked: Vec<&Answer> = study.asked().collect();
-    let mut blocks = answers(study, usize::MAX, usize::MAX);
+    let mut blocks = answers(study);
     blocks.push(Block::Say(design(study)));
     blocks.extend(causes(&asked));
     let table = Block::Table(on_page(asked.iter().copied()));
@@ -250,12 +270,8 @@ fn causes(asked: &[&Answer]) -> Option<Block> {
         .then(|| Block::part("What else changed", std::iter::once(head).chain(said).collect()))
 }
 
-/// What the overview says first: the answers of each material in a line each, with pictures.
-pub fn overview(study: &Study) -> Vec<Block> {
-    if !is_told(study) {
-        return Vec::new();
-    }
-    let mut blocks = answers(study, MOST_DRAWN, MOST_SAID);
+/// What else changed with what was compared, for the first screen; none where nothing did.
+pub fn confounded(study: &Study) -> Option<String> {
     let name = |said: &'_ String| {
         said.split_once(" (")
             .map_or(said.clone(), |(name, _)| name.to_owned())
@@ -267,57 +283,47 @@ pub fn overview(study: &Study) -> Vec<Block> {
         .collect();
     names.sort();
     names.dedup();
-    if !names.is_empty() {
-        blocks.push(Block::Say(format!(
-            "In this design {} changed with some of what is compared, and may be the cause as well.",
+    (!names.is_empty()).then(|| {
+        format!(
+            "In this design {} changed as well, and may be the cause.",
             in_a_row(&names)
-        )));
-    }
-    blocks
+        )
+    })
 }
 
-/// The first answer of each material, so many pictures, so many of the other answers.
-fn answers(study: &Study, drawn: usize, said: usize) -> Vec<Block> {
+/// The picture of what is told first: a law over what it follows, a chart a material; none where no law is told first.
+pub fn first_charts(study: &Study) -> Vec<Chart> {
+    let Some(told) = first(study).filter(|own| own.kind.is_law()) else {
+        return Vec::new();
+    };
+    let is_it = |own: &&Answer| own.is_of_study && (own.kind, own.parameter) == (told.kind, told.parameter);
+    study.laws().filter(is_it).filter_map(law_chart).collect()
+}
+
+/// What is said of each material, then their pictures.
+fn answers(study: &Study) -> Vec<Block> {
     let materials = study.materials();
-    let lines: Vec<Vec<String>> = materials.iter().map(|material| lead(study, material)).collect();
-    let first = lines
-        .iter()
-        .filter_map(|own| own.first().cloned())
-        .map(Block::Say);
+    let said = materials.iter().flat_map(|material| lead(study, material));
     let charts = materials
         .iter()
         .filter_map(|material| chart(study, material))
-        .chain(law_charts(study, |_| true))
-        .take(drawn)
-        .map(Block::Chart);
-    // In turn, so that no material keeps the others out.
-    let longest = lines.iter().map(Vec::len).max().unwrap_or(0);
-    let others: Vec<Block> = (1..longest)
-        .flat_map(|place| lines.iter().filter_map(move |own| own.get(place).cloned()))
-        .map(Block::Say)
-        .collect();
-    let left = others.len().saturating_sub(said);
-    let more = (left > 0).then(|| {
-        Block::say(format!(
-            "{} more stand on the page of the study.",
-            counted(left, "answer")
-        ))
-    });
-    first
-        .chain(charts)
-        .chain(others.into_iter().take(said))
-        .chain(more)
-        .collect()
+        .chain(law_charts(study, |_| true));
+    said.map(Block::Say).chain(charts.map(Block::Chart)).collect()
 }
 
 /// What was compared, and who said so.
 fn design(study: &Study) -> String {
     let names: Vec<&str> = study.compared.iter().map(|factor| factor.key()).collect();
     let all = in_a_row(&names);
-    match (study.is_declared, study.compared.is_empty()) {
+    let text = match (study.is_declared, study.compared.is_empty()) {
         (_, true) => "Nothing was varied that could be compared.".to_owned(),
         (true, _) => format!("The study compares {all}, as `[study]` in campaign.toml says."),
         (false, _) => format!("The campaign varies {all}; `[study]` in campaign.toml says what is asked."),
+    };
+    if study.has_one_strip_each() {
+        text + " Each material is one strip: nothing is said of another."
+    } else {
+        text
     }
 }
 
@@ -464,11 +470,7 @@ pub fn lines(study: &Study) -> Vec<Block> {
         .collect();
     blocks.push(Block::Say(design(study)));
     blocks.extend(left_out(study).into_iter().map(Block::Say));
-    blocks.extend(
-        study
-            .asked()
-            .map(|own| Block::Say(format!("{}: {}.", about(own), shows(own)))),
-    );
+    blocks.extend(study.asked().map(|own| Block::Say(told_alone(own) + ".")));
     blocks
 }
 

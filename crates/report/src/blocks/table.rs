@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::site::Site;
 use crate::tables::{ShownCell, grid, note_letter, note_letters, remarks, repeated};
+use ieap_analysis::study::UNTOLD;
 use ieap_domain::number::interval;
 use ieap_show::{Cell, Content, SourceOrigin, Table};
 
@@ -40,6 +41,9 @@ struct CellText {
     href: Option<String>,
     is_number: bool,
     is_head: bool,
+    /// Whether it says that nothing can be told: it stands back behind what is.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    is_untold: bool,
 }
 
 impl TableText {
@@ -77,6 +81,7 @@ impl TableText {
                 interval: interval_of(cell),
                 href: href(site, cell, shown),
                 is_number: numbers[column],
+                is_untold: shown.text().starts_with(UNTOLD),
                 // What stands above already heads nothing.
                 is_head: column < table.stub && !repeated[row][column],
             }

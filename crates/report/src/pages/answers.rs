@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::finding_words::{Outcome, campaign_lead, outcome_of};
+use super::finding_words::{Outcome, outcome_of, wrong_in};
 use super::wording::group_title;
 use crate::pages::policy::MOST_GROUPS_NAMED;
 use crate::site::Site;
 use ieap_analysis::monitoring::forecasts::{Dates, forecasts};
 use ieap_domain::GroupDiagnosis;
-use ieap_domain::finding_words::{causes, proof};
+use ieap_domain::finding_words::{causes, gain_in_short};
 
 /// A sentence with the page that tells more.
 #[derive(Debug, Serialize)]
@@ -42,48 +42,69 @@ fn shows(site: &Site) -> Option<Said> {
     Some(Said::new(told.sentence(), "monitoring.html", "monitoring"))
 }
 
-/// What the model lacks: the counts, the causes with their groups, and what one of a single group gains.
+/// What the model lacks, in one sentence: each cause with its groups, and what one of a single group gains.
 fn lacks(site: &Site) -> Option<Said> {
     let findings = &site.input.findings;
     let groups = &findings.groups;
     if groups.is_empty() {
         return None;
     }
-    let mut text = campaign_lead(groups);
+    let of = |wanted: Outcome| groups.iter().filter(move |found| outcome_of(found) == wanted);
     let mut by_cause: BTreeMap<String, Vec<&GroupDiagnosis>> = BTreeMap::new();
-    for found in groups
-        .iter()
-        .filter(|found| outcome_of(found) == Outcome::WrongWithCause)
-    {
+    for found in of(Outcome::WrongWithCause) {
         let about = |id: &str| findings.effect(id).map(|effect| effect.summary.as_str());
         by_cause.entry(causes(found, &about)).or_default().push(found);
     }
-    for (cause, of) in by_cause {
+    let uncaused: Vec<&GroupDiagnosis> = of(Outcome::Wrong).collect();
+    let cause = |(cause, of): (&String, &Vec<&GroupDiagnosis>)| {
         let gain = match of.as_slice() {
-            [only] => proof(only, "it"),
-            _ => String::new(),
+            [only] => only.gain.as_ref().and_then(|gain| gain_in_short(&gain.proof)),
+            _ => None,
         };
-        text += &format!(" {}: {cause}.{gain}", groups_words(&of));
+        let with = gain.map_or(String::new(), |gain| format!(", with it {gain}"));
+        (groups_words(of), format!("{cause}{with}"))
+    };
+    let mut text = String::new();
+    for (of, misses) in by_cause.iter().map(cause) {
+        text += &if text.is_empty() {
+            format!("For {of} the model misses {misses}")
+        } else {
+            format!("; for {of} {misses}")
+        };
     }
-    Some(Said::new(text, "findings.html", "all findings"))
+    if text.is_empty() {
+        text = wrong_in(groups);
+    }
+    text += &match (by_cause.is_empty(), uncaused.len()) {
+        (_, 0) => String::new(),
+        (true, _) => ", and what it misses cannot be told".to_owned(),
+        (false, more) => format!("; in {} it is wrong without a cause", counted(more, "more group")),
+    };
+    Some(Said::new(text + ".", "findings.html", "all findings"))
 }
 
-/// Which groups, at the head of a sentence.
+/// Which groups.
 fn groups_words(groups: &[&GroupDiagnosis]) -> String {
     let names: Vec<String> = groups.iter().map(|found| group_title(&found.group)).collect();
     if names.len() > MOST_GROUPS_NAMED {
-        format!("In {} groups", names.len())
+        format!("{} groups", names.len())
     } else {
         in_a_row(&names)
     }
 }
 
-/// The first run to make, and how much of the conditions is measured.
+/// The first run to make.
 fn next(site: &Site) -> Option<Said> {
+    let planned = site.input.next_runs.first()?;
+    let text = format!("Next: {}, {}.", planned.place(), planned.run.drive);
+    Some(Said::new(text, "study.html", "why"))
+}
+
+/// How many of the combinations are measured; empty where none is.
+pub fn coverage(site: &Site) -> String {
     let conditions = &site.conditions;
-    let measured = conditions.measured.len();
     let possible = conditions.materials.len() * conditions.surroundings.len() * conditions.voltages_v.len();
-    let coverage = match measured {
+    match conditions.measured.len() {
         0 => String::new(),
         all if all == possible => {
             "Every combination of material, environment and voltage is measured.".to_owned()
@@ -91,19 +112,6 @@ fn next(site: &Site) -> Option<Said> {
         some => {
             format!("{some} of {possible} combinations of material, environment and voltage are measured.")
         }
-    };
-    match site.input.next_runs.first() {
-        Some(planned) => {
-            let text = format!(
-                "Next: {}, {} (the first of {}). {coverage}",
-                planned.place(),
-                planned.run.drive,
-                counted(site.input.next_runs.len(), "planned run")
-            );
-            Some(Said::new(text, "study.html", "the plan and its reasons"))
-        }
-        None if coverage.is_empty() => None,
-        None => Some(Said::new(coverage, "#conditions", "the conditions")),
     }
 }
 

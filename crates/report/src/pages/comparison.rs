@@ -90,6 +90,9 @@ fn section(
 /// A small panel of the overview.
 #[derive(Debug, Serialize)]
 pub struct SmallPanel {
+    /// Key of the parameter.
+    #[serde(skip)]
+    pub key: &'static str,
     title: String,
     figure: String,
     /// The section that shows it large.
@@ -141,6 +144,7 @@ pub fn small_panels(
                 })?;
             figures.insert(figure.clone(), drawn);
             panels.push(SmallPanel {
+                key: parameter.key,
                 title: format!("{} of {}", parameter.symbol, names[material]),
                 figure,
                 href: format!("parameters.html#{}", parameter.key),

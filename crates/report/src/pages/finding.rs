@@ -271,7 +271,7 @@ fn adoption(site: &Site, found: &GroupDiagnosis) -> Option<String> {
     let is_extended = found.verdict == Verdict::Law && !found.effects.is_empty();
     is_extended.then(|| {
         format!(
-            "Not adopted: the runs are fitted with {}. To fit them with the extended model: ieap diagnose --adopt --group \"{}\"",
+            "The runs are fitted with {}; `ieap diagnose --adopt --group \"{}\"` fits them with the extended model.",
             found.base_model, found.group
         )
     })

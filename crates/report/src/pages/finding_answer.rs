@@ -145,7 +145,11 @@ fn size_words(found: &GroupDiagnosis) -> String {
         return String::new();
     }
     let size = found.misfit_percent;
-    let of = |percent: Option<f64>, what: &str| Some(format!("{} % of {what}", significant(percent?, 2)));
+    // What is nothing needs no word.
+    let of = |percent: Option<f64>, what: &str| {
+        let seen = percent.map(|own| significant(own, 2)).filter(|own| own != "0")?;
+        Some(format!("{seen} % of {what}"))
+    };
     let sizes: Vec<String> = [
         of(size.current, "the range of the current"),
         of(size.curvature, "the range of the curvature"),

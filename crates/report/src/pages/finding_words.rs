@@ -94,6 +94,22 @@ pub fn outcome_of(found: &GroupDiagnosis) -> Outcome {
     }
 }
 
+/// In how many groups the model is wrong, as a clause.
+pub fn wrong_in(groups: &[GroupDiagnosis]) -> String {
+    let count = |wanted: Outcome| groups.iter().filter(|found| outcome_of(found) == wanted).count();
+    let asked = groups.len() - count(Outcome::NotAsked);
+    match (count(Outcome::WrongWithCause) + count(Outcome::Wrong), asked) {
+        (_, 0) => "The readings of no group allow a finding".to_owned(),
+        (0, _) => format!(
+            "In none of {} is the model shown to be wrong",
+            count_of(asked, "group")
+        ),
+        (1, 1) => "The model is wrong in the one group".to_owned(),
+        (n, _) if n == asked => format!("The model is wrong in all {n} groups"),
+        (n, _) => format!("The model is wrong in {n} of {asked} groups"),
+    }
+}
+
 /// What the campaign's groups say together: in how many the model is wrong, in how many the runs differ, how many are fine.
 pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
     if groups.is_empty() {
@@ -110,16 +126,10 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
         (0, _) => "what it misses cannot be told in any".to_owned(),
         (some, none) => format!("what is missing is told in {some}, not in {none}"),
     };
-    let mut lead = match (caused + uncaused, asked) {
-        (_, 0) => "The readings of no group allow a finding".to_owned(),
-        (0, _) => format!(
-            "In none of {} is the model shown to be wrong",
-            count_of(asked, "group")
-        ),
-        (1, 1) => format!("The model is wrong in the one group: {causes}"),
-        (n, _) if n == asked => format!("The model is wrong in all {n} groups: {causes}"),
-        (n, _) => format!("The model is wrong in {n} of {asked} groups: {causes}"),
-    };
+    let mut lead = wrong_in(groups);
+    if caused + uncaused > 0 {
+        lead += &format!(": {causes}");
+    }
     if differs > 0 {
         lead += &format!(". In {differs} the runs differ or scatter, and each is described by itself");
     }

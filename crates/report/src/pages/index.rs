@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::answers::{Said, answers};
+use super::answers::{Said, answers, coverage};
 use super::comparison::{SmallPanel, small_panels};
 use super::needs::{Need, needs};
 use super::run_fit::symbol_of;
@@ -19,7 +19,10 @@ use crate::pages::policy::{MOST_FILES_OF_REASON, MOST_MOVED_NAMED};
 use crate::site::Site;
 use ieap_analysis::study;
 use ieap_domain::{FileState, Issue, RunState, Severity};
+use ieap_show::Block;
 
+/// Laws that are drawn at most: one picture. Chosen: two stand beside each other.
+const MOST_DRAWN: usize = 2;
 /// Voltages from which the matrix is set tighter.
 const MANY: usize = 8;
 
@@ -27,14 +30,21 @@ const MANY: usize = 8;
 #[derive(Debug, Serialize)]
 struct Index {
     lead: String,
-    /// What the study asked, with its picture.
+    /// What the study shows, a paragraph a material.
+    said: Vec<String>,
+    /// What else changed with what was compared; empty where nothing did.
+    confounded: String,
+    /// A law that is told first, drawn.
     blocks: Vec<blocks::Item>,
+    /// Else what is told first over the conditions.
+    picture: Vec<SmallPanel>,
     answers: Vec<Said>,
     /// Numbers that moved not long ago; empty where none did.
     moved: String,
     needs: Vec<Need>,
     counts: Vec<Count>,
     small: Vec<SmallPanel>,
+    coverage: String,
     runs: RunsTable,
     voltages: Vec<String>,
     many_voltages: bool,
@@ -107,15 +117,33 @@ struct Problem {
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
-    let blocks = blocks::items(site, study::view::overview(&site.input.study), 2, &mut figures)?;
+    let asked = &site.input.study;
+    let is_asked = study::view::is_told(asked);
+    let laws = study::view::first_charts(asked).into_iter();
+    let laws: Vec<Block> = laws.take(MOST_DRAWN).map(Block::Chart).collect();
+    let blocks = blocks::items(site, laws, 2, &mut figures)?;
+    let small = small_panels(site, &mut figures)?;
+    let first = study::first_parameter(asked).or(small.first().map(|panel| panel.key));
+    let is_first = |panel: &SmallPanel| blocks.is_empty() && Some(panel.key) == first;
+    let (picture, small) = small.into_iter().partition(is_first);
     let index = Index {
         lead: lead(site),
+        said: if is_asked {
+            study::first_screen(asked)
+        } else {
+            Vec::new()
+        },
+        confounded: study::view::confounded(asked)
+            .filter(|_| is_asked)
+            .unwrap_or_default(),
         blocks,
+        picture,
         answers: answers(site),
+        coverage: coverage(site),
         moved: moved(site),
         needs: needs(site),
         counts: counts(site),
-        small: small_panels(site, &mut figures)?,
+        small,
         runs: runs_table(site),
         voltages: voltage_labels(&site.conditions.voltages_v),
         many_voltages: site.conditions.voltages_v.len() > MANY,
@@ -142,8 +170,13 @@ fn lead(site: &Site) -> String {
         return without_runs(site);
     }
     let fitted = runs.iter().filter(|run| run.fit.is_some()).count();
+    let strips = if site.input.study.has_one_strip_each() {
+        ", one strip a material"
+    } else {
+        ""
+    };
     format!(
-        "{} in {}; {} fitted.",
+        "{} in {}{strips}; {} fitted.",
         counted(runs.len(), "run"),
         counted(site.conditions.measured.len(), "condition"),
         if fitted == runs.len() {

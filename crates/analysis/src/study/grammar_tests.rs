@@ -1,0 +1,158 @@
+//! The grammar of answers: what is said of which numbers.
+
+use super::answer::{Answer, Basis, InScope, Kind, Scale, Scope, Verdict};
+use super::grammar::{by_voltage, shows};
+use super::words::sentence;
+
+/// An answer that shows that number.
+fn answer(value: f64, ends: (f64, f64)) -> Answer {
+    Answer {
+        kind: Kind::Environment,
+        is_of_study: true,
+        parameter: "lambda_per_s",
+        material: "CNaf".to_owned(),
+        against_material: None,
+        covariate: None,
+        upper: "air".to_owned(),
+        lower: "vacuum".to_owned(),
+        voltages_v: vec![1.2, 2.5],
+        scope: Scope::Material,
+        from_to: None,
+        span: None,
+        times_s: None,
+        most_at_s: None,
+        scale: Scale::Ratio,
+        value: Some(value),
+        fits_low_95: None,
+        fits_high_95: None,
+        low_95: Some(ends.0),
+        high_95: Some(ends.1),
+        at_least: None,
+        at_most: None,
+        basis: Basis::Repeats,
+        scatter: None,
+        degrees_of_freedom: None,
+        undone_by_scatter: None,
+        no_more_than: Some(160.0),
+        p: Some(0.01),
+        q: Some(0.01),
+        of_strips: None,
+        of_material: None,
+        strips_differ_p: None,
+        strips_from_to: None,
+        verdict: Verdict::Differs,
+        samples: 2,
+        runs: (2, 2),
+        of_runs: Vec::new(),
+        drawn: None,
+        also_changed: Vec::new(),
+        reason: None,
+    }
+}
+
+#[test]
+fn a_change_is_said_as_a_fold_or_in_percent_by_its_size() {
+    assert_eq!(
+        [
+            answer(3.47, (3.29, 3.66)),
+            answer(1.65, (1.22, 2.23)),
+            answer(0.57, (0.34, 0.978)),
+            answer(0.0435, (0.00586, 0.323)),
+            answer(2.43, (2.41, 2.44)),
+        ]
+        .map(|own| shows(&own)),
+        [
+            "rises 3.5-fold (3.3 to 3.7)",
+            "rises by 65 % (22 to 120 %)",
+            "falls by 43 % (2.2 to 66 %)",
+            "falls to 4.4 % (0.59 to 32 %)",
+            "rises 2.4-fold (2.41 to 2.44)",
+        ]
+    );
+}
+
+#[test]
+fn what_is_not_sure_is_probable_what_does_not_change_says_within_what() {
+    let of = |verdict, p| Answer {
+        verdict,
+        p: Some(p),
+        q: Some(0.3),
+        ..answer(2.5, (1.1, 5.0))
+    };
+    assert_eq!(
+        shows(&of(Verdict::Open, 0.01)),
+        "probably rises 2.5-fold (1.1 to 5.0)"
+    );
+    assert_eq!(
+        shows(&of(Verdict::Open, 0.3)),
+        "cannot be told with 2 strips (a third would): up to 2.6-fold is possible"
+    );
+    let alike = Answer {
+        no_more_than: Some(5.6),
+        ..of(Verdict::Alike, 0.3)
+    };
+    assert_eq!(
+        sentence(&alike),
+        "λ of CNaf in air against vacuum at 1.2 and 2.5 V does not change (within 5.6 %)."
+    );
+    let least = Answer {
+        value: None,
+        at_least: Some(80.4),
+        ..of(Verdict::Bound, 1.0)
+    };
+    assert_eq!(shows(&least), "rises at least 80-fold");
+}
+
+#[test]
+fn what_strips_show_is_said_of_them() {
+    let strips = InScope {
+        value: 2.0,
+        low_95: 1.8,
+        high_95: 2.2,
+        degrees_of_freedom: None,
+        p: 1e-4,
+        q: Some(1e-3),
+        is_shown: true,
+    };
+    let own = Answer {
+        verdict: Verdict::Open,
+        p: Some(0.4),
+        of_strips: Some(strips),
+        ..answer(2.0, (0.1, 40.0))
+    };
+    assert_eq!(
+        shows(&own),
+        "rises 2.0-fold (1.8 to 2.2 in the two strips measured)"
+    );
+}
+
+#[test]
+fn a_law_is_said_by_the_percent_and_in_all() {
+    let own = |value: f64, ends| Answer {
+        kind: Kind::HumidityLaw,
+        scale: Scale::PerUnit,
+        covariate: Some("relative_humidity_percent"),
+        from_to: Some((0.0, 80.0)),
+        span: Some(80.0),
+        ..answer(value, ends)
+    };
+    assert_eq!(
+        shows(&own(0.0244, (0.0238, 0.0249))),
+        "rises 2.5 % a percent (2.4 to 2.5), about sevenfold in all"
+    );
+    assert_eq!(
+        shows(&own(-0.0202, (-0.0212, -0.0192))),
+        "falls 2.0 % a percent (1.9 to 2.1), to about a fifth in all"
+    );
+}
+
+#[test]
+fn points_are_points_and_values_by_voltage_stand_in_a_row() {
+    let own = Answer {
+        scale: Scale::Points,
+        ..answer(42.9, (19.1, 66.7))
+    };
+    assert_eq!(shows(&own), "rises by 43 points (19 to 67)");
+    assert_eq!(by_voltage(&[1.74, 3.48, 19.3]), "rises 1.7-, 3.5- and 19-fold");
+    assert_eq!(by_voltage(&[0.3, 0.09, 0.027]), "falls to 30, 9.0 and 2.7 %");
+}

@@ -1,0 +1,448 @@
+//! What a study says of its materials: one idea a sentence, what is known best first, and nothing of what is open.
+
+use std::collections::BTreeSet;
+
+use ieap_domain::number::significant;
+use ieap_domain::words::{in_a_row, numeral};
+
+use super::answer::{Answer, Kind};
+use super::grammar::{Standing, adverb, between, by_voltage, changes, from_to, in_strips, most, told};
+use super::made::Study;
+use super::measures::{BENDING_CURVE, BENDING_LOST, BENDING_PER_VOLT, CURRENT_CURVE};
+use super::policy::{FIRST_SCREEN_WORDS, MOST_OF_MATERIAL, TOLD_TOGETHER};
+use super::words::{at_voltages, name, symbol};
+use crate::false_discovery::CLAIMED_BELOW;
+use crate::parameters::COMPARED;
+
+/// A sentence: what one pair of conditions does, or does not, to some parameters of a material.
+#[derive(Clone)]
+struct Sentence<'a> {
+    study: &'a Study,
+    /// What is told, all of one pair.
+    of: Vec<&'a Answer>,
+    /// Whether it is told that they do not change.
+    is_alike: bool,
+}
+
+/// What has been said before, so that it is not said again.
+#[derive(Default)]
+struct Before<'a> {
+    /// Parameters whose names were told.
+    named: BTreeSet<&'static str>,
+    material: Option<&'a str>,
+    /// Where the last sentence was about.
+    head: String,
+}
+
+/// The sentences of a material, what is known best first; one that says so where nothing can be told.
+pub fn lead(study: &Study, material: &str) -> Vec<String> {
+    let mut before = Before::default();
+    let of = ranked(study, material);
+    if of.is_empty() {
+        return nothing(study, material).into_iter().collect();
+    }
+    of.iter().map(|own| own.said(&mut before)).collect()
+}
+
+/// The first screen: a paragraph a material, what is known best first, in no more words than can be read at a glance.
+pub fn first_screen(study: &Study) -> Vec<String> {
+    let mut all: Vec<Vec<Sentence>> = study
+        .materials()
+        .into_iter()
+        .map(|of| ranked(study, of))
+        .collect();
+    all.retain(|own| !own.is_empty());
+    all.sort_by(|a, b| {
+        a[0].rank()
+            .partial_cmp(&b[0].rank())
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    let mut taken: Vec<Vec<Sentence>> = all.iter().map(|_| Vec::new()).collect();
+    // In turn, so that no material keeps the others out; where a sentence is too long, what it says first.
+    for turn in 0..MOST_OF_MATERIAL {
+        for (at, own) in all.iter().enumerate() {
+            let Some(whole) = own.get(turn).filter(|_| taken[at].len() == turn) else {
+                continue;
+            };
+            for part in [whole.clone(), whole.first_alone()] {
+                taken[at].push(part);
+                if words_of(&paragraphs(&taken).join(" ")) <= FIRST_SCREEN_WORDS {
+                    break;
+                }
+                taken[at].pop();
+            }
+        }
+    }
+    paragraphs(&taken)
+}
+
+/// A paragraph of each that has a sentence.
+fn paragraphs(all: &[Vec<Sentence>]) -> Vec<String> {
+    let mut before = Before::default();
+    let said = all.iter().map(|own| {
+        let said: Vec<String> = own.iter().map(|own| own.said(&mut before)).collect();
+        said.join(" ")
+    });
+    said.filter(|own| !own.is_empty()).collect()
+}
+
+/// How many words a text has; a sign by itself is none.
+fn words_of(text: &str) -> usize {
+    let is_word = |own: &&str| own.chars().any(char::is_alphanumeric);
+    text.split_whitespace().filter(is_word).count()
+}
+
+/// Key of the parameter that a picture of what is told first shows.
+pub fn first_parameter(study: &Study) -> Option<&'static str> {
+    Some(match first(study)?.parameter {
+        BENDING_LOST => COMPARED[1],
+        BENDING_PER_VOLT | BENDING_CURVE => COMPARED[0],
+        CURRENT_CURVE => COMPARED[3],
+        key => key,
+    })
+}
+
+/// What is told first of all.
+pub(super) fn first(study: &Study) -> Option<&Answer> {
+    let all = study.materials().into_iter().flat_map(|of| ranked(study, of));
+    let changes = all.filter(|own| !own.is_alike);
+    let first = changes.min_by(|a, b| {
+        a.rank()
+            .partial_cmp(&b.rank())
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    first.map(|own| own.of[0])
+}
+
+/// The sentences of a material: the first of each pair that changes something, then what does not change, then the rest.
+fn ranked<'a>(study: &'a Study, material: &str) -> Vec<Sentence<'a>> {
+    let mut pairs: Vec<Vec<&Answer>> = Vec::new();
+    for own in study
+        .asked()
+        .filter(|own| own.material == material && !own.kind.is_by_material())
+    {
+        match pairs.iter_mut().find(|of| pair(of[0]) == pair(own)) {
+            Some(of) => of.push(own),
+            None => pairs.push(vec![own]),
+        }
+    }
+    let (mut first, mut alike, mut rest) = (Vec::new(), Vec::new(), Vec::new());
+    let sentence = |of: &[&'a Answer], is_alike| Sentence {
+        study,
+        of: of.to_vec(),
+        is_alike,
+    };
+    for of in pairs {
+        let changed = changed(study, &of);
+        let mut parts = changed.chunks(TOLD_TOGETHER).map(|of| sentence(of, false));
+        first.extend(parts.next());
+        rest.extend(parts);
+        let same = unchanged(&of);
+        if !same.is_empty() {
+            alike.push(sentence(&same, true));
+        }
+    }
+    first.sort_by(|a, b| {
+        a.rank()
+            .partial_cmp(&b.rank())
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    first.into_iter().chain(alike).chain(rest).collect()
+}
+
+fn pair(answer: &Answer) -> (&str, &str) {
+    (&answer.upper, &answer.lower)
+}
+
+/// What is the same thing on another scale: bending lost and the rate of it, bending per volt and the coupling.
+fn family(key: &str) -> &str {
+    match key {
+        BENDING_LOST => COMPARED[1],
+        BENDING_PER_VOLT => COMPARED[0],
+        key => key,
+    }
+}
+
+/// The parameters that a pair changes, what is known best first, each thing once; curves where parameters are silent.
+fn changed<'a>(study: &Study, of: &[&'a Answer]) -> Vec<&'a Answer> {
+    let is_told = |own: &&&Answer| Standing::of(own).is_change() || acts_by_voltage(study, own);
+    let (curves, all): (Vec<&Answer>, Vec<&Answer>) = of
+        .iter()
+        .filter(is_told)
+        .copied()
+        .partition(|own| own.is_of_curve());
+    if all.is_empty() {
+        return curves;
+    }
+    let rank = |own: &Answer| (Standing::of(own), own.p.unwrap_or(1.0));
+    let best = |own: &Answer| {
+        let same = all
+            .iter()
+            .filter(|other| family(other.parameter) == family(own.parameter));
+        same.map(|other| rank(other))
+            .reduce(|a, b| if b < a { b } else { a })
+    };
+    let is_first = |own: &&Answer| {
+        let itself = family(own.parameter);
+        own.parameter == itself || all.iter().all(|other| other.parameter != itself)
+    };
+    let mut shown: Vec<&Answer> = all.iter().copied().filter(is_first).collect();
+    shown.sort_by(|a, b| best(a).partial_cmp(&best(b)).unwrap_or(std::cmp::Ordering::Equal));
+    shown
+}
+
+/// The parameters that a pair does not change, each thing once; curves where parameters are silent.
+fn unchanged<'a>(of: &[&'a Answer]) -> Vec<&'a Answer> {
+    let is_alike = |own: &&&Answer| Standing::of(own) == Standing::Alike;
+    let all: Vec<&Answer> = of.iter().filter(is_alike).copied().collect();
+    let is_named = |own: &&Answer| !own.is_of_curve() && family(own.parameter) == own.parameter;
+    let named: Vec<&Answer> = all.iter().copied().filter(is_named).collect();
+    if named.is_empty() { all } else { named }
+}
+
+/// Whether a pair acts otherwise at another voltage.
+fn acts_by_voltage(study: &Study, answer: &Answer) -> bool {
+    let head = |of: &str, name: &str| of.strip_prefix(name).is_some_and(|rest| rest.starts_with(" at "));
+    let is_it = |own: &&Answer| {
+        own.kind == Kind::ByVoltage
+            && (own.parameter, &own.material) == (answer.parameter, &answer.material)
+            && head(&own.upper, &answer.upper)
+            && head(&own.lower, &answer.lower)
+    };
+    answer.kind == Kind::Environment
+        && study
+            .answers
+            .iter()
+            .find(is_it)
+            .and_then(|own| own.p)
+            .is_some_and(|p| p <= CLAIMED_BELOW)
+}
+
+/// The values at each voltage of what a pair does: against the first of several that are put together.
+fn at_each_voltage<'a>(study: &'a Study, answer: &Answer) -> Vec<&'a Answer> {
+    let is_it = |own: &&Answer| {
+        own.kind == Kind::Environment
+            && own.voltages_v.len() == 1
+            && own.value.is_some()
+            && (own.parameter, &own.material, &own.upper)
+                == (answer.parameter, &answer.material, &answer.upper)
+            && answer.lower.contains(&own.lower)
+    };
+    let all: Vec<&Answer> = study.answers.iter().filter(is_it).collect();
+    let first = all.first().map(|own| own.lower.as_str());
+    all.into_iter()
+        .filter(|own| Some(own.lower.as_str()) == first)
+        .collect()
+}
+
+/// What is said of a material of which nothing can be told.
+fn nothing(study: &Study, material: &str) -> Option<String> {
+    let strips = study
+        .asked()
+        .filter(|own| own.material == material)
+        .map(|own| own.samples)
+        .max()?;
+    let strips = match strips {
+        0 => String::new(),
+        1 => " with one strip (a second would)".to_owned(),
+        2 => " with two strips (a third would)".to_owned(),
+        more => format!(" with {} strips (more would)", numeral(more)),
+    };
+    Some(format!(
+        "What was varied changes {material} in nothing that can be told{strips}."
+    ))
+}
+
+impl<'a> Sentence<'a> {
+    /// The same of what it tells first, where it tells a change.
+    fn first_alone(&self) -> Sentence<'a> {
+        let told = if self.is_alike { self.of.len() } else { 1 };
+        Sentence {
+            of: self.of[..told].to_vec(),
+            ..self.clone()
+        }
+    }
+
+    /// What is known best stands first.
+    fn rank(&self) -> (bool, Standing, f64) {
+        let first = self.of[0];
+        (self.is_alike, Standing::of(first), first.p.unwrap_or(1.0))
+    }
+
+    fn said(&self, before: &mut Before<'a>) -> String {
+        let first = self.of[0];
+        let is_new = before.material != Some(first.material.as_str());
+        let place = head(first);
+        let head = if before.head != place {
+            format!("{place}, ")
+        } else {
+            String::new()
+        };
+        let whose = if is_new {
+            format!("{}'s", first.material)
+        } else {
+            "its".to_owned()
+        };
+        before.material = Some(first.material.as_str());
+        before.head = place;
+        let text = if self.is_alike {
+            format!("{head}{}", self.alike(&whose, before))
+        } else {
+            let each = self.of.iter().enumerate();
+            let each: Vec<(String, String)> = each
+                .map(|(at, own)| self.change(own, if at == 0 { &whose } else { "its" }, before))
+                .collect();
+            // Where two clauses share the voltages, the last one says them.
+            let clause = |(at, (text, place)): (usize, &(String, String))| {
+                let is_said_behind = each.get(at + 1).is_some_and(|(_, next)| next == place);
+                if is_said_behind {
+                    text.clone()
+                } else {
+                    format!("{text}{place}")
+                }
+            };
+            let clauses: Vec<String> = each.iter().enumerate().map(clause).collect();
+            format!("{head}{}", in_a_row(&clauses))
+        };
+        match text.strip_prefix("its ") {
+            Some(rest) => format!("Its {rest}."),
+            None => format!("{text}."),
+        }
+    }
+
+    /// `CNaf's leakage resistance Rₛₛ probably falls to 4.4 % (0.59 to 32 %)`, and at which voltages.
+    fn change(&self, answer: &Answer, whose: &str, before: &mut Before) -> (String, String) {
+        if answer.parameter == BENDING_LOST {
+            return self.loses(answer, whose);
+        }
+        let subject = format!("{whose} {}", named(answer, before));
+        match self.at_voltages(answer) {
+            Some((values, at)) => (format!("{subject} {}{}", adverb(answer), by_voltage(&values)), at),
+            None => (
+                format!("{subject} {}", changes(answer)),
+                self.where_not_all(answer),
+            ),
+        }
+    }
+
+    /// The values at each voltage where the answer differs by voltage, and where that is.
+    fn at_voltages(&self, answer: &Answer) -> Option<(Vec<f64>, String)> {
+        let each = at_each_voltage(self.study, answer);
+        if each.len() < 2 || !acts_by_voltage(self.study, answer) {
+            return None;
+        }
+        let at: Vec<f64> = each.iter().map(|own| own.voltages_v[0]).collect();
+        let values = each.iter().filter_map(|own| own.value).collect();
+        let against = if each[0].lower == answer.lower {
+            String::new()
+        } else {
+            format!(" against {}", each[0].lower)
+        };
+        Some((values, format!("{against}{}", at_voltages(&at))))
+    }
+
+    /// At which voltages, where the others of the pair were told at more.
+    fn where_not_all(&self, answer: &Answer) -> String {
+        let of_pair = self
+            .study
+            .asked()
+            .filter(|own| own.material == answer.material && pair(own) == pair(answer));
+        let all = of_pair.map(|own| own.voltages_v.len()).max().unwrap_or(0);
+        if answer.voltages_v.len() < all {
+            at_voltages(&answer.voltages_v)
+        } else {
+            String::new()
+        }
+    }
+
+    /// `it probably loses 43 of 100 parts more of its bending in an hour (19 to 67)`.
+    fn loses(&self, answer: &Answer, whose: &str) -> (String, String) {
+        let own = told(answer);
+        let who = whose.strip_suffix("'s").unwrap_or("it");
+        let over = if own.kind.is_law() {
+            own.span.unwrap_or(1.0)
+        } else {
+            1.0
+        };
+        let value = over * own.value.unwrap_or(0.0);
+        let size = |own: f64| significant(own.abs(), 2);
+        let more = if value < 0.0 { "less" } else { "more" };
+        let (parts, at) = match self.at_voltages(answer) {
+            Some((values, at)) => (
+                in_a_row(&values.iter().map(|&own| size(own)).collect::<Vec<_>>()),
+                at,
+            ),
+            None => (size(value), String::new()),
+        };
+        let sign = if value < 0.0 { -over } else { over };
+        let ends = own
+            .low_95
+            .zip(own.high_95)
+            .filter(|_| at.is_empty())
+            .map(|(low, high)| {
+                let (a, b) = (sign * low, sign * high);
+                between(a.min(b), a.max(b))
+            });
+        let strips = in_strips(answer);
+        let bracket = match (ends, strips.as_str()) {
+            (Some(ends), "") => format!(" ({ends})"),
+            (Some(ends), strips) => format!(" ({ends} {strips})"),
+            (None, "") => String::new(),
+            (None, strips) => format!(" {strips}"),
+        };
+        let adverb = adverb(answer);
+        let text =
+            format!("{who} {adverb}loses {parts} of 100 parts {more} of its bending in an hour{bracket}");
+        (text, at)
+    }
+
+    /// `its coupling α and capacitance C₁ + C₂ do not change (within 12 %)`.
+    fn alike(&self, whose: &str, before: &mut Before) -> String {
+        let names: Vec<String> = self.of.iter().map(|own| named(own, before)).collect();
+        let largest = self.of.iter().max_by(|a, b| {
+            let most = |own: &Answer| own.no_more_than.unwrap_or(0.0);
+            most(a).total_cmp(&most(b))
+        });
+        let within = largest.map_or(String::new(), |own| most(own));
+        let strips = self
+            .of
+            .iter()
+            .map(|own| in_strips(own))
+            .max_by_key(String::len)
+            .unwrap_or_default();
+        let strips = if strips.is_empty() {
+            strips
+        } else {
+            format!(" {strips}")
+        };
+        let do_not = if names.len() == 1 { "does" } else { "do" };
+        format!(
+            "{whose} {} {do_not} not change (within {within}{strips})",
+            in_a_row(&names)
+        )
+    }
+}
+
+/// `leakage resistance Rₛₛ`, and `Rₛₛ` once that was said.
+fn named(answer: &Answer, before: &mut Before) -> String {
+    let (name, symbol) = (name(answer.parameter), symbol(answer.parameter));
+    if before.named.insert(answer.parameter) && !name.is_empty() {
+        format!("{name} {symbol}")
+    } else {
+        symbol.to_owned()
+    }
+}
+
+/// Where a sentence is about: `In air, against dry`, `With the relative humidity from 0 to 80 % RH`.
+fn head(answer: &Answer) -> String {
+    // Which surroundings are the dry ones the table says.
+    let lower = answer
+        .lower
+        .split_once(" (")
+        .map_or(answer.lower.as_str(), |(name, _)| name);
+    match answer.kind {
+        kind if kind.is_law() => format!("With the {}{}", answer.upper, from_to(answer)),
+        Kind::Voltage => format!("At {}, against {lower}", answer.upper),
+        _ => format!("In {}, against {lower}", answer.upper),
+    }
+}
