@@ -158,7 +158,9 @@ impl Axis {
     pub fn about_step(first_s: f64, unit_s: f64, last_s: f64, title: &str) -> Axis {
         let (unit_s, last_s) = positive(unit_s, last_s);
         let unit_s = unit_s.max(SHORTEST_UNIT * last_s);
-        let first_s = if first_s.is_finite() { first_s } else { 0.0 };
+        // What is shorter than the axis resolves is no time before the step.
+        let is_seen = first_s.is_finite() && first_s.abs() >= SHORTEST_UNIT * last_s;
+        let first_s = if is_seen { first_s } else { 0.0 };
         let after = Scale::AboutStep { unit_s, before: 0.0 }.position(last_s);
         let before = if first_s < 0.0 {
             STRIP_BEFORE * after / -first_s
