@@ -38,7 +38,7 @@ fn a_law_is_told_with_its_variable_and_its_curve_and_the_account_adds_up() {
     );
     assert!(errors.1.unwrap() < errors.0.unwrap(), "{law:?}");
     assert!(
-        found.sentence.contains("resistance changes with"),
+        found.sentence.contains("R falls with dissipated heat"),
         "{}",
         found.sentence
     );
