@@ -4,10 +4,8 @@ use ieap_domain::finding_words::say;
 use ieap_domain::{Account, CondemnedRun, GroupDiagnosis, Verdict};
 use ieap_model::FitModel;
 use ieap_model::effects::summary;
-use ieap_model::extended::ExtendedModel;
 use ieap_numerics::sums::dot;
 
-use crate::cause::evidence::{follow_something, log_odds_of_no_cause};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::base_fit::refit;
 use crate::fitting::edges;
@@ -15,6 +13,7 @@ use crate::fitting::fitted::Fitted;
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
 use crate::levels::{RIGHT_FROM, WRONG_BELOW};
+use crate::misfit::misfit_size::misfit_percent;
 use crate::misfit::odd_scale::odd_runs;
 use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
@@ -128,15 +127,22 @@ fn looked(
         return builder.without_cause();
     }
     let beside = |group: Option<RunGroup>| diagnosed_beside(name, &group?, &base, options);
-    let model = base.problem.model(&base.at);
-    if scattered.is_some()
-        && is_rather_scatter(group, &model, observed.candidate - null.gain_at_5_percent())
-        && let Some(found) = beside(scattered)
-    {
+    if let Some(found) = beside(scattered) {
         return found;
     }
     if builder.p_misfit >= WRONG_BELOW {
         return builder.without_cause();
+    }
+    let model = base.problem.model(&base.at);
+    // What is less than tolerated is asked nothing more; of what is more the readings are no surer than that.
+    if let Some(tolerant) = group.with_tolerance(options.tolerance_percent, &model)
+        && let Some(base) = refit(&tolerant, &base)
+    {
+        let plain = builder.of_size(misfit_percent(&tolerant, &base));
+        return match plain.verdict {
+            Verdict::Unexplained => with_size_of(plain, looked(name, &tolerant, base, options, on_edges)),
+            _ => plain,
+        };
     }
     let missing = look(&input, &directions, options.model);
     let extended = missing.lead.as_ref().map(|lead| lead.model.clone());
@@ -150,7 +156,7 @@ fn looked(
     {
         let moved = moved.renoised(&extended.problem.model(&at));
         let again = refit(&moved, &base).map(|base| looked(name, &moved, base, options, true));
-        if let Some(found) = again.filter(|again| !again.verdict.is_misfit() || explains_all(again)) {
+        if let Some(found) = again.filter(|again| !again.verdict.is_misfit() || again.verdict == Verdict::Law) {
             return found;
         }
     }
@@ -158,14 +164,24 @@ fn looked(
     if found.verdict == Verdict::Instrument {
         return beside_slow_noise(found, beside(group.with_slow_noise(&model)));
     }
-    if explains_all(&found) {
-        return found;
+    found
+}
+
+/// What is told of a misfit beside the error that is tolerated, and how large it is beside the noise alone: `plain`, which is
+/// unexplained.
+fn with_size_of(plain: GroupDiagnosis, found: GroupDiagnosis) -> GroupDiagnosis {
+    if matches!(found.verdict, Verdict::Right | Verdict::Undecided) {
+        return plain;
     }
-    // Beside a cause that explains most the runs scatter less than beside none. Without it they then differ by more, and it is
-    // not scatter that explains them.
-    let extended = extended.map_or(model, |extended| extended.problem.model(&extended.at));
-    let again = beside(group.with_scatter(&extended));
-    again.filter(|again| again.verdict.is_misfit()).unwrap_or(found)
+    GroupDiagnosis {
+        p_misfit: plain.p_misfit,
+        misfit_percent: plain.misfit_percent,
+        visible_percent: plain.visible_percent,
+        whereabouts: plain.whereabouts,
+        noise: plain.noise,
+        scatter: plain.scatter,
+        ..found
+    }
 }
 
 /// That the instrument's slow noise leaves the misfit, where beside it nothing more is left; else that nothing explains it.
@@ -189,19 +205,6 @@ fn beside_slow_noise(found: GroupDiagnosis, slow: Option<GroupDiagnosis>) -> Gro
             ..found
         },
     }
-}
-
-/// Whether the runs scatter rather than that something is wrong with them, where the best candidate makes the sum of squares
-/// fall by so much more than chance. What explains more comes first: half of a fall is a logarithm of likelihoods. That runs
-/// scatter needs no cause; that they follow their voltage or a tag does.
-fn is_rather_scatter(group: &RunGroup, model: &ExtendedModel, of_candidate: f64) -> bool {
-    let forms = scatter::forms(group, model);
-    scatter::gain(&forms) > 0.5 * of_candidate - log_odds_of_no_cause() && !follow_something(group, &forms)
-}
-
-/// Whether a cause was found that leaves no misfit.
-fn explains_all(found: &GroupDiagnosis) -> bool {
-    found.verdict == Verdict::Law && found.p_leftover.is_some_and(|p| p >= WRONG_BELOW)
 }
 
 /// Whether most of what an extended model explains beyond the base is in the current.

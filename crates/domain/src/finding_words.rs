@@ -52,7 +52,7 @@ fn sentence(found: &GroupDiagnosis, about: &About) -> Option<String> {
     let visible = visible(found.visible_percent);
     Some(match (found.verdict, p) {
         (Verdict::DataProblem, _) | (Verdict::Right | Verdict::Undecided, None) => return None,
-        (Verdict::Right, Some(p)) if p < WRONG_BELOW => right_to(found, about),
+        (Verdict::Right, Some(p)) if p < WRONG_BELOW => right_to(found),
         (Verdict::Right, _) => format!(
             "The simulation is right to within the noise{} ({chance}){}.",
             beside_scatter(found),
@@ -83,27 +83,38 @@ fn sentence(found: &GroupDiagnosis, about: &About) -> Option<String> {
             ))
         ),
         (Verdict::Unexplained, _) => format!(
-            "The simulation is wrong{}{}, and what it misses cannot be told.{}{}",
+            "The simulation is wrong{}{}, {}{}",
             after(" by ", &size(found.misfit_percent)),
             match place {
                 "" => String::new(),
                 place => format!(" ({place})"),
             },
-            likeliest(found, about),
+            match found.closest.as_slice() {
+                [] => format!("and what it misses cannot be told.{}", likeliest(found, about)),
+                closest => format!(
+                    "and no law that was asked explains all of it. Closest so far is {}{}.",
+                    in_a_row(&closest.iter().map(|law| cause(law, about)).collect::<Vec<_>>()),
+                    taken(found)
+                ),
+            },
             proof(found, "what was tried")
         ),
         (Verdict::Differs, _) => varying::sentence(found),
     })
 }
 
+/// What the laws that come closest take of the error.
+fn taken(found: &GroupDiagnosis) -> String {
+    let part = found.account.map(|own| own.share(own.within_runs));
+    part.map_or_else(String::new, |part| {
+        format!(", which takes {} % of the error", significant(part, 2))
+    })
+}
+
 /// Right, by its size and not by chance.
-fn right_to(found: &GroupDiagnosis, about: &About) -> String {
-    let rest = match causes(found, about) {
-        none if none.is_empty() => String::new(),
-        causes => format!(" What is left looks like {causes}."),
-    };
+fn right_to(found: &GroupDiagnosis) -> String {
     format!(
-        "The simulation is right to {}: less than the {} % that this campaign tolerates.{rest}",
+        "The simulation is right to {}: less than the {} % that this campaign tolerates.",
         size(found.misfit_percent),
         significant(found.tolerance_percent, 2)
     )

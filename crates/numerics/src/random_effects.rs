@@ -146,28 +146,28 @@ const PROFILED: f64 = 1.5;
 /// Fall of the logarithm of the likelihood at the ends of a 95 % interval: half of the 95 % point of chi squared.
 const FALL: f64 = 1.92;
 
-/// The spreads, each at most `most`, that make the forms most likely, where what is shared is known to `known_before`; and
-/// the rise of the logarithm of the likelihood over that of no scatter.
-pub fn most_likely(forms: &[Form], known_before: f64, most: f64) -> (Vec<f64>, f64) {
+/// The spreads, each at most `most`, that make the forms most likely, where what each family of sets shares is known to
+/// `known_before`; and the rise of the logarithm of the likelihood over that of no scatter.
+pub fn most_likely(families: &[Vec<Form>], known_before: f64, most: f64) -> (Vec<f64>, f64) {
     let likelihood = Likelihood {
-        forms,
+        families,
         known_before,
         most,
     };
-    let parameters = forms.first().map_or(0, |form| form.pull.len());
+    let parameters = parameters(families);
     let none = likelihood.at(&vec![0.0; parameters]);
     let (best, top) = likelihood.climbed(vec![BEGUN_AT.min(most); parameters], None, &MOVES);
     (best.into_iter().map(told).collect(), top - none)
 }
 
 /// The same with an interval of each.
-pub fn spreads(forms: &[Form], known_before: f64, most: f64) -> Vec<Spread> {
+pub fn spreads(families: &[Vec<Form>], known_before: f64, most: f64) -> Vec<Spread> {
     let likelihood = Likelihood {
-        forms,
+        families,
         known_before,
         most,
     };
-    let parameters = forms.first().map_or(0, |form| form.pull.len());
+    let parameters = parameters(families);
     let (best, top) = likelihood.climbed(vec![BEGUN_AT.min(most); parameters], None, &MOVES);
     let each = (0..parameters).map(|k| Spread {
         best: told(best[k]),
@@ -178,13 +178,18 @@ pub fn spreads(forms: &[Form], known_before: f64, most: f64) -> Vec<Spread> {
 }
 
 /// Logarithm of the likelihood of those spreads, but for a constant.
-pub fn log_likelihood(forms: &[Form], known_before: f64, spreads: &[f64]) -> f64 {
+pub fn log_likelihood(families: &[Vec<Form>], known_before: f64, spreads: &[f64]) -> f64 {
     let likelihood = Likelihood {
-        forms,
+        families,
         known_before,
         most: f64::INFINITY,
     };
     likelihood.at(spreads)
+}
+
+fn parameters(families: &[Vec<Form>]) -> usize {
+    let first = families.iter().flatten().next();
+    first.map_or(0, |form| form.pull.len())
 }
 
 fn told(spread: f64) -> f64 {
@@ -192,7 +197,7 @@ fn told(spread: f64) -> f64 {
 }
 
 struct Likelihood<'a> {
-    forms: &'a [Form],
+    families: &'a [Vec<Form>],
     known_before: f64,
     most: f64,
 }
@@ -201,7 +206,8 @@ impl Likelihood<'_> {
     fn at(&self, spreads: &[f64]) -> f64 {
         let scatter = spreads.iter().copied().enumerate();
         let scatter: Vec<(usize, f64)> = scatter.filter(|(_, spread)| *spread > 0.0).collect();
-        Shared::of(self.forms, &scatter).log_evidence(self.known_before)
+        let of_family = |forms: &Vec<Form>| Shared::of(forms, &scatter).log_evidence(self.known_before);
+        self.families.iter().map(of_family).sum()
     }
 
     /// The highest place that moves of one spread after the other reach; that of `held` stays.
@@ -314,7 +320,7 @@ mod tests {
         let (mut held, mut none, tries) = (0, 0, 200);
         for _ in 0..tries {
             let forms = drawn(6, [0.03, 0.0], [0.005, 0.01], &mut generator);
-            let found = spreads(&forms, 1e-4, 1.0);
+            let found = spreads(&[forms], 1e-4, 1.0);
             held += usize::from(found[0].low < 0.03 && 0.03 < found[0].high);
             none += usize::from(found[1].low == 0.0);
         }
@@ -326,8 +332,8 @@ mod tests {
     fn more_than_the_most_is_seen_to_be_more() {
         let mut generator = ChaCha8Rng::seed_from_u64(2);
         let forms = drawn(5, [0.5, 0.0], [0.01, 0.01], &mut generator);
-        let (capped, gain) = most_likely(&forms, 1e-4, 0.1);
+        let (capped, gain) = most_likely(&[forms.clone()], 1e-4, 0.1);
         assert!((capped[0] - 0.1).abs() < 1e-9, "{capped:?}");
-        assert!(most_likely(&forms, 1e-4, 3.0).1 > gain + 10.0);
+        assert!(most_likely(&[forms.clone()], 1e-4, 3.0).1 > gain + 10.0);
     }
 }

@@ -116,6 +116,9 @@ pub struct GroupEntry {
     pub account: Option<Account>,
     /// The laws that are missing.
     pub missing: Vec<MissingLaw>,
+    /// Of a group that is not explained, the laws that come closest so far: they leave more than chance does, and nothing is
+    /// claimed of them.
+    pub closest: Vec<MissingLaw>,
     /// Gain of the extended model.
     pub gain: Option<Gain>,
     /// Whether that is clearly a gain: every held-out part comes out better, or the 95 % interval of the fall of the deviance
@@ -312,6 +315,7 @@ pub fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> 
         tolerance_percent: found.tolerance_percent,
         account: found.account,
         missing: found.missing,
+        closest: found.closest,
         gain_is_clear: found.gain.as_ref().map(|gain| gain.proof.is_clear()),
         gain: found.gain,
         whereabouts: found.whereabouts,

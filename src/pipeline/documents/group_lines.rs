@@ -25,7 +25,8 @@ pub fn lines(group: &GroupEntry, draws: usize) -> Vec<String> {
             .filter(|own| own.beyond_noise() > 0.0)
             .map(|own| format!("    of the error beyond noise: {}", account_words(own))),
     );
-    lines.extend(group.missing.iter().map(of_law));
+    lines.extend(group.missing.iter().map(|law| of_law("missing", law)));
+    lines.extend(group.closest.iter().map(|law| of_law("closest so far", law)));
     lines.extend(group.gain.iter().map(|gain| of_gain(gain, group.verdict)));
     lines.extend(group.next_run.iter().map(|next| {
         format!(
@@ -47,7 +48,7 @@ pub fn lines(group: &GroupEntry, draws: usize) -> Vec<String> {
 }
 
 /// A missing law: what it is, how probable, and its held-out error.
-fn of_law(law: &MissingLaw) -> String {
+fn of_law(what: &str, law: &MissingLaw) -> String {
     let held_out = &law.held_out;
     let errors = held_out.error_percent_before.zip(held_out.error_percent_after);
     let gain = errors.map_or_else(String::new, |(before, after)| {
@@ -59,7 +60,7 @@ fn of_law(law: &MissingLaw) -> String {
         )
     });
     format!(
-        "    missing: {} ({} %){gain}",
+        "    {what}: {} ({} %){gain}",
         short_name(law),
         share(law.probability)
     )

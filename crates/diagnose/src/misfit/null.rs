@@ -255,13 +255,6 @@ impl Null {
         self.bin_units.iter().map(score).collect()
     }
 
-    /// The gain that chance passes in 5 % of groups in which nothing is wrong.
-    pub(crate) fn gain_at_5_percent(&self) -> f64 {
-        let mut gains: Vec<f64> = self.draws.iter().map(|draw| draw.candidate).collect();
-        gains.sort_unstable_by(f64::total_cmp);
-        gains.get(gains.len() * 95 / 100).copied().unwrap_or(0.0)
-    }
-
     /// Probability of residuals at least as bad by chance, by the smallest weighted p of the statistics, read as the
     /// calibration says. It is never smaller than the draws can tell.
     pub(crate) fn p_misfit(&self, observed: &Statistics, calibration: Option<&Calibration>) -> f64 {

@@ -1,6 +1,6 @@
 //! A misfit looked at: everything weighed, what leads held out, law after law, the account of the error, and what is told.
 
-use ieap_domain::{Account, Drive, HeldOutError, Hypothesis, MissingLaw, Verdict};
+use ieap_domain::{Account, HeldOutError, Hypothesis, MissingLaw, Verdict};
 use ieap_model::FitModel;
 use ieap_model::effects::Site;
 use ieap_model::effects::smooth_laws::Place;
@@ -9,7 +9,7 @@ use super::account::account;
 use super::columns::{LawColumns, columns};
 use super::drawn::drawn;
 use super::policy::{
-    AS_WELL, BETTER_PARTS, DIFFER_PART, FEWEST_EDGES, LEFT_PART, MOST_LAWS, MOST_RIVALS, NEXT_FROM_PART, SURE,
+    AS_WELL, MOST_LAWS, MOST_RIVALS, NEXT_FROM_PART, SURE,
 };
 use super::posterior::posterior;
 use super::told::{Told, told};
@@ -19,15 +19,14 @@ use crate::cause::proof::held_out::{HeldOut, Part, nrmse, parts};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::scale::scale;
-use crate::levels::WRONG_BELOW;
+use crate::levels::RIGHT_FROM;
 use crate::misfit::signature::{Direction, directions};
-use crate::readings::group::RunGroup;
 
 /// What is found of a misfit.
 pub(crate) struct Found<'g> {
     /// `Law`, `Differs`, `Instrument` or `Unexplained`.
     pub(crate) verdict: Verdict,
-    /// The laws that are told.
+    /// The laws that are told; of what is unexplained, those that come closest.
     pub(crate) laws: Vec<MissingLaw>,
     /// The base with these laws, or with what was tried; none where nothing could be fitted.
     pub(crate) lead: Option<Lead<'g>>,
@@ -64,22 +63,23 @@ pub(crate) fn look<'g>(
         let round = later.as_ref().unwrap_or(&first);
         let before = lead.as_ref().map_or(&by_base, |lead| &lead.held_out.after);
         let Some(next) = round.leading(before) else { break };
+        let is_sure = round.told.site.is_some();
+        if !is_sure && lead.is_some() {
+            break;
+        }
         let held_out = HeldOut {
             before: before.clone(),
             after: parts(&next.model, input.group),
         };
-        let is_told = edges(input.group) >= FEWEST_EDGES
-            && round.told.site.is_some()
-            && held_out.pays(BETTER_PARTS)
-            && held_out.errors_fall(input.group);
-        if !is_told && lead.is_some() {
+        // A further law must predict better what it has not seen, beside the laws before it.
+        if lead.is_some() && !held_out.errors_fall(input.group) {
             break;
         }
         let after = held_out.after.clone();
-        if is_told {
+        if is_sure {
             laws.push(round.described(input, &next, &held_out));
         }
-        let p_leftover = is_told.then(|| input.p_of(&next.model));
+        let p_leftover = is_sure.then(|| input.p_of(&next.model));
         let is_more = left_part(base, &next.model) >= NEXT_FROM_PART;
         lead = Some(Lead {
             p_leftover,
@@ -89,7 +89,7 @@ pub(crate) fn look<'g>(
             },
             model: next.model,
         });
-        if !(is_more && p_leftover.is_some_and(|p| p < WRONG_BELOW)) {
+        if !(is_more && p_leftover.is_some_and(|p| p < RIGHT_FROM)) {
             break;
         }
         later = lead.as_ref().map(|lead| {
@@ -100,25 +100,17 @@ pub(crate) fn look<'g>(
     }
     let own = first.weighed.varying.as_ref().map(Varying::own_square);
     let mass = |says: Says| first.mass(|own| own == says);
-    let alone = account(input.group, base, None, own);
-    let by_own_parameters = alone.share(alone.between_runs);
-    let told_model = lead.as_ref().map(|lead| &lead.model).filter(|_| !laws.is_empty());
-    let left = told_model.map_or(1.0, |model| left_part(base, model));
     let p_leftover = lead.as_ref().and_then(|lead| lead.p_leftover);
-    let leaves_chance = !laws.is_empty() && p_leftover.is_some_and(|p| p >= WRONG_BELOW);
     let verdict = match () {
         () if mass(Says::SlowNoise) >= SURE => Verdict::Instrument,
         () if mass(Says::Differ) >= SURE => Verdict::Differs,
-        // Parameters of their own imitate most laws: a law comes before them where it leaves no more than chance does.
-        () if by_own_parameters >= 100.0 * DIFFER_PART && !leaves_chance => Verdict::Differs,
-        () if left > LEFT_PART => Verdict::Unexplained,
-        () => Verdict::Law,
+        () if p_leftover.is_some_and(|p| p >= RIGHT_FROM) => Verdict::Law,
+        () => Verdict::Unexplained,
     };
-    let account = match told_model.filter(|_| verdict == Verdict::Law) {
-        Some(model) => account(input.group, base, Some(model), own),
-        None => alone,
-    };
-    if verdict != Verdict::Law {
+    let told_model = lead.as_ref().map(|lead| &lead.model).filter(|_| !laws.is_empty());
+    let is_of_laws = matches!(verdict, Verdict::Law | Verdict::Unexplained);
+    let account = account(input.group, base, told_model.filter(|_| is_of_laws), own);
+    if !is_of_laws {
         laws.clear();
     }
     Found {
@@ -140,17 +132,6 @@ fn among_explanations(weighed: &Weighed, masses: &[f64]) -> Vec<f64> {
         .collect();
     let whole: f64 = own.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     own.into_iter().map(|mass| mass / whole).collect()
-}
-
-/// Edges of all different drives of a group.
-fn edges(group: &RunGroup) -> usize {
-    let mut drives: Vec<&Drive> = Vec::new();
-    for run in &group.runs {
-        if !drives.iter().any(|known| known.repeats(run.drive())) {
-            drives.push(run.drive());
-        }
-    }
-    drives.iter().map(|drive| drive.edges_s().len()).sum()
 }
 
 /// Part of what the base leaves beyond noise that a model leaves.

@@ -9,8 +9,10 @@ pub(super) use ieap_domain::diagnosis::SURE;
 /// and the largest.
 pub(super) const SIZES: (f64, f64) = (3.0, 600.0);
 
-/// Laws that are fitted in full at most, and how far below the best one's logarithm of evidence, in parts of that and beside.
-pub(super) const MOST_FITTED: usize = 5;
+/// Laws that are fitted in full at most, so many at a time, and how far below the best one's logarithm of evidence, in parts of
+/// that and beside.
+pub(super) const MOST_FITTED: usize = 12;
+pub(super) const FITTED_TOGETHER: usize = 4;
 pub(super) const NEAR_PART: f64 = 0.15;
 pub(super) const NEAR_BESIDE: f64 = 12.0;
 
@@ -25,15 +27,6 @@ pub(super) const UNFITTED: f64 = 5.0;
 pub(super) const OF_CURVES: f64 = 0.5;
 /// No hypothesis is exact: what a rival explains less, within this part of what the best explains, does not rule it out.
 pub(super) const INEXACT: f64 = 0.02;
-
-/// Part of the error beyond noise that may be left unexplained by what is told, whatever chance says.
-pub(super) const LEFT_PART: f64 = 0.2;
-/// Part of the error that runs of their own parameters take for that to be told first.
-pub(super) const DIFFER_PART: f64 = 0.8;
-/// Edges of different drives from which a law can be told: after one step most laws look like others. Chosen.
-pub(super) const FEWEST_EDGES: usize = 2;
-/// Part of held-out parts that must come out better.
-pub(super) const BETTER_PARTS: f64 = 0.75;
 
 /// Laws that are sought one after another at most. Chosen.
 pub(super) const MOST_LAWS: usize = 3;

@@ -38,6 +38,13 @@ pub(super) fn posterior(
     let kept: Vec<bool> = (0..found.len())
         .map(|k| found[k].mass >= LEAST_PROBABILITY || leads(k))
         .collect();
+    // What is not told by itself counts with the leading one of its kind: all sum to one.
+    for k in (0..found.len()).filter(|&k| !kept[k]) {
+        let (kind, mass) = (found[k].kind, found[k].mass);
+        if let Some(leading) = found.iter_mut().find(|own| own.kind == kind) {
+            leading.mass += mass;
+        }
+    }
     let mut kept = kept.into_iter();
     found.retain(|_| kept.next().unwrap_or(false));
     found

@@ -9,12 +9,12 @@ use ieap_model::effects::smooth_laws::{Place, SmoothLaw, place_of};
 use rayon::prelude::*;
 
 use super::columns::{LawColumns, columns_of};
-use super::evidence::{Evidence, evidence, process};
+use super::evidence::{evidence, process};
 use super::policy::{
-    DIFFERS, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED, UNNAMED,
+    DIFFERS, FITTED_TOGETHER, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED, UNNAMED,
 };
 use crate::cause::candidates::{CandidateFit, fit_candidates};
-use crate::cause::evidence::{Nameless, Parts, Process, Varying, log_evidence, log_sum};
+use crate::cause::evidence::{Nameless, Parts, Varying, log_evidence, log_sum};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::tangent::Tangent;
 use crate::misfit::signature::{Direction, Signature};
@@ -118,31 +118,15 @@ impl<'g> Asked<'_, 'g> {
         Weighed { all, varying }
     }
 
-    /// Every law as a smooth function, the most probable fitted in full.
+    /// Every law as a smooth function: fitted in full until one that was leads.
     fn curves(&self) -> Vec<Weight<'g>> {
         let (_, tangent) = self.current.tangent();
-        let of = |law: &LawColumns| {
-            let own = process(&law.columns, &tangent, self.residuals);
-            Some((evidence(&own)?, own))
-        };
-        let found: Vec<Option<(Evidence, Process)>> = self.laws.par_iter().map(of).collect();
-        let best = found
-            .iter()
-            .flatten()
-            .map(|(evidence, _)| evidence.log)
-            .fold(0.0, f64::max);
-        let mut ranked: Vec<usize> = (0..found.len()).filter(|&k| found[k].is_some()).collect();
-        let log = |k: usize| found[k].as_ref().map_or(f64::NEG_INFINITY, |(own, _)| own.log);
-        ranked.sort_by(|&a, &b| log(b).total_cmp(&log(a)));
-        let near = |k: &usize| log(*k) > (1.0 - NEAR_PART) * best - NEAR_BESIDE;
-        let full: Vec<usize> = ranked.iter().copied().filter(near).take(MOST_FITTED).collect();
-        let (_, base_columns) = self.current.problem.slope(&self.current.at);
-        let weight = |k: usize| {
-            let (evidence, process) = found[k].as_ref()?;
+        let of = |k: usize| {
             let law = &self.laws[k];
-            let precisions = &evidence.precisions;
-            let (weights, first) = process.most_probable(precisions);
-            let mut weight = Weight {
+            let process = process(&law.columns, &tangent, self.residuals);
+            let evidence = evidence(&process)?;
+            let (weights, first) = process.most_probable(&evidence.precisions);
+            let weight = Weight {
                 says: Says::Curve(k),
                 place: Some(law.law.place),
                 fall: 0.5 * first,
@@ -151,24 +135,62 @@ impl<'g> Asked<'_, 'g> {
                 free: law.law.weights(),
                 fitted: None,
             };
-            if full.contains(&k)
-                && let Some(refit) = refit(self.current, law, precisions, &weights, &base_columns)
-            {
-                weight.fall = 0.5 * (self.current.penalised() - refit.penalised());
-                weight.fitted = Some(refit);
-            }
-            Some(weight)
+            Some((weight, evidence.precisions, weights))
         };
-        ranked.into_par_iter().filter_map(weight).collect()
+        let mut found: Vec<_> = (0..self.laws.len()).into_par_iter().filter_map(of).collect();
+        found.sort_by(|a, b| b.0.log(1.0).total_cmp(&a.0.log(1.0)));
+        let (_, base_columns) = self.current.problem.slope(&self.current.at);
+        let fit = |(weight, precisions, weights): &(Weight<'g>, Vec<f64>, Vec<f64>)| {
+            let Says::Curve(k) = weight.says else { return None };
+            let fitted = refit(self.current, &self.laws[k], precisions, weights, &base_columns)?;
+            let fall = 0.5 * (self.current.penalised() - fitted.penalised());
+            Some((fall, fitted))
+        };
+        // What the first order promises is believed as far as it was kept where it was tried.
+        let mut kept: f64 = 1.0;
+        let mut tried = 0;
+        while tried < found.len().min(MOST_FITTED) {
+            let best = found.iter().take(tried).map(|own| own.0.log(1.0)).fold(0.0, f64::max);
+            let is_near = |own: &Weight| {
+                let log = kept * own.fall + own.occam;
+                log > (1.0 - NEAR_PART) * best - NEAR_BESIDE
+            };
+            let next = found[tried..].iter().take(FITTED_TOGETHER).take_while(|own| is_near(&own.0));
+            let count = next.count().min(MOST_FITTED - tried);
+            if count == 0 {
+                break;
+            }
+            let batch: Vec<_> = found[tried..tried + count].par_iter().map(fit).collect();
+            let (mut promised, mut brought) = (0.0, 0.0);
+            for (own, fitted) in found[tried..].iter_mut().zip(batch) {
+                let Some((fall, fitted)) = fitted else { continue };
+                promised += own.0.fall;
+                brought += fall.clamp(0.0, own.0.fall);
+                (own.0.fall, own.0.fitted) = (fall, Some(fitted));
+            }
+            kept = kept.min(if promised > 0.0 { brought / promised } else { 1.0 });
+            tried += count;
+        }
+        let mut weights: Vec<Weight> = found.into_iter().map(|own| own.0).collect();
+        let untried = weights.iter_mut().filter(|own| own.fitted.is_none());
+        untried.for_each(|own| own.fall *= kept);
+        weights
     }
 
     /// Every equation of the library: those that promise most were fitted in full.
     fn equations(&self, candidates: &[CandidateFit<'g>]) -> Vec<Weight<'g>> {
+        let forecast = |own: &CandidateFit<'g>| 0.5 * own.forecast;
+        let pairs = candidates.iter().filter_map(|own| {
+            let (fall, _) = log_evidence(self.current, own.fitted.as_ref()?);
+            Some((forecast(own), fall.clamp(0.0, forecast(own))))
+        });
+        let (promised, brought) = pairs.fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
+        let kept = if promised > 0.0 { brought / promised } else { 1.0 };
         let of = |candidate: &CandidateFit<'g>| {
             let place = place_of(candidate.effect)?;
             let (fall, occam) = match &candidate.fitted {
                 Some(fitted) => log_evidence(self.current, fitted),
-                None => (0.5 * candidate.forecast, -0.5 * candidate.forms - UNFITTED),
+                None => (kept * forecast(candidate), -0.5 * candidate.forms - UNFITTED),
             };
             Some(Weight {
                 says: Says::Equation(candidate.effect),

@@ -79,6 +79,21 @@ impl<'g> FindingBuilder<'_, 'g> {
         found
     }
 
+    /// Right where a misfit of that size is smaller than what is tolerated; else wrong, and nothing told of it yet.
+    pub(crate) fn of_size(&self, misfit_percent: MisfitPercent) -> GroupDiagnosis {
+        let mut found = GroupDiagnosis {
+            misfit_percent,
+            ..self.without_cause()
+        };
+        if found.verdict != Verdict::DataProblem {
+            found.verdict = match self.is_tolerated(found.misfit_percent) {
+                true => Verdict::Right,
+                false => Verdict::Unexplained,
+            };
+        }
+        found
+    }
+
     /// With what was found of the misfit.
     pub(crate) fn with_law(&self, missing: Found<'g>) -> GroupDiagnosis {
         let mut found = self.frame();
@@ -91,11 +106,13 @@ impl<'g> FindingBuilder<'_, 'g> {
             let differing = found.differs.iter();
             found.set = differing.map(|own| format!("varies:{}", own.key)).collect();
         }
-        found
-            .set
-            .extend(missing.laws.iter().flat_map(|law| law.names.clone()));
         found.posterior = missing.posterior;
-        found.missing = missing.laws;
+        match found.verdict {
+            Verdict::Unexplained => found.closest = missing.laws,
+            _ => found.missing = missing.laws,
+        }
+        let names = found.missing.iter().flat_map(|law| law.names.clone());
+        found.set.extend(names);
         if let Some(lead) = missing
             .lead
             .as_ref()
@@ -113,14 +130,12 @@ impl<'g> FindingBuilder<'_, 'g> {
         if matches!(found.verdict, Verdict::Law | Verdict::Unexplained) {
             found.next_run = next_run(self.group, &rivals);
         }
-        if found.verdict.is_misfit() && self.is_tolerated(found.misfit_percent) {
-            found.verdict = Verdict::Right;
-        }
         if self.is_spiked() {
             found.verdict = Verdict::DataProblem;
             found.sentence = SPIKED_WORDS.into();
             found.set.clear();
             found.missing.clear();
+            found.closest.clear();
         }
         found
     }

@@ -28,9 +28,6 @@ pub(super) const GROWTH_EVIDENCE: f64 = NOISE_EVIDENCE;
 /// simulation look wrong, slow noise taken in vain costs little.
 pub(super) const SLOW_WORTH: f64 = 2.0;
 
-/// Runs from which on a spread can be told from a difference: of two there is one difference alone.
-pub(super) const FEWEST_FOR_SCATTER: usize = 3;
-
 /// An outlier stands this many robust standard deviations off. Chosen: under Gaussian noise one reading in two million does, and
 /// what a model misses smoothly is not seen in differences of neighbours.
 pub(super) const OUTLIER_SIGMAS: f64 = 5.0;
@@ -73,6 +70,10 @@ pub(super) const END_PART: f64 = 0.05;
 /// A value that is not so many of its standard errors is next to nothing: what a prediction is off by is no part of it. Chosen;
 /// a strip that had relaxed was said to be 270 % off its curvature.
 pub(super) const KNOWN_FROM_SIGMAS: f64 = 5.0;
+
+/// Distance of the knots of the error that is tolerated, over the logarithm of the time since an edge: half a decade, as of other
+/// smooth courses.
+pub(super) const TOLERATED_STEP: f64 = 0.5 * std::f64::consts::LN_10;
 
 /// Readings at rest from which a zero and a drift of the instrument are known. Chosen.
 pub(super) const FEWEST_AT_REST: usize = 8;

@@ -1,8 +1,9 @@
 //! Scatter from run to run: parameters that differ between runs of one sample in one condition by nothing but chance.
 //!
 //! A specimen answers a second step a per cent differently. Where that is more than the noise, one parameter set for all runs
-//! leaves a misfit that is no error of the model. So the spread of every parameter is estimated over the runs, with what is
-//! shared integrated out, and each run's own deviations are then taken out of its residuals like noise.
+//! leaves a misfit that is no error of the model. So the spread of every parameter is estimated from repeats of one drive, with
+//! what they share integrated out, and each run's own deviations are then taken out of its residuals like noise. Runs of different
+//! drives say nothing of it: that they differ is an explanation that stands beside others.
 
 use ieap_model::LumpedModel;
 use ieap_model::extended::ExtendedModel;
@@ -13,7 +14,6 @@ use ieap_numerics::sums::dot;
 use crate::levels::{DIFFERENCE_EVIDENCE, SCATTER, SCATTER_EVIDENCE};
 use crate::readings::group::RunGroup;
 use crate::readings::left_open::LeftOpen;
-use crate::readings::policy::FEWEST_FOR_SCATTER;
 
 /// Relative spread that is looked at to see whether there is more.
 const BEYOND: f64 = 3.0;
@@ -34,10 +34,10 @@ pub(crate) struct Scatter {
 }
 
 impl Scatter {
-    /// As much as is still scatter, of every parameter: to begin with.
+    /// As much as is still scatter, of every parameter: to begin with; none without repeats.
     pub(crate) fn most(group: &RunGroup, model: &ExtendedModel) -> Option<Scatter> {
         let all = vec![SCATTER; parameters(group, &model.base)];
-        (group.runs.len() >= FEWEST_FOR_SCATTER).then_some(Scatter {
+        (!repeats(group).is_empty()).then_some(Scatter {
             likely: all.clone(),
             taken: all,
         })
@@ -45,7 +45,7 @@ impl Scatter {
 
     /// Found in the readings beside `model`.
     pub(crate) fn found(group: &RunGroup, model: &ExtendedModel) -> Scatter {
-        let forms = forms(group, model);
+        let forms = of_repeats(group, model);
         let (taken, gain) = most_likely(&forms, KNOWN_BEFORE, SCATTER);
         let (likely, _) = most_likely(&forms, KNOWN_BEFORE, BEYOND);
         let log_likelihood = |spreads: &[f64]| log_likelihood(&forms, KNOWN_BEFORE, spreads);
@@ -88,31 +88,39 @@ impl Scatter {
 
 /// The spread of every parameter beside `model` with its interval, up to where runs differ rather than scatter.
 pub(crate) fn told(group: &RunGroup, model: &ExtendedModel) -> Vec<Spread> {
-    spreads(&forms(group, model), KNOWN_BEFORE, BEYOND)
+    spreads(&of_repeats(group, model), KNOWN_BEFORE, BEYOND)
 }
 
-/// How much more probable scatter makes what runs say of their own parameters: logarithm of the ratio of likelihoods, less one
-/// for each spread that is found.
-pub(crate) fn gain(forms: &[Form]) -> f64 {
-    let (taken, gain) = most_likely(forms, KNOWN_BEFORE, SCATTER);
-    gain - taken.iter().filter(|spread| **spread > 0.0).count() as f64
+/// The runs of each drive that was run more than once.
+fn repeats(group: &RunGroup) -> Vec<Vec<usize>> {
+    let mut drives = group.drives();
+    drives.retain(|runs| runs.len() > 1);
+    drives
+}
+
+/// What the runs of each repeated drive say of their own parameters.
+fn of_repeats(group: &RunGroup, model: &ExtendedModel) -> Vec<Vec<Form>> {
+    let of_run = |run: &usize| form(group, model, *run);
+    let each = repeats(group).into_iter();
+    each.map(|runs| runs.iter().map(of_run).collect()).collect()
 }
 
 /// What every run says of its own parameters, as deviations from those of `model`.
-pub(crate) fn forms(group: &RunGroup, model: &ExtendedModel) -> Vec<Form> {
-    let of_run = |run: usize| {
-        let here = rows(group, model, run);
-        let columns: Vec<Vec<f64>> = (0..parameters(group, &model.base))
-            .map(|k| change(group, model, run, k, STEP, &here))
-            .collect();
-        let of_readings: Vec<Vec<f64>> = columns
-            .iter()
-            .map(|column| column.iter().map(|change| -change / STEP).collect())
-            .collect();
-        let none = vec![0.0; columns.len()];
-        Form::of(&none, &Local::of(&here, &of_readings))
-    };
-    (0..group.runs.len()).map(of_run).collect()
+fn forms(group: &RunGroup, model: &ExtendedModel) -> Vec<Form> {
+    (0..group.runs.len()).map(|run| form(group, model, run)).collect()
+}
+
+fn form(group: &RunGroup, model: &ExtendedModel, run: usize) -> Form {
+    let here = rows(group, model, run);
+    let columns: Vec<Vec<f64>> = (0..parameters(group, &model.base))
+        .map(|k| change(group, model, run, k, STEP, &here))
+        .collect();
+    let of_readings: Vec<Vec<f64>> = columns
+        .iter()
+        .map(|column| column.iter().map(|change| -change / STEP).collect())
+        .collect();
+    let none = vec![0.0; columns.len()];
+    Form::of(&none, &Local::of(&here, &of_readings))
 }
 
 /// What runs with that scatter leave open.

@@ -1,4 +1,5 @@
-//! Zeros and drifts of instruments: what the readings at rest allow of them, and no more.
+//! Zeros and drifts of instruments, what the readings at rest allow of them and no more, and beside them the error that is
+//! tolerated.
 //!
 //! A current that is read beside its zero, or a laser that drifts, is no misfit of the model. How large either may be is learnt
 //! from the readings before the drive alone, of all runs together, never from those that the model is asked about: an error of
@@ -9,6 +10,7 @@ use ieap_numerics::sums::sum;
 
 use crate::readings::group::{GroupRun, RunGroup};
 use crate::readings::left_open::LeftOpen;
+use crate::readings::tolerance::courses;
 use crate::readings::policy::{FEWEST_AT_REST, MOST_DRIFT_PARTS, REST_BLOCKS};
 use ieap_domain::range_of;
 
@@ -27,13 +29,18 @@ impl RunGroup<'_> {
             let each: Vec<Option<AtRest>> = (self.runs.iter().zip(fitted))
                 .map(|(run, fitted)| at_rest(run, kind, &fitted[kind]))
                 .collect();
+            let tolerated = self.tolerance_percent / 100.0 * self.range_of(kind);
             let [zero, drift] = sizes(&each, MOST_DRIFT_PARTS[kind] * self.range_of(kind));
             for (run, changes) in self.runs.iter().zip(&mut changes) {
-                let ways = [
-                    shape(run, kind, zero, |_| 1.0),
-                    shape(run, kind, drift, |part| part),
-                ];
-                changes.extend(ways.into_iter().flatten());
+                let Some(channel) = &run.channels[kind] else {
+                    continue;
+                };
+                let parts = parts_of_record(channel);
+                let mut ways = vec![vec![zero; parts.len()]];
+                ways.push(parts.iter().map(|part| drift * part).collect());
+                ways.extend(courses(run, kind, tolerated));
+                let ways = ways.into_iter().filter(|way| way.iter().any(|v| *v != 0.0));
+                changes.extend(ways.map(|way| rows_of(run, kind, channel, way)));
             }
         }
         for (run, changes) in self.runs.iter_mut().zip(changes) {
@@ -119,26 +126,12 @@ fn parts_of_record(channel: &WhitenedChannel) -> Vec<f64> {
     times.iter().map(|t| (t - first_s) / span_s).collect()
 }
 
-/// Change of the whitened rows of a run by one standard deviation; none of nothing.
-fn shape(run: &GroupRun, kind: usize, size: f64, of: impl Fn(f64) -> f64) -> Option<Vec<f64>> {
-    let channel = run.channels[kind].as_ref().filter(|_| size > 0.0)?;
-    let mut own: Vec<f64> = parts_of_record(channel)
-        .into_iter()
-        .map(|part| size * of(part))
-        .collect();
+/// Change of the whitened rows of a run by a course of one channel.
+fn rows_of(run: &GroupRun, kind: usize, channel: &WhitenedChannel, mut own: Vec<f64>) -> Vec<f64> {
     channel.whiten(&mut own);
-    let before = if kind == 0 {
-        0
-    } else {
-        run.channels[0].as_ref().map_or(0, WhitenedChannel::len)
-    };
-    let after = if kind == 0 {
-        run.channels[1].as_ref().map_or(0, WhitenedChannel::len)
-    } else {
-        0
-    };
-    let mut rows = vec![0.0; before];
+    let len = |kind: usize| run.channels[kind].as_ref().map_or(0, WhitenedChannel::len);
+    let mut rows = vec![0.0; if kind == 0 { 0 } else { len(0) }];
     rows.extend(own);
-    rows.extend(vec![0.0; after]);
-    Some(rows)
+    rows.resize(len(0) + len(1), 0.0);
+    rows
 }

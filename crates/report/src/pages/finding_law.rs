@@ -61,7 +61,7 @@ pub struct LawBlock {
     channel: &'static str,
 }
 
-/// The missing laws of a group.
+/// The missing laws of a group, or those that come closest.
 ///
 /// # Errors
 /// [`ReportError::Figure`] where a figure cannot be drawn.
@@ -70,7 +70,7 @@ pub fn law_blocks(
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Vec<LawBlock>, ReportError> {
     let mut blocks = Vec::new();
-    for (place, law) in found.missing.iter().enumerate() {
+    for (place, law) in found.missing.iter().chain(&found.closest).enumerate() {
         let id = format!("law-{}", place + 1);
         let figure = match &law.curve {
             Some(curve) => {

@@ -11,7 +11,7 @@ mod unnamed;
 mod varies;
 
 pub(crate) use laplace::log_evidence;
-pub(crate) use policy::{grid, log_mean, log_odds_of_no_cause, log_sum};
+pub(crate) use policy::{grid, log_mean, log_sum};
 pub(crate) use smooth::{Column, Process};
 pub(crate) use unnamed::{Nameless, Parts};
-pub(crate) use varies::{Varying, follow_something};
+pub(crate) use varies::Varying;

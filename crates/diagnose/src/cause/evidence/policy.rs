@@ -4,15 +4,6 @@
 //! Where a number says "prototype" it was set on linearised groups (24 effects, 34 foreign forms, d = 16 to 64) before this
 //! engine was written; `cargo run --release --example hide_and_seek -- laws 1 16,64` counts what this engine says with it.
 
-/// Prior weight of a single effect of the library, all its forms together.
-pub(super) const EFFECT: f64 = 1.0;
-/// Prior weight of the base alone. Prototype: below it a cause is told of noise.
-pub(super) const BASE: f64 = 100.0;
-/// Logarithm of how much more probable than a given cause it is, before any reading, that there is none.
-pub(crate) fn log_odds_of_no_cause() -> f64 {
-    (BASE / EFFECT).ln()
-}
-
 /// Prior weight of parameters that differ between the runs, all subsets and laws together. Prototype.
 pub(super) const VARIES: f64 = 2.0;
 /// Sizes of what is added, in standard deviations of the noise after the refit: the least that can be seen and the largest

@@ -215,13 +215,6 @@ pub(super) fn covariates(group: &RunGroup) -> Vec<Covariate> {
     found
 }
 
-/// Whether parameters of the runs lie on lines over the voltage or a tag rather than scatter freely.
-pub(crate) fn follow_something(group: &RunGroup, forms: &[Form]) -> bool {
-    let all = subsets(forms, &covariates(group), 0.0);
-    let best = all.iter().max_by(|a, b| a.log_weight.total_cmp(&b.log_weight));
-    best.is_some_and(|best| best.with.is_some())
-}
-
 /// None where all runs have the same, or each of two runs its own: two points lie on any line.
 fn scaled(name: String, at: Vec<f64>) -> Option<Covariate> {
     let low = at.iter().copied().fold(f64::INFINITY, f64::min);

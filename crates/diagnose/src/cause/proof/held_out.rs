@@ -112,12 +112,6 @@ impl HeldOut {
         (falls.iter().filter(|fall| **fall > 0.0).count(), falls.len())
     }
 
-    /// Whether the sum comes out better, and so many of the parts.
-    pub(crate) fn pays(&self, parts: f64) -> bool {
-        let (better, all) = self.better();
-        self.falls().iter().sum::<f64>() > 0.0 && better as f64 >= parts * all as f64
-    }
-
     /// Whether the errors of current and curvature, in parts of their ranges, fall on average: what is likelier because it claims
     /// to know less is no better prediction.
     pub(crate) fn errors_fall(&self, group: &RunGroup) -> bool {
@@ -153,14 +147,7 @@ pub(crate) fn parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
 /// The runs of each drive: left in, a repeat would tell what a left-out run is like whatever the model. Every run by
 /// itself where all are of one drive.
 fn drives(group: &RunGroup) -> Vec<Vec<usize>> {
-    let of = |run: usize| group.runs[run].drive();
-    let mut drives: Vec<Vec<usize>> = Vec::new();
-    for run in 0..group.runs.len() {
-        match drives.iter_mut().find(|runs| of(runs[0]).repeats(of(run))) {
-            Some(runs) => runs.push(run),
-            None => drives.push(vec![run]),
-        }
-    }
+    let drives = group.drives();
     match drives.len() {
         1 => (0..group.runs.len()).map(|run| vec![run]).collect(),
         _ => drives,

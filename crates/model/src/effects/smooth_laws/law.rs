@@ -33,8 +33,6 @@ pub struct Drawn {
 const HELD: usize = 4;
 /// A weight at which a law is looked at: its answer goes along a straight line there.
 const PROBE: f64 = 0.02;
-/// Largest weight that is sought.
-const MOST: f64 = 5.0;
 
 /// A law as a smooth function of a variable.
 pub struct SmoothLaw {
@@ -137,7 +135,7 @@ impl Effect for SmoothLaw {
         }
         let (free, size) = (self.weights(), self.part.size(scale));
         let mut limits = vec![Limits::held(); WEIGHTS + HELD];
-        limits[..free].fill(Limits::linear(-MOST, MOST));
+        limits[..free].fill(Limits::linear(-self.part.most(), self.part.most()));
         let mut probe = vec![0.0; WEIGHTS];
         probe[..free].fill(PROBE);
         probe.extend([low, high, time_s, size]);

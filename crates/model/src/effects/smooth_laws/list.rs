@@ -8,123 +8,106 @@ use super::part::Part;
 use crate::effects::{Effect, Site, mechanism_of};
 use ieap_domain::diagnosis::LAW;
 
-const fn current(law: &'static str, of: &'static str, variable: &'static str) -> Place {
-    Place {
-        site: Site::Current,
-        law,
-        of,
-        variable,
-    }
-}
-
-const fn bending(law: &'static str, variable: &'static str) -> Place {
-    Place {
-        site: Site::Bending,
-        ..current(law, "", variable)
-    }
-}
-
 /// Parts of the longest record for which a variable is remembered.
 const MEMORIES: [f64; 3] = [1.0 / 120.0, 1.0 / 30.0, 1.0 / 8.0];
 
-fn laws() -> Vec<(Place, Part, Axis)> {
-    let by_resistance = |variable, axis| (current("resistance", "", variable), Part::Resistance(None), axis);
-    let mut found = vec![
-        by_resistance("time_s", Axis::Time),
-        by_resistance("time_s", Axis::LogTime),
-        by_resistance("curvature_per_cm", Axis::Curvature),
-        by_resistance("curvature_per_cm", Axis::CurvatureSize),
-        by_resistance("charge_c_per_cm2", Axis::Charge),
-        by_resistance("charge_c_per_cm2", Axis::ChargeSize),
-        by_resistance("current_a_per_cm2", Axis::CurrentSize),
-    ];
-    for part in MEMORIES {
-        found.push(by_resistance("heat", Axis::Power(part)));
-        found.push(by_resistance("flow", Axis::Flow(part)));
-        found.push(by_resistance("flow", Axis::FlowSize(part)));
+/// Every variable that a run has at each instant, by its sign and by its size where both are asked.
+const VARIABLES: [Axis; 9] = [
+    Axis::Time,
+    Axis::LogTime,
+    Axis::Voltage,
+    Axis::VoltageSize,
+    Axis::Charge,
+    Axis::ChargeSize,
+    Axis::Curvature,
+    Axis::CurvatureSize,
+    Axis::CurrentSize,
+];
+
+/// Parts that follow every variable: law, what of several has it, and the part.
+const FOLLOWING: [(Site, &str, &str, Part); 9] = [
+    (Site::Current, "resistance", "", Part::Resistance(None)),
+    (Site::Current, "resistance", "fast-branch", Part::Resistance(Some(0))),
+    (Site::Current, "resistance", "slow-branch", Part::Resistance(Some(1))),
+    (Site::Current, "capacitance", "", Part::Capacitance(None)),
+    (Site::Current, "capacitance", "fast-branch", Part::Capacitance(Some(0))),
+    (Site::Current, "capacitance", "slow-branch", Part::Capacitance(Some(1))),
+    (Site::Current, "leak", "", Part::Leak),
+    (Site::Bending, "coupling", "", Part::Coupling),
+    (Site::Bending, "relaxation", "", Part::Rate),
+];
+
+/// What a part follows by an axis, as its key.
+fn variable(part: Part, axis: Axis) -> &'static str {
+    match (part, axis) {
+        (Part::Even, _) => "voltage_v",
+        (Part::FirstCharge, _) => "time_s",
+        (Part::Play, _) => "curvature_per_cm",
+        (_, Axis::Time | Axis::LogTime) => "time_s",
+        (_, Axis::SinceEdge) => "time_since_edge_s",
+        (_, Axis::Voltage | Axis::VoltageSize | Axis::OwnVoltage) => "voltage_v",
+        (_, Axis::Charge | Axis::ChargeSize) => "charge_c_per_cm2",
+        (_, Axis::Curvature | Axis::CurvatureSize) => "curvature_per_cm",
+        (_, Axis::CurrentSize) => "current_a_per_cm2",
+        (_, Axis::Power(_)) => "heat",
+        (_, Axis::Flow(_) | Axis::FlowSize(_)) => "flow",
+        (_, Axis::Elements) => "time_constant_s",
     }
-    let one = |of, k| {
-        let place = current("resistance", of, "time_s");
-        (place, Part::Resistance(Some(k)), Axis::Time)
-    };
-    found.extend([one("fast-branch", 0), one("slow-branch", 1)]);
-    let by_current = |law, of, variable, part, axis| (current(law, of, variable), part, axis);
+}
+
+/// Parts of which only some variables make sense, or that are spectra: a capacitor by its own voltage, what remembers, the
+/// source, instruments, and bending that needs no charge.
+fn others() -> Vec<(Site, &'static str, &'static str, Part, Axis)> {
+    let current = |law, of, part, axis| (Site::Current, law, of, part, axis);
+    let bending = |law, part, axis| (Site::Bending, law, "", part, axis);
+    let own = [("", None), ("fast-branch", Some(0)), ("slow-branch", Some(1))];
+    let mut found: Vec<_> = (own.into_iter())
+        .map(|(of, branch)| current("capacitance", of, Part::Capacitance(branch), Axis::OwnVoltage))
+        .collect();
+    for part in MEMORIES {
+        for axis in [Axis::Power(part), Axis::Flow(part), Axis::FlowSize(part)] {
+            found.push(current("resistance", "", Part::Resistance(None), axis));
+        }
+    }
     found.extend([
-        by_current(
-            "capacitance",
-            "",
-            "voltage_v",
-            Part::Capacitance(None),
-            Axis::OwnVoltage,
-        ),
-        by_current(
-            "capacitance",
-            "slow-branch",
-            "voltage_v",
-            Part::Capacitance(Some(1)),
-            Axis::OwnVoltage,
-        ),
-        by_current("capacitance", "", "time_s", Part::Capacitance(None), Axis::Time),
-        by_current("leak", "", "voltage_v", Part::Leak, Axis::Voltage),
-        by_current("leak", "", "time_since_edge_s", Part::Leak, Axis::SinceEdge),
-        by_current("leak", "", "time_s", Part::Leak, Axis::Time),
-        by_current(
-            "time-scales",
-            "",
-            "time_constant_s",
-            Part::Branches(true),
-            Axis::Elements,
-        ),
-        by_current(
-            "time-scales",
-            "silent",
-            "time_constant_s",
-            Part::Branches(false),
-            Axis::Elements,
-        ),
-        by_current("source", "", "current_a_per_cm2", Part::Drop, Axis::CurrentSize),
-        by_current("source", "", "time_since_edge_s", Part::Source, Axis::SinceEdge),
-        by_current("source", "", "time_s", Part::Source, Axis::Time),
-        by_current("source", "", "voltage_v", Part::Source, Axis::Voltage),
-        by_current("current-reading", "", "time_s", Part::ReadCurrent, Axis::Time),
-        by_current(
-            "current-reading",
-            "",
-            "current_a_per_cm2",
-            Part::ReadGain,
-            Axis::CurrentSize,
-        ),
-        by_current("first-charge", "", "time_s", Part::FirstCharge, Axis::Elements),
-    ]);
-    let by_bending = |law, variable, part, axis| (bending(law, variable), part, axis);
-    found.extend([
-        by_bending("coupling", "curvature_per_cm", Part::Coupling, Axis::Curvature),
-        by_bending(
-            "coupling",
-            "curvature_per_cm",
-            Part::Coupling,
-            Axis::CurvatureSize,
-        ),
-        by_bending("coupling", "charge_c_per_cm2", Part::Coupling, Axis::Charge),
-        by_bending("coupling", "charge_c_per_cm2", Part::Coupling, Axis::ChargeSize),
-        by_bending("coupling", "charge_c_per_cm2", Part::Strain, Axis::Charge),
-        by_bending("coupling", "charge_c_per_cm2", Part::Strain, Axis::ChargeSize),
-        by_bending("coupling", "time_s", Part::Coupling, Axis::Time),
-        by_bending("coupling", "time_s", Part::Coupling, Axis::LogTime),
-        by_bending("coupling", "voltage_v", Part::Coupling, Axis::Voltage),
-        by_bending("relaxation", "voltage_v", Part::Rate, Axis::VoltageSize),
-        by_bending("relaxation", "charge_c_per_cm2", Part::Rate, Axis::ChargeSize),
-        by_bending("relaxation", "time_s", Part::Rate, Axis::Time),
-        by_bending("relaxation", "flow", Part::Rate, Axis::Flow(MEMORIES[2])),
-        by_bending("relaxation", "time_constant_s", Part::Rates, Axis::Elements),
-        by_bending("added-bending", "time_s", Part::Added, Axis::Time),
-        by_bending("added-bending", "time_s", Part::Added, Axis::LogTime),
-        by_bending("added-bending", "voltage_v", Part::Added, Axis::Voltage),
-        by_bending("added-bending", "voltage_v", Part::Even, Axis::Elements),
-        by_bending("delay", "time_constant_s", Part::Late, Axis::Elements),
-        by_bending("play", "curvature_per_cm", Part::Play, Axis::Time),
+        current("leak", "", Part::Leak, Axis::SinceEdge),
+        current("time-scales", "", Part::Branches(true), Axis::Elements),
+        current("time-scales", "silent", Part::Branches(false), Axis::Elements),
+        current("source", "", Part::Drop, Axis::CurrentSize),
+        current("source", "", Part::Source, Axis::SinceEdge),
+        current("source", "", Part::Source, Axis::Time),
+        current("source", "", Part::Source, Axis::Voltage),
+        current("current-reading", "", Part::ReadCurrent, Axis::Time),
+        current("current-reading", "", Part::ReadGain, Axis::CurrentSize),
+        current("first-charge", "", Part::FirstCharge, Axis::Elements),
+        bending("coupling", Part::Strain, Axis::Charge),
+        bending("coupling", Part::Strain, Axis::ChargeSize),
+        bending("relaxation", Part::Rate, Axis::Flow(MEMORIES[2])),
+        bending("relaxation", Part::Rates, Axis::Elements),
+        bending("added-bending", Part::Added, Axis::Time),
+        bending("added-bending", Part::Added, Axis::LogTime),
+        bending("added-bending", Part::Added, Axis::Voltage),
+        bending("added-bending", Part::Added, Axis::CurrentSize),
+        bending("added-bending", Part::Even, Axis::Elements),
+        bending("delay", Part::Late, Axis::Elements),
+        bending("play", Part::Play, Axis::Time),
     ]);
     found
+}
+
+fn laws() -> Vec<(Place, Part, Axis)> {
+    let every = |(site, law, of, part)| VARIABLES.map(|axis| (site, law, of, part, axis));
+    let all = FOLLOWING.into_iter().flat_map(every).chain(others());
+    let placed = |(site, law, of, part, axis)| {
+        let place = Place {
+            site,
+            law,
+            of,
+            variable: variable(part, axis),
+        };
+        (place, part, axis)
+    };
+    all.map(placed).collect()
 }
 
 /// Every law, in the order of the list.

@@ -55,6 +55,12 @@ const LEAST_TIME: f64 = 0.3;
 const MOVES: f64 = 0.3;
 /// What a weight of one adds, of the largest of its kind.
 const PART: f64 = 0.05;
+/// What an instrument misreads at most, of its largest reading. Chosen.
+const INSTRUMENT: f64 = 0.1;
+/// What a law of the strip adds at most, of the largest reading.
+const WHOLE: f64 = 1.0;
+/// Largest relative change of what is multiplied. Chosen: measured resistances differ 20-fold between voltages.
+const FACTOR: f64 = 20.0;
 
 impl Part {
     pub(super) fn weights(self, axis: Axis) -> usize {
@@ -81,6 +87,21 @@ impl Part {
             Part::Added | Part::Play => PART * scale.curvature_per_cm,
             Part::Even => PART * scale.curvature_per_cm / scale.voltage_v.powi(2),
             _ => 1.0,
+        }
+    }
+
+    /// Largest weight that is sought: what instruments misread is a few per cent of what they read, and a law of the strip may
+    /// make up a whole reading, or a factor of twenty.
+    pub(super) fn most(self) -> f64 {
+        match self {
+            Part::ReadCurrent => INSTRUMENT / PART,
+            Part::ReadGain => INSTRUMENT,
+            Part::Leak => WHOLE / (0.2 * PART),
+            Part::Source | Part::FirstCharge | Part::Drop | Part::Branches(_) | Part::Added | Part::Play => {
+                WHOLE / PART
+            }
+            Part::Even => WHOLE / PART,
+            _ => FACTOR,
         }
     }
 
