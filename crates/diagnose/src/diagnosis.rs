@@ -135,6 +135,10 @@ fn looked(
     }
     let model = base.problem.model(&base.at);
     // What is less than tolerated is asked nothing more; of what is more the readings are no surer than that.
+    let plain = builder.of_size(misfit_percent(group, &base));
+    if plain.verdict != Verdict::Unexplained {
+        return plain;
+    }
     if let Some(tolerant) = group.with_tolerance(options.tolerance_percent, &model)
         && let Some(base) = refit(&tolerant, &base)
     {
@@ -156,7 +160,8 @@ fn looked(
     {
         let moved = moved.renoised(&extended.problem.model(&at));
         let again = refit(&moved, &base).map(|base| looked(name, &moved, base, options, true));
-        if let Some(found) = again.filter(|again| !again.verdict.is_misfit() || again.verdict == Verdict::Law) {
+        if let Some(found) = again.filter(|again| !again.verdict.is_misfit() || again.verdict == Verdict::Law)
+        {
             return found;
         }
     }

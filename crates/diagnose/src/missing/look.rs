@@ -8,9 +8,7 @@ use ieap_model::effects::smooth_laws::Place;
 use super::account::account;
 use super::columns::{LawColumns, columns};
 use super::drawn::drawn;
-use super::policy::{
-    AS_WELL, MOST_LAWS, MOST_RIVALS, NEXT_FROM_PART, SURE,
-};
+use super::policy::{MOST_LAWS, MOST_RIVALS, NEXT_FROM_PART, SURE};
 use super::posterior::posterior;
 use super::told::{Told, told};
 use super::weighed::{Asked, Says, Weighed};
@@ -62,7 +60,7 @@ pub(crate) fn look<'g>(
     for _ in 0..MOST_LAWS {
         let round = later.as_ref().unwrap_or(&first);
         let before = lead.as_ref().map_or(&by_base, |lead| &lead.held_out.after);
-        let Some(next) = round.leading(before) else { break };
+        let Some(next) = round.leading() else { break };
         let is_sure = round.told.site.is_some();
         if !is_sure && lead.is_some() {
             break;
@@ -154,7 +152,7 @@ struct Leading<'g> {
     model: Fitted<'g>,
     /// The law at its place as a curve, where one was fitted.
     curve: Option<Fitted<'g>>,
-    /// Its name, where the textbook curve does as well as the curve on what was held out.
+    /// Its name, where the equation is sure.
     name: Option<&'static str>,
 }
 
@@ -201,9 +199,9 @@ impl<'g> Round<'g> {
         order
     }
 
-    /// The model of what is told: the textbook curve within the band that does as well on what was held out; else of a law its
-    /// curve, of a place the curve that explains most there, of nothing what is most probable.
-    fn leading(&self, before: &[Part]) -> Option<Leading<'g>> {
+    /// The model of what is told: the equation that is sure; else of a law its curve, of a place the curve that explains most
+    /// there, of nothing what is most probable.
+    fn leading(&self) -> Option<Leading<'g>> {
         let is_at = |k: &usize| {
             let place = self.weighed.all[*k].place;
             place.is_some_and(|own| match (self.told.place, self.told.site) {
@@ -221,23 +219,18 @@ impl<'g> Round<'g> {
             .copied()
             .filter(|k| is_curve(k) && is_at(k))
             .max_by(|a, b| fall(a).total_cmp(&fall(b)));
-        let equation = self.told.names.first().and_then(|name| {
+        // What few numbers say is no worse where nothing was measured.
+        let equation = self.told.name.and_then(|name| {
             let is_it = |k: &&usize| self.weighed.all[**k].says == Says::Equation(name);
             fitted.iter().find(is_it).copied()
         });
         let curve = curve.and_then(model);
-        // What few numbers say as well is no worse where nothing was measured.
-        if let Some(own) = equation.and_then(model) {
-            let does_as_well = curve
-                .as_ref()
-                .is_none_or(|curve| does_as_well(&own, curve, before));
-            if does_as_well {
-                return Some(Leading {
-                    model: own,
-                    curve,
-                    name: self.told.name,
-                });
-            }
+        if let Some(model) = equation.and_then(model) {
+            return Some(Leading {
+                model,
+                curve,
+                name: self.told.name,
+            });
         }
         let other = || {
             fitted
@@ -304,16 +297,4 @@ impl<'g> Round<'g> {
         }
         if found.len() < 2 { Vec::new() } else { found }
     }
-}
-
-/// Whether a textbook curve gains on held-out parts about what the free curve does.
-fn does_as_well(equation: &Fitted, curve: &Fitted, before: &[Part]) -> bool {
-    let fall = |fitted: &Fitted| {
-        let after = parts(fitted, fitted.problem.group);
-        let pairs = before.iter().zip(&after);
-        pairs
-            .map(|(before, after)| before.deviance - after.deviance)
-            .sum::<f64>()
-    };
-    fall(equation) >= AS_WELL * fall(curve)
 }

@@ -32,8 +32,6 @@ pub(super) const INEXACT: f64 = 0.02;
 pub(super) const MOST_LAWS: usize = 3;
 /// Part of the error beyond noise that laws must leave for another one to be sought: no law is exact.
 pub(super) const NEXT_FROM_PART: f64 = 0.05;
-/// Part of what the curve gains on held-out parts that a textbook curve must gain for its name to be told.
-pub(super) const AS_WELL: f64 = 0.95;
 /// Hypotheses below this probability are not told, but for the leading one of each kind. Chosen.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
 /// A law is drawn where the readings leave so much of the error that was there before, in as many places at least; else whole.

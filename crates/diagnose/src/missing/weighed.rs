@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use super::columns::{LawColumns, columns_of};
 use super::evidence::{evidence, process};
 use super::policy::{
-    DIFFERS, FITTED_TOGETHER, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED, UNNAMED,
+    DIFFERS, FITTED_TOGETHER, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED,
+    UNNAMED,
 };
 use crate::cause::candidates::{CandidateFit, fit_candidates};
 use crate::cause::evidence::{Nameless, Parts, Varying, log_evidence, log_sum};
@@ -150,12 +151,19 @@ impl<'g> Asked<'_, 'g> {
         let mut kept: f64 = 1.0;
         let mut tried = 0;
         while tried < found.len().min(MOST_FITTED) {
-            let best = found.iter().take(tried).map(|own| own.0.log(1.0)).fold(0.0, f64::max);
+            let best = found
+                .iter()
+                .take(tried)
+                .map(|own| own.0.log(1.0))
+                .fold(0.0, f64::max);
             let is_near = |own: &Weight| {
                 let log = kept * own.fall + own.occam;
                 log > (1.0 - NEAR_PART) * best - NEAR_BESIDE
             };
-            let next = found[tried..].iter().take(FITTED_TOGETHER).take_while(|own| is_near(&own.0));
+            let next = found[tried..]
+                .iter()
+                .take(FITTED_TOGETHER)
+                .take_while(|own| is_near(&own.0));
             let count = next.count().min(MOST_FITTED - tried);
             if count == 0 {
                 break;

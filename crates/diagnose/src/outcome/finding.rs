@@ -86,9 +86,10 @@ impl<'g> FindingBuilder<'_, 'g> {
             ..self.without_cause()
         };
         if found.verdict != Verdict::DataProblem {
-            found.verdict = match self.is_tolerated(found.misfit_percent) {
-                true => Verdict::Right,
-                false => Verdict::Unexplained,
+            found.verdict = if self.is_tolerated(found.misfit_percent) {
+                Verdict::Right
+            } else {
+                Verdict::Unexplained
             };
         }
         found

@@ -131,15 +131,32 @@ impl<'a> RunGroup<'a> {
 
     /// The runs of each drive, in their order.
     pub(crate) fn drives(&self) -> Vec<Vec<usize>> {
-        let of = |run: usize| self.runs[run].drive();
-        let mut drives: Vec<Vec<usize>> = Vec::new();
-        for run in 0..self.runs.len() {
-            match drives.iter_mut().find(|runs| of(runs[0]).repeats(of(run))) {
+        let are_alike = |a: &GroupRun, b: &GroupRun| a.drive().repeats(b.drive());
+        self.families(&are_alike)
+    }
+
+    /// Repeats: the runs of each drive in one place among the tags, in their order, where there are several. What differs with a
+    /// tag is no scatter.
+    pub(crate) fn repeats(&self) -> Vec<Vec<usize>> {
+        let are_alike =
+            |a: &GroupRun, b: &GroupRun| a.drive().repeats(b.drive()) && a.given.tags == b.given.tags;
+        let mut found = self.families(&are_alike);
+        found.retain(|runs| runs.len() > 1);
+        found
+    }
+
+    fn families(&self, are_alike: &dyn Fn(&GroupRun, &GroupRun) -> bool) -> Vec<Vec<usize>> {
+        let mut families: Vec<Vec<usize>> = Vec::new();
+        for (run, own) in self.runs.iter().enumerate() {
+            match families
+                .iter_mut()
+                .find(|runs| are_alike(&self.runs[runs[0]], own))
+            {
                 Some(runs) => runs.push(run),
-                None => drives.push(vec![run]),
+                None => families.push(vec![run]),
             }
         }
-        drives
+        families
     }
 
     /// What was found of the scatter from run to run, where it was looked at.

@@ -37,7 +37,7 @@ impl Scatter {
     /// As much as is still scatter, of every parameter: to begin with; none without repeats.
     pub(crate) fn most(group: &RunGroup, model: &ExtendedModel) -> Option<Scatter> {
         let all = vec![SCATTER; parameters(group, &model.base)];
-        (!repeats(group).is_empty()).then_some(Scatter {
+        (!group.repeats().is_empty()).then_some(Scatter {
             likely: all.clone(),
             taken: all,
         })
@@ -91,17 +91,10 @@ pub(crate) fn told(group: &RunGroup, model: &ExtendedModel) -> Vec<Spread> {
     spreads(&of_repeats(group, model), KNOWN_BEFORE, BEYOND)
 }
 
-/// The runs of each drive that was run more than once.
-fn repeats(group: &RunGroup) -> Vec<Vec<usize>> {
-    let mut drives = group.drives();
-    drives.retain(|runs| runs.len() > 1);
-    drives
-}
-
 /// What the runs of each repeated drive say of their own parameters.
 fn of_repeats(group: &RunGroup, model: &ExtendedModel) -> Vec<Vec<Form>> {
     let of_run = |run: &usize| form(group, model, *run);
-    let each = repeats(group).into_iter();
+    let each = group.repeats().into_iter();
     each.map(|runs| runs.iter().map(of_run).collect()).collect()
 }
 

@@ -25,11 +25,17 @@ pub(super) fn courses(run: &GroupRun, kind: usize, size: f64) -> Vec<Vec<f64>> {
     let last = places.iter().copied().fold(0.0, f64::max).ceil() as usize;
     let bell = |knot: usize, place: f64| (-0.5 * (place - knot as f64).powi(2)).exp();
     let whole: Vec<f64> = (places.iter())
-        .map(|&place| (0..=last).map(|knot| bell(knot, place).powi(2)).sum::<f64>().sqrt())
+        .map(|&place| {
+            (0..=last)
+                .map(|knot| bell(knot, place).powi(2))
+                .sum::<f64>()
+                .sqrt()
+        })
         .collect();
     let of_knot = |knot: usize| {
         let each = places.iter().zip(&whole);
-        each.map(|(&place, whole)| size * bell(knot, place) / whole).collect()
+        each.map(|(&place, whole)| size * bell(knot, place) / whole)
+            .collect()
     };
     (0..=last).map(of_knot).collect()
 }

@@ -10,8 +10,8 @@ use ieap_numerics::sums::sum;
 
 use crate::readings::group::{GroupRun, RunGroup};
 use crate::readings::left_open::LeftOpen;
-use crate::readings::tolerance::courses;
 use crate::readings::policy::{FEWEST_AT_REST, MOST_DRIFT_PARTS, REST_BLOCKS};
+use crate::readings::tolerance::courses;
 use ieap_domain::range_of;
 
 /// What the rest of a channel says of a zero and of a drift, each with its variance: in the unit of the channel, the drift over

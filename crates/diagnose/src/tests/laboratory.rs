@@ -5,7 +5,7 @@ use super::*;
 use ieap_domain::ParameterScatter;
 use ieap_model::extended::ExtendedModel;
 
-/// Four drives, each of a sample whose parameters are off by that part, one standard deviation.
+/// Four drives twice, each of a sample whose parameters are off by that part, one standard deviation.
 fn scattering(part: f64, seed: u64) -> Vec<Runs> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut off = |value: f64| {
@@ -16,7 +16,8 @@ fn scattering(part: f64, seed: u64) -> Vec<Runs> {
         let branches = [30.0, 0.03, 120.0, 0.15].map(&mut off);
         sample(branches, off(3000.0), off(20.0), off(0.01))
     };
-    let runs: Vec<(LumpedModel, Levels)> = FOUR.iter().map(|drive| (own(), *drive)).collect();
+    let twice = FOUR.iter().chain(FOUR);
+    let runs: Vec<(LumpedModel, Levels)> = twice.map(|drive| (own(), *drive)).collect();
     differing(&runs, seed)
 }
 
@@ -62,14 +63,21 @@ fn runs_that_agree_have_no_scatter_taken_for_noise() {
 }
 
 #[test]
-fn scatter_is_looked_for_once_and_in_three_runs_or_more() {
+fn scatter_is_looked_for_once_and_in_repeats_alone() {
     let model = ExtendedModel {
         base: base(),
         effects: Vec::new(),
     };
-    let (two, four) = (Runs::with(None, &[STEP, HALF], 3), Runs::with(None, FOUR, 3));
-    assert!(group::RunGroup::new(&two.inputs()).with_scatter(&model).is_none());
-    let inputs = four.inputs();
+    let (four, repeated) = (
+        Runs::with(None, FOUR, 3),
+        Runs::with(None, &[STEP, HALF, STEP], 3),
+    );
+    assert!(
+        group::RunGroup::new(&four.inputs())
+            .with_scatter(&model)
+            .is_none()
+    );
+    let inputs = repeated.inputs();
     let beside = group::RunGroup::new(&inputs).with_scatter(&model).unwrap();
     assert!(beside.scatter().unwrap().taken.is_empty());
     assert!(beside.with_scatter(&model).is_none());

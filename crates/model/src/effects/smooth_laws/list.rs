@@ -27,11 +27,31 @@ const VARIABLES: [Axis; 9] = [
 /// Parts that follow every variable: law, what of several has it, and the part.
 const FOLLOWING: [(Site, &str, &str, Part); 9] = [
     (Site::Current, "resistance", "", Part::Resistance(None)),
-    (Site::Current, "resistance", "fast-branch", Part::Resistance(Some(0))),
-    (Site::Current, "resistance", "slow-branch", Part::Resistance(Some(1))),
+    (
+        Site::Current,
+        "resistance",
+        "fast-branch",
+        Part::Resistance(Some(0)),
+    ),
+    (
+        Site::Current,
+        "resistance",
+        "slow-branch",
+        Part::Resistance(Some(1)),
+    ),
     (Site::Current, "capacitance", "", Part::Capacitance(None)),
-    (Site::Current, "capacitance", "fast-branch", Part::Capacitance(Some(0))),
-    (Site::Current, "capacitance", "slow-branch", Part::Capacitance(Some(1))),
+    (
+        Site::Current,
+        "capacitance",
+        "fast-branch",
+        Part::Capacitance(Some(0)),
+    ),
+    (
+        Site::Current,
+        "capacitance",
+        "slow-branch",
+        Part::Capacitance(Some(1)),
+    ),
     (Site::Current, "leak", "", Part::Leak),
     (Site::Bending, "coupling", "", Part::Coupling),
     (Site::Bending, "relaxation", "", Part::Rate),
