@@ -49,16 +49,19 @@ fn effects() -> Vec<EffectText> {
     ]
 }
 
-/// A leak over the voltage, with the band that these runs leave.
+/// A steady current over the voltage, with the band that these runs leave.
 fn curve() -> LawCurve {
     let x: Vec<f64> = (-20..=20).map(|k| 0.1 * f64::from(k)).collect();
-    let y: Vec<f64> = x.iter().map(|v| 2e-5 * (v.abs() - 1.2).max(0.0)).collect();
+    let without: Vec<f64> = x.iter().map(|v| 1e-5 * v).collect();
+    let leak = x.iter().map(|v| 2e-5 * v * (v.abs() - 1.2).max(0.0));
+    let y: Vec<f64> = leak.zip(&without).map(|(leak, without)| leak + without).collect();
     LawCurve {
         low_95: y.iter().map(|y| y - 3e-6).collect(),
         high_95: y.iter().map(|y| y + 3e-6).collect(),
         x,
         y,
-        unit: "S/cm2".to_owned(),
+        unit: "A/cm2".to_owned(),
+        without,
     }
 }
 

@@ -96,6 +96,10 @@ pub struct LawCurve {
     pub high_95: Vec<f64>,
     /// Unit of `y`; 1 of relative changes.
     pub unit: String,
+    /// What the model has there without the law, where `y` is the whole and not what the law adds: of a leak over the voltage,
+    /// whose conductance R_ss takes up in part, `y` is the whole steady current. Else empty.
+    #[serde(default, deserialize_with = "number_or_null::many")]
+    pub without: Vec<f64>,
 }
 
 /// Errors on held-out readings, percent of the range of the quantity in which the law acts.

@@ -70,6 +70,7 @@ fn of_law(what: &str, law: &MissingLaw) -> String {
 fn of_gain(gain: &Gain, verdict: Verdict) -> String {
     let with = match verdict {
         Verdict::Unexplained => "what was tried",
+        Verdict::Differs => "parameters of each run's own",
         _ => "it",
     };
     let later = gain.later.as_ref().map_or_else(String::new, |later| {

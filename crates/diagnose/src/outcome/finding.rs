@@ -22,7 +22,7 @@ use crate::missing::account::account;
 use crate::missing::look::{Found, Lead};
 use crate::options::DiagnoseOptions;
 use crate::outcome::alone::{alone, in_words as alone_in_words};
-use crate::outcome::gain::gain;
+use crate::outcome::gain::{gain, gain_of_runs};
 use crate::outcome::next_run::next_run;
 use crate::outcome::noise_words::{of_scatter, of_slow_noise};
 use crate::outcome::policy::SPIKED_PART;
@@ -106,6 +106,9 @@ impl<'g> FindingBuilder<'_, 'g> {
             found.differs = varying.told(self.group, self.base);
             let differing = found.differs.iter();
             found.set = differing.map(|own| format!("varies:{}", own.key)).collect();
+            let held_out = varying.by_voltage(self.group, self.base);
+            let squares = (self.base.square, varying.square());
+            found.gain = held_out.map(|held_out| gain_of_runs(self.group, squares, &held_out));
         }
         found.posterior = missing.posterior;
         match found.verdict {

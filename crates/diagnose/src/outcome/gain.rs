@@ -10,16 +10,24 @@ use crate::readings::quantities::{self, NAMES, Predicted};
 
 /// The gain of `extended` over `base`.
 pub(crate) fn gain(group: &RunGroup, base: &Fitted, extended: &Fitted, held_out: &HeldOut) -> Gain {
-    let rms = |square: f64| (square / group.rows().max(1) as f64).sqrt();
     let later = [later_parts(base, group), later_parts(extended, group)];
     let [later_before, later_after] = &later;
+    Gain {
+        later: (!later_after.is_empty()).then(|| of_parts(group, later_before, later_after)),
+        ..gain_of_runs(group, (base.square, extended.square), held_out)
+    }
+}
+
+/// The gain on runs alone, of models that leave these sums of squares of all readings, before and after.
+pub(crate) fn gain_of_runs(group: &RunGroup, (before, after): (f64, f64), held_out: &HeldOut) -> Gain {
+    let rms = |square: f64| (square / group.rows().max(1) as f64).sqrt();
     Gain {
         held_out: held_out::kind(group).to_owned(),
         proof: proof(group, held_out),
         predictions: predictions(&predicted(&held_out.before), &predicted(&held_out.after)),
-        residual_rms_sigma_before: rms(base.square),
-        residual_rms_sigma_after: rms(extended.square),
-        later: (!later_after.is_empty()).then(|| of_parts(group, later_before, later_after)),
+        residual_rms_sigma_before: rms(before),
+        residual_rms_sigma_after: rms(after),
+        later: None,
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is said where the parameters of a group differ between its runs, and nothing else is wrong.
 
-use super::followed_tag;
+use super::{followed_tag, proof};
 use crate::number::{rounded, significant};
 use crate::words::in_a_row;
 use crate::{GroupDiagnosis, VaryingParameter, VaryingValue};
@@ -38,9 +38,10 @@ pub(super) fn sentence(found: &GroupDiagnosis) -> String {
         with => followed_tag(with).map_or_else(String::new, |tag| format!(" with {tag}")),
     };
     format!(
-        "The {} runs differ{with}{share}. {}{further}.",
+        "The {} runs differ{with}{share}. {}{further}.{}",
         found.runs.len(),
-        listed(&told)
+        listed(&told),
+        proof(found, "laws of the voltage in their place")
     )
 }
 

@@ -56,6 +56,8 @@ pub struct Curve {
 pub struct Beside {
     /// The law.
     pub law: Curve,
+    /// What the model has without it, at the same places; empty for none.
+    pub without: Vec<f64>,
     /// What readouts call the marks of each style.
     pub names: Vec<String>,
     /// Runs that no result is made from.
@@ -116,6 +118,9 @@ fn draw_beside(chart: &mut Chart, x: &Axis, y: &Axis, beside: &Beside) -> Result
             Ink::Muted.color().mix(0.18).filled(),
         );
         chart.draw_series([band]).map_err(|error| error.to_string())?;
+        if !beside.without.is_empty() {
+            line(chart, curve(&|k| beside.without[k]), Ink::Muted, 10)?;
+        }
         line(chart, curve(&|k| beside.law.y[k]), Ink::Text, 14)?;
     }
     Ok(())

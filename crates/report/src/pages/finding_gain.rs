@@ -53,6 +53,7 @@ struct GainBlock {
 pub fn extension(found: &GroupDiagnosis) -> &'static str {
     match found.verdict {
         Verdict::Unexplained => "extension that was tried",
+        Verdict::Differs => "base model with laws of the voltage",
         _ => "extended model",
     }
 }
@@ -61,6 +62,7 @@ pub fn extension(found: &GroupDiagnosis) -> &'static str {
 fn in_legend(found: &GroupDiagnosis) -> &'static str {
     match found.verdict {
         Verdict::Unexplained => "Extension tried",
+        Verdict::Differs => "Laws of the voltage",
         _ => "Extended model",
     }
 }

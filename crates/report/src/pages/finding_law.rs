@@ -113,7 +113,8 @@ fn drawn(law: &MissingLaw, curve: &LawCurve) -> Result<String, String> {
     let scaled = |values: &[f64]| values.iter().map(|v| factor * v).collect::<Vec<f64>>();
     let (low, high) = (scaled(&curve.low_95), scaled(&curve.high_95));
     let y = scaled(&curve.y);
-    let ends = range_of(low.iter().chain(&high).copied());
+    let without = scaled(&curve.without);
+    let ends = range_of(low.iter().chain(&high).chain(&without).copied());
     let of_x = range_of(curve.x.iter().copied());
     let (what, x_unit) = axis_words(law.variable.as_deref().unwrap_or_default());
     let x = Axis::linear_rounded(of_x.0, of_x.1, what, x_unit, 5);
@@ -124,9 +125,14 @@ fn drawn(law: &MissingLaw, curve: &LawCurve) -> Result<String, String> {
             y,
             band: low.into_iter().zip(high).collect(),
         },
+        without,
         ..Beside::default()
     };
-    let desc = format!("That {}: line, with its 95 % band.", law.words);
+    let thin = match curve.without.as_slice() {
+        [] => "",
+        _ => " Thin: without it.",
+    };
+    let desc = format!("That {}: line, with its 95 % band.{thin}", law.words);
     law_panel((&x, &y_axis), &[], &beside, &short_name(law), &desc)
 }
 
@@ -134,6 +140,7 @@ fn change_words(law: &MissingLaw, unit: &str) -> &'static str {
     match (law.law.as_deref(), unit) {
         (Some("resistance"), _) => "Change of the resistance",
         (Some("capacitance"), _) => "Change of the capacitance",
+        (Some("leak"), "A/cm2") => "Steady current",
         (Some("leak"), _) => "Conductance of the leak",
         (Some("source"), "%") => "Change of the driving voltage",
         (Some("source"), _) => "Resistance in series",

@@ -42,13 +42,11 @@ impl Layout<'_> {
     }
 }
 
-/// Fits the base to all runs, the coordinates `own` free in each, from the places `starts` of the runs by themselves.
-pub(super) fn fit(base: &Fitted, own: &[usize], starts: &[Vec<f64>]) -> Shared {
+/// Fits the base to those runs, the coordinates `own` free in each, from the places `starts` of these runs by themselves.
+pub(super) fn fit(base: &Fitted, own: &[usize], runs: &[usize], starts: &[Vec<f64>]) -> Shared {
     let parameters = base.problem.base_len();
     let layout = Layout { parameters, own };
-    let problems: Vec<ExtendedProblem> = (0..starts.len())
-        .map(|run| base.problem.over(vec![run]))
-        .collect();
+    let problems: Vec<ExtendedProblem> = runs.iter().map(|&run| base.problem.over(vec![run])).collect();
     let order = layout.order(starts.len());
     let (mut at, mut bounds) = (vec![0.0; order], Bounds::even(order, 0.0, 0.0));
     for (run, start) in starts.iter().enumerate() {

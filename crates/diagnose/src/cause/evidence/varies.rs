@@ -10,10 +10,12 @@ use ieap_model::FitModel;
 use ieap_numerics::random_effects::{Form, Shared};
 use ieap_numerics::symmetric::Symmetric;
 
+use super::by_voltage;
 use super::laplace::known_before;
 use super::own::OwnFits;
 use super::policy::{KNOWN_BEFORE, MOST_FOR_ALL_SUBSETS, SPREADS, SUBSETS_FITTED, VARIES, grid, log_mean};
 use super::shared;
+use crate::cause::proof::held_out::HeldOut;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
 
@@ -47,8 +49,9 @@ pub(crate) struct Varying {
     subsets: Vec<Subset>,
     /// The leading one, fitted in full.
     shared: shared::Shared,
-    /// What all runs leave with parameters of their own.
+    /// What all runs leave with parameters of their own, and where these lie.
     own_square: f64,
+    own_at: Vec<Vec<f64>>,
     /// What is left where one parameter alone is every run's own, parameter by parameter.
     alone_square: Vec<f64>,
 }
@@ -65,6 +68,7 @@ impl Varying {
             return None;
         }
         let own = OwnFits::of(group, base, model)?;
+        let all: Vec<usize> = (0..group.runs.len()).collect();
         let covariates = covariates(group);
         let width = known_before(normal, normal.order()).log_determinant();
         let log_base = -0.5 * base.square - 0.5 * width;
@@ -78,7 +82,7 @@ impl Varying {
             if known.iter().any(|(of, _)| *of == first) {
                 break;
             }
-            let fitted = shared::fit(base, &first, &own.at);
+            let fitted = shared::fit(base, &first, &all, &own.at);
             let beyond = 0.5 * (fitted.square - least(&forms, &first)).max(0.0);
             for subset in subsets.iter_mut().filter(|subset| subset.of == first) {
                 subset.log_weight -= beyond;
@@ -90,13 +94,14 @@ impl Varying {
         let place = known.iter().position(|(of, _)| *of == first);
         let shared = match place {
             Some(place) => known.swap_remove(place).1,
-            None => shared::fit(base, &first, &own.at),
+            None => shared::fit(base, &first, &all, &own.at),
         };
         Some(Varying {
             covariates,
             subsets,
             shared,
             own_square: own.square(),
+            own_at: own.at,
             alone_square: (0..normal.order()).map(|k| least(&forms, &[k])).collect(),
         })
     }
@@ -142,6 +147,12 @@ impl Varying {
     fn followed_by(&self, subset: &Subset) -> String {
         let name = subset.with.map(|place| self.covariates[place].name.clone());
         name.unwrap_or_else(|| "run".to_owned())
+    }
+
+    /// What the leading subset is worth where its parameters are laws of the voltage: on every drive in turn, predicted without
+    /// it; none of fewer than three voltages.
+    pub(crate) fn by_voltage(&self, group: &RunGroup, base: &Fitted) -> Option<HeldOut> {
+        by_voltage::held_out(group, base, &self.subsets.first()?.of, &self.own_at)
     }
 
     /// The parameters of the leading subset, run by run.

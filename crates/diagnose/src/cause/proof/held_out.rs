@@ -11,6 +11,7 @@ use ieap_numerics::least_squares::Minimum;
 use crate::cause::policy::{EARLIER_PART, HELD_OUT_OF_LOG};
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::{Fitted, HELD};
+use crate::fitting::problem::ExtendedProblem;
 use crate::readings::drawn::drawn;
 use crate::readings::group::{Block, RunGroup};
 use crate::readings::quantities::{Predicted, predicted};
@@ -146,7 +147,7 @@ pub(crate) fn parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
 
 /// The runs of each drive: left in, a repeat would tell what a left-out run is like whatever the model. Every run by
 /// itself where all are of one drive.
-fn drives(group: &RunGroup) -> Vec<Vec<usize>> {
+pub(crate) fn drives(group: &RunGroup) -> Vec<Vec<usize>> {
     let drives = group.drives();
     match drives.len() {
         1 => (0..group.runs.len()).map(|run| vec![run]).collect(),
@@ -193,9 +194,27 @@ fn rows_of_time(group: &RunGroup, run: usize, held_out_time: HeldOutTime) -> (Ve
 fn left_out(fitted: &Fitted, predictive: &Predictive, group: &RunGroup, runs: &[usize]) -> Part {
     let out = rows_of_runs(group, runs);
     let bottom = without(fitted, predictive, &out);
-    let model = fitted.problem.model(&bottom.at);
-    let deviance = predictive.deviance(&out, bottom.local.square);
-    let mut part = Part::new(name(group, runs), deviance);
+    Part {
+        deviance: predictive.deviance(&out, bottom.local.square),
+        ..predicted_part(&fitted.problem, &bottom.at, group, runs)
+    }
+}
+
+/// Runs predicted by a model that was fitted without them, its own uncertainty not allowed for.
+pub(crate) fn left_out_by(fitted: &Fitted, group: &RunGroup, runs: &[usize]) -> Part {
+    let bottom = without(fitted, &Predictive::of(fitted), &rows_of_runs(group, runs));
+    predicted_part(&fitted.problem, &bottom.at, group, runs)
+}
+
+/// Runs beside the model at a place that was found without them.
+pub(crate) fn predicted_part(
+    problem: &ExtendedProblem,
+    at: &[f64],
+    group: &RunGroup,
+    runs: &[usize],
+) -> Part {
+    let model = problem.model(at);
+    let mut part = Part::new(name(group, runs), problem.over(runs.to_vec()).square(at));
     for &run in runs {
         let group_run = &group.runs[run];
         let context = group_run.context(run, None);
