@@ -20,6 +20,8 @@ pub type About<'a> = dyn Fn(&str) -> Option<&'a str> + 'a;
 
 /// Explanations at most that are told where none is sure. Chosen.
 const MOST_EXPLANATIONS: usize = 4;
+/// Parameters that differ which are told by name at most. Chosen.
+const MOST_DIFFERING: usize = 3;
 /// Least probability of an explanation that is told where none is sure. Chosen.
 const LEAST_EXPLANATION: f64 = 0.01;
 /// Parameters whose scatter from run to run is told at most. Chosen.
@@ -173,11 +175,33 @@ pub fn explanation(own: &Hypothesis, about: &About) -> String {
             let id = own.effect.as_deref().unwrap_or_default();
             format!("that {}", about(id).unwrap_or(id))
         }
-        HypothesisKind::Varies => "parameters that differ".to_owned(),
+        HypothesisKind::Varies => differing(own),
         HypothesisKind::SlowNoise => "slow noise".to_owned(),
         HypothesisKind::Unnamed => "something without a name".to_owned(),
         HypothesisKind::Base => "chance".to_owned(),
     }
+}
+
+/// Which parameters differ, and with what.
+fn differing(own: &Hypothesis) -> String {
+    let names: Vec<String> = own
+        .parameters_that_differ
+        .iter()
+        .map(|key| printed(key).0)
+        .collect();
+    let which = match names.len() {
+        0 => "parameters".to_owned(),
+        1..=MOST_DIFFERING => in_a_row(&names),
+        many => format!("{many} parameters"),
+    };
+    let verb = if names.len() == 1 { "differs" } else { "differ" };
+    let with = match own.with.as_deref() {
+        Some("voltage_v") => " with the voltage".to_owned(),
+        with => with
+            .and_then(followed_tag)
+            .map_or_else(String::new, |tag| format!(" with {tag}")),
+    };
+    format!("that {which} {verb}{with}")
 }
 
 /// The leading explanations with their probabilities, where none is sure.
@@ -234,7 +258,12 @@ fn either<T: AsRef<str>>(words: &[T]) -> String {
 pub fn proof(found: &GroupDiagnosis, with: &str) -> String {
     found.gain.as_ref().map_or_else(String::new, |gain| {
         let what = format!("held-out {}", gain.parts_word(found.runs.len()));
-        format!(" {}", gain_words(with, &what, &gain.proof, &gain.predictions))
+        // Of runs that differ no model is adopted: what it predicts is not listed.
+        let predictions = match found.verdict {
+            Verdict::Differs => &[],
+            _ => gain.predictions.as_slice(),
+        };
+        format!(" {}", gain_words(with, &what, &gain.proof, predictions))
     })
 }
 

@@ -96,8 +96,9 @@ pub struct LawCurve {
     pub high_95: Vec<f64>,
     /// Unit of `y`; 1 of relative changes.
     pub unit: String,
-    /// What the model has there without the law, where `y` is the whole and not what the law adds: of a leak over the voltage,
-    /// whose conductance R_ss takes up in part, `y` is the whole steady current. Else empty.
+    /// What is there without the law, where `y` is the whole and not what the law adds. Of a leak over the voltage, whose
+    /// conductance R_ss takes up in part, `y` is the whole steady current, and this is what the least conductance on the way
+    /// would carry. Else empty.
     #[serde(default, deserialize_with = "number_or_null::many")]
     pub without: Vec<f64>,
 }

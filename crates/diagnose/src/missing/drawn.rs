@@ -26,8 +26,8 @@ pub(super) fn drawn(fitted: &Fitted) -> Option<LawCurve> {
 /// What a law adds over its variable, and what is known of it.
 struct Added {
     drawn: Drawn,
-    /// What the model has without it; empty where the law alone is drawn.
-    without: Vec<f64>,
+    /// Whether the whole steady current is drawn, and not the law alone.
+    is_whole: bool,
     band: Band,
 }
 
@@ -55,7 +55,7 @@ impl Added {
         let before = |a: usize, b: usize| if a == b && a >= first { size_squared } else { 0.0 };
         Some(Added {
             drawn: found,
-            without: Vec::new(),
+            is_whole: false,
             band: Band {
                 slopes: slopes?,
                 before: Symmetric::from_fn(fitted.at.len(), before),
@@ -82,10 +82,9 @@ impl Added {
             let each = slope.iter_mut().zip(&self.drawn.x);
             each.for_each(|(slope, v)| *slope = v * (*slope + by_base));
         }
-        self.without = self.drawn.x.iter().map(|v| here * v).collect();
-        let each = self.drawn.y.iter_mut().zip(&self.drawn.x).zip(&self.without);
-        each.for_each(|((y, v), without)| *y = *y * v + without);
-        self.drawn.unit = "A/cm2";
+        let each = self.drawn.y.iter_mut().zip(&self.drawn.x);
+        each.for_each(|(y, v)| *y = v * (*y + here));
+        (self.drawn.unit, self.is_whole) = ("A/cm2", true);
         self
     }
 
@@ -107,6 +106,14 @@ impl Added {
         } else {
             f64::NEG_INFINITY
         };
+        // R_ss and the law share a conductance: the law is what goes beyond the least one, so that it takes no current away.
+        let ratios = kept
+            .iter()
+            .map(|&place| self.drawn.y[place] / self.drawn.x[place]);
+        let conductance = ratios
+            .filter(|own| own.is_finite())
+            .fold(f64::INFINITY, f64::min)
+            .max(0.0);
         let each = |of: &dyn Fn(usize) -> f64| kept.iter().map(|&place| of(place)).collect::<Vec<f64>>();
         LawCurve {
             x: each(&|place| self.drawn.x[place]),
@@ -114,10 +121,10 @@ impl Added {
             low_95: each(&|place| (y(place) - half(place)).max(least)),
             high_95: each(&|place| y(place) + half(place)),
             unit: self.drawn.unit.to_owned(),
-            without: if self.without.is_empty() {
-                Vec::new()
+            without: if self.is_whole {
+                each(&|place| conductance * self.drawn.x[place])
             } else {
-                each(&|place| self.without[place])
+                Vec::new()
             },
         }
     }
@@ -158,6 +165,6 @@ impl Band {
     /// Whether the readings tell more of a place than was known before.
     fn is_told(&self, place: usize, from: Option<usize>) -> bool {
         let (after, before) = (&self.after, &self.before);
-        self.variance(after, place, from) <= TOLD_PART * TOLD_PART * self.variance(before, place, from)
+        self.variance(after, place, from) < TOLD_PART * TOLD_PART * self.variance(before, place, from)
     }
 }

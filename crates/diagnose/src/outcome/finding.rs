@@ -8,6 +8,7 @@ use ieap_domain::{
     ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict,
 };
 
+use crate::cause::evidence::{Varying, by_voltage};
 use crate::cause::proof::held_out::Part;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
@@ -21,7 +22,7 @@ use crate::misfit::whereabouts::whereabouts;
 use crate::missing::account::account;
 use crate::missing::look::{Found, Lead};
 use crate::options::DiagnoseOptions;
-use crate::outcome::alone::{alone, in_words as alone_in_words};
+use crate::outcome::alone::{alone, are_right};
 use crate::outcome::gain::{gain, gain_of_runs};
 use crate::outcome::next_run::next_run;
 use crate::outcome::noise_words::{of_scatter, of_slow_noise};
@@ -100,34 +101,32 @@ impl<'g> FindingBuilder<'_, 'g> {
         let mut found = self.frame();
         found.verdict = missing.verdict;
         found.account = Some(missing.account);
-        if missing.verdict == Verdict::Differs
+        if found.verdict == Verdict::Unexplained && self.group.runs.len() > 1 {
+            found.alone = self.alone();
+            // Of runs that are each right nothing is wrong but that one set of parameters is to describe them.
+            if are_right(&found.alone) && missing.varying.is_some() {
+                found.verdict = Verdict::Differs;
+            }
+        }
+        if found.verdict == Verdict::Differs
             && let Some(varying) = &missing.varying
         {
-            found.differs = varying.told(self.group, self.base);
-            let differing = found.differs.iter();
-            found.set = differing.map(|own| format!("varies:{}", own.key)).collect();
-            let held_out = varying.by_voltage(self.group, self.base);
-            let squares = (self.base.square, varying.square());
-            found.gain = held_out.map(|held_out| gain_of_runs(self.group, squares, &held_out));
+            self.add_differing(&mut found, varying);
         }
         found.posterior = missing.posterior;
         match found.verdict {
             Verdict::Unexplained => found.closest = missing.laws,
-            _ => found.missing = missing.laws,
+            Verdict::Law => found.missing = missing.laws,
+            _ => {}
         }
         let names = found.missing.iter().flat_map(|law| law.names.clone());
         found.set.extend(names);
         if let Some(lead) = missing
             .lead
             .as_ref()
-            .filter(|_| missing.verdict != Verdict::Differs)
+            .filter(|_| found.verdict != Verdict::Differs)
         {
             self.add_lead(&mut found, lead);
-        }
-        if found.verdict == Verdict::Unexplained && self.group.runs.len() > 1 {
-            let alone = self.alone();
-            found.remarks.extend(alone_in_words(&alone));
-            found.alone = alone;
         }
         let rivals = missing.rivals.iter();
         let rivals: Vec<(&str, &Fitted)> = rivals.map(|(name, fitted)| (name.as_str(), fitted)).collect();
@@ -155,6 +154,23 @@ impl<'g> FindingBuilder<'_, 'g> {
     fn alone(&self) -> Vec<RunAlone> {
         let given: Vec<RunInput> = self.group.runs.iter().map(|run| run.given).collect();
         alone(&given, self.options)
+    }
+
+    /// What differs, and what it is worth as laws of the voltage.
+    fn add_differing(&self, found: &mut GroupDiagnosis, varying: &Varying) {
+        found.account = Some(account(self.group, self.base, None, Some(varying.own_square())));
+        found.differs = varying.told(self.group, self.base);
+        let differing = found.differs.iter();
+        found.set = differing.map(|own| format!("varies:{}", own.key)).collect();
+        let Some(held_out) = varying.by_voltage(self.group, self.base) else {
+            return;
+        };
+        let squares = (self.base.square, varying.square());
+        let gain = gain_of_runs(self.group, squares, &held_out);
+        if !gain.proof.is_clear() {
+            found.remarks.extend(by_voltage::next_in_words(self.group));
+        }
+        found.gain = Some(gain);
     }
 
     /// What the leading explanation is worth; and where it is told, what it is.

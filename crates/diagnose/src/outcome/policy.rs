@@ -3,8 +3,6 @@
 
 /// Spikes beyond this part of the readings make the readings themselves the problem. Chosen.
 pub(super) const SPIKED_PART: f64 = 0.05;
-/// Part of the runs that must be described alone before it is worth a remark. Chosen.
-pub(super) const NEARLY_ALL_RUNS: f64 = 0.75;
 
 /// Independent readings, in parts of a record's, below which noise is told to be slow: noise that dies away from one reading to
 /// the next is not worth a sentence. Chosen.

@@ -86,12 +86,19 @@ fn a_law_is_drawn_where_readings_tell_it() {
         (0.6..=0.8).contains(&first) && (last - 2.0).abs() < 1e-9,
         "{curve:?}"
     );
-    // What the hidden leak conducts more at 2 V than at 1.6 V.
-    let conducts_s_per_cm2 = |v: f64| 2e-6 * ((v - 1.2) / 0.15_f64).exp_m1() / v;
+    // The whole steady current: what leaks beside the resistance.
+    let steady_a_per_cm2 = |v: f64| v / 9000.0 + 2e-6 * ((v - 1.2) / 0.15_f64).exp_m1();
+    assert_eq!(curve.unit, "A/cm2");
     let at = |v: f64| curve.x.iter().position(|x| (x - v).abs() < 1e-9).unwrap();
     let (found, hidden) = (
         curve.y[at(2.0)] - curve.y[at(1.6)],
-        conducts_s_per_cm2(2.0) - conducts_s_per_cm2(1.6),
+        steady_a_per_cm2(2.0) - steady_a_per_cm2(1.6),
     );
     assert!((found / hidden - 1.0).abs() < 0.15, "{found} {hidden}");
+    for k in 0..curve.x.len() {
+        assert!(
+            curve.without[k] <= 1.001 * curve.y[k],
+            "the law takes current away: {curve:?}"
+        );
+    }
 }

@@ -8,6 +8,8 @@ use super::shared;
 
 /// Voltages from which a line over them is asked: one is left out, two give the line.
 const FEWEST_VOLTAGES: usize = 3;
+/// Voltages that differ by less than this part are one: what a voltmeter is off by.
+const SAME_VOLTAGE: f64 = 1e-2;
 
 /// Every drive in turn predicted by the base without it, and by parameters `own` that lie on lines over the logarithm of the
 /// voltage of the others; none of fewer than three voltages. `starts` are the places of all runs by themselves.
@@ -17,13 +19,8 @@ pub(super) fn held_out(
     own: &[usize],
     starts: &[Vec<f64>],
 ) -> Option<HeldOut> {
-    let volts: Vec<f64> = (group.runs.iter())
-        .map(|run| run.drive().nominal_step_v().abs().ln())
-        .collect();
-    let mut distinct = volts.clone();
-    distinct.sort_by(f64::total_cmp);
-    distinct.dedup_by(|a, b| (*a - *b).abs() < 1e-3);
-    if distinct.len() < FEWEST_VOLTAGES || !distinct[0].is_finite() {
+    let volts = log_volts(group);
+    if distinct(group)?.len() < FEWEST_VOLTAGES {
         return None;
     }
     let (mut before, mut after) = (Vec::new(), Vec::new());
@@ -46,6 +43,33 @@ pub(super) fn held_out(
     Some(HeldOut { before, after })
 }
 
+/// Which voltage would tell best whether parameters follow it: the middle of the widest gap.
+pub(crate) fn next_in_words(group: &RunGroup) -> Option<String> {
+    let volts = distinct(group)?;
+    let gaps = volts
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0], 0.5 * (pair[0] + pair[1])));
+    let (_, middle) = gaps.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(format!(
+        "whether these are laws of the voltage a run at {:.2} V would tell best: it lies in the widest gap between those measured",
+        middle.exp()
+    ))
+}
+
+/// Logarithms of the voltages of all runs.
+fn log_volts(group: &RunGroup) -> Vec<f64> {
+    let runs = group.runs.iter();
+    runs.map(|run| run.drive().nominal_step_v().abs().ln()).collect()
+}
+
+/// The different ones in rising order; none where a run has no voltage.
+fn distinct(group: &RunGroup) -> Option<Vec<f64>> {
+    let mut found = log_volts(group);
+    found.sort_by(f64::total_cmp);
+    found.dedup_by(|a, b| (*a - *b).abs() < SAME_VOLTAGE);
+    found.iter().all(|volts| volts.is_finite()).then_some(found)
+}
+
 /// The value at `x` of the line through `values` over `over`, each as far off it as all are alike or as its own error says; none
 /// where all lie at one place.
 fn on_line(over: &[f64], values: &[f64], errors: &[f64], x: f64) -> Option<f64> {
@@ -60,7 +84,7 @@ fn on_line(over: &[f64], values: &[f64], errors: &[f64], x: f64) -> Option<f64> 
     let (mean_x, mean) = (sum(&|k| over[k]) / whole, sum(&|k| values[k]) / whole);
     let spread = sum(&|k| (over[k] - mean_x).powi(2));
     let rise = sum(&|k| (over[k] - mean_x) * (values[k] - mean)) / spread;
-    rise.is_finite().then(|| mean + rise * (x - mean_x))
+    rise.is_finite().then_some(mean + rise * (x - mean_x))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! not one number for the group, slow noise, something that has no name. What is believed before any reading stands in
 //! [`policy`].
 
-mod by_voltage;
+pub(crate) mod by_voltage;
 mod laplace;
 mod own;
 mod policy;
