@@ -98,9 +98,12 @@ fn status(folder: &CampaignFolder) -> Value {
     folder.ieap(&["status", "--json"]).expect(0).json()["status"].clone()
 }
 
+fn study(folder: &CampaignFolder) -> Value {
+    folder.ieap(&["study", "--json"]).expect(0).json()
+}
+
 /// Runs behind the answer about lambda of the first material in air.
-fn behind(folder: &CampaignFolder) -> Value {
-    let study = folder.ieap(&["study", "--json"]).expect(0).json();
+fn behind(study: &Value) -> Value {
     let answers = study["answers"].as_array().unwrap();
     let is_it = |own: &&Value| {
         own["kind"] == "environment" && own["parameter"] == "lambda_per_s" && own["material"] == "Nafion"
@@ -142,7 +145,12 @@ fn swapped_rows_and_a_wrong_name_are_asked_and_speak_once_answered() {
         assert!(told.contains(command), "{told}");
         assert!(page.contains(&command.replace('"', "&quot;")), "{command}");
     }
-    assert_eq!(behind(&folder), json!([2, 3]));
+    // The study says so.
+    let of_them = study(&folder);
+    assert_eq!(behind(&of_them), json!([2, 3]));
+    assert_eq!(of_them["left_out"], json!([swapped[0], swapped[1], misnamed]));
+    let said = folder.ieap(&["study"]).expect(0).stdout;
+    assert!(said.contains("`ieap status` asks which is right"), "{said}");
     // As it is typed.
     for command in commands {
         let words: Vec<&str> = command.split(' ').map(|word| word.trim_matches('"')).collect();
@@ -154,5 +162,9 @@ fn swapped_rows_and_a_wrong_name_are_asked_and_speak_once_answered() {
         (&after["questions"], &after["set_aside"]),
         (&json!([]), &json!([]))
     );
-    assert_eq!(behind(&folder), json!([3, 4]));
+    let of_all = study(&folder);
+    assert_eq!(
+        (&behind(&of_all), &of_all["left_out"]),
+        (&json!([3, 4]), &json!([]))
+    );
 }
