@@ -44,8 +44,10 @@ pub(super) fn doubt<'a>(run: &'a RunRecord, key: &str) -> Option<Doubt<'a>> {
     let mut tags = run.tags.iter().filter(|tag| tag.key == key);
     let said = tags.next().filter(|_| is_said)?;
     let counts = |other: &&Tag| {
-        let stands = said.source != TagSource::Hand || other.source == TagSource::Channel;
-        stands && other.source != TagSource::EnvironmentDefault && is_other(run, said, other)
+        // `ieap tag` is the answer.
+        said.source != TagSource::Hand
+            && other.source != TagSource::EnvironmentDefault
+            && is_other(run, said, other)
     };
     let other = tags.find(counts)?;
     Some(Doubt {

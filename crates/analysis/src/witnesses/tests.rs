@@ -116,12 +116,13 @@ fn what_no_result_hangs_on_is_no_question_and_a_measured_voltage_speaks_for_itse
         asked(&[contradicted_by(run, keys::VOLTAGE_V, read, TagSource::Channel)])
     };
     assert_eq!(voltage("2.5", TagSource::FileName, "2.4"), []);
-    let question = "runs/x.csv: the tag set by hand says voltage 3\u{a0}V, the voltage channel 1.2\u{a0}V";
+    let question = "runs/x.csv: the file name says voltage 3\u{a0}V, the voltage channel 1.2\u{a0}V";
     let answer = "ieap tag \"runs/x.csv\" voltage_v=1.2".to_owned();
     assert_eq!(
-        voltage("3", TagSource::Hand, "1.2"),
+        voltage("3", TagSource::FileName, "1.2"),
         [(question.to_owned(), vec![answer])]
     );
+    assert_eq!(voltage("3", TagSource::Hand, "1.2"), []);
     // A note is no contradiction, nor is what a person said after it.
     let noted = |severity, standing| {
         let run = by_sheet(measured_on("x", "A", "A", 0.0));

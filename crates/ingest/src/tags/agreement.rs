@@ -12,7 +12,7 @@ use ieap_domain::{ClimateQuantity, Issue, Tag, TagSource};
 /// It is a warning where two statements about this very run differ, and a note where the stronger source is
 /// there to overrule (a value set by hand, a nearer tag file, the run's own column beside a log, a default) or the tag is
 /// a text that two sources may well word differently. A sidecar stands over a tags.toml as the exception over the rule: the
-/// same person wrote both, so that it is no contradiction. The readings of a voltage nobody overrules by hand.
+/// same person wrote both, so that it is no contradiction.
 pub(super) fn disagreement(chosen: &Tag, overruled: &Tag) -> Option<Issue> {
     if agree(chosen, overruled) {
         return None;
@@ -25,7 +25,7 @@ pub(super) fn disagreement(chosen: &Tag, overruled: &Tag) -> Option<Issue> {
         overruled.value,
         origin(overruled)
     );
-    let is_by_hand = chosen.source == TagSource::Hand && overruled.source != TagSource::Channel;
+    let is_by_hand = chosen.source == TagSource::Hand;
     let is_nearer = chosen.source == TagSource::Sidecar && overruled.source == TagSource::Folder;
     let is_one_name = chosen.source == TagSource::Derived && overruled.source == TagSource::FileName;
     let meant_to_overrule = is_by_hand
