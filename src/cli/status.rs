@@ -164,6 +164,7 @@ fn collect(status: &Status, told: &mut Sections) {
     if status.spectra > 0 {
         told.say(&format!("impedance spectra: {}", status.spectra));
     }
+    questions(status, told);
     set_aside(status, told);
     halves(status, told);
     told.section("file", "refused", &status.refused);
@@ -413,14 +414,31 @@ fn climate(status: &Status, told: &mut Sections) {
     }
 }
 
-/// Runs that no result is made from, with the reason and the way back.
-fn set_aside(status: &Status, told: &mut Sections) {
-    if status.set_aside.is_empty() {
+/// Statements about runs that contradict each other, and how to say which is right.
+fn questions(status: &Status, told: &mut Sections) {
+    if status.questions.is_empty() {
         return;
     }
-    let runs = counted(status.set_aside.len(), "run");
-    told.say(&format!("{runs} set aside, in no result:"));
-    for run in &status.set_aside {
+    told.say("which is right?");
+    for asked in &status.questions {
+        let answers = asked.answers.iter().map(|answer| format!("-> {answer}"));
+        let until = std::iter::once(format!("{}:", asked.until));
+        told.entry(vec![asked.question.clone()], until.chain(answers).collect());
+    }
+}
+
+/// Runs that no result is made from, with the reason and the way back; what is asked of stands above.
+fn set_aside(status: &Status, told: &mut Sections) {
+    let runs = status.set_aside.iter();
+    let runs: Vec<_> = runs.filter(|run| run.standing != "contradicted").collect();
+    if runs.is_empty() {
+        return;
+    }
+    told.say(&format!(
+        "{} set aside, in no result:",
+        counted(runs.len(), "run")
+    ));
+    for run in runs {
         let lines = vec![
             format!("{}: {}", run.standing, run.reason),
             format!("-> {}", run.mend),

@@ -214,7 +214,16 @@ fn sidecars_that_contradict_or_are_no_toml_are_pointed_out() {
     folder.write("runs/c.csv", run_table(3));
     folder.write("runs/c.csv.toml", "sample = \"S9\"\n");
     let document = folder.ieap(&["fit", "--json"]).expect(3).json();
-    assert!(issue_codes(&document, "runs/a.csv").contains(&"tag-disagreement".to_owned()));
+    let aside = &document["set_aside"][0];
+    assert_eq!(
+        (&aside["run"], &aside["standing"]),
+        (&"runs/a.csv".into(), &"contradicted".into())
+    );
+    let reason = aside["reason"].as_str().unwrap();
+    assert!(
+        reason.contains("the sidecar says voltage 1\u{a0}V, the voltage channel 2\u{a0}V"),
+        "{reason}"
+    );
     for (at, run, why) in [(0, "runs/b.csv", "tag-file-not-toml"), (1, "runs/c.csv", "S9")] {
         let not_fitted = &document["not_fitted"][at];
         assert_eq!(

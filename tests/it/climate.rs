@@ -237,8 +237,8 @@ fn an_excursion_a_false_label_and_two_sensors_are_pointed_out() {
     ] {
         assert!(codes.contains(&code), "{code}: {:#?}", run.issues);
     }
-    // The label is stronger than the log by contract, and both are kept.
-    assert_eq!(run.tag("relative_humidity_percent"), Some("45"));
+    // What was measured counts, the label is asked, and both are kept.
+    assert_eq!(run.tag("relative_humidity_percent"), Some("61.62"));
     let status = climate(&folder);
     assert_eq!(status["runs_left_tolerance"], serde_json::json!(["runs/a.csv"]));
     assert_eq!(status["runs_label_differs"], serde_json::json!(["runs/a.csv"]));
@@ -657,7 +657,7 @@ mod needs_shared {
             .iter()
             .find(|issue| issue.code == "tag-disagreement")
             .unwrap();
-        assert!(issue.message.contains("is 50 ("), "{}", issue.message);
+        assert!(issue.message.contains("and 50 ("), "{}", issue.message);
     }
 
     #[test]

@@ -112,4 +112,5 @@ mod two_stores;
 mod unreadable_tags;
 mod verify;
 mod watch;
+mod witnesses;
 mod world;

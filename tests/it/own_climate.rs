@@ -106,7 +106,7 @@ fn own_columns_give_humidity_and_temperature_before_a_log() {
 }
 
 #[test]
-fn what_people_say_wins_and_a_clear_contradiction_is_a_warning() {
+fn what_was_measured_wins_and_a_clear_contradiction_is_a_warning() {
     let folder = CampaignFolder::new();
     folder.write("runs/agrees.csv", own_table(1));
     folder.write("runs/agrees.csv.toml", "relative_humidity_percent = 47\n");
@@ -116,7 +116,7 @@ fn what_people_say_wins_and_a_clear_contradiction_is_a_warning() {
     let label = |run: &RunRecord| run.tag("relative_humidity_percent").map(str::to_owned);
     assert_eq!(
         (label(&runs[0]).as_deref(), label(&runs[1]).as_deref()),
-        (Some("47"), Some("60"))
+        (Some("45.2"), Some("45.2"))
     );
     assert!(
         !codes(&runs[0]).contains(&"tag-disagreement"),

@@ -116,9 +116,12 @@ fn a_new_run_waits_while_a_sheet_that_may_plan_it_cannot_be_read() {
             .contains("runs/bench.run-sheet.csv")
     );
     folder.write("runs/bench.run-sheet.csv", sheet);
-    // The stronger tags.toml decides the sample; the sheet's row is told with the run.
+    // The sheet and tags.toml contradict each other: the run waits for an answer.
     let document = fits(&folder, 0);
-    assert_eq!(sample_of(&document, "runs/b.csv"), Some("S1"));
+    assert_eq!(
+        document["set_aside"][0]["reason"],
+        "runs/b.csv: tags.toml says sample S1, the run sheet S2; its readings do not tell which is right"
+    );
 }
 
 /// No file beside it can be called as it is and `.toml` more: there is none then, and the folder's tags hold.

@@ -44,6 +44,7 @@ pub mod stiffness;
 pub mod study;
 pub mod tables;
 pub mod traces;
+pub mod witnesses;
 pub mod zone;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};

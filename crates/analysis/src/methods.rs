@@ -132,6 +132,7 @@ fn set_aside(input: &TableInput) -> String {
     for run in input.set_aside {
         let why = match run.standing {
             Standing::Condemned { .. } => "for wrong readings",
+            Standing::Contradicted { .. } => "because what is stated of them is contradicted",
             Standing::Copy { .. } => "as copies of another",
             _ => "by hand",
         };

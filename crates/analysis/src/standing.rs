@@ -1,13 +1,14 @@
 //! Which runs take part in results: decided here for every run, and nowhere else.
 //!
-//! A person's word goes before everything. Then, of runs that hold the same readings one speaks for all; then readings that
-//! are known to be wrong leave. Each step sees only the runs that still speak, so that a run that is out says nothing against
-//! another.
+//! A person's word goes before everything. Then, of runs that hold the same readings one speaks for all; runs of which what is
+//! stated contradicts itself wait for an answer; then readings that are known to be wrong leave. Each step sees only the runs
+//! that still speak, so that a run that is out says nothing against another.
 
 use std::collections::BTreeMap;
 
 use super::misread::misread;
 use super::sequence;
+use super::witnesses;
 use ieap_domain::{Campaign, RunRecord, RunWord, SameReadings, Standing};
 
 /// What is decided by, beside the runs.
@@ -40,6 +41,7 @@ pub fn decide(runs: &mut [RunRecord], grounds: &Grounds) {
         };
     }
     set_aside_copies(runs, grounds.same);
+    set_aside_contradicted(runs, grounds.campaign);
     if grounds.diagnosed.is_some() {
         condemn_broken_series(runs);
     }
@@ -82,6 +84,14 @@ fn set_aside_copies(runs: &mut [RunRecord], same: &[SameReadings]) {
             let of = runs[of].path.clone();
             runs[copy].standing = Standing::Copy { of, whole };
         }
+    }
+}
+
+/// Runs of which statements contradict each other in what results hang on.
+fn set_aside_contradicted(runs: &mut [RunRecord], campaign: &Campaign) {
+    let found = witnesses::contradicted(&runs.iter().collect::<Vec<_>>(), campaign);
+    for (at, (reason, mend)) in found {
+        runs[at].standing = Standing::Contradicted { reason, mend };
     }
 }
 

@@ -8,6 +8,7 @@ pub mod branch;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
+pub mod contradiction;
 pub mod data_hash;
 pub mod date_order;
 pub mod diagnosis;
@@ -63,6 +64,7 @@ pub use climate::{
     ClimateAssessment, ClimateCurve, ClimateQuantity, ClimateRules, Exposure, LogReadings, LogSeries,
     RunClimate, SensorPair, SensorStatement, SensorSummary,
 };
+pub use contradiction::Contradiction;
 pub use date_order::DateOrder;
 pub use diagnosis::{
     CondemnedRun, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis, Hypothesis, HypothesisKind,

@@ -163,12 +163,10 @@ impl RunRecord {
     /// Whether what people or the file's head state of the climate is not what was measured while the run went on.
     pub fn climate_label_differs(&self) -> bool {
         ClimateQuantity::MEASURED.into_iter().any(|quantity| {
-            let mut tags = self.tags.iter().filter(|tag| tag.key == quantity.key());
+            let tags = || self.tags.iter().filter(|tag| tag.key == quantity.key());
             let number = |tag: &Tag| tag.value.parse::<f64>().ok();
-            let stated = tags.next().filter(|tag| tag.source.is_stated()).and_then(number);
-            let mut means = tags
-                .filter(|tag| tag.source.is_measured_climate())
-                .filter_map(number);
+            let stated = tags().find(|tag| tag.source.is_stated()).and_then(number);
+            let mut means = (tags().filter(|tag| tag.source.is_measured_climate())).filter_map(number);
             stated.is_some_and(|stated| means.any(|mean| !quantity.agree(stated, mean)))
         })
     }

@@ -52,6 +52,13 @@ pub enum Standing {
         /// How to mend it.
         mend: String,
     },
+    /// What is stated of it contradicts itself in what results hang on, and nobody said yet what is right.
+    Contradicted {
+        /// Who says what, a sentence without its full stop.
+        reason: String,
+        /// How to answer.
+        mend: String,
+    },
     /// Another run holds the same readings and speaks for both.
     Copy {
         /// Name of the other run.
@@ -79,6 +86,7 @@ impl Standing {
             Standing::Vouched(_) => "vouched",
             Standing::Dropped(_) => "dropped",
             Standing::Condemned { .. } => "condemned",
+            Standing::Contradicted { .. } => "contradicted",
             Standing::Copy { .. } => "copy",
         }
     }
@@ -94,7 +102,7 @@ impl Standing {
             Standing::Speaks => String::new(),
             Standing::Vouched(word) => said(word, "looked at and found right"),
             Standing::Dropped(word) => said(word, "dropped"),
-            Standing::Condemned { reason, .. } => reason.clone(),
+            Standing::Condemned { reason, .. } | Standing::Contradicted { reason, .. } => reason.clone(),
             Standing::Copy { of, whole: true } => format!("the same readings as {of}, which counts"),
             Standing::Copy { of, whole: false } => {
                 format!("all its readings stand in {of} too, which counts")
@@ -108,6 +116,9 @@ impl Standing {
         match self {
             Standing::Speaks | Standing::Vouched(_) => String::new(),
             Standing::Dropped(_) => format!("ieap drop \"{run}\" --undo takes that back"),
+            Standing::Contradicted { mend, .. } => {
+                format!("{mend}; if it is right as it is, say so: {vouch}")
+            }
             Standing::Condemned { mend, .. } => {
                 format!("{mend}; if you looked and it is right, say so: {vouch}")
             }
@@ -123,7 +134,8 @@ impl Standing {
 pub struct SetAside {
     /// Path relative to the campaign.
     pub run: String,
-    /// `dropped` by a person, `condemned` for its readings, or a `copy` of another run's.
+    /// `dropped` by a person, `condemned` for its readings, `contradicted` where what is stated of it is, or a `copy` of another
+    /// run's.
     pub standing: &'static str,
     /// Why.
     pub reason: String,

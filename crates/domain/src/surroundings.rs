@@ -61,9 +61,41 @@ pub fn is_waterless(id: &str) -> bool {
     matches!(kind_of(id), Some("vacuum" | "inert"))
 }
 
+/// Surroundings as they read in a sentence, `inert gas at 28–38 % RH`; a label that is no word for any, in quotes.
+pub fn in_words(said: &str) -> String {
+    let end = said.find(" at ").unwrap_or(said.len());
+    let (name, rest) = said.split_at(end);
+    match (name, kind_of(name)) {
+        ("inert", _) => format!("inert gas{rest}"),
+        ("dry", _) | (_, Some(_)) => said.to_owned(),
+        (name, None) => format!("“{name}”{rest}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn surroundings_read_well_in_a_sentence() {
+        let of = [
+            "inert",
+            "inert at 2–4 % RH",
+            "vacuum",
+            "dry",
+            "argon",
+            "wet_air at 80 % RH",
+        ];
+        let said = [
+            "inert gas",
+            "inert gas at 2–4 % RH",
+            "vacuum",
+            "dry",
+            "argon",
+            "“wet_air” at 80 % RH",
+        ];
+        assert_eq!(of.map(in_words), said);
+    }
 
     #[test]
     fn words_lead_to_environments_and_a_gas_keeps_its_name() {

@@ -122,6 +122,13 @@ pub fn said(key: &str, value: &str) -> String {
     }
 }
 
+/// Code of what is said where two sources give a run different tags; its place is the key. A warning where none of them is there
+/// to overrule the other.
+pub const DISAGREEMENT: &str = "tag-disagreement";
+
+/// Code of what is said of one measurement under two names that are tagged differently; its place is the key.
+pub const NAMES_CONTRADICT: &str = "names-contradict";
+
 /// Codes of the issues that say of a tag file or a run sheet that it, or a statement in it, cannot be read. A run that it
 /// speaks for waits: tags of weaker sources in their place would be other tags.
 pub const UNREADABLE: [&str; 4] = [
@@ -137,22 +144,25 @@ string_enum! {
     pub enum TagSource {
         /// Set by hand with `ieap tag`.
         Hand = "hand" => "set by hand",
+        /// A column of the file beside voltage and current, averaged over the run: what was measured is not what a label promised.
+        Column = "column" => "its own column",
+        /// Ambient logs, averaged over the run.
+        Ambient = "ambient" => "ambient log",
         /// `<file name>.toml` beside the data file.
         Sidecar = "sidecar" => "sidecar",
         /// `tags.toml` in the file's folder or one above it.
         Folder = "folder" => "tags.toml",
         /// A row of a run sheet whose planned name is the file's.
         RunSheet = "run_sheet" => "run sheet",
+        /// What `ieap init` read of the names of files and folders: the name as a witness in other words, so that no person's
+        /// statement nor a climate that was measured gives way to it.
+        Derived = "derived" => "read from its name by `ieap init`",
         /// `name_pattern` matched against the file name.
         FileName = "file_name" => "file name",
         /// The file's own header.
         Header = "header" => "file header",
         /// The voltage channel of the file.
         Channel = "channel" => "voltage channel",
-        /// A column of the file beside voltage and current, averaged over the run.
-        Column = "column" => "its own column",
-        /// Ambient logs, averaged over the run.
-        Ambient = "ambient" => "ambient log",
         /// Readings of a four-point probe before and after the run.
         Probe = "probe" => "probe",
         /// Defaults of the environment in campaign.toml.
@@ -163,7 +173,7 @@ string_enum! {
 impl TagSource {
     /// Whether a person or the head of the file stated it, so that it is no reading.
     pub fn is_stated(self) -> bool {
-        self <= TagSource::Header
+        self <= TagSource::Header && !self.is_measured_climate()
     }
 
     /// Whether it is a mean of what sensors measured while the run went on.

@@ -224,7 +224,7 @@ fn current_runs_in(transaction: &Transaction<'_>, path: &str) -> Result<Vec<i64>
 fn is_stated_beside(tag: &Tag) -> bool {
     matches!(
         tag.source,
-        TagSource::Sidecar | TagSource::Folder | TagSource::RunSheet
+        TagSource::Sidecar | TagSource::Folder | TagSource::RunSheet | TagSource::Derived
     )
 }
 

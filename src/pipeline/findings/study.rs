@@ -7,7 +7,7 @@ use crate::analysis::study::Evidence;
 pub use crate::analysis::study::Study;
 pub use crate::analysis::study::view::lines;
 use crate::domain::RunRecord;
-use crate::pipeline::campaign::standing;
+use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::current::{CurrentFindings, current_findings};
 use crate::pipeline::findings::model_free::curves_after_steps;
 use crate::pipeline::{Context, PipelineError};
@@ -20,9 +20,12 @@ pub const SCHEMA: &str = "ieap/study/1";
 /// # Errors
 /// The database cannot be read.
 pub fn study(context: &Context) -> Result<Study, PipelineError> {
-    let runs = standing::runs(context)?.speaking;
+    let Runs {
+        speaking: runs,
+        set_aside,
+    } = standing::runs(context)?;
     let curves = curves_after_steps(context, &runs, &Cache::default())?;
-    Ok(of_runs(context, &runs, &current_findings(context)?, &curves))
+    Ok(of_runs(context, &runs, &current_findings(context)?, &curves).beside(&set_aside))
 }
 
 /// The same of these runs, of which a diagnosis found this, and of their curves where they were read.

@@ -463,7 +463,8 @@ pub(crate) fn input(
             campaign: &context.campaign,
             doubts: &doubts,
             curves: &curves,
-        }))
+        })
+        .beside(&set_aside))
     };
     let study = or_nothing(step("what the study asked", study), &mut faults)?;
     let findings = or_nothing(

@@ -79,8 +79,10 @@ impl SpeakOfRuns {
             (records(context, &names)?.into_iter()).partition(|run| run.standing.speaks());
         let said: BTreeSet<&str> = speaking.iter().map(|run| run.path.as_str()).collect();
         let by_the_program = |run: &&RunRecord| {
-            matches!(run.standing, Standing::Condemned { .. } | Standing::Copy { .. })
-                && said.contains(run.path.as_str())
+            matches!(
+                run.standing,
+                Standing::Condemned { .. } | Standing::Contradicted { .. } | Standing::Copy { .. }
+            ) && said.contains(run.path.as_str())
         };
         Ok(SpokenOf {
             overruled: before.iter().filter(by_the_program).map(SetAside::of).collect(),
@@ -99,7 +101,7 @@ fn comes_back(run: &RunRecord) -> Result<(), PipelineError> {
             found: format!("{}, which is not dropped", run.path),
             needed: "a run that is set aside; `ieap status` lists them".to_owned(),
         }),
-        Standing::Condemned { .. } | Standing::Copy { .. } => Err(bad_why(
+        Standing::Condemned { .. } | Standing::Contradicted { .. } | Standing::Copy { .. } => Err(bad_why(
             &format!(
                 "nothing, and {} is set aside: {}",
                 run.path,

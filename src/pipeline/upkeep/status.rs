@@ -8,9 +8,12 @@ use serde::Serialize;
 use super::verify;
 use super::verify::archive::raw_files_lost;
 use crate::analysis::conditions::is_too_short;
+use crate::analysis::witnesses;
 use crate::domain::pairs::{LoneHalf, Pair};
 use crate::domain::tag::keys;
-use crate::domain::{Alarm, ClimateAssessment, Fault, FileState, Issue, RunRecord, RunState, Severity};
+use crate::domain::{
+    Alarm, ClimateAssessment, Contradiction, Fault, FileState, Issue, RunRecord, RunState, Severity,
+};
 use crate::ingest::campaign_file::UNKNOWN_KEY;
 use crate::ingest::formats::columns::{NOT_FINITE, TEXT_AMONG_NUMBERS};
 use crate::ingest::name_pattern::ProposedPattern;
@@ -41,8 +44,10 @@ pub struct Status {
     pub campaign_file: Vec<Issue>,
     /// Number of current runs.
     pub runs: usize,
-    /// Current runs by state; fitted ones counted as `fitted`, those that no result is made from as `dropped`, `condemned` or
-    /// `copy`.
+    /// What only a person can answer: statements about runs that contradict each other.
+    pub questions: Vec<Contradiction>,
+    /// Current runs by state; fitted ones counted as `fitted`, those that no result is made from as `dropped`, `condemned`,
+    /// `contradicted` or `copy`.
     pub runs_by_state: BTreeMap<&'static str, usize>,
     /// Current modulus logs by state; analysed ones counted as `analysed`.
     pub modulus_logs_by_state: BTreeMap<&'static str, usize>,
@@ -177,6 +182,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
     // Read once: of ten thousand runs every reading takes half a second.
     let all = standing::all(context)?;
     let planned = planned(context, &all)?;
+    let questions = witnesses::questions(&all, &context.campaign);
     let waiting = diagnose::waiting(context, all.clone())?;
     let Runs {
         speaking: runs,
@@ -232,6 +238,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
         pairs: paired.pairs,
         lone_halves: paired.lone,
+        questions,
         campaign: context.campaign.id.clone(),
         campaign_file: context.warnings.clone(),
         runs: runs.len() + set_aside.len(),

@@ -4,6 +4,7 @@ use super::covariate::Covariate;
 use super::doubt::{Doubted, Treatment};
 use crate::monitoring::fitted::Interval;
 use crate::parameters::ParameterInfo;
+use crate::study::factor;
 use ieap_domain::number::{rounded_bound, significant};
 use ieap_domain::words::{counted, in_a_row};
 
@@ -12,27 +13,14 @@ pub fn symbol(key: &str) -> &str {
     ParameterInfo::of(key).map_or(key, |parameter| parameter.symbol)
 }
 
-/// `rises by a factor of 1.8 [1.5, 2.2]`.
+/// `rises 3.5-fold (3.3 to 3.7)`: a change of a logarithm in the words of the study.
 pub fn moves(change: Interval, is_log: bool) -> String {
     if !is_log {
         let ends = ends(change.low_95, change.high_95, |x| x);
         return format!("changes by {}{ends}", short(change.value));
     }
-    let verb = if change.value >= 0.0 { "rises" } else { "falls" };
-    // Of a fall the other ends count.
-    let (near, far) = if change.value >= 0.0 {
-        (change.low_95, change.high_95)
-    } else {
-        (change.high_95.map(|x| -x), change.low_95.map(|x| -x))
-    };
-    let ends = ends(near, far, f64::exp);
-    let half = near
-        .zip(far)
-        .map(|(near, far)| 0.5 * (far.exp() - near.exp()).abs());
-    format!(
-        "{verb} by a factor of {}{ends}",
-        round(change.value.abs().exp(), half.unwrap_or(1.0) * 4.0)
-    )
+    let [low, high] = [change.low_95, change.high_95].map(|end| end.map(f64::exp));
+    factor(change.value.exp(), low, high)
 }
 
 /// ` [1.5, 2.2]`: the ends of an interval on another scale, where there are any.
@@ -97,14 +85,13 @@ mod tests {
             low_95: Some(low.ln()),
             high_95: Some(high.ln()),
         };
-        assert_eq!(
-            moves(change(1.8, 1.5, 2.2), true),
-            "rises by a factor of 1.8 [1.5, 2.2]"
-        );
-        assert_eq!(
-            moves(change(0.5, 0.4, 0.8), true),
-            "falls by a factor of 2.0 [1.3, 2.5]"
-        );
+        assert_eq!(moves(change(1.8, 1.5, 2.2), true), "rises by 80 % (50 to 120 %)");
+        assert_eq!(moves(change(0.4, 0.3, 0.5), true), "falls to 40 % (30 to 50 %)");
+        let one_end = Interval {
+            low_95: None,
+            ..change(0.4, 0.3, 0.5)
+        };
+        assert_eq!(moves(one_end, true), "falls to 40 % (falls to 50 % or less)");
     }
 
     #[test]

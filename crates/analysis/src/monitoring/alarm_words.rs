@@ -1,7 +1,7 @@
 //! The sentences of an alarm, made from its numbers.
 
 use super::Watched;
-use super::words::{A_FACTOR, place, subject};
+use super::words::{place, subject};
 use crate::laws::words::{ends, moves, round, short, symbol};
 use crate::monitoring::fitted::Interval;
 use crate::zone::Zone;
@@ -76,29 +76,17 @@ fn beyond(alarm: &Alarm, watched: &Watched) -> String {
     )
 }
 
-/// `R₁ falls by 7.3 % [6.1, 8.5] (p = 2.1·10⁻⁹)`: the mean since a change against the mean before.
+/// `R₁ falls by 7.3 % (6.1 to 8.5 %) (p = 2.1·10⁻⁹)`: the mean since a change against the mean before.
 fn changed(sign: &AlarmSign) -> Option<String> {
     let change = sign.change.as_ref()?;
     let (value, low, high) = (change.value?, change.low_95?, change.high_95?);
-    let percent = |ratio: f64| 100.0 * (ratio - 1.0);
-    let how = if sign.is_ratio && value.ln().abs() < A_FACTOR {
-        let (verb, near, far) = if value >= 1.0 {
-            ("rises", percent(low), percent(high))
-        } else {
-            ("falls", -percent(high), -percent(low))
-        };
-        let width = 2.0 * (far - near);
-        let ends = ends(Some(near), Some(far), |x| x);
-        format!("{verb} by {}\u{a0}%{ends}", round(percent(value).abs(), width))
-    } else {
-        let scaled = |x: f64| if sign.is_ratio { x.ln() } else { x };
-        let change = Interval {
-            value: scaled(value),
-            low_95: Some(scaled(low)),
-            high_95: Some(scaled(high)),
-        };
-        moves(change, sign.is_ratio)
+    let scaled = |x: f64| if sign.is_ratio { x.ln() } else { x };
+    let change = Interval {
+        value: scaled(value),
+        low_95: Some(scaled(low)),
+        high_95: Some(scaled(high)),
     };
+    let how = moves(change, sign.is_ratio);
     let p = sign.p.map(|p| format!(" (p = {})", short(p)));
     Some(format!(
         "{} {how}{}",

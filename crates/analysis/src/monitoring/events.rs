@@ -375,11 +375,7 @@ mod tests {
                 .message
                 .contains("its limit of 0.85 with its whole 95\u{202f}% interval: 0.")
         );
-        assert!(
-            alarm.message.contains(": α falls by a factor of 1."),
-            "{}",
-            alarm.message
-        );
+        assert!(alarm.message.contains(": α falls by 2"), "{}", alarm.message);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::laws::words::{moves, round, short, symbol};
 use crate::monitoring::fitted::{Fitted, Interval};
 use crate::monitoring::policy::AS_GOOD;
 use crate::monitoring::shape::Law;
+use crate::study::factor;
 use crate::study::{self, Answer, Kind, Study, Verdict};
 use ieap_domain::Limit;
 use ieap_domain::number::fixed;
@@ -177,7 +178,7 @@ fn jumps(watched: &Watched) -> String {
 pub struct StepText {
     /// Where on the axis.
     pub at: f64,
-    /// `down by a factor of 1.4`.
+    /// `down by 29 %`.
     pub size: String,
     /// What it is.
     pub what: String,
@@ -221,20 +222,13 @@ pub fn place(watched: &Watched, at: f64) -> String {
     format!("{} {}{}", axis.label(), short_axis(watched, at), unit(axis))
 }
 
-/// Changes of a logarithm below this are told in percent.
-pub(super) const A_FACTOR: f64 = 0.15;
-
 fn by(size: f64, is_log: bool) -> String {
-    match (is_log, size >= 0.0) {
-        (true, rises) if size.abs() < A_FACTOR => format!(
-            "{} by {}\u{a0}%",
-            if rises { "up" } else { "down" },
-            short(100.0 * size.exp_m1().abs())
-        ),
-        (true, true) => format!("up by a factor of {}", short(size.exp())),
-        (true, false) => format!("down by a factor of {}", short((-size).exp())),
-        (false, _) => format!("by {}", short(size)),
+    if !is_log {
+        return format!("by {}", short(size));
     }
+    let said = factor(size.exp(), None, None);
+    let (verb, how_far) = said.split_once(' ').unwrap_or_default();
+    format!("{} {how_far}", if verb == "rises" { "up" } else { "down" })
 }
 
 fn span(watched: &Watched) -> String {

@@ -3,6 +3,7 @@
 use super::{Course, DAY_S};
 use crate::laws::words::{moves, short};
 use crate::monitoring::shape::Law;
+use crate::study::factor;
 use ieap_domain::number::fixed;
 use ieap_domain::words::counted;
 
@@ -55,8 +56,8 @@ pub fn cracks(course: &Course) -> Vec<String> {
     };
     let sentence = |&(at, size): &(usize, f64)| {
         format!(
-            "A crack: it rises by a factor of {} between {} and {}{}.",
-            short(size.exp()),
+            "A crack: it {} between {} and {}{}.",
+            factor(size.exp(), None, None),
             date(readings[at - 1].at_s),
             date(readings[at].at_s),
             flexed(at)

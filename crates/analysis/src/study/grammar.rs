@@ -56,36 +56,47 @@ pub(super) fn shows(answer: &Answer) -> String {
     }
 }
 
-/// `rises 3.5-fold (3.3 to 3.7)`, `probably falls to 4.4 % (0.59 to 32 %)`, `falls 2.0 % a percent (1.9 to 2.1 in the two
-/// strips measured), to about a fifth in all`.
+/// `rises 3.5-fold (3.3 to 3.7)`, `probably falls to 4.4 % (0.59 to 32 %)`, `falls 2.0 % for each percent of humidity (1.9 to
+/// 2.1 in the two strips measured), to about a fifth in all`.
 pub(super) fn changes(answer: &Answer) -> String {
-    let own = told(answer);
+    let own = told(answer, Standing::of(answer));
     let Some(value) = own.value else {
         return cannot_be_told(answer);
     };
-    let adverb = adverb(answer);
-    let ends = own
-        .low_95
-        .zip(own.high_95)
-        .or(own.fits_low_95.zip(own.fits_high_95));
-    let said = match own.scale {
+    let ends = ends(&own);
+    let change = match own.scale {
         Scale::OfRange => curve(&own, value, ends),
         Scale::Points => points(&own, value, ends),
         Scale::PerUnit => law(&own, value, ends),
         Scale::Ratio => ratio(own.kind, value, ends),
     };
-    let strips = in_strips(answer);
-    let bracket = match (said.ends, strips.is_empty()) {
-        (Some(ends), true) => format!(" ({ends})"),
-        (Some(ends), false) => format!(" ({ends} {strips})"),
-        (None, true) => String::new(),
-        (None, false) => format!(" {strips}"),
+    change.said(answer)
+}
+
+/// `probably loses 43 of 100 parts more of its bending in an hour (19 to 67)`.
+pub(super) fn loses(answer: &Answer) -> String {
+    let own = told(answer, Standing::of(answer));
+    let over = if own.kind.is_law() {
+        own.span.unwrap_or(1.0)
+    } else {
+        1.0
     };
-    let verb = match said.verb {
-        "is" => format!("is {adverb}"),
-        verb => format!("{adverb}{verb} "),
+    let Some(value) = own.value else {
+        return cannot_be_told(answer);
     };
-    format!("{verb}{}{bracket}{}", said.size, said.rest)
+    let ends = ends(&own).map(|(low, high)| (over * low, over * high));
+    lost(&[(over * value, ends)]).said(answer)
+}
+
+/// The same at several voltages, that it differs by which is known as well as `by` is.
+pub(super) fn loses_by_voltage(each: &[&Answer], by: &Answer) -> String {
+    lost(&numbers(each, by)).said(by)
+}
+
+/// Values at several voltages, that they differ is known as well as `by` is: `rises 1.7-, 3.5- and 19-fold (1.2 to 2.4, 2.5 to
+/// 4.9 and 13 to 28)`, `probably falls to 30, 9.0 and 2.7 %`.
+pub(super) fn by_voltage(each: &[&Answer], by: &Answer) -> String {
+    factors(&numbers(each, by)).said(by)
 }
 
 /// `probably `, where it is not sure.
@@ -97,9 +108,9 @@ pub(super) fn adverb(answer: &Answer) -> &'static str {
 }
 
 /// The answer with the numbers that are told: where only the strips as they were measured show it, theirs.
-pub(super) fn told(answer: &Answer) -> Answer {
+fn told(answer: &Answer, standing: Standing) -> Answer {
     match &answer.of_strips {
-        Some(strips) if Standing::of(answer) == Standing::InStrips => Answer {
+        Some(strips) if standing == Standing::InStrips => Answer {
             value: Some(strips.value),
             low_95: Some(strips.low_95),
             high_95: Some(strips.high_95),
@@ -107,6 +118,23 @@ pub(super) fn told(answer: &Answer) -> Answer {
         },
         _ => answer.clone(),
     }
+}
+
+/// Its interval, by the fits alone where nothing tells the scatter.
+fn ends(own: &Answer) -> Ends {
+    own.low_95
+        .zip(own.high_95)
+        .or(own.fits_low_95.zip(own.fits_high_95))
+}
+
+/// The values and intervals of several answers, of those whom `by` is told of.
+fn numbers(each: &[&Answer], by: &Answer) -> Vec<(f64, Ends)> {
+    let standing = Standing::of(by);
+    let number = |own: &&Answer| {
+        let own = told(own, standing);
+        Some((own.value?, ends(&own)))
+    };
+    each.iter().filter_map(number).collect()
 }
 
 /// `in the two strips measured`, where nothing is said of their material; of one strip the whole study says it once.
@@ -127,6 +155,45 @@ struct Change {
 }
 
 type Ends = Option<(f64, f64)>;
+
+impl Change {
+    /// As sure, and of whom, as that answer is.
+    fn said(self, by: &Answer) -> String {
+        let adverb = adverb(by);
+        let verb = match self.verb {
+            "is" => format!("is {adverb}"),
+            verb => format!("{adverb}{verb} "),
+        };
+        let bracket = bracket(self.ends, &in_strips(by));
+        format!("{verb}{}{bracket}{}", self.size, self.rest)
+    }
+}
+
+/// ` (3.3 to 3.7 in the two strips measured)`: what stands behind a number.
+pub(super) fn bracket(ends: Option<String>, strips: &str) -> String {
+    match (ends, strips) {
+        (Some(ends), "") => format!(" ({ends})"),
+        (Some(ends), strips) => format!(" ({ends} {strips})"),
+        (None, "") => String::new(),
+        (None, strips) => format!(" {strips}"),
+    }
+}
+
+/// `rises 3.5-fold (3.3 to 3.7)`, `falls to 40 % (falls to 44 % or less)`: a factor with what is known of its interval, wherever
+/// one is told.
+pub(crate) fn factor(value: f64, low: Option<f64>, high: Option<f64>) -> String {
+    let change = ratio(Kind::Environment, value, low.zip(high));
+    let one_end = match (low, high) {
+        (Some(_), Some(_)) => None,
+        (low, high) => bounded(low, high),
+    };
+    format!(
+        "{} {}{}",
+        change.verb,
+        change.size,
+        bracket(change.ends.or(one_end), "")
+    )
+}
 
 /// A ratio: as a fold where it is large, else in percent; of two things beside each other as times.
 fn ratio(kind: Kind, value: f64, ends: Ends) -> Change {
@@ -184,7 +251,10 @@ fn law(own: &Answer, value: f64, ends: Ends) -> Change {
     let sorted = |a: f64, b: f64| between(a.min(b), a.max(b));
     Change {
         verb: if value < 0.0 { "falls" } else { "rises" },
-        size: format!("{} % a percent", significant(sign * each(value), 2)),
+        size: format!(
+            "{} % for each percent of humidity",
+            significant(sign * each(value), 2)
+        ),
         ends: ends.map(|(low, high)| sorted(sign * each(low), sign * each(high))),
         rest: format!(", {} in all{}", roughly(over(value)), single_strips(own)),
     }
@@ -269,16 +339,52 @@ fn curve(own: &Answer, value: f64, ends: Ends) -> Change {
     }
 }
 
-/// Values at several voltages: `rises 1.7-, 3.5- and 19-fold`, `falls to 30, 9.0 and 2.7 %`.
-pub(super) fn by_voltage(values: &[f64]) -> String {
-    let each = |of: &dyn Fn(f64) -> String| in_a_row(&values.iter().map(|&own| of(own)).collect::<Vec<_>>());
-    if values.iter().all(|own| *own >= 1.0) {
-        format!("rises {}fold", each(&|own| format!("{}-", significant(own, 2))))
-    } else if values.iter().all(|own| *own <= 1.0) {
-        format!("falls to {} %", each(&|own| significant(100.0 * own, 2)))
+/// Factors at several voltages: `rises 1.7-, 3.5- and 19-fold`, `falls to 30, 9.0 and 2.7 %`.
+fn factors(each: &[(f64, Ends)]) -> Change {
+    let all = |is_so: fn(f64) -> bool| each.iter().all(|(value, _)| is_so(*value));
+    let (verb, before, times, behind, unit) = if all(|own| own >= 1.0) {
+        ("rises", "", 1.0, "-", "fold")
+    } else if all(|own| own <= 1.0) {
+        ("falls", "to ", 100.0, "", " %")
     } else {
-        format!("becomes {} times as large", each(&|own| significant(own, 2)))
+        ("becomes", "", 1.0, "", " times as large")
+    };
+    let number = |(value, _): &(f64, Ends)| significant(times * value, 2) + behind;
+    let unit_of_ends = if unit == " %" { unit } else { "" };
+    Change {
+        verb,
+        size: format!("{before}{}{unit}", row(each, number)),
+        ends: ends_in_a_row(each, times).map(|ends| ends + unit_of_ends),
+        rest: String::new(),
     }
+}
+
+/// Points of bending lost: `loses 43 of 100 parts more of its bending in an hour`.
+fn lost(each: &[(f64, Ends)]) -> Change {
+    let is_less = each.iter().all(|(value, _)| *value < 0.0);
+    let (sign, side) = if is_less { (-1.0, "less") } else { (1.0, "more") };
+    let parts = row(each, |(value, _)| significant(sign * value, 2));
+    Change {
+        verb: "loses",
+        size: format!("{parts} of 100 parts {side} of its bending in an hour"),
+        ends: ends_in_a_row(each, sign),
+        rest: String::new(),
+    }
+}
+
+/// Numbers in a row: `1.7, 3.5 and 19`.
+fn row(each: &[(f64, Ends)], said: impl Fn(&(f64, Ends)) -> String) -> String {
+    in_a_row(&each.iter().map(said).collect::<Vec<_>>())
+}
+
+/// Their intervals, so many times as large; none where one is not known.
+fn ends_in_a_row(each: &[(f64, Ends)], times: f64) -> Option<String> {
+    let said = |(_, ends): &(f64, Ends)| {
+        let (a, b) = (*ends).map(|(low, high)| (times * low, times * high))?;
+        Some(between(a.min(b), a.max(b)))
+    };
+    let all: Option<Vec<String>> = each.iter().map(said).collect();
+    all.map(|all| in_a_row(&all))
 }
 
 /// Whether the number is a ratio of ratios.
@@ -305,17 +411,22 @@ pub(super) fn most(answer: &Answer) -> String {
     }
 }
 
-/// A bound as a sentence's rest: `rises at least 80-fold`, `falls to 44 % or less`.
+/// A bound as a sentence's rest.
 fn bound(answer: &Answer) -> String {
+    bounded(answer.at_least, answer.at_most).unwrap_or_else(|| cannot_be_told(answer))
+}
+
+/// `rises at least 80-fold`, `falls to 44 % or less`; none without an end.
+fn bounded(at_least: Option<f64>, at_most: Option<f64>) -> Option<String> {
     let times = |value: f64, is_upper| rounded_bound(value, is_upper).value_text();
-    match (answer.at_least, answer.at_most) {
+    Some(match (at_least, at_most) {
         (Some(least), None) if least >= 1.0 => format!("rises at least {}-fold", times(least, false)),
         (Some(least), None) => format!("falls no further than to {} %", times(100.0 * least, false)),
         (None, Some(most)) if most >= 1.0 => format!("rises no more than {}-fold", times(most, true)),
         (None, Some(most)) => format!("falls to {} % or less", times(100.0 * most, true)),
         (Some(least), Some(most)) => format!("becomes {} times as large", between(least, most)),
-        (None, None) => cannot_be_told(answer),
-    }
+        (None, None) => return None,
+    })
 }
 
 /// `cannot be told with 2 strips (a third would): up to 2.6-fold is possible`.

@@ -1,7 +1,9 @@
 //! The grammar of answers: what is said of which numbers.
 
 use super::answer::{Answer, Basis, InScope, Kind, Scale, Scope, Verdict};
-use super::grammar::{by_voltage, shows};
+use super::grammar::{by_voltage, loses, loses_by_voltage, shows};
+use super::made::Study;
+use super::said::lead;
 use super::words::sentence;
 
 /// An answer that shows that number.
@@ -138,11 +140,11 @@ fn a_law_is_said_by_the_percent_and_in_all() {
     };
     assert_eq!(
         shows(&own(0.0244, (0.0238, 0.0249))),
-        "rises 2.5 % a percent (2.4 to 2.5), about sevenfold in all"
+        "rises 2.5 % for each percent of humidity (2.4 to 2.5), about sevenfold in all"
     );
     assert_eq!(
         shows(&own(-0.0202, (-0.0212, -0.0192))),
-        "falls 2.0 % a percent (1.9 to 2.1), to about a fifth in all"
+        "falls 2.0 % for each percent of humidity (1.9 to 2.1), to about a fifth in all"
     );
 }
 
@@ -153,6 +155,82 @@ fn points_are_points_and_values_by_voltage_stand_in_a_row() {
         ..answer(42.9, (19.1, 66.7))
     };
     assert_eq!(shows(&own), "rises by 43 points (19 to 67)");
-    assert_eq!(by_voltage(&[1.74, 3.48, 19.3]), "rises 1.7-, 3.5- and 19-fold");
-    assert_eq!(by_voltage(&[0.3, 0.09, 0.027]), "falls to 30, 9.0 and 2.7 %");
+    assert_eq!(
+        loses(&own),
+        "loses 43 of 100 parts more of its bending in an hour (19 to 67)"
+    );
+    let lower = Answer {
+        verdict: Verdict::Open,
+        q: Some(0.3),
+        ..own.clone()
+    };
+    assert_eq!(
+        loses_by_voltage(&[&own, &own], &lower),
+        "probably loses 43 and 43 of 100 parts more of its bending in an hour (19 to 67 and 19 to 67)"
+    );
+    let rises = [
+        answer(1.74, (1.2, 2.44)),
+        answer(3.48, (2.5, 4.9)),
+        answer(19.3, (13.0, 28.0)),
+    ];
+    let falls = [0.3, 0.09, 0.027].map(|own| answer(own, (0.9 * own, 1.1 * own)));
+    let said = |each: &[Answer; 3], by: &Answer| by_voltage(&each.iter().collect::<Vec<_>>(), by);
+    assert_eq!(
+        said(&rises, &rises[0]),
+        "rises 1.7-, 3.5- and 19-fold (1.2 to 2.4, 2.5 to 4.9 and 13 to 28)"
+    );
+    assert_eq!(
+        said(&falls, &lower),
+        "probably falls to 30, 9.0 and 2.7 % (27 to 33, 8.1 to 9.9 and 2.4 to 3.0 %)"
+    );
+}
+
+/// A pair that is open on the whole and acts otherwise at another voltage, as `interaction` says it.
+fn by_voltage_of(interaction: Answer) -> Study {
+    let whole = Answer {
+        verdict: Verdict::Open,
+        p: Some(0.2),
+        q: Some(0.4),
+        ..answer(3.5, (0.9, 12.0))
+    };
+    let at = |volts: f64, value: f64| Answer {
+        is_of_study: false,
+        voltages_v: vec![volts],
+        ..answer(value, (0.8 * value, 1.25 * value))
+    };
+    let interaction = Answer {
+        kind: Kind::ByVoltage,
+        is_of_study: false,
+        upper: "air at 2.5 V".to_owned(),
+        lower: "vacuum at 1.2 V".to_owned(),
+        ..interaction
+    };
+    Study {
+        answers: vec![whole, at(1.2, 1.74), at(2.5, 19.3), interaction],
+        ..Study::default()
+    }
+}
+
+#[test]
+fn values_by_voltage_are_as_sure_as_it_is_that_they_differ() {
+    let said = |verdict, p| {
+        let interaction = Answer {
+            verdict,
+            p: Some(p),
+            ..answer(11.0, (5.0, 24.0))
+        };
+        lead(&by_voltage_of(interaction), "CNaf").join(" ")
+    };
+    assert_eq!(
+        said(Verdict::Differs, 1e-5),
+        "In air, against vacuum, CNaf's back-relaxation rate λ rises 1.7- and 19-fold (1.4 to 2.2 and 15 to 24) at 1.2 and 2.5 V."
+    );
+    assert_eq!(
+        said(Verdict::Open, 0.02),
+        "In air, against vacuum, CNaf's back-relaxation rate λ probably rises 1.7- and 19-fold (1.4 to 2.2 and 15 to 24) at 1.2 and 2.5 V."
+    );
+    assert_eq!(
+        said(Verdict::Open, 0.2),
+        "What was varied changes CNaf in nothing that can be told with two strips (a third would)."
+    );
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use ieap_domain::{Campaign, Drive, Factor, RunRecord, Sample};
+use ieap_domain::{Campaign, Drive, Factor, RunRecord, Sample, Standing as RunStanding};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -23,6 +23,9 @@ use crate::laws::facts::{RunFacts, facts};
 use crate::laws::values::{Values, values};
 use crate::model_free::curves::StepCurves;
 use crate::parameters::{COMPARED, usable};
+
+/// Why a run takes part in no answer of which two sources say different things.
+const CONTRADICTED: &str = "what is stated of it contradicts itself, and `ieap status` asks which is right";
 
 /// What the study asked, with its answers.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
@@ -137,6 +140,18 @@ impl Study {
             compared,
             answers,
         }
+    }
+
+    /// The same, which says of those of these runs that wait for an answer of a person that they take part in none of its own.
+    #[must_use]
+    pub fn beside(mut self, set_aside: &[RunRecord]) -> Study {
+        let waits =
+            |run: &&RunRecord| run.fit.is_some() && matches!(run.standing, RunStanding::Contradicted { .. });
+        for run in set_aside.iter().filter(waits) {
+            self.left_out.push(run.path.clone());
+            self.left_out_why.push(CONTRADICTED);
+        }
+        self
     }
 
     /// Answers to what the study asked.

@@ -44,6 +44,7 @@ mod two_scopes_tests;
 pub use answer::{Answer, Basis, Drawn, InScope, Kind, Point, Scale, Scope, Verdict};
 pub use course::{Course, courses};
 pub use grammar::UNTOLD;
+pub(crate) use grammar::factor;
 pub use made::{Evidence, Study};
 pub use said::{first_parameter, first_screen, lead};
 pub use words::{about, sentence, symbol};

@@ -1,17 +1,19 @@
 //! What a study says of its materials: one idea a sentence, what is known best first, and nothing of what is open.
 
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
-use ieap_domain::number::significant;
+use ieap_domain::surroundings::in_words;
 use ieap_domain::words::{in_a_row, numeral};
 
 use super::answer::{Answer, Kind};
-use super::grammar::{Standing, adverb, between, by_voltage, changes, from_to, in_strips, most, told};
+use super::grammar::{
+    Standing, bracket, by_voltage, changes, from_to, in_strips, loses, loses_by_voltage, most,
+};
 use super::made::Study;
 use super::measures::{BENDING_CURVE, BENDING_LOST, BENDING_PER_VOLT, CURRENT_CURVE};
 use super::policy::{FIRST_SCREEN_WORDS, MOST_OF_MATERIAL, TOLD_TOGETHER};
 use super::words::{at_voltages, name, symbol};
-use crate::false_discovery::CLAIMED_BELOW;
 use crate::parameters::COMPARED;
 
 /// A sentence: what one pair of conditions does, or does not, to some parameters of a material.
@@ -52,11 +54,7 @@ pub fn first_screen(study: &Study) -> Vec<String> {
         .map(|of| ranked(study, of))
         .collect();
     all.retain(|own| !own.is_empty());
-    all.sort_by(|a, b| {
-        a[0].rank()
-            .partial_cmp(&b[0].rank())
-            .unwrap_or(std::cmp::Ordering::Equal)
-    });
+    all.sort_by(|a, b| a[0].before(&b[0]));
     let mut taken: Vec<Vec<Sentence>> = all.iter().map(|_| Vec::new()).collect();
     // In turn, so that no material keeps the others out; where a sentence is too long, what it says first.
     for turn in 0..MOST_OF_MATERIAL {
@@ -106,12 +104,7 @@ pub fn first_parameter(study: &Study) -> Option<&'static str> {
 pub(super) fn first(study: &Study) -> Option<&Answer> {
     let all = study.materials().into_iter().flat_map(|of| ranked(study, of));
     let changes = all.filter(|own| !own.is_alike);
-    let first = changes.min_by(|a, b| {
-        a.rank()
-            .partial_cmp(&b.rank())
-            .unwrap_or(std::cmp::Ordering::Equal)
-    });
-    first.map(|own| own.of[0])
+    changes.min_by(Sentence::before).map(|own| own.of[0])
 }
 
 /// The sentences of a material: the first of each pair that changes something, then what does not change, then the rest.
@@ -137,16 +130,12 @@ fn ranked<'a>(study: &'a Study, material: &str) -> Vec<Sentence<'a>> {
         let mut parts = changed.chunks(TOLD_TOGETHER).map(|of| sentence(of, false));
         first.extend(parts.next());
         rest.extend(parts);
-        let same = unchanged(&of);
+        let same = unchanged(study, &of);
         if !same.is_empty() {
             alike.push(sentence(&same, true));
         }
     }
-    first.sort_by(|a, b| {
-        a.rank()
-            .partial_cmp(&b.rank())
-            .unwrap_or(std::cmp::Ordering::Equal)
-    });
+    first.sort_by(Sentence::before);
     first.into_iter().chain(alike).chain(rest).collect()
 }
 
@@ -164,8 +153,8 @@ fn family(key: &str) -> &str {
 }
 
 /// The parameters that a pair changes, what is known best first, each thing once; curves where parameters are silent.
-fn changed<'a>(study: &Study, of: &[&'a Answer]) -> Vec<&'a Answer> {
-    let is_told = |own: &&&Answer| Standing::of(own).is_change() || acts_by_voltage(study, own);
+fn changed<'a>(study: &'a Study, of: &[&'a Answer]) -> Vec<&'a Answer> {
+    let is_told = |own: &&&Answer| Standing::of(told_by(study, own)).is_change();
     let (curves, all): (Vec<&Answer>, Vec<&Answer>) = of
         .iter()
         .filter(is_told)
@@ -174,48 +163,62 @@ fn changed<'a>(study: &Study, of: &[&'a Answer]) -> Vec<&'a Answer> {
     if all.is_empty() {
         return curves;
     }
-    let rank = |own: &Answer| (Standing::of(own), own.p.unwrap_or(1.0));
-    let best = |own: &Answer| {
+    let best = |own: &&'a Answer| {
         let same = all
             .iter()
             .filter(|other| family(other.parameter) == family(own.parameter));
-        same.map(|other| rank(other))
-            .reduce(|a, b| if b < a { b } else { a })
+        let same = same.map(|other| told_by(study, other));
+        same.min_by(|a, b| better_known(a, b))
+            .unwrap_or_else(|| told_by(study, own))
     };
     let is_first = |own: &&Answer| {
         let itself = family(own.parameter);
         own.parameter == itself || all.iter().all(|other| other.parameter != itself)
     };
     let mut shown: Vec<&Answer> = all.iter().copied().filter(is_first).collect();
-    shown.sort_by(|a, b| best(a).partial_cmp(&best(b)).unwrap_or(std::cmp::Ordering::Equal));
+    shown.sort_by(|a, b| better_known(best(a), best(b)));
     shown
 }
 
 /// The parameters that a pair does not change, each thing once; curves where parameters are silent.
-fn unchanged<'a>(of: &[&'a Answer]) -> Vec<&'a Answer> {
-    let is_alike = |own: &&&Answer| Standing::of(own) == Standing::Alike;
+fn unchanged<'a>(study: &'a Study, of: &[&'a Answer]) -> Vec<&'a Answer> {
+    let is_alike = |own: &&&Answer| Standing::of(told_by(study, own)) == Standing::Alike;
     let all: Vec<&Answer> = of.iter().filter(is_alike).copied().collect();
     let is_named = |own: &&Answer| !own.is_of_curve() && family(own.parameter) == own.parameter;
     let named: Vec<&Answer> = all.iter().copied().filter(is_named).collect();
     if named.is_empty() { all } else { named }
 }
 
+/// What is known better stands first: by how sure it is, then by its chance.
+fn better_known(a: &Answer, b: &Answer) -> Ordering {
+    let p = |own: &Answer| own.p.unwrap_or(1.0);
+    let by_chance = || p(a).total_cmp(&p(b));
+    Standing::of(a).cmp(&Standing::of(b)).then_with(by_chance)
+}
+
+/// What is told of a pair: what it does on the whole, or that it acts otherwise at another voltage, whichever is known better.
+/// How sure the sentence is, is how sure that is.
+fn told_by<'a>(study: &'a Study, answer: &'a Answer) -> &'a Answer {
+    let known_better = |own: &&Answer| {
+        let standing = Standing::of(own);
+        standing.is_change() && standing <= Standing::of(answer)
+    };
+    (interaction(study, answer).filter(known_better))
+        .filter(|_| at_each_voltage(study, answer).len() > 1)
+        .unwrap_or(answer)
+}
+
 /// Whether a pair acts otherwise at another voltage.
-fn acts_by_voltage(study: &Study, answer: &Answer) -> bool {
-    let head = |of: &str, name: &str| of.strip_prefix(name).is_some_and(|rest| rest.starts_with(" at "));
+fn interaction<'a>(study: &'a Study, answer: &Answer) -> Option<&'a Answer> {
+    let is_at = |of: &str, name: &str| of.strip_prefix(name).is_some_and(|rest| rest.starts_with(" at "));
     let is_it = |own: &&Answer| {
         own.kind == Kind::ByVoltage
             && (own.parameter, &own.material) == (answer.parameter, &answer.material)
-            && head(&own.upper, &answer.upper)
-            && head(&own.lower, &answer.lower)
+            && is_at(&own.upper, &answer.upper)
+            && is_at(&own.lower, &answer.lower)
     };
-    answer.kind == Kind::Environment
-        && study
-            .answers
-            .iter()
-            .find(is_it)
-            .and_then(|own| own.p)
-            .is_some_and(|p| p <= CLAIMED_BELOW)
+    let mut all = study.answers.iter().filter(|_| answer.kind == Kind::Environment);
+    all.find(is_it)
 }
 
 /// The values at each voltage of what a pair does: against the first of several that are put together.
@@ -263,10 +266,10 @@ impl<'a> Sentence<'a> {
         }
     }
 
-    /// What is known best stands first.
-    fn rank(&self) -> (bool, Standing, f64) {
-        let first = self.of[0];
-        (self.is_alike, Standing::of(first), first.p.unwrap_or(1.0))
+    /// What is known best stands first, and what does not change behind what does.
+    fn before(&self, other: &Self) -> Ordering {
+        let known = |own: &Self| told_by(own.study, own.of[0]);
+        (self.is_alike.cmp(&other.is_alike)).then_with(|| better_known(known(self), known(other)))
     }
 
     fn said(&self, before: &mut Before<'a>) -> String {
@@ -312,33 +315,25 @@ impl<'a> Sentence<'a> {
 
     /// `CNaf's leakage resistance Rₛₛ probably falls to 4.4 % (0.59 to 32 %)`, and at which voltages.
     fn change(&self, answer: &Answer, whose: &str, before: &mut Before) -> (String, String) {
-        if answer.parameter == BENDING_LOST {
-            return self.loses(answer, whose);
-        }
-        let subject = format!("{whose} {}", named(answer, before));
-        match self.at_voltages(answer) {
-            Some((values, at)) => (format!("{subject} {}{}", adverb(answer), by_voltage(&values)), at),
-            None => (
-                format!("{subject} {}", changes(answer)),
-                self.where_not_all(answer),
-            ),
-        }
-    }
-
-    /// The values at each voltage where the answer differs by voltage, and where that is.
-    fn at_voltages(&self, answer: &Answer) -> Option<(Vec<f64>, String)> {
-        let each = at_each_voltage(self.study, answer);
-        if each.len() < 2 || !acts_by_voltage(self.study, answer) {
-            return None;
-        }
-        let at: Vec<f64> = each.iter().map(|own| own.voltages_v[0]).collect();
-        let values = each.iter().filter_map(|own| own.value).collect();
-        let against = if each[0].lower == answer.lower {
-            String::new()
+        let (is_lost, by) = (answer.parameter == BENDING_LOST, told_by(self.study, answer));
+        let (said, at) = if by.kind == Kind::ByVoltage {
+            let each = at_each_voltage(self.study, answer);
+            let said = if is_lost {
+                loses_by_voltage(&each, by)
+            } else {
+                by_voltage(&each, by)
+            };
+            (said, at_each(&each, answer))
         } else {
-            format!(" against {}", each[0].lower)
+            let said = if is_lost { loses(answer) } else { changes(answer) };
+            (said, self.where_not_all(answer))
         };
-        Some((values, format!("{against}{}", at_voltages(&at))))
+        let subject = if is_lost {
+            whose.strip_suffix("'s").unwrap_or("it").to_owned()
+        } else {
+            format!("{whose} {}", named(answer, before))
+        };
+        (format!("{subject} {said}"), at)
     }
 
     /// At which voltages, where the others of the pair were told at more.
@@ -355,47 +350,6 @@ impl<'a> Sentence<'a> {
         }
     }
 
-    /// `it probably loses 43 of 100 parts more of its bending in an hour (19 to 67)`.
-    fn loses(&self, answer: &Answer, whose: &str) -> (String, String) {
-        let own = told(answer);
-        let who = whose.strip_suffix("'s").unwrap_or("it");
-        let over = if own.kind.is_law() {
-            own.span.unwrap_or(1.0)
-        } else {
-            1.0
-        };
-        let value = over * own.value.unwrap_or(0.0);
-        let size = |own: f64| significant(own.abs(), 2);
-        let more = if value < 0.0 { "less" } else { "more" };
-        let (parts, at) = match self.at_voltages(answer) {
-            Some((values, at)) => (
-                in_a_row(&values.iter().map(|&own| size(own)).collect::<Vec<_>>()),
-                at,
-            ),
-            None => (size(value), String::new()),
-        };
-        let sign = if value < 0.0 { -over } else { over };
-        let ends = own
-            .low_95
-            .zip(own.high_95)
-            .filter(|_| at.is_empty())
-            .map(|(low, high)| {
-                let (a, b) = (sign * low, sign * high);
-                between(a.min(b), a.max(b))
-            });
-        let strips = in_strips(answer);
-        let bracket = match (ends, strips.as_str()) {
-            (Some(ends), "") => format!(" ({ends})"),
-            (Some(ends), strips) => format!(" ({ends} {strips})"),
-            (None, "") => String::new(),
-            (None, strips) => format!(" {strips}"),
-        };
-        let adverb = adverb(answer);
-        let text =
-            format!("{who} {adverb}loses {parts} of 100 parts {more} of its bending in an hour{bracket}");
-        (text, at)
-    }
-
     /// `its coupling α and capacitance C₁ + C₂ do not change (within 12 %)`.
     fn alike(&self, whose: &str, before: &mut Before) -> String {
         let names: Vec<String> = self.of.iter().map(|own| named(own, before)).collect();
@@ -403,24 +357,22 @@ impl<'a> Sentence<'a> {
             let most = |own: &Answer| own.no_more_than.unwrap_or(0.0);
             most(a).total_cmp(&most(b))
         });
-        let within = largest.map_or(String::new(), |own| most(own));
-        let strips = self
-            .of
-            .iter()
-            .map(|own| in_strips(own))
-            .max_by_key(String::len)
-            .unwrap_or_default();
-        let strips = if strips.is_empty() {
-            strips
-        } else {
-            format!(" {strips}")
-        };
+        let within = largest.map(|own| format!("within {}", most(own)));
+        let strips = self.of.iter().map(|own| in_strips(own));
+        let within = bracket(within, &strips.max_by_key(String::len).unwrap_or_default());
         let do_not = if names.len() == 1 { "does" } else { "do" };
-        format!(
-            "{whose} {} {do_not} not change (within {within}{strips})",
-            in_a_row(&names)
-        )
+        format!("{whose} {} {do_not} not change{within}", in_a_row(&names))
     }
+}
+
+/// ` against vacuum at 1.2 and 2.5 V`: where values at each voltage hold, and against what, where not against all that the
+/// pair sets together.
+fn at_each(each: &[&Answer], answer: &Answer) -> String {
+    let volts: Vec<f64> = each.iter().map(|own| own.voltages_v[0]).collect();
+    let lower = each.first().map(|own| own.lower.as_str());
+    let against = (lower.filter(|own| *own != answer.lower))
+        .map_or(String::new(), |own| format!(" against {}", in_words(own)));
+    against + &at_voltages(&volts)
 }
 
 /// `leakage resistance Rₛₛ`, and `Rₛₛ` once that was said.
@@ -443,6 +395,6 @@ fn head(answer: &Answer) -> String {
     match answer.kind {
         kind if kind.is_law() => format!("With the {}{}", answer.upper, from_to(answer)),
         Kind::Voltage => format!("At {}, against {lower}", answer.upper),
-        _ => format!("In {}, against {lower}", answer.upper),
+        _ => format!("In {}, against {}", in_words(&answer.upper), in_words(lower)),
     }
 }

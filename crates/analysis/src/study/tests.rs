@@ -252,7 +252,7 @@ fn two_effects_are_found_and_named_with_their_size() {
     let lead = lead(&study, "CPvf");
     assert!(
         lead.iter()
-            .any(|line| line.starts_with("In inert, against vacuum, CPvf's coupling α rises ")),
+            .any(|line| line.starts_with("In inert gas, against vacuum, CPvf's coupling α rises ")),
         "{lead:?}"
     );
 }
@@ -557,7 +557,11 @@ fn a_law_of_the_humidity_is_found_within_an_environment() {
         law.low_95.unwrap() < 0.03 && law.high_95.unwrap() > 0.03 && law.high_95.unwrap() < 0.035,
         "{law:?}"
     );
-    assert!(sentence(law).contains(" % a percent ("), "{}", sentence(law));
+    assert!(
+        sentence(law).contains(" % for each percent of humidity ("),
+        "{}",
+        sentence(law)
+    );
 }
 
 /// `cargo test -p ieap-analysis --release --lib study::tests::ten -- --include-ignored --nocapture`

@@ -207,7 +207,7 @@ fn two_strips_tell_a_law_of_themselves_and_say_what_their_material_needs() {
     );
     let lead = lead(&study, "CNaf").join("\n");
     assert!(
-        lead.contains(" in the two strips measured)") && lead.contains(" a percent ("),
+        lead.contains(" in the two strips measured)") && lead.contains(" for each percent of humidity ("),
         "{lead}"
     );
     let sentence = sentence(other);

@@ -66,6 +66,7 @@ impl<'a> TableInput<'a> {
             doubts: self.doubts,
             curves: self.curves,
         })
+        .beside(self.set_aside)
     }
 
     /// Of these runs alone.

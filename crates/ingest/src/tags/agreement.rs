@@ -4,17 +4,15 @@ use crate::tags::policy::START_AGREES_S;
 use jiff::Timestamp;
 
 use ieap_domain::drive::{NOMINAL_AGREES_PART, NOMINAL_AGREES_V};
-use ieap_domain::tag::keys;
+use ieap_domain::tag::{DISAGREEMENT, NAMES_CONTRADICT, keys};
 use ieap_domain::{ClimateQuantity, Issue, Tag, TagSource};
-
-/// Code of what is said of one measurement under two names that are tagged differently.
-pub const NAMES_CONTRADICT: &str = "names-contradict";
 
 /// The issue that names both sources and values, where `overruled` does not mean what `chosen` means.
 ///
 /// It is a warning where two statements about this very run differ, and a note where the stronger source is
-/// there to overrule (a value set by hand, a nearer tags.toml, the run's own column beside a log, a default) or the tag is
-/// a text that two sources may well word differently.
+/// there to overrule (a value set by hand, a nearer tag file, the run's own column beside a log, a default) or the tag is
+/// a text that two sources may well word differently. A sidecar stands over a tags.toml as the exception over the rule: the
+/// same person wrote both, so that it is no contradiction.
 pub(super) fn disagreement(chosen: &Tag, overruled: &Tag) -> Option<Issue> {
     if agree(chosen, overruled) {
         return None;
@@ -27,13 +25,19 @@ pub(super) fn disagreement(chosen: &Tag, overruled: &Tag) -> Option<Issue> {
         overruled.value,
         origin(overruled)
     );
-    let meant_to_overrule = [TagSource::Hand, TagSource::Column].contains(&chosen.source)
+    let is_by_hand = chosen.source == TagSource::Hand;
+    let is_nearer = chosen.source == TagSource::Sidecar && overruled.source == TagSource::Folder;
+    let is_one_name = chosen.source == TagSource::Derived && overruled.source == TagSource::FileName;
+    let meant_to_overrule = is_by_hand
+        || is_nearer
+        || is_one_name
+        || (chosen.source == TagSource::Column && overruled.source == TagSource::Ambient)
         || chosen.source == overruled.source
         || overruled.source == TagSource::EnvironmentDefault;
     let issue = if meant_to_overrule || is_wording(chosen) {
-        Issue::note("tag-disagreement", message)
+        Issue::note(DISAGREEMENT, message)
     } else {
-        Issue::warning("tag-disagreement", message)
+        Issue::warning(DISAGREEMENT, message)
             .mend("correct the wrong one, or set the tag by hand with `ieap tag`")
     };
     Some(issue.at(&chosen.key))

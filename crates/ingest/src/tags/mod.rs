@@ -19,10 +19,10 @@ use super::scan::{composed, display_path};
 
 pub use declared::{MISSPELT, TagKey, UNDECLARED, objection, tag_key};
 
-pub use ieap_domain::tag::MISSING;
+pub use ieap_domain::tag::{MISSING, NAMES_CONTRADICT};
 
-pub use agreement::NAMES_CONTRADICT;
 pub use files::TagFiles;
+pub use sources::FROM_NAMES;
 pub use stated_value::{UNKNOWN_SAMPLE, value_objection};
 pub use unread_statement::{UNREAD_STATEMENT, unread_statement};
 
@@ -216,7 +216,7 @@ fn choose(request: &TagRequest, mut offered: Vec<Offered>) -> (Vec<Tag>, Vec<Iss
 
 /// Whether a tag is stated of a file by its name or place; the others are read from the readings and what lies in the file.
 fn is_of_a_name(tag: &Tag) -> bool {
-    tag.source <= TagSource::FileName
+    tag.source <= TagSource::FileName && !tag.source.is_measured_climate()
 }
 
 /// The name that a tag is stated of.

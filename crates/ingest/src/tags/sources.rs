@@ -12,6 +12,9 @@ use super::files::{TagFile, TagFiles};
 use super::value::shortest;
 use super::{OtherName, TagRequest, is_unreadable, stem, tags_of};
 
+/// Table of a tag file that `ieap init` writes what it read of the names of files and folders into.
+pub const FROM_NAMES: &str = "from_names";
+
 impl TagFiles {
     /// Why tag files of these data files (relative to the campaign), or statements in them, cannot be read; one issue each.
     pub fn unreadable(&self, data_files: &[PathBuf]) -> Vec<Issue> {
@@ -60,7 +63,9 @@ fn in_tag_files(files: &TagFiles, data_files: &[PathBuf], kept: &[Tag], issues: 
             // Files of one run share their folders' tags.
             if !read.contains(&path) {
                 tags.extend(in_file(files, &path, source, issues).unwrap_or_else(|| {
-                    let of_file = |tag: &&Tag| tag.source == source && is_named_as(&path, &tag.detail);
+                    let of_file = |tag: &&Tag| {
+                        [source, TagSource::Derived].contains(&tag.source) && is_named_as(&path, &tag.detail)
+                    };
                     kept.iter().filter(of_file).cloned().collect()
                 }));
                 read.push(path);
@@ -153,15 +158,22 @@ fn in_file(
         }
     };
     let mut pairs = Vec::new();
+    let mut derived = Vec::new();
     for (key, value) in table {
-        match flat(&key, &value) {
-            Some(text) => {
-                pairs.push((key, text));
+        match (flat(&key, &value), value) {
+            (Some(text), _) => pairs.push((key, text)),
+            (None, toml::Value::Table(table)) if key == FROM_NAMES => {
+                let texts = table
+                    .into_iter()
+                    .filter_map(|(key, value)| Some((flat(&key, &value)?, key)));
+                derived.extend(texts.map(|(text, key)| (key, text)));
             }
-            None => issues.push(not_flat(&shown, &key, value.type_str())),
+            (None, value) => issues.push(not_flat(&shown, &key, value.type_str())),
         }
     }
-    Some(tags_of(source, &shown, pairs))
+    let mut tags = tags_of(source, &shown, pairs);
+    tags.extend(tags_of(TagSource::Derived, &shown, derived));
+    Some(tags)
 }
 
 /// The text of a value that a tag can have.

@@ -18,7 +18,8 @@ use crate::moved::Was;
 use crate::pages::policy::{MOST_FILES_OF_REASON, MOST_MOVED_NAMED};
 use crate::site::Site;
 use ieap_analysis::study;
-use ieap_domain::{FileState, Issue, RunState, Severity};
+use ieap_analysis::witnesses;
+use ieap_domain::{Contradiction, FileState, Issue, RunState, Severity};
 use ieap_show::Block;
 
 /// Laws that are drawn at most: one picture. Chosen: two stand beside each other.
@@ -42,6 +43,8 @@ struct Index {
     /// Numbers that moved not long ago; empty where none did.
     moved: String,
     needs: Vec<Need>,
+    /// Statements about runs that contradict each other.
+    questions: Vec<Contradiction>,
     counts: Vec<Count>,
     small: Vec<SmallPanel>,
     coverage: String,
@@ -142,6 +145,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         coverage: coverage(site),
         moved: moved(site),
         needs: needs(site),
+        questions: witnesses::questions(site.input.records(), &site.input.campaign),
         counts: counts(site),
         small,
         runs: runs_table(site),

@@ -146,7 +146,12 @@ fn is_decided_beside(context: &Context, run_id: i64, files: &[PathBuf]) -> Resul
 
 /// Tags that stand in files which may be gone with the readings.
 fn stated_beside(tags: &[Tag]) -> impl Iterator<Item = &Tag> {
-    let sources = [TagSource::Sidecar, TagSource::Folder, TagSource::RunSheet];
+    let sources = [
+        TagSource::Sidecar,
+        TagSource::Folder,
+        TagSource::RunSheet,
+        TagSource::Derived,
+    ];
     tags.iter().filter(move |tag| sources.contains(&tag.source))
 }
 

@@ -17,6 +17,7 @@ use crate::ingest::campaign_file;
 use crate::ingest::formats::error::ASKED;
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::profiles;
+use crate::ingest::tags::FROM_NAMES;
 use crate::pipeline::PipelineError;
 use crate::pipeline::infra::mends::together;
 use crate::pipeline::infra::whole_file::put_bytes;
@@ -201,7 +202,8 @@ fn write(campaign: &Path, proposed: &Proposed) -> Result<(), PipelineError> {
     for (to, beside) in stated(proposed) {
         let lines = beside.iter().map(|(key, value)| line(key, value));
         let text = format!(
-            "# From the names of files and folders, by `ieap init`: check it.\n{}",
+            "# By `ieap init`. A line above [{FROM_NAMES}], as in a file of your own, is your word and counts before run sheets.\n\
+             [{FROM_NAMES}]\n{}",
             lines.collect::<String>()
         );
         texts.insert(campaign.join(to), text);
