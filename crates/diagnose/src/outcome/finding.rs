@@ -9,7 +9,7 @@ use ieap_domain::{
 };
 
 use crate::cause::evidence::{Varying, by_voltage};
-use crate::cause::proof::held_out::Part;
+use crate::cause::proof::held_out::{Part, nrmse};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
 use crate::levels::{RIGHT_FROM, VISIBLE_PERCENT, WRONG_BELOW};
@@ -103,8 +103,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         found.account = Some(missing.account);
         if found.verdict == Verdict::Unexplained && self.group.runs.len() > 1 {
             found.alone = self.alone();
-            // Of runs that are each right nothing is wrong but that one set of parameters is to describe them.
-            if are_right(&found.alone) && missing.varying.is_some() {
+            if are_right(&found.alone) && self.rather_differs(&missing) {
                 found.verdict = Verdict::Differs;
             }
         }
@@ -154,6 +153,24 @@ impl<'g> FindingBuilder<'_, 'g> {
     fn alone(&self) -> Vec<RunAlone> {
         let given: Vec<RunInput> = self.group.runs.iter().map(|run| run.given).collect();
         alone(&given, self.options)
+    }
+
+    /// Whether it is said of runs that are each right by themselves that they differ, where no law is told: of these nothing is
+    /// wrong but that one set of parameters is to describe them. A law that comes close is said instead where it predicts runs
+    /// left out better than lines of the parameters over the voltage do.
+    fn rather_differs(&self, missing: &Found<'g>) -> bool {
+        let Some(varying) = &missing.varying else {
+            return false;
+        };
+        let Some(lead) = missing.lead.as_ref().filter(|_| !missing.laws.is_empty()) else {
+            return true;
+        };
+        let error = |parts: &[Part]| -> f64 {
+            let each = (0..2).filter_map(|channel| nrmse(self.group, parts, channel));
+            each.map(|error| error * error).sum()
+        };
+        let by_voltage = varying.by_voltage(self.group, self.base);
+        by_voltage.is_some_and(|found| error(&found.after) < error(&lead.held_out.after))
     }
 
     /// What differs, and what it is worth as laws of the voltage.

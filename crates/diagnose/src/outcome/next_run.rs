@@ -28,7 +28,7 @@ pub(crate) fn next_run(group: &RunGroup, members: &[(&str, &Fitted)]) -> Option<
         (size, words, splits)
     });
     let (expected_set_size, drive, splits) = judged.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(NextRun {
+    (!splits.is_empty()).then_some(NextRun {
         drive,
         splits,
         expected_set_size,

@@ -1,5 +1,7 @@
 //! What parameters that differ are worth on runs that were not measured: as laws of the voltage they predict the drive left out.
 
+use ieap_domain::number::significant;
+
 use crate::cause::proof::held_out::{HeldOut, drives, left_out_by, predicted_part};
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
@@ -51,8 +53,8 @@ pub(crate) fn next_in_words(group: &RunGroup) -> Option<String> {
         .map(|pair| (pair[1] - pair[0], 0.5 * (pair[0] + pair[1])));
     let (_, middle) = gaps.max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(format!(
-        "whether these are laws of the voltage a run at {:.2} V would tell best: it lies in the widest gap between those measured",
-        middle.exp()
+        "whether these are laws of the voltage a run at {} V would tell best: it lies in the widest gap between those measured",
+        significant(middle.exp(), 3)
     ))
 }
 
