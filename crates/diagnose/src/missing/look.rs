@@ -152,8 +152,6 @@ struct Leading<'g> {
     model: Fitted<'g>,
     /// The law at its place as a curve, where one was fitted.
     curve: Option<Fitted<'g>>,
-    /// Its name, where the equation is sure.
-    name: Option<&'static str>,
 }
 
 impl<'g> Round<'g> {
@@ -199,8 +197,8 @@ impl<'g> Round<'g> {
         order
     }
 
-    /// The model of what is told: the equation that is sure; else of a law its curve, of a place the curve that explains most
-    /// there, of nothing what is most probable.
+    /// The model of what is told: of a law the most probable one, an equation within the band or its curve; of a place the curve
+    /// that explains most there, of nothing what is most probable.
     fn leading(&self) -> Option<Leading<'g>> {
         let is_at = |k: &usize| {
             let place = self.weighed.all[*k].place;
@@ -219,32 +217,18 @@ impl<'g> Round<'g> {
             .copied()
             .filter(|k| is_curve(k) && is_at(k))
             .max_by(|a, b| fall(a).total_cmp(&fall(b)));
-        // What few numbers say is no worse where nothing was measured.
-        let equation = self.told.name.and_then(|name| {
-            let is_it = |k: &&usize| self.weighed.all[**k].says == Says::Equation(name);
-            fitted.iter().find(is_it).copied()
-        });
-        let curve = curve.and_then(model);
-        if let Some(model) = equation.and_then(model) {
-            return Some(Leading {
-                model,
-                curve,
-                name: self.told.name,
-            });
-        }
-        let other = || {
-            fitted
-                .iter()
-                .copied()
-                .find(is_at)
-                .or(fitted.first().copied())
-                .and_then(model)
+        let is_told = |k: &usize| match self.weighed.all[*k].says {
+            Says::Equation(id) => self.told.names.contains(&id),
+            _ => true,
         };
-        let model = curve.clone().or_else(other)?;
+        let likeliest = fitted.iter().copied().find(|k| is_at(k) && is_told(k));
+        let at_place = match self.told.place {
+            Some(_) => likeliest,
+            None => curve.or(likeliest),
+        };
         Some(Leading {
-            model,
-            curve,
-            name: None,
+            model: at_place.or(fitted.first().copied()).and_then(model)?,
+            curve: curve.and_then(model),
         })
     }
 
@@ -261,7 +245,7 @@ impl<'g> Round<'g> {
             of: place.map(|own| own.of.to_owned()).filter(|of| !of.is_empty()),
             variable: place.map(|own| own.variable.to_owned()),
             words: place.map_or_else(|| site.words().to_owned(), |own| own.words()),
-            name: lead.name.map(str::to_owned),
+            name: self.told.name.map(str::to_owned),
             names: self.told.names.iter().map(|id| (*id).to_owned()).collect(),
             probability: self.told.probability.min(1.0),
             curve: place.and_then(|_| drawn(lead.curve.as_ref()?)),
