@@ -217,7 +217,7 @@ pub fn of_laboratories(first: u64, count: u64) -> (usize, usize) {
         if ![
             "beside the edges",
             "red noise of 30 s",
-            "runs scatter by 1 %",
+            "three repeats scatter by 1 %",
             "zero of the current another in each run",
             "laser drifts by 1 %",
         ]
