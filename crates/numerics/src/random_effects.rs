@@ -332,8 +332,8 @@ mod tests {
     fn more_than_the_most_is_seen_to_be_more() {
         let mut generator = ChaCha8Rng::seed_from_u64(2);
         let forms = drawn(5, [0.5, 0.0], [0.01, 0.01], &mut generator);
-        let (capped, gain) = most_likely(&[forms.clone()], 1e-4, 0.1);
+        let (capped, gain) = most_likely(std::slice::from_ref(&forms), 1e-4, 0.1);
         assert!((capped[0] - 0.1).abs() < 1e-9, "{capped:?}");
-        assert!(most_likely(&[forms.clone()], 1e-4, 3.0).1 > gain + 10.0);
+        assert!(most_likely(std::slice::from_ref(&forms), 1e-4, 3.0).1 > gain + 10.0);
     }
 }
