@@ -258,10 +258,10 @@ fn either<T: AsRef<str>>(words: &[T]) -> String {
 pub fn proof(found: &GroupDiagnosis, with: &str) -> String {
     found.gain.as_ref().map_or_else(String::new, |gain| {
         let what = format!("held-out {}", gain.parts_word(found.runs.len()));
-        // Of runs that differ no model is adopted: what it predicts is not listed.
+        // What is no law is not adopted: what it predicts is not listed.
         let predictions = match found.verdict {
-            Verdict::Differs => &[],
-            _ => gain.predictions.as_slice(),
+            Verdict::Law => gain.predictions.as_slice(),
+            _ => &[],
         };
         format!(" {}", gain_words(with, &what, &gain.proof, predictions))
     })
