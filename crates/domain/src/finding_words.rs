@@ -258,10 +258,11 @@ fn either<T: AsRef<str>>(words: &[T]) -> String {
 pub fn proof(found: &GroupDiagnosis, with: &str) -> String {
     found.gain.as_ref().map_or_else(String::new, |gain| {
         let what = format!("held-out {}", gain.parts_word(found.runs.len()));
-        // What is no law is not adopted: what it predicts is not listed.
+        // Of runs that differ, and of a law that only comes close, what is predicted stands in the table below.
         let predictions = match found.verdict {
-            Verdict::Law => gain.predictions.as_slice(),
-            _ => &[],
+            Verdict::Differs => &[],
+            _ if !found.closest.is_empty() => &[],
+            _ => gain.predictions.as_slice(),
         };
         format!(" {}", gain_words(with, &what, &gain.proof, predictions))
     })
