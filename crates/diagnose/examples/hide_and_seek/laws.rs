@@ -32,6 +32,8 @@ pub struct Count {
     /// By name, by law and variable (or mechanism), by place, each right and wrong.
     pub right: [usize; 3],
     pub wrong: [usize; 3],
+    /// Of what comes closest so far and is not told: right, wrong.
+    pub closest: [usize; 2],
     pub verdicts: BTreeMap<&'static str, usize>,
     seconds: f64,
     pub low: usize,
@@ -51,13 +53,16 @@ impl Count {
             };
             sum[depth(told)] += 1;
         }
+        for close in &found.closest {
+            self.closest[usize::from(!is_right(close, truth, name))] += 1;
+        }
     }
 
     /// The row of a table.
     pub fn row(&self, name: &str) -> String {
         let verdicts: Vec<String> = self.verdicts.iter().map(|(k, n)| format!("{k} {n}")).collect();
         format!(
-            "{name:34} n {:4} p<.05 {:4} | right name {:3} law {:3} place {:3} | wrong name {:3} law {:3} place {:3} | {} | {:.2} s",
+            "{name:34} n {:4} p<.05 {:4} | right name {:3} law {:3} place {:3} | wrong name {:3} law {:3} place {:3} | closest right {} wrong {} | {} | {:.2} s",
             self.groups,
             self.low,
             self.right[0],
@@ -66,6 +71,8 @@ impl Count {
             self.wrong[0],
             self.wrong[1],
             self.wrong[2],
+            self.closest[0],
+            self.closest[1],
             verdicts.join(", "),
             self.seconds / self.groups.max(1) as f64
         )

@@ -90,7 +90,6 @@ fn short() {
             "of {among} clean groups beside edges, with red noise, zeros, drifts or scatter {told} were told a misfit"
         ));
     }
-    // A law that leaves more than chance is the closest so far and not told: three in five are told at least.
     let ids = [
         "faradaic-leak",
         "voltage-dependent-capacitance",
@@ -100,10 +99,14 @@ fn short() {
     ];
     let own = laws::own(1000, 2, 32.0, &ids);
     println!("{}", own.row("own"));
-    let (right, wrong) = (own.right.iter().sum::<usize>(), own.wrong.iter().sum::<usize>());
-    if own.groups < 8 || own.low < own.groups || 10 * right < 6 * own.groups || wrong > 1 {
+    // What is said counts, of a law that leaves more than chance too, which is the closest so far.
+    let (right, wrong) = (
+        own.right.iter().sum::<usize>() + own.closest[0],
+        own.wrong.iter().sum::<usize>() + own.closest[1],
+    );
+    if own.groups < 8 || own.low < own.groups || 10 * right < 8 * own.groups || wrong > 1 {
         failed.push(format!(
-            "of {} hidden effects {} were seen, {right} told right, {wrong} wrong",
+            "of {} hidden effects {} were seen, {right} said right, {wrong} wrong",
             own.groups, own.low
         ));
     }

@@ -217,6 +217,7 @@ pub fn of_laboratories(first: u64, count: u64) -> (usize, usize) {
         if ![
             "beside the edges",
             "red noise of 30 s",
+            "runs scatter by 1 %",
             "three repeats scatter by 1 %",
             "zero of the current another in each run",
             "laser drifts by 1 %",
@@ -227,7 +228,11 @@ pub fn of_laboratories(first: u64, count: u64) -> (usize, usize) {
         }
         let found = diagnosed(first + APART * place, count, plan);
         println!("{}", row(name, &found));
-        told += found.iter().filter(|found| found.verdict.is_misfit()).count();
+        // Of runs that scatter it is true that they differ; of repeats that is known to be scatter, and no finding.
+        let is_true =
+            |found: &&GroupDiagnosis| name == "runs scatter by 1 %" && found.verdict == Verdict::Differs;
+        let misfits = found.iter().filter(|found| found.verdict.is_misfit());
+        told += misfits.filter(|found| !is_true(found)).count();
         among += found.len();
     }
     (told, among)
