@@ -9,7 +9,7 @@ use ieap_domain::{
 };
 
 use crate::cause::evidence::{Varying, by_voltage};
-use crate::cause::proof::held_out::{Part, nrmse};
+use crate::cause::proof::held_out::{HeldOut, Part, nrmse};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
 use crate::levels::{RIGHT_FROM, VISIBLE_PERCENT, WRONG_BELOW};
@@ -101,16 +101,23 @@ impl<'g> FindingBuilder<'_, 'g> {
         let mut found = self.frame();
         found.verdict = missing.verdict;
         found.account = Some(missing.account);
-        if found.verdict == Verdict::Unexplained && self.group.runs.len() > 1 {
+        let by_voltage = || missing.varying.as_ref()?.by_voltage(self.group, self.base);
+        let mut held_out = None;
+        if found.verdict == Verdict::Differs {
+            held_out = by_voltage();
+        } else if found.verdict == Verdict::Unexplained && self.group.runs.len() > 1 {
             found.alone = self.alone();
-            if are_right(&found.alone) && self.rather_differs(&missing) {
-                found.verdict = Verdict::Differs;
+            if are_right(&found.alone) {
+                held_out = by_voltage();
+                if self.rather_differs(&missing, held_out.as_ref()) {
+                    found.verdict = Verdict::Differs;
+                }
             }
         }
         if found.verdict == Verdict::Differs
             && let Some(varying) = &missing.varying
         {
-            self.add_differing(&mut found, varying);
+            self.add_differing(&mut found, varying, held_out);
         }
         found.posterior = missing.posterior;
         match found.verdict {
@@ -158,10 +165,10 @@ impl<'g> FindingBuilder<'_, 'g> {
     /// Whether it is said of runs that are each right by themselves that they differ, where no law is told: of these nothing is
     /// wrong but that one set of parameters is to describe them. A law that comes close is said instead where it predicts runs
     /// left out better than lines of the parameters over the voltage do.
-    fn rather_differs(&self, missing: &Found<'g>) -> bool {
-        let Some(varying) = &missing.varying else {
+    fn rather_differs(&self, missing: &Found<'g>, by_voltage: Option<&HeldOut>) -> bool {
+        if missing.varying.is_none() {
             return false;
-        };
+        }
         let Some(lead) = missing.lead.as_ref().filter(|_| !missing.laws.is_empty()) else {
             return true;
         };
@@ -169,17 +176,16 @@ impl<'g> FindingBuilder<'_, 'g> {
             let each = (0..2).filter_map(|channel| nrmse(self.group, parts, channel));
             each.map(|error| error * error).sum()
         };
-        let by_voltage = varying.by_voltage(self.group, self.base);
         by_voltage.is_some_and(|found| error(&found.after) < error(&lead.held_out.after))
     }
 
     /// What differs, and what it is worth as laws of the voltage.
-    fn add_differing(&self, found: &mut GroupDiagnosis, varying: &Varying) {
+    fn add_differing(&self, found: &mut GroupDiagnosis, varying: &Varying, held_out: Option<HeldOut>) {
         found.account = Some(account(self.group, self.base, None, Some(varying.own_square())));
         found.differs = varying.told(self.group, self.base);
         let differing = found.differs.iter();
         found.set = differing.map(|own| format!("varies:{}", own.key)).collect();
-        let Some(held_out) = varying.by_voltage(self.group, self.base) else {
+        let Some(held_out) = held_out else {
             return;
         };
         let squares = (self.base.square, varying.square());

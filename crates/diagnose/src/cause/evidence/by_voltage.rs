@@ -6,12 +6,8 @@ use crate::cause::proof::held_out::{HeldOut, drives, left_out_by, predicted_part
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
 
+use super::policy::{FEWEST_VOLTAGES, SAME_VOLTAGE_PART};
 use super::shared;
-
-/// Voltages from which a line over them is asked: one is left out, two give the line.
-const FEWEST_VOLTAGES: usize = 3;
-/// Voltages that differ by less than this part are one: what a voltmeter is off by.
-const SAME_VOLTAGE: f64 = 1e-2;
 
 /// Every drive in turn predicted by the base without it, and by parameters `own` that lie on lines over the logarithm of the
 /// voltage of the others; none of fewer than three voltages. `starts` are the places of all runs by themselves.
@@ -68,7 +64,7 @@ fn log_volts(group: &RunGroup) -> Vec<f64> {
 fn distinct(group: &RunGroup) -> Option<Vec<f64>> {
     let mut found = log_volts(group);
     found.sort_by(f64::total_cmp);
-    found.dedup_by(|a, b| (*a - *b).abs() < SAME_VOLTAGE);
+    found.dedup_by(|a, b| (*a - *b).abs() < SAME_VOLTAGE_PART);
     found.iter().all(|volts| volts.is_finite()).then_some(found)
 }
 

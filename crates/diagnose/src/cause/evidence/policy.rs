@@ -31,6 +31,11 @@ pub(super) const SUBSETS_FITTED: usize = 3;
 /// Parameters of which all subsets are asked; of more only singles, pairs and all. Chosen: each doubles them.
 pub(super) const MOST_FOR_ALL_SUBSETS: usize = 11;
 
+/// Voltages from which a line over them is asked: one is left out, two give the line.
+pub(super) const FEWEST_VOLTAGES: usize = 3;
+/// Voltages that differ by less than this part are one. Chosen: what a source is off by.
+pub(super) const SAME_VOLTAGE_PART: f64 = 1e-2;
+
 /// Points of the grids over sizes and spreads.
 pub(super) const GRID: usize = 9;
 
