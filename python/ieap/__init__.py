@@ -16,6 +16,7 @@ from os import PathLike
 from typing import Any, Mapping, Sequence
 
 from . import _native
+from ._checked import checked
 from ._errors import CampaignError, EngineFault, IeapError, InputError, MissingFileError
 from ._estimate import Estimate
 from ._inputs import (
@@ -23,7 +24,6 @@ from ._inputs import (
     Known,
     Measured,
     effects_of,
-    exact_of,
     known_of,
     numbers_of,
     readings_of,
@@ -33,6 +33,7 @@ from ._inputs import (
     table_of,
     threads_of,
     times_of,
+    values_of,
 )
 from ._records import Record, record
 from ._results import Finding, Fit
@@ -64,6 +65,11 @@ __all__ = [
 ]
 
 
+def __dir__() -> list[str]:
+    return sorted([*__all__, "spark", *(name for name in globals() if name.startswith("__"))])
+
+
+@checked
 def read_all(path: str | PathLike[str]) -> list[Table]:
     """Reads every table of a file of any format that `ieap list formats` lists.
 
@@ -75,6 +81,7 @@ def read_all(path: str | PathLike[str]) -> list[Table]:
     return [Table(found) for found in _native.read(path)]
 
 
+@checked
 def read(path: str | PathLike[str], table: str | None = None) -> Table:
     """Reads a run from a file of any format that `ieap list formats` lists.
 
@@ -100,6 +107,7 @@ def read(path: str | PathLike[str], table: str | None = None) -> Table:
     raise InputError(f"the file holds {len(found)} tables, and {table!r} is none of them", str(path), remedy)
 
 
+@checked
 def fit(
     readings: Any,
     *,
@@ -129,7 +137,7 @@ def fit(
         length_mm: free length, mm. A tip displacement gives a curvature only with it.
         width_mm: width, mm.
         model: ``lumped-1`` to ``lumped-4``, ``distributed``, or a rival, as ``ieap list models`` lists them; None: ``lumped-2``.
-        voltage_v: the step at time zero, V, where no voltage was recorded.
+        voltage_v: the step, V, where no voltage was recorded: where the current jumps, else beside time zero.
         drive: start (s) and voltage (V; None: open circuit) of each segment, in place of what was recorded.
         baseline_v: voltage held before `drive`, V.
         tags: what a sidecar may state: ``{"leave_out": "600-1200", "open_circuit": "300-400", ...}``.
@@ -159,6 +167,7 @@ def fit(
     return Fit(_native.fit(*recipe), recipe)
 
 
+@checked
 def diagnose(
     runs: Mapping[str, Any] | Sequence[Any],
     *,
@@ -210,6 +219,7 @@ def diagnose(
     return Finding(json.loads(_native.diagnose(group, parts, model, draws, seed, threads_of(threads))))
 
 
+@checked
 def impedance(readings: Any, impedance_ohm: Any = None, *, circuits: Sequence[str] = ()) -> Record:
     """Analyses an impedance spectrum: whether it can be one (Kramers-Kronig, Z-HIT), its relaxation times, and circuits.
 
@@ -232,6 +242,7 @@ def impedance(readings: Any, impedance_ohm: Any = None, *, circuits: Sequence[st
     return found
 
 
+@checked
 def cycles(
     readings: Any,
     *,
@@ -256,6 +267,7 @@ def cycles(
     return Table(_native.cycles(readings_of(readings), said))
 
 
+@checked
 def simulate(
     parameters: Fit | Mapping[str, float],
     *,
@@ -314,23 +326,20 @@ def simulate(
         length_mm = parameters.length_mm if length_mm is None else length_mm
         places_mm = parameters._native.places_mm if places_mm is None else places_mm
     else:
-        given = {key: float(value) for key, value in parameters.items()}
+        given = values_of(parameters, "parameters")
     if not drive:
         raise InputError("there is no drive", "drive", "give start (s) and voltage (V) of each segment: [(0, 2.0)]")
     said = _stated(area_cm2=area_cm2, length_mm=length_mm, width_mm=width_mm, drive=drive, baseline_v=baseline_v or 0.0)
     times = times_of(drive, time_s, until_s, every_s)
-    sizes = dict(noise or {})
-    own_noise = (
-        float(sizes.pop("current_a", 0.0)),
-        float(sizes.pop("curvature_per_cm", 0.0)),
-        float(sizes.pop("autocorrelation", 0.0)),
-    )
+    sizes = values_of(noise or {}, "noise")
+    own_noise = (sizes.pop("current_a", 0.0), sizes.pop("curvature_per_cm", 0.0), sizes.pop("autocorrelation", 0.0))
     if sizes:
         raise InputError(f"found {', '.join(sizes)}", "noise", "one of current_a, curvature_per_cm, autocorrelation")
     places = [float(place) for place in places_mm or ()]
     return Table(_native.simulate(model or "lumped-2", given, said, effects_of(effects), times, own_noise, seed, places))
 
 
+@checked
 def convert(
     given: str,
     *,
@@ -398,6 +407,7 @@ def _course_of(rows: Sequence[tuple[float, float]], one: float | None) -> list[t
     return course
 
 
+@checked
 def fit_many(
     rows: Any,
     *,
@@ -427,6 +437,7 @@ def fit_many(
     return Table(_native.fit_many(rows, model, method, simultaneous, seed, threads_of(threads), known_of(known)))
 
 
+@checked
 def diagnose_rows(
     rows: Any,
     *,
@@ -448,6 +459,7 @@ def diagnose_rows(
 class Campaign:
     """A campaign folder, to read from; it is never changed. Every call shows the campaign as it is then."""
 
+    @checked
     def __init__(self, folder: str | PathLike[str] = ".") -> None:
         """Finds the campaign at `folder` or above it."""
         self._native = _native.Campaign(folder)
@@ -457,16 +469,19 @@ class Campaign:
         """Every table that `table` gives, and what it holds."""
         return dict(_native.Campaign.tables())
 
+    @checked
     def table(self, name: str) -> Table:
         """A table of results by its name: those that ``ieap export`` writes, such as ``runs``, ``fits``, ``laws``, and those
         that ``ieap table`` lists beside them. Numbers are in full, in the unit that the column's name ends in; those with
         uncertainty have ``_standard_error``, ``_low_95``, ``_high_95`` and ``_reason`` beside them."""
         return Table(self._native.table(name))
 
+    @checked
     def readings(self, run: str) -> Table:
         """The readings of a run as a fit takes them, with its strip, drive and tags: ``ieap.fit(c.readings(run))``."""
         return Table(self._native.readings(run))
 
+    @checked
     def readings_many(self, runs: Sequence[str] | None = None) -> dict[str, Table]:
         """The readings of many runs by name, with the campaign opened once; None: of every run that results are made from."""
         if runs is None:
@@ -475,6 +490,7 @@ class Campaign:
             runs = [run for run, standing in speaking if standing in ("speaks", "vouched")]
         return dict(zip(runs, map(Table, self._native.readings_many(list(runs)))))
 
+    @checked
     def fit_rows(self, runs: Sequence[str] | None = None) -> Any:
         """Runs as rows for `fit_many`, one a run with its readings, strip and how the campaign fits it, as a pyarrow table.
 
@@ -493,6 +509,7 @@ class Campaign:
             rows = rows.append_column(name, [[of_run[run] for run in rows.column("run").to_pylist()]])
         return rows
 
+    @checked
     def finding(self, group: str) -> Finding:
         """The current finding of a group, by its name as the program takes it: ``"CNaf-1 in air"``, or with its tags."""
         found = _document("diagnosis", self._native.diagnosis_document(group)).groups
@@ -510,11 +527,13 @@ class Campaign:
         """What ``ieap diagnose --json`` prints of the current findings: each of ``.groups`` is a `Finding`."""
         return _document("diagnosis", self._native.diagnosis_document(None))
 
+    @checked
     def impedance(self, circuits: Sequence[str] = ()) -> Record:
         """What ``ieap impedance --json`` prints of the spectra that were taken in; ``circuits`` such as
         ``"R0-p(R1,CPE1)-W1"`` are fitted as well."""
         return _document("impedance", self._native.impedance_document(list(circuits)))
 
+    @checked
     def compare(self, models: Sequence[str] = ()) -> Record:
         """Which model is best for which material in which environment: the document `ieap/comparison/1` that
         ``ieap compare --json`` prints.
@@ -524,6 +543,7 @@ class Campaign:
         """
         return _document("comparison", self._native.compare(list(models)))
 
+    @checked
     def predict(
         self,
         sample: str,
@@ -556,7 +576,7 @@ class Campaign:
             raise InputError(found, "drive", "give one of both: voltage_v=1.5, or drive=[(0, 1.5), (300, 0.0)]", "bad-argument")
         segments = segments_of(drive if voltage_v is None else [(0.0, voltage_v)])
         numbers = numbers_of(length_mm=length_mm, width_mm=width_mm, thickness_mm=thickness_mm, modulus_mpa=modulus_mpa)
-        numbers |= exact_of(
+        numbers |= numbers_of(
             relative_humidity_percent=relative_humidity_percent,
             temperature_c=temperature_c,
             age_h=age_h,
@@ -566,6 +586,7 @@ class Campaign:
         of = (sample, environment, humidity)
         return _document("prediction", self._native.predict(of, numbers, (baseline_v, segments), times))
 
+    @checked
     def drive(
         self,
         sample: str,
@@ -604,7 +625,7 @@ class Campaign:
             needed = "give two rows of time and displacement or more, with times that increase"
             raise InputError(f"found {course!r}", "course", needed, "bad-argument")
         numbers = numbers_of(length_mm=length_mm, width_mm=width_mm, thickness_mm=thickness_mm, onset_v=onset_v)
-        numbers |= exact_of(
+        numbers |= numbers_of(
             every_s=every_s,
             max_voltage_v=max_voltage_v,
             max_slope_v_per_s=max_slope_v_per_s,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import floor, inf, isfinite, log10, nan
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,8 @@ class Estimate:
         reason: why there is no value, or only a bound.
         unit: the unit of all of these, as the key names it; empty of a pure number.
 
-    ``float(estimate)`` is the value, NaN where it is not determined.
+    ``float(estimate)`` is the value, NaN where it is not determined; arithmetic and ``f"{estimate:.3g}"`` are those of the
+    value, for parameters of one fit err together: `Fit.correlated_values` has them with their correlations.
     """
 
     value: float | None
@@ -32,6 +34,45 @@ class Estimate:
 
     def __float__(self) -> float:
         return nan if self.value is None else self.value
+
+    def __format__(self, wanted: str) -> str:
+        return format(float(self), wanted) if wanted else str(self)
+
+    def __add__(self, other: Any) -> Any:
+        return float(self) + other
+
+    def __radd__(self, other: Any) -> Any:
+        return other + float(self)
+
+    def __sub__(self, other: Any) -> Any:
+        return float(self) - other
+
+    def __rsub__(self, other: Any) -> Any:
+        return other - float(self)
+
+    def __mul__(self, other: Any) -> Any:
+        return float(self) * other
+
+    def __rmul__(self, other: Any) -> Any:
+        return other * float(self)
+
+    def __truediv__(self, other: Any) -> Any:
+        return float(self) / other
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return other / float(self)
+
+    def __pow__(self, other: Any) -> Any:
+        return float(self) ** other
+
+    def __rpow__(self, other: Any) -> Any:
+        return other ** float(self)
+
+    def __neg__(self) -> float:
+        return -float(self)
+
+    def __abs__(self) -> float:
+        return abs(float(self))
 
     def __str__(self) -> str:
         if self.value is None:

@@ -118,6 +118,8 @@ def spectrum_of(frequency_hz: Any, impedance_ohm: Any) -> _native.Readings:
     """A spectrum: frequencies beside complex numbers, or readings that have both."""
     if impedance_ohm is None:
         return readings_of(frequency_hz)
+    if not hasattr(impedance_ohm, "__len__"):
+        raise InputError(f"found {impedance_ohm!r}", "impedance_ohm", "give complex numbers, one a frequency", "bad-argument")
     if not hasattr(impedance_ohm, "real"):
         numbers = [complex(number) for number in impedance_ohm]
         parts = [number.real for number in numbers], [number.imag for number in numbers]
@@ -140,6 +142,8 @@ def stated(
     tags: Mapping[str, Any] | None = None,
 ) -> _native.Stated:
     """What is stated of readings."""
+    if not hasattr(tags or {}, "items"):
+        raise InputError(f"found {tags!r}", "tags", "give a mapping of tags to texts or numbers", "bad-argument")
     words = {key: _word(key, value) for key, value in (tags or {}).items()}
     if voltage_v is not None:
         volts = _number("voltage_v", voltage_v)
@@ -222,14 +226,6 @@ def numbers_of(**given: "Measured | None") -> dict[str, tuple[float, float]]:
     return found
 
 
-def exact_of(**given: float | None) -> dict[str, tuple[float, float]]:
-    """Each number that is given, of those that are taken as exact."""
-    for key, own in given.items():
-        if isinstance(own, (tuple, list)):
-            raise InputError(f"found {own!r}", key, "give one number: its error is not used here", "bad-argument")
-    return numbers_of(**given)
-
-
 Known = float | tuple[float, float] | str
 """What is known of a parameter: a number, a number with its standard error, or limits as a text, ``"0.001..0.01"``."""
 
@@ -251,13 +247,20 @@ def known_of(known: "Mapping[str, Known] | None") -> list[str]:
     return said
 
 
+def values_of(given: Mapping[str, Any], where: str) -> dict[str, float]:
+    """Numbers by their keys."""
+    if not hasattr(given, "items"):
+        raise InputError(f"found {given!r}", where, "give a mapping of keys to numbers", "bad-argument")
+    return {key: _number(f"{where}, {key}", value) for key, value in given.items()}
+
+
 def effects_of(effects: Any) -> list[tuple[str, str | None, dict[str, float]]]:
     """Effects as ``{id: {parameter: value}}``; the key ``variant`` names a variant."""
     found = []
     for name, parameters in (effects or {}).items():
-        own = dict(parameters)
-        variant = own.pop("variant", None)
-        found.append((name, variant, {key: float(value) for key, value in own.items()}))
+        own = {key: value for key, value in parameters.items() if key != "variant"} if hasattr(parameters, "items") else parameters
+        variant = parameters.get("variant") if own is not parameters else None
+        found.append((name, variant, values_of(own, f"effects, {name}")))
     return found
 
 

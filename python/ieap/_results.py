@@ -243,6 +243,23 @@ class Fit:
             for key, row in all.items()
         }
 
+    def correlated_values(self) -> dict[str, Any]:
+        """The parameters that are determined as numbers of the package `uncertainties`, by their keys, with their correlations:
+        what is calculated of several has the right error.
+
+        Raises:
+            InputError: `uncertainties` is not installed, or the model has no covariance.
+        """
+        try:
+            from uncertainties import correlated_values
+        except ImportError:
+            raise InputError("uncertainties is not installed", "correlated_values", "pip install uncertainties", "bad-argument") from None
+        found = self.covariance
+        if not found:
+            raise InputError(f"{self.model} has no covariance", "correlated_values", "take each estimate's own error", "bad-argument")
+        values = correlated_values([float(self[key]) for key in found], [list(row.values()) for row in found.values()])
+        return dict(zip(found, values))
+
     def eval(self, time_s: Any = None, drive: Any = None, **options: Any) -> Table:
         """What the fitted model gives at `time_s` (s) under `drive`; as `ieap.simulate` of this fit, whose options it takes.
         None: the readings' own times and drive, which give the curve of the fit."""

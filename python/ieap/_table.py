@@ -24,7 +24,8 @@ class Table:
     among words. The package needs nothing but Python: where numpy is not installed, numbers are an `array.array` and all else
     a list. (An object that only can be made into an array would be the same everywhere, and nobody's arithmetic.)
 
-    pyarrow, polars, pandas and DuckDB take the table itself, as Arrow, without a copy. Iterating goes over the names of the
+    pyarrow, polars and DuckDB take the table itself, as Arrow, without a copy; pandas by ``to_pandas()``, or by
+    ``pandas.DataFrame.from_arrow``. Iterating goes over the names of the
     columns, as `dict(table)` does; ``len(table)`` is the number of rows.
     """
 
@@ -113,6 +114,11 @@ class Table:
             known: dict[str, Any] = json.loads(self._readings.describe())
             return known
         return {"columns": [{"name": name, "unit": _native.unit_of_key(name)} for name in self]}
+
+    def __array__(self, *_: Any, **__: Any) -> Any:
+        # One array has no names of columns; asked for one, pandas would make a column of their names.
+        remedy = "take table.to_pandas(), or a column: table[\"time_s\"]"
+        raise InputError("columns of several kinds are no one array", "table", remedy, "no-array")
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         return self._columns.__arrow_c_stream__(requested_schema)

@@ -70,3 +70,36 @@ def test_what_is_no_campaign_or_group(tmp_path, table):
     assert raised.value.code == "same-readings" and "b" in raised.value.place
     with pytest.raises(ieap.InputError, match="no run"):
         ieap.diagnose([], **STRIP)
+
+
+@pytest.mark.parametrize(
+    ("named", "place"),
+    [
+        ({"area_cm2": "0.1"}, "area_cm2"),
+        ({"area_cm2": True}, "area_cm2"),
+        ({"seed": -1}, "seed"),
+        ({"model": 2}, "model"),
+        ({"tags": 3}, "tags"),
+        ({"known": 3}, "known"),
+    ],
+)
+def test_an_argument_of_another_kind_is_refused_by_its_name(table, named, place):
+    with pytest.raises(ieap.InputError) as raised:
+        ieap.fit(table, **{**STRIP, **named})
+    assert raised.value.place == place and raised.value.remedy.startswith("give")
+
+
+def test_numbers_within_arguments_are_refused_by_their_keys():
+    for named, place in [({"noise": {"current_a": "a"}}, "noise, current_a"), ({"effects": {"creep": {"x": "a"}}}, "effects, creep, x")]:
+        with pytest.raises(ieap.InputError) as raised:
+            ieap.simulate(PARAMETERS, drive=[(0, 1)], **STRIP, **named)
+        assert raised.value.place == place
+    with pytest.raises(ieap.InputError) as raised:
+        ieap.simulate({"r1_ohm_cm2": "a"}, drive=[(0, 1)], **STRIP)
+    assert raised.value.place == "parameters, r1_ohm_cm2"
+    with pytest.raises(ieap.InputError):
+        ieap.impedance([1.0], 3)
+
+
+def test_only_what_is_meant_to_be_used_is_listed():
+    assert {name for name in dir(ieap) if not name.startswith("__")} == {*ieap.__all__, "spark"}

@@ -34,6 +34,21 @@ def test_a_fit_is_gone_over_as_a_mapping(fit):
     assert "one &lt;run&gt;" in fit._repr_html_() and "<run>" not in fit._repr_html_()
 
 
+def test_an_estimate_is_a_number_among_numbers(fit):
+    r1, c1 = fit["r1"], fit["c1"]
+    assert f"{r1:.3g}" == f"{float(r1):.3g}" and f"{r1}" == str(r1)
+    assert 2 * r1 == r1 * 2 == r1 + r1 == 2 * r1.value and r1 / r1 == 1.0 and 1 / r1 == r1**-1
+    assert r1 - c1 == -(c1 - r1) and abs(-r1) == r1.value
+
+
+def test_what_errs_together_is_calculated_together(fit):
+    pytest.importorskip("uncertainties")
+    found = fit.correlated_values()
+    assert found["r1_ohm_cm2"].n == fit["r1"].value
+    product = found["r1_ohm_cm2"] * found["c1_f_per_cm2"]
+    assert product.s == pytest.approx(fit["tau1"].standard_error, rel=0.05), "tau1 is their product, but for what the noise remembers"
+
+
 def test_curves_have_every_reading(fit):
     rows = 3601
     for curve, key in [(fit.current, "current_a"), (fit.curvature, "curvature_per_cm")]:

@@ -51,6 +51,10 @@ def test_tables_become_data_frames(campaign, fits):
     frame = runs.to_pandas()
     assert isinstance(frame, pandas.DataFrame) and list(frame.columns) == list(runs) and len(frame) == 2
     assert isinstance(runs.to_polars(), polars.DataFrame) and runs.to_polars()["run"].to_list() == runs.column("run")
+    if hasattr(pandas.DataFrame, "from_arrow"):
+        assert list(pandas.DataFrame.from_arrow(runs).columns) == list(runs)
+    with pytest.raises(ieap.InputError, match="to_pandas"):
+        pandas.DataFrame(runs)
     assert "<table>" in runs._repr_html_() and "runs/a.csv" in runs._repr_html_()
     assert pickle.loads(pickle.dumps(runs)).to_dict() == runs.to_dict()
 
