@@ -3,7 +3,8 @@
 use ieap_domain::MisfitPercent;
 
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::{Block, RunGroup};
+use crate::readings::group::{GroupRun, RunGroup};
+use crate::readings::tolerance::{most_charge, passed};
 
 /// Of the base model.
 pub(crate) fn misfit_percent(group: &RunGroup, base: &Fitted) -> MisfitPercent {
@@ -24,7 +25,7 @@ pub(crate) fn misfit_percent(group: &RunGroup, base: &Fitted) -> MisfitPercent {
         squares[block.channel] = (sum + square - noise, count + off.len() as f64);
         ranges[block.channel] = ranges[block.channel].max(range(channel.values()));
         if block.channel == 0 {
-            let own = charge_error(group, block, channel.values(), &off);
+            let own = charge_error(run, &off);
             charge = charge.into_iter().chain(own).reduce(f64::max);
         }
     }
@@ -49,14 +50,8 @@ pub(crate) fn range(values: &[f64]) -> f64 {
 }
 
 /// Error of the charge at the end of a run, in percent of the largest charge on the way.
-fn charge_error(group: &RunGroup, block: &Block, values: &[f64], off: &[f64]) -> Option<f64> {
-    let times = group.runs[block.run].times(block.channel);
-    let (mut flowed, mut most, mut missed) = (0.0, 0.0_f64, 0.0);
-    for k in 1..times.len() {
-        let half_s = 0.5 * (times[k] - times[k - 1]);
-        flowed += half_s * (values[k] + values[k - 1]);
-        missed += half_s * (off[k] + off[k - 1]);
-        most = most.max(flowed.abs());
-    }
+fn charge_error(run: &GroupRun, off: &[f64]) -> Option<f64> {
+    let missed = passed(run.times(0), off).last()?;
+    let most = most_charge(run);
     (most > 0.0).then(|| 100.0 * missed.abs() / most)
 }

@@ -15,5 +15,5 @@ pub(crate) mod power_law;
 pub(crate) mod quantities;
 pub(crate) mod record_length;
 pub(crate) mod scatter;
-mod tolerance;
+pub(crate) mod tolerance;
 mod zeros;

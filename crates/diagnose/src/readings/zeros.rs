@@ -29,8 +29,8 @@ impl RunGroup<'_> {
             let each: Vec<Option<AtRest>> = (self.runs.iter().zip(fitted))
                 .map(|(run, fitted)| at_rest(run, kind, &fitted[kind]))
                 .collect();
-            let tolerated = self.tolerance_percent / 100.0 * self.range_of(kind);
-            let [zero, drift] = sizes(&each, MOST_DRIFT_PARTS[kind] * self.range_of(kind));
+            let range = self.range_of(kind);
+            let [zero, drift] = sizes(&each, MOST_DRIFT_PARTS[kind] * range);
             for (run, changes) in self.runs.iter().zip(&mut changes) {
                 let Some(channel) = &run.channels[kind] else {
                     continue;
@@ -38,7 +38,7 @@ impl RunGroup<'_> {
                 let parts = parts_of_record(channel);
                 let mut ways = vec![vec![zero; parts.len()]];
                 ways.push(parts.iter().map(|part| drift * part).collect());
-                ways.extend(courses(run, kind, tolerated));
+                ways.extend(courses(run, kind, self.tolerance_percent / 100.0, range));
                 let ways = ways.into_iter().filter(|way| way.iter().any(|v| *v != 0.0));
                 changes.extend(ways.map(|way| rows_of(run, kind, channel, way)));
             }

@@ -62,9 +62,8 @@ fn a_misfit_below_what_is_tolerated_is_right() {
     );
 }
 
-/// Steps to four voltages tell nothing of a leak below the lowest and nothing of one below zero: there no curve is drawn.
-#[test]
-fn a_law_is_drawn_where_readings_tell_it() {
+/// Steps to four voltages of a strip that leaks above 1.2 V.
+fn leaky() -> Runs {
     let leak: Hidden = (
         "faradaic-leak",
         None,
@@ -76,7 +75,13 @@ fn a_law_is_drawn_where_readings_tell_it() {
     );
     let drives: &[Levels] = &[&[(0.0, 0.8)], &[(0.0, 1.2)], &[(0.0, 1.6)], &[(0.0, 2.0)]];
     let base = sample([30.0, 0.02, 300.0, 0.03], 9000.0, 120.0, 0.002);
-    let found = Runs::beside(&base, &[leak], drives, 31).diagnosed();
+    Runs::beside(&base, &[leak], drives, 31)
+}
+
+/// Steps to four voltages tell nothing of a leak below the lowest and nothing of one below zero: there no curve is drawn.
+#[test]
+fn a_law_is_drawn_where_readings_tell_it() {
+    let found = leaky().diagnosed();
     let curve = found.missing[0]
         .curve
         .as_ref()
@@ -101,4 +106,22 @@ fn a_law_is_drawn_where_readings_tell_it() {
             "the law takes current away: {curve:?}"
         );
     }
+}
+
+/// A thousandth of the first peak of the current is less than is tolerated; a third of the charge is more.
+#[test]
+fn a_leak_far_below_the_first_peak_is_told_by_its_charge() {
+    let runs = leaky();
+    let found = diagnose_group("group", &runs.inputs(), &DiagnoseOptions::default());
+    let misfit = &found.misfit_percent;
+    assert!(
+        misfit.current.unwrap() < 1.0 && misfit.charge.unwrap() > 10.0,
+        "{misfit:?}"
+    );
+    assert_eq!(found.verdict, Verdict::Law, "{}", found.sentence);
+    assert!(
+        found.set.contains(&"faradaic-leak".to_string()),
+        "{:?}",
+        found.set
+    );
 }
