@@ -80,21 +80,24 @@ fn a_tantalum_capacitor_is_given_no_name() {
 /// flows for good at each voltage.
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
-fn electrolysis_differs_in_what_flows_for_good_and_another_date_is_set_apart() {
+fn electrolysis_comes_close_to_a_leak_and_another_date_is_set_apart() {
     let Some(document) = found("electrolysis-onset", |_| true) else {
         return;
     };
     let group = of(&document, "groups", "sample=cell-1,environment=air");
-    assert_eq!(group["verdict"], "differs", "{group:#}");
-    let differs = group["differs"].as_array().unwrap().iter();
-    let shares = differs.map(|own| {
-        (
-            own["share_percent"].as_f64().unwrap(),
-            own["key"].as_str().unwrap(),
-        )
-    });
-    let most = shares.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
-    assert!(most.1 == "rss_ohm_cm2" && most.0 > 60.0, "{group:#}");
+    // A current above an onset, by no curve of the list to the last nA: the textbook's own comes closest.
+    assert_eq!(group["verdict"], "unexplained", "{group:#}");
+    let closest = &group["closest"][0];
+    assert_eq!(
+        (&closest["law"], &closest["variable"]),
+        (&"leak".into(), &"voltage_v".into()),
+        "{closest:#}"
+    );
+    let error = |of: &str| closest["held_out"][of].as_f64().unwrap();
+    assert!(
+        error("error_percent_after") < 0.2 * error("error_percent_before"),
+        "{closest:#}"
+    );
     let remarks = words(&group["remarks"]);
     assert!(
         remarks
@@ -119,6 +122,7 @@ fn a_diffusion_limited_current_is_not_called_right() {
     for run in ["runs/4_DMAB_50s_CA.xlsx", "runs/4_DMAB_200s_CA.xlsx"] {
         assert_ne!(of(&document, "runs", run)["verdict"], "right");
     }
-    // Time constants grow with the length of the record.
-    assert_eq!(of(&document, "groups", "sample=DMAB")["verdict"], "differs");
+    // Time constants grow with the length of the record: no law of the list is that, and none is told.
+    let verdict = &of(&document, "groups", "sample=DMAB")["verdict"];
+    assert!(verdict == "differs" || verdict == "unexplained", "{verdict}");
 }

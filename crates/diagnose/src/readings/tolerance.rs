@@ -10,9 +10,9 @@ use crate::readings::policy::TOLERATED_STEP;
 
 /// Courses of one channel over its readings, smooth over the logarithm of the time since the last edge of the drive: with random
 /// coefficients of standard deviation one their sum has a standard deviation of `part` of the channel's range everywhere, and less
-/// where one course of a current would carry that part of the run's largest charge.
-pub(super) fn courses(run: &GroupRun, kind: usize, part: f64, range: f64) -> Vec<Vec<f64>> {
-    let size = part * range;
+/// where one course would carry that part of a charge, `most`; 0 where none is asked.
+pub(super) fn courses(run: &GroupRun, kind: usize, part: f64, range: f64, most: f64) -> Vec<Vec<f64>> {
+    let (size, most) = (part * range, part * most);
     let times_s = run.times(kind);
     let (Some(first_s), true) = (times_s.first(), size > 0.0) else {
         return Vec::new();
@@ -36,7 +36,6 @@ pub(super) fn courses(run: &GroupRun, kind: usize, part: f64, range: f64) -> Vec
                 .sqrt()
         })
         .collect();
-    let most = part * if kind == 0 { most_charge(run) } else { 0.0 };
     let of_knot = |knot: usize| {
         let each = places.iter().zip(&whole);
         let course: Vec<f64> = each
