@@ -25,8 +25,8 @@ class Table:
     a list. (An object that only can be made into an array would be the same everywhere, and nobody's arithmetic.)
 
     pyarrow, polars and DuckDB take the table itself, as Arrow, without a copy; pandas by ``to_pandas()``, or by
-    ``pandas.DataFrame.from_arrow``. Iterating goes over the names of the
-    columns, as `dict(table)` does; ``len(table)`` is the number of rows.
+    ``pandas.DataFrame.from_arrow``. Iterating goes over the names of the columns, as `dict(table)` does; ``len(table)`` is
+    the number of rows.
     """
 
     __slots__ = ("_readings", "_arrow")

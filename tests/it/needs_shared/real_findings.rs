@@ -76,8 +76,7 @@ fn a_tantalum_capacitor_is_given_no_name() {
     assert!(words(&group["set"]).is_empty(), "{group:#}");
 }
 
-/// Twelve steps about an onset: no one law of the library takes what one set of parameters leaves, and what differs is how much
-/// flows for good at each voltage.
+/// Twelve steps about an onset: no law of the library leaves no more than chance, and a leak above an onset comes closest.
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
 fn electrolysis_comes_close_to_a_leak_and_another_date_is_set_apart() {
