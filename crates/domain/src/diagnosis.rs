@@ -116,7 +116,7 @@ pub struct MisfitPercent {
     pub current: Option<f64>,
     /// Of the range of the curvature.
     pub curvature: Option<f64>,
-    /// Error of the charge that has flowed at the end, of the largest charge of the run; the worst run.
+    /// Largest error of the charge that has flowed at the end of a run, of the largest charge of all runs.
     pub charge: Option<f64>,
 }
 

@@ -1,38 +1,36 @@
-//! What an extended model leaves, asked in the noise that is found beside it.
+//! What an extended model leaves, asked in the noise and on the edges that are found beside it.
 //!
-//! The noise of a diagnosis is found beside the base model. Where that is wrong, some of its misfit is taken for noise that
-//! is louder and remembers longer, and what a right extension leaves looks smaller than it is: of 215 hidden effects of 32
-//! standard deviations, the p of what the truth left was below 0.05 in 2 where 11 are due.
+//! The noise of a diagnosis and the edges that only readings tell of are found beside the base model. Where that is wrong, some of
+//! its misfit is taken for noise that is louder and remembers longer, and what a right extension leaves looks smaller than it is
+//! (of 215 hidden effects of 32 standard deviations, the p of what the truth left was below 0.05 in 2 where 11 are due); and edges
+//! move to hide what it misses, so that a right extension leaves what they are off by.
 
 use crate::cause::selection_input::SelectionInput;
+use crate::fitting::edges;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::ExtendedProblem;
 use crate::misfit::calibration::{Asked, Calibration};
-use crate::misfit::null::{Null, Statistics};
+use crate::misfit::null::Null;
 use crate::misfit::signature::{Signature, directions};
 use crate::readings::group::RunGroup;
 
 impl SelectionInput<'_, '_> {
-    /// How often chance leaves as much as `model` does.
+    /// How often chance leaves as much as `model` does: calibrated, unless it is clear already.
     pub(crate) fn p_of(&self, model: &Fitted) -> f64 {
-        let (null, directions) = self.null(model, 1);
-        let left = null.observe(self.group, &model.residuals(), &directions);
-        self.p_left(model, &null, &left, 1)
-    }
-
-    /// How often chance leaves as much as `model` does, from what it leaves in the noise beside the base: found anew in the
-    /// noise beside `model`, and calibrated, unless it is clear already.
-    fn p_left(&self, model: &Fitted, null: &Null, left: &Statistics, step: u64) -> f64 {
-        let first = || null.p_misfit(left, None);
-        if model.problem.effects.is_empty() || Calibration::is_needless(null.unbounded_p(left)) {
-            return first();
-        }
-        self.p_in_own_noise(model, step).unwrap_or_else(first)
+        self.p_in_own_noise(model, 1).unwrap_or_else(|| {
+            let (null, directions) = self.null(model, 1);
+            null.p_misfit(&null.observe(self.group, &model.residuals(), &directions), None)
+        })
     }
 
     fn p_in_own_noise(&self, model: &Fitted, step: u64) -> Option<f64> {
-        let group = self.group.renoised(&model.problem.model(&model.at));
-        let again = refitted(&group, model)?;
+        let on_edges = edges::settled(self.group, model);
+        let (group, at) = match &on_edges {
+            Some((moved, at)) => (moved, at),
+            None => (self.group, &model.at),
+        };
+        let group = group.renoised(&model.problem.model(at));
+        let again = refitted(&group, model, at)?;
         let signatures: Vec<Signature> = self
             .signatures
             .iter()
@@ -59,9 +57,13 @@ impl SelectionInput<'_, '_> {
     }
 }
 
-/// The model with its effects fitted to the same readings with another noise, from where it was.
-fn refitted<'g>(group: &'g RunGroup<'g>, from: &Fitted) -> Option<Fitted<'g>> {
-    let problem = ExtendedProblem::new(group, &from.base(), from.problem.effects.clone());
-    let at = problem.coordinates(&from.base(), &from.effect_values());
+/// The model with its effects fitted to the same readings with another noise, from those coordinates.
+fn refitted<'g>(group: &'g RunGroup<'g>, from: &Fitted, at: &[f64]) -> Option<Fitted<'g>> {
+    let extended = from.problem.model(at);
+    let problem = ExtendedProblem::new(group, &extended.base, from.problem.effects.clone());
+    let values: Vec<Vec<f64>> = (extended.effects.into_iter())
+        .map(|applied| applied.parameters)
+        .collect();
+    let at = problem.coordinates(&extended.base, &values);
     Fitted::search(problem, &[at], &[]).map(Fitted::polished)
 }

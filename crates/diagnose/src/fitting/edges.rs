@@ -107,6 +107,7 @@ impl WithEdges<'_, '_> {
         context.drive = &drive;
         let mut out = Vec::new();
         own.whitened(&own.fitted(&self.problem.model(at), &context), &mut out);
+        own.open_zeros.take_out(&mut out);
         out
     }
 }

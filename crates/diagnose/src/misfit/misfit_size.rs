@@ -3,13 +3,15 @@
 use ieap_domain::MisfitPercent;
 
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::{GroupRun, RunGroup};
+use crate::readings::group::RunGroup;
 use crate::readings::tolerance::{most_charge, passed};
 
-/// Of the base model.
+/// Of the base model: of current and curvature the root mean square beyond noise in the largest range of all runs, of the charge
+/// the largest error at the end of a run in the largest charge of all.
 pub(crate) fn misfit_percent(group: &RunGroup, base: &Fitted) -> MisfitPercent {
     let model = base.problem.model(&base.at);
-    let mut charge: Option<f64> = None;
+    let mut missed: Option<f64> = None;
+    let mut most = 0.0_f64;
     let mut squares = [(0.0, 0.0); 2];
     let mut ranges = [0.0_f64; 2];
     for block in &group.blocks {
@@ -25,8 +27,9 @@ pub(crate) fn misfit_percent(group: &RunGroup, base: &Fitted) -> MisfitPercent {
         squares[block.channel] = (sum + square - noise, count + off.len() as f64);
         ranges[block.channel] = ranges[block.channel].max(range(channel.values()));
         if block.channel == 0 {
-            let own = charge_error(run, &off);
-            charge = charge.into_iter().chain(own).reduce(f64::max);
+            let own = passed(run.times(0), &off).last().map(f64::abs);
+            missed = missed.into_iter().chain(own).reduce(f64::max);
+            most = most.max(most_charge(run));
         }
     }
     let percent = |k: usize| {
@@ -36,7 +39,7 @@ pub(crate) fn misfit_percent(group: &RunGroup, base: &Fitted) -> MisfitPercent {
     MisfitPercent {
         current: percent(0),
         curvature: percent(1),
-        charge,
+        charge: missed.filter(|_| most > 0.0).map(|missed| 100.0 * missed / most),
     }
 }
 
@@ -47,11 +50,4 @@ pub(crate) fn range(values: &[f64]) -> f64 {
             (low.min(*v), high.max(*v))
         });
     ends.1 - ends.0
-}
-
-/// Error of the charge at the end of a run, in percent of the largest charge on the way.
-fn charge_error(run: &GroupRun, off: &[f64]) -> Option<f64> {
-    let missed = passed(run.times(0), off).last()?;
-    let most = most_charge(run);
-    (most > 0.0).then(|| 100.0 * missed.abs() / most)
 }
