@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use ieap::domain::{Channel, Drive, Quantity};
+use ieap::domain::{Channel, Drive, Edge, Level, Quantity, Segment};
 use ieap::fit::{FitInput, FitOptions, fit_run};
 use ieap::model::LumpedModel;
 use ieap::numerics::sums;
@@ -54,6 +54,31 @@ fn fits(criterion: &mut Criterion) {
     }
 }
 
+/// The same where the step lies between two readings, as of every record that is not told of it: where it was is fitted, too.
+fn open_edges(criterion: &mut Criterion) {
+    let drive = Drive {
+        segments: vec![Segment {
+            edge: Edge::between(-1.0, 0.0),
+            level: Level::Voltage(2.0),
+        }],
+        ..Drive::step(2.0)
+    };
+    for samples in [3_600, 36_000] {
+        let channels = run(samples);
+        let input = FitInput {
+            channels: &channels,
+            drive: &drive,
+            area_cm2: 0.1,
+        };
+        criterion.bench_function(
+            &format!("fit {samples} samples x 2 channels, step between readings"),
+            |bencher| {
+                bencher.iter(|| fit_run(black_box(&input), &FitOptions::default()));
+            },
+        );
+    }
+}
+
 /// The thesis's method on the same run.
 fn evolution(criterion: &mut Criterion) {
     let drive = Drive::step(2.0);
@@ -89,5 +114,5 @@ fn reading_once(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, fits, evolution, reading_once);
+criterion_group!(benches, fits, open_edges, evolution, reading_once);
 criterion_main!(benches);

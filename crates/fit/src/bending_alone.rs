@@ -175,7 +175,7 @@ fn starts(run: &RunReadings, per_volt: f64, branches: usize) -> Vec<Start> {
 
 /// How far the sum of squares falls below that of a strip that does not bend, in variances of what is left.
 fn gain_over_nothing((problem, bottom): &(JointProblem, Minimum)) -> f64 {
-    let mut local = problem.local(0, &bottom.at);
+    let mut local = problem.of_run(0, &bottom.at);
     local[problem.layout.coupling()] = 0.0;
     let mut out = Vec::new();
     problem.runs[0].condensed(&problem.model(&local), problem.offsets(&local), &mut out);
@@ -217,7 +217,7 @@ fn with_slowest_relaxing<'a>(
     found: (JointProblem<'a>, Minimum),
 ) -> (JointProblem<'a>, Minimum) {
     let (problem, bottom) = &found;
-    let local = problem.local(0, &bottom.at);
+    let local = problem.of_run(0, &bottom.at);
     let exchanged = exchanged(problem.layout, &local).and_then(|exchanged| {
         let start = Start {
             searched: problem.slots[0].iter().map(|slot| slot.is_searched()).collect(),
@@ -232,7 +232,7 @@ fn with_slowest_relaxing<'a>(
 }
 
 fn is_slowest((problem, bottom): &(JointProblem, Minimum)) -> bool {
-    let model = problem.model(&problem.local(0, &bottom.at));
+    let model = problem.model(&problem.of_run(0, &bottom.at));
     model
         .branches
         .iter()

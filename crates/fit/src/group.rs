@@ -12,12 +12,11 @@ pub(super) mod step_and_spectrum;
 use ieap_domain::{Drive, Fit, Issue, Parameter};
 use ieap_model::{FitModel, ParameterDescription};
 use ieap_numerics::chance::chi_square_chance;
-use ieap_numerics::least_squares::{Local, Minimum};
 
 use super::joint::feature::Feature;
 use super::joint::layout::Layout;
 use super::joint::minimum::excess;
-use super::joint::problem::{JointProblem, Over};
+use super::joint::problem::JointProblem;
 use super::joint::readings::RunReadings;
 use super::joint::start::Start;
 use super::outcome;
@@ -177,16 +176,12 @@ fn weigh_sharing(problem: &JointProblem, starts: &[Start], judged: &mut JudgedGr
     let (mut square, mut parameters, mut misfit) = (0.0, 0, 1.0_f64);
     for (run, start) in problem.runs.iter().zip(starts) {
         let (own, bottom, evaluations) = search(vec![run.clone()], std::slice::from_ref(start), &[]);
-        square += bottom.local.square;
+        square += own.square(&bottom.at);
         parameters += own.bounds.count();
         judged.evaluations += evaluations;
-        let local = Local {
-            square: own.square(&bottom.at, Over::Condensed),
-            ..bottom.local.clone()
-        };
-        misfit = misfit.max(excess(&own, &Minimum { local, ..bottom }).powi(2));
+        misfit = misfit.max(excess(&own, &bottom).powi(2));
     }
-    let shared = problem.square(&judged.bottom.at, Over::Whole);
+    let shared = problem.square(&judged.bottom.at);
     let parameters_saved = parameters.saturating_sub(judged.bottom.at.len());
     // A group's place is one that its runs may take: what falls below is what the searches leave.
     let chi_square_rise = (shared - square).max(0.0);
@@ -254,7 +249,7 @@ fn assemble(
     let stop = judged.bottom.stop;
     let mut runs = Vec::with_capacity(inputs.len());
     for (run, input) in inputs.iter().enumerate() {
-        let local = problem.local(run, &judged.bottom.at);
+        let local = problem.of_run(run, &judged.bottom.at);
         let fitted = problem.runs[run].fitted(&problem.model(&local), problem.offsets(&local));
         let features = judged.features.get(run).map_or(&[][..], Vec::as_slice);
         let parameters = outcome::joint_parameters(options.model, features, input.drive);
@@ -269,7 +264,7 @@ fn assemble(
     }
     GroupFit {
         shared: options.shared.clone(),
-        chi_square: problem.square(&judged.bottom.at, Over::Whole),
+        chi_square: problem.square(&judged.bottom.at),
         degrees_of_freedom: readings as f64 - judged.bottom.at.len() as f64,
         sharing: None,
         bootstrap: judged.resampled,

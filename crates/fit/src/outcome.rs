@@ -34,6 +34,21 @@ pub(super) fn fit(
     identified: &Identified,
     judged: Option<&Judged>,
 ) -> Fit {
+    with(input, options, identified, judged, Wanted::of(options))
+}
+
+/// The same without what only people look at: the character of the noise, and curves.
+pub(super) fn for_its_estimates(input: &FitInput, options: &FitOptions, identified: &Identified) -> Fit {
+    with(input, options, identified, None, Wanted::ESTIMATES)
+}
+
+fn with(
+    input: &FitInput,
+    options: &FitOptions,
+    identified: &Identified,
+    judged: Option<&Judged>,
+    wanted: Wanted,
+) -> Fit {
     let model = options.model;
     let mut parameters = parameters(input, model, identified, judged);
     only_with_their_factors(&mut parameters);
@@ -44,10 +59,6 @@ pub(super) fn fit(
         .map_or(0.0, |segment| segment.start_s());
     let current = identified.current.as_ref().ok();
     let curvature = identified.curvature.as_ref().ok();
-    let wanted = Wanted {
-        describes_noise: options.describes_noise,
-        whole_curve: options.whole_curves,
-    };
     let [judged_current, judged_curvature] = judged.map_or([None, None], |judged| {
         [judged.fitted[0].as_ref(), judged.fitted[1].as_ref()]
     });

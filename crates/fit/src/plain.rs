@@ -12,7 +12,8 @@ use crate::sampled::Sampled;
 use crate::two_steps::{Identified, Readings, identify, needed};
 use crate::{bending_alone, law, outcome, parabola, unseen_charge};
 
-/// A run in two steps, of its bending alone, or by the law of a rival, and nothing further; none where there is nothing to fit.
+/// A run in two steps, of its bending alone, or by the law of a rival, for its estimates and no further; none where there is
+/// nothing to fit.
 pub(crate) fn in_two_steps(input: &FitInput, options: &FitOptions) -> Option<Fit> {
     let readings = Readings::new(input).ok()?;
     if let Some(law) = rival_law(options.model.id) {
@@ -21,7 +22,7 @@ pub(crate) fn in_two_steps(input: &FitInput, options: &FitOptions) -> Option<Fit
     let mut identified = identify(input, options, readings);
     unseen_charge::look(input, options, &mut identified);
     let alone = bent_alone(input, options, &identified);
-    Some(alone.unwrap_or_else(|| outcome::fit(input, options, &identified, None)))
+    Some(alone.unwrap_or_else(|| outcome::for_its_estimates(input, options, &identified)))
 }
 
 /// The fit of the curvature where the current tells of no circuit; none where there are too few readings of it.

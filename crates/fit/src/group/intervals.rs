@@ -4,11 +4,11 @@ use crate::joint::bootstrap::{replicate, spread};
 use crate::joint::feature::Feature;
 use crate::joint::minimum::excess;
 use crate::joint::policy::FOLLOWED_LOG;
-use crate::joint::problem::{JointProblem, Over};
+use crate::joint::problem::JointProblem;
 use crate::joint::profile::{Deeper, Interval, Solved};
 use crate::joint::single::{partner, reach};
 use crate::policy::NARROW_PART;
-use ieap_numerics::least_squares::{Minimum, Problem};
+use ieap_numerics::least_squares::Minimum;
 use ieap_numerics::student::quantile_95;
 
 use super::options::{Bootstrap, GroupOptions, Intervals, LIMIT, Resampled};
@@ -43,7 +43,7 @@ pub(super) fn judge(
         match try_intervals(problem, &bottom, options, &mut evaluations) {
             Err(Deeper(at)) if restarts < RESTARTS => {
                 restarts += 1;
-                bottom = problem.search(Over::Condensed, &at, LIMIT, 1e-4);
+                bottom = problem.search(&at, LIMIT, 1e-4);
             }
             Ok(found) => break found,
             Err(_) => break Vec::new(),
@@ -73,24 +73,19 @@ fn try_intervals(
         .flatten()
         .map(|response| response.noise.freedom)
         .sum();
-    let condensed = Minimum {
-        local: problem.over(Over::Condensed).local(&bottom.at, f64::INFINITY),
-        ..bottom.clone()
-    };
     // What the circuit leaves beyond noise widens standard errors and intervals alike.
-    let wider = excess(problem, &condensed);
+    let wider = excess(problem, bottom);
     let quantile = quantile_95(freedom.max(2.0)) * wider;
     let widened = |interval: Interval| Interval {
         standard_error: wider * interval.standard_error,
         ..interval
     };
-    let whole = Solved::new(problem, bottom.clone());
-    let mut along: Option<Solved> = None;
+    let mut solved = Solved::new(problem, bottom.clone());
     let mut found = Vec::with_capacity(problem.runs.len());
     for run in 0..problem.runs.len() {
         let mut own = Vec::new();
         for feature in features(problem, run) {
-            let linear = whole.linear(feature, run, quantile);
+            let linear = solved.linear(feature, run, quantile);
             let scale = if feature.is_logarithm() {
                 1.0
             } else {
@@ -101,21 +96,17 @@ fn try_intervals(
                 own.push((feature, widened(linear), None));
                 continue;
             }
-            let solved = along.get_or_insert_with(|| {
-                Solved::new(problem, problem.search(Over::Condensed, &bottom.at, LIMIT, 1e-5))
-            });
             let reach = if feature.is_logarithm() {
                 FOLLOWED_LOG
             } else {
-                reach(solved, feature, run, quantile)
+                reach(&solved, feature, run, quantile)
             };
-            // The profile goes over the condensed readings, whose minimum lies a little beside the fit's.
-            let interval = solved.profile(feature, run, quantile, reach)?.about(linear.value);
-            own.push((feature, widened(interval), partner(solved, feature, run)));
+            let interval = solved.profile(feature, run, quantile, reach)?;
+            own.push((feature, widened(interval), partner(&solved, feature, run)));
         }
         found.push(own);
     }
-    *evaluations += along.map_or(0, |solved| solved.evaluations);
+    *evaluations += solved.evaluations;
     Ok(found)
 }
 

@@ -8,7 +8,7 @@ use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Fit, Issue, Knowledge, KnownParameter};
 use ieap_model::FitModel;
 use ieap_numerics::chance::chi_square_chance;
-use ieap_numerics::least_squares::{Minimum, Problem};
+use ieap_numerics::least_squares::Minimum;
 
 use super::intervals::{JudgedGroup, judge};
 use super::options::{GroupOptions, shareable};
@@ -19,7 +19,7 @@ use crate::group::policy::CONTRADICTS_SIGMAS;
 use crate::joint::feature::Feature;
 use crate::joint::layout::Layout;
 use crate::joint::minimum::excess;
-use crate::joint::problem::{JointProblem, Over, Slot};
+use crate::joint::problem::{JointProblem, Slot};
 use crate::joint::profile::{Interval, Solved};
 use crate::joint::spring::Spring;
 use crate::joint::start::{Start, problem};
@@ -247,13 +247,9 @@ fn contradictions(
     (knowing, place): (&JointProblem, &Minimum),
     (free, bottom): (&JointProblem, Minimum),
 ) -> Vec<Issue> {
-    let rise = knowing.square(&place.at, Over::Whole) - free.square(&bottom.at, Over::Whole);
-    let condensed = Minimum {
-        local: free.over(Over::Condensed).local(&bottom.at, f64::INFINITY),
-        ..bottom.clone()
-    };
+    let rise = knowing.square(&place.at) - free.square(&bottom.at);
     // What the circuit leaves beyond noise is not held against what is known.
-    let p = chi_square_chance(rise.max(0.0) / excess(free, &condensed).powi(2), taken.len());
+    let p = chi_square_chance(rise.max(0.0) / excess(free, &bottom).powi(2), taken.len());
     if p >= CONTRADICTED_BELOW {
         return Vec::new();
     }

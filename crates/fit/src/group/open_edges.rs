@@ -8,12 +8,12 @@ use ieap_numerics::symmetric::Symmetric;
 use crate::edges::Settled;
 use crate::edges::{EdgeTimes, Shift};
 use crate::joint::feature::Feature;
-use crate::joint::problem::{Column, JointProblem, Over, add_run};
+use crate::joint::problem::{Column, JointProblem, add_run};
 use crate::widened::{End, Values};
 
 /// Evaluations of a search, and the fall of the sum of squares at which it settles.
 const LIMIT: u64 = 60;
-const SETTLE: f64 = 1e-4;
+const SETTLE: f64 = 1e-8;
 /// Step of the derivative by a shift, parts of what is not known of it.
 const STEP: f64 = 1e-4;
 
@@ -155,29 +155,11 @@ impl<'p, 'a> WithEdges<'p, 'a> {
         self.edges[run].shifts().iter().enumerate().map(column).collect()
     }
 
-    /// Weighted residuals of a run with another drive.
+    /// Weighted residuals of a run under another drive.
     fn residuals(&self, run: usize, local: &[f64], drive: &Drive) -> Vec<f64> {
         let mut out = Vec::new();
-        self.with(run, drive).residuals(0, local, Over::Whole, &mut out);
+        self.problem.residuals(run, drive, local, &mut out);
         out
-    }
-
-    /// The problem of one run with another drive, in the coordinates of all.
-    fn with<'d>(&self, run: usize, drive: &'d Drive) -> JointProblem<'d>
-    where
-        'a: 'd,
-    {
-        let mut own = self.problem.runs[run].clone();
-        own.drive = drive;
-        JointProblem {
-            runs: vec![own],
-            slots: vec![self.problem.slots[run].clone()],
-            layout: self.problem.layout,
-            units: self.problem.units.clone(),
-            bounds: self.problem.bounds.clone(),
-            known: Vec::new(),
-            spectra: Vec::new(),
-        }
     }
 }
 
@@ -191,14 +173,13 @@ impl Problem for WithEdges<'_, '_> {
         let mut all = Local::zero(place.len());
         for (run, by_s) in self.by_run(by_s).into_iter().enumerate() {
             let drive = self.edges[run].shifted(by_s);
-            let shifted = self.with(run, &drive);
-            let local = shifted.local(0, at);
+            let local = self.problem.of_run(run, at);
             let here = self.residuals(run, &local, &drive);
             all.square += here.iter().map(|left| left * left).sum::<f64>();
             if all.square > most {
                 return all;
             }
-            let mut columns = shifted.columns(0, at, &here, Over::Whole);
+            let mut columns = self.problem.columns(run, &drive, at, &here);
             columns.sort_by_key(|(k, _)| *k);
             columns.extend(self.shift_columns(run, &local, by_s, &here));
             add_run(&columns, &here, &mut all);
@@ -213,7 +194,7 @@ impl Problem for WithEdges<'_, '_> {
 
 /// The values that are stated of a run at a place.
 fn values(problem: &JointProblem, run: usize, at: &[f64]) -> Values {
-    let local = problem.local(run, at);
+    let local = problem.of_run(run, at);
     let of = |feature: Feature| {
         let stated = feature.stated(feature.of(problem.layout, &local));
         Some((feature.key()?.to_owned(), stated))

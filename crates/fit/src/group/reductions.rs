@@ -6,7 +6,7 @@
 use ieap_domain::range_of;
 use ieap_model::FitModel;
 use ieap_numerics::chance::chi_square_chance;
-use ieap_numerics::least_squares::{Minimum, Problem};
+use ieap_numerics::least_squares::Minimum;
 
 use super::options::GroupOptions;
 use super::prepare;
@@ -15,7 +15,7 @@ use crate::error::FitError;
 use crate::joint::feature::Feature;
 use crate::joint::minimum::excess;
 use crate::joint::policy::MISFIT_FACTOR;
-use crate::joint::problem::{JointProblem, Over};
+use crate::joint::problem::JointProblem;
 use crate::joint::readings::Response;
 use crate::joint::start::{Start, problem};
 use crate::options::{FitInput, FitOptions};
@@ -95,15 +95,8 @@ pub fn reductions(input: &FitInput) -> Result<Reductions, FitError> {
     let one = Fitted::of(input, one_model, true, &[&bare])?;
     let two = Fitted::of(input, two_model, false, &[&bare])?;
     let full = Fitted::of(input, two_model, true, &[&two, &one])?;
-    let condensed = Minimum {
-        local: full
-            .problem
-            .over(Over::Condensed)
-            .local(&full.bottom.at, f64::INFINITY),
-        ..full.bottom.clone()
-    };
     let full_leaves = full.leaves();
-    let misfit = excess(&full.problem, &condensed).powi(2);
+    let misfit = excess(&full.problem, &full.bottom).powi(2);
     let own = |circuit: Circuit| match circuit {
         Circuit::NoLeak => &two,
         Circuit::OneBranch => &one,
@@ -152,7 +145,7 @@ impl<'a> Fitted<'a> {
             .chain([start.clone()])
             .map(|start| deepest(&problem, &[start], first.clone()).0);
         let bottom = Minimum::lowest(found).ok_or(FitError::EmptyGroup)?;
-        let local = problem.local(0, &bottom.at);
+        let local = problem.of_run(0, &bottom.at);
         let curves = problem.runs[0].fitted(&problem.model(&local), problem.offsets(&local));
         Ok(Fitted {
             problem,
@@ -163,7 +156,7 @@ impl<'a> Fitted<'a> {
 
     /// The start of a fuller circuit with the numbers of this one, and branches beside them that carry little.
     fn beside(&self, start: &Start) -> Start {
-        let local = self.problem.local(0, &self.bottom.at);
+        let local = self.problem.of_run(0, &self.bottom.at);
         let (own, fuller) = (self.problem.layout, start.layout());
         let mut full = start.clone();
         for k in 0..fuller.branches {
@@ -195,7 +188,7 @@ impl<'a> Fitted<'a> {
     }
 
     fn square(&self) -> f64 {
-        self.problem.square(&self.bottom.at, Over::Whole)
+        self.problem.square(&self.bottom.at)
     }
 
     fn against(&self, full: &Fitted, circuit: Circuit, misfit: f64) -> Reduction {
@@ -205,7 +198,7 @@ impl<'a> Fitted<'a> {
             let (own, other) = self.curves[which].as_ref().zip(full.curves[which].as_ref())?;
             Some(100.0 * differs(own, other))
         };
-        let local = self.problem.local(0, &self.bottom.at);
+        let local = self.problem.of_run(0, &self.bottom.at);
         let stated = |feature: Feature| feature.stated(feature.of(self.problem.layout, &local));
         let elements = [Feature::Resistance(0), Feature::Capacitance(0), Feature::Steady];
         Reduction {

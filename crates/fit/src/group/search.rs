@@ -1,18 +1,16 @@
 //! The deepest minimum of a group of runs.
 
-use crate::joint::problem::{JointProblem, Over, Slot};
+use crate::joint::problem::{JointProblem, Slot};
 use crate::joint::readings::RunReadings;
 use crate::joint::start::{Start, problem};
-use ieap_numerics::least_squares::{Minimum, Stop};
+use ieap_numerics::least_squares::Minimum;
 
 use super::options::LIMIT;
 
-/// Evaluations over all readings.
-const POLISH_LIMIT: u64 = 12;
 /// Starts that are tried.
 const STARTS: usize = 4;
 
-/// The deepest minimum over the condensed readings, polished over all of them.
+/// The deepest minimum.
 pub(super) fn search<'a>(
     runs: Vec<RunReadings<'a>>,
     starts: &[Start],
@@ -28,16 +26,11 @@ pub(super) fn deepest(problem: &JointProblem, starts: &[Start], first: Vec<f64>)
     let mut evaluations = 0;
     let places = start_places(problem, starts, &first);
     let searched = places.iter().take(STARTS);
-    let searched = searched.map(|at| problem.search(Over::Condensed, at, LIMIT, 1e-4));
+    let searched = searched.map(|at| problem.search(at, LIMIT, 1e-4));
     let best = Minimum::lowest(searched.inspect(|found| evaluations += found.evaluations));
     let at = best.map_or(first, |best| best.at);
-    let mut bottom = problem.search(Over::Whole, &at, POLISH_LIMIT, 1e-6);
-    evaluations += bottom.evaluations;
-    if bottom.stop == Stop::EvaluationLimit {
-        // What is left is below the accuracy of the condensed search, which converged.
-        bottom = problem.search(Over::Whole, &bottom.at, LIMIT, 1e-4);
-        evaluations += bottom.evaluations;
-    }
+    let bottom = problem.search(&at, LIMIT, 1e-6);
+    let evaluations = evaluations + bottom.evaluations;
     (bottom, evaluations)
 }
 

@@ -4,7 +4,7 @@ use ieap_domain::{Channel, Drive, Estimate, Parameter, Quantity, Spectrum};
 use ieap_model::FitModel;
 use ieap_model::impedance::spectrum_circuit;
 use ieap_numerics::chance::chi_square_chance;
-use ieap_numerics::least_squares::{Minimum, Problem};
+use ieap_numerics::least_squares::Minimum;
 
 use super::intervals::judge;
 use super::options::GroupOptions;
@@ -14,7 +14,7 @@ use crate::edges::EdgeTimes;
 use crate::error::FitError;
 use crate::impedance::lumped_in_spectrum;
 use crate::joint::minimum::excess;
-use crate::joint::problem::{JointProblem, Over};
+use crate::joint::problem::JointProblem;
 use crate::joint::spectrum_rows::SpectrumRows;
 use crate::joint::start::{Start, problem};
 use crate::options::{FitInput, FitOptions};
@@ -101,7 +101,7 @@ pub fn step_and_spectrum(
     let mut of_held = (1..inputs.len()).flat_map(parameters_of);
     let moment = of_held.find(|own| own.key == COUPLING);
     let shared = apart.coordinates.saturating_sub(judged.bottom.at.len());
-    let rise = (problem.square(&judged.bottom.at, Over::Whole) - apart.square).max(0.0);
+    let rise = (problem.square(&judged.bottom.at) - apart.square).max(0.0);
     Ok(StepAndSpectrum {
         parameters: parameters_of(0),
         moment_per_c: moment.map(|own| own.estimate.scaled(size.recip())),
@@ -167,10 +167,10 @@ impl OfStrip<'_> {
         };
         for (run, start) in runs.into_iter().zip(&starts) {
             let (own, bottom, _) = search(vec![run], std::slice::from_ref(start), &[]);
-            apart.square += own.square(&bottom.at, Over::Whole);
+            apart.square += own.square(&bottom.at);
             // With the leak, which the spectrum may tell where the step does not.
             apart.coordinates += bottom.at.len() + usize::from(!start.searched[start.layout().steady()]);
-            apart.misfit = apart.misfit.max(excess(&own, &condensed(&own, bottom)).powi(2));
+            apart.misfit = apart.misfit.max(excess(&own, &bottom).powi(2));
         }
         Ok(apart)
     }
@@ -204,12 +204,6 @@ impl OfStrip<'_> {
         own.local[layout.steady()] = (self.values[2 * layout.branches] * self.area_cm2).recip();
         own
     }
-}
-
-/// The minimum as the condensed readings have it.
-fn condensed(problem: &JointProblem, bottom: Minimum) -> Minimum {
-    let local = problem.over(Over::Condensed).local(&bottom.at, f64::INFINITY);
-    Minimum { local, ..bottom }
 }
 
 /// What a moment is taken times, to be as large as the curvature of the free strip: one size of coordinates for both.

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::feature::Feature;
-use super::problem::{JointProblem, Over};
+use super::problem::JointProblem;
 use super::readings::{Response, RunReadings};
 use crate::joint::policy::FEWEST_REFITS;
 
@@ -23,7 +23,7 @@ pub(crate) fn replicate(
 ) -> Vec<Vec<f64>> {
     let fitted: Vec<[Option<Vec<f64>>; 2]> = (0..problem.runs.len())
         .map(|run| {
-            let local = problem.local(run, at);
+            let local = problem.of_run(run, at);
             problem.runs[run].fitted(&problem.model(&local), problem.offsets(&local))
         })
         .collect();
@@ -35,9 +35,9 @@ pub(crate) fn replicate(
         for (run, fitted) in again.runs.iter_mut().zip(&fitted) {
             redraw(run, fitted, &mut rng);
         }
-        let found = again.search(Over::Condensed, at, 60, 1e-3);
+        let found = again.search(at, 60, 1e-3);
         let of =
-            |&(run, feature): &(usize, Feature)| feature.of(problem.layout, &problem.local(run, &found.at));
+            |&(run, feature): &(usize, Feature)| feature.of(problem.layout, &problem.of_run(run, &found.at));
         let values: Vec<f64> = features.iter().map(of).collect();
         (found.local.square.is_finite() && values.iter().all(|v| v.is_finite())).then_some(values)
     };

@@ -85,7 +85,7 @@ pub(super) fn evidence(
 /// matter: a tenth of the conductance where it is the fast one, a twentieth where it is the slow one, and a time
 /// constant three times apart, from a tenth of the sampling interval to the length of the record.
 fn hidden_rise(one: &JointProblem, bottom: &Minimum) -> f64 {
-    let local = one.local(0, &bottom.at);
+    let local = one.of_run(0, &bottom.at);
     let layout = Layout { branches: 2 };
     let Some(response) = &one.runs[0].current else {
         return 0.0;

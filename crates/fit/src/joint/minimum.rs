@@ -8,7 +8,7 @@ use ieap_domain::quantiles::NORMAL_ONE_SIDED_99;
 use ieap_numerics::chance::reduced_chi_square_limit;
 use ieap_numerics::least_squares::Minimum;
 
-use super::problem::{JointProblem, Over, Slot};
+use super::problem::{JointProblem, Slot};
 use super::readings::RunReadings;
 use super::start::{Start, problem};
 
@@ -65,7 +65,7 @@ pub(super) fn electrical_starts(
 pub(crate) fn minimum<'a>(run: &RunReadings<'a>, starts: &[Start]) -> Option<(JointProblem<'a>, Minimum)> {
     let (problem, _) = problem(vec![run.clone()], &starts[..1], &[]);
     let places = starts.iter().map(|start| coordinates(&problem, start));
-    let best = Minimum::lowest(places.map(|at| problem.search(Over::Condensed, &at, LIMIT, SETTLE)))?;
+    let best = Minimum::lowest(places.map(|at| problem.search(&at, LIMIT, SETTLE)))?;
     Some((problem, best))
 }
 
@@ -86,7 +86,7 @@ pub(crate) fn excess(problem: &JointProblem, bottom: &Minimum) -> f64 {
     let mut out = Vec::new();
     let mut rows = 0;
     for run in 0..problem.runs.len() {
-        let local = problem.local(run, &bottom.at);
+        let local = problem.of_run(run, &bottom.at);
         out.clear();
         problem.runs[run].condensed(&problem.model(&local), problem.offsets(&local), &mut out);
         rows += out.len();

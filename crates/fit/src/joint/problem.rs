@@ -1,5 +1,6 @@
 //! Several runs with parameters shared or free: one sum of squares over one list of coordinates.
 
+use ieap_domain::Drive;
 use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 
@@ -47,18 +48,9 @@ pub(crate) struct JointProblem<'a> {
     pub(crate) spectra: Vec<SpectrumRows>,
 }
 
-/// Which readings a sum goes over.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Over {
-    /// The condensed ones: fast, exact to about 1e-6 of the signal.
-    Condensed,
-    /// All of them.
-    Whole,
-}
-
 impl<'a> JointProblem<'a> {
     /// Local parameters of a run, in their own units.
-    pub(crate) fn local(&self, run: usize, at: &[f64]) -> Vec<f64> {
+    pub(crate) fn of_run(&self, run: usize, at: &[f64]) -> Vec<f64> {
         let value = |(local, slot): (usize, &Slot)| match *slot {
             Slot::Searched(k) => at[k] * self.units[local],
             Slot::Held(value) => value,
@@ -90,7 +82,7 @@ impl<'a> JointProblem<'a> {
 
     /// The zeros of a run's current and curvature at a minimum; none of one that is not searched.
     pub(crate) fn zeros(&self, run: usize, bottom: &Minimum) -> [Option<Zero>; 2] {
-        let local = self.local(run, &bottom.at);
+        let local = self.of_run(run, &bottom.at);
         let covariance = bottom.local.normal.floored_inverse(LOST_BELOW);
         [self.layout.current_offset(), self.layout.curvature_offset()].map(|place| {
             let Slot::Searched(k) = self.slots[run][place] else {
@@ -103,21 +95,38 @@ impl<'a> JointProblem<'a> {
         })
     }
 
-    /// Weighted residuals of a run.
-    pub(crate) fn residuals(&self, run: usize, local: &[f64], over: Over, out: &mut Vec<f64>) {
+    /// Weighted residuals of a run over its condensed readings, under a drive with their edges.
+    pub(crate) fn residuals(&self, run: usize, drive: &Drive, local: &[f64], out: &mut Vec<f64>) {
         out.clear();
-        let model = self.model(local);
-        match over {
-            Over::Condensed => self.runs[run].condensed(&model, self.offsets(local), out),
-            Over::Whole => self.runs[run].whole(&model, self.offsets(local), out),
-        }
+        self.runs[run].condensed_under(drive, &self.model(local), self.offsets(local), out);
     }
 
-    /// Sum of squares over all runs.
-    pub(crate) fn square(&self, at: &[f64], over: Over) -> f64 {
+    /// Sum of squares over the condensed readings of all runs: below that of all readings by what no model of exponentials could
+    /// explain, which is the same wherever the parameters are.
+    pub(crate) fn condensed_square(&self, at: &[f64]) -> f64 {
+        self.sum(at, &|run: &RunReadings, model, offsets, out| {
+            run.condensed(model, offsets, out)
+        })
+    }
+
+    /// Sum of squares over all readings.
+    pub(crate) fn square(&self, at: &[f64]) -> f64 {
+        self.sum(at, &|run: &RunReadings, model, offsets, out| {
+            run.whole(model, offsets, out)
+        })
+    }
+
+    fn sum(&self, at: &[f64], residuals: &dyn Fn(&RunReadings, &LumpedModel, Offsets, &mut Vec<f64>)) -> f64 {
         let mut out = Vec::new();
         let of_run = |run: usize| {
-            self.residuals(run, &self.local(run, at), over, &mut out);
+            let local = self.of_run(run, at);
+            out.clear();
+            residuals(
+                &self.runs[run],
+                &self.model(&local),
+                self.offsets(&local),
+                &mut out,
+            );
             inner(&out, &out)
         };
         let readings: f64 = (0..self.runs.len()).map(of_run).sum();
@@ -134,7 +143,7 @@ impl<'a> JointProblem<'a> {
 
     /// Weighted residuals of a spectrum at a place.
     fn of_spectrum(&self, spectrum: &SpectrumRows, at: &[f64]) -> Vec<f64> {
-        spectrum.residuals(&self.model(&self.local(spectrum.run, at)))
+        spectrum.residuals(&self.model(&self.of_run(spectrum.run, at)))
     }
 
     /// Adds a spectrum to a sum of squares at a place.
@@ -167,31 +176,26 @@ impl<'a> JointProblem<'a> {
         add_run(&columns, &here, all);
     }
 
-    /// The problem over some of the readings.
-    pub(crate) fn over<'p>(&'p self, over: Over) -> Weighed<'p, 'a> {
-        Weighed { problem: self, over }
-    }
-
     /// Searches from `start`, until a further step would lower the sum of squares by less than `settle`.
-    pub(crate) fn search(&self, over: Over, start: &[f64], limit: u64, settle: f64) -> Minimum {
-        Levenberg::by_diagonal(limit, settle).search(&self.over(over), start)
+    pub(crate) fn search(&self, start: &[f64], limit: u64, settle: f64) -> Minimum {
+        Levenberg::by_diagonal(limit, settle).search(self, start)
     }
 
     /// Derivatives of what the model says of a run, whose weighted residuals are `here`, each with its coordinate: central
     /// differences, one-sided at a limit at zero.
-    pub(crate) fn columns(&self, run: usize, at: &[f64], here: &[f64], over: Over) -> Vec<Column> {
-        let local = self.local(run, at);
+    pub(crate) fn columns(&self, run: usize, drive: &Drive, at: &[f64], here: &[f64]) -> Vec<Column> {
+        let local = self.of_run(run, at);
         let (mut above, mut below) = (Vec::new(), Vec::new());
         let mut columns: Vec<Column> = Vec::new();
         for (index, slot) in self.slots[run].iter().enumerate() {
             let Slot::Searched(k) = *slot else { continue };
             let mut moved = local.clone();
             moved[index] = local[index] + STEP * self.units[index];
-            self.residuals(run, &moved, over, &mut above);
+            self.residuals(run, drive, &moved, &mut above);
             let one_sided = at[k] - STEP < self.bounds.low[k];
             if !one_sided {
                 moved[index] = local[index] - STEP * self.units[index];
-                self.residuals(run, &moved, over, &mut below);
+                self.residuals(run, drive, &moved, &mut below);
             }
             let (from, width) = if one_sided {
                 (here, STEP)
@@ -219,41 +223,32 @@ pub(crate) fn add_run(columns: &[Column], here: &[f64], all: &mut Local) {
     }
 }
 
-/// A problem of a group over some of its readings.
-pub(crate) struct Weighed<'p, 'a> {
-    problem: &'p JointProblem<'a>,
-    over: Over,
-}
-
-impl Problem for Weighed<'_, '_> {
+impl Problem for JointProblem<'_> {
     fn bounds(&self) -> Bounds {
-        self.problem.bounds.clone()
+        self.bounds.clone()
     }
 
     fn local(&self, at: &[f64], most: f64) -> Local {
-        let problem = self.problem;
-        let of_run = |run: usize| {
+        let of_run = |(run, own): (usize, &RunReadings)| {
             let mut here = Vec::new();
-            problem.residuals(run, &problem.local(run, at), self.over, &mut here);
+            self.residuals(run, own.drive, &self.of_run(run, at), &mut here);
             here
         };
-        let residuals: Vec<Vec<f64>> = (0..problem.runs.len()).map(of_run).collect();
+        let residuals: Vec<Vec<f64>> = self.runs.iter().enumerate().map(of_run).collect();
         let mut all = Local::zero(at.len());
         all.square = residuals.iter().map(|here| inner(here, here)).sum();
         if all.square > most {
             return all;
         }
         for (run, here) in residuals.iter().enumerate() {
-            add_run(&problem.columns(run, at, here, self.over), here, &mut all);
+            add_run(&self.columns(run, self.runs[run].drive, at, here), here, &mut all);
         }
-        problem
-            .known
+        self.known
             .iter()
-            .for_each(|spring| spring.add(problem, at, &mut all));
-        problem
-            .spectra
+            .for_each(|spring| spring.add(self, at, &mut all));
+        self.spectra
             .iter()
-            .for_each(|spectrum| problem.add_spectrum(spectrum, at, &mut all));
+            .for_each(|spectrum| self.add_spectrum(spectrum, at, &mut all));
         all
     }
 }

@@ -4,7 +4,7 @@ use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 use ieap_numerics::symmetric::Symmetric;
 
 use super::feature::Feature;
-use super::problem::{JointProblem, Over};
+use super::problem::JointProblem;
 use super::spring::{Spring, gradient};
 use crate::joint::policy::DEEPER_BY;
 
@@ -25,19 +25,6 @@ pub(crate) struct Interval {
     pub(crate) low: Option<f64>,
     /// Upper end.
     pub(crate) high: Option<f64>,
-}
-
-impl Interval {
-    /// The same about another value nearby.
-    pub(crate) fn about(self, value: f64) -> Interval {
-        let moved = |end: Option<f64>| end.map(|end| end + value - self.value);
-        Interval {
-            value,
-            low: moved(self.low),
-            high: moved(self.high),
-            ..self
-        }
-    }
 }
 
 /// A minimum with its covariance, ready to be asked for intervals.
@@ -64,7 +51,7 @@ impl<'p, 'a> Solved<'p, 'a> {
     }
 
     fn feature(&self, feature: Feature, run: usize, at: &[f64]) -> f64 {
-        feature.of(self.problem.layout, &self.problem.local(run, at))
+        feature.of(self.problem.layout, &self.problem.of_run(run, at))
     }
 
     pub(crate) fn gradient(&self, feature: Feature, run: usize, at: &[f64]) -> Vec<f64> {
@@ -128,7 +115,7 @@ impl<'p, 'a> Solved<'p, 'a> {
             let target = centre.value + sign * wanted;
             let found = self.held_near(feature, run, &at, target, stiffness);
             let distance = sign * (self.feature(feature, run, &found.at) - centre.value);
-            let square = self.problem.square(&found.at, Over::Condensed);
+            let square = self.problem.condensed_square(&found.at);
             self.evaluations += found.evaluations;
             if square < least - DEEPER_BY {
                 return Err(Deeper(found.at));
@@ -197,7 +184,7 @@ impl Problem for HeldNear<'_, '_> {
         let gap = self.spring.gap(self.problem, at);
         // Rounding of the difference must not refuse what is taken.
         let without = most - gap * gap + 1e-12 * most.abs();
-        let mut local = self.problem.over(Over::Condensed).local(at, without);
+        let mut local = self.problem.local(at, without);
         self.spring.add(self.problem, at, &mut local);
         local
     }

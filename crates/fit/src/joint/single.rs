@@ -13,14 +13,14 @@ use ieap_numerics::student::quantile_95;
 use super::branch_evidence::{Branches, Evidence, evidence};
 use super::feature::Feature;
 use super::minimum::{LIMIT, SETTLE, electrical_starts, excess, minimum};
-use super::problem::{JointProblem, Over};
+use super::problem::JointProblem;
 use super::profile::{Deeper, Interval, Solved};
 use super::readings::RunReadings;
 use super::start::Start;
 
 /// Restarts from deeper minima met on the way.
 const RESTARTS: usize = 4;
-/// Evaluations over all readings.
+/// Evaluations of the search to the last digits.
 const POLISH_LIMIT: u64 = 12;
 
 /// The fit of one run: one place, its curves, and intervals about it.
@@ -85,7 +85,7 @@ pub(crate) fn judge(
     let (found, freedom) = match (bending, &readings.curvature) {
         (Some(bending), Some(curvature)) => {
             let start = Start::of(electrical, count)
-                .with_circuit(&full.0.local(0, &full.1.at))
+                .with_circuit(&full.0.of_run(0, &full.1.at))
                 .with_bending(bending);
             let both = minimum(readings, &[start])?;
             if excess(&both.0, &both.1) > 1.0 {
@@ -134,7 +134,7 @@ impl Judged {
 
     /// Takes curves and zeros from that place.
     fn take_place(&mut self, problem: &JointProblem, bottom: &Minimum) {
-        let local = problem.local(0, &bottom.at);
+        let local = problem.of_run(0, &bottom.at);
         self.stop = bottom.stop;
         self.zeros = problem.zeros(0, bottom);
         self.memories = problem.runs[0].memories();
@@ -184,7 +184,7 @@ fn settle(found: (JointProblem, Minimum), freedom: [f64; 2], judged: &mut Judged
         judged.evaluations += solved.evaluations;
         match outcome {
             Err(Deeper(at)) if restart < RESTARTS => {
-                bottom = problem.search(Over::Condensed, &at, LIMIT, SETTLE);
+                bottom = problem.search(&at, LIMIT, SETTLE);
             }
             outcome => {
                 judged.features = outcome.unwrap_or_else(|_| wanted(&problem).map(|f| (f, None)).collect());
@@ -212,11 +212,11 @@ fn wanted(problem: &JointProblem) -> impl Iterator<Item = Feature> + use<> {
     })
 }
 
-/// The minimum over all readings, from that over the condensed ones.
+/// The minimum searched to the last digits.
 fn polished(problem: &JointProblem, from: Minimum) -> Minimum {
-    let found = problem.search(Over::Whole, &from.at, POLISH_LIMIT, 1e-9);
+    let found = problem.search(&from.at, POLISH_LIMIT, 1e-9);
     match found.stop {
-        // What is left is below the accuracy of the condensed search, whose outcome holds.
+        // What is left is below the accuracy of the sum, and the coarser search converged.
         Stop::EvaluationLimit => Minimum {
             stop: from.stop,
             ..found
@@ -274,7 +274,7 @@ pub(crate) fn reach(solved: &Solved, feature: Feature, run: usize, quantile: f64
 /// The branches in order of their time constants.
 fn sort_branches(problem: &JointProblem, bottom: &mut Minimum) {
     let layout = problem.layout;
-    let local = problem.local(0, &bottom.at);
+    let local = problem.of_run(0, &bottom.at);
     let tau = |k: usize| local[layout.resistance(k)] + local[layout.capacitance(k)];
     let mut order: Vec<usize> = (0..layout.branches).collect();
     order.sort_by(|&a, &b| tau(a).total_cmp(&tau(b)));
@@ -287,7 +287,7 @@ fn sort_branches(problem: &JointProblem, bottom: &mut Minimum) {
         bottom.at[layout.resistance(to)] = before[layout.resistance(from)];
         bottom.at[layout.capacitance(to)] = before[layout.capacitance(from)];
     }
-    bottom.local = problem.over(Over::Condensed).local(&bottom.at, f64::INFINITY);
+    bottom.local = problem.local(&bottom.at, f64::INFINITY);
 }
 
 /// The feature of another kind with which `feature` is most strongly correlated.

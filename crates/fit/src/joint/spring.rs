@@ -21,7 +21,7 @@ pub(crate) struct Spring {
 impl Spring {
     /// How far the feature is from its target, in standard errors.
     pub(crate) fn gap(&self, problem: &JointProblem, at: &[f64]) -> f64 {
-        self.stiffness * (self.target - self.feature.of(problem.layout, &problem.local(self.run, at)))
+        self.stiffness * (self.target - self.feature.of(problem.layout, &problem.of_run(self.run, at)))
     }
 
     /// Adds the spring to a sum of squares at a place.
@@ -42,7 +42,7 @@ impl Spring {
 
 /// Derivatives of a feature by the coordinates.
 pub(crate) fn gradient(problem: &JointProblem, feature: Feature, run: usize, at: &[f64]) -> Vec<f64> {
-    let value = |at: &[f64]| feature.of(problem.layout, &problem.local(run, at));
+    let value = |at: &[f64]| feature.of(problem.layout, &problem.of_run(run, at));
     let along = |k: usize| {
         let mut moved = at.to_vec();
         moved[k] += STEP;

@@ -2,6 +2,7 @@
 
 use crate::joint::noise::Noise;
 use crate::joint::whitening::{Autocorrelation, longest_s};
+use crate::options::FitOptions;
 use crate::policy::{ENOUGH_FOR_NOISE, FOLLOWED_PART};
 use crate::sampled::Sampled;
 use crate::uncertainty::Residuals;
@@ -21,16 +22,40 @@ const DRAWN_MOVING: usize = 600;
 pub(super) struct Wanted {
     /// Whether memory, growth and steps of its noise are described.
     pub(super) describes_noise: bool,
-    /// Whether the curve has every reading.
-    pub(super) whole_curve: bool,
+    pub(super) curve: Drawn,
+}
+
+/// Which readings the curve of a response has.
+#[derive(Clone, Copy)]
+pub(super) enum Drawn {
+    None,
+    /// As many as a figure shows.
+    Thinned,
+    All,
 }
 
 impl Wanted {
     /// Its noise, and the curve as it is drawn.
     pub(super) const NOISE: Wanted = Wanted {
         describes_noise: true,
-        whole_curve: false,
+        curve: Drawn::Thinned,
     };
+    /// Nothing: of a fit that is made for its estimates.
+    pub(super) const ESTIMATES: Wanted = Wanted {
+        describes_noise: false,
+        curve: Drawn::None,
+    };
+
+    pub(super) fn of(options: &FitOptions) -> Wanted {
+        Wanted {
+            describes_noise: options.describes_noise,
+            curve: if options.whole_curves {
+                Drawn::All
+            } else {
+                Drawn::Thinned
+            },
+        }
+    }
 }
 
 /// One response with its noise and the curve to draw.
@@ -66,10 +91,10 @@ impl Response {
         } else {
             DRAWN_STRETCHES
         };
-        let drawn = if wanted.whole_curve {
-            (0..sampled.len()).collect()
-        } else {
-            drawn_indices(&sampled.time_s, series, step_s, stretches)
+        let drawn = match wanted.curve {
+            Drawn::None => Vec::new(),
+            Drawn::Thinned => drawn_indices(&sampled.time_s, series, step_s, stretches),
+            Drawn::All => (0..sampled.len()).collect(),
         };
         let at =
             |column: &[f64]| -> Vec<f64> { drawn.iter().filter_map(|&k| column.get(k).copied()).collect() };
