@@ -442,34 +442,6 @@ fn the_python_package_is_built_as_the_program_is() {
     assert!(python.contains(version), "python/Cargo.toml has another version");
 }
 
-/// A package holds its own folder alone: what lies outside of it is missing where somebody else builds it.
-#[test]
-fn what_a_crate_embeds_lies_in_its_folder() {
-    let crates = MAY_USE.iter().map(|(name, _)| house().join("crates").join(name));
-    let mut embedded = 0;
-    for folder in crates.chain([house().to_owned()]) {
-        let folder = folder.canonicalize().unwrap();
-        let is_program = |path: &PathBuf| {
-            let own = path.strip_prefix(&folder).unwrap_or(path);
-            !own.to_string_lossy().contains("tests")
-        };
-        for path in rust_files(&folder.join("src")).into_iter().filter(is_program) {
-            let text = std::fs::read_to_string(&path).unwrap();
-            for part in without_tests(&text).split("include_str!(\"").skip(1) {
-                let named = part.split('"').next().unwrap_or_default();
-                let lies = path.parent().unwrap().join(named).canonicalize();
-                embedded += 1;
-                assert!(
-                    lies.is_ok_and(|lies| lies.starts_with(&folder)),
-                    "{}: {named} is not in the package",
-                    path.display()
-                );
-            }
-        }
-    }
-    assert!(embedded > 20, "{embedded}");
-}
-
 /// The wheel is built with --locked: what a crate begins to need has to be in both lists of versions.
 #[test]
 fn the_python_package_locks_what_the_crates_need() {

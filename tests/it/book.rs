@@ -231,7 +231,16 @@ fn every_path_of_the_code_that_a_page_names_is_there() {
         "tests/formats/acme-text/",
         "campaigns/thesis/report/",
     ];
-    let folders = ["crates/", "src/", "tests/", "examples/", "benches/", "campaigns/"];
+    let folders = [
+        "crates/",
+        "src/",
+        "tests/",
+        "examples/",
+        "benches/",
+        "templates/",
+        "migrations/",
+        "campaigns/",
+    ];
     let mut missing = Vec::new();
     let mut count = 0;
     for (path, text) in all_pages().iter().filter(|(path, _)| !is_told(path)) {

@@ -140,7 +140,7 @@ fn pages(input: &Input, into: &mut BTreeMap<String, BTreeSet<String>>) {
 
 #[test]
 fn sentences_of_templates() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/report/templates");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("templates");
     let mut sentences = BTreeMap::new();
     for folder in [folder.clone(), folder.join("pages")] {
         for entry in fs::read_dir(folder).expect("templates").flatten() {

@@ -189,10 +189,10 @@ pub fn render_site(
 /// Pages that show what was drawn of runs, or what could not be made.
 const MADE_LAST: [&str; 2] = [residuals::FILE, INDEX];
 
-const STYLE: &str = include_str!("../templates/style.css");
-const SCRIPT: &str = include_str!("../templates/site.js");
-const ASIDE: &str = include_str!("../templates/aside.html");
-const FAULT: &str = include_str!("../templates/fault.html");
+const STYLE: &str = include_str!("../../../templates/style.css");
+const SCRIPT: &str = include_str!("../../../templates/site.js");
+const ASIDE: &str = include_str!("../../../templates/aside.html");
+const FAULT: &str = include_str!("../../../templates/fault.html");
 
 /// Why a template of a campaign's own cannot take the place of ours; none where it can.
 pub fn refused_template(name: &str, text: &str) -> Option<String> {

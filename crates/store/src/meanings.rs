@@ -1,6 +1,6 @@
 //! What columns mean: the one list that the page of the schema and the table of columns are made from.
 
-const MEANINGS: &str = include_str!("../migrations/meanings.txt");
+const MEANINGS: &str = include_str!("../../../migrations/meanings.txt");
 
 /// Its entries: a column, or a table and its column, with the meaning.
 pub fn meanings() -> impl Iterator<Item = (&'static str, &'static str)> {

@@ -11,7 +11,7 @@ use super::rows::hash_all;
 
 /// The schema, whose number is the schema version. Not even a comment inside a statement may change under a number: SQLite keeps
 /// it with the table, and [`super::schema`] compares it.
-pub(super) const SCHEMA: &str = include_str!("../migrations/0020_base.sql");
+pub(super) const SCHEMA: &str = include_str!("../../../migrations/0020_base.sql");
 
 /// Schema version that this program writes.
 pub(super) const NEWEST: i64 = 20;
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn the_number_of_the_file_is_the_schema_version() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../migrations");
         let files = std::fs::read_dir(folder).unwrap();
         let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
         let names: Vec<_> = names.filter(|name| name.ends_with(".sql")).collect();

@@ -103,7 +103,7 @@ fn made() -> (String, String) {
     }
     assert!(
         lacking.is_empty(),
-        "columns without a meaning; write one into crates/store/migrations/meanings.txt: {lacking:?}"
+        "columns without a meaning; write one into migrations/meanings.txt: {lacking:?}"
     );
     (page, columns_of_tables)
 }

@@ -116,7 +116,7 @@ mod tests {
         for (name, meaning) in named.iter().zip(cells("meaning")) {
             assert!(
                 meaning.is_some_and(|said| !said.is_empty()),
-                "{name} has no meaning in crates/store/migrations/meanings.txt"
+                "{name} has no meaning in migrations/meanings.txt"
             );
         }
         let said = of("fits-wide.r1_ohm_cm2_standard_error");

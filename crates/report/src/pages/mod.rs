@@ -58,7 +58,7 @@ pub const PAGES: [Page; 15] = [
         file: "index.html",
         title: "Overview",
         under: None,
-        template: include_str!("../../templates/pages/index.html"),
+        template: include_str!("../../../../templates/pages/index.html"),
         is_shown: |_| true,
         content: index::content,
     },
@@ -79,7 +79,7 @@ pub const PAGES: [Page; 15] = [
         file: "parameters.html",
         title: "Parameters",
         under: None,
-        template: include_str!("../../templates/pages/parameters.html"),
+        template: include_str!("../../../../templates/pages/parameters.html"),
         is_shown: |_| true,
         content: parameters::content,
     },
@@ -170,7 +170,7 @@ pub const PAGES: [Page; 15] = [
         file: "findings.html",
         title: "Findings",
         under: None,
-        template: include_str!("../../templates/pages/findings.html"),
+        template: include_str!("../../../../templates/pages/findings.html"),
         is_shown: |_| true,
         content: findings::content,
     },
@@ -178,7 +178,7 @@ pub const PAGES: [Page; 15] = [
         file: residuals::FILE,
         title: "Residuals of all runs",
         under: Some("findings.html"),
-        template: include_str!("../../templates/pages/residuals.html"),
+        template: include_str!("../../../../templates/pages/residuals.html"),
         is_shown: |input| input.runs.iter().any(|run| run.fit.is_some()),
         content: residuals::content,
     },
@@ -229,8 +229,8 @@ pub fn shown(input: &Input) -> Vec<&'static Page> {
 }
 
 /// Template of the pages of runs.
-pub const RUN_TEMPLATE: &str = include_str!("../../templates/pages/run.html");
+pub const RUN_TEMPLATE: &str = include_str!("../../../../templates/pages/run.html");
 /// Template of the pages of runs that are read along the strip.
-pub const STRIP_TEMPLATE: &str = include_str!("../../templates/pages/strip.html");
+pub const STRIP_TEMPLATE: &str = include_str!("../../../../templates/pages/strip.html");
 /// Template of the pages that every diagnosed group has.
-pub const FINDING_TEMPLATE: &str = include_str!("../../templates/pages/finding.html");
+pub const FINDING_TEMPLATE: &str = include_str!("../../../../templates/pages/finding.html");
