@@ -146,7 +146,7 @@ def fit(
         simultaneous: current and curvature together in place of one after the other.
         seed: of a random method.
         known: what is known of parameters before the fit: ``{"r1_ohm_cm2": 120.0}`` (exact), ``{"r1_ohm_cm2": (120.0, 6.0)}``
-            (with its standard error) or ``{"lambda_per_s": "0.001..0.01"}`` (limits).
+            (with its standard error) or ``{"lambda_per_s": "0.001..0.01"}`` (limits); ``"r1"`` is a name as in ``fit["r1"]``.
         run: a name for the run.
 
     Raises:

@@ -62,6 +62,7 @@ def test_what_is_known_is_taken_and_said():
     table = ieap.simulate(PARAMETERS, drive=[(0, 1.5), (900, 0.0)], **STRIP, every_s=0.5, noise=NOISE)
     r1 = PARAMETERS["r1_ohm_cm2"]
     held = ieap.fit(table, known={"r1_ohm_cm2": r1})
+    assert ieap.fit(table, known={"r1": r1})["r1"] == held["r1"]
     assert held["r1"].value == pytest.approx(r1) and held["r1"].standard_error == 0.0
     about = ieap.fit(table, known={"r1_ohm_cm2": (r1, 0.01 * r1), "lambda_per_s": "1e-5..1"})
     assert {issue.code for issue in about.issues} >= {"known-parameter"}

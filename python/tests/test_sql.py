@@ -45,10 +45,10 @@ def duck(campaign, findings):
     connection.close()
 
 
-def test_ten_questions_have_one_answer(campaign, duck):
+def test_the_questions_have_one_answer(campaign, duck):
     lite = sqlite3.connect(f"file:{campaign}/campaign.db?mode=ro", uri=True)
     asked = questions()
-    assert len(asked) == 10
+    assert len(asked) == 14
     for question in asked:
         of_lite, of_duck = lite.execute(question).fetchall(), duck.sql(question).fetchall()
         assert len(of_lite) == len(of_duck), question

@@ -87,6 +87,24 @@ def test_a_row_that_was_changed_is_a_row_with_the_reason(away, tmp_path):
     assert found["fit"] == [None, None]
 
 
+def test_a_column_for_people_that_was_changed_is_a_row_with_the_reason(away, tmp_path):
+    fitted = pa.table(ieap.fit_many(parquet.read_table(rows_of(away, tmp_path / "rows"))))
+    for name in ["model_version", "parameters", "r_squared_current", "issues"]:
+        place = fitted.column_names.index(name)
+        forged = fitted.column(name).to_pylist()
+        match forged[0]:
+            case [{"value": _}, *_]:
+                forged[0][0]["value"] += 1.0
+            case [*_]:
+                forged[0].append({"severity": "note", "code": "forged", "place": "", "message": "", "mend": ""})
+            case number:
+                forged[0] = number + 1
+        changed = fitted.set_column(place, fitted.schema.field(name), pa.array(forged, fitted.schema.field(name).type))
+        parquet.write_table(changed, tmp_path / f"{name}.parquet")
+        refused = json.loads(program("-C", str(away), "import-fits", str(tmp_path / f"{name}.parquet"), "--json", ok=(3,)))
+        assert f"column {name} says" in refused["imported"]["refused"][0]["reason"]
+
+
 def test_what_spark_fitted_comes_back(away, fits, tmp_path, spark):
     import ieap.spark
 

@@ -173,7 +173,7 @@ fn crates_stay_behind_their_doors() {
         // The words of Arrow's schema, which polars-arrow-format has for all of its family.
         ("polars", "crates/ingest/src/formats/parquet/arrow_schema.rs"),
         ("parquet", "crates/ingest/src/formats/parquet"),
-        ("parquet", "crates/ingest/src/parquet_texts.rs"),
+        ("parquet", "crates/ingest/src/parquet_rows.rs"),
         ("tera", "crates/report"),
         ("plotters", "crates/report"),
         ("notify", "crates/ingest"),

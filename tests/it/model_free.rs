@@ -208,6 +208,13 @@ fn a_life_test_is_told_cycle_by_cycle_with_its_fade() {
         .stdout;
     assert_eq!(exported.lines().count(), 1 + rows.len());
     let value = |row: usize, key: &str| rows[row]["cells"][key]["value"].as_f64().unwrap();
+    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+    let sql = "SELECT cells ->> '$.charge_in_c', unit FROM tables_view JOIN columns_view USING (name)
+               WHERE name = 'cycles' AND key = 'charge_in_c' AND row_number = 11";
+    let in_sql: (f64, String) = database
+        .query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?)))
+        .unwrap();
+    assert_eq!(in_sql, (value(10, "charge_in_c"), "C".to_owned()));
     for row in [10, 100] {
         let alpha = 5.0 * (1.0 - 1e-3 * row as f64);
         assert!((value(row, "alpha_per_c_cm") / alpha - 1.0).abs() < 0.03, "{row}");

@@ -128,13 +128,13 @@ fn questions() -> Vec<String> {
 }
 
 #[test]
-fn the_ten_questions_of_the_page_are_answered() {
+fn the_questions_of_the_page_are_answered() {
     use rusqlite::types::Value::{Integer, Real, Text};
     let (_above, folder) = world();
     folder.write("runs/refused.csv", "nothing,that\na,reader knows\n");
     folder.run_json();
     let asked = questions();
-    assert_eq!(asked.len(), 10);
+    assert_eq!(asked.len(), 14);
     let answer = |about: &str| {
         query(
             &folder,
@@ -257,6 +257,36 @@ fn exports_of_findings_laws_and_monitoring_hold_what_the_views_show() {
         .collect();
     assert!(!wanted.is_empty());
     assert_eq!(sentences, wanted);
+}
+
+/// Of every table whose rows stand in no other view: as many rows, and cells that the program says too.
+#[test]
+fn every_table_is_a_view_with_the_units_of_its_columns() {
+    use rusqlite::types::Value::{Integer, Text};
+    let (_above, folder) = world();
+    folder.run_json();
+    let listed = folder.ieap(&["table", "--json"]).expect(0).json();
+    let tables = listed["tables"].as_array().unwrap();
+    let mut with_rows = 0;
+    for name in tables.iter().map(|table| table["name"].as_str().unwrap()) {
+        let has_view = ["runs", "fits", "findings", "laws", "refused"].contains(&name);
+        if has_view || ["reductions", "step-and-spectrum"].contains(&name) {
+            continue;
+        }
+        let document = folder.ieap(&["table", name, "--json"]).expect(0).json();
+        let rows = document["rows"].as_array().unwrap();
+        let sql = format!("SELECT count(*) FROM tables_view WHERE name = '{name}'");
+        assert_eq!(query(&folder, &sql), [[Integer(rows.len() as i64)]], "{name}");
+        let sql =
+            format!("SELECT count(*) > 0 FROM columns_view WHERE name = '{name}' AND meaning IS NOT NULL");
+        assert_eq!(query(&folder, &sql), [[Integer(1)]], "{name}");
+        with_rows += usize::from(!rows.is_empty());
+    }
+    assert!(with_rows > 4, "{with_rows}");
+    let peak = "SELECT cells ->> '$.run', unit FROM tables_view JOIN columns_view USING (name)
+                  WHERE name = 'model-free' AND key = 'peak_curvature_per_cm'";
+    let text = |text: &str| Text(text.to_owned());
+    assert_eq!(query(&folder, peak), [[text("runs/a.csv"), text("cm⁻¹")]]);
 }
 
 /// Every unit of a parameter that the program prints is the one that its key ends in, which views and exports go by.

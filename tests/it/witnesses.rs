@@ -3,7 +3,7 @@
 
 use serde_json::{Value, json};
 
-use crate::campaign::CampaignFolder;
+use crate::campaign::{CampaignFolder, run_table};
 
 const HEAD: &str = r#"[simulation]
 seed = 5
@@ -167,4 +167,53 @@ fn swapped_rows_and_a_wrong_name_are_asked_and_speak_once_answered() {
         (&behind(&of_all), &of_all["left_out"]),
         (&json!([3, 4]), &json!([]))
     );
+}
+
+#[test]
+fn a_voltage_that_the_readings_contradict_and_a_fraction_of_humidity_are_in_no_table_until_answered() {
+    let folder = CampaignFolder::new();
+    for (seed, name) in ["right", "high", "damp"].into_iter().enumerate() {
+        folder.write(&format!("runs/{name}.csv"), run_table(seed as u32));
+    }
+    folder.write("runs/high.csv.toml", "voltage_v = 3\n");
+    folder.write("runs/damp.csv.toml", "relative_humidity_percent = 0.33\n");
+    folder.run_json();
+    let told = status(&folder);
+    let asked = |key: &str| -> Vec<Value> {
+        let questions = told["questions"].as_array().unwrap();
+        questions.iter().map(|asked| asked[key].clone()).collect()
+    };
+    assert_eq!(
+        asked("question"),
+        [
+            "runs/high.csv: the sidecar says voltage 3\u{a0}V, the voltage channel 2\u{a0}V",
+            "runs/damp.csv: the sidecar says relative humidity 0.33\u{a0}%, or 33\u{a0}% if that is a fraction"
+        ]
+    );
+    let fraction = r#"ieap tag "runs/damp.csv" relative_humidity_percent=33"#;
+    assert_eq!(asked("answers")[1][0], fraction);
+    let measured = || {
+        let sql = "SELECT voltage_v, relative_humidity_percent FROM fits_view WHERE speaks = 1 \
+                   GROUP BY run ORDER BY run";
+        let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+        let mut rows = database.prepare(sql).unwrap();
+        let found = rows.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).unwrap();
+        found.map(Result::unwrap).collect::<Vec<(f64, Option<f64>)>>()
+    };
+    assert_eq!(measured(), [(2.0, None)]);
+    let conditions = folder.ieap(&["table", "conditions", "--json"]).expect(0).stdout;
+    assert!(!conditions.contains("0.33"), "{conditions}");
+    for answer in ["voltage_v=2", "relative_humidity_percent=33"] {
+        let run = if answer.starts_with("voltage") {
+            "high"
+        } else {
+            "damp"
+        };
+        folder
+            .ieap(&["tag", &format!("runs/{run}.csv"), answer])
+            .expect(0);
+    }
+    folder.run_json();
+    assert_eq!(status(&folder)["questions"], json!([]));
+    assert_eq!(measured(), [(2.0, Some(33.0)), (2.0, None), (2.0, None)]);
 }

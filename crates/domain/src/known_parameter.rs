@@ -46,6 +46,15 @@ pub enum Knowledge {
     },
 }
 
+/// The key that a name stands for: itself, or the only one that it begins (`r1` of `r1_ohm_cm2`), as `fit["r1"]` in Python takes
+/// it; none where it begins none, or several.
+pub fn key_named<'k>(name: &str, keys: impl Iterator<Item = &'k str> + Clone) -> Option<&'k str> {
+    let is_begun = |key: &&str| key.strip_prefix(name).is_some_and(|rest| rest.starts_with('_'));
+    let exact = keys.clone().find(|key| *key == name);
+    let mut begun = keys.filter(is_begun);
+    exact.or(begun.next().filter(|_| begun.next().is_none()))
+}
+
 /// Text that says nothing of a parameter.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
@@ -157,6 +166,28 @@ impl fmt::Display for KnownParameter {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_stands_for_its_key_or_the_only_one_that_it_begins() {
+        let keys = [
+            "r1_ohm_cm2",
+            "r_parallel_ohm_cm2",
+            "r_parallel_ohm_cm2_mean",
+            "tau1_s",
+        ];
+        for (name, key) in [
+            ("r1", Some("r1_ohm_cm2")),
+            ("r1_ohm", Some("r1_ohm_cm2")),
+            ("tau1_s", Some("tau1_s")),
+            ("r_parallel_ohm_cm2", Some("r_parallel_ohm_cm2")),
+            ("r_parallel", None),
+            ("r", None),
+            ("tau", None),
+            ("", None),
+        ] {
+            assert_eq!(key_named(name, keys.into_iter()), key, "{name}");
+        }
+    }
 
     #[test]
     fn what_is_known_is_read_and_said() {

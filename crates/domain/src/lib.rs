@@ -85,7 +85,7 @@ pub use impedance::{
 };
 pub use input_hash::InputHash;
 pub use issue::{Issue, Severity};
-pub use known_parameter::{Knowledge, KnownParameter};
+pub use known_parameter::{Knowledge, KnownParameter, key_named};
 pub use missing_law::{Account, HeldOutError, LawCurve, MissingLaw};
 pub use model_comparison::{ComparedCurve, ModelScore, ResponseScore, RunComparison};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};

@@ -14,7 +14,7 @@ pub mod frames;
 pub mod name_pattern;
 pub mod named_columns;
 pub mod pairs;
-pub mod parquet_texts;
+pub mod parquet_rows;
 mod probe_log;
 pub mod profiles;
 pub mod reading;

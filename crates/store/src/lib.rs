@@ -69,3 +69,4 @@ pub use snapshot::Snapshot;
 pub use store::Store;
 pub use table_by_table::{How, LEFT_OUT, RowDiffers};
 use transaction::Transaction;
+pub use views::has_view;

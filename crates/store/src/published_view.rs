@@ -108,4 +108,43 @@ mod tests {
             .unwrap();
         assert_eq!((counts, store.shown_of().unwrap()), ((1, 1), Some(8)));
     }
+
+    #[test]
+    fn a_finding_says_what_q_leaves_of_it_once_a_report_knows_it() {
+        let store = Store::in_memory().unwrap();
+        let found = r#"{"found":{"verdict":"law","sentence":"A law.","effects":[{"effect":"leak"}],"set":["leak"],
+                       "posterior":[],"next_run":{"drive":"a longer step"},"members":[]}}"#;
+        let sql = "INSERT INTO result (kind, name, key, version, document, made_at)
+                   VALUES ('group', 'G', '', '', ?1, '2026-01-02T00:00:00Z')";
+        store.connection.execute(sql, [found]).unwrap();
+        let left = r#"{"kind":"group","name":"G","verdict":"undecided","sentence":"Chance.","effects":"[]",
+                      "as_good":"[]","next_run":null,"q_misfit":0.2}"#;
+        let view = |shown_at: &str| {
+            store
+                .put_shown(&[("finding", vec![left.to_owned()])], 1, shown_at)
+                .unwrap();
+            let sql = "SELECT verdict, sentence, effects, as_good, next_run, q_misfit FROM findings_view";
+            let row = |row: &rusqlite::Row<'_>| {
+                let text = |at: usize| row.get::<_, Option<String>>(at);
+                let texts = [text(0)?, text(1)?, text(2)?, text(3)?, text(4)?];
+                Ok((
+                    texts.map(Option::unwrap_or_default),
+                    row.get::<_, Option<f64>>(5)?,
+                ))
+            };
+            store.connection.query_row(sql, [], row).unwrap()
+        };
+        let of = |texts: [&str; 5], q| (texts.map(str::to_owned), q);
+        assert_eq!(
+            view("2026-01-02T00:00:01Z"),
+            of(["undecided", "Chance.", "[]", "[]", ""], Some(0.2))
+        );
+        assert_eq!(
+            view("2026-01-01T00:00:00Z"),
+            of(
+                ["law", "A law.", r#"["leak"]"#, r#"["leak"]"#, "a longer step"],
+                None
+            )
+        );
+    }
 }

@@ -11,6 +11,11 @@ pub(super) const VIEWS: &str = include_str!("views.sql");
 /// `PRAGMA application_id`: "ieap" in ASCII, for `file` and whoever else asks.
 pub(super) const APPLICATION_ID: i32 = i32::from_be_bytes(*b"ieap");
 
+/// Whether there is a view of that name.
+pub fn has_view(name: &str) -> bool {
+    VIEWS.contains(&format!("CREATE VIEW {name} "))
+}
+
 /// Makes the views of this program and marks the database, where that is not done yet.
 pub(super) fn put(connection: &mut Connection) -> rusqlite::Result<()> {
     if is_put(connection)? {
@@ -61,7 +66,7 @@ mod tests {
     fn views_are_made_once_and_again_where_they_are_others() {
         let mut store = Store::in_memory().unwrap();
         let connection = &mut store.connection;
-        assert_eq!(wanted().len(), 8);
+        assert_eq!(wanted().len(), 10);
         assert!(is_put(connection).unwrap());
         connection
             .execute_batch("DROP VIEW tags_view; CREATE VIEW tags_view AS SELECT 1 AS other")

@@ -200,25 +200,26 @@ WHERE run.superseded_at IS NULL;
 
 -- One row a finding: of a group of runs, or of one run by itself.
 CREATE VIEW findings_view AS
-WITH shown_finding AS (SELECT document, document ->> '$.kind' AS kind, document ->> '$.name' AS name FROM shown WHERE kind = 'finding')
+-- What follows from all findings together, the q and what it takes back, is the report's; of a finding that is newer, its own.
+WITH shown_finding AS (
+    SELECT document ->> '$.kind' AS kind, document ->> '$.name' AS name, document, shown_of.made_at
+    FROM shown JOIN shown_of ON true WHERE shown.kind = 'finding'
+)
 SELECT
     diagnosis.id AS diagnosis_id,
     diagnosis.kind,
     diagnosis.name,
-    (SELECT shown_finding.document ->> '$.material' FROM shown_finding
-     WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS material,
-    (SELECT shown_finding.document ->> '$.sample' FROM shown_finding
-     WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS sample,
-    (SELECT shown_finding.document ->> '$.environment' FROM shown_finding
-     WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS environment,
-    CAST(diagnosis.document ->> '$.found.verdict' AS VARCHAR) AS verdict,
-    CAST(diagnosis.document ->> '$.found.sentence' AS VARCHAR) AS sentence,
+    shown_finding.document ->> '$.material' AS material,
+    shown_finding.document ->> '$.sample' AS sample,
+    shown_finding.document ->> '$.environment' AS environment,
+    coalesce(shown_finding.document ->> '$.verdict', CAST(diagnosis.document ->> '$.found.verdict' AS VARCHAR)) AS verdict,
+    coalesce(shown_finding.document ->> '$.sentence', CAST(diagnosis.document ->> '$.found.sentence' AS VARCHAR)) AS sentence,
     CAST(diagnosis.document ->> '$.found.p_misfit' AS DOUBLE) AS p_misfit,
-    (SELECT CAST(shown_finding.document ->> '$.q_misfit' AS DOUBLE) FROM shown_finding
-     WHERE shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name) AS q_misfit,
-    coalesce(CAST((SELECT json_group_array(value ->> '$.effect') FROM json_each(diagnosis.document, '$.found.effects')) AS VARCHAR), '[]')
+    CAST(shown_finding.document ->> '$.q_misfit' AS DOUBLE) AS q_misfit,
+    coalesce(shown_finding.document ->> '$.effects',
+        CAST((SELECT json_group_array(value ->> '$.effect') FROM json_each(diagnosis.document, '$.found.effects')) AS VARCHAR), '[]')
         AS effects,
-    CAST(diagnosis.document -> '$.found.set' AS VARCHAR) AS as_good,
+    coalesce(shown_finding.document ->> '$.as_good', CAST(diagnosis.document -> '$.found.set' AS VARCHAR)) AS as_good,
     coalesce(CAST(diagnosis.document -> '$.found.posterior[0].effects' AS VARCHAR), '[]') AS most_probable,
     CAST(diagnosis.document ->> '$.found.posterior[0].mass' AS DOUBLE) AS most_probable_mass,
     CAST(diagnosis.document ->> '$.found.gain.held_out' AS VARCHAR) AS held_out,
@@ -228,7 +229,8 @@ SELECT
     CAST(diagnosis.document ->> '$.found.gain.nrmse_current_after' AS DOUBLE) AS nrmse_current_after,
     CAST(diagnosis.document ->> '$.found.gain.nrmse_curvature_before' AS DOUBLE) AS nrmse_curvature_before,
     CAST(diagnosis.document ->> '$.found.gain.nrmse_curvature_after' AS DOUBLE) AS nrmse_curvature_after,
-    CAST(diagnosis.document ->> '$.found.next_run.drive' AS VARCHAR) AS next_run,
+    CASE WHEN shown_finding.name IS NULL THEN CAST(diagnosis.document ->> '$.found.next_run.drive' AS VARCHAR)
+        ELSE shown_finding.document ->> '$.next_run' END AS next_run,
     CAST(diagnosis.document ->> '$.found.base_model' AS VARCHAR) AS base_model,
     CAST((SELECT json_group_array(value ->> '$[0]') FROM json_each(diagnosis.document, '$.found.members')) AS VARCHAR) AS runs,
     CAST(diagnosis.document ->> '$.found.draws' AS INTEGER) AS draws,
@@ -237,6 +239,8 @@ FROM (
     SELECT result.id, result.kind, coalesce(result.name, run.path) AS name, document, version, made_at, result.superseded_at
     FROM result LEFT JOIN run ON run.id = run_id
 ) AS diagnosis
+LEFT JOIN shown_finding
+    ON shown_finding.kind = diagnosis.kind AND shown_finding.name = diagnosis.name AND shown_finding.made_at >= diagnosis.made_at
 WHERE diagnosis.kind IN ('group', 'run') AND diagnosis.superseded_at IS NULL;
 
 -- One row a law that was asked for: how a parameter follows what differs from run to run, and whether that is claimed.
@@ -296,6 +300,26 @@ SELECT
     shown_of.made_at
 FROM shown JOIN shown_of ON true
 WHERE kind = 'monitoring';
+
+-- One row a row of a table that `ieap table` makes and no other view shows.
+CREATE VIEW tables_view AS
+SELECT
+    CAST(document ->> '$.table' AS VARCHAR) AS name,
+    CAST(document ->> '$.row' AS INTEGER) AS row_number,
+    CAST(document -> '$.cells' AS VARCHAR) AS cells,
+    shown_of.made_at
+FROM shown JOIN shown_of ON true
+WHERE kind = 'table_row';
+
+-- One row a column of these tables.
+CREATE VIEW columns_view AS
+SELECT
+    CAST(document ->> '$.table' AS VARCHAR) AS name,
+    CAST(document ->> '$.column' AS VARCHAR) AS key,
+    CAST(document ->> '$.unit' AS VARCHAR) AS unit,
+    CAST(document ->> '$.meaning' AS VARCHAR) AS meaning
+FROM shown
+WHERE kind = 'table_column';
 
 -- One row a file that no run is made of, with the reason: refused, or not given by the system.
 CREATE VIEW refused_view AS

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::domain::words::counted;
-use crate::domain::{AskedFit, Campaign, KnownParameter};
+use crate::domain::{AskedFit, Campaign, KnownParameter, key_named};
 use crate::fit::{FitError, FitOptions, Steps, can_be_known};
 use crate::model::{FitModel, ModelChoice, fit_models};
 
@@ -124,10 +124,10 @@ pub(crate) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOpti
     Ok(options)
 }
 
-/// Whether a model has a parameter of that key.
-fn is_parameter(key: &str) -> bool {
-    let mut models = fit_models().iter();
-    models.any(|model| model.parameters.iter().any(|own| own.key == key))
+/// Whether a model has a parameter of that name.
+fn is_parameter(name: &str) -> bool {
+    let keys = |model: &FitModel| key_named(name, model.parameters.iter().map(|own| own.key)).is_some();
+    fit_models().iter().any(keys)
 }
 
 /// Whether what is known of parameters is taken into fits with the model.

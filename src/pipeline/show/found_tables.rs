@@ -3,23 +3,27 @@
 
 use std::collections::BTreeMap;
 
+use serde_json::{Value, json};
+
 use crate::analysis::conditions::material;
 use crate::analysis::json_rows::rows;
 use crate::analysis::monitoring::fitted::Interval;
 use crate::analysis::monitoring::{Monitoring, Watched, series::Reaches, words};
 use crate::analysis::run_tables::runs_table;
-use crate::analysis::study::{Answer, InScope, Study, Verdict, sentence};
+use crate::analysis::study::{self, Answer, InScope, Study, Verdict, sentence};
+use crate::analysis::tables::{NamedTable, Need, TABLES};
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, GroupDiagnosis, HeldOutGain, RunRecord};
 use crate::pipeline::campaign::standing;
+use crate::pipeline::show::columns::columns_table;
 use crate::report;
-use crate::show::{Frame, Sheet};
-use crate::store::PublishedRows;
+use crate::show::{Frame, Sheet, frame_of};
+use crate::store::{PublishedRows, has_view};
 
 /// A list of words in a cell, as JSON has it.
 fn list<S: AsRef<str>>(words: &[S]) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
-    serde_json::json!(words).to_string()
+    json!(words).to_string()
 }
 
 /// One row a finding: of groups, then of single runs.
@@ -195,19 +199,51 @@ pub fn shown(input: &report::Input) -> Vec<PublishedRows> {
     let kept = ["run", "standing", "standing_reason"];
     runs.retain(|column| kept.contains(&column.name.as_str()));
     let found = (input.findings.groups.as_slice(), input.findings.runs.as_slice());
-    let in_json = |frame: &Frame| {
-        rows(frame, |flag| i32::from(flag).into())
-            .map(|row| row.to_string())
-            .collect()
-    };
+    let [table_rows, table_columns] = shown_tables(input);
     vec![
-        ("run", in_json(&runs)),
+        ("run", texts(&runs)),
         standing::shown_samples(&input.campaign),
         (
             "finding",
-            in_json(&findings_table(found, &input.runs, &input.campaign)),
+            texts(&findings_table(found, &input.runs, &input.campaign)),
         ),
-        ("law", in_json(&laws_table(&input.study))),
-        ("monitoring", in_json(&monitoring_table(&input.monitoring))),
+        ("law", texts(&laws_table(&input.study))),
+        ("monitoring", texts(&monitoring_table(&input.monitoring))),
+        table_rows,
+        table_columns,
+    ]
+}
+
+/// Rows of a frame as a database has them: yes and no are 1 and 0.
+fn in_json(frame: &Frame) -> impl Iterator<Item = Value> {
+    rows(frame, |flag| i32::from(flag).into())
+}
+
+fn texts(frame: &Frame) -> Vec<String> {
+    in_json(frame).map(|row| row.to_string()).collect()
+}
+
+/// The tables of `ieap table` that no view shows otherwise and that a report makes what they need for: their rows, and their
+/// columns with units.
+fn shown_tables(input: &report::Input) -> [PublishedRows; 2] {
+    let from = input.of_tables();
+    let made = |named: &NamedTable| match named.needs {
+        Need::None | Need::Readings => Some(named.table(&from)),
+        Need::Curves => Some(study::view::table(&input.study.answers)),
+        Need::Reductions | Need::OneLikelihood => None,
+    };
+    let tables: Vec<(&'static str, Frame)> = (TABLES.iter())
+        .filter(|named| !has_view(&format!("{}_view", named.name)))
+        .filter_map(|named| Some((named.name, frame_of(&made(named)?))))
+        .collect();
+    let rows_of = |(name, frame): &(&'static str, Frame)| {
+        let name = *name;
+        let row = move |(at, cells)| json!({ "table": name, "row": at + 1, "cells": cells }).to_string();
+        in_json(frame).enumerate().map(row).collect::<Vec<String>>()
+    };
+    let of_rows = tables.iter().flat_map(rows_of).collect();
+    [
+        ("table_row", of_rows),
+        ("table_column", texts(&columns_table(tables))),
     ]
 }

@@ -1,12 +1,13 @@
 //! The court of witnesses: what run sheet, file name, folder, sidecar, head of the file and readings say of a run's sample,
 //! environment, voltage and humidity. Where they contradict each other it is one question for all runs that it is asked of,
 //! with what their readings are like; until a person answers, these runs speak in no result. A humidity that was logged is no
-//! guess that waits: the run speaks with it, and the label is asked.
+//! guess that waits: the run speaks with it, and the label is asked. A humidity that is a percent or a fraction waits too.
 //!
 //! Whether two sources contradict each other is decided where tags are chosen, and stands with the run as a warning
 //! ([`DISAGREEMENT`](ieap_domain::tag::DISAGREEMENT), [`NAMES_CONTRADICT`](ieap_domain::tag::NAMES_CONTRADICT)); here only which of these a result could hang on.
 
 mod doubt;
+mod fraction;
 mod likeness;
 mod words;
 
@@ -29,7 +30,8 @@ pub fn questions<'a>(
     for doubt in doubts(&all, campaign) {
         together.entry(asked_as(&doubt)).or_default().push(doubt);
     }
-    together.values().map(|doubts| words::question(doubts)).collect()
+    let of_two = together.values().map(|doubts| words::question(doubts));
+    of_two.chain(fraction::questions(&asked(&all))).collect()
 }
 
 /// Runs that wait for an answer: place among `runs`, who says what, and how to answer.
@@ -43,6 +45,11 @@ pub(crate) fn contradicted(runs: &[&RunRecord], campaign: &Campaign) -> BTreeMap
     for doubt in doubts(runs, campaign).into_iter().filter(Doubt::silences) {
         let at = places[&doubt.run.path[..]];
         found.entry(at).or_default().push(words::question(&[doubt]));
+    }
+    for run in asked(runs) {
+        for question in fraction::questions(&[run]) {
+            found.entry(places[&run.path[..]]).or_default().push(question);
+        }
     }
     let together = |questions: Vec<Contradiction>| {
         let joined = |of: &dyn Fn(&Contradiction) -> String| {
@@ -74,15 +81,17 @@ fn asked_as(doubt: &Doubt) -> Vec<String> {
         .collect()
 }
 
+/// Runs that speak or wait for an answer.
+fn asked<'a>(runs: &[&'a RunRecord]) -> Vec<&'a RunRecord> {
+    let is_asked =
+        |run: &&RunRecord| matches!(run.standing, Standing::Speaks | Standing::Contradicted { .. });
+    runs.iter().copied().filter(is_asked).collect()
+}
+
 /// Every contradiction of every run, with what its readings are like.
 fn doubts<'a>(runs: &[&'a RunRecord], campaign: &Campaign) -> Vec<Doubt<'a>> {
-    let is_asked =
-        |run: &&&RunRecord| matches!(run.standing, Standing::Speaks | Standing::Contradicted { .. });
-    let of_run = |run: &&'a RunRecord| {
-        let run: &'a RunRecord = run;
-        KEYS.iter().filter_map(move |key| doubt(run, key))
-    };
-    let mut found: Vec<Doubt> = runs.iter().filter(is_asked).flat_map(of_run).collect();
+    let of_run = |run: &'a RunRecord| KEYS.iter().filter_map(move |key| doubt(run, key));
+    let mut found: Vec<Doubt> = asked(runs).into_iter().flat_map(of_run).collect();
     if found.is_empty() {
         return found;
     }
@@ -90,7 +99,9 @@ fn doubts<'a>(runs: &[&'a RunRecord], campaign: &Campaign) -> Vec<Doubt<'a>> {
     let in_doubt: HashSet<&str> = silenced.map(|doubt| &doubt.run.path[..]).collect();
     let is_witness = |run: &&&RunRecord| {
         let waits = matches!(run.standing, Standing::Contradicted { .. });
-        (run.standing.speaks() || waits) && !in_doubt.contains(&run.path[..])
+        (run.standing.speaks() || waits)
+            && !in_doubt.contains(&run.path[..])
+            && fraction::doubtful(run).is_none()
     };
     let witnesses = Witnesses::of(runs.iter().filter(is_witness).copied().collect(), campaign);
     for doubt in &mut found {

@@ -229,3 +229,54 @@ fn readings_are_compared_on_the_area_of_the_strip_that_a_statement_names() {
         asked(1.0)
     );
 }
+
+#[test]
+fn a_humidity_that_may_be_a_fraction_waits_until_a_person_says_what_it_is() {
+    let stated = |name: &str, percent: &str, source: TagSource| {
+        let mut run = measured_on(name, "A", "A", 0.0);
+        let mut humidity = tag(keys::RELATIVE_HUMIDITY_PERCENT, percent);
+        humidity.source = source;
+        run.tags.push(humidity);
+        run
+    };
+    let mut runs = [
+        stated("x", "0.33", TagSource::RunSheet),
+        stated("y", "0.33", TagSource::RunSheet),
+        stated("z", "1", TagSource::FileName),
+        stated("dry", "0", TagSource::FileName),
+        stated("wet", "33", TagSource::FileName),
+        stated("answered", "0.33", TagSource::Hand),
+        stated("logged", "0.33", TagSource::Ambient),
+        stated("box", "0.5", TagSource::EnvironmentDefault),
+    ];
+    let expected = [
+        (
+            "2 runs: the run sheet says relative humidity 0.33\u{a0}%, or 33\u{a0}% if that is a fraction",
+            [
+                r#"ieap tag "runs/x.csv" "runs/y.csv" relative_humidity_percent=33"#,
+                r#"ieap tag "runs/x.csv" "runs/y.csv" relative_humidity_percent=0.33"#,
+            ],
+        ),
+        (
+            "runs/z.csv: the file name says relative humidity 1\u{a0}%, or 100\u{a0}% if that is a fraction",
+            [
+                r#"ieap tag "runs/z.csv" relative_humidity_percent=100"#,
+                r#"ieap tag "runs/z.csv" relative_humidity_percent=1"#,
+            ],
+        ),
+    ];
+    let told = expected.map(|(question, answers)| (question.to_owned(), answers.map(str::to_owned).to_vec()));
+    assert_eq!(asked(&runs), told);
+    let grounds = Grounds {
+        campaign: &campaign(),
+        words: &BTreeMap::new(),
+        same: &[],
+        diagnosed: None,
+    };
+    decide(&mut runs, &grounds);
+    let waiting: Vec<&str> = (runs.iter().filter(|run| !run.standing.speaks()))
+        .map(|run| &run.path[..])
+        .collect();
+    assert_eq!(waiting, ["runs/x.csv", "runs/y.csv", "runs/z.csv"]);
+    assert_eq!(asked(&runs), told);
+}

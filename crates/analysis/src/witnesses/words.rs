@@ -48,12 +48,17 @@ pub(super) fn question(doubts: &[Doubt]) -> Contradiction {
         runs: doubts.iter().map(|own| own.run.path.clone()).collect(),
         question: what + &likeness(doubts, is_swapped),
         until: if first.silences() {
-            "No result is made from what waits; say which is right".to_owned()
+            until_answered()
         } else {
             "Until you say that the label is right, what was measured counts".to_owned()
         },
         answers: answers(doubts),
     }
+}
+
+/// What holds of runs that wait.
+pub(super) fn until_answered() -> String {
+    "No result is made from what waits; say which is right".to_owned()
 }
 
 /// What a source says of a run.
@@ -67,7 +72,7 @@ fn by<'a>(doubt: &Doubt<'a>, source: TagSource) -> &'a str {
 }
 
 /// Who says it.
-fn who(tag: &Tag) -> &'static str {
+pub(super) fn who(tag: &Tag) -> &'static str {
     match tag.source {
         TagSource::Hand => "the tag set by hand",
         TagSource::Sidecar => "the sidecar",
@@ -124,15 +129,19 @@ fn answers(doubts: &[Doubt]) -> Vec<String> {
             runs.entry(&tag.value).or_default().push(&doubt.run.path);
         }
     }
-    let command = |(value, runs): (&str, Vec<&str>)| {
-        let runs: Vec<String> = runs.iter().map(|run| format!("\"{run}\"")).collect();
-        let plain = value.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
-        let value = if plain {
-            value.to_owned()
-        } else {
-            format!("\"{value}\"")
-        };
-        format!("ieap tag {} {}={value}", runs.join(" "), doubts[0].said.key)
+    let runs = runs.into_iter();
+    runs.map(|(value, runs)| command(&doubts[0].said.key, value, &runs))
+        .collect()
+}
+
+/// The command that says that value of the key of runs.
+pub(super) fn command(key: &str, value: &str, runs: &[&str]) -> String {
+    let runs: Vec<String> = runs.iter().map(|run| format!("\"{run}\"")).collect();
+    let plain = value.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
+    let value = if plain {
+        value.to_owned()
+    } else {
+        format!("\"{value}\"")
     };
-    runs.into_iter().map(command).collect()
+    format!("ieap tag {} {key}={value}", runs.join(" "))
 }

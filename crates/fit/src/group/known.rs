@@ -59,7 +59,7 @@ impl<'k> Taken<'k> {
             )));
         }
         let keys: Vec<&str> = model.parameters.iter().map(|parameter| parameter.key).collect();
-        let feature = Feature::of_key(&known.parameter, model.branches).ok_or_else(|| {
+        let feature = Feature::named(&known.parameter, model.branches).ok_or_else(|| {
             refused(format!(
                 "{} has no such parameter; it has {}",
                 model.id,
@@ -90,6 +90,11 @@ impl<'k> Taken<'k> {
             place,
             knowledge: of_feature(feature, known.knowledge),
         })
+    }
+
+    /// Key of the parameter, however it was named.
+    fn key(&self) -> &str {
+        self.feature.key().unwrap_or(&self.known.parameter)
     }
 
     fn spring(&self) -> Option<Spring> {
@@ -238,7 +243,7 @@ fn said(taken: &Taken) -> Issue {
         "known-parameter",
         format!("taken as known: {}{exact}{source}", known.knowledge),
     )
-    .at(known.parameter.as_str())
+    .at(taken.key())
 }
 
 /// Where the readings alone say something else than what is known.
@@ -291,6 +296,6 @@ fn contradicted(taken: &Taken, own: &Interval, p: f64) -> Issue {
         significant(p, 2)
     );
     Issue::warning("known-contradicted", message)
-        .at(taken.known.parameter.as_str())
+        .at(taken.key())
         .mend(MEND)
 }

@@ -1,5 +1,7 @@
 //! Numbers that a fit reports, as functions of the local parameters of a run.
 
+use ieap_domain::key_named;
+
 use crate::search::MOST_BRANCHES;
 
 use super::layout::Layout;
@@ -34,6 +36,14 @@ pub(crate) struct Ends {
 }
 
 impl Feature {
+    /// The feature of that name for a circuit of `branches` branches: its key, or what begins no other (`r1`).
+    pub(crate) fn named(name: &str, branches: usize) -> Option<Feature> {
+        let keys = Feature::all(branches)
+            .filter_map(Feature::key)
+            .collect::<Vec<_>>();
+        Feature::of_key(key_named(name, keys.into_iter())?, branches)
+    }
+
     /// The feature stored under `key` for a circuit of `branches` branches.
     pub(crate) fn of_key(key: &str, branches: usize) -> Option<Feature> {
         Feature::all(branches).find(|feature| feature.key() == Some(key))

@@ -56,6 +56,15 @@ fn fitted_knowing(channels: &[Channel], drive: &Drive, known: &[KnownParameter])
     fit_knowing(&input, &FitOptions::default(), known).unwrap()
 }
 
+#[test]
+fn a_short_name_says_what_its_key_says() {
+    let (channels, drive) = run(60, 0.01, 0.0, false, 3);
+    let with = |name: &str| fitted_knowing(&channels, &drive, &[about(name, 120.0, 1.0)]);
+    assert_eq!(with("r1"), with("r1_ohm_cm2"));
+    let refused = can_be_known(&[about("tau", 120.0, 1.0)], FitOptions::default().model).unwrap_err();
+    assert!(refused.to_string().contains("r1_ohm_cm2"), "{refused}");
+}
+
 fn value_and_error(fit: &Fit, key: &str) -> (f64, f64) {
     let estimate = fit.parameter(key).unwrap();
     (estimate.value.unwrap(), estimate.standard_error.unwrap())

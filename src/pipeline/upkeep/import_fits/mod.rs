@@ -4,6 +4,7 @@
 
 mod again;
 mod rows;
+mod told;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

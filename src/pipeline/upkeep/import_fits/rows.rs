@@ -3,7 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::ingest::parquet_texts;
+use serde_json::Value;
+
+use super::told::other_told;
+use crate::ingest::parquet_rows;
 use crate::pipeline::PipelineError;
 use crate::pipeline::fits::result::{FitResult, SCHEMA};
 use crate::system::fs;
@@ -22,30 +25,44 @@ pub fn read(file: &Path) -> Result<Vec<Result<FitResult, Refusal>>, PipelineErro
         doing: "reading results",
         source,
     })?;
-    let table = parquet_texts::read(&bytes).map_err(|reason| PipelineError::BadArgument {
+    let table = parquet_rows::read(&bytes).map_err(|reason| PipelineError::BadArgument {
         what: "FILES",
         found: format!("{}: {reason}", file.display()),
         needed: "a Parquet file with the text columns run, data_hash, input_hash, code_version, fit, issue and checksum"
             .to_owned(),
     })?;
-    let rows = table.into_iter().map(of_columns);
-    Ok(rows.map(|text| text.and_then(|text| row(&text))).collect())
+    Ok(table.iter().map(of_columns).collect())
 }
 
-/// A row of texts by column as the JSON of a [`FitResult`]: `fit`, `issue` and `asked` hold JSON themselves.
-fn of_columns(columns: BTreeMap<String, String>) -> Result<String, Refusal> {
-    let run = columns.get("run").cloned();
+/// The result of a row, which no column of the row contradicts.
+fn of_columns(columns: &BTreeMap<String, Value>) -> Result<FitResult, Refusal> {
+    let result = row(&as_json(columns)?)?;
+    match other_told(columns, &result) {
+        None => Ok(result),
+        Some(column) => Err((
+            Some(result.run),
+            format!(
+                "its column {column} says something else than the fit that its checksum is of: it was damaged on its way, or changed; bring the file over again, or fit it again"
+            ),
+        )),
+    }
+}
+
+/// The texts of a row as the JSON of a [`FitResult`]: `fit`, `issue` and `asked` hold JSON themselves.
+fn as_json(columns: &BTreeMap<String, Value>) -> Result<String, Refusal> {
+    let text = |name: &str| columns.get(name).and_then(Value::as_str);
+    let run = text("run").map(str::to_owned);
     let mut object = serde_json::Map::new();
     object.insert("schema".to_owned(), SCHEMA.into());
-    for (name, text) in columns {
+    for (name, text) in columns.keys().filter_map(|name| Some((name, text(name)?))) {
         let value = match name.as_str() {
-            "fit" | "issue" | "asked" => serde_json::from_str(&text)
+            "fit" | "issue" | "asked" => serde_json::from_str(text)
                 .map_err(|error| (run.clone(), format!("column {name}: {error}; needed JSON")))?,
             _ => text.into(),
         };
-        object.insert(name, value);
+        object.insert(name.clone(), value);
     }
-    Ok(serde_json::Value::Object(object).to_string())
+    Ok(Value::Object(object).to_string())
 }
 
 /// The result that stands in a row, as it was written.

@@ -175,6 +175,24 @@ fn intervals_hold_the_energies() {
     }
 }
 
+/// By hand: 200 MPa on 2 mm x 0.3 mm has E I = 0.9 N mm2; bent to 2/cm over 10 mm it holds 0.9 x 10 x 0.2^2 / 2 = 0.18 N mm.
+#[test]
+fn a_bent_strip_holds_what_a_ruler_and_a_pencil_say() {
+    let sample = Sample {
+        length_mm: Some(10.0),
+        width_mm: Some(2.0),
+        thickness_mm: Some(0.3),
+        ..campaign().samples[0].clone()
+    };
+    let strip = Strip {
+        sample: Some(&sample),
+        area_cm2: Some(0.2),
+        modulus_mpa: &known(200.0, 1e-9),
+    };
+    let elastic_uj = strip.elastic_uj(&known(2.0, 1e-9)).value.unwrap();
+    assert!((elastic_uj - 180.0).abs() < 1e-6, "{elastic_uj}");
+}
+
 #[test]
 fn what_is_not_known_is_named() {
     let sample = campaign().samples[0].clone();
