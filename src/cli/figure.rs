@@ -16,7 +16,7 @@ use crate::pipeline::show::figures::{MakeFigure, formats, listed, needs_no_campa
 ///
 /// At the width that it will have in print.
 ///
-/// Without a name it lists the figures. Simulated ones (figures 13, 16, 18, answers of models to a step) need no campaign.
+/// Without a name it lists the figures. Simulated ones (figures 13, 16, 18) need no campaign.
 #[derive(Debug, Args)]
 pub struct FigureArgs {
     /// Which figure; none: list them

@@ -49,24 +49,25 @@ pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
 }
 
 fn print(entry: &NextRunEntry, output: &Output) {
-    let mut place = vec![entry.sample.clone()];
-    place.extend(entry.environment.as_ref().map(|name| format!("in {name}")));
-    place.extend(entry.relative_humidity_percent.map(|rh| format!("at {rh} % RH")));
-    place.extend(entry.temperature_c.map(|t| format!("and {t} °C")));
-    place.extend(entry.rest_before_s.map(|rest| format!("after {rest} s of rest")));
+    let run = &entry.next.run;
+    let mut place = vec![run.sample.clone()];
+    place.extend(run.environment.as_ref().map(|name| format!("in {name}")));
+    place.extend(run.relative_humidity_percent.map(|rh| format!("at {rh} % RH")));
+    place.extend(run.temperature_c.map(|t| format!("and {t} °C")));
+    place.extend(run.rest_before_s.map(|rest| format!("after {rest} s of rest")));
     output.result(&format!(
         "{:>2}. {}  {}: {}",
         entry.rank,
-        entry.planned,
+        entry.next.planned,
         place.join(" "),
-        entry.drive
+        run.drive
     ));
-    output.result(&format!("    {}", entry.why));
-    let on_sheet = match &entry.on_sheet {
+    output.result(&format!("    {}", run.why.join("; ")));
+    let on_sheet = match &entry.next.on_sheet {
         Some(sheet) => format!(" (on {sheet})"),
         None => String::new(),
     };
-    output.result(&format!("    save as {}{on_sheet}", entry.file));
+    output.result(&format!("    save as {}{on_sheet}", entry.next.file));
 }
 
 fn say(summary: &SheetSummary, runs_folder: &str, output: &Output) {

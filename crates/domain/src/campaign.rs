@@ -12,7 +12,8 @@ use super::pairs::PairRules;
 use super::{AskedFit, DateOrder, RunKind, Samples};
 
 /// A sample: one strip of one material.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Sample {
     /// Id that tags name.
     pub id: String,
@@ -27,7 +28,6 @@ pub struct Sample {
     /// Active area, cm2, where it is not length times width.
     pub area_cm2: Option<f64>,
     /// Resistance of both electrodes along the strip, Ohm per square, as measured by a probe.
-    #[serde(default)]
     pub electrode_resistance_ohm_per_sq: Option<f64>,
     /// Production batch.
     pub batch: Option<String>,
@@ -64,7 +64,8 @@ pub struct Material {
 }
 
 /// Surroundings of a run with defaults for what nothing measured.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Environment {
     /// Id that tags name: `vacuum`, `inert`, `air`, or one of the user's own.
     pub id: String,

@@ -139,6 +139,7 @@ pub struct SensorStatement {
 
 /// Rules of campaign.toml, `[climate]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct ClimateRules {
     /// Largest deviation from the run's mean of relative humidity, percent points.
     pub relative_humidity_tolerance_percent: f64,
@@ -149,32 +150,25 @@ pub struct ClimateRules {
     /// Relative humidity above which hours count as exposure, percent.
     pub exposure_above_percent: f64,
     /// Largest deviation from the run's mean of the pressure, percent of it.
-    #[serde(default = "pressure_tolerance")]
     pub pressure_tolerance_percent: f64,
     /// Oxygen that no reading within a run may be above, ppm; none stated: not looked at.
-    #[serde(default)]
     pub oxygen_limit_ppm: Option<f64>,
     /// Water that no reading within a run may be above, ppm; none stated: not looked at.
-    #[serde(default)]
     pub water_limit_ppm: Option<f64>,
-}
-
-/// The thesis's vacuum stood at 50 to 60 Pa: a tenth about its mean.
-fn pressure_tolerance() -> f64 {
-    10.0
 }
 
 impl Default for ClimateRules {
     /// Tolerances are what makers state for capacitive humidity sensors and thermistors: a smaller change cannot
     /// be told from the sensor. The gap: within an hour the air of a room drifts by less than that (docs/climate.md).
-    /// 60 % is the upper end of what is recommended for rooms, so that an ordinary room is no exposure.
+    /// 60 % is the upper end of what is recommended for rooms, so that an ordinary room is no exposure. The thesis's vacuum
+    /// stood at 50 to 60 Pa: a tenth about its mean.
     fn default() -> ClimateRules {
         ClimateRules {
             relative_humidity_tolerance_percent: 3.0,
             temperature_tolerance_c: 1.0,
             longest_gap_s: 3600.0,
             exposure_above_percent: 60.0,
-            pressure_tolerance_percent: pressure_tolerance(),
+            pressure_tolerance_percent: 10.0,
             oxygen_limit_ppm: None,
             water_limit_ppm: None,
         }

@@ -91,18 +91,18 @@ pub enum HypothesisKind {
 }
 
 /// What may be behind a misfit, with how probable it is.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Hypothesis {
     /// Kind.
     pub kind: HypothesisKind,
-    /// Id of its effect or law.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Id of the textbook curve, or of the law that is asked as a free curve.
+    #[serde(default)]
     pub effect: Option<String>,
     /// Keys of the parameters that differ between the runs.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub parameters_that_differ: Vec<String>,
     /// What they follow: `voltage_v`, the id of a tag's effect, or `run` where they differ freely.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub with: Option<String>,
     /// Posterior probability.
     #[serde(deserialize_with = "number_or_null::one")]
@@ -392,8 +392,9 @@ pub struct CondemnedRun {
     pub reason: String,
 }
 
-/// Everything that was found out about a group of runs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Everything that was found out about a group of runs. What the schema skips, the document of findings says in another form,
+/// or not at all.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GroupDiagnosis {
     /// Name of the group: its shared tags.
     pub group: String,
@@ -410,6 +411,7 @@ pub struct GroupDiagnosis {
     /// The finding in one plain sentence.
     pub sentence: String,
     /// Whether the diagnosis stopped on a fault of the program: then nothing is known of the readings.
+    #[schemars(skip)]
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_fault: bool,
     /// Probability of residuals at least as bad where the base model is right; none where it could not be asked.
@@ -423,6 +425,7 @@ pub struct GroupDiagnosis {
     /// The same for what the extended model leaves.
     pub p_leftover: Option<f64>,
     /// Accepted effects.
+    #[schemars(skip)]
     pub effects: Vec<EffectFinding>,
     /// Ids of the textbook curves that may be the cause, and of parameters that differ (`varies:rss_ohm_cm2`).
     pub set: Vec<String>,
@@ -455,8 +458,10 @@ pub struct GroupDiagnosis {
     #[serde(default)]
     pub noise: Vec<DiagnosisNoise>,
     /// Residuals as they are drawn.
+    #[schemars(skip)]
     pub residuals: Vec<ResidualCurve>,
     /// The same of held-out runs or times, by models that were fitted without them.
+    #[schemars(skip)]
     #[serde(default)]
     pub held_out_residuals: Vec<ResidualCurve>,
     /// What a reader must know of the readings.
@@ -465,6 +470,7 @@ pub struct GroupDiagnosis {
     #[serde(default)]
     pub alone: Vec<RunAlone>,
     /// How well effects with the parameters of other samples describe this one.
+    #[schemars(skip)]
     #[serde(default)]
     pub from_others: Vec<FromOthers>,
     /// What may be behind the misfit, the most probable first; empty where none was found, and of findings that were stored
@@ -486,6 +492,7 @@ pub struct GroupDiagnosis {
     pub scatter_is_noise: bool,
     /// The least error of the base model, of current or curvature, that would have been seen in 95 of 100 such groups; of no
     /// charge. None in findings that were stored before this was asked.
+    #[schemars(skip)]
     #[serde(default)]
     pub visible_percent: MisfitPercent,
 }

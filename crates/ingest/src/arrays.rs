@@ -1,6 +1,6 @@
 //! Columns that a caller holds in memory, read as those of a plain run table: the same names, units and judgements.
 
-use ieap_domain::{Issue, RunStatus};
+use ieap_domain::Issue;
 
 use crate::Reading;
 use crate::formats::assemble::{Raw, assemble};
@@ -71,21 +71,14 @@ pub fn read(columns: Vec<Column>) -> Result<Reading, Issue> {
     let mut issues = Vec::new();
     let table = assemble(raw, &mut issues).map_err(|error| in_words_of_arrays(error.issue(), &names))?;
     Ok(Reading {
-        format: FORMAT,
-        reader_version: 1,
-        technique: None,
         is_step_response: true,
-        encoding: None,
-        status: RunStatus::Complete,
         status_evidence: format!("{rows} rows were given"),
-        started_at: None,
-        header_tags: Vec::new(),
         tables: vec![table],
-        original_metadata: Vec::new(),
         issues: issues
             .into_iter()
             .map(|issue| in_words_of_arrays(issue, &names))
             .collect(),
+        ..Reading::of(FORMAT, 1)
     })
 }
 

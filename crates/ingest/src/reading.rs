@@ -60,6 +60,26 @@ pub struct Reading {
     pub issues: Vec<Issue>,
 }
 
+impl Reading {
+    /// What a reader of that id and version has made of a file before it read anything.
+    pub fn of(format: &'static str, reader_version: u32) -> Reading {
+        Reading {
+            format,
+            reader_version,
+            technique: None,
+            is_step_response: false,
+            encoding: None,
+            status: RunStatus::Complete,
+            status_evidence: String::new(),
+            started_at: None,
+            header_tags: Vec::new(),
+            tables: Vec::new(),
+            original_metadata: Vec::new(),
+            issues: Vec::new(),
+        }
+    }
+}
+
 /// A column of a table without its readings, as `ieap inspect` shows it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColumnSummary {

@@ -4,11 +4,13 @@ use crate::analysis::cache::Cache;
 use crate::analysis::groups::is_called;
 pub use crate::analysis::groups::title as group_title;
 pub use std::collections::BTreeMap;
+use std::ops::Deref;
 
 use crate::domain::Estimate;
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::ser::Error;
+use serde::{Serialize, Serializer};
 
 use super::doubted::{self, DoubtedEntry};
 use super::fits::{as_object, parameter_entries};
@@ -17,11 +19,7 @@ use super::shared_effects::{SharedEffectEntry, shared_effect_entries};
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::online::OnlineDecision;
 use crate::analysis::study::{Study, sentence};
-use crate::domain::{
-    Account, CondemnedRun, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis, Hypothesis,
-    HypothesisKind, MisfitPercent, MissingLaw, NextRun, ParameterScatter, ParameterShift, RunAlone,
-    StrengthProfile, VaryingParameter, Verdict, Whereabouts,
-};
+use crate::domain::{EffectFinding, Fault, GroupDiagnosis, Verdict};
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::current::findings_among;
 use crate::pipeline::findings::model_free::curves_after_steps;
@@ -88,72 +86,46 @@ pub struct RunEntry {
 /// One group.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct GroupEntry {
-    /// Name of the group.
-    pub group: String,
-    /// Runs in it.
-    pub runs: Vec<String>,
-    /// Runs of it whose readings are wrong, with the reason; they take no part.
-    pub condemned: Vec<CondemnedRun>,
-    /// Id of the base model.
-    pub base_model: String,
-    /// What is said.
-    pub verdict: Verdict,
-    /// The finding in one plain sentence.
-    pub sentence: String,
-    /// Probability of residuals at least as bad by chance.
-    pub p_misfit: Option<f64>,
-    /// The same over all groups of the campaign.
-    pub q_misfit: Option<f64>,
-    /// Probability of what the extended model leaves.
-    pub p_leftover: Option<f64>,
+    /// What was found.
+    #[serde(flatten, serialize_with = "as_told")]
+    found: GroupDiagnosis,
     /// Accepted effects.
     pub effects: Vec<EffectEntry>,
-    /// Ids of the effects that may be the cause.
-    pub set: Vec<String>,
-    /// Misfit up to which the simulation is right whatever chance says, percent of ranges.
-    pub tolerance_percent: f64,
-    /// Of what the squared error of the base model is made, percent; null where it could not be asked.
-    pub account: Option<Account>,
-    /// The laws that are missing.
-    pub missing: Vec<MissingLaw>,
-    /// Of a group that is not explained, the laws that come closest so far: they leave more than chance does, and nothing is
-    /// claimed of them.
-    pub closest: Vec<MissingLaw>,
-    /// Gain of the extended model.
-    pub gain: Option<Gain>,
-    /// Whether that is clearly a gain: every held-out part comes out better, or the 95 % interval of the fall of the deviance
-    /// does not reach zero.
+    /// Whether the gain is clear: every held-out part comes out better, or the 95 % interval of the fall of the deviance does
+    /// not reach zero.
     pub gain_is_clear: Option<bool>,
-    /// Where the base model is wrong.
-    #[serde(rename = "where")]
-    pub whereabouts: Option<Whereabouts>,
-    /// What to measure next.
-    pub next_run: Option<NextRun>,
-    /// Base parameters that the extension moves.
-    pub shifts: Vec<ParameterShift>,
-    /// How the sum of squares rises with the strength of every accepted effect.
-    pub profiles: Vec<StrengthProfile>,
-    /// Noise of every channel.
-    pub noise: Vec<DiagnosisNoise>,
-    /// What a reader must know of the readings.
-    pub remarks: Vec<String>,
-    /// Each run by itself, where no cause is found for all of them together.
-    pub alone: Vec<RunAlone>,
-    /// What may be behind the misfit, the most probable first.
-    pub posterior: Vec<PosteriorEntry>,
-    /// How large the misfit of the base model is.
-    pub misfit_percent: MisfitPercent,
     /// The least error of the base model that would have been seen, beside what was granted.
     pub sensitivity: Sensitivity,
-    /// Parameters that differ between the runs, run by run.
-    pub differs: Vec<VaryingParameter>,
-    /// By how much each parameter scatters from run to run; empty of fewer than three runs.
-    pub scatter: Vec<ParameterScatter>,
-    /// Whether that scatter was taken as noise in everything else that is said.
-    pub scatter_is_noise: bool,
     /// Which of its runs need the distributed model, as far as their fits say.
     pub lumped_or_distributed: Vec<LumpedOrDistributedEntry>,
 }
+
+impl Deref for GroupEntry {
+    type Target = GroupDiagnosis;
+
+    fn deref(&self) -> &GroupDiagnosis {
+        &self.found
+    }
+}
+
+/// Of a finding what stands in no other form beside it, and is not only drawn.
+fn as_told<S: Serializer>(found: &GroupDiagnosis, serializer: S) -> Result<S::Ok, S::Error> {
+    let mut told = serde_json::to_value(found).map_err(S::Error::custom)?;
+    if let Some(told) = told.as_object_mut() {
+        told.retain(|key, _| !ELSEWHERE.contains(&key.as_str()));
+    }
+    told.serialize(serializer)
+}
+
+/// What the schema of a finding skips.
+const ELSEWHERE: [&str; 6] = [
+    "is_fault",
+    "effects",
+    "residuals",
+    "held_out_residuals",
+    "from_others",
+    "visible_percent",
+];
 
 /// The least error of the base model that would have been seen in 95 of 100 such groups, percent of the ranges.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -164,21 +136,6 @@ pub struct Sensitivity {
     pub current_percent: Option<f64>,
     /// Of the curvature.
     pub curvature_percent: Option<f64>,
-}
-
-/// What may be behind a misfit.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct PosteriorEntry {
-    /// Kind.
-    pub kind: HypothesisKind,
-    /// Id of the textbook curve, or of the law that is asked as a free curve.
-    pub effect: Option<String>,
-    /// Keys of the parameters that differ between the runs.
-    pub parameters_that_differ: Vec<String>,
-    /// What they follow: `voltage_v`, the id of a tag's effect, or `run` where they differ freely.
-    pub with: Option<String>,
-    /// Posterior probability.
-    pub mass: f64,
 }
 
 /// An accepted effect.
@@ -291,7 +248,7 @@ fn run_entry(
         sentence: found.sentence,
         p_misfit: found.p_misfit,
         q_misfit: found.q_misfit,
-        effects: found.effects.into_iter().map(effect_entry).collect(),
+        effects: found.effects.iter().map(effect_entry).collect(),
         set: found.set,
     }
 }
@@ -300,33 +257,8 @@ fn run_entry(
 pub fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> GroupEntry {
     let of_group = |entry: &&LumpedOrDistributedEntry| found.runs.contains(&entry.run);
     GroupEntry {
-        lumped_or_distributed: told.iter().filter(of_group).cloned().collect(),
-        group: found.group,
-        runs: found.runs,
-        condemned: found.condemned,
-        base_model: found.base_model,
-        verdict: found.verdict,
-        sentence: found.sentence,
-        p_misfit: found.p_misfit,
-        q_misfit: found.q_misfit,
-        p_leftover: found.p_leftover,
-        effects: found.effects.into_iter().map(effect_entry).collect(),
-        set: found.set,
-        tolerance_percent: found.tolerance_percent,
-        account: found.account,
-        missing: found.missing,
-        closest: found.closest,
+        effects: found.effects.iter().map(effect_entry).collect(),
         gain_is_clear: found.gain.as_ref().map(|gain| gain.proof.is_clear()),
-        gain: found.gain,
-        whereabouts: found.whereabouts,
-        next_run: found.next_run,
-        shifts: found.shifts,
-        profiles: found.profiles,
-        noise: found.noise,
-        remarks: found.remarks,
-        alone: found.alone,
-        posterior: found.posterior.into_iter().map(posterior_entry).collect(),
-        misfit_percent: found.misfit_percent,
         sensitivity: Sensitivity {
             beside: if found.scatter_is_noise {
                 vec!["edges", "zero", "noise", "scatter"]
@@ -336,29 +268,18 @@ pub fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> 
             current_percent: found.visible_percent.current,
             curvature_percent: found.visible_percent.curvature,
         },
-        differs: found.differs,
-        scatter: found.scatter,
-        scatter_is_noise: found.scatter_is_noise,
+        lumped_or_distributed: told.iter().filter(of_group).cloned().collect(),
+        found,
     }
 }
 
-fn posterior_entry(own: Hypothesis) -> PosteriorEntry {
-    PosteriorEntry {
-        kind: own.kind,
-        effect: own.effect,
-        parameters_that_differ: own.parameters_that_differ,
-        with: own.with,
-        mass: own.mass,
-    }
-}
-
-fn effect_entry(finding: EffectFinding) -> EffectEntry {
+fn effect_entry(finding: &EffectFinding) -> EffectEntry {
     EffectEntry {
-        effect: finding.effect,
-        variant: finding.variant,
+        effect: finding.effect.clone(),
+        variant: finding.variant.clone(),
         parameters: parameter_entries(&finding.parameters),
         p: finding.p,
         q: finding.q,
-        twins: finding.twins,
+        twins: finding.twins.clone(),
     }
 }

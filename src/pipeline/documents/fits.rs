@@ -83,8 +83,8 @@ pub struct FitEntry {
 }
 
 /// Pairs as an object.
-pub(crate) fn as_object<S: Serializer>(
-    entries: &[(String, Estimate)],
+pub(crate) fn as_object<T: Serialize, S: Serializer>(
+    entries: &[(String, T)],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     serializer.collect_map(entries.iter().map(|(key, entry)| (key, entry)))

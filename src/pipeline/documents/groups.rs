@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use crate::domain::Estimate;
 use crate::domain::number::fixed;
 use schemars::JsonSchema;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
-use super::fits::parameter_entries;
+use super::fits::{as_object, parameter_entries};
 use crate::domain::{ChannelNoise, Issue, Nuisance};
 use crate::fit::{GroupFit, Resampled};
 use crate::model::FitModel;
@@ -107,10 +107,6 @@ pub struct LeftOut {
     pub run: String,
     /// Why.
     pub issue: Issue,
-}
-
-fn as_object<T: Serialize, S: Serializer>(entries: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(entries.iter().map(|(key, entry)| (key, entry)))
 }
 
 /// The entry of a group that was fitted.

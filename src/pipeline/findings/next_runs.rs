@@ -34,40 +34,9 @@ pub struct Plan {
 pub struct NextRunEntry {
     /// Place in the list, from 1.
     pub rank: usize,
-    /// Planned id.
-    pub planned: String,
-    /// Name to save the file under, without its ending.
-    pub file: String,
-    /// Sample id.
-    pub sample: String,
-    /// Material.
-    pub material: String,
-    /// Environment id.
-    pub environment: Option<String>,
-    /// Relative humidity, percent.
-    pub relative_humidity_percent: Option<f64>,
-    /// Temperature, degrees Celsius.
-    pub temperature_c: Option<f64>,
-    /// Nominal voltage, V.
-    pub voltage_v: Option<f64>,
-    /// The drive in words.
-    pub drive: String,
-    /// Rest before it, s.
-    pub rest_before_s: Option<f64>,
-    /// Cycle number, where the sample's runs have one.
-    pub cycle: Option<u32>,
-    /// Keys of the covariates, or ids of the effects, that it tells apart.
-    pub splits: Vec<String>,
-    /// Causes that explain the group as well, now; null for a run that splits no set.
-    pub set_size: Option<f64>,
-    /// The same after it.
-    pub expected_set_size: Option<f64>,
-    /// Part of what is open that it closes: what the list is ranked by.
-    pub closes: f64,
-    /// Run sheet that it stands on already.
-    pub on_sheet: Option<String>,
-    /// Why, in words.
-    pub why: String,
+    /// The run.
+    #[serde(flatten)]
+    pub next: PlannedRun,
 }
 
 /// Plans from what the campaign says now.
@@ -157,31 +126,11 @@ fn shorten_misread(context: &Context, runs: &mut [PlannedRun]) {
 
 /// The list as documents state it.
 pub fn entries(plan: &Plan) -> Vec<NextRunEntry> {
-    let entry = |(place, planned): (usize, &PlannedRun)| {
-        let run = &planned.run;
-        let set = run.set_size.unzip();
-        NextRunEntry {
-            rank: place + 1,
-            planned: planned.planned.clone(),
-            file: planned.file.clone(),
-            sample: run.sample.clone(),
-            material: run.material.clone(),
-            environment: run.environment.clone(),
-            relative_humidity_percent: run.relative_humidity_percent,
-            temperature_c: run.temperature_c,
-            voltage_v: run.voltage_v,
-            drive: run.drive.clone(),
-            rest_before_s: run.rest_before_s,
-            cycle: planned.cycle,
-            splits: run.splits.clone(),
-            set_size: set.0,
-            expected_set_size: set.1,
-            closes: run.closes,
-            on_sheet: planned.on_sheet.clone(),
-            why: run.why.join("; "),
-        }
+    let entry = |(rank, next): (usize, &PlannedRun)| NextRunEntry {
+        rank,
+        next: next.clone(),
     };
-    plan.runs.iter().enumerate().map(entry).collect()
+    (1..).zip(&plan.runs).map(entry).collect()
 }
 
 /// What writing a run sheet did.

@@ -13,7 +13,7 @@ use ieap_domain::number::digits;
 use ieap_domain::{Campaign, GroupDiagnosis, RunRecord};
 
 /// A run that is planned, with the name that its file is to have.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PlannedRun {
     /// Planned id, `P01`.
     pub planned: String,
@@ -22,6 +22,7 @@ pub struct PlannedRun {
     /// Cycle number, where the sample's runs have one.
     pub cycle: Option<u32>,
     /// What is to be measured, and why.
+    #[serde(flatten)]
     pub run: Proposal,
     /// Run sheet that it stands on already, relative to the campaign.
     pub on_sheet: Option<String>,
@@ -94,7 +95,9 @@ fn merge(all: &mut Vec<Proposal>, proposal: Proposal) {
             known.splits.push(split);
         }
     }
-    known.set_size = known.set_size.or(proposal.set_size);
+    if known.set_size.is_none() {
+        (known.set_size, known.expected_set_size) = (proposal.set_size, proposal.expected_set_size);
+    }
 }
 
 fn is_same(a: &Proposal, b: &Proposal) -> bool {

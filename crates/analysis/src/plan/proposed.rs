@@ -2,9 +2,11 @@
 
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, GroupDiagnosis, RunRecord};
+use schemars::JsonSchema;
+use serde::{Serialize, Serializer};
 
 /// A run that should be made.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Proposal {
     /// Sample id.
     pub sample: String,
@@ -24,12 +26,20 @@ pub struct Proposal {
     pub drive: String,
     /// What it tells apart: covariates, or effects.
     pub splits: Vec<String>,
-    /// Causes that explain the group equally well, before and as expected after it; none where it tells no causes apart.
-    pub set_size: Option<(f64, f64)>,
-    /// Why, in sentences.
+    /// Causes that explain the group equally well, now; none where it tells no causes apart.
+    pub set_size: Option<f64>,
+    /// The same as expected after it.
+    pub expected_set_size: Option<f64>,
+    /// Why, in sentences; one text in JSON.
+    #[serde(serialize_with = "in_one")]
+    #[schemars(with = "String")]
     pub why: Vec<String>,
     /// Part of what is open that it closes, from 0 to 1: the rank.
     pub closes: f64,
+}
+
+fn in_one<S: Serializer>(sentences: &[String], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&sentences.join("; "))
 }
 
 /// The run that splits the set of a group, where one is known.
@@ -68,7 +78,8 @@ pub fn of_group(group: &GroupDiagnosis, runs: &[RunRecord], campaign: &Campaign)
         rest_before_s: mean(keys::REST_BEFORE_S),
         drive: format!("hold {}", next.drive),
         splits: next.splits.clone(),
-        set_size: Some((size, after)),
+        set_size: Some(size),
+        expected_set_size: Some(after),
         why: vec![format!(
             "tells {} apart in {}: of {causes} causes {} should be left",
             next.splits.join(", "),

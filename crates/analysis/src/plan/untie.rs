@@ -84,6 +84,7 @@ fn again(answer: &Answer, (run, fact): (&RunRecord, &RunFacts), by: Covariate) -
         drive: drive.map_or_else(String::new, |(drive, duration_s)| words::drive(drive, duration_s)),
         splits: vec![Covariate::Environment.key().to_owned(), by.key().to_owned()],
         set_size: None,
+        expected_set_size: None,
         why: vec![format!(
             "made again now, it tells {} over {} from the {}",
             answer.upper,

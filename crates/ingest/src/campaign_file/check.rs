@@ -88,7 +88,7 @@ impl Checker<'_> {
             tolerance_percent: self.tolerance(head.tolerance_percent)?,
             adopted: self.adopted(file.adopted)?,
             sensors: self.sensors(file.sensor)?,
-            climate: self.climate(&file.climate)?,
+            climate: self.climate(file.climate)?,
             monitoring: self.monitoring(file.monitoring)?,
             compare: self.compare(file.compare)?,
             study: self.study(file.study)?,
@@ -151,7 +151,7 @@ impl Checker<'_> {
 
     fn samples(
         &self,
-        entries: Vec<Spanned<raw::Sample>>,
+        entries: Vec<Spanned<Sample>>,
         warnings: &mut Vec<Issue>,
     ) -> Result<Vec<Sample>, Error> {
         if entries.is_empty() {
@@ -164,8 +164,9 @@ impl Checker<'_> {
         let mut ids = BTreeSet::new();
         let mut samples = Vec::with_capacity(entries.len());
         for entry in entries {
-            let (id, place) = self.entry_id(&entry, "sample", entry.get_ref().id.clone(), &mut ids)?;
-            let sample = self.sample(entry.into_inner(), id, &place)?;
+            let place = self.entry_place(&entry, "sample", &entry.get_ref().id, &mut ids)?;
+            let sample = entry.into_inner();
+            self.sample(&sample, &place)?;
             if sample.active_area_cm2().is_none() {
                 let issue = Issue::warning(
                     "sample-without-area",
@@ -178,56 +179,47 @@ impl Checker<'_> {
         Ok(samples)
     }
 
-    fn sample(&self, raw: raw::Sample, id: String, place: &str) -> Result<Sample, Error> {
-        Ok(Sample {
-            material: self.filled(raw.material, place, "material")?,
-            length_mm: self.above_zero(raw.length_mm, place, "length_mm")?,
-            width_mm: self.above_zero(raw.width_mm, place, "width_mm")?,
-            thickness_mm: self.above_zero(raw.thickness_mm, place, "thickness_mm")?,
-            area_cm2: self.above_zero(raw.area_cm2, place, "area_cm2")?,
-            electrode_resistance_ohm_per_sq: self.above_zero(
-                raw.electrode_resistance_ohm_per_sq,
-                place,
+    fn sample(&self, stated: &Sample, place: &str) -> Result<(), Error> {
+        self.filled(Some(stated.material.clone()), place, "material")?;
+        for (value, key) in [
+            (stated.length_mm, "length_mm"),
+            (stated.width_mm, "width_mm"),
+            (stated.thickness_mm, "thickness_mm"),
+            (stated.area_cm2, "area_cm2"),
+            (
+                stated.electrode_resistance_ohm_per_sq,
                 "electrode_resistance_ohm_per_sq",
-            )?,
-            batch: raw.batch,
-            id,
-        })
+            ),
+        ] {
+            self.above_zero(value, place, key)?;
+        }
+        Ok(())
     }
 
-    fn materials(&self, entries: Vec<Spanned<raw::Material>>) -> Result<Vec<Material>, Error> {
+    fn materials(&self, entries: Vec<Spanned<Material>>) -> Result<Vec<Material>, Error> {
         let mut ids = BTreeSet::new();
-        let material = |entry: Spanned<raw::Material>| {
-            let (id, place) = self.entry_id(&entry, "material", entry.get_ref().id.clone(), &mut ids)?;
-            let raw = entry.into_inner();
-            let thickness = |value, key| self.above_zero(value, &place, key);
-            Ok(Material {
-                id,
-                electrode_thickness_um: thickness(raw.electrode_thickness_um, "electrode_thickness_um")?,
-                membrane_thickness_um: thickness(raw.membrane_thickness_um, "membrane_thickness_um")?,
-                electrode: raw.electrode,
-                membrane: raw.membrane,
-                electrolyte: raw.electrolyte,
-                current_collector: raw.current_collector,
-                reinforcement: raw.reinforcement,
-            })
+        let material = |entry: Spanned<Material>| {
+            let place = self.entry_place(&entry, "material", &entry.get_ref().id, &mut ids)?;
+            let stated = entry.into_inner();
+            self.above_zero(stated.electrode_thickness_um, &place, "electrode_thickness_um")?;
+            self.above_zero(stated.membrane_thickness_um, &place, "membrane_thickness_um")?;
+            Ok(stated)
         };
         entries.into_iter().map(material).collect()
     }
 
     /// The built-in environments, with what the file says of them, then the file's own.
-    fn environments(&self, entries: Vec<Spanned<raw::Environment>>) -> Result<Vec<Environment>, Error> {
+    fn environments(&self, entries: Vec<Spanned<Environment>>) -> Result<Vec<Environment>, Error> {
         let built_in = |id: &str| Environment {
             id: id.to_owned(),
-            relative_humidity_percent: None,
-            temperature_c: None,
-            pressure_pa: None,
+            ..Environment::default()
         };
         let mut environments: Vec<Environment> = BUILT_IN_ENVIRONMENTS.into_iter().map(built_in).collect();
         let mut ids = BTreeSet::new();
         for entry in entries {
-            let (id, place) = self.entry_id(&entry, "environment", entry.get_ref().id.clone(), &mut ids)?;
-            let stated = self.environment(entry.into_inner(), id, &place)?;
+            let place = self.entry_place(&entry, "environment", &entry.get_ref().id, &mut ids)?;
+            let stated = entry.into_inner();
+            self.environment(&stated, &place)?;
             // The file states each once.
             let mut built_in = environments.iter_mut().take(BUILT_IN_ENVIRONMENTS.len());
             match built_in.find(|known| known.id == stated.id) {
@@ -238,33 +230,17 @@ impl Checker<'_> {
         Ok(environments)
     }
 
-    fn environment(&self, raw: raw::Environment, id: String, place: &str) -> Result<Environment, Error> {
-        let humidity = raw.relative_humidity_percent;
+    fn environment(&self, stated: &Environment, place: &str) -> Result<(), Error> {
+        let humidity = stated.relative_humidity_percent;
         let (percent, kelvin) = ("a number from 0 to 100", "a number above -273.15");
         let in_percent = |value: f64| (0.0..=100.0).contains(&value);
         let above_zero_kelvin = |value: f64| value.is_finite() && value > ABSOLUTE_ZERO_C;
         let not_negative = |value: f64| value.is_finite() && value >= 0.0;
         self.holds(humidity, place, "relative_humidity_percent", percent, in_percent)?;
-        self.holds(
-            raw.temperature_c,
-            place,
-            "temperature_c",
-            kelvin,
-            above_zero_kelvin,
-        )?;
-        self.holds(
-            raw.pressure_pa,
-            place,
-            "pressure_pa",
-            "a number not below 0",
-            not_negative,
-        )?;
-        Ok(Environment {
-            id,
-            relative_humidity_percent: humidity,
-            temperature_c: raw.temperature_c,
-            pressure_pa: raw.pressure_pa,
-        })
+        let temperature_c = stated.temperature_c;
+        self.holds(temperature_c, place, "temperature_c", kelvin, above_zero_kelvin)?;
+        let needed = "a number not below 0";
+        self.holds(stated.pressure_pa, place, "pressure_pa", needed, not_negative)
     }
 
     fn timezone(&self, name: Option<String>) -> Result<Option<String>, Error> {
@@ -354,16 +330,16 @@ impl Checker<'_> {
     }
 
     /// Id of an entry that no entry above has, and the entry's place in words.
-    pub(super) fn entry_id<T>(
+    pub(super) fn entry_place<T>(
         &self,
         entry: &Spanned<T>,
         table: &str,
-        id: Option<String>,
+        id: &str,
         taken: &mut BTreeSet<String>,
-    ) -> Result<(String, String), Error> {
+    ) -> Result<String, Error> {
         let (line, _) = self.lines.place(entry.span().start);
         let place = format!("line {line}, [[{table}]]");
-        let id = self.filled(id, &place, "id")?;
+        let id = self.filled(Some(id.to_owned()), &place, "id")?;
         if !taken.insert(id.clone()) {
             return Err(Error::DuplicateId {
                 path: self.path.into(),
@@ -371,8 +347,7 @@ impl Checker<'_> {
                 id,
             });
         }
-        let place = format!("{place} \"{id}\"");
-        Ok((id, place))
+        Ok(format!("{place} \"{id}\""))
     }
 
     pub(super) fn filled(

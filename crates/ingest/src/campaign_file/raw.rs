@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use ieap_domain::{ClimateRules, Environment, Material, Sample, SensorStatement};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -26,9 +27,9 @@ pub(super) struct File {
     #[serde(default)]
     pub report: Report,
     #[serde(default)]
-    pub sensor: Vec<Spanned<Sensor>>,
+    pub sensor: Vec<Spanned<SensorStatement>>,
     #[serde(default)]
-    pub climate: Climate,
+    pub climate: ClimateRules,
     #[serde(default)]
     pub adopted: Vec<Spanned<Adopted>>,
     #[serde(default)]
@@ -105,41 +106,6 @@ pub(super) struct Head {
     pub tolerance_percent: Option<f64>,
 }
 
-/// `[[sample]]`.
-#[derive(Deserialize)]
-pub(super) struct Sample {
-    pub id: Option<String>,
-    pub material: Option<String>,
-    pub length_mm: Option<f64>,
-    pub width_mm: Option<f64>,
-    pub thickness_mm: Option<f64>,
-    pub area_cm2: Option<f64>,
-    pub electrode_resistance_ohm_per_sq: Option<f64>,
-    pub batch: Option<String>,
-}
-
-/// `[[material]]`.
-#[derive(Deserialize)]
-pub(super) struct Material {
-    pub id: Option<String>,
-    pub electrode: Option<String>,
-    pub membrane: Option<String>,
-    pub electrolyte: Option<String>,
-    pub current_collector: Option<String>,
-    pub reinforcement: Option<String>,
-    pub electrode_thickness_um: Option<f64>,
-    pub membrane_thickness_um: Option<f64>,
-}
-
-/// `[[environment]]`.
-#[derive(Deserialize)]
-pub(super) struct Environment {
-    pub id: Option<String>,
-    pub relative_humidity_percent: Option<f64>,
-    pub temperature_c: Option<f64>,
-    pub pressure_pa: Option<f64>,
-}
-
 /// `[runs]`.
 #[derive(Deserialize, Default)]
 pub(super) struct Runs {
@@ -175,36 +141,6 @@ pub(super) struct Spectra {
 #[derive(Deserialize, Default)]
 pub(super) struct Report {
     pub templates: Option<String>,
-}
-
-/// `[[sensor]]`.
-#[derive(Deserialize)]
-pub(super) struct Sensor {
-    pub id: Option<String>,
-    pub files: Option<String>,
-    pub place: Option<String>,
-    #[serde(default)]
-    pub environments: Vec<String>,
-    #[serde(default)]
-    pub samples: Vec<String>,
-    pub relative_humidity_accuracy_percent: Option<f64>,
-    pub temperature_accuracy_c: Option<f64>,
-    pub relative_humidity_correction_percent: Option<f64>,
-    pub temperature_correction_c: Option<f64>,
-    pub utc_offset: Option<String>,
-    pub calibration: Option<String>,
-}
-
-/// `[climate]`.
-#[derive(Deserialize, Default)]
-pub(super) struct Climate {
-    pub relative_humidity_tolerance_percent: Option<f64>,
-    pub temperature_tolerance_c: Option<f64>,
-    pub longest_gap_s: Option<f64>,
-    pub exposure_above_percent: Option<f64>,
-    pub pressure_tolerance_percent: Option<f64>,
-    pub oxygen_limit_ppm: Option<f64>,
-    pub water_limit_ppm: Option<f64>,
 }
 
 /// `[compare]`.

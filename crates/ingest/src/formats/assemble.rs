@@ -79,10 +79,7 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
 fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
     let rows = raw.cells.rows();
     if rows == 0 {
-        return Err(ReadError::HeaderOnly {
-            line: raw.cells.header_line,
-            found: "no row of numbers".to_owned(),
-        });
+        return Err(ReadError::header_only(raw.cells.header_line, "no row of numbers"));
     }
     check_ragged(raw, issues)?;
     read_flags(raw);
@@ -113,10 +110,10 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
         None => TimeAxis::of_rows(rows),
     };
     if axis.rows.is_empty() {
-        return Err(ReadError::HeaderOnly {
-            line: raw.cells.header_line,
-            found: "no row with a time".to_owned(),
-        });
+        return Err(ReadError::header_only(
+            raw.cells.header_line,
+            "no row with a time",
+        ));
     }
     one_response_each(raw, &meanings)?;
     let mut channels = channels(raw, &meanings, time_index, &axis, issues);

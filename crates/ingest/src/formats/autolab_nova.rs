@@ -5,7 +5,7 @@
 
 use super::assemble::{Raw, assemble};
 use super::recognition::{FileHead, Match};
-use super::{Format, ReadContext, ReadError, delimited, overload};
+use super::{About, Format, ReadContext, ReadError, delimited, overload};
 use crate::text::header::Header;
 use crate::text::{Delimiter, Lines};
 use crate::{Reading, RunTable};
@@ -15,20 +15,13 @@ use ieap_domain::Issue;
 pub struct AutolabNova;
 
 impl Format for AutolabNova {
-    fn id(&self) -> &'static str {
-        "autolab-nova"
-    }
-
-    fn title(&self) -> &'static str {
-        "Metrohm Autolab NOVA ASCII export (spreadsheets of NOVA are read as `spreadsheet`)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["txt", "csv"]
-    }
-
-    fn version(&self) -> u32 {
-        3
+    fn about(&self) -> About {
+        About {
+            id: "autolab-nova",
+            title: "Metrohm Autolab NOVA ASCII export (spreadsheets of NOVA are read as `spreadsheet`)",
+            extensions: &["txt", "csv"],
+            version: 3,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -44,11 +37,7 @@ impl Format for AutolabNova {
                 .collect();
             is_nova(&headers)
         });
-        if is_nova {
-            Match::Certain("the first line names Time (s) and WE(1) signals")
-        } else {
-            Match::No
-        }
+        Match::certain_if(is_nova, "the first line names Time (s) and WE(1) signals")
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
@@ -61,18 +50,14 @@ impl Format for AutolabNova {
         let is_step_response = !is_cyclic(&read.headers);
         let table = table(String::new(), read.headers, read.cells, &mut issues)?;
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            technique: None,
             is_step_response,
             encoding: Some(text.encoding),
             status: text.status,
             original_metadata: text.metadata(layout.shape.names_at),
             status_evidence: text.status_evidence,
-            started_at: None,
-            header_tags: Vec::new(),
             tables: vec![table],
             issues,
+            ..self.reading()
         })
     }
 }

@@ -11,7 +11,7 @@ use super::error::ReadError;
 use super::recognition::{FileHead, Match};
 use super::sample_clock::{self, SampleClock};
 use super::stamp::{self, DateOrder};
-use super::{Format, ReadContext, delimited};
+use super::{About, Format, ReadContext, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::Header;
 use crate::text::{Decimal, Delimiter, Line, Lines};
@@ -29,20 +29,13 @@ const SAMPLE_INTERVAL: &str = "Sample Interval (s)";
 const HELD_POTENTIAL: &str = "Init E (V)";
 
 impl Format for Chi {
-    fn id(&self) -> &'static str {
-        "chi-text"
-    }
-
-    fn title(&self) -> &'static str {
-        "CH Instruments text export (.txt)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["txt", "csv"]
-    }
-
-    fn version(&self) -> u32 {
-        4
+    fn about(&self) -> About {
+        About {
+            id: "chi-text",
+            title: "CH Instruments text export (.txt)",
+            extensions: &["txt", "csv"],
+            version: 4,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -54,11 +47,10 @@ impl Format for Chi {
         if has_model && stamp::civil(first, DateOrder::MonthFirst).is_some() {
             return Match::Certain("a date, then Instrument Model");
         }
-        if first.starts_with("Init E (V) =") && Lines::new(&text).any(|line| names(line.text).is_some()) {
-            Match::Certain("the file begins with Init E (V)")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            first.starts_with("Init E (V) =") && Lines::new(&text).any(|line| names(line.text).is_some()),
+            "the file begins with Init E (V)",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -71,10 +63,7 @@ impl Format for Chi {
             .enumerate()
             .find_map(|(at, line)| Some((at, names(line.text)?)));
         let Some((names_at, (delimiter, mut headers))) = found else {
-            return Err(ReadError::HeaderOnly {
-                line: lines.len(),
-                found: "no names of columns".to_owned(),
-            });
+            return Err(ReadError::header_only(lines.len(), "no names of columns"));
         };
         let (preamble, rows) = (&lines[..names_at], &lines[names_at + 1..]);
         drop_empty_columns(&mut headers, rows, delimiter, &mut issues);
@@ -93,8 +82,6 @@ impl Format for Chi {
             use_sample_clock(&mut raw, &parameters, &mut issues);
         }
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             technique: technique.map(str::to_owned),
             is_step_response: holds,
             encoding: Some(decoded.encoding),
@@ -115,6 +102,7 @@ impl Format for Chi {
                 .map(|(name, value)| (name.to_owned(), value.to_owned()))
                 .collect(),
             issues,
+            ..self.reading()
         })
     }
 }

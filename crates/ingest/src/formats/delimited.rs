@@ -24,15 +24,20 @@ pub struct Text<'a> {
 impl Text<'_> {
     /// Evidence of a format that declares no number of rows.
     pub fn evidence(&self) -> String {
-        match self.status {
-            RunStatus::Complete => format!("{}; the format declares no number of rows", self.status_evidence),
-            _ => self.status_evidence.clone(),
-        }
+        undeclared(self.status, self.status_evidence.clone())
     }
 
     /// Comments and lines before the names, in the file's order.
     pub fn metadata(&self, names_at: Option<usize>) -> Vec<(String, String)> {
         metadata(&self.lines, names_at.unwrap_or(0))
+    }
+}
+
+/// Evidence of how a file ended whose format declares no number of rows.
+pub fn undeclared(status: RunStatus, evidence: String) -> String {
+    match status {
+        RunStatus::Complete => evidence + "; the format declares no number of rows",
+        _ => evidence,
     }
 }
 
@@ -63,10 +68,7 @@ pub fn text<'a>(decoded: &'a Decoded<'_>, issues: &mut Vec<Issue>) -> Result<Tex
         );
     }
     if lines.is_empty() {
-        return Err(ReadError::HeaderOnly {
-            line: 1,
-            found: "its first line has no end yet".to_owned(),
-        });
+        return Err(ReadError::header_only(1, "its first line has no end yet"));
     }
     note_replacements(decoded, &lines, issues);
     Ok(Text {

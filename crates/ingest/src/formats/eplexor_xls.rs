@@ -10,12 +10,12 @@ use super::cells::CellTable;
 use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
 use super::sheet_cells::{self, Sheet, SheetCell};
-use super::{Format, ReadContext};
+use super::{About, Format, ReadContext};
 use crate::Reading;
 use crate::text::Cell;
 use crate::text::header::{Header, Meaning};
 use ieap_domain::unit::Conversion;
-use ieap_domain::{Issue, Quantity, RunStatus};
+use ieap_domain::{Issue, Quantity};
 
 /// Reader of the Eplexor's spreadsheets.
 pub struct EplexorXls;
@@ -49,20 +49,13 @@ const SEEN: [(&str, &str, Quantity); 20] = [
 ];
 
 impl Format for EplexorXls {
-    fn id(&self) -> &'static str {
-        "eplexor-xls"
-    }
-
-    fn title(&self) -> &'static str {
-        "NETZSCH GABO Eplexor export of a dynamic mechanical analysis (.xls)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["xls"]
-    }
-
-    fn version(&self) -> u32 {
-        1
+    fn about(&self) -> About {
+        About {
+            id: "eplexor-xls",
+            title: "NETZSCH GABO Eplexor export of a dynamic mechanical analysis (.xls)",
+            extensions: &["xls"],
+            version: 1,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -72,11 +65,10 @@ impl Format for EplexorXls {
                 .any(|window| window == mark.as_bytes())
         };
         let is_compound = head.bytes.starts_with(&[0xD0, 0xCF, 0x11, 0xE0]);
-        if is_compound && holds(READINGS) && holds(SETTINGS) {
-            Match::Certain("a compound file with the sheets of an Eplexor export")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            is_compound && holds(READINGS) && holds(SETTINGS),
+            "a compound file with the sheets of an Eplexor export",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -98,10 +90,10 @@ fn reading(sheets: &[Sheet]) -> Result<Reading, ReadError> {
         );
     };
     let [names, units, ..] = sheet.rows.as_slice() else {
-        return Err(ReadError::HeaderOnly {
-            line: sheet.rows.len(),
-            found: "no rows of names and units".to_owned(),
-        });
+        return Err(ReadError::header_only(
+            sheet.rows.len(),
+            "no rows of names and units",
+        ));
     };
     if text_at(&names.cells, 0) != Some("Nr") {
         let found = quoted(text_at(&names.cells, 0).unwrap_or(""));
@@ -130,18 +122,12 @@ fn reading(sheets: &[Sheet]) -> Result<Reading, ReadError> {
     let settings = settings(sheets);
     let technique = settings.iter().find(|(key, _)| key == "Measurement type");
     Ok(Reading {
-        format: EplexorXls.id(),
-        reader_version: EplexorXls.version(),
         technique: technique.map(|(_, value)| value.clone()),
-        is_step_response: false,
-        encoding: None,
-        status: RunStatus::Complete,
         status_evidence: "the workbook is whole; the format declares no number of rows".to_owned(),
-        started_at: None,
-        header_tags: Vec::new(),
         tables: vec![table],
         original_metadata: settings,
         issues,
+        ..EplexorXls.reading()
     })
 }
 

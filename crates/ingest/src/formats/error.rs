@@ -241,6 +241,12 @@ pub enum ReadError {
 }
 
 impl ReadError {
+    /// A header in that line, and what follows in place of a row of numbers.
+    pub fn header_only(line: usize, found: impl Into<String>) -> ReadError {
+        let found = found.into();
+        ReadError::HeaderOnly { line, found }
+    }
+
     /// Stable slug for scripts to count by.
     pub fn code(&self) -> &'static str {
         match self {

@@ -68,6 +68,17 @@ pub enum Match {
     No,
 }
 
+impl Match {
+    /// Certain where the mark is there, for the reason that it is.
+    pub fn certain_if(has_mark: bool, reason: &'static str) -> Match {
+        if has_mark {
+            Match::Certain(reason)
+        } else {
+            Match::No
+        }
+    }
+}
+
 /// What a reader may need to know beside the bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReadContext {
@@ -104,16 +115,31 @@ impl Default for ReadContext {
     }
 }
 
+/// What a format is.
+#[derive(Debug, Clone, Copy)]
+pub struct About {
+    /// Stable id, `gamry-dta`; stored with every run.
+    pub id: &'static str,
+    /// What it is, in words, for `ieap list formats`.
+    pub title: &'static str,
+    /// Usual extensions, lower case without the dot; they break ties only.
+    pub extensions: &'static [&'static str],
+    /// Version of the reader: raised when the same bytes would read differently.
+    pub version: u32,
+}
+
 /// One instrument format.
 pub trait Format: Sync {
-    /// Stable id, `gamry-dta`; stored with every run.
-    fn id(&self) -> &'static str;
-    /// What it is, in words, for `ieap list formats`.
-    fn title(&self) -> &'static str;
-    /// Usual extensions, lower case without the dot; they break ties only.
-    fn extensions(&self) -> &'static [&'static str];
-    /// Version of the reader: raised when the same bytes would read differently.
-    fn version(&self) -> u32;
+    /// What it is.
+    fn about(&self) -> About;
+    /// Its id.
+    fn id(&self) -> &'static str {
+        self.about().id
+    }
+    /// Id and version of the reader, with nothing read yet.
+    fn reading(&self) -> Reading {
+        Reading::of(self.about().id, self.about().version)
+    }
     /// Whether it reads tables of any source by the names of their columns: a saved profile goes before it.
     fn is_generic(&self) -> bool {
         false

@@ -8,7 +8,7 @@ use super::cells::CellTable;
 use super::error::{ReadError, quoted};
 use super::gamry_objects::{self, Explain, Table};
 use super::recognition::{FileHead, Match};
-use super::{Format, ReadContext, date, delimited, overload};
+use super::{About, Format, ReadContext, date, delimited, overload};
 use crate::formats::policy::NO_PROBE_ABOVE_C;
 use crate::text::grid::{Dialect, push_line};
 use crate::text::header::{Header, Meaning};
@@ -26,31 +26,23 @@ const KNOWN_COLUMNS: [&str; 13] = [
 ];
 
 impl Format for GamryDta {
-    fn id(&self) -> &'static str {
-        "gamry-dta"
-    }
-
-    fn title(&self) -> &'static str {
-        "Gamry Framework EXPLAIN file (.DTA)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["dta"]
-    }
-
-    fn version(&self) -> u32 {
-        4
+    fn about(&self) -> About {
+        About {
+            id: "gamry-dta",
+            title: "Gamry Framework EXPLAIN file (.DTA)",
+            extensions: &["dta"],
+            version: 4,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
         let mut lines = Lines::new(&text).map(|line| line.text);
         let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
-        if first.trim_end() == "EXPLAIN" || second.starts_with("TAG\t") {
-            Match::Certain("the file begins with EXPLAIN and TAG")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            first.trim_end() == "EXPLAIN" || second.starts_with("TAG\t"),
+            "the file begins with EXPLAIN and TAG",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -65,8 +57,6 @@ impl Format for GamryDta {
         let technique = explain.value("TAG").map(str::to_owned);
         let is_step_response = technique.as_deref().is_some_and(is_step_response);
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             is_step_response,
             encoding: Some(decoded.encoding),
             status,
@@ -77,6 +67,7 @@ impl Format for GamryDta {
             original_metadata: explain.metadata(),
             technique,
             issues,
+            ..self.reading()
         })
     }
 }
@@ -106,10 +97,10 @@ fn tables(explain: &Explain<'_>, issues: &mut Vec<Issue>) -> Result<Vec<RunTable
         }
     }
     if tables.is_empty() {
-        return Err(ReadError::HeaderOnly {
-            line: explain.tables.last().map_or(explain.lines, |table| table.line),
-            found: "no table with rows".to_owned(),
-        });
+        return Err(ReadError::header_only(
+            explain.tables.last().map_or(explain.lines, |table| table.line),
+            "no table with rows",
+        ));
     }
     Ok(tables)
 }

@@ -50,7 +50,7 @@ mod xls_extent;
 pub mod zplot;
 
 pub use error::ReadError;
-pub use format::{FileHead, Format, Match, ReadContext};
+pub use format::{About, FileHead, Format, Match, ReadContext};
 pub use recognition::{Candidate, recognise};
 
 /// Every format.
@@ -104,7 +104,12 @@ mod tests {
     #[test]
     fn formats_have_unique_ids_and_say_what_they_are() {
         for (index, format) in ALL.iter().enumerate() {
-            let id = format.id();
+            let About {
+                id,
+                title,
+                extensions,
+                version,
+            } = format.about();
             assert!(
                 id.chars()
                     .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'),
@@ -114,11 +119,10 @@ mod tests {
                 ALL[..index].iter().all(|other| other.id() != id),
                 "{id} stands twice"
             );
-            assert!(format.title().len() > 10 && format.version() >= 1, "{id}");
-            assert!(!format.extensions().is_empty(), "{id}");
+            assert!(title.len() > 10 && version >= 1, "{id}");
+            assert!(!extensions.is_empty(), "{id}");
             assert!(
-                format
-                    .extensions()
+                extensions
                     .iter()
                     .all(|e| e.to_ascii_lowercase() == **e && !e.starts_with('.'))
             );

@@ -10,40 +10,32 @@ use super::assemble::{Raw, assemble_untimed};
 use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
 use super::stamp::{self, DateOrder};
-use super::{Format, ReadContext, delimited};
+use super::{About, Format, ReadContext, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::{Header, Meaning};
 use crate::text::{Decimal, Delimiter, Line};
 use crate::{Reading, StartedAt, Timestamp};
+use ieap_domain::Issue;
 use ieap_domain::tag::keys;
-use ieap_domain::{Issue, RunStatus};
 
 /// Reader of Proteus text.
 pub struct Netzsch;
 
 impl Format for Netzsch {
-    fn id(&self) -> &'static str {
-        "netzsch-text"
-    }
-
-    fn title(&self) -> &'static str {
-        "NETZSCH Proteus text export of a thermal analysis (.txt, .csv)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["txt", "csv"]
-    }
-
-    fn version(&self) -> u32 {
-        3
+    fn about(&self) -> About {
+        About {
+            id: "netzsch-text",
+            title: "NETZSCH Proteus text export of a thermal analysis (.txt, .csv)",
+            extensions: &["txt", "csv"],
+            version: 3,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        if head.text().unwrap_or_default().starts_with("#EXPORTTYPE:") {
-            Match::Certain("the file begins with #EXPORTTYPE")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            head.text().unwrap_or_default().starts_with("#EXPORTTYPE:"),
+            "the file begins with #EXPORTTYPE",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -52,10 +44,7 @@ impl Format for Netzsch {
         let mut lines = decoded.lines();
         let (status, status_evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let names_at = lines.iter().position(|line| line.text.starts_with("##"));
-        let names_at = names_at.ok_or_else(|| ReadError::HeaderOnly {
-            line: lines.len(),
-            found: "no names of columns".to_owned(),
-        })?;
+        let names_at = names_at.ok_or_else(|| ReadError::header_only(lines.len(), "no names of columns"))?;
         let pairs = pairs(&lines[..names_at]);
         let value = |key: &str| {
             pairs
@@ -83,16 +72,11 @@ impl Format for Netzsch {
         let table = assemble_untimed(Raw::of_instrument(String::new(), headers, cells), &mut issues)?;
         let instrument = value("INSTRUMENT").filter(|name| !name.is_empty());
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             technique: value("MTYPE").map(str::to_owned),
             is_step_response: false,
             encoding: Some(decoded.encoding),
             status,
-            status_evidence: match status {
-                RunStatus::Complete => status_evidence + "; the format declares no number of rows",
-                _ => status_evidence,
-            },
+            status_evidence: delimited::undeclared(status, status_evidence),
             started_at: value("DATE/TIME").map(|text| started_at(text, &mut issues)),
             header_tags: instrument
                 .map(|name| {
@@ -110,6 +94,7 @@ impl Format for Netzsch {
                 .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
                 .collect(),
             issues,
+            ..self.reading()
         })
     }
 }

@@ -3,7 +3,7 @@
 use super::assemble::{Raw, assemble};
 use super::delimited;
 use super::recognition::{FileHead, Match};
-use super::{Format, ReadContext, ReadError};
+use super::{About, Format, ReadContext, ReadError};
 use crate::table::{self, layout, start, times};
 use crate::text::header::Header;
 use crate::text::lines::lines_of;
@@ -16,20 +16,13 @@ use ieap_domain::{Issue, Quantity};
 pub struct PlainTable;
 
 impl Format for PlainTable {
-    fn id(&self) -> &'static str {
-        "plain-table"
-    }
-
-    fn title(&self) -> &'static str {
-        "plain table of a run (time_s, voltage_v, current_a, curvature_per_cm), of a modulus log or of a spectrum (CSV, TSV)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["csv", "tsv", "txt", "dat"]
-    }
-
-    fn version(&self) -> u32 {
-        8
+    fn about(&self) -> About {
+        About {
+            id: "plain-table",
+            title: "plain table of a run (time_s, voltage_v, current_a, curvature_per_cm), of a modulus log or of a spectrum (CSV, TSV)",
+            extensions: &["csv", "tsv", "txt", "dat"],
+            version: 8,
+        }
     }
 
     fn is_generic(&self) -> bool {
@@ -69,9 +62,6 @@ impl Format for PlainTable {
         let is_tag = |(key, value): &&(String, String)| is_comment_tag(key) && !value.is_empty();
         let header_tags = metadata.iter().filter(is_tag);
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            technique: None,
             is_step_response: !tables.iter().all(holds_spectrum),
             encoding: Some(text.encoding),
             status: text.status,
@@ -83,6 +73,7 @@ impl Format for PlainTable {
             tables,
             original_metadata: metadata,
             issues,
+            ..self.reading()
         })
     }
 }

@@ -13,12 +13,12 @@ use jiff::civil::DateTime;
 use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
 use super::stamp::{self, DateOrder};
-use super::{Format, ReadContext, delimited};
+use super::{About, Format, ReadContext, delimited};
 use crate::formats::policy::PROBE_HEADER_WITHIN;
 use crate::table::layout;
 use crate::text::{Cell, Decimal, Delimiter, Line, Lines, number};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
-use ieap_domain::{Channel, Issue, Quantity, RunStatus};
+use ieap_domain::{Channel, Issue, Quantity};
 
 /// Reader of probe tables.
 pub struct ProbeTable;
@@ -50,20 +50,13 @@ const PER_SQUARE: [&str; 8] = [
 ];
 
 impl Format for ProbeTable {
-    fn id(&self) -> &'static str {
-        ID
-    }
-
-    fn title(&self) -> &'static str {
-        "four-point probe, a table of electrode resistance per square with sample and date (CSV, TSV)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["csv", "txt", "tsv"]
-    }
-
-    fn version(&self) -> u32 {
-        3
+    fn about(&self) -> About {
+        About {
+            id: ID,
+            title: "four-point probe, a table of electrode resistance per square with sample and date (CSV, TSV)",
+            extensions: &["csv", "txt", "tsv"],
+            version: 3,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -93,10 +86,7 @@ impl Format for ProbeTable {
             .filter(|line| !line.text.trim().is_empty() && !line.text.starts_with('#'))
             .collect();
         if rows.is_empty() {
-            return Err(ReadError::HeaderOnly {
-                line: lines[header.at].number,
-                found: "no row".to_owned(),
-            });
+            return Err(ReadError::header_only(lines[header.at].number, "no row"));
         }
         let decimal = delimited::decimal_of(rows.iter().take(256).copied(), header.delimiter)?;
         let rows: Vec<Row> = rows.iter().map(|line| header.row(line, decimal)).collect();
@@ -104,22 +94,16 @@ impl Format for ProbeTable {
         let first = moments[0];
         let tables = tables(&header, &rows, &moments, first, &mut issues);
         if tables.is_empty() {
-            return Err(ReadError::HeaderOnly {
-                line: lines[header.at].number,
-                found: "no row has a sample and a resistance above zero".to_owned(),
-            });
+            return Err(ReadError::header_only(
+                lines[header.at].number,
+                "no row has a sample and a resistance above zero",
+            ));
         }
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            technique: None,
             is_step_response: false,
             encoding: Some(text.encoding),
             status: status.0,
-            status_evidence: match status.0 {
-                RunStatus::Complete => status.1 + "; the format declares no number of rows",
-                _ => status.1,
-            },
+            status_evidence: delimited::undeclared(status.0, status.1),
             started_at: Some(StartedAt {
                 raw: rows[0].date.clone(),
                 kind: Timestamp::Start,
@@ -127,10 +111,9 @@ impl Format for ProbeTable {
                 offset: None,
                 basis: format!("the first row, {}", order.words()),
             }),
-            header_tags: Vec::new(),
             tables,
-            original_metadata: Vec::new(),
             issues,
+            ..self.reading()
         })
     }
 }

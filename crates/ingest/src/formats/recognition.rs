@@ -36,7 +36,7 @@ pub fn recognise(head: &FileHead<'_>) -> Result<(&'static dyn Format, Vec<Candid
     sidecar::check(head)?;
     let extension = head.extension();
     let with_extension = |candidate: &Candidate| {
-        let bonus = candidate.format.extensions().contains(&extension.as_str());
+        let bonus = candidate.format.about().extensions.contains(&extension.as_str());
         candidate.score + if bonus { EXTENSION } else { 0.0 }
     };
     let mut candidates = candidates(head);

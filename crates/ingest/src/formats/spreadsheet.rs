@@ -4,7 +4,7 @@
 use super::autolab_nova;
 use super::recognition::{FileHead, Match};
 use super::sheet_cells::{self, Sheet};
-use super::{Format, ReadContext, ReadError, climate, plain_table, unpacking};
+use super::{About, Format, ReadContext, ReadError, climate, plain_table, unpacking};
 use crate::table::{self, layout, sheet as text_of};
 use crate::text::{Delimiter, Line};
 use crate::{Reading, RunTable, StartedAt};
@@ -14,20 +14,13 @@ use ieap_domain::{Issue, Quantity, RunStatus};
 pub struct Spreadsheet;
 
 impl Format for Spreadsheet {
-    fn id(&self) -> &'static str {
-        "spreadsheet"
-    }
-
-    fn title(&self) -> &'static str {
-        "Excel spreadsheet with a run table, as exported by Metrohm Autolab NOVA, or of a climate logger (.xlsx, .xls)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["xlsx", "xls", "xlsm"]
-    }
-
-    fn version(&self) -> u32 {
-        9
+    fn about(&self) -> About {
+        About {
+            id: "spreadsheet",
+            title: "Excel spreadsheet with a run table, as exported by Metrohm Autolab NOVA, or of a climate logger (.xlsx, .xls)",
+            extensions: &["xlsx", "xls", "xlsm"],
+            version: 9,
+        }
     }
 
     fn is_generic(&self) -> bool {
@@ -49,7 +42,7 @@ impl Format for Spreadsheet {
             [b'P', b'K', 3, 4, ..] if holds(b"[Content_Types].xml") || holds(b"xl/") => {
                 Match::Certain("a zip archive with the parts of an Excel workbook")
             }
-            [b'P', b'K', 3, 4, ..] if self.extensions().contains(&head.extension().as_str()) => {
+            [b'P', b'K', 3, 4, ..] if self.about().extensions.contains(&head.extension().as_str()) => {
                 Match::Possible {
                     score: 0.5,
                     reason: "a zip archive with the extension of a spreadsheet",
@@ -121,14 +114,7 @@ impl Format for Spreadsheet {
             let evidence = "the workbook is whole; the format declares no number of rows".to_owned();
             let status = (RunStatus::Complete, evidence);
             let lines = text_of::lines(sheet, texts);
-            return climate::table::read_lines(
-                (self.id(), self.version()),
-                None,
-                &own,
-                &lines,
-                status,
-                issues,
-            );
+            return climate::table::read_lines(self.reading(), None, &own, &lines, status, issues);
         }
         if tables.is_empty() {
             if let Some(sheet) = sheets.iter().find(|sheet| sheet.formulas_without_value.is_some()) {
@@ -144,18 +130,12 @@ impl Format for Spreadsheet {
             only.name.clear();
         }
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            technique: None,
             is_step_response,
-            encoding: None,
-            status: RunStatus::Complete,
             status_evidence: "the workbook is whole; the format declares no number of rows".to_owned(),
             started_at,
-            header_tags: Vec::new(),
             tables,
-            original_metadata: Vec::new(),
             issues,
+            ..self.reading()
         })
     }
 }

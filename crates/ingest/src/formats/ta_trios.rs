@@ -8,7 +8,7 @@
 use super::assemble::{Raw, assemble_untimed};
 use super::error::ReadError;
 use super::recognition::{FileHead, Match};
-use super::{Format, ReadContext, date, delimited};
+use super::{About, Format, ReadContext, date, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::{Header, Meaning};
 use crate::text::{Delimiter, Line};
@@ -30,30 +30,22 @@ struct Step<'a> {
 }
 
 impl Format for TaTrios {
-    fn id(&self) -> &'static str {
-        "ta-trios"
-    }
-
-    fn title(&self) -> &'static str {
-        "TA Instruments TRIOS text export (.txt)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["txt"]
-    }
-
-    fn version(&self) -> u32 {
-        4
+    fn about(&self) -> About {
+        About {
+            id: "ta-trios",
+            title: "TA Instruments TRIOS text export (.txt)",
+            extensions: &["txt"],
+            version: 4,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
         let is_export = text.starts_with("[Version]") && text.contains("TA Instruments");
-        if is_export || (text.starts_with("Filename\t") && text.contains("[File Parameters]")) {
-            Match::Certain("sections of a TRIOS export")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            is_export || (text.starts_with("Filename\t") && text.contains("[File Parameters]")),
+            "sections of a TRIOS export",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -79,10 +71,7 @@ impl Format for TaTrios {
             tables.push(table(name, step, of_analyser, &mut issues)?);
         }
         let Some(first) = steps.first() else {
-            return Err(ReadError::HeaderOnly {
-                line: lines.len(),
-                found: "no step with rows".to_owned(),
-            });
+            return Err(ReadError::header_only(lines.len(), "no step with rows"));
         };
         let (status, status_evidence) = status(&steps, text_status, evidence);
         let pairs = pairs(preamble);
@@ -90,8 +79,6 @@ impl Format for TaTrios {
             .iter()
             .find(|(key, value)| key == "Instrument name" && !value.is_empty());
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             technique: Some(first.name.to_owned()),
             is_step_response: false,
             encoding: Some(decoded.encoding),
@@ -105,6 +92,7 @@ impl Format for TaTrios {
             tables,
             original_metadata: pairs,
             issues,
+            ..self.reading()
         })
     }
 }

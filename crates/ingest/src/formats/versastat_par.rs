@@ -9,7 +9,7 @@ use super::assemble::{Raw, assemble_untimed};
 use super::error::ReadError;
 use super::recognition::{FileHead, Match};
 use super::stamp::{self, DateOrder};
-use super::{Format, ReadContext, delimited};
+use super::{About, Format, ReadContext, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::{Header, Meaning};
 use crate::text::{Decimal, Delimiter, Line, Lines, decode};
@@ -38,31 +38,22 @@ impl Section<'_> {
 }
 
 impl Format for VersastatPar {
-    fn id(&self) -> &'static str {
-        "versastat-par"
-    }
-
-    fn title(&self) -> &'static str {
-        "VersaStudio file of a VersaSTAT or PAR potentiostat (.par)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["par"]
-    }
-
-    fn version(&self) -> u32 {
-        4
+    fn about(&self) -> About {
+        About {
+            id: "versastat-par",
+            title: "VersaStudio file of a VersaSTAT or PAR potentiostat (.par)",
+            extensions: &["par"],
+            version: 4,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
         let mut lines = Lines::new(&text).map(|line| line.text.trim());
-        match (lines.next(), lines.next()) {
-            (Some("<Application>"), Some("Name=VersaStudio")) => {
-                Match::Certain("the file begins with <Application> and Name=VersaStudio")
-            }
-            _ => Match::No,
-        }
+        Match::certain_if(
+            (lines.next(), lines.next()) == (Some("<Application>"), Some("Name=VersaStudio")),
+            "the file begins with <Application> and Name=VersaStudio",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -96,10 +87,10 @@ impl Format for VersastatPar {
             tables.extend(table(section, name, is_spectrum, &mut issues)?);
         }
         if tables.is_empty() {
-            return Err(ReadError::HeaderOnly {
-                line: lines.len(),
-                found: format!("{} segments without rows", segments.len()),
-            });
+            return Err(ReadError::header_only(
+                lines.len(),
+                format!("{} segments without rows", segments.len()),
+            ));
         }
         let of = |name: &str| sections.iter().find(|section| section.name == name);
         let open = segments.iter().find(|section| !section.is_closed);
@@ -110,8 +101,6 @@ impl Format for VersastatPar {
         };
         let instrument = of("Instrument").and_then(|section| section.value("Type"));
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             technique: technique.map(str::to_owned),
             is_step_response: technique == Some("Chronoamperometry"),
             encoding: Some(decoded.encoding),
@@ -131,6 +120,7 @@ impl Format for VersastatPar {
             tables,
             original_metadata: metadata(&sections),
             issues,
+            ..self.reading()
         })
     }
 }

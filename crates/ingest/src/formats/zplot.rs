@@ -11,7 +11,7 @@ use super::assemble::{Raw, assemble};
 use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
 use super::stamp::{self, DateOrder};
-use super::{Format, ReadContext, delimited};
+use super::{About, Format, ReadContext, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::Header;
 use crate::text::{Decimal, Delimiter, Line, Lines};
@@ -29,30 +29,22 @@ const END: &str = "End Comments";
 const SWEEP: &str = "Sweep Frequency";
 
 impl Format for Zplot {
-    fn id(&self) -> &'static str {
-        "zplot"
-    }
-
-    fn title(&self) -> &'static str {
-        "Scribner ZPlot and ZView spectrum (.z)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["z"]
-    }
-
-    fn version(&self) -> u32 {
-        1
+    fn about(&self) -> About {
+        About {
+            id: "zplot",
+            title: "Scribner ZPlot and ZView spectrum (.z)",
+            extensions: &["z"],
+            version: 1,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
         let first = Lines::new(&text).next().map_or("", |line| bare(line.text));
-        if BEGINNINGS.iter().any(|beginning| first.starts_with(beginning)) {
-            Match::Certain("the file begins with the name of ZPlot or ZView")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            BEGINNINGS.iter().any(|beginning| first.starts_with(beginning)),
+            "the file begins with the name of ZPlot or ZView",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -62,10 +54,10 @@ impl Format for Zplot {
         let (text_status, text_evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         delimited::note_replacements(&decoded, &lines, &mut issues);
         let Some(names_at) = lines.iter().position(|line| has_names(line.text)) else {
-            return Err(ReadError::HeaderOnly {
-                line: lines.len(),
-                found: "no names of columns with Freq(Hz)".to_owned(),
-            });
+            return Err(ReadError::header_only(
+                lines.len(),
+                "no names of columns with Freq(Hz)",
+            ));
         };
         let (preamble, below) = lines.split_at(names_at);
         let settings: Vec<(String, String)> = preamble.iter().map(|line| setting(line.text)).collect();
@@ -89,18 +81,16 @@ impl Format for Zplot {
             _ => (text_status, text_evidence),
         };
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             technique,
             is_step_response: false,
             encoding: Some(decoded.encoding),
             status,
             status_evidence,
             started_at: started_at(&settings, &mut issues),
-            header_tags: Vec::new(),
             tables: vec![assemble(raw, &mut issues)?],
             original_metadata: settings,
             issues,
+            ..self.reading()
         })
     }
 }

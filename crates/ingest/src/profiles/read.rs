@@ -27,10 +27,10 @@ impl Profile {
         let mut issues = Vec::new();
         let mut found = self.table(bytes, context.max_unpacked_bytes, &mut issues)?;
         if found.cells.rows() == 0 {
-            return Err(ReadError::HeaderOnly {
-                line: found.cells.header_line,
-                found: "no row of numbers".to_owned(),
-            });
+            return Err(ReadError::header_only(
+                found.cells.header_line,
+                "no row of numbers",
+            ));
         }
         let places = self.places(&found.names)?;
         let mut headers = self.headers(&found.names, &places);
@@ -50,8 +50,6 @@ impl Profile {
         let table = assemble(raw, &mut issues)?;
         let metadata = found.preamble.iter().filter(|line| !line.is_empty());
         Ok(Reading {
-            format: "profile",
-            reader_version: Profile::READER_VERSION,
             technique: self.technique.clone(),
             is_step_response: self.step_response,
             encoding: found.encoding,
@@ -61,12 +59,12 @@ impl Profile {
                 _ => found.status_evidence,
             },
             started_at,
-            header_tags: Vec::new(),
             tables: vec![table],
             original_metadata: metadata
                 .map(|line| ("preamble".to_owned(), line.clone()))
                 .collect(),
             issues,
+            ..Reading::of("profile", Profile::READER_VERSION)
         })
     }
 

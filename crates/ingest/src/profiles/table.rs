@@ -152,10 +152,7 @@ impl Profile {
         let Container::Text { dialect, .. } = &self.container else {
             return Ok((Vec::new(), 0));
         };
-        let ends_before = |line: usize, found: &str| ReadError::HeaderOnly {
-            line,
-            found: found.to_owned(),
-        };
+        let ends_before = |line: usize, found: &str| ReadError::header_only(line, found);
         let header_at = match &self.header {
             HeaderPlace::None => {
                 let data = lines.iter().skip(self.lines_after_header);

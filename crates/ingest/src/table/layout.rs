@@ -509,10 +509,7 @@ fn names_alone<'l, 'a>(lines: &'l [Line<'a>]) -> Option<&'l Line<'a>> {
 fn without_rows(names: &Line<'_>, lines: &[Line<'_>]) -> ReadError {
     let below = |line: &&Line<'_>| line.number > names.number && !is_blank_or_comment(line.text);
     match lines.iter().find(below) {
-        None => ReadError::HeaderOnly {
-            line: names.number,
-            found: quoted(names.text),
-        },
+        None => ReadError::header_only(names.number, quoted(names.text)),
         Some(first) => ReadError::NoReading {
             header: names.number,
             line: first.number,

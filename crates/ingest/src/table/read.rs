@@ -214,10 +214,10 @@ pub fn tables<'a>(
         }
     }
     if tables.is_empty() {
-        return Err(ReadError::HeaderOnly {
-            line: layout.shape.names_at.map_or(0, |at| lines[at].number),
-            found: "no row".to_owned(),
-        });
+        return Err(ReadError::header_only(
+            layout.shape.names_at.map_or(0, |at| lines[at].number),
+            "no row",
+        ));
     }
     Ok(tables)
 }

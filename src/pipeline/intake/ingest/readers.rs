@@ -28,7 +28,7 @@ const BESIDE: &str = " beside profiles ";
 impl Readers {
     /// The formats with these profiles and what the campaign says of files; `stored` are the files as they were read last.
     pub fn of(profiles: &[Profile], campaign: &Campaign, stored: &[FileRow]) -> Readers {
-        let formats = formats::ALL.iter().map(|f| stamp(f.id(), f.version()));
+        let formats = formats::ALL.iter().map(|f| stamp(f.id(), f.about().version));
         let saved = profiles
             .iter()
             .map(|p| stamp(&p.format(), Profile::READER_VERSION));

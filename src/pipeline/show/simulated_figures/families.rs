@@ -1,22 +1,15 @@
 //! The curves of simulated figures.
 
-use std::f64::consts::SQRT_2;
-
 use crate::domain::Drive;
-use crate::domain::number::fixed;
-use crate::model::bending::{ChargeCourse, bending_law, curvature_per_cm};
 use crate::model::coupling::CurvaturePerLineCharge;
 use crate::model::distributed::DistributedModel;
-use crate::model::{Branch, EquivalentCircuit, LumpedModel};
+use crate::model::{Branch, EquivalentCircuit};
 use crate::report::print_figures::family::{Family, FamilyLine, FamilyPanel};
 
 /// Points of a line.
 const POINTS: usize = 400;
 /// Height of a panel, px.
 const HEIGHT: u32 = 230;
-/// Coupling, 1/(C cm), and rate, 1/s, of the strips that answer a step.
-pub(super) const ALPHA: f64 = 13.88;
-pub(super) const LAMBDA: f64 = 3.8e-4;
 
 fn panel(title: &str, y: (&str, &str), lines: Vec<FamilyLine>) -> FamilyPanel {
     FamilyPanel {
@@ -180,100 +173,4 @@ fn along_places(strip: &DistributedModel, step_v: f64, last_s: f64) -> Vec<Famil
             line(&name, k, &time_s, &at)
         })
         .collect()
-}
-
-/// The circuit of table 5 of the thesis, CNaf in air at 2 V.
-const AIR: [(f64, f64); 2] = [(521.4, 0.098), (2629.9, 0.13)];
-const AIR_STEADY_OHM_CM2: f64 = 5660.0;
-const AREA_CM2: f64 = 0.1;
-const AIR_WORDS: &str = "2 V on a strip of 0.1 cm²; circuit of CNaf in air at 2 V (table 5 of the thesis).";
-
-fn air(branches: usize) -> LumpedModel {
-    circuit(&AIR[..branches], AIR_STEADY_OHM_CM2).with_relaxation(ALPHA, LAMBDA)
-}
-
-/// Current and bending of a lumped model after a step.
-pub(super) fn lumped(branches: usize) -> Family {
-    let time_s = times(3600.0);
-    let drive = Drive::step(2.0);
-    let model = air(branches);
-    let current: Vec<f64> = model
-        .current_a(&drive, AREA_CM2, &time_s)
-        .iter()
-        .map(|ampere| ampere * 1e3 / AREA_CM2)
-        .collect();
-    let rates = [LAMBDA / SQRT_2.powi(6), LAMBDA, LAMBDA * SQRT_2.powi(6)];
-    let bent = rates.iter().enumerate().map(|(k, &rate)| {
-        let model = LumpedModel {
-            relaxation_rate_per_s: rate,
-            ..model.clone()
-        };
-        let bent = model.curvature_per_cm(&drive, AREA_CM2, &time_s);
-        line(
-            &format!("λ = {}·10⁻⁴ 1/s", fixed(1e4 * rate, 1)),
-            k,
-            &time_s,
-            &bent,
-        )
-    });
-    family(
-        vec![
-            panel(
-                "current",
-                ("Current", "mA cm⁻²"),
-                vec![line("", 0, &time_s, &current)],
-            ),
-            panel("curvature", ("Curvature", "1/cm"), bent.collect()),
-        ],
-        &[AIR_WORDS],
-    )
-}
-
-/// Current at the clamp and bending along the strip after a step.
-pub(super) fn distributed() -> Family {
-    let strip = strip(50.0, 0.1, 1e-3);
-    let time_s = times(3600.0);
-    let current: Vec<f64> = strip
-        .clamp_current_a(2.0, &time_s)
-        .iter()
-        .map(|ampere| ampere * 1e3)
-        .collect();
-    family(
-        vec![
-            panel(
-                "current at the clamp",
-                ("Current", "mA"),
-                vec![line("", 0, &time_s, &current)],
-            ),
-            panel(
-                "curvature",
-                ("Curvature", "1/cm"),
-                along_places(&strip, 2.0, 3600.0),
-            ),
-        ],
-        &[
-            "2 V on a strip of 4 cm: Re = 50 Ω/cm, Rc = 100 Ω cm, C = 0.1 F/cm, Rss = 10 kΩ cm, μ = 10 1/C, λ = 0.001 1/s.",
-        ],
-    )
-}
-
-/// A member of a rival's family: name, couplings and shapes.
-pub(super) type Member = (&'static str, &'static [f64], &'static [f64]);
-
-/// Members of a rival's family beside the thesis's law.
-pub(super) fn rival(model: &str, members: &[Member]) -> Family {
-    let time_s = times(3600.0);
-    let charge = ChargeCourse::new(&air(2), &Drive::step(2.0), AREA_CM2, &time_s);
-    let lines = bending_law(model).map_or_else(Vec::new, |law| {
-        let member = |(k, (name, couplings, shapes)): (usize, &Member)| {
-            line(
-                name,
-                k,
-                &time_s,
-                &curvature_per_cm(law, &charge, couplings, shapes),
-            )
-        };
-        members.iter().enumerate().map(member).collect()
-    });
-    family(vec![panel(model, ("Curvature", "1/cm"), lines)], &[AIR_WORDS])
 }

@@ -1,11 +1,11 @@
-//! Figures that need no campaign: the thesis's families of simulated curves, and the answer of every model to a step.
+//! Figures that need no campaign: the thesis's families of simulated curves.
 
 mod families;
 
 use crate::pipeline::PipelineError;
 use crate::report::print_figures::family::Family;
 use crate::report::print_figures::{Print, family_print};
-use families::{ALPHA, LAMBDA, distributed, figure13, figure16, figure18, lumped, rival};
+use families::{figure13, figure16, figure18};
 
 /// A figure that no campaign is needed for.
 pub struct SimulatedFigure {
@@ -21,7 +21,7 @@ pub struct SimulatedFigure {
 }
 
 /// Every one, in the order in which they are listed.
-pub const SIMULATED: [SimulatedFigure; 11] = [
+pub const SIMULATED: [SimulatedFigure; 3] = [
     SimulatedFigure {
         name: "figure13",
         alias: "families",
@@ -42,107 +42,6 @@ pub const SIMULATED: [SimulatedFigure; 11] = [
         about: "Simulated curvature along the strip over time, for two rates of relaxation",
         width_mm: 170.0,
         family: figure18,
-    },
-    SimulatedFigure {
-        name: "step-lumped-1",
-        alias: "step-1",
-        about: "Answer of lumped-1 to a step of the voltage",
-        width_mm: 170.0,
-        family: || lumped(1),
-    },
-    SimulatedFigure {
-        name: "step-lumped-2",
-        alias: "step-2",
-        about: "Answer of lumped-2 (and of lumped-3 and -4, whose further branches are slower) to a step",
-        width_mm: 170.0,
-        family: || lumped(2),
-    },
-    SimulatedFigure {
-        name: "step-distributed",
-        alias: "step-along",
-        about: "Answer of the distributed model to a step of the voltage",
-        width_mm: 170.0,
-        family: distributed,
-    },
-    SimulatedFigure {
-        name: "step-yagasaki-tamagawa",
-        alias: "step-modulus",
-        about: "Answer of Yagasaki and Tamagawa's changing modulus to a step",
-        width_mm: 85.0,
-        family: || {
-            rival(
-                "yagasaki-tamagawa",
-                &[
-                    ("E1/E0 = 0.005 1/s", &[ALPHA], &[0.005, 0.3, 0.004]),
-                    ("E1/E0 = 0.02 1/s", &[ALPHA], &[0.02, 0.3, 0.004]),
-                    ("E1/E0 = 0.05 1/s", &[ALPHA], &[0.05, 0.3, 0.004]),
-                ],
-            )
-        },
-    },
-    SimulatedFigure {
-        name: "step-bao-two-way",
-        alias: "step-transport",
-        about: "Answer of Bao's two-way transport to a step",
-        width_mm: 85.0,
-        family: || {
-            rival(
-                "bao-two-way",
-                &[
-                    ("K2 = 0: the thesis", &[ALPHA, 0.0], &[LAMBDA]),
-                    ("K2 = K1/3", &[ALPHA, ALPHA / 3.0], &[LAMBDA]),
-                    ("K2 = 4/3 K1: creeps on", &[ALPHA, 4.0 * ALPHA / 3.0], &[LAMBDA]),
-                ],
-            )
-        },
-    },
-    SimulatedFigure {
-        name: "step-kelvin-voigt",
-        alias: "step-voigt",
-        about: "Answer of a Kelvin-Voigt solid to a step",
-        width_mm: 85.0,
-        family: || {
-            rival(
-                "kelvin-voigt",
-                &[
-                    ("eta/E = 100 s", &[ALPHA], &[1.0 / 100.0]),
-                    ("eta/E = 400 s", &[ALPHA], &[1.0 / 400.0]),
-                    ("eta/E = 1600 s", &[ALPHA], &[1.0 / 1600.0]),
-                ],
-            )
-        },
-    },
-    SimulatedFigure {
-        name: "step-maxwell",
-        alias: "step-flow",
-        about: "Answer of a Maxwell material to a step",
-        width_mm: 85.0,
-        family: || {
-            rival(
-                "maxwell",
-                &[
-                    ("E/eta = 0.0001 1/s", &[ALPHA], &[1e-4]),
-                    ("E/eta = 0.0003 1/s", &[ALPHA], &[3e-4]),
-                    ("E/eta = 0.001 1/s", &[ALPHA], &[1e-3]),
-                ],
-            )
-        },
-    },
-    SimulatedFigure {
-        name: "step-standard-linear-solid",
-        alias: "step-solid",
-        about: "Answer of a standard linear solid to a step",
-        width_mm: 85.0,
-        family: || {
-            rival(
-                "standard-linear-solid",
-                &[
-                    ("E2/E1 = 0.3", &[ALPHA], &[1.0 / 600.0, 0.3]),
-                    ("E2/E1 = 1", &[ALPHA], &[1.0 / 600.0, 1.0]),
-                    ("E2/E1 = 3", &[ALPHA], &[1.0 / 600.0, 3.0]),
-                ],
-            )
-        },
     },
 ];
 

@@ -204,7 +204,9 @@ fn a_diagnosis_is_that_of_a_campaign_of_one_group() {
     let found = diagnose(&document.groups[0].group, &[&runs[0], &runs[1]], &choice)
         .unwrap()
         .unwrap();
-    assert_eq!(found, document.groups[0]);
+    // The document leaves out what is drawn.
+    let told = |group| serde_json::to_value(group).unwrap();
+    assert_eq!(told(&found), told(&document.groups[0]));
 
     let twice = diagnose("twice", &[&runs[0], &runs[0]], &choice)
         .unwrap()

@@ -11,7 +11,7 @@ use super::mpt_header;
 use crate::formats::assemble::{Raw, assemble_untimed};
 use crate::formats::cells::CellTable;
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::{Format, ReadContext, ReadError, stamp};
+use crate::formats::{About, Format, ReadContext, ReadError, stamp};
 use crate::text::Cell;
 use crate::text::header::Meaning;
 use crate::{Reading, StartedAt, Timestamp};
@@ -36,28 +36,20 @@ struct Module<'a> {
 }
 
 impl Format for BiologicMpr {
-    fn id(&self) -> &'static str {
-        "biologic-mpr"
-    }
-
-    fn title(&self) -> &'static str {
-        "BioLogic EC-Lab binary file (.mpr)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["mpr"]
-    }
-
-    fn version(&self) -> u32 {
-        5
+    fn about(&self) -> About {
+        About {
+            id: "biologic-mpr",
+            title: "BioLogic EC-Lab binary file (.mpr)",
+            extensions: &["mpr"],
+            version: 5,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        if head.bytes.starts_with(MAGIC) {
-            Match::Certain("the file begins with BIO-LOGIC MODULAR FILE")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            head.bytes.starts_with(MAGIC),
+            "the file begins with BIO-LOGIC MODULAR FILE",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -69,10 +61,10 @@ impl Format for BiologicMpr {
         let technique_id = of("VMP Set").and_then(|module| module.body.first()).copied();
         let technique = technique_id.and_then(mpr_columns::technique);
         let Some(readings) = of("VMP data") else {
-            return Err(ReadError::HeaderOnly {
-                line: 0,
-                found: format!("{} modules, none with readings", modules.len()),
-            });
+            return Err(ReadError::header_only(
+                0,
+                format!("{} modules, none with readings", modules.len()),
+            ));
         };
         let mut issues = Vec::new();
         let (raw, evidence) = raw(readings, &mut issues)?;
@@ -93,23 +85,20 @@ impl Format for BiologicMpr {
             ),
         };
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             technique: technique
                 .map(str::to_owned)
                 .or(technique_id.map(|id| format!("technique {id} of EC-Lab"))),
             is_step_response,
-            encoding: None,
             status,
             status_evidence,
             started_at: log.and_then(started_at),
-            header_tags: Vec::new(),
             tables: vec![assemble_untimed(raw, &mut issues)?],
             original_metadata: modules
                 .iter()
                 .map(|module| (module.name.to_owned(), format!("version {}", module.version)))
                 .collect(),
             issues,
+            ..self.reading()
         })
     }
 }
@@ -185,10 +174,7 @@ fn raw(module: &Module<'_>, issues: &mut Vec<Issue>) -> Result<(Raw, Option<Stri
         found,
         needed,
     };
-    let waits = || ReadError::HeaderOnly {
-        line: 0,
-        found: "the file ends before the first row".to_owned(),
-    };
+    let waits = || ReadError::header_only(0, "the file ends before the first row");
     let head = module.body.get(..rows_at).ok_or_else(waits)?;
     let declared = u32::from_le_bytes([head[0], head[1], head[2], head[3]]) as usize;
     let columns = match count_bytes {

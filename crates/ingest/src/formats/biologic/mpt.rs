@@ -10,32 +10,25 @@ use crate::formats::assemble::{Raw, assemble_untimed};
 use crate::formats::cells::CellTable;
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::stamp::{self, DateOrder};
-use crate::formats::{Format, ReadContext, ReadError, delimited};
+use crate::formats::{About, Format, ReadContext, ReadError, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::Meaning;
 use crate::text::{Delimiter, Line, Lines};
 use crate::{Reading, Timestamp};
+use ieap_domain::Issue;
 use ieap_domain::tag::keys;
-use ieap_domain::{Issue, RunStatus};
 
 /// Reader of EC-Lab text.
 pub struct BiologicMpt;
 
 impl Format for BiologicMpt {
-    fn id(&self) -> &'static str {
-        "biologic-mpt"
-    }
-
-    fn title(&self) -> &'static str {
-        "BioLogic EC-Lab or BT-Lab text export (.mpt)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["mpt", "txt"]
-    }
-
-    fn version(&self) -> u32 {
-        5
+    fn about(&self) -> About {
+        About {
+            id: "biologic-mpt",
+            title: "BioLogic EC-Lab or BT-Lab text export (.mpt)",
+            extensions: &["mpt", "txt"],
+            version: 5,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -44,11 +37,10 @@ impl Format for BiologicMpt {
         if matches!(first.trim(), "EC-Lab ASCII FILE" | "BT-Lab ASCII FILE") {
             return Match::Certain("the file begins with EC-Lab ASCII FILE");
         }
-        if mpt_header::names_columns(first) && first.starts_with("mode\t") {
-            Match::Certain("the first line names mode and other columns of EC-Lab")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            mpt_header::names_columns(first) && first.starts_with("mode\t"),
+            "the first line names mode and other columns of EC-Lab",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -65,10 +57,7 @@ impl Format for BiologicMpt {
                 sign: "the technique Wait without rows",
             });
         }
-        let names_at = names_at.ok_or_else(|| ReadError::HeaderOnly {
-            line: lines.len(),
-            found: "no names of columns".to_owned(),
-        })?;
+        let names_at = names_at.ok_or_else(|| ReadError::header_only(lines.len(), "no names of columns"))?;
         let raw = raw(&lines[names_at], rows, &mut issues)?;
         let is_step_response = is_step_response(settings.technique, &raw);
         let table = assemble_untimed(raw, &mut issues)?;
@@ -79,21 +68,17 @@ impl Format for BiologicMpt {
             stamp
         });
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             technique: settings.technique.map(str::to_owned),
             is_step_response,
             encoding: Some(decoded.encoding),
             status,
-            status_evidence: match status {
-                RunStatus::Complete => evidence + "; the format declares no number of rows",
-                _ => evidence,
-            },
+            status_evidence: delimited::undeclared(status, evidence),
             started_at,
             header_tags: header_tags(&settings, is_step_response, &mut issues),
             tables: vec![table],
             original_metadata: metadata(&settings),
             issues,
+            ..self.reading()
         })
     }
 }

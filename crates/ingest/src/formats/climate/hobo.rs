@@ -10,7 +10,7 @@ use super::wall_clock::{Log, cells_between, measured, offset};
 use crate::Reading;
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::stamp::DateOrder;
-use crate::formats::{Format, ReadContext, ReadError, delimited};
+use crate::formats::{About, Format, ReadContext, ReadError, delimited};
 use crate::text::header::Header;
 use crate::text::{Delimiter, Line, Lines};
 use ieap_domain::RunStatus;
@@ -21,20 +21,13 @@ pub struct Hobo;
 const ORDERS: &[DateOrder] = &[DateOrder::MonthFirst, DateOrder::DayFirst, DateOrder::YearFirst];
 
 impl Format for Hobo {
-    fn id(&self) -> &'static str {
-        "hobo"
-    }
-
-    fn title(&self) -> &'static str {
-        "Onset HOBO climate logger, text of HOBOware or HOBOmobile (.csv)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["csv", "txt"]
-    }
-
-    fn version(&self) -> u32 {
-        3
+    fn about(&self) -> About {
+        About {
+            id: "hobo",
+            title: "Onset HOBO climate logger, text of HOBOware or HOBOmobile (.csv)",
+            extensions: &["csv", "txt"],
+            version: 3,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -42,15 +35,11 @@ impl Format for Hobo {
         let first = text.trim_start_matches('"');
         let begins = ["Plot Title:", "Plot-Titel:", "Serial Number:"];
         let is_hobo = begins.iter().any(|begin| first.starts_with(begin));
-        if is_hobo
-            && Lines::new(&text)
-                .take(4)
-                .any(|line| names_in(line.text).is_some())
-        {
-            Match::Certain("Plot Title or Serial Number, then a column Date Time with GMT")
-        } else {
-            Match::No
-        }
+        let mut lines = Lines::new(&text).take(4);
+        Match::certain_if(
+            is_hobo && lines.any(|line| names_in(line.text).is_some()),
+            "Plot Title or Serial Number, then a column Date Time with GMT",
+        )
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
@@ -64,15 +53,12 @@ impl Format for Hobo {
             .take(4)
             .find_map(|(at, line)| Some((at, names_in(line.text)?)));
         let Some((names_at, (delimiter, names, time_at))) = found else {
-            return Err(ReadError::HeaderOnly {
-                line: lines.len(),
-                found: "no names of columns".to_owned(),
-            });
+            return Err(ReadError::header_only(lines.len(), "no names of columns"));
         };
         let rows = &lines[names_at + 1..];
         let (headers, is_text): (Vec<Header>, Vec<bool>) = names.iter().map(|name| header(name)).unzip();
         let log = Log {
-            reader: (self.id(), self.version()),
+            reader: self.reading(),
             headers,
             is_text,
             time_at,
@@ -131,8 +117,7 @@ fn end(status: RunStatus, evidence: String, last: Option<&Line<'_>>) -> (RunStat
     });
     match (status, is_end) {
         (RunStatus::Complete, true) => (status, "the last row is an event of the read-out".to_owned()),
-        (RunStatus::Complete, false) => (status, evidence + "; the format declares no number of rows"),
-        _ => (status, evidence),
+        _ => (status, delimited::undeclared(status, evidence)),
     }
 }
 

@@ -9,30 +9,22 @@ use super::wall_clock::cells;
 use crate::formats::assemble::{Raw, assemble};
 use crate::formats::cells::CellTable;
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::{Format, ReadContext, ReadError, delimited};
+use crate::formats::{About, Format, ReadContext, ReadError, delimited};
 use crate::text::header::Header;
 use crate::text::{Decimal, Lines, number};
 use crate::{Reading, StartedAt, Timestamp};
-use ieap_domain::RunStatus;
 
 /// Reader of PicoLog text.
 pub struct Picolog;
 
 impl Format for Picolog {
-    fn id(&self) -> &'static str {
-        "picolog"
-    }
-
-    fn title(&self) -> &'static str {
-        "Pico Technology PicoLog climate logger, text with Unix seconds (.csv)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["csv"]
-    }
-
-    fn version(&self) -> u32 {
-        3
+    fn about(&self) -> About {
+        About {
+            id: "picolog",
+            title: "Pico Technology PicoLog climate logger, text with Unix seconds (.csv)",
+            extensions: &["csv"],
+            version: 3,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -41,11 +33,10 @@ impl Format for Picolog {
         let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
         let seconds = cells(second).first().and_then(|cell| cell.parse::<u64>().ok());
         // 1e9 s is the year 2001.
-        if first.starts_with("\"\",\"") && seconds.is_some_and(|seconds| seconds > 1_000_000_000) {
-            Match::Certain("a first column without a name that counts Unix seconds")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            first.starts_with("\"\",\"") && seconds.is_some_and(|seconds| seconds > 1_000_000_000),
+            "a first column without a name that counts Unix seconds",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -54,10 +45,7 @@ impl Format for Picolog {
         let mut lines = text.lines();
         let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let Some((names, rows)) = lines.split_first() else {
-            return Err(ReadError::HeaderOnly {
-                line: 1,
-                found: "no names of columns".to_owned(),
-            });
+            return Err(ReadError::header_only(1, "no names of columns"));
         };
         let mut headers: Vec<Header> = cells(names.text).iter().map(|cell| Header::other(cell)).collect();
         headers[0] = Header {
@@ -86,21 +74,14 @@ impl Format for Picolog {
             &mut issues,
         )?];
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            technique: None,
             is_step_response: false,
             encoding: Some(text.encoding),
             status,
-            status_evidence: match status {
-                RunStatus::Complete => evidence + "; the format declares no number of rows",
-                _ => evidence,
-            },
+            status_evidence: delimited::undeclared(status, evidence),
             started_at: started_at(first),
-            header_tags: Vec::new(),
             tables,
-            original_metadata: Vec::new(),
             issues,
+            ..self.reading()
         })
     }
 }

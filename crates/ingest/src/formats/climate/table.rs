@@ -11,7 +11,7 @@ use crate::formats::assemble::{Raw, assemble};
 use crate::formats::error::quoted;
 use crate::formats::plausible::is_impossible;
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::{Format, ReadContext, ReadError, delimited};
+use crate::formats::{About, Format, ReadContext, ReadError, delimited};
 use crate::table::kind::Kind;
 use crate::table::policy::{AIR_IN_CELSIUS, LARGEST_FRACTION, SMOOTHER_WITHIN};
 use crate::table::{self, Question, Table, epoch, layout, start, times};
@@ -30,20 +30,13 @@ use ieap_numerics::robust::upper_median;
 pub struct ClimateTable;
 
 impl Format for ClimateTable {
-    fn id(&self) -> &'static str {
-        "climate-table"
-    }
-
-    fn title(&self) -> &'static str {
-        "climate logger, any table with dates beside temperature, humidity, pressure, oxygen or water (CSV, TSV)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["csv", "txt", "tsv", "dat"]
-    }
-
-    fn version(&self) -> u32 {
-        5
+    fn about(&self) -> About {
+        About {
+            id: "climate-table",
+            title: "climate logger, any table with dates beside temperature, humidity, pressure, oxygen or water (CSV, TSV)",
+            extensions: &["csv", "txt", "tsv", "dat"],
+            version: 5,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -63,7 +56,7 @@ impl Format for ClimateTable {
         let mut issues = Vec::new();
         let decoded = delimited::decoded(bytes)?;
         let text = delimited::text(&decoded, &mut issues)?;
-        let reader = (self.id(), self.version());
+        let reader = self.reading();
         let status = (text.status, text.evidence());
         read_lines(reader, Some(text.encoding), context, &text.lines, status, issues)
     }
@@ -132,12 +125,12 @@ fn has_long_number(text: &str) -> bool {
     })
 }
 
-/// Reads the lines of a logger's table for the reader of that id and version; its status is that of the lines.
+/// Reads the lines of a logger's table for `reader`, which has read nothing yet; its status is that of the lines.
 ///
 /// # Errors
 /// As [`table::tables`] and [`times::settle`]; a unit that nothing tells is asked.
 pub fn read_lines(
-    reader: (&'static str, u32),
+    reader: Reading,
     encoding: Option<&'static str>,
     context: &ReadContext,
     lines: &[Line<'_>],
@@ -196,18 +189,14 @@ pub fn read_lines(
         issues.extend(own);
     }
     Ok(Reading {
-        format: reader.0,
-        reader_version: reader.1,
-        technique: None,
-        is_step_response: false,
         encoding,
         status: status.0,
         status_evidence: status.1,
         started_at,
-        header_tags: Vec::new(),
         tables,
         original_metadata: metadata,
         issues,
+        ..reader
     })
 }
 

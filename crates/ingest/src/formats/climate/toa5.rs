@@ -8,38 +8,29 @@ use super::wall_clock::{Log, cells};
 use crate::Reading;
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::stamp::DateOrder;
-use crate::formats::{Format, ReadContext, ReadError, delimited};
+use crate::formats::{About, Format, ReadContext, ReadError, delimited};
 use crate::text::header::Header;
 use crate::text::{Decimal, Delimiter};
-use ieap_domain::RunStatus;
 
 /// Reader of TOA5.
 pub struct Toa5;
 
 impl Format for Toa5 {
-    fn id(&self) -> &'static str {
-        "campbell-toa5"
-    }
-
-    fn title(&self) -> &'static str {
-        "Campbell Scientific climate logger, TOA5 (.dat)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["dat", "csv"]
-    }
-
-    fn version(&self) -> u32 {
-        3
+    fn about(&self) -> About {
+        About {
+            id: "campbell-toa5",
+            title: "Campbell Scientific climate logger, TOA5 (.dat)",
+            extensions: &["dat", "csv"],
+            version: 3,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        if text.starts_with("\"TOA5\"") || text.starts_with("TOA5,") {
-            Match::Certain("the file begins with TOA5")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            text.starts_with("\"TOA5\"") || text.starts_with("TOA5,"),
+            "the file begins with TOA5",
+        )
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
@@ -48,10 +39,10 @@ impl Format for Toa5 {
         let mut lines = text.lines();
         let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let [station, names, units, _, rows @ ..] = lines.as_slice() else {
-            return Err(ReadError::HeaderOnly {
-                line: lines.len(),
-                found: "fewer than four header lines".to_owned(),
-            });
+            return Err(ReadError::header_only(
+                lines.len(),
+                "fewer than four header lines",
+            ));
         };
         let (names_found, units) = (cells(names.text), cells(units.text));
         let time_at = names_found
@@ -68,7 +59,7 @@ impl Format for Toa5 {
             .map(|(index, name)| header(name, unit(index)))
             .collect();
         let log = Log {
-            reader: (self.id(), self.version()),
+            reader: self.reading(),
             is_text: vec![false; headers.len()],
             headers,
             time_at,
@@ -82,10 +73,7 @@ impl Format for Toa5 {
             header_line: names.number,
             rows,
         };
-        let evidence = match status {
-            RunStatus::Complete => evidence + "; the format declares no number of rows",
-            _ => evidence,
-        };
+        let evidence = delimited::undeclared(status, evidence);
         let metadata = vec![("station".to_owned(), station.text.to_owned())];
         log.read(Some(text.encoding), (status, evidence), metadata, issues)
     }

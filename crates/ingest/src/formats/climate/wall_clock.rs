@@ -13,8 +13,8 @@ use ieap_domain::{Issue, RunStatus};
 
 /// What a logger's file says, before its rows are read.
 pub struct Log<'a> {
-    /// Format id and version of its reader.
-    pub reader: (&'static str, u32),
+    /// Its reader, before it read anything.
+    pub reader: Reading,
     /// The columns; the time is the one at `time_at`.
     pub headers: Vec<Header>,
     /// Columns that hold words, such as events.
@@ -97,10 +97,7 @@ impl Log<'_> {
             .filter(|row| !row.text.trim().is_empty())
             .collect();
         let Some(first_row) = rows.first() else {
-            return Err(ReadError::HeaderOnly {
-                line: self.header_line,
-                found: "no row".to_owned(),
-            });
+            return Err(ReadError::header_only(self.header_line, "no row"));
         };
         let (mut table, dates, clocks) = self.cells(&rows);
         let joined: Vec<String>;
@@ -131,10 +128,6 @@ impl Log<'_> {
             ..assemble(raw, &mut issues)?
         };
         Ok(Reading {
-            format: self.reader.0,
-            reader_version: self.reader.1,
-            technique: None,
-            is_step_response: false,
             encoding,
             status,
             status_evidence,
@@ -149,10 +142,10 @@ impl Log<'_> {
                 },
                 basis: format!("the first row, {}{reason}", moments.order.words()),
             }),
-            header_tags: Vec::new(),
             tables: vec![table],
             original_metadata,
             issues,
+            ..self.reader
         })
     }
 

@@ -17,7 +17,7 @@ use super::delimited::header_number;
 use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
 use super::sample_clock::{self, SampleClock};
-use super::{Format, ReadContext, date, stamp};
+use super::{About, Format, ReadContext, date, stamp};
 use crate::text::grid::{Dialect, push_line};
 use crate::text::header::Header;
 use crate::text::{Decimal, Delimiter, Line};
@@ -37,31 +37,23 @@ pub struct IviumIdf;
 const INNER_LINE: &str = "\u{1c}\u{1e}";
 
 impl Format for IviumIdf {
-    fn id(&self) -> &'static str {
-        "ivium-idf"
-    }
-
-    fn title(&self) -> &'static str {
-        "Ivium potentiostat file of IviumSoft (.idf, .ids)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["idf", "ids"]
-    }
-
-    fn version(&self) -> u32 {
-        2
+    fn about(&self) -> About {
+        About {
+            id: "ivium-idf",
+            title: "Ivium potentiostat file of IviumSoft (.idf, .ids)",
+            extensions: &["idf", "ids"],
+            version: 2,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let start = &head.bytes[..head.bytes.len().min(512)];
         let begins = start.starts_with(&[0; 16]) || start.starts_with(&[b' '; 16]);
         let holds = |mark: &[u8]| start.windows(mark.len()).any(|window| window == mark);
-        if begins && (holds(b"QR=") || holds(b"Peaks=")) {
-            Match::Certain("a section of IviumSoft with QR or Peaks")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            begins && (holds(b"QR=") || holds(b"Peaks=")),
+            "a section of IviumSoft with QR or Peaks",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -92,8 +84,6 @@ impl Format for IviumIdf {
         let technique = first.setting("Technique").or(first.setting("Method"));
         let is_step_response = sets.iter().all(is_potential_step);
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             technique: technique.map(str::to_owned),
             is_step_response,
             encoding: Some("windows-1252"),
@@ -104,6 +94,7 @@ impl Format for IviumIdf {
             tables,
             original_metadata: metadata(first),
             issues,
+            ..self.reading()
         })
     }
 }

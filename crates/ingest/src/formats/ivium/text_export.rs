@@ -6,31 +6,23 @@
 
 use crate::formats::assemble::{Raw, assemble};
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::{Format, ReadContext, ReadError, date, delimited};
+use crate::formats::{About, Format, ReadContext, ReadError, date, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::Header;
 use crate::text::{Decimal, Delimiter, Lines};
 use crate::{Reading, Timestamp};
-use ieap_domain::RunStatus;
 
 /// Reader of the text export.
 pub struct IviumText;
 
 impl Format for IviumText {
-    fn id(&self) -> &'static str {
-        "ivium-text"
-    }
-
-    fn title(&self) -> &'static str {
-        "Ivium text export: a date, then the columns time/s I/A E/V"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["txt"]
-    }
-
-    fn version(&self) -> u32 {
-        3
+    fn about(&self) -> About {
+        About {
+            id: "ivium-text",
+            title: "Ivium text export: a date, then the columns time/s I/A E/V",
+            extensions: &["txt"],
+            version: 3,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -39,11 +31,10 @@ impl Format for IviumText {
         let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
         let is_date = !first.is_empty() && first.chars().all(|c| c.is_ascii_digit() || " ./:-".contains(c));
         let names: Vec<&str> = second.split_whitespace().collect();
-        if is_date && names == ["time/s", "I/A", "E/V"] {
-            Match::Certain("a date, then time/s I/A E/V between blanks")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            is_date && names == ["time/s", "I/A", "E/V"],
+            "a date, then time/s I/A E/V between blanks",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -52,10 +43,7 @@ impl Format for IviumText {
         let mut lines = decoded.lines();
         let (status, status_evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let [date_line, names, rows @ ..] = lines.as_slice() else {
-            return Err(ReadError::HeaderOnly {
-                line: lines.len(),
-                found: "no names of columns".to_owned(),
-            });
+            return Err(ReadError::header_only(lines.len(), "no names of columns"));
         };
         let mut headers: Vec<Header> = names.text.split_whitespace().map(Header::parse).collect();
         let fields = rows.first().map_or(0, |row| row.text.split_whitespace().count());
@@ -75,21 +63,15 @@ impl Format for IviumText {
         let (started_at, issue) = date::started_at(date, time.trim(), Timestamp::Start, &[]);
         issues.extend(issue.map(|issue| issue.at("line 1")));
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            technique: None,
             is_step_response: true,
             encoding: Some(decoded.encoding),
             status,
-            status_evidence: match status {
-                RunStatus::Complete => status_evidence + "; the format declares no number of rows",
-                _ => status_evidence,
-            },
+            status_evidence: delimited::undeclared(status, status_evidence),
             started_at: Some(started_at),
-            header_tags: Vec::new(),
             tables: vec![table],
             original_metadata: vec![("date".to_owned(), stamp.to_owned())],
             issues,
+            ..self.reading()
         })
     }
 }

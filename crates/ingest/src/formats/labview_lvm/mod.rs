@@ -12,7 +12,7 @@ use super::cells::{CellColumn, CellTable};
 use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
 use super::stamp::{self, DateOrder};
-use super::{Format, ReadContext, delimited};
+use super::{About, Format, ReadContext, delimited};
 use crate::text::header::Header;
 use crate::text::{Decimal, Delimiter, number};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
@@ -25,28 +25,20 @@ pub mod segments;
 pub struct LabviewLvm;
 
 impl Format for LabviewLvm {
-    fn id(&self) -> &'static str {
-        "labview-lvm"
-    }
-
-    fn title(&self) -> &'static str {
-        "LabVIEW measurement file (.lvm)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["lvm"]
-    }
-
-    fn version(&self) -> u32 {
-        5
+    fn about(&self) -> About {
+        About {
+            id: "labview-lvm",
+            title: "LabVIEW measurement file (.lvm)",
+            extensions: &["lvm"],
+            version: 5,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        if head.text().unwrap_or_default().starts_with("LabVIEW Measurement") {
-            Match::Certain("the file begins with LabVIEW Measurement")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            head.text().unwrap_or_default().starts_with("LabVIEW Measurement"),
+            "the file begins with LabVIEW Measurement",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -73,10 +65,7 @@ impl Format for LabviewLvm {
             tables.extend(tables_of(segment, &header, delimiter, name, &mut issues)?);
         }
         let Some(first) = segments.first().filter(|_| !tables.is_empty()) else {
-            return Err(ReadError::HeaderOnly {
-                line: lines.len(),
-                found: "no segment with rows".to_owned(),
-            });
+            return Err(ReadError::header_only(lines.len(), "no segment with rows"));
         };
         let (status, status_evidence) = status(&segments, text_status, evidence);
         let has_response = |table: &RunTable| {
@@ -88,9 +77,6 @@ impl Format for LabviewLvm {
         };
         let operator = value(&header, "Operator", 1).filter(|name| !name.is_empty());
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            technique: None,
             is_step_response: tables.iter().any(has_response),
             encoding: Some(decoded.encoding),
             status,
@@ -113,6 +99,7 @@ impl Format for LabviewLvm {
                 .map(|(key, cells)| ((*key).to_owned(), cells.join(" ").trim().to_owned()))
                 .collect(),
             issues,
+            ..self.reading()
         })
     }
 }

@@ -13,7 +13,7 @@ use self::clock::civil;
 use self::segments::{Object, Property, Structure};
 use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
-use super::{Format, ReadContext};
+use super::{About, Format, ReadContext};
 use crate::{Reading, RunTable};
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, RunStatus};
@@ -46,28 +46,17 @@ const TAG_PROPERTIES: [&str; 6] = [
 ];
 
 impl Format for LabviewTdms {
-    fn id(&self) -> &'static str {
-        "labview-tdms"
-    }
-
-    fn title(&self) -> &'static str {
-        "NI TDMS file of LabVIEW (.tdms)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["tdms"]
-    }
-
-    fn version(&self) -> u32 {
-        5
+    fn about(&self) -> About {
+        About {
+            id: "labview-tdms",
+            title: "NI TDMS file of LabVIEW (.tdms)",
+            extensions: &["tdms"],
+            version: 5,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        if head.bytes.starts_with(b"TDSm") {
-            Match::Certain("the file begins with TDSm")
-        } else {
-            Match::No
-        }
+        Match::certain_if(head.bytes.starts_with(b"TDSm"), "the file begins with TDSm")
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -92,10 +81,10 @@ impl Format for LabviewTdms {
             return Err(error);
         }
         if tables.is_empty() {
-            return Err(ReadError::HeaderOnly {
-                line: 0,
-                found: format!("{} segments without numbers", structure.segments),
-            });
+            return Err(ReadError::header_only(
+                0,
+                format!("{} segments without numbers", structure.segments),
+            ));
         }
         let has_response = |table: &RunTable| {
             table.time_column.is_some()
@@ -105,11 +94,7 @@ impl Format for LabviewTdms {
                     .any(|channel| channel.quantity.is_response())
         };
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            technique: None,
             is_step_response: tables.iter().any(has_response),
-            encoding: None,
             status,
             status_evidence,
             started_at,
@@ -117,6 +102,7 @@ impl Format for LabviewTdms {
             tables,
             original_metadata: metadata(&structure.objects),
             issues,
+            ..self.reading()
         })
     }
 }

@@ -13,7 +13,7 @@ use super::assemble::{Raw, assemble};
 use super::cells::CellTable;
 use super::error::{ReadError, escaped, quoted};
 use super::recognition::{FileHead, Match};
-use super::{Format, ReadContext};
+use super::{About, Format, ReadContext};
 use crate::table::layout::time_among;
 use crate::{Reading, RunTable};
 use ieap_domain::{Issue, RunStatus};
@@ -31,20 +31,13 @@ const MAGIC_HDF5: &[u8] = b"MATLAB 7.3 MAT-file";
 const HEADER_TEXT: usize = 116;
 
 impl Format for MatlabMat {
-    fn id(&self) -> &'static str {
-        "matlab-mat"
-    }
-
-    fn title(&self) -> &'static str {
-        "MATLAB .mat of version 5 (save -v6, -v7), vectors named as columns, such as time_s or current_mA"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["mat"]
-    }
-
-    fn version(&self) -> u32 {
-        2
+    fn about(&self) -> About {
+        About {
+            id: "matlab-mat",
+            title: "MATLAB .mat of version 5 (save -v6, -v7), vectors named as columns, such as time_s or current_mA",
+            extensions: &["mat"],
+            version: 2,
+        }
     }
 
     fn is_generic(&self) -> bool {
@@ -52,11 +45,10 @@ impl Format for MatlabMat {
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        if head.bytes.starts_with(MAGIC) || head.bytes.starts_with(MAGIC_HDF5) {
-            Match::Certain("the file begins with MATLAB and its version")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            head.bytes.starts_with(MAGIC) || head.bytes.starts_with(MAGIC_HDF5),
+            "the file begins with MATLAB and its version",
+        )
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
@@ -74,18 +66,13 @@ impl Format for MatlabMat {
         let mut issues = Vec::new();
         let tables = run_tables(&variables, context, &mut issues)?;
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            technique: None,
             is_step_response: true,
-            encoding: None,
             status: RunStatus::Complete,
             status_evidence: "every variable is whole; the format declares no number of variables".to_owned(),
-            started_at: None,
-            header_tags: Vec::new(),
             tables,
             original_metadata: metadata(bytes, &variables),
             issues,
+            ..self.reading()
         })
     }
 }

@@ -11,11 +11,11 @@ use crate::formats::error::{ReadError, quoted};
 use crate::formats::policy::UNITS_WITHIN;
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::stamp::{self, DateOrder};
-use crate::formats::{Format, ReadContext, delimited};
+use crate::formats::{About, Format, ReadContext, delimited};
 use crate::text::header::{Header, Meaning};
 use crate::text::{Cell, Decimal, Line, Lines, decode, number};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
-use ieap_domain::{Issue, RunStatus};
+use ieap_domain::Issue;
 
 /// Reader of PSTrace text.
 pub struct PstraceCsv;
@@ -33,20 +33,13 @@ struct Curve {
 }
 
 impl Format for PstraceCsv {
-    fn id(&self) -> &'static str {
-        "palmsens-csv"
-    }
-
-    fn title(&self) -> &'static str {
-        "PalmSens PSTrace text export (.csv)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["csv"]
-    }
-
-    fn version(&self) -> u32 {
-        4
+    fn about(&self) -> About {
+        About {
+            id: "palmsens-csv",
+            title: "PalmSens PSTrace text export (.csv)",
+            extensions: &["csv"],
+            version: 4,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -61,15 +54,11 @@ impl Format for PstraceCsv {
         // Exports without the moment of their export begin with the titles of their curves.
         let lines: Vec<&str> = text.lines().take(UNITS_WITHIN).collect();
         let units = lines.iter().position(|line| is_units(line));
-        if units.is_some_and(|at| {
-            lines[..at]
-                .iter()
-                .any(|line| line.starts_with(MEASURED) || is_titles(line))
-        }) {
-            Match::Certain("titles of curves such as `CV i vs E` above a row of units")
-        } else {
-            Match::No
-        }
+        let is_curve = |line: &&str| line.starts_with(MEASURED) || is_titles(line);
+        Match::certain_if(
+            units.is_some_and(|at| lines[..at].iter().any(is_curve)),
+            "titles of curves such as `CV i vs E` above a row of units",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -84,10 +73,7 @@ impl Format for PstraceCsv {
         let names_at = lines
             .iter()
             .position(|line| is_units(line.text) || is_names(line.text));
-        let names_at = names_at.ok_or_else(|| ReadError::HeaderOnly {
-            line: lines.len(),
-            found: "no row of units".to_owned(),
-        })?;
+        let names_at = names_at.ok_or_else(|| ReadError::header_only(lines.len(), "no row of units"))?;
         let (preamble, rows) = (&lines[..names_at], &lines[names_at + 1..]);
         let curves = curves(preamble, &lines[names_at])?;
         let mut tables = Vec::new();
@@ -104,20 +90,14 @@ impl Format for PstraceCsv {
         make_names_unique(&mut tables);
         let technique = curves.first().map(|curve| technique(&curve.title).to_owned());
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             is_step_response: curves
                 .iter()
                 .all(|curve| matches!(self::technique(&curve.title), "Chronoamperometry" | "CA i vs t")),
             technique,
             encoding: Some(decoded.encoding),
             status,
-            status_evidence: match status {
-                RunStatus::Complete => status_evidence + "; the format declares no number of rows",
-                _ => status_evidence,
-            },
+            status_evidence: delimited::undeclared(status, status_evidence),
             started_at: started_at(&curves, preamble, &mut issues),
-            header_tags: Vec::new(),
             tables,
             original_metadata: preamble
                 .iter()
@@ -128,6 +108,7 @@ impl Format for PstraceCsv {
                 })
                 .collect(),
             issues,
+            ..self.reading()
         })
     }
 }

@@ -15,7 +15,7 @@ use crate::formats::assemble::{Raw, RowFlag, assemble_untimed};
 use crate::formats::cells::CellTable;
 use crate::formats::error::ReadError;
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::{Format, ReadContext, stamp};
+use crate::formats::{About, Format, ReadContext, stamp};
 use crate::text::header::Header;
 use crate::text::{Cell, decode};
 use crate::{Reading, StartedAt, Timestamp};
@@ -26,31 +26,23 @@ use ieap_domain::tag::keys;
 pub struct PalmsensSession;
 
 impl Format for PalmsensSession {
-    fn id(&self) -> &'static str {
-        "palmsens-session"
-    }
-
-    fn title(&self) -> &'static str {
-        "PalmSens session of PSTrace (.pssession)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["pssession"]
-    }
-
-    fn version(&self) -> u32 {
-        4
+    fn about(&self) -> About {
+        About {
+            id: "palmsens-session",
+            title: "PalmSens session of PSTrace (.pssession)",
+            extensions: &["pssession"],
+            version: 4,
+        }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let start = &head.bytes[..head.bytes.len().min(256)];
         let even = &start[..start.len() & !1];
         let text = decode(even).text.to_ascii_lowercase();
-        if text.starts_with('{') && text.contains("palmsens.datafiles.sessionfile") {
-            Match::Certain("JSON of the type PalmSens.DataFiles.SessionFile")
-        } else {
-            Match::No
-        }
+        Match::certain_if(
+            text.starts_with('{') && text.contains("palmsens.datafiles.sessionfile"),
+            "JSON of the type PalmSens.DataFiles.SessionFile",
+        )
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
@@ -74,14 +66,12 @@ impl Format for PalmsensSession {
             tables.push(assemble_untimed(raw(name, group), &mut issues)?);
         }
         let Some((first, _)) = groups.first() else {
-            return Err(ReadError::HeaderOnly {
-                line: 0,
-                found: format!("{} measurements without readings", measurements.len()),
-            });
+            return Err(ReadError::header_only(
+                0,
+                format!("{} measurements without readings", measurements.len()),
+            ));
         };
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
             technique: Some(first.title.clone()),
             is_step_response: groups
                 .iter()
@@ -104,6 +94,7 @@ impl Format for PalmsensSession {
             tables,
             original_metadata: metadata(&session),
             issues,
+            ..self.reading()
         })
     }
 }

@@ -22,7 +22,7 @@ use super::assemble::{Raw, assemble};
 use super::cells::CellTable;
 use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
-use super::{Format, ReadContext, plain_table};
+use super::{About, Format, ReadContext, plain_table};
 use crate::Reading;
 use crate::text::header::Header;
 use columns::Kind;
@@ -38,20 +38,13 @@ const MAGIC: &[u8] = b"PAR1";
 const MAX_CELLS: u64 = 50_000_000;
 
 impl Format for Parquet {
-    fn id(&self) -> &'static str {
-        "parquet"
-    }
-
-    fn title(&self) -> &'static str {
-        "Parquet with the columns of a run table, such as time_s or Current [mA] (.parquet)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["parquet", "pq"]
-    }
-
-    fn version(&self) -> u32 {
-        6
+    fn about(&self) -> About {
+        About {
+            id: "parquet",
+            title: "Parquet with the columns of a run table, such as time_s or Current [mA] (.parquet)",
+            extensions: &["parquet", "pq"],
+            version: 6,
+        }
     }
 
     fn is_generic(&self) -> bool {
@@ -59,11 +52,7 @@ impl Format for Parquet {
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
-        if head.bytes.starts_with(MAGIC) {
-            Match::Certain("the file begins with PAR1")
-        } else {
-            Match::No
-        }
+        Match::certain_if(head.bytes.starts_with(MAGIC), "the file begins with PAR1")
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
@@ -88,18 +77,12 @@ impl Format for Parquet {
         };
         let table = assemble(raw, &mut issues)?;
         Ok(Reading {
-            format: self.id(),
-            reader_version: self.version(),
-            technique: None,
             is_step_response: true,
-            encoding: None,
             status: RunStatus::Complete,
             status_evidence: format!("the table of contents declares {} rows, all found", table.rows),
-            started_at: None,
-            header_tags: Vec::new(),
             tables: vec![table],
-            original_metadata: Vec::new(),
             issues,
+            ..self.reading()
         })
     }
 }
