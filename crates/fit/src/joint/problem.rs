@@ -104,19 +104,18 @@ impl<'a> JointProblem<'a> {
     /// Sum of squares over the condensed readings of all runs: below that of all readings by what no model of exponentials could
     /// explain, which is the same wherever the parameters are.
     pub(crate) fn condensed_square(&self, at: &[f64]) -> f64 {
-        self.sum(at, &|run: &RunReadings, model, offsets, out| {
-            run.condensed(model, offsets, out)
-        })
+        self.sum(at, |run, model, offsets, out| run.condensed(model, offsets, out))
     }
 
     /// Sum of squares over all readings.
     pub(crate) fn square(&self, at: &[f64]) -> f64 {
-        self.sum(at, &|run: &RunReadings, model, offsets, out| {
-            run.whole(model, offsets, out)
-        })
+        self.sum(at, |run, model, offsets, out| run.whole(model, offsets, out))
     }
 
-    fn sum(&self, at: &[f64], residuals: &dyn Fn(&RunReadings, &LumpedModel, Offsets, &mut Vec<f64>)) -> f64 {
+    fn sum<R>(&self, at: &[f64], residuals: R) -> f64
+    where
+        R: Fn(&RunReadings, &LumpedModel, Offsets, &mut Vec<f64>),
+    {
         let mut out = Vec::new();
         let of_run = |run: usize| {
             let local = self.of_run(run, at);
