@@ -109,7 +109,7 @@ fn model(found: &Values, told: &[Told], order: &[usize]) -> MixedModel {
             random: (1..=steps)
                 .map(|step| f64::from(u8::from(at * steps >= step * last)))
                 .collect(),
-            readings: vec![Reading { value, variance }],
+            readings: vec![Reading::new(value, variance)],
         });
     }
     MixedModel {

@@ -12,6 +12,7 @@ use super::curves::Curves;
 use super::laws::{of_humidity, other_slopes, over_humidity};
 use super::measured::{Bound, Cell, Measured};
 use super::measures::{BENDING_LOST, BENDING_PER_VOLT, CURVES, MEASURES};
+use super::odd::{OddValue, odd_values};
 use super::placed::Placed;
 use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LOSS_AFTER_S};
 use super::slope::Slope;
@@ -42,6 +43,8 @@ pub struct Study {
     pub left_out_why: Vec<&'static str>,
     /// Those that take part in one, and in none about a whole curve.
     pub left_out_of_curves: Vec<String>,
+    /// Values that may be of something else than their condition says, and count for less.
+    pub odd: Vec<OddValue>,
 }
 
 /// What a study is made from.
@@ -103,6 +106,10 @@ impl Study {
         let other =
             |(&at, of): (&_, &Result<Measured, _>)| Some((at, other_slopes(of.as_ref().ok()?, &facts)));
         let others = measured.iter().filter_map(other).collect();
+        let told = measured
+            .iter()
+            .filter_map(|(&(_, key), of)| Some((key, of.as_ref().ok()?)));
+        let odd = odd_values(told, |own| evidence.runs[facts[own.place].run].path.clone());
         let asking = Asking {
             slopes,
             others,
@@ -139,6 +146,7 @@ impl Study {
             is_declared: !declared.is_empty(),
             compared,
             answers,
+            odd,
         }
     }
 

@@ -26,6 +26,10 @@ pub struct Value {
     pub y: f64,
     /// Its variance by the fit.
     pub variance: f64,
+    /// As how many values it counts: 1, and less where it may be of something else than its condition says.
+    pub weight: f64,
+    /// Where that is less than one: how far off it stands, in the standard errors that the others leave.
+    pub off: Option<f64>,
 }
 
 /// What is known of a condition in which no value is determined.
@@ -65,13 +69,13 @@ pub struct Measured {
 impl Measured {
     /// `dry`: places of surroundings that hold no water; `stated`: variance from run to run that campaign.toml states.
     pub fn new(
-        values: Vec<Value>,
+        mut values: Vec<Value>,
         bounds: BTreeMap<Cell, Bound>,
         dry: &[usize],
         stated: Option<f64>,
     ) -> Measured {
         let cells: Vec<Cell> = distinct(values.iter().map(|value| value.cell));
-        let model = of_conditions(&values, &cells);
+        let model = of_conditions(&mut values, &cells);
         let is_single = values.len() == cells.len();
         let single = is_single
             .then(|| stated.map(Scatter::stated).or_else(|| scatter(&values, dry)))
@@ -154,8 +158,8 @@ impl Scatter {
 }
 
 /// The mixed model of conditions: samples are blocks; where there are two or more they differ by chance, and by chance in each
-/// of the surroundings.
-fn of_conditions(values: &[Value], cells: &[Cell]) -> MixedModel {
+/// of the surroundings. Values that may be of something else count for less, here and in whatever is made of them.
+fn of_conditions(values: &mut [Value], cells: &[Cell]) -> MixedModel {
     let samples: BTreeSet<usize> = values.iter().map(|value| value.sample).collect();
     let parts: Vec<usize> = distinct(values.iter().map(|value| value.cell.0));
     let row = |value: &Value| Row {
@@ -169,7 +173,15 @@ fn of_conditions(values: &[Value], cells: &[Cell]) -> MixedModel {
     };
     let columns = if samples.len() > 1 { parts.len() + 1 } else { 0 };
     let component_of = (0..columns).map(|k| usize::from(k > 0)).collect();
-    model(values, values.iter().map(row), component_of)
+    let rows: Vec<Row> = values.iter().map(row).collect();
+    let (model, places) = placed(values, rows.into_iter(), component_of);
+    let (model, odd) = model.with_odd_weighed();
+    for own in odd {
+        if let Some(at) = places.iter().position(|place| *place == own.place) {
+            (values[at].weight, values[at].off) = (own.weight, Some(own.off));
+        }
+    }
+    model
 }
 
 /// Row of a value in a mixed model.
@@ -188,16 +200,27 @@ pub(super) fn model(
     rows: impl Iterator<Item = Row>,
     component_of: Vec<usize>,
 ) -> MixedModel {
-    let mut units: Vec<Unit> = Vec::new();
+    placed(values, rows, component_of).0
+}
+
+/// The same, with the unit of each value and its place there.
+fn placed(
+    values: &[Value],
+    rows: impl Iterator<Item = Row>,
+    component_of: Vec<usize>,
+) -> (MixedModel, Vec<(usize, usize)>) {
+    let (mut units, mut of_values): (Vec<Unit>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
     let mut places: BTreeMap<(usize, Vec<u64>), usize> = BTreeMap::new();
     for (value, row) in values.iter().zip(rows) {
         let reading = Reading {
             value: value.y,
             variance: value.variance,
+            weight: value.weight,
         };
         let entries = row.fixed.iter().chain(&row.random);
         let bits = entries.map(|entry| entry.to_bits()).collect();
         let at = *places.entry((row.block, bits)).or_insert(units.len());
+        of_values.push((at, units.get(at).map_or(0, |unit| unit.readings.len())));
         match units.get_mut(at) {
             Some(unit) => unit.readings.push(reading),
             None => units.push(Unit {
@@ -208,7 +231,7 @@ pub(super) fn model(
             }),
         }
     }
-    MixedModel { units, component_of }
+    (MixedModel { units, component_of }, of_values)
 }
 
 /// Different ones, in order.

@@ -55,6 +55,8 @@ impl<'a> Placed<'a> {
             humidity_percent: humidity_percent(&facts[place]),
             y,
             variance,
+            weight: 1.0,
+            off: None,
         };
         Measured::new(found.iter().map(value).collect(), bounds, &self.dry, stated)
     }

@@ -182,6 +182,8 @@ impl Planned {
                             humidity_percent,
                             y: there + draw(chance.runs) + draw(chance.fits),
                             variance: chance.fits * chance.fits,
+                            weight: 1.0,
+                            off: None,
                         });
                     }
                 }

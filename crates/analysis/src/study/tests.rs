@@ -330,6 +330,58 @@ fn counts_of_many_studies() {
     }
 }
 
+/// The study of simulated runs, with the fits of two of them put in each other's place, or without these two.
+fn with_swapped(seed: u64, names: [&str; 2], are_left_out: bool) -> Study {
+    let (mut runs, mut campaign) = simulated(BALANCED, two_effects, seed);
+    campaign.study.compare = vec![Factor::Environment, Factor::Material];
+    let [a, b] = names.map(|name| runs.iter().position(|own| own.path.contains(name)).unwrap());
+    let fits = [runs[a].fit.take(), runs[b].fit.take()];
+    if !are_left_out {
+        [runs[b].fit, runs[a].fit] = fits;
+    }
+    Study::of(Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Doubts::default(),
+        curves: &[],
+    })
+}
+
+#[test]
+fn two_swapped_runs_are_named_and_move_no_answer() {
+    // A run of the material whose lambda is five times larger in air, and one of the material whose alpha is halved in vacuum.
+    let swapped = ["CNaf-1-air-0-1", "CPvf-2-vacuum-1-0"];
+    let (mut held, mut asked) = (0, 0);
+    for seed in 0..8 {
+        let [odd, clean] = [false, true].map(|are_left_out| with_swapped(seed, swapped, are_left_out));
+        let is_named = |name: &str| {
+            odd.odd
+                .iter()
+                .any(|own| own.run.contains(name) && own.weight < 0.01)
+        };
+        assert!(swapped.iter().all(|name| is_named(name)), "{seed}: {:?}", odd.odd);
+        let said = odd::odd_runs(&odd.odd).join("\n");
+        assert!(
+            said.contains("is not like the other runs of its condition"),
+            "{said}"
+        );
+        let both = clean.asked().zip(odd.asked());
+        for (clean, own) in both.filter(|(own, _)| own.scale == Scale::Ratio) {
+            let (Some(low), Some(high)) = (clean.low_95, clean.high_95) else {
+                continue;
+            };
+            let width = |low: f64, high: f64| (high / low).ln();
+            let (before, after) = (width(low, high), width(own.low_95.unwrap(), own.high_95.unwrap()));
+            let moved = (own.value.unwrap() / clean.value.unwrap()).ln().abs();
+            asked += 1;
+            let is_alike = moved < 0.1 * before && (after / before - 1.0).abs() < 0.1;
+            held += usize::from(is_alike);
+        }
+    }
+    println!("{held} of {asked}");
+    assert!(held * 10 >= asked * 9, "{held} of {asked}");
+}
+
 #[test]
 fn one_run_a_condition_says_three_things() {
     let design = Design {

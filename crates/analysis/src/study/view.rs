@@ -11,6 +11,7 @@ use super::answer::{Answer, InScope, Kind, Point, Scale, Verdict};
 use super::grammar::{Standing, adverb, in_strips, untold};
 use super::made::Study;
 use super::measures::BENDING_PER_VOLT;
+use super::odd::odd_runs;
 use super::said::{first, lead};
 use super::words::{basis, by_fits, family, left_out, sentence, symbol, told_alone, voltages};
 use crate::ParameterInfo;
@@ -228,6 +229,7 @@ pub fn view(study: &Study) -> Vec<Block> {
     }
     let mut how: Vec<Block> = basis(&asked).into_iter().map(Block::Say).collect();
     how.extend(left_out(study).into_iter().map(Block::Say));
+    how.extend(odd_runs(&study.odd).into_iter().map(Block::Say));
     how.push(Block::Say(family(study)));
     how.push(Block::say(
         "Every answer, with voltages, materials and ratios of ratios, is in `ieap table contrasts`.",
@@ -470,6 +472,7 @@ pub fn lines(study: &Study) -> Vec<Block> {
         .collect();
     blocks.push(Block::Say(design(study)));
     blocks.extend(left_out(study).into_iter().map(Block::Say));
+    blocks.extend(odd_runs(&study.odd).into_iter().map(Block::Say));
     blocks.extend(study.asked().map(|own| Block::Say(told_alone(own) + ".")));
     blocks
 }

@@ -2,6 +2,7 @@
 
 use super::model::{MixedModel, Unit};
 use crate::dense::Matrix;
+use crate::grouped::dot;
 use crate::symmetric::Symmetric;
 
 /// Pivot, part of the diagonal, below which `X` has lost a direction.
@@ -27,7 +28,8 @@ pub struct At {
     pub by_two: Vec<Vec<Matrix>>,
 }
 
-/// Sums over the readings of a unit: of powers of their weights, and of these times the value and its square.
+/// Sums over the readings of a unit: of powers of their inverse variances, and of these times the value and its square. A
+/// reading that counts as `k` adds what `k` readings like it would, for any `k`.
 struct Sums {
     weight: [f64; 3],
     value: [f64; 2],
@@ -45,14 +47,14 @@ impl Sums {
         };
         for reading in &unit.readings {
             let variance = (shared + reading.variance).max(least);
-            let (w, y) = (variance.recip(), reading.value);
-            sums.log_variance += variance.ln();
+            let (w, y, count) = (variance.recip(), reading.value, reading.weight);
+            sums.log_variance += count * variance.ln();
             for (power, sum) in sums.weight.iter_mut().enumerate() {
-                *sum += w.powi(power as i32 + 1);
+                *sum += count * w.powi(power as i32 + 1);
             }
             for power in 0..2 {
-                sums.value[power] += w.powi(power as i32 + 1) * y;
-                sums.square[power] += w.powi(power as i32 + 1) * y * y;
+                sums.value[power] += count * w.powi(power as i32 + 1) * y;
+                sums.square[power] += count * w.powi(power as i32 + 1) * y * y;
             }
         }
         sums
@@ -71,12 +73,14 @@ impl Sums {
 }
 
 /// A block: `V^-1` times its columns of `X` and `Z` as combinations of them, for `V^-1 = D - D Z M Z' D`.
-struct Block<'a> {
+pub(super) struct Block<'a> {
     units: Vec<(&'a Unit, Sums)>,
     /// `Z' D Z`.
     random: Matrix,
+    /// `X' D Z`.
+    pub crossed: Matrix,
     /// `M`.
-    middle: Matrix,
+    pub middle: Matrix,
     /// `[X Z]' V^-1 [X Z]`, then with `V^-2`.
     first: Matrix,
     second: Matrix,
@@ -140,11 +144,36 @@ impl<'a> Block<'a> {
             second: left.transposed().times(&two.times(&left)),
             third: Matrix::from_fn(fixed, fixed, |a, b| cubed.get(a, b) - lost.get(a, b)),
             random: own,
+            crossed: one.part(0..fixed, fixed..all),
             middle,
             values,
             units,
         }
     }
+}
+
+/// Least variance of a reading of a model at these variances.
+pub(super) fn least_variance(model: &MixedModel, shared: f64) -> f64 {
+    let known = model.units.iter().flat_map(|unit| &unit.readings);
+    let largest = known.map(|reading| reading.variance).fold(shared, f64::max);
+    (LEAST_PART * largest).max(f64::MIN_POSITIVE.sqrt())
+}
+
+/// The blocks of a model by their numbers; none where a number has no unit.
+pub(super) fn blocks<'a>(model: &'a MixedModel, variances: &[f64]) -> Option<Vec<Option<Block<'a>>>> {
+    let fixed = model.units.first()?.fixed.len();
+    let (&shared, of_components) = variances.split_last()?;
+    let least = least_variance(model, shared);
+    let roots: Vec<f64> = (model.component_of.iter())
+        .map(|&of| of_components[of].max(0.0).sqrt())
+        .collect();
+    let count = model.units.iter().map(|unit| unit.block + 1).max()?;
+    let mut units: Vec<Vec<(&Unit, Sums)>> = (0..count).map(|_| Vec::new()).collect();
+    for unit in &model.units {
+        units[unit.block].push((unit, Sums::of(unit, shared, least)));
+    }
+    let block = |units: Vec<_>| (!units.is_empty()).then(|| Block::of(units, fixed, &roots));
+    Some(units.into_iter().map(block).collect())
 }
 
 /// Entries of a unit's row of `[X Z]` that are not zero.
@@ -157,21 +186,7 @@ impl At {
     /// None where `X` loses a direction.
     pub fn of(model: &MixedModel, variances: &[f64]) -> Option<At> {
         let fixed = model.units.first()?.fixed.len();
-        let (&shared, of_components) = variances.split_last()?;
-        let known = model.units.iter().flat_map(|unit| &unit.readings);
-        let largest = known.map(|reading| reading.variance).fold(shared, f64::max);
-        let least = (LEAST_PART * largest).max(f64::MIN_POSITIVE.sqrt());
-        let roots: Vec<f64> = (model.component_of.iter())
-            .map(|&of| of_components[of].max(0.0).sqrt())
-            .collect();
-        let count = model.units.iter().map(|unit| unit.block + 1).max()?;
-        let mut units: Vec<Vec<(&Unit, Sums)>> = (0..count).map(|_| Vec::new()).collect();
-        for unit in &model.units {
-            units[unit.block].push((unit, Sums::of(unit, shared, least)));
-        }
-        let blocks: Vec<Block> = (units.into_iter().filter(|units| !units.is_empty()))
-            .map(|units| Block::of(units, fixed, &roots))
-            .collect();
+        let blocks: Vec<Block> = blocks(model, variances)?.into_iter().flatten().collect();
         At::summed(model, &blocks, fixed)
     }
 
@@ -181,11 +196,7 @@ impl At {
         for block in blocks {
             normal.add_all(&block.first.part(0..fixed, 0..fixed));
             let random = block.middle.times_vector(&block.values[fixed..]);
-            let crossed = Matrix::from_fn(fixed, random.len(), |k, of| {
-                let both = |(unit, sums): &(&Unit, Sums)| sums.weight[0] * unit.fixed[k] * unit.random[of];
-                block.units.iter().map(both).sum()
-            });
-            let taken = crossed.times_vector(&random);
+            let taken = block.crossed.times_vector(&random);
             for (k, sum) in right.iter_mut().enumerate() {
                 *sum += block.values[k] - taken.get(k).copied().unwrap_or(0.0);
             }
@@ -253,26 +264,26 @@ impl At {
         }
     }
 
-    /// `Z' V^-1 r`, and `r' V^-1 r` and `r' V^-2 r`, for what the fixed part leaves of a block.
-    fn residuals(&self, block: &Block) -> (Vec<f64>, [f64; 2]) {
-        let said = |unit: &Unit| -> f64 {
-            unit.fixed
-                .iter()
-                .zip(&self.coefficients)
-                .map(|(x, b)| x * b)
-                .sum()
-        };
+    /// `Z' D r` for what the fixed part leaves of a block, and what is left to chance in it: `M` times that.
+    pub(super) fn by_chance(&self, block: &Block) -> (Vec<f64>, Vec<f64>) {
         let mut off = vec![0.0; block.middle.count_rows()];
         for (unit, sums) in &block.units {
-            let left = sums.off(1, said(unit));
+            let left = sums.off(1, dot(&unit.fixed, &self.coefficients));
             off.iter_mut()
                 .zip(&unit.random)
                 .for_each(|(sum, z)| *sum += z * left);
         }
         let taken = block.middle.times_vector(&off);
+        (off, taken)
+    }
+
+    /// `Z' V^-1 r`, and `r' V^-1 r` and `r' V^-2 r`, for what the fixed part leaves of a block.
+    fn residuals(&self, block: &Block) -> (Vec<f64>, [f64; 2]) {
+        let said = |unit: &Unit| dot(&unit.fixed, &self.coefficients);
+        let (off, taken) = self.by_chance(block);
         let mut squares = [0.0; 2];
         for (unit, sums) in &block.units {
-            let own: f64 = unit.random.iter().zip(&taken).map(|(z, v)| z * v).sum();
+            let own = dot(&unit.random, &taken);
             squares[0] += sums.off_square(1, said(unit));
             squares[1] += sums.off_square(2, said(unit) + own);
         }

@@ -9,9 +9,11 @@
 mod at;
 mod estimated;
 mod model;
+mod odd;
 mod search;
 #[cfg(test)]
 mod tests;
 
 pub use estimated::{Combined, Estimated};
 pub use model::{MixedModel, Reading, Unit};
+pub use odd::Odd;

@@ -7,6 +7,19 @@ pub struct Reading {
     pub value: f64,
     /// What is known of its variance; 0 where nothing is.
     pub variance: f64,
+    /// As how many readings it counts: 1, and less where it may be of something else.
+    pub weight: f64,
+}
+
+impl Reading {
+    /// A reading that counts as one.
+    pub fn new(value: f64, variance: f64) -> Reading {
+        Reading {
+            value,
+            variance,
+            weight: 1.0,
+        }
+    }
 }
 
 /// Readings of one block that have the same row in `X` and in `Z`.
@@ -32,9 +45,10 @@ pub struct MixedModel {
 }
 
 impl MixedModel {
-    /// Number of readings.
-    pub fn readings(&self) -> usize {
-        self.units.iter().map(|unit| unit.readings.len()).sum()
+    /// Number of readings, each as it counts.
+    pub fn readings(&self) -> f64 {
+        let all = self.units.iter().flat_map(|unit| &unit.readings);
+        all.map(|reading| reading.weight).sum()
     }
 
     /// Number of components.

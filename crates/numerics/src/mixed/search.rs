@@ -23,14 +23,13 @@ impl MixedModel {
     /// (readings come first, then components in their order) is held at zero. None where `X` loses a direction, or where no
     /// reading is left over to tell a variance from.
     pub fn estimated(&self) -> Option<Estimated> {
-        let components = self.components();
         let fixed = self.units.first().map_or(0, |unit| unit.fixed.len());
-        if self.readings() <= fixed {
+        if self.readings() <= fixed as f64 {
             return None;
         }
         let scale = self.scale();
         let told = self.told_apart(scale)?;
-        let mut variances = vec![0.0; components + 1];
+        let mut variances = vec![0.0; self.components() + 1];
         for &component in &told {
             variances[component] = scale / told.len() as f64;
         }
@@ -80,9 +79,11 @@ impl MixedModel {
     /// Variance of the readings about their mean: the size of all that is sought.
     fn scale(&self) -> f64 {
         let all = || self.units.iter().flat_map(|unit| &unit.readings);
-        let count = all().count() as f64;
-        let mean = all().map(|reading| reading.value).sum::<f64>() / count;
-        let square: f64 = all().map(|reading| (reading.value - mean).powi(2)).sum();
+        let count = self.readings();
+        let mean = all().map(|reading| reading.weight * reading.value).sum::<f64>() / count;
+        let square: f64 = all()
+            .map(|reading| reading.weight * (reading.value - mean).powi(2))
+            .sum();
         (square / count).max(f64::MIN_POSITIVE)
     }
 

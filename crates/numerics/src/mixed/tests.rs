@@ -33,7 +33,7 @@ fn model(rows: &[Row], known: f64) -> (MixedModel, usize) {
         let mut random = vec![0.0; environments + 1];
         (random[0], random[environment]) = (1.0, 1.0);
         let variance = known;
-        let readings = vec![Reading { value, variance }];
+        let readings = vec![Reading::new(value, variance)];
         Unit {
             block: sample - 1,
             fixed,
@@ -126,6 +126,106 @@ fn stated_variances_give_weighted_means_and_no_degrees_of_freedom() {
     let found = model.at(&[0.0, 0.0, 0.0]).unwrap().combined(&[1.0]);
     assert!((found.value - 1.5).abs() < 1e-12 && (found.variance - 0.75).abs() < 1e-12);
     assert!(found.freedom.is_infinite());
+}
+
+/// The place of the reading of a model that holds this value.
+fn place(model: &MixedModel, value: f64) -> (usize, usize) {
+    let each = model.units.iter().enumerate();
+    let mut all = each.flat_map(|(k, unit)| {
+        unit.readings
+            .iter()
+            .enumerate()
+            .map(move |(of, own)| ((k, of), own))
+    });
+    all.find(|(_, own)| own.value == value).unwrap().0
+}
+
+#[test]
+fn a_reading_that_counts_twice_is_two() {
+    let rows = rows("5");
+    let (mut once, voltages) = model(&rows, 0.0);
+    once.units[3].readings[0].weight = 2.0;
+    let (twice, _) = model(&[&rows[..], &rows[3..4]].concat(), 0.0);
+    let (once, twice) = (once.estimated().unwrap(), twice.estimated().unwrap());
+    let factors = contrast(once.coefficients.len(), voltages, (2, 1));
+    let (a, b) = (once.combined(&factors), twice.combined(&factors));
+    assert!(
+        (a.value - b.value).abs() < 1e-9 && (a.variance / b.variance - 1.0).abs() < 1e-7,
+        "{a:?} {b:?}"
+    );
+    assert!((a.freedom / b.freedom - 1.0).abs() < 1e-5, "{a:?} {b:?}");
+}
+
+#[test]
+fn how_far_a_reading_stands_off_is_the_shift_that_it_would_need() {
+    for design in ["1", "5", "8"] {
+        let (model, _) = model(&rows(design), 1e-4);
+        let found = model.estimated().unwrap();
+        for (of, off) in model.standings(&found).unwrap() {
+            let shifted = model.with_shift(of).at(&found.variances);
+            let Some(shifted) = shifted else {
+                assert!(off < 1e-3, "{design} {of:?} {off}");
+                continue;
+            };
+            let mut factors = vec![0.0; shifted.coefficients.len()];
+            *factors.last_mut().unwrap() = 1.0;
+            let own = shifted.combined(&factors);
+            let expected = own.value.abs() / own.variance.sqrt();
+            assert!(
+                (off - expected).abs() < 1e-6 * expected.max(1.0),
+                "{design} {of:?}: {off} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_reading_of_something_else_counts_for_nothing_and_moves_no_answer() {
+    for design in ["5", "8", "10"] {
+        let rows = rows(design);
+        let (clean, voltages) = model(&rows, 0.0);
+        let (clean, none) = clean.with_odd_weighed();
+        assert!(none.iter().all(|own| own.weight > 0.5), "{design} {none:?}");
+        let without = clean.estimated().unwrap();
+        let mut wrong = rows.clone();
+        wrong[4].3 += 3.0;
+        let (model, _) = model(&wrong, 0.0);
+        let at = place(&model, wrong[4].3);
+        let (model, odd) = model.with_odd_weighed();
+        let own = odd.iter().find(|own| own.place == at).unwrap();
+        assert!(own.weight < 1e-3 && own.off > 5.0, "{design} {odd:?}");
+        let with = model.estimated().unwrap();
+        let factors = contrast(with.coefficients.len(), voltages, (2, 1));
+        let (a, b) = (without.combined(&factors), with.combined(&factors));
+        assert!(
+            (a.value - b.value).abs() < a.variance.sqrt(),
+            "{design} {a:?} {b:?}"
+        );
+        assert!(b.variance < 2.0 * a.variance, "{design} {a:?} {b:?}");
+    }
+}
+
+#[test]
+fn two_readings_of_a_condition_accuse_each_other_alike() {
+    // Ten conditions of one strip, two runs each; of one the two lie apart.
+    let row = |k: usize| -> Row { (1, k / 2 + 1, 1, 0.01 * ((7 * k) % 11) as f64) };
+    let mut rows: Vec<Row> = (0..20).map(row).collect();
+    (rows[6].3, rows[7].3) = (0.0, 2.0);
+    let (model, _) = model(&rows, 0.0);
+    let plain = MixedModel {
+        units: model
+            .units
+            .iter()
+            .map(|unit| Unit {
+                random: Vec::new(),
+                ..unit.clone()
+            })
+            .collect(),
+        component_of: Vec::new(),
+    };
+    let (_, odd) = plain.with_odd_weighed();
+    assert_eq!(odd.len(), 2, "{odd:?}");
+    assert!(odd.iter().all(|own| (own.weight - 0.5).abs() < 1e-6), "{odd:?}");
 }
 
 proptest! {
