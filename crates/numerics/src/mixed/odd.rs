@@ -18,10 +18,6 @@ const ODD_WIDTH: f64 = 5.0;
 /// Readings whose shift is asked in a round: those that stand furthest off. Chosen: two of a condition accuse each other, and
 /// one more.
 const ASKED: usize = 3;
-/// Below this chance that one more reading is odd none is looked for: it would count as one less this. It rounds, and decides
-/// nothing.
-const LEAST_CHANCE: f64 = 0.01;
-
 /// A reading that may be of something else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Odd {
@@ -37,7 +33,8 @@ impl MixedModel {
     /// The model with each reading counted as it is likely to be of it, and those that count as less than one.
     pub fn with_odd_weighed(mut self) -> (MixedModel, Vec<Odd>) {
         let mut odd: Vec<Odd> = Vec::new();
-        while let Some(found) = self.estimated() {
+        let mut last = None;
+        while let Some(found) = self.estimated_from(last.as_ref()) {
             let more = self.more_odd(&found);
             if more.is_empty() {
                 break;
@@ -46,46 +43,50 @@ impl MixedModel {
                 self.units[own.place.0].readings[own.place.1].weight = own.weight;
             }
             odd.extend(more);
+            last = Some(found);
         }
         (self, odd)
     }
 
-    /// Readings that count as one and may be odd, where one of them is.
+    /// Readings that count as one and may be odd, where it is likelier that one of them is than that none is.
     fn more_odd(&self, found: &Estimated) -> Vec<Odd> {
         let mut far = self.standings(found).unwrap_or_default();
         far.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mut asked: Vec<(Odd, f64)> = Vec::new();
         for &(place, _) in far.iter().take(ASKED) {
-            if let Some((off, odds)) = self.odds_of(place) {
-                asked.push((
-                    Odd {
-                        place,
-                        off,
-                        weight: 1.0,
-                    },
-                    odds,
-                ));
+            if let Some((off, odds)) = self.odds_of(place, found) {
+                let weight = 1.0;
+                asked.push((Odd { place, off, weight }, odds));
             }
-            // The one that stands furthest off speaks for all where it is like the others.
-            if asked.iter().all(|(_, odds)| *odds < LEAST_CHANCE) {
+            // The others stand less far off: with them there is no even chance either.
+            if asked
+                .first()
+                .is_some_and(|(_, odds)| *odds * (ASKED as f64) < 1.0)
+            {
                 return Vec::new();
             }
         }
-        let all: f64 = 1.0 + asked.iter().map(|(_, odds)| odds).sum::<f64>();
+        let some: f64 = asked.iter().map(|(_, odds)| odds).sum();
+        if some < 1.0 {
+            return Vec::new();
+        }
         let weighed = asked.into_iter().map(|(own, odds)| Odd {
-            weight: 1.0 - odds / all,
+            weight: 1.0 - odds / (1.0 + some),
             ..own
         });
-        weighed.filter(|own| own.weight < 1.0 - LEAST_CHANCE).collect()
+        weighed.collect()
     }
 
     /// How far off a reading stands of what the others say, and the odds that it is of something else; none where they say
     /// nothing of it.
-    fn odds_of(&self, place: (usize, usize)) -> Option<(f64, f64)> {
+    fn odds_of(&self, place: (usize, usize), found: &Estimated) -> Option<(f64, f64)> {
         let fixed = self.units.first()?.fixed.len();
         let mut factors = vec![0.0; fixed + 1];
         factors[fixed] = 1.0;
-        let shift = self.with_shift(place).estimated()?.combined(&factors);
+        let shift = self
+            .with_shift(place)
+            .estimated_from(Some(found))?
+            .combined(&factors);
         let off = shift.value / shift.variance.sqrt();
         let like = StudentsT::new(0.0, 1.0, shift.freedom.min(1e6)).ok()?.ln_pdf(off);
         let odd = Cauchy::new(0.0, ODD_WIDTH).ok()?.ln_pdf(off);

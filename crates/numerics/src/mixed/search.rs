@@ -23,6 +23,11 @@ impl MixedModel {
     /// (readings come first, then components in their order) is held at zero. None where `X` loses a direction, or where no
     /// reading is left over to tell a variance from.
     pub fn estimated(&self) -> Option<Estimated> {
+        self.estimated_from(None)
+    }
+
+    /// The same, sought from the variances of a model that is nearly this one.
+    pub(super) fn estimated_from(&self, near: Option<&Estimated>) -> Option<Estimated> {
         let fixed = self.units.first().map_or(0, |unit| unit.fixed.len());
         if self.readings() <= fixed as f64 {
             return None;
@@ -31,7 +36,10 @@ impl MixedModel {
         let told = self.told_apart(scale)?;
         let mut variances = vec![0.0; self.components() + 1];
         for &component in &told {
-            variances[component] = scale / told.len() as f64;
+            variances[component] = match near {
+                Some(near) => near.variances[component],
+                None => scale / told.len() as f64,
+            };
         }
         let mut at = At::of(self, &variances)?;
         for _ in 0..ROUNDS {

@@ -224,8 +224,12 @@ fn two_readings_of_a_condition_accuse_each_other_alike() {
         component_of: Vec::new(),
     };
     let (_, odd) = plain.with_odd_weighed();
-    assert_eq!(odd.len(), 2, "{odd:?}");
-    assert!(odd.iter().all(|own| (own.weight - 0.5).abs() < 1e-6), "{odd:?}");
+    let (half, like): (Vec<&Odd>, Vec<&Odd>) = odd.iter().partition(|own| own.weight < 0.9);
+    assert!(
+        half.len() == 2 && half.iter().all(|own| (own.weight - 0.5).abs() < 1e-3),
+        "{odd:?}"
+    );
+    assert!(like.iter().all(|own| own.weight > 0.99), "{odd:?}");
 }
 
 proptest! {
