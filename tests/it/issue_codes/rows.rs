@@ -235,7 +235,6 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("set-aside", By("tests/it/aside.rs", "a_chart_shows_the_newest_run_at_its_edge_where_it_is_condemned")),
     ("shared-parameters", By("tests/it/findings.rs", "an_adopted_model_is_fitted_to_its_group_and_says_how_wrong_the_base_was")),
     ("sidecar", Format("biologic-mpr/sidecar.wait.mpr")),
-    ("start-is-day", By("crates/ingest/src/tags/tests.rs", "a_start_that_is_a_day_gives_way_to_a_moment_of_it")),
     ("start-state-assumed", By("crates/ingest/src/drive/tests.rs", "one_voltage_throughout_is_a_step_from_the_discharged_state")),
     ("starts-differ", Format("palmsens-csv/dpv.two_curves.csv")),
     ("statement-unread", By("tests/it/fates.rs", "a_statement_of_no_run_is_said_wherever_one_looks")),

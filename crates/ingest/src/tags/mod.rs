@@ -153,8 +153,6 @@ pub fn resolve(request: &TagRequest) -> Resolved {
     };
     check_sample(request, &mut resolved);
     check_environment(request, &mut resolved);
-    let is_day = resolved.value(keys::STARTED_AT).and_then(value::day).is_some();
-    resolved.issues.extend(is_day.then(start_is_day));
     for &key in request.needed {
         if resolved.value(key).is_none() {
             resolved.issues.push(missing_tag(request, key));
@@ -196,12 +194,8 @@ fn choose(request: &TagRequest, mut offered: Vec<Offered>) -> (Vec<Tag>, Vec<Iss
     let (mut chosen, mut overruled): (Vec<Offered>, Vec<Tag>) = (Vec::new(), Vec::new());
     let mut issues = Vec::new();
     for next in offered {
-        match chosen.iter_mut().find(|other| other.tag.key == next.tag.key) {
+        match chosen.iter().find(|other| other.tag.key == next.tag.key) {
             None => chosen.push(next),
-            // The moment says more than the day that it lies in.
-            Some(winner) if agreement::lies_in_day(&next.tag, &winner.tag) => {
-                overruled.push(std::mem::replace(winner, next).tag);
-            }
             Some(winner) => {
                 issues.extend(
                     if winner.of == next.of || !is_of_a_name(&winner.tag) || !is_of_a_name(&next.tag) {
@@ -242,14 +236,6 @@ fn check_sample(request: &TagRequest, resolved: &mut Resolved) {
         resolved.issues.push(issue);
         resolved.missing.push(keys::SAMPLE.to_owned());
     }
-}
-
-/// What a run goes without whose start is a day.
-fn start_is_day() -> Issue {
-    let message = "the start is a day without a time: the run has no place among times, of climate logs, of files and of runs";
-    Issue::note("start-is-day", message)
-        .at(keys::STARTED_AT)
-        .mend("tag the run with started_at = \"2026-11-20T10:00:00+02:00\"")
 }
 
 fn check_environment(request: &TagRequest, resolved: &mut Resolved) {

@@ -502,35 +502,3 @@ fn a_name_that_a_pattern_cannot_split_in_one_way_gives_no_tag() {
         assert_eq!(found.value("note"), None);
     }
 }
-
-#[test]
-fn a_start_that_is_a_day_gives_way_to_a_moment_of_it() {
-    let start = |stated: &str, of_file: &str| {
-        let key = keys::STARTED_AT;
-        let header = vec![(key.to_owned(), of_file.to_owned(), String::new())];
-        let given = Given {
-            header,
-            ..Given::default()
-        };
-        let sidecar = format!("{key} = \"{stated}\"\n");
-        let resolved = resolve_with(&[(&format!("{FILE}.toml"), &sidecar)], given);
-        let codes = resolved.issues.iter().filter(|issue| issue.place == key);
-        let codes: Vec<String> = codes.map(|issue| issue.code.clone()).collect();
-        (resolved.value(key).unwrap().to_owned(), codes)
-    };
-    let moment = "2026-11-20T10:00:00+02:00";
-    let found = |value: &str, codes: &[&str]| {
-        (
-            value.to_owned(),
-            codes.iter().map(|code| (*code).to_owned()).collect(),
-        )
-    };
-    assert_eq!(start("2026-11-20", moment), found(moment, &[]));
-    assert_eq!(start(moment, "2026-11-20"), found(moment, &[]));
-    let days = ["tag-disagreement", "start-is-day"];
-    assert_eq!(start("2026-11-21", moment), found("2026-11-21", &days));
-    assert_eq!(
-        start("2026-11-20", "2026-11-20"),
-        found("2026-11-20", &["start-is-day"])
-    );
-}
