@@ -25,12 +25,19 @@ pub struct StartedAt {
     pub raw: String,
     /// Which moment it means.
     pub kind: Timestamp,
-    /// Local date and time, `2024-07-17T10:52:53`; none where the order of day and month is not certain.
+    /// Local date and time, `2024-07-17T10:52:53`, or a day, `2024-07-17`; none where the order of day and month is not certain.
     pub local: Option<String>,
     /// Offset where the file states one, `+03:00`.
     pub offset: Option<String>,
     /// How the order of day and month was decided, in words.
     pub basis: String,
+}
+
+impl StartedAt {
+    /// The local date and time; none where no more than the day is stated.
+    pub fn moment(&self) -> Option<&str> {
+        self.local.as_deref().filter(|local| local.contains('T'))
+    }
 }
 
 /// The clock of one file of a run.

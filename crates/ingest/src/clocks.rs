@@ -150,7 +150,7 @@ struct StatedStart<'a> {
 /// A certain start; without a zone it counts as if it were UTC, which cancels between two of the same zone.
 fn moment(stamp: Option<&StartedAt>) -> Option<StatedStart<'_>> {
     let stamp = stamp.filter(|stamp| stamp.kind == Timestamp::Start)?;
-    let local = stamp.local.as_deref()?;
+    let local = stamp.moment()?;
     let text = format!("{local}{}", stamp.offset.as_deref().unwrap_or("Z"));
     let moment: jiff::Timestamp = text.parse().ok()?;
     Some(StatedStart {

@@ -52,9 +52,9 @@ pub fn half_of(quantities: impl Iterator<Item = Quantity> + Clone) -> Option<Hal
 }
 
 /// When a file began and ended, s, by the moment that it states: of the end, its length is taken off. A moment without a
-/// zone is read in `offset_s` from UTC.
+/// zone is read in `offset_s` from UTC. A day alone does not say when in it.
 pub fn window_s(stamp: &StartedAt, (first_s, last_s): (f64, f64), offset_s: f64) -> Option<(f64, f64)> {
-    let local: jiff::civil::DateTime = stamp.local.as_deref()?.parse().ok()?;
+    let local: jiff::civil::DateTime = stamp.moment()?.parse().ok()?;
     let stated = stamp.offset.as_deref().and_then(seconds_of_offset);
     let utc = local.to_zoned(jiff::tz::TimeZone::UTC).ok()?.timestamp();
     let at_s = utc.as_duration().as_secs_f64() - stated.unwrap_or(offset_s);

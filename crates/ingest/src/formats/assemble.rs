@@ -385,7 +385,11 @@ fn channels(
                 exact(*number)
             );
             let line = raw.cells.line_of_row[*first as usize];
-            issues.push(Issue::warning("impossible-reading", message).at(format!("line {line}")));
+            let issue = match quantity {
+                Quantity::Other => Issue::note("impossible-reading", message),
+                _ => Issue::warning("impossible-reading", message),
+            };
+            issues.push(issue.at(format!("line {line}")));
             let flag = |(row, number): &(u32, f64)| RowFlag {
                 row: *row,
                 column: header.raw_name.clone(),
@@ -577,11 +581,27 @@ fn no_response(raw: &Raw, meanings: &[Meaning]) -> ReadError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ieap_domain::Severity;
 
     fn raw(columns: &[(&str, &[f64])]) -> Raw {
         let headers = columns.iter().map(|(name, _)| Header::parse(name)).collect();
         let cells = CellTable::of_numbers(columns.iter().map(|(_, numbers)| numbers.to_vec()).collect());
         Raw::of_instrument(String::new(), headers, cells)
+    }
+
+    #[test]
+    fn an_overload_is_a_warning_where_the_column_is_used() {
+        let mut issues = Vec::new();
+        let numbers: &[f64] = &[0.0, 9.9e37, 1.0];
+        let columns = [
+            ("Time (s)", &[0.0, 1.0, 2.0][..]),
+            ("Current (A)", numbers),
+            ("Aux 7", numbers),
+        ];
+        assemble(raw(&columns), &mut issues).unwrap();
+        let found: Vec<(&str, Severity)> = issues.iter().map(|i| (i.code.as_str(), i.severity)).collect();
+        let code = "impossible-reading";
+        assert_eq!(found, [(code, Severity::Warning), (code, Severity::Note)]);
     }
 
     /// Imaginary parts as they are kept, and the codes of what is said of them.

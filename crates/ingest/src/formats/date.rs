@@ -31,7 +31,7 @@ struct Order {
     basis: String,
 }
 
-/// Reads a date and a time of day. `others` are further dates, written by the same software in the same order,
+/// Reads a date and a time of day; without a time it is a day. `others` are further dates, written by the same software in the same order,
 /// with the names they have in the file; they may decide what the date itself leaves open.
 ///
 /// Returns the issue beside it where the order, or the whole stamp, stays unknown.
@@ -59,10 +59,13 @@ pub fn started_at(
 
 fn read(date: &str, time: &str, others: &[(&str, &str)]) -> Result<(String, String), String> {
     let (mark, parts) = parts(date).ok_or("it holds no date of three numbers")?;
-    let clock = clock(time).ok_or("it holds no time of day")?;
+    let has_time = !time.trim().is_empty();
+    let clock = has_time.then(|| clock(time).ok_or("its time of day cannot be read"));
+    let clock = clock.transpose()?;
     let (order, [first, second, third]) = (order(mark, &parts, others), parts);
     let (year, month, day, basis) = match order {
         None if first > 31 => (first, second, third, "year first".to_owned()),
+        None if clock.is_none() => return Err(format!("{EITHER_ORDER}, and it holds no time of day")),
         None => return Err(EITHER_ORDER.to_owned()),
         Some(Order {
             day_first: true,
@@ -78,7 +81,10 @@ fn read(date: &str, time: &str, others: &[(&str, &str)]) -> Result<(String, Stri
     }
     let small = |part: u32| i8::try_from(part).map_err(|_| "no such day or month".to_owned());
     let date = Date::new(year as i16, small(month)?, small(day)?).map_err(|_| "no such day".to_owned())?;
-    Ok((DateTime::from_parts(date, clock).to_string(), basis))
+    Ok(match clock {
+        Some(clock) => (DateTime::from_parts(date, clock).to_string(), basis),
+        None => (date.to_string(), format!("{basis}; a day, for no time is stated")),
+    })
 }
 
 /// The separator and the three numbers of a date.
@@ -187,6 +193,10 @@ mod tests {
             ("1/30/24", "10:00:00", None),
             ("1/30/2024", "25:00:00", None),
             ("1/30/2024", "13:00:00 PM", None),
+            ("1/30/2024", "noon", None),
+            ("1/30/2024", " ", Some("2024-01-30")),
+            ("17.7.2024", "", Some("2024-07-17")),
+            ("3/10/2019", "", None),
             ("", "", None),
         ] {
             assert_eq!(local(date, time).as_deref(), expected, "{date} {time}");
@@ -205,5 +215,13 @@ mod tests {
             (Some("2019-03-10T12:00:00"), None)
         );
         assert!(stamp.basis.contains("ENDDATE"), "{}", stamp.basis);
+        let (day, issue) = started_at("3/10/2019", "", Timestamp::Start, &others);
+        assert_eq!((day.local.as_deref(), issue), (Some("2019-03-10"), None));
+        assert_eq!(day.moment(), None);
+        assert!(
+            day.basis.ends_with("a day, for no time is stated"),
+            "{}",
+            day.basis
+        );
     }
 }

@@ -35,7 +35,7 @@ impl Format for TaTrios {
             id: "ta-trios",
             title: "TA Instruments TRIOS text export (.txt)",
             extensions: &["txt"],
-            version: 4,
+            version: 5,
         }
     }
 

@@ -190,6 +190,11 @@ fn the_end_of_a_record_less_its_length_is_its_start() {
     assert_eq!(of(Timestamp::Start, None), Some((3600.0, 4200.0)));
     assert_eq!(of(Timestamp::End, Some("+02:00")), Some((-600.0, 0.0)));
     assert_eq!(of(Timestamp::Export, None), None);
+    let day = StartedAt {
+        local: Some("1970-01-01".to_owned()),
+        ..stamp(Timestamp::Start, None)
+    };
+    assert_eq!(window_s(&day, (0.0, 600.0), 3600.0), None);
 }
 
 #[test]

@@ -42,7 +42,7 @@ impl Format for IviumIdf {
             id: "ivium-idf",
             title: "Ivium potentiostat file of IviumSoft (.idf, .ids)",
             extensions: &["idf", "ids"],
-            version: 2,
+            version: 3,
         }
     }
 

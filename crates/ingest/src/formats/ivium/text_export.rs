@@ -21,7 +21,7 @@ impl Format for IviumText {
             id: "ivium-text",
             title: "Ivium text export: a date, then the columns time/s I/A E/V",
             extensions: &["txt"],
-            version: 3,
+            version: 4,
         }
     }
 
