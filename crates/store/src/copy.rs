@@ -9,6 +9,7 @@ use rusqlite::{Connection, OpenFlags};
 use super::journal::Journal;
 use super::place::Place;
 use super::store::{as_uri, check_sqlite, open_to_read};
+use super::whole_lists::WholeLists;
 use super::{Store, StoreError, migration};
 
 /// Pages that are copied between two words of progress: 4 MB.
@@ -72,6 +73,7 @@ impl Store {
             place: Place::default(),
             journal: Journal::default(),
             remembered: RefCell::default(),
+            whole_lists: WholeLists::default(),
         })
     }
 }

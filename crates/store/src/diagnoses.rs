@@ -1,9 +1,11 @@
 //! Diagnoses: which are current, and which runs they found to be wrong.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::new_run::RunRow;
 use super::results::{ResultDocument, ResultKind, ResultOrigin};
 use super::{Store, StoreError};
 use ieap_domain::{CondemnedRun, GroupDiagnosis, RunComparison, RunKind};
@@ -58,16 +60,21 @@ impl Store {
         let _moment = self.snapshot()?;
         let runs = self.current_revisions()?;
         let mut all = Vec::new();
-        for kind in [ResultKind::Group, ResultKind::Run] {
-            for stored in self.results::<Diagnosed>(kind)? {
-                let Ok(mut diagnosed) = stored.found else { continue };
+        for (name, kind) in [
+            ("diagnoses of groups", ResultKind::Group),
+            ("diagnoses of runs", ResultKind::Run),
+        ] {
+            for stored in self.all_results::<Diagnosed>(name, kind)?.iter() {
+                let Ok(mut diagnosed) = stored.found.clone() else {
+                    continue;
+                };
                 diagnosed.found.draws = diagnosed.draws;
                 let is_current =
                     |(run, revision): &(String, u32)| runs.get(run).is_some_and(|(_, now)| now == revision);
                 if diagnosed.members.iter().all(is_current) {
                     all.push(StoredDiagnosis {
                         kind,
-                        origin: stored.origin,
+                        origin: stored.origin.clone(),
                         diagnosed,
                     });
                 }
@@ -85,16 +92,19 @@ impl Store {
         let _moment = self.snapshot()?;
         let runs = self.current_revisions()?;
         let mut all = BTreeMap::new();
-        for kind in [ResultKind::Group, ResultKind::Run] {
-            let found = self.results::<Condemning>(kind)?.into_iter();
-            for diagnosis in found.filter_map(|stored| stored.found.ok()) {
-                for odd in diagnosis.condemned {
+        for (name, kind) in [
+            ("condemned in groups", ResultKind::Group),
+            ("condemned alone", ResultKind::Run),
+        ] {
+            let found = self.all_results::<Condemning>(name, kind)?;
+            for diagnosis in found.iter().filter_map(|stored| stored.found.as_ref().ok()) {
+                for odd in &diagnosis.condemned {
                     let then = diagnosis.members.iter().find(|(run, _)| *run == odd.run);
                     let now = runs.get(&odd.run);
                     if let (Some((_, then)), Some((id, now))) = (then, now)
                         && then == now
                     {
-                        all.insert(*id, odd.reason);
+                        all.insert(*id, odd.reason.clone());
                     }
                 }
             }
@@ -104,7 +114,8 @@ impl Store {
 
     /// Row id and revision of every current run, by name.
     fn current_revisions(&self) -> Result<BTreeMap<String, (i64, u32)>, StoreError> {
-        let runs = self.current_rows(RunKind::Actuation)?.into_iter();
-        Ok(runs.map(|run| (run.path, (run.id, run.revision))).collect())
+        let runs = self.current_rows(RunKind::Actuation)?;
+        let of = |run: &Arc<RunRow>| (run.path.clone(), (run.id, run.revision));
+        Ok(runs.iter().map(of).collect())
     }
 }

@@ -72,12 +72,14 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn files(&self) -> Result<Vec<FileRow>, StoreError> {
-        let _moment = self.snapshot()?;
-        // Whoever asks what the folder held asks next which run a file is of.
-        self.check_list(RUN_FILE, "run_file")?;
-        let mut files = self.listed("listing files", SOURCE_FILE, "source_file", read_file)?;
-        files.sort_by(|a, b| a.path.cmp(&b.path));
-        Ok(files)
+        let files = self.whole("source_file", |store| {
+            // Whoever asks what the folder held asks next which run a file is of.
+            store.check_list(RUN_FILE, "run_file")?;
+            let mut files = store.listed("listing files", SOURCE_FILE, "source_file", read_file)?;
+            files.sort_by(|a, b| a.path.cmp(&b.path));
+            Ok(files)
+        })?;
+        Ok(files.to_vec())
     }
 
     /// The files that are there and were refused or wait, by path.

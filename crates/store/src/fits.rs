@@ -77,8 +77,8 @@ impl Store {
     pub fn fit_tasks(&self) -> Result<Vec<FitTask>, StoreError> {
         let _moment = self.snapshot()?;
         let asked = &self.words()?.asked;
-        let runs = self.current_rows(RunKind::Actuation)?.into_iter();
-        let ready = runs.filter(|run| run.state == RunState::Ready);
+        let runs = self.current_rows(RunKind::Actuation)?;
+        let ready = runs.iter().filter(|run| run.state == RunState::Ready);
         Ok(ready.filter_map(|run| fit_task(run, asked)).collect())
     }
 
@@ -145,12 +145,10 @@ impl Store {
 
     /// Fills in the fits of runs, and why there is none where it was tried.
     pub(super) fn fill_in_fits(&self, records: &mut [RunRecord]) -> Result<(), StoreError> {
-        let fits = self.results::<Fit>(ResultKind::Fit)?.into_iter();
-        let mut fits: BTreeMap<String, StoredResult<Fit>> =
-            fits.map(|stored| (stored.origin.name.clone(), stored)).collect();
+        let fits = self.all_results::<Fit>("fits", ResultKind::Fit)?;
         for record in records {
-            let stored = fits.remove(&record.path);
-            fill_in_fit(record, stored);
+            let stored = fits.binary_search_by(|stored| stored.origin.name.cmp(&record.path));
+            fill_in_fit(record, stored.ok().map(|at| fits[at].clone()));
         }
         Ok(())
     }
@@ -232,7 +230,7 @@ impl CurveSource for Store {
 }
 
 /// What is to be fitted of a run, where its drive and area are known.
-fn fit_task(run: RunRow, asked: &BTreeMap<String, AskedFit>) -> Option<FitTask> {
+fn fit_task(run: &RunRow, asked: &BTreeMap<String, AskedFit>) -> Option<FitTask> {
     let mut data_hash = run.data_hash.clone();
     for offset in run.origin().offsets.iter().filter(|offset| offset.applied) {
         data_hash += &format!(":{}={:?}", offset.clock, offset.offset_s);
@@ -246,12 +244,11 @@ fn fit_task(run: RunRow, asked: &BTreeMap<String, AskedFit>) -> Option<FitTask> 
     let error = tagging.chosen.get(keys::ELECTRODE_RESISTANCE_ERROR);
     let error: Option<f64> = error.and_then(|error| error.parse().ok());
     let state = run.state_hash();
-    let tagging = run.tagging;
     Some(FitTask {
         run_id: run.id,
         state,
         revision: run.revision,
-        drive: tagging.drive?,
+        drive: tagging.drive.clone()?,
         area_cm2: tagging.area_cm2?,
         length_cm: tagging.length_cm,
         electrode_resistance_ohm_per_sq: tagging.electrode_resistance_ohm_per_sq,
@@ -259,6 +256,6 @@ fn fit_task(run: RunRow, asked: &BTreeMap<String, AskedFit>) -> Option<FitTask> 
         sample: tagging.chosen.get(keys::SAMPLE).cloned(),
         data_hash,
         last_asked: asked.get(&run.path).cloned().unwrap_or_default(),
-        path: run.path,
+        path: run.path.clone(),
     })
 }

@@ -25,7 +25,7 @@ impl Store {
         let rest = "WHERE superseded_at IS NOT NULL AND kind = ?1 ORDER BY path, revision";
         let kind = RunKind::Actuation.key();
         let rows = self.kept("reading earlier runs", RUN, ("", rest), [kind], RunRow::read)?;
-        self.records(rows, &self.aliases()?)
+        self.records(&rows, &self.aliases()?)
     }
 
     /// Actuation runs as they were, by path.

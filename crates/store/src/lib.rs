@@ -46,6 +46,7 @@ mod table_by_table;
 mod testing;
 mod transaction;
 mod views;
+mod whole_lists;
 mod words;
 
 pub use climate::{LogRecord, NewLog, NewSeries};
@@ -65,6 +66,7 @@ pub use place::FILE_NAME;
 pub use published_view::PublishedRows;
 pub use read_files::ReadFile;
 pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, RunThen, StoredResult, Subject};
+pub use runs::TagSources;
 pub use snapshot::Snapshot;
 pub use store::Store;
 pub use table_by_table::{How, LEFT_OUT, RowDiffers};

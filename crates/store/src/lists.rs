@@ -1,6 +1,7 @@
 //! Rows and lists of rows as they are read: each row is held against its hash, each list against its sum.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use rusqlite::Row;
 
@@ -8,6 +9,33 @@ use super::rows::{ALL, JOURNAL_END, RowHash, Table, added, check, damaged_list, 
 use super::{StepError, Store, StoreError};
 
 impl Store {
+    /// What `read` makes of lists of the database, or made of them before where nothing was changed since.
+    pub(super) fn whole<T: Send + Sync + 'static>(
+        &self,
+        name: &'static str,
+        read: impl FnOnce(&Store) -> Result<T, StoreError>,
+    ) -> Result<Arc<T>, StoreError> {
+        let _moment = self.snapshot()?;
+        let now = (self.changes_by_others()?, self.connection.total_changes());
+        if !self.whole_lists.are_kept(now) {
+            return Ok(Arc::new(read(self)?));
+        }
+        if let Some(known) = self.whole_lists.known(name) {
+            return Ok(known);
+        }
+        let found = Arc::new(read(self)?);
+        self.whole_lists.keep(name, found.clone());
+        Ok(found)
+    }
+
+    /// A number that is another one where another connection changed the database.
+    pub(super) fn changes_by_others(&self) -> Result<i64, StoreError> {
+        self.connection
+            .prepare_cached("PRAGMA data_version")
+            .and_then(|mut statement| statement.query_row([], |row| row.get(0)))
+            .map_err(|e| self.failed("asking for changes", e))
+    }
+
     /// Rows of a table, each held against its hash.
     pub(super) fn kept<T>(
         &self,
@@ -99,5 +127,68 @@ impl Store {
         }
         wrong.extend(sums.into_keys().map(|list| damaged_list(&list)));
         Ok(wrong)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::new_run;
+    use super::*;
+    use ieap_domain::RunKind;
+
+    const NOW: &str = "2026-01-01T00:00:00Z";
+
+    fn save(store: &mut Store, path: &str) {
+        let run = new_run(path, RunKind::Actuation, &[1e-3, 5e-4]);
+        store.save_runs(NOW, &[], &[run]).unwrap();
+    }
+
+    fn names(store: &Store) -> Vec<String> {
+        store.runs().unwrap().into_iter().map(|run| run.path).collect()
+    }
+
+    #[test]
+    fn a_list_is_read_once_for_as_long_as_nobody_changes_anything() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::open(folder.path()).unwrap();
+        let other = Store::open_read_only(folder.path()).unwrap().unwrap();
+        save(&mut store, "a");
+        let rows = |store: &Store| store.current_rows(RunKind::Actuation).unwrap();
+        for reader in [&store, &other] {
+            assert!(Arc::ptr_eq(&rows(reader), &rows(reader)));
+        }
+        let (own, others) = (rows(&store), rows(&other));
+        save(&mut store, "b");
+        for (reader, before) in [(&store, own), (&other, others)] {
+            assert!(!Arc::ptr_eq(&rows(reader), &before));
+            assert_eq!(names(reader), ["a", "b"]);
+        }
+    }
+
+    #[test]
+    fn what_is_read_in_a_batch_that_is_taken_back_is_not_kept() {
+        let mut store = Store::in_memory().unwrap();
+        save(&mut store, "a");
+        store.begin_batch().unwrap();
+        save(&mut store, "b");
+        assert_eq!(names(&store), ["a", "b"]);
+        // What SQLite does by itself where the disk is full.
+        store.connection.execute_batch("ROLLBACK").unwrap();
+        assert_eq!(names(&store), ["a"]);
+        assert!(store.commit_batch().is_err());
+        assert_eq!(names(&store), ["a"]);
+    }
+
+    #[test]
+    fn what_failed_is_asked_again() {
+        let mut store = Store::in_memory().unwrap();
+        save(&mut store, "a");
+        store
+            .connection
+            .execute_batch("UPDATE run SET reading = replace(reading, 's', 't')")
+            .unwrap();
+        for _ in 0..2 {
+            assert!(matches!(store.runs(), Err(StoreError::Damaged { .. })));
+        }
     }
 }

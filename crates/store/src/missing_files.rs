@@ -5,6 +5,7 @@
 //! refused, or waits, is listed as that.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use super::new_run::RunRow;
 use super::{FileRow, Store, StoreError};
@@ -50,10 +51,9 @@ impl Store {
     pub fn gone_files(&self) -> Result<BTreeSet<String>, StoreError> {
         let _moment = self.snapshot()?;
         let present = Present::of(self.files()?);
-        let runs = self.all_current_rows()?.into_iter();
-        let of_runs = runs
-            .flat_map(|run| run.reading.files)
-            .map(|file| (file.path, file.hash));
+        let runs = self.all_current_rows()?;
+        let of_runs = (runs.iter().flat_map(|run| &run.reading.files))
+            .map(|file| (file.path.clone(), file.hash.clone()));
         let named = of_runs.chain(self.log_files()?);
         let gone = named.filter(|(path, hash)| present.lacks(path, hash));
         Ok(gone.map(|(path, _)| path).collect())
@@ -67,7 +67,7 @@ impl Store {
         let _moment = self.snapshot()?;
         let present = Present::of(self.files()?);
         let runs = self.runs_of_which_every(|file| present.lacks(&file.path, &file.hash))?;
-        Ok(runs.into_iter().map(|run| run.path).collect())
+        Ok(runs.iter().map(|run| run.path.clone()).collect())
     }
 
     /// Row ids of current runs of which no file lies under its name any more, as the journal says of each. Another file may
@@ -79,10 +79,10 @@ impl Store {
         let _moment = self.snapshot()?;
         let present = Present::of(self.files()?);
         let runs = self.runs_of_which_every(|file| present.missing.contains(&file.path))?;
-        Ok(runs.into_iter().map(|run| run.id).collect())
+        Ok(runs.iter().map(|run| run.id).collect())
     }
 
-    fn runs_of_which_every(&self, holds: impl Fn(&RunFile) -> bool) -> Result<Vec<RunRow>, StoreError> {
+    fn runs_of_which_every(&self, holds: impl Fn(&RunFile) -> bool) -> Result<Vec<Arc<RunRow>>, StoreError> {
         let mut runs = self.all_current_rows()?;
         runs.retain(|run| run.reading.files.iter().all(&holds));
         Ok(runs)

@@ -1,5 +1,7 @@
 //! Files that current runs were read from, each with what it gave; and runs that others take the place of.
 
+use std::sync::Arc;
+
 use rusqlite::params;
 
 use super::new_run::{NewRun, RunRow, supersede};
@@ -30,7 +32,7 @@ impl Store {
     /// See [`StoreError`].
     pub fn read_files(&self) -> Result<Vec<ReadFile>, StoreError> {
         let runs = self.current_rows(RunKind::Actuation)?;
-        let of = |run: &RunRow| -> Vec<ReadFile> {
+        let of = |run: &Arc<RunRow>| -> Vec<ReadFile> {
             let clocks = run.reading.origin.clocks.iter();
             clocks.map(|clock| read_file(run, clock)).collect()
         };

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::sync::Arc;
 
 use rusqlite::{Row, ToSql, params};
 use serde::de::DeserializeOwned;
@@ -219,6 +220,15 @@ impl Store {
         let mut found = self.listed("reading results", RESULT, &list_of(kind), read)?;
         found.sort_by(|a: &StoredResult<T>, b| a.origin.name.cmp(&b.origin.name));
         Ok(found)
+    }
+
+    /// The same, read once for as long as nothing changes; `name` is of this kind understood as `T`, and of no other list.
+    pub(super) fn all_results<T: ResultDocument + Send + Sync + 'static>(
+        &self,
+        name: &'static str,
+        kind: ResultKind,
+    ) -> Result<Arc<Vec<StoredResult<T>>>, StoreError> {
+        self.whole(name, |store| store.results(kind))
     }
 
     /// What the current results of a kind depend on, by name.

@@ -1,8 +1,9 @@
 //! Runs: which there are, and what is known of each but its readings.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use rusqlite::OptionalExtension;
+use rusqlite::{OptionalExtension, Row};
 
 use super::fits::fill_in_fit;
 use super::new_run::RunRow;
@@ -11,6 +12,19 @@ use super::rows::RUN;
 use super::{ResultKind, Store, StoreError};
 use ieap_domain::tag::keys;
 use ieap_domain::{ChannelSummary, Issue, Quantity, RunKind, RunRecord, RunState, Standing};
+
+/// What the tags of a run came from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TagSources {
+    /// Row id of the run.
+    pub run_id: i64,
+    /// The run's name.
+    pub path: String,
+    /// BLAKE3 over everything that its tags came from.
+    pub digest: String,
+    /// Paths of its files, in order.
+    pub files: Vec<String>,
+}
 
 impl Store {
     /// Every current actuation run with tags, issues, channels (without readings) and its current fit, by path.
@@ -50,7 +64,7 @@ impl Store {
             .current_run(path)?
             .filter(|row| row.kind == RunKind::Actuation);
         let Some(row) = row else { return Ok(None) };
-        let mut record = self.records(vec![row], &BTreeMap::new())?.remove(0);
+        let mut record = self.records([&row], &BTreeMap::new())?.remove(0);
         fill_in_fit(&mut record, self.result(ResultKind::Fit, path)?);
         Ok(Some(record))
     }
@@ -63,22 +77,30 @@ impl Store {
         } else {
             self.aliases()?
         };
-        self.records(rows, &aliases)
+        self.records(rows.iter().map(Arc::as_ref), &aliases)
     }
 
     /// Every current run of a kind as it is stored, by path.
-    pub(super) fn current_rows(&self, kind: RunKind) -> Result<Vec<RunRow>, StoreError> {
-        let mut rows = self.listed("reading runs", RUN, &format!("run {}", kind.key()), RunRow::read)?;
-        rows.sort_by(|a, b| a.path.cmp(&b.path));
-        Ok(rows)
+    pub(super) fn current_rows(&self, kind: RunKind) -> Result<Arc<Vec<Arc<RunRow>>>, StoreError> {
+        let name = match kind {
+            RunKind::Actuation => "run actuation",
+            RunKind::Dma => "run dma",
+            RunKind::Impedance => "run impedance",
+        };
+        self.whole(name, |store| {
+            let read = |row: &Row<'_>| RunRow::read(row).map(Arc::new);
+            let mut rows = store.listed("reading runs", RUN, name, read)?;
+            rows.sort_by(|a, b| a.path.cmp(&b.path));
+            Ok(rows)
+        })
     }
 
     /// Every current run of all kinds, by path.
-    pub(super) fn all_current_rows(&self) -> Result<Vec<RunRow>, StoreError> {
+    pub(super) fn all_current_rows(&self) -> Result<Vec<Arc<RunRow>>, StoreError> {
         let _moment = self.snapshot()?;
         let mut rows = Vec::new();
         for kind in RunKind::ALL {
-            rows.extend(self.current_rows(kind)?);
+            rows.extend(self.current_rows(kind)?.iter().cloned());
         }
         rows.sort_by(|a, b| a.path.cmp(&b.path));
         Ok(rows)
@@ -163,21 +185,33 @@ impl Store {
         Ok(run.map(|run| format!("{}/{}", run.reading.format, run.reading.reader_version)))
     }
 
-    /// Row id, name and tag digest of every current run.
+    /// Names of current runs of all kinds, in order.
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn tag_digests(&self) -> Result<Vec<(i64, String, String)>, StoreError> {
+    pub fn run_names(&self) -> Result<Vec<String>, StoreError> {
         let _moment = self.snapshot()?;
-        let mut found = Vec::new();
+        let mut names = Vec::new();
         for kind in RunKind::ALL {
             let list = format!("run {}", kind.key());
-            found.extend(self.listed("reading tag digests", RUN, &list, |row| {
-                Ok((row.get("id")?, row.get("path")?, row.get("tag_digest")?))
-            })?);
+            names.extend(self.listed("reading names of runs", RUN, &list, |row| Ok(row.get("path")?))?);
         }
-        found.sort_by(|a: &(i64, String, String), b| a.1.cmp(&b.1));
-        Ok(found)
+        names.sort();
+        Ok(names)
+    }
+
+    /// What the tags of every current run came from, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn tag_sources(&self) -> Result<Vec<TagSources>, StoreError> {
+        let of = |run: &Arc<RunRow>| TagSources {
+            run_id: run.id,
+            path: run.path.clone(),
+            digest: run.tag_digest.clone(),
+            files: run.reading.files.iter().map(|file| file.path.clone()).collect(),
+        };
+        Ok(self.all_current_rows()?.iter().map(of).collect())
     }
 
     /// Row id of every current run, its chosen `started_at`, and the first and last time of its readings, s.
@@ -186,7 +220,7 @@ impl Store {
     /// See [`StoreError`].
     #[allow(clippy::type_complexity)]
     pub fn run_times(&self) -> Result<Vec<(i64, Option<String>, Option<(f64, f64)>)>, StoreError> {
-        let times = |run: RunRow| {
+        let times = |run: &Arc<RunRow>| {
             let summaries = || run.reading.channels.iter().map(|channel| &channel.summary);
             let first_s = summaries()
                 .filter_map(|channel| channel.first_time_s)
@@ -197,16 +231,7 @@ impl Store {
             let started_at = run.tagging.chosen.get(keys::STARTED_AT).cloned();
             (run.id, started_at, first_s.zip(last_s))
         };
-        Ok(self.all_current_rows()?.into_iter().map(times).collect())
-    }
-
-    /// Paths of a run's files, in order.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn file_paths(&self, run_id: i64) -> Result<Vec<String>, StoreError> {
-        let files = self.run_of(run_id)?.reading.files;
-        Ok(files.into_iter().map(|file| file.path).collect())
+        Ok(self.all_current_rows()?.iter().map(times).collect())
     }
 
     /// Whether the run's clock starts at the voltage step, and whether its technique is a step response.
@@ -238,7 +263,7 @@ impl Store {
         let rows = self.all_current_rows()?.into_iter();
         Ok(rows
             .filter(|row| row.state == state)
-            .map(|row| row.path)
+            .map(|row| row.path.clone())
             .collect())
     }
 
@@ -249,9 +274,9 @@ impl Store {
     pub fn issues_of_code(&self, code: &str) -> Result<Vec<(String, Issue)>, StoreError> {
         let mut found = Vec::new();
         for row in self.all_current_rows()? {
-            let issues = row.reading.issues.into_iter().chain(row.tagging.issues);
+            let issues = row.reading.issues.iter().chain(&row.tagging.issues);
             let of_code = issues.filter(|issue| issue.code == code);
-            found.extend(of_code.map(|issue| (row.path.clone(), issue)));
+            found.extend(of_code.map(|issue| (row.path.clone(), issue.clone())));
         }
         Ok(found)
     }
@@ -286,12 +311,12 @@ impl Store {
     }
 
     /// Rows as records, in their order; a run's files have the other names that `aliases` gives by hash.
-    pub(super) fn records(
+    pub(super) fn records<'r>(
         &self,
-        rows: Vec<RunRow>,
+        rows: impl IntoIterator<Item = &'r RunRow>,
         aliases: &BTreeMap<String, Vec<String>>,
     ) -> Result<Vec<RunRecord>, StoreError> {
-        let mut records = Vec::with_capacity(rows.len());
+        let mut records = Vec::new();
         for row in rows {
             let mut record = record(row);
             for file in &mut record.files {
@@ -305,37 +330,32 @@ impl Store {
 }
 
 /// A revision of a run without its fit.
-fn record(row: RunRow) -> RunRecord {
-    let origin = row.origin();
+fn record(row: &RunRow) -> RunRecord {
     let RunRow { reading, tagging, .. } = row;
-    let channels = reading
-        .channels
-        .into_iter()
-        .map(|channel| channel.summary)
-        .collect();
+    let channels = reading.channels.iter().map(|channel| channel.summary.clone());
     RunRecord {
         id: row.id,
         kind: row.kind,
-        path: row.path,
+        path: row.path.clone(),
         revision: row.revision,
         state: row.state,
         status: reading.status,
-        status_evidence: reading.status_evidence,
-        format: reading.format,
+        status_evidence: reading.status_evidence.clone(),
+        format: reading.format.clone(),
         reader_version: reading.reader_version,
-        technique: reading.technique,
-        files: reading.files,
-        tags: tagging.tags.into_iter().map(|of| of.tag).collect(),
-        channels: with_current(channels, tagging.area_cm2),
-        origin,
-        drive: tagging.drive,
+        technique: reading.technique.clone(),
+        files: reading.files.clone(),
+        tags: tagging.tags.iter().map(|of| of.tag.clone()).collect(),
+        channels: with_current(channels.collect(), tagging.area_cm2),
+        origin: row.origin(),
+        drive: tagging.drive.clone(),
         area_cm2: tagging.area_cm2,
-        data_hash: row.data_hash,
-        ingested_at: row.ingested_at,
-        issues: reading.issues.into_iter().chain(tagging.issues).collect(),
+        data_hash: row.data_hash.clone(),
+        ingested_at: row.ingested_at.clone(),
+        issues: reading.issues.iter().chain(&tagging.issues).cloned().collect(),
         fit: None,
         fit_code_version: None,
-        climate: tagging.climate,
+        climate: tagging.climate.clone(),
         standing: Standing::default(),
     }
 }

@@ -1,6 +1,7 @@
 //! Readings that stand in two runs, and other names of runs.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -44,13 +45,13 @@ impl Store {
         let mut stored: BTreeMap<String, _> = stored
             .map(|stored| (stored.origin.name.clone(), stored))
             .collect();
-        let of = |run: RunRow| {
+        let of = |run: &Arc<RunRow>| {
             let marks = stored.remove(&run.path);
             let marks = marks.filter(|stored| stored.origin.key == key(version, &run.data_hash));
             (run.id, marks.and_then(|stored| Some(stored.found.ok()?.marks)))
         };
         let runs = self.current_rows(RunKind::Actuation)?;
-        Ok(runs.into_iter().map(of).collect())
+        Ok(runs.iter().map(of).collect())
     }
 
     /// Stores the marks of runs that had none, and in which runs their readings stand too.
@@ -64,8 +65,8 @@ impl Store {
         marks: &[(i64, Vec<u64>)],
         same: &[SameReadings],
     ) -> Result<(), StoreError> {
-        let runs = self.current_rows(RunKind::Actuation)?.into_iter();
-        let runs: BTreeMap<i64, RunRow> = runs.map(|run| (run.id, run)).collect();
+        let rows = self.current_rows(RunKind::Actuation)?;
+        let runs: BTreeMap<i64, &RunRow> = rows.iter().map(|run| (run.id, &**run)).collect();
         let mut known = self.standing_in()?;
         let mut changed = BTreeSet::new();
         for pair in same {
@@ -79,13 +80,13 @@ impl Store {
             changed.insert(pair.run_id);
         }
         let marked = marks.iter().filter_map(|(run_id, marks)| {
-            let run = runs.get(run_id)?;
+            let run = *runs.get(run_id)?;
             let marks = marks.clone();
             Some((run, key(version, &run.data_hash), Marks { marks }))
         });
         let marked: Vec<(&RunRow, String, Marks)> = marked.collect();
         let standing = changed.iter().map(|run_id| {
-            let run = &runs[run_id];
+            let run = runs[run_id];
             let standing_in = known.get(&run.path).cloned().unwrap_or_default();
             (run, run.data_hash.clone(), Same { standing_in })
         });
@@ -99,10 +100,12 @@ impl Store {
 
     /// Where the readings of runs stand too, by the runs' names.
     fn standing_in(&self) -> Result<BTreeMap<String, Vec<StandingIn>>, StoreError> {
-        let stored = self.results::<Same>(ResultKind::Same)?.into_iter();
-        let of =
-            |stored: super::StoredResult<Same>| Some((stored.origin.name, stored.found.ok()?.standing_in));
-        Ok(stored.filter_map(of).collect())
+        let stored = self.all_results::<Same>("copies", ResultKind::Same)?;
+        let of = |stored: &super::StoredResult<Same>| {
+            let same = stored.found.as_ref().ok()?;
+            Some((stored.origin.name.clone(), same.standing_in.clone()))
+        };
+        Ok(stored.iter().filter_map(of).collect())
     }
 
     /// Current runs whose readings stand in another current run, in the order of their names.
@@ -152,7 +155,7 @@ impl Store {
                 names.entry(run.id).or_default().extend(paths.iter().cloned());
             }
         }
-        let by_id: BTreeMap<i64, &RunRow> = runs.iter().map(|run| (run.id, run)).collect();
+        let by_id: BTreeMap<i64, &RunRow> = runs.iter().map(|run| (run.id, &**run)).collect();
         for pair in same.iter().filter(|pair| pair.whole) {
             let other = by_id.get(&pair.in_run_id).map(|run| run.path.clone());
             names.entry(pair.run_id).or_default().extend(other);

@@ -10,6 +10,7 @@ use super::error::named;
 use super::journal::Journal;
 use super::place::{FILE_NAME, Place, refuse_other_than_files};
 use super::rows::CHANGE_COUNT;
+use super::whole_lists::WholeLists;
 use super::words::Remembered;
 use super::{StepError, StoreError, migration, schema, views};
 use ieap_system::fs;
@@ -32,6 +33,7 @@ pub struct Store {
     pub(super) place: Place,
     pub(super) journal: Journal,
     pub(super) remembered: RefCell<Remembered>,
+    pub(super) whole_lists: WholeLists,
 }
 
 impl Store {
@@ -60,6 +62,7 @@ impl Store {
             path,
             journal: Journal::of(folder),
             remembered: RefCell::default(),
+            whole_lists: WholeLists::default(),
         })
     }
 
@@ -108,6 +111,7 @@ impl Store {
             place: Place::default(),
             journal: Journal::default(),
             remembered: RefCell::default(),
+            whole_lists: WholeLists::default(),
         }))
     }
 
@@ -128,6 +132,7 @@ impl Store {
             place: Place::default(),
             journal: Journal::default(),
             remembered: RefCell::default(),
+            whole_lists: WholeLists::default(),
         })
     }
 

@@ -99,7 +99,9 @@ impl Store {
             self.forget_changes();
         }
         let begun = self.connection.execute_batch("BEGIN IMMEDIATE");
-        begun.map_err(|e| self.failed("beginning a batch", e))
+        begun.map_err(|e| self.failed("beginning a batch", e))?;
+        self.whole_lists.batch_begins();
+        Ok(())
     }
 
     /// Ends a batch. Where that fails nothing of the batch is stored.
@@ -128,6 +130,7 @@ impl Store {
         if self.in_batch() {
             let _ = self.connection.execute_batch("ROLLBACK");
         }
+        self.whole_lists.batch_ended();
         committed.map_err(self.named("ending a batch"))
     }
 

@@ -70,12 +70,7 @@ impl Store {
     pub(super) fn words(&self) -> Result<Arc<Words>, StoreError> {
         let doing = "reading what people said";
         let _moment = self.snapshot()?;
-        let by_others = self
-            .connection
-            .prepare_cached("PRAGMA data_version")
-            .and_then(|mut statement| statement.query_row([], |row| row.get(0)))
-            .map_err(|e| self.failed(doing, e))?;
-        let state = (by_others, self.journal.changes());
+        let state = (self.changes_by_others()?, self.journal.changes());
         if let Some((of, words)) = &*self.remembered.borrow()
             && *of == state
         {

@@ -225,8 +225,7 @@ fn runs_like(context: &Context, pattern: &str) -> Result<Vec<String>, PipelineEr
     let plain = pattern.trim_start_matches("./").replace('[', "[[]");
     let parsed = |text: &str| glob::Pattern::new(text).map_err(|_| unknown(pattern, ""));
     let (whole, end) = (parsed(&plain)?, parsed(&format!("*/{plain}"))?);
-    let names = context.store.tag_digests()?.into_iter().map(|(_, path, _)| path);
-    let found: Vec<String> = names
+    let found: Vec<String> = (context.store.run_names()?.into_iter())
         .filter(|name| whole.matches(name) || end.matches(name))
         .collect();
     if found.is_empty() {
@@ -241,12 +240,7 @@ fn runs_like(context: &Context, pattern: &str) -> Result<Vec<String>, PipelineEr
 /// # Errors
 /// There is no such run, or more than one.
 pub(crate) fn known_run(context: &Context, given: &str) -> Result<String, PipelineError> {
-    let names: Vec<String> = context
-        .store
-        .tag_digests()?
-        .into_iter()
-        .map(|(_, path, _)| path)
-        .collect();
+    let names = context.store.run_names()?;
     let wanted = given.trim_start_matches("./").replace('\\', "/");
     if names.contains(&wanted) {
         return Ok(wanted);

@@ -51,9 +51,9 @@ pub fn retag_runs(
     let others_of = |run_id: i64| other_names.get(&run_id).map_or(&[][..], Vec::as_slice);
     let gone = context.store.runs_without_files()?;
     let mut due: BTreeMap<i64, Due> = BTreeMap::new();
-    for (run_id, path, stored) in context.store.tag_digests()? {
-        let files = context.store.file_paths(run_id)?;
-        let files: Vec<&str> = files.iter().map(String::as_str).collect();
+    for sources in context.store.tag_sources()? {
+        let (run_id, path, stored) = (sources.run_id, sources.path, sources.digest);
+        let files: Vec<&str> = sources.files.iter().map(String::as_str).collect();
         let window = windows.get(&run_id).copied().flatten();
         let files = tag_files(&path, &files);
         let digest = digest(

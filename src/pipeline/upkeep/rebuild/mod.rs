@@ -135,7 +135,7 @@ fn made(
     context.store.say_held(&now(), (folder, &held), kept)?;
     Archive::new(folder).set_owner(&context.store.identity()?)?;
     let summary = RebuildSummary {
-        runs: context.store.tag_digests()?.len(),
+        runs: context.store.run_names()?.len(),
         climate_logs: context.store.logs()?.len(),
         words: replayed.words,
         of_old_database: old.of_database,
