@@ -325,7 +325,7 @@ fn counts_of_many_studies() {
             ("nothing", nothing as Truth),
             ("two effects", two_effects as Truth),
         ] {
-            println!("{name}, {effects}: {:?}", counted(design, truth, 5000..5200));
+            println!("{name}, {effects}: {:?}", counted(design, truth, 8000..8200));
         }
     }
 }
