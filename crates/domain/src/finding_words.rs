@@ -289,7 +289,7 @@ fn beside_scatter(found: &GroupDiagnosis) -> String {
     let of = |own: &&ParameterScatter| format!("{} {} %", printed(&own.key).0, short_percent(own.percent));
     let parts: Vec<String> = most_scattered(&found.scatter).iter().map(of).collect();
     format!(
-        " and to the scatter from run to run{}",
+        " and to what repeats differ by{}",
         match parts.as_slice() {
             [] => String::new(),
             parts => format!(" ({})", parts.join(", ")),

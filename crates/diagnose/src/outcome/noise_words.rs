@@ -10,15 +10,15 @@ use crate::outcome::policy::SLOW_BELOW_PART;
 pub(crate) fn of_scatter(scatter: &[ParameterScatter], is_noise: bool) -> Option<String> {
     let of = |own: &&ParameterScatter| {
         format!(
-            "{} scatters by {} % ({} to {})",
-            printed(&own.key).0,
+            "by {} % in {} ({} to {} %)",
             short_percent(own.percent),
+            printed(&own.key).0,
             short_percent(own.low_95_percent),
             short_percent(own.high_95_percent)
         )
     };
     let parts: Vec<String> = most_scattered(scatter).iter().map(of).collect();
-    is_noise.then(|| format!("from run to run {}: taken as noise", listed(&parts)))
+    is_noise.then(|| format!("repeats differ {}: taken as noise", listed(&parts)))
 }
 
 /// Slow noise of each channel, with the least error of the simulation that it leaves to be seen.
@@ -58,7 +58,7 @@ mod tests {
         ];
         assert_eq!(
             of_scatter(&scatter, true).unwrap(),
-            "from run to run alpha scatters by 1.23 % (0.600 to 3.52) and R1 scatters by 2.00 % (0 to 9.00): taken as noise"
+            "repeats differ by 1.23 % in alpha (0.600 to 3.52 %) and by 2.00 % in R1 (0 to 9.00 %): taken as noise"
         );
         assert_eq!(of_scatter(&scatter, false), None);
     }
