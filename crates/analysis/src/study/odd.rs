@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::measured::{Measured, Value};
 use super::policy::MOST_NAMED;
-use super::words::symbol;
+use crate::laws::words::symbol;
 use crate::parameters::COMPARED;
 
 /// A value of a run that may be of something else than its condition says.
