@@ -27,7 +27,7 @@ pub fn tags_of_name(stem: &str) -> Vec<(String, String)> {
         let (key, value) = match word.says {
             Says::Tag { key, meant, .. } => (key, meant),
             Says::Other => (keys::SAMPLE, word.text),
-            Says::Day => continue,
+            Says::Untold => continue,
         };
         if found.iter().all(|(known, _)| known != key) {
             found.push((key.to_owned(), value));
@@ -98,7 +98,7 @@ fn is_same(a: &str, b: &str) -> bool {
 fn shape(words: &[Word]) -> String {
     let of = |word: &Word| match &word.says {
         Says::Tag { key, .. } => format!("{}{{{key}}}", word.before),
-        Says::Day => format!("{}{{day}}", word.before),
+        Says::Untold => format!("{}{{untold}}", word.before),
         Says::Other => format!("{}{{}}", word.before),
     };
     words.iter().map(of).collect()
@@ -183,6 +183,10 @@ mod tests {
         let days = propose(&["S1_2026-03-02_air", "S1_2026-03-03_air"]).unwrap();
         assert_eq!(days.pattern, "{sample}_{_}_{environment}");
         assert_eq!(days.explains, 2);
+        // Which of two bare numbers counts runs, and what the other one is, a name does not say.
+        let two = propose(&["S1_air_40_2V_1", "S1_air_80_2V_3"]).unwrap();
+        assert_eq!(two.pattern, "{sample}_{environment}_{_}_{voltage_v}V_{_}");
+        assert_eq!(two.ignored, ["40", "1"]);
         assert_eq!(propose(&["20260302"]), None);
         assert_eq!(propose(&["0001", "0002"]), None);
     }

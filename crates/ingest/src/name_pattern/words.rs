@@ -36,8 +36,8 @@ pub(super) enum Says {
         suffix: String,
         meant: String,
     },
-    /// A day, for which there is no tag.
-    Day,
+    /// A day, for which there is no tag, or one of several bare numbers: only people know which of them counts runs.
+    Untold,
     /// Anything else: the sample, or something that only people know.
     Other,
 }
@@ -75,7 +75,7 @@ pub(super) fn words(stem: &str) -> Vec<Word> {
         before,
         text,
     };
-    with_number_of_sample(words.into_iter().map(word).collect())
+    with_one_count(with_number_of_sample(words.into_iter().map(word).collect()))
 }
 
 /// The words of a name as what they mean, `voltage_v=2` or `cnaf`, between signs of any kind: two names of one run share
@@ -102,7 +102,7 @@ pub fn parts_of_name(stem: &str) -> Vec<String> {
             Ok(number) => format!("{key}={}", shortest(number)),
             Err(_) => format!("{key}={meant}"),
         },
-        Says::Day | Says::Other => word.to_lowercase(),
+        Says::Untold | Says::Other => word.to_lowercase(),
     };
     words.into_iter().map(meant).collect()
 }
@@ -115,9 +115,21 @@ fn with_number_of_sample(mut words: Vec<Word>) -> Vec<Word> {
     };
     let is_number = |word: &Word| word.text.bytes().all(|byte| byte.is_ascii_digit());
     let has_number = words[at].text.contains(|c: char| c.is_ascii_digit());
-    if !has_number && at + 2 < words.len() && is_number(&words[at + 1]) && words[at + 1].says != Says::Day {
+    if !has_number && at + 2 < words.len() && is_number(&words[at + 1]) && words[at + 1].says != Says::Untold
+    {
         let number = words.remove(at + 1);
         words[at].text += &(number.before + &number.text);
+    }
+    words
+}
+
+/// Of several bare numbers none is known to count runs: `CNaf-01_air_40_2V_1`.
+fn with_one_count(mut words: Vec<Word>) -> Vec<Word> {
+    let is_bare = |word: &&mut Word| matches!(&word.says, Says::Tag { key: keys::CYCLE, prefix, .. } if prefix.is_empty());
+    if words.iter_mut().filter(is_bare).count() > 1 {
+        for word in words.iter_mut().filter(is_bare) {
+            word.says = Says::Untold;
+        }
     }
     words
 }
@@ -128,7 +140,7 @@ fn says(text: &str) -> Says {
         return tag(keys::ENVIRONMENT, "", text, "", &environment);
     }
     if is_day(text) {
-        return Says::Day;
+        return Says::Untold;
     }
     // Only a voltage has a sign, or its unit for a decimal point.
     let is_voltage = lower.contains('v') || text.starts_with(['+', '-', '−']);
@@ -223,7 +235,7 @@ mod tests {
         let said = |stem: &str| -> Vec<String> {
             let shown = |word: Word| match word.says {
                 Says::Tag { key, meant, .. } => format!("{key}={meant}"),
-                Says::Day => "day".to_owned(),
+                Says::Untold => "untold".to_owned(),
                 Says::Other => word.text,
             };
             words(stem).into_iter().map(shown).collect()
@@ -255,10 +267,10 @@ mod tests {
             ),
             (
                 "S1-air-2.0V-20260302",
-                vec!["S1", "environment=air", "voltage_v=2.0", "day"],
+                vec!["S1", "environment=air", "voltage_v=2.0", "untold"],
             ),
             ("CV_sweep_S2", vec!["CV", "sweep", "S2"]),
-            ("2026-03-02_logger", vec!["day", "logger"]),
+            ("2026-03-02_logger", vec!["untold", "logger"]),
             ("22degC_S3_7", vec!["temperature_c=22", "S3", "cycle=7"]),
         ] {
             assert_eq!(said(stem), expected, "{stem}");
