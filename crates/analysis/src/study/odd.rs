@@ -60,12 +60,14 @@ pub fn odd_runs(odd: &[OddValue]) -> Vec<String> {
         };
         let all: Vec<String> = values.iter().map(off).collect();
         format!(
-            "{run} is not like the other runs of its condition: it lies off by more than they scatter, {}. It hardly counts there. Is it of another strip, or at another voltage?",
+            "{run} is not like the other runs of its condition: it lies off by more than they scatter, {}. It counts for less there. Is it of another strip, or at another voltage?",
             in_a_row(&all)
         )
     };
     let mut said: Vec<String> = of_runs.iter().take(MOST_NAMED).map(sentence).collect();
     let more = of_runs.len().saturating_sub(MOST_NAMED);
-    said.extend((more > 0).then(|| format!("So are {more} more (`ieap study --json`).")));
+    said.extend(
+        (more > 0).then(|| format!("{more} more runs are like that (`odd` in `ieap study --json`).")),
+    );
     said
 }

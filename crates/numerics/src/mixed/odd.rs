@@ -11,13 +11,18 @@ use super::estimated::Estimated;
 use super::model::{MixedModel, Reading, Unit};
 use crate::grouped::dot;
 
-/// Part of all readings that are of something else, before they are looked at: a run in a hundred. Chosen.
+/// Part of all readings that are of something else, before they are looked at: a run in a hundred. Chosen;
+/// `cargo unit -p ieap-analysis study::tests` counts what follows: with nothing odd, and with two runs swapped.
 const PART_ODD: f64 = 0.01;
-/// Half-width, in standard errors of a reading, of the law of Cauchy that those follow: no size of a mistake is excluded. Chosen.
+/// Half-width, in standard errors of a reading, of the law of Cauchy that those follow: no size of a mistake is excluded. Chosen,
+/// counted by the same command.
 const ODD_WIDTH: f64 = 5.0;
 /// Readings whose shift is asked in a round: those that stand furthest off. Chosen: two of a condition accuse each other, and
 /// one more.
 const ASKED: usize = 3;
+/// Part of its information that a shift must have of its own: below this nothing else is said of the reading. Rounding.
+const OWN_PART: f64 = 1e-9;
+
 /// A reading that may be of something else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Odd {
@@ -146,7 +151,7 @@ impl MixedModel {
             let off = |reading: &Reading| {
                 let w = (shared + reading.variance).max(least).recip();
                 let size = w - w * w * (own + taken);
-                if size > 1e-9 * w {
+                if size > OWN_PART * w {
                     (w * (reading.value - said)).abs() / size.sqrt()
                 } else {
                     0.0
