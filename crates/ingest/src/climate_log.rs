@@ -53,7 +53,7 @@ pub fn log(reading: &Reading, path: &str) -> Result<Log, Issue> {
     let start = reading
         .started_at
         .as_ref()
-        .and_then(|start| Some((start, start.local.as_deref()?.parse::<DateTime>().ok()?)));
+        .and_then(|start| Some((start, start.moment()?.parse::<DateTime>().ok()?)));
     let timed: Vec<&RunTable> = reading
         .tables
         .iter()

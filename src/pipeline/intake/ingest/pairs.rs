@@ -87,7 +87,7 @@ fn window_of(context: &Context, stamp: &StartedAt, times: (f64, f64)) -> Option<
     let zone = zone
         .and_then(|name| TimeZone::get(name).ok())
         .unwrap_or(TimeZone::UTC);
-    let local: jiff::civil::DateTime = stamp.local.as_deref()?.parse().ok()?;
+    let local: jiff::civil::DateTime = stamp.moment()?.parse().ok()?;
     let offset = zone.to_ambiguous_timestamp(local).compatible().ok()?;
     window_s(stamp, times, f64::from(zone.to_offset(offset).seconds()))
 }

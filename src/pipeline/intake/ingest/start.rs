@@ -39,7 +39,7 @@ pub fn of_run(origin: &RunOrigin, channels: &[Channel]) -> Option<StartedAt> {
 
 /// The start of a record that ended then, `last_s` after its zero.
 fn before_end(stamp: &StartedAt, last_s: f64) -> Option<StartedAt> {
-    let end: DateTime = stamp.local.as_deref()?.parse().ok()?;
+    let end: DateTime = stamp.moment()?.parse().ok()?;
     let length = SignedDuration::try_from_secs_f64(last_s).ok()?;
     Some(StartedAt {
         kind: Timestamp::Start,
@@ -133,5 +133,18 @@ mod tests {
             settled(&no_date, Some(DateOrder::DayFirst), &file),
             (no_date, None)
         );
+    }
+
+    #[test]
+    fn a_day_is_no_moment_from_which_a_start_could_be_reckoned() {
+        let of = |local: &str| StartedAt {
+            raw: local.into(),
+            kind: Timestamp::End,
+            local: Some(local.into()),
+            offset: None,
+            basis: "year first".into(),
+        };
+        assert_eq!(before_end(&of("2024-07-17"), 10.0), None);
+        assert!(before_end(&of("2024-07-17T10:00:00"), 10.0).is_some());
     }
 }
