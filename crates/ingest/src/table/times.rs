@@ -583,6 +583,9 @@ fn by_dates(
             unread[0],
         ));
     }
+    if dates.is_empty() {
+        return Err(refused("no row holds a date".to_owned(), ""));
+    }
     let mut found = moments(&dates, &DateOrder::ALL);
     if found == Err(NoOrder::Fits) {
         dates.reverse();
