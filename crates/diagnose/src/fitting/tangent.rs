@@ -3,7 +3,7 @@
 use ieap_numerics::sums::dot;
 
 /// A column whose part beyond the columns before it is smaller than this adds nothing.
-const DEPENDENT: f64 = 1e-7;
+pub(crate) const DEPENDENT: f64 = 1e-7;
 
 /// An orthonormal basis of the directions that a refit absorbs.
 #[derive(Debug, Clone, Default)]

@@ -21,6 +21,9 @@ pub(crate) fn process(columns: &[Vec<f64>], tangent: &Tangent, residuals: &[f64]
 
 /// The evidence: of weights of one size, and of columns of one length, whichever; none where a refit takes up everything.
 pub(crate) fn evidence(process: &Process) -> Option<Evidence> {
+    if process.is_nothing() {
+        return None;
+    }
     let squares = process.squares();
     let most = squares.iter().copied().fold(0.0, f64::max);
     let even = vec![1.0; squares.len()];
@@ -70,5 +73,22 @@ mod tests {
         let (weights, fall) = own.most_probable(&[1e-12]);
         assert!((weights[0] - 6.0).abs() < 1e-9 && (fall - 900.0).abs() < 1e-6);
         assert!(evidence(&process(&[vec![0.0; 3]], &Tangent::default(), &[1.0; 3])).is_none());
+    }
+
+    /// A law that is the base's own parameter under another name is none, whatever rounding leaves of it.
+    #[test]
+    fn what_a_refit_takes_up_is_nothing() {
+        let own: Vec<f64> = (0..50).map(|k| (-0.07 * f64::from(k)).exp()).collect();
+        let other: Vec<f64> = (0..50).map(|k| 1.0 / (1.0 + f64::from(k))).collect();
+        let both = |a: f64, b: f64| {
+            own.iter()
+                .zip(&other)
+                .map(|(x, y)| a * x + b * y)
+                .collect::<Vec<f64>>()
+        };
+        let tangent = Tangent::of(&[own.clone(), other.clone()]);
+        let columns = [both(3.0, 1e-3), both(20.0, 0.7), vec![1e-10; 50]];
+        let residuals: Vec<f64> = (0..50).map(|k| f64::from(k % 7) - 3.0).collect();
+        assert!(evidence(&process(&columns, &tangent, &residuals)).is_none());
     }
 }

@@ -1,9 +1,11 @@
 //! The runs that are diagnosed together, with their noise.
 
+use std::sync::Arc;
+
 use ieap_domain::{Drive, Quantity};
 use ieap_fit::{EdgeTimes, FitInput, FitOptions, WhitenedChannel, aligned, without_outliers};
 use ieap_model::effects::TagAt;
-use ieap_model::extended::{ExtendedModel, RunContext};
+use ieap_model::extended::{ExtendedModel, Grids, RunContext};
 use ieap_numerics::robust::median_step;
 
 use crate::readings::course::followed;
@@ -51,6 +53,8 @@ pub(crate) struct GroupRun<'a> {
     pub(crate) channels: [Option<WhitenedChannel>; 2],
     /// Times of all readings of current and curvature that are left out, s.
     pub(crate) left_out_s: [Vec<f64>; 2],
+    /// Times at which models were stepped.
+    grids: Arc<Grids>,
 }
 
 /// Consecutive rows of the whitened residuals that belong to one channel of one run.
@@ -453,6 +457,7 @@ impl<'a> GroupRun<'a> {
             duration_s,
             channels,
             left_out_s,
+            grids: Arc::default(),
         })
     }
 
@@ -481,7 +486,7 @@ impl<'a> GroupRun<'a> {
                 .as_ref()
                 .map_or(&[][..], WhitenedChannel::nodes_s)
         };
-        let found = model.responses(context, nodes_s(0), nodes_s(1));
+        let found = model.responses_by(&self.grids, context, nodes_s(0), nodes_s(1));
         let at_nodes = [found.current_a, found.curvature_per_cm];
         std::array::from_fn(|k| {
             let channel = self.channels[k].as_ref();

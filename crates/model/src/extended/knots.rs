@@ -1,12 +1,12 @@
 //! Few of many times at which a run is stepped, and the readings between them.
 
-/// Knots lie at most this part of the time since the last edge apart: a cubic through four of them is off by 6e-9 of an
-/// exponential that the edge began.
-const SPACING: f64 = 0.015;
+/// Knots lie at most this part of the time since the last edge apart: a polynomial through eight of them is off by 1e-10 of
+/// an exponential that the edge began.
+const SPACING: f64 = 0.045;
 /// Readings are stepped one by one unless they are so many times denser.
-const DENSE: usize = 4;
-/// Knots that a cubic needs.
-const CUBIC: usize = 4;
+const DENSE: usize = 2;
+/// Knots that it goes through.
+const NEAREST: usize = 8;
 
 /// The times that are enough, of increasing ones; none where nearly as many as there are. Times before the first edge
 /// stay, and so do edges and what stands last before them. `edges` increase.
@@ -22,7 +22,7 @@ pub(super) fn enough(time_s: &[f64], edges: &[f64]) -> Option<Vec<f64>> {
         let needed = match (time_s.get(k + 1), out.last()) {
             (Some(&next), Some(&last)) => {
                 edge_s == f64::NEG_INFINITY
-                    || out.len() < begun + CUBIC
+                    || out.len() < begun + NEAREST
                     || coming.peek().is_some_and(|&edge| edge <= next)
                     || next - last > SPACING * (next - edge_s)
             }
@@ -40,8 +40,8 @@ pub(super) fn enough(time_s: &[f64], edges: &[f64]) -> Option<Vec<f64>> {
 pub(super) enum Places {
     /// On them.
     On(Vec<usize>),
-    /// Between them: the first of four knots with the weights of all.
-    Between(Vec<(usize, [f64; CUBIC])>),
+    /// Between them: the first of eight knots with the weights of all.
+    Between(Vec<(usize, [f64; NEAREST])>),
 }
 
 impl Places {
@@ -51,7 +51,7 @@ impl Places {
         Places::On(time_s.iter().map(place).collect())
     }
 
-    /// Readings none of which is before the first or after the last knot. No cubic goes across an edge: at its knot the
+    /// Readings none of which is before the first or after the last knot. No polynomial goes across an edge: at its knot the
     /// current is already another one.
     pub(super) fn between(knots: &[f64], edges: &[f64], time_s: &[f64]) -> Places {
         let mut bounds: Vec<usize> = edges
@@ -60,13 +60,17 @@ impl Places {
             .collect();
         bounds.insert(0, 0);
         bounds.push(knots.len());
+        let mut window: Option<(usize, [f64; NEAREST])> = None;
         let place = |&t: &f64| {
             let k = knots.partition_point(|&knot| knot <= t).saturating_sub(1);
             let segment = bounds.partition_point(|&bound| bound <= k);
             let (first, end) = (bounds[segment - 1], bounds[segment]);
-            let last_start = end.saturating_sub(CUBIC).max(first);
-            let start = k.saturating_sub(1).clamp(first, last_start);
-            (start, cubic(&knots[start..end.min(start + CUBIC)], t))
+            let last_start = end.saturating_sub(NEAREST).max(first);
+            let start = (k + 1).saturating_sub(NEAREST / 2).clamp(first, last_start);
+            let near = &knots[start..end.min(start + NEAREST)];
+            let known = window.filter(|(of, _)| *of == start);
+            let (_, scales) = *window.insert(known.unwrap_or_else(|| (start, scales(near))));
+            (start, lagrange(near, &scales, t))
         };
         Places::Between(time_s.iter().map(place).collect())
     }
@@ -76,8 +80,8 @@ impl Places {
         match self {
             Places::On(places) => places.iter().map(|&k| values[k]).collect(),
             Places::Between(places) => {
-                let value = |(start, weights): &(usize, [f64; CUBIC])| {
-                    let near = &values[*start..values.len().min(start + CUBIC)];
+                let value = |(start, weights): &(usize, [f64; NEAREST])| {
+                    let near = &values[*start..values.len().min(start + NEAREST)];
                     near.iter().zip(weights).map(|(v, w)| v * w).sum()
                 };
                 places.iter().map(value).collect()
@@ -86,12 +90,26 @@ impl Places {
     }
 }
 
-/// Lagrange's weights of up to four knots at `t`; the others are 0.
-fn cubic(knots: &[f64], t: f64) -> [f64; CUBIC] {
-    let mut weights = [0.0; CUBIC];
-    for (i, (&own, weight)) in knots.iter().zip(&mut weights).enumerate() {
+/// One over the product of the distances of every knot from the others, of up to eight.
+fn scales(knots: &[f64]) -> [f64; NEAREST] {
+    let mut scales = [0.0; NEAREST];
+    for (i, (&own, scale)) in knots.iter().zip(&mut scales).enumerate() {
         let others = knots.iter().enumerate().filter(|(j, _)| *j != i);
-        *weight = others.map(|(_, other)| (t - other) / (own - other)).product();
+        *scale = others.map(|(_, other)| own - other).product::<f64>().recip();
+    }
+    scales
+}
+
+/// Lagrange's weights of these knots at `t`; those of knots that are not there are 0.
+fn lagrange(knots: &[f64], scales: &[f64; NEAREST], t: f64) -> [f64; NEAREST] {
+    let mut weights = [0.0; NEAREST];
+    if let Some(on) = knots.iter().position(|&knot| knot == t) {
+        weights[on] = 1.0;
+        return weights;
+    }
+    let all: f64 = knots.iter().map(|knot| t - knot).product();
+    for ((knot, scale), weight) in knots.iter().zip(scales).zip(&mut weights) {
+        *weight = all / (t - knot) * scale;
     }
     weights
 }
@@ -128,7 +146,7 @@ mod tests {
 
     #[test]
     fn sparse_readings_are_all_knots() {
-        let times: Vec<f64> = (0..600).map(f64::from).collect();
+        let times: Vec<f64> = (0..100).map(f64::from).collect();
         assert_eq!(enough(&times, &[0.0]), None);
         let Places::On(places) = Places::on(&times, &times[3..5]) else {
             panic!("readings stand on knots")

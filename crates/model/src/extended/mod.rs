@@ -14,6 +14,7 @@ mod system;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use grid::Grids;
 pub use model::ExtendedModel;
 pub use stepper::Responses;
 pub use system::{

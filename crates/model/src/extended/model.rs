@@ -3,7 +3,7 @@
 use crate::LumpedModel;
 use crate::effects::Applied;
 
-use super::grid::Grid;
+use super::grid::Grids;
 use super::stepper::{Responses, Stepper};
 use super::system::{RunContext, System, Written};
 
@@ -30,8 +30,19 @@ impl ExtendedModel {
 
     /// Current and curvature at increasing times, s.
     pub fn responses(&self, run: &RunContext, current_time_s: &[f64], curvature_time_s: &[f64]) -> Responses {
+        self.responses_by(&Grids::default(), run, current_time_s, curvature_time_s)
+    }
+
+    /// The same, stepped on one of these grids where one of them serves.
+    pub fn responses_by(
+        &self,
+        grids: &Grids,
+        run: &RunContext,
+        current_time_s: &[f64],
+        curvature_time_s: &[f64],
+    ) -> Responses {
         let system = self.system(run);
-        let grid = Grid::new(run, &system, current_time_s, curvature_time_s);
+        let grid = grids.of(run, &system, current_time_s, curvature_time_s);
         let mut found = Stepper::new(&system, run).responses(&grid);
         let start_s = run.start_s();
         write_down(

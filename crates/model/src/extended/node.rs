@@ -5,13 +5,37 @@ use super::system::{BranchLaw, Coefficients, System};
 /// Nodes of the ladder of a strip whose electrodes resist.
 pub(super) const LADDER: usize = 12;
 
+/// An exponential over a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Decay {
+    pub(super) rate_per_s: f64,
+    step_s: f64,
+    /// `1 - e^(-rate h)`: part of the way to an end value that holds still.
+    pub(super) way: f64,
+}
+
+impl Decay {
+    /// From the one `before` where it has that rate, over the same step or half of it: a step is walked by its half first.
+    pub(super) fn over(rate_per_s: f64, step_s: f64, before: Option<&Decay>) -> Decay {
+        let before = before.filter(|before| before.rate_per_s == rate_per_s);
+        let way = match before {
+            Some(before) if before.step_s == step_s => before.way,
+            Some(before) if 2.0 * before.step_s == step_s => before.way * (2.0 - before.way),
+            _ => -(-rate_per_s * step_s).exp_m1(),
+        };
+        Decay {
+            rate_per_s,
+            step_s,
+            way,
+        }
+    }
+}
+
 /// What a branch does over a step in which the voltage across it goes along a straight line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Charging {
-    /// Rate of the branch, 1/s.
-    pub(super) rate_per_s: f64,
-    /// `1 - e^(-rate h)`: part of the way to an end value that holds still.
-    pub(super) way: f64,
+    /// How it dies away.
+    pub(super) decay: Decay,
     /// End voltage of the capacitor per volt across the branch.
     pub(super) end: f64,
     /// Weight of the voltage at the start, and at the end, in the capacitor's voltage at the end.
@@ -20,16 +44,22 @@ pub(super) struct Charging {
 }
 
 impl Charging {
-    pub(super) fn over(branch: &BranchLaw, r: f64, c: f64, step_s: f64) -> Charging {
+    /// `before`: the same branch over another step.
+    pub(super) fn over(
+        branch: &BranchLaw,
+        r: f64,
+        c: f64,
+        step_s: f64,
+        before: Option<&Charging>,
+    ) -> Charging {
         let g = branch.internal_conductance_s_per_cm2;
         let rate_per_s = (r.recip() + g) / c;
-        let x = rate_per_s * step_s;
-        let way = -(-x).exp_m1();
+        let decay = Decay::over(rate_per_s, step_s, before.map(|before| &before.decay));
+        let (x, way) = (rate_per_s * step_s, decay.way);
         let to = if x > 1e-6 { 1.0 - way / x } else { x / 2.0 };
         let end = (1.0 + g * r).recip();
         Charging {
-            rate_per_s,
-            way,
+            decay,
             end,
             from: end * (way - to),
             to: end * to,
@@ -43,7 +73,7 @@ pub(super) fn draw(c: &Coefficients, charging: &[Charging], capacitor_v: &[f64],
     let mut offset = c.leak_a_per_cm2;
     for ((charging, &e), &r) in charging.iter().zip(capacitor_v).zip(&c.resistance_ohm_cm2) {
         conductance += (1.0 - charging.to) / r;
-        offset -= ((1.0 - charging.way) * e + charging.from * u_from) / r;
+        offset -= ((1.0 - charging.decay.way) * e + charging.from * u_from) / r;
     }
     (conductance, offset)
 }

@@ -3,7 +3,7 @@
 use ieap_domain::Level;
 
 use super::grid::Grid;
-use super::node::{Charging, LADDER, draw, draw_now, voltages};
+use super::node::{Charging, Decay, LADDER, draw, draw_now, voltages};
 use super::system::{Coefficients, Now, RunContext, System};
 
 /// What the model gives at the times asked for.
@@ -283,8 +283,8 @@ impl<'a> Stepper<'a> {
         for ((e, &from), &to) in nodes.zip(&work.nodes_v) {
             for ((e, charging), gained) in e.iter_mut().zip(&work.charging).zip(&mut work.gained) {
                 let ramp = charging.end * (to - from) / h;
-                *gained += charging.end * from - ramp / charging.rate_per_s - *e;
-                *e = (1.0 - charging.way) * *e + charging.from * from + charging.to * to;
+                *gained += charging.end * from - ramp / charging.decay.rate_per_s - *e;
+                *e = (1.0 - charging.decay.way) * *e + charging.from * from + charging.to * to;
             }
             mean_v += (from + to) / 2.0;
             risen += to - from;
@@ -321,12 +321,16 @@ impl<'a> Stepper<'a> {
     fn advance_strain(&self, state: &mut State, work: &mut Work, h: f64, per_node: f64, steady: f64) {
         let branches = self.system.branches.iter().enumerate();
         let charges = branches.clone().map(|(k, b)| {
-            b.bends * work.now.capacitance_f_per_cm2[k] * per_node * work.gained[k] * work.charging[k].way
+            b.bends
+                * work.now.capacitance_f_per_cm2[k]
+                * per_node
+                * work.gained[k]
+                * work.charging[k].decay.way
         });
         let gain = charges.sum::<f64>() + steady * h;
         let share = self.share(state.charge, gain);
         for (m, strain) in state.strain.iter_mut().enumerate() {
-            let left = work.kept[m];
+            let left = 1.0 - work.relaxing[m].way;
             let mut grown = steady * work.grown[m];
             for (k, b) in branches.clone() {
                 let start = b.bends * work.now.capacitance_f_per_cm2[k] * per_node * work.gained[k];
@@ -356,8 +360,8 @@ impl<'a> Stepper<'a> {
 struct Work {
     now: Coefficients,
     charging: Vec<Charging>,
-    /// Per mode: what is left of the strain, and what a steady current of 1 A/cm2 adds.
-    kept: Vec<f64>,
+    /// Per mode: how the strain dies away, and what a steady current of 1 A/cm2 adds.
+    relaxing: Vec<Decay>,
     grown: Vec<f64>,
     /// Per mode and branch: strain per charge still to come at the start of the step.
     driven: Vec<f64>,
@@ -375,7 +379,7 @@ impl Work {
         Work {
             now: stepper.plain.clone(),
             charging: Vec::with_capacity(branches),
-            kept: vec![0.0; modes],
+            relaxing: Vec::with_capacity(modes),
             grown: vec![0.0; modes],
             driven: vec![0.0; modes * branches],
             draws: vec![(0.0, 0.0); stepper.nodes],
@@ -394,26 +398,36 @@ impl Work {
             return;
         }
         self.prepared_s = h;
-        self.charging.clear();
         for (k, branch) in stepper.system.branches.iter().enumerate() {
             let (r, c) = (self.now.resistance_ohm_cm2[k], self.now.capacitance_f_per_cm2[k]);
-            self.charging.push(Charging::over(branch, r, c, h));
+            let charging = Charging::over(branch, r, c, h, self.charging.get(k));
+            put(&mut self.charging, k, charging);
         }
         let branches = self.charging.len();
         for (m, mode) in stepper.system.relaxation.iter().enumerate() {
             let rate = mode.rate_per_s * self.now.relaxation_factor;
-            let left = (-rate * h).exp();
-            self.kept[m] = left;
-            self.grown[m] = if rate * h > 1e-8 { (1.0 - left) / rate } else { h };
+            let relaxing = Decay::over(rate, h, self.relaxing.get(m));
+            let way = relaxing.way;
+            put(&mut self.relaxing, m, relaxing);
+            self.grown[m] = if rate * h > 1e-8 { way / rate } else { h };
             for k in 0..branches {
                 let charging = self.charging[k];
-                let apart = (charging.rate_per_s - rate) * h;
+                let (charges, charged) = (charging.decay.rate_per_s, charging.decay.way);
+                let apart = (charges - rate) * h;
                 self.driven[m * branches + k] = if apart.abs() > 1e-3 {
-                    charging.rate_per_s * (left - 1.0 + charging.way) * h / apart
+                    charges * (charged - way) * h / apart
                 } else {
-                    charging.rate_per_s * h * left * (1.0 - apart / 2.0 + apart * apart / 6.0)
+                    charges * h * (1.0 - way) * (1.0 - apart / 2.0 + apart * apart / 6.0)
                 };
             }
         }
+    }
+}
+
+/// Writes what stands at that place, the next one among them.
+fn put<T>(list: &mut Vec<T>, at: usize, value: T) {
+    match list.get_mut(at) {
+        Some(own) => *own = value,
+        None => list.push(value),
     }
 }

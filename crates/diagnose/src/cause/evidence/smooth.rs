@@ -4,8 +4,11 @@ use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::policy::{KNOT_SPACING, KNOTS_FROM_S};
-use crate::fitting::tangent::Tangent;
+use crate::fitting::tangent::{DEPENDENT, Tangent};
 use crate::readings::group::{Block, RunGroup};
+
+/// Square of the length of all columns together, in variances of the noise, that is nothing.
+const NOTHING: f64 = 1e-12;
 
 /// A column of whitened readings, as pieces that begin at a row.
 pub(crate) struct Column {
@@ -57,9 +60,25 @@ impl Process {
                 }
             }
         }
-        Process {
+        let mut process = Process {
             with_residuals: columns.iter().map(|column| column.with(&left)).collect(),
             products,
+        };
+        for (k, column) in columns.iter().enumerate() {
+            // What is left of it is the rounding of what was taken off.
+            if process.products.get(k, k) <= DEPENDENT * DEPENDENT * column.with_column(column) {
+                process.forget(k);
+            }
+        }
+        process
+    }
+
+    /// Makes a column one that acts on nothing.
+    fn forget(&mut self, column: usize) {
+        self.with_residuals[column] = 0.0;
+        for other in 0..self.products.order() {
+            self.products.set(column, other, 0.0);
+            self.products.set(other, column, 0.0);
         }
     }
 
@@ -68,7 +87,7 @@ impl Process {
     pub(crate) fn of_unit_size(mut self) -> Option<Process> {
         let order = self.products.order();
         let trace: f64 = (0..order).map(|k| self.products.get(k, k)).sum();
-        if !(trace > 1e-12 && trace.is_finite()) {
+        if !(trace > NOTHING && trace.is_finite()) {
             return None;
         }
         let mut scaled = Symmetric::zero(order);
@@ -80,6 +99,11 @@ impl Process {
         self.products = scaled;
         self.with_residuals.iter_mut().for_each(|v| *v /= trace.sqrt());
         Some(self)
+    }
+
+    /// Whether a refit takes up everything.
+    pub(crate) fn is_nothing(&self) -> bool {
+        self.squares().iter().sum::<f64>() <= NOTHING
     }
 
     /// Squares of the columns' lengths after the refit.

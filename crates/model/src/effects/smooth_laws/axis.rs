@@ -152,7 +152,11 @@ impl Curve {
         } else {
             (x - low) / (high - low)
         };
-        let each = self.weights.iter().enumerate();
+        let each = self
+            .weights
+            .iter()
+            .enumerate()
+            .filter(|(_, weight)| **weight != 0.0);
         each.map(|(k, weight)| weight * if k < bells { bell(k) } else { line })
             .sum()
     }
