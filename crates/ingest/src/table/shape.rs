@@ -41,8 +41,16 @@ pub struct Shape {
     pub ends_early: bool,
 }
 
+/// How much is known under the best names so far, and how many names there may be.
+struct Best {
+    score: usize,
+    most_names: usize,
+}
+
 struct Row<'a> {
     at: usize,
+    /// Its fields, with those at its end that hold nothing.
+    fields: usize,
     cells: Vec<&'a str>,
     kinds: Vec<Kind>,
 }
@@ -98,8 +106,13 @@ fn named(
         ends_early: false,
         kinds,
     };
-    let mut best = 0;
     let width = found.kinds.len();
+    // Columns of events hold nothing in most rows.
+    let fields = rows[first..].iter().map(|row| row.fields).max();
+    let mut best = Best {
+        score: 0,
+        most_names: 2 * width.max(fields.unwrap_or(0)),
+    };
     let told = comments.iter().map(|(at, _)| *at);
     let told: Vec<usize> = told.filter(|at| *at < found.data_at).collect();
     // The mark of comments may be the name of a column of numbers of rows; before units it is none.
@@ -147,11 +160,17 @@ fn named(
 fn row<'a>(at: usize, text: &'a str, delimiter: Delimiter) -> Row<'a> {
     let mut cells = Vec::new();
     delimiter.split(text, |_, cell| cells.push(cell));
+    let fields = cells.len();
     while cells.last().is_some_and(|cell| unquote(cell).is_empty()) {
         cells.pop();
     }
     let kinds = cells.iter().map(|cell| kind(cell)).collect();
-    Row { at, cells, kinds }
+    Row {
+        at,
+        fields,
+        cells,
+        kinds,
+    }
 }
 
 /// Places among so many rows that readings are looked for in.
@@ -330,7 +349,7 @@ impl Shape {
     }
 
     /// Takes the names from lines above the readings, the last of which is the next to them.
-    fn take_from(&mut self, best: &mut usize, texts: &[(usize, &str)]) {
+    fn take_from(&mut self, best: &mut Best, texts: &[(usize, &str)]) {
         for index in (0..texts.len()).rev() {
             let (at, text) = texts[index];
             // Units are no names where names stand above them.
@@ -350,12 +369,12 @@ impl Shape {
     }
 
     /// Takes names where more is known under them than under those before.
-    fn take(&mut self, best: &mut usize, names: Vec<String>, units: Vec<String>, at: usize) {
+    fn take(&mut self, best: &mut Best, names: Vec<String>, units: Vec<String>, at: usize) {
         let words = names
             .iter()
             .filter(|name| matches!(kind(name), Kind::Word))
             .count();
-        if names.len() < 2 || words == 0 || names.len() > self.kinds.len().max(2) * 2 {
+        if names.len() < 2 || words == 0 || names.len() > best.most_names {
             return;
         }
         let unit = |index: usize| units.get(index).map_or("", String::as_str);
@@ -364,8 +383,8 @@ impl Shape {
             .collect();
         // Of two rows of words under which as much is known both are the names.
         let score = 1 + words.min(self.kinds.len()) + 100 * known.iter().sum::<usize>();
-        if score > *best || (score == *best && self.names_at.is_some_and(|lower| at < lower)) {
-            *best = score;
+        if score > best.score || (score == best.score && self.names_at.is_some_and(|lower| at < lower)) {
+            best.score = score;
             self.known = known.iter().sum();
             self.names_at = Some(at);
             (self.names, self.units) = (names, units);
