@@ -322,11 +322,33 @@ fn readings_of(
                 found.push((names.clone(), units));
             }
             found.push((names.iter().enumerate().map(joined).collect(), Vec::new()));
+            found.extend(partly_units(&names, below_cells()));
             found.push((names, Vec::new()));
         }
         None => found.push((names, Vec::new())),
     }
     found
+}
+
+/// Names of a row that holds units below some names of the row above it, and names of its own elsewhere.
+fn partly_units<'b>(
+    upper: &[String],
+    lower: impl Iterator<Item = &'b str>,
+) -> Option<(Vec<String>, Vec<String>)> {
+    let unit = |cell: &str| {
+        unit_row(1, std::iter::once(cell))?
+            .pop()
+            .filter(|unit| !unit.is_empty())
+    };
+    let column = |(index, cell): (usize, &str)| match (unit(cell), upper.get(index)) {
+        (Some(unit), Some(name)) => (name.clone(), unit),
+        _ => (cell.to_owned(), String::new()),
+    };
+    let (names, units): (Vec<String>, Vec<String>) = lower.enumerate().map(column).unzip();
+    units
+        .iter()
+        .any(|unit| !unit.is_empty())
+        .then_some((names, units))
 }
 
 fn names_in(text: &str, delimiter: Delimiter) -> Vec<String> {
@@ -363,13 +385,13 @@ impl Shape {
                 Some(row(*at, text, self.delimiter))
             };
             for (names, units) in readings_of(text, self.delimiter, below(1).as_ref(), below(2).as_ref()) {
-                self.take(best, names, units, at);
+                self.take(best, names, units, (at, cells.len()));
             }
         }
     }
 
-    /// Takes names where more is known under them than under those before.
-    fn take(&mut self, best: &mut Best, names: Vec<String>, units: Vec<String>, at: usize) {
+    /// Takes names where more is known under them than under those before. They stand at `at`, in a row of `own` names.
+    fn take(&mut self, best: &mut Best, names: Vec<String>, units: Vec<String>, (at, own): (usize, usize)) {
         let words = names
             .iter()
             .filter(|name| matches!(kind(name), Kind::Word))
@@ -381,11 +403,17 @@ impl Shape {
         let known: Vec<usize> = (names.iter().enumerate())
             .map(|(index, name)| known(name, unit(index), self.kinds.get(index).copied()))
             .collect();
-        // Of two rows of words under which as much is known both are the names.
-        let score = 1 + words.min(self.kinds.len()) + 100 * known.iter().sum::<usize>();
-        if score > best.score || (score == best.score && self.names_at.is_some_and(|lower| at < lower)) {
+        let known = known.iter().sum::<usize>();
+        let score = 1 + words.min(self.kinds.len()) + 100 * known;
+        // Of two rows of words under which as much is known both are the names; a shorter one above must tell more.
+        let is_better = if names.len() > own {
+            known > self.known
+        } else {
+            score > best.score || (score == best.score && self.names_at.is_some_and(|lower| at < lower))
+        };
+        if is_better {
             best.score = score;
-            self.known = known.iter().sum();
+            self.known = known;
             self.names_at = Some(at);
             (self.names, self.units) = (names, units);
         }
