@@ -375,7 +375,7 @@ fn climate(status: &Status, told: &mut Sections) {
     told.list("run", "without a log that covers them", &climate.runs_not_covered);
     told.list(
         "run",
-        "that no log can be held against, for no start of them is known (`ieap tag RUN started_at=...`)",
+        "that no log can be held against, for no start of them is known with its time (`ieap tag RUN started_at=...`)",
         &climate.runs_without_start,
     );
     let exposures: Vec<String> = climate

@@ -147,7 +147,9 @@ fn without_a_start_its_own_columns_hold_and_no_untruth_is_said() {
     folder.write("runs/own.csv", own_table(1));
     folder.write("runs/none.csv", run_table(2));
     folder.write("runs/wrong.csv", run_table(3));
-    folder.write("runs/wrong.csv.toml", "started_at = \"2026-01-10\"\n");
+    folder.write("runs/wrong.csv.toml", "started_at = \"10.01.2026\"\n");
+    folder.write("runs/day.csv", run_table(5));
+    folder.write("runs/day.csv.toml", "started_at = 2026-01-10\n");
     folder.write("runs/stated.csv", run_table(4));
     folder.write("runs/stated.csv.toml", START);
     folder.write("ambient/room.csv", log(61.0, 20.0));
@@ -162,6 +164,10 @@ fn without_a_start_its_own_columns_hold_and_no_untruth_is_said() {
             "runs/wrong.csv",
             Some("the start that is stated for the run cannot be used"),
         ),
+        (
+            "runs/day.csv",
+            Some("the start of the run is a day without a time"),
+        ),
         ("runs/stated.csv", None),
     ] {
         let said = of(path)
@@ -173,13 +179,15 @@ fn without_a_start_its_own_columns_hold_and_no_untruth_is_said() {
             assert!(said.message.ends_with(expected), "{}", said.message);
         }
     }
+    assert_eq!(of("runs/day.csv").tag("started_at"), Some("2026-01-10"));
+    assert!(of("runs/day.csv").climate.is_empty());
     let shown = folder.ieap(&["status"]).expect(0).stdout;
     assert!(
         shown.contains("no start of them is known") && !shown.contains("state no start"),
         "{shown}"
     );
     let status = folder.ieap(&["status", "--json"]).expect(0).json()["status"]["climate"].clone();
-    let without = serde_json::json!(["runs/none.csv", "runs/wrong.csv"]);
+    let without = serde_json::json!(["runs/day.csv", "runs/none.csv", "runs/wrong.csv"]);
     assert_eq!(status["runs_without_start"], without);
     assert_eq!(status["runs_covered"], 1, "the log covers the one with a start");
 }

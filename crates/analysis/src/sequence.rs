@@ -3,6 +3,7 @@
 use std::borrow::Borrow;
 use std::collections::BTreeMap;
 
+use crate::zone::order_s;
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, RunRecord};
 
@@ -107,10 +108,7 @@ fn numbered(path: &str) -> Option<(String, u64)> {
 }
 
 fn start_s(run: &RunRecord) -> Option<i64> {
-    run.tag(keys::STARTED_AT)?
-        .parse::<jiff::Timestamp>()
-        .ok()
-        .map(jiff::Timestamp::as_second)
+    order_s(run.tag(keys::STARTED_AT)?).map(|seconds| seconds as i64)
 }
 
 impl Break {

@@ -147,7 +147,7 @@ pub struct ClimateStatus {
     pub runs_label_differs: Vec<String>,
     /// Runs that no log covers although there are logs.
     pub runs_not_covered: Vec<String>,
-    /// Runs of which no start is known: no log can be held against them.
+    /// Runs of which no start, or only its day, is known: no log can be held against them.
     pub runs_without_start: Vec<String>,
 }
 
@@ -309,9 +309,6 @@ fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, Pipel
         found.map(|run| run.path.clone()).collect()
     };
     let with = |code: &str| named(&|run| run.issues.iter().any(|issue| issue.code == code));
-    let without_start = |run: &RunRecord| {
-        run.tag(keys::STARTED_AT).is_none() && run.issues.iter().any(|issue| issue.code == "climate-no-start")
-    };
     Ok(ClimateStatus {
         logs: context.store.logs()?.len(),
         assessment,
@@ -319,7 +316,7 @@ fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, Pipel
         runs_left_tolerance: with("climate-left-tolerance"),
         runs_label_differs: named(&RunRecord::climate_label_differs),
         runs_not_covered: with("climate-not-covered"),
-        runs_without_start: named(&without_start),
+        runs_without_start: with("climate-no-start"),
     })
 }
 

@@ -151,7 +151,7 @@ fn without_order(facts: &[RunFacts], questions: &[(Vec<usize>, String, usize)]) 
     let missing = places.iter().filter(|place| !has(place)).count();
     (missing > 0).then(|| {
         format!(
-            "{missing} of {} runs of {} in the reference condition do not say when they were made; tag them with cycle or started_at",
+            "{missing} of {} runs of {} in the reference condition do not say when they were made; tag them with cycle, or with started_at and its time",
             places.len(),
             facts[places[0]].sample
         )

@@ -567,11 +567,17 @@ fn flagged_stretches(flags: &[RowFlag], axis: &TimeAxis) -> Vec<FlaggedStretch> 
 }
 
 fn no_response(raw: &Raw, meanings: &[Meaning]) -> ReadError {
-    let describe = |(header, meaning): (&Header, &Meaning)| match meaning {
-        Meaning::Refused { error, .. } => format!("{} ({error})", quoted(&header.raw_name)),
-        _ => quoted(&header.raw_name),
+    let describe = |(index, header): (usize, &Header)| {
+        let (name, text) = (quoted(&header.raw_name), &raw.cells.columns[index].text);
+        match (&meanings[index], &header.meaning, &text.first) {
+            (Meaning::Refused { error, .. }, ..) => format!("{name} ({error})"),
+            (Meaning::Other, Meaning::Known { .. }, Some((_, first))) => {
+                format!("{name} ({} cells hold text, first {})", text.count, quoted(first))
+            }
+            _ => name,
+        }
     };
-    let columns: Vec<String> = raw.headers.iter().zip(meanings).map(describe).collect();
+    let columns: Vec<String> = raw.headers.iter().enumerate().map(describe).collect();
     ReadError::NoResponse {
         line: raw.cells.header_line,
         found: columns.join(", "),

@@ -103,7 +103,7 @@ pub enum ReadError {
         mend: &'static str,
     },
     /// The names of the header are known, and no delimiter and decimal sign makes numbers of the rows below.
-    #[error("delimiter and decimal sign cannot be decided: {found}")]
+    #[error("no row of readings is found: {found}")]
     NoReading {
         /// Line of the names.
         header: usize,

@@ -65,6 +65,12 @@ pub fn candidates(head: &FileHead<'_>) -> Vec<Candidate> {
     ALL.iter().filter_map(|&format| candidate(format, head)).collect()
 }
 
+/// Whether a text bears the mark of an instrument's own format.
+pub fn is_of_instrument(head: &FileHead<'_>) -> bool {
+    ALL.iter()
+        .any(|format| matches!(format.recognise(head), Match::Certain(_)))
+}
+
 /// Whether the first leads by content, or is as good by content and has the extension for it.
 fn leads(first: &Candidate, second: &Candidate, with_extension: impl Fn(&Candidate) -> f64) -> bool {
     let by_content = first.score - second.score;

@@ -16,6 +16,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::formats::recognition::{self, FileHead};
 use crate::scan::{SeenFile, composed, parse_display_path};
 use crate::text::decode;
 use ieap_domain::tag::keys;
@@ -188,8 +189,11 @@ fn not_there_to_read(error: &std::io::Error) -> DamagedSheet {
 /// Whether a file of that name and content is a run sheet.
 pub fn is_sheet(name: &str, bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(HEAD_BYTES)];
+    // `End Of File` is a logger's column of events.
+    let is_laboratory =
+        || laboratory::rewritten(head).is_some() && !recognition::is_of_instrument(&FileHead::of(name, head));
     has_name(name)
-        || (may_be(name) && (read::names_columns(head) || laboratory::rewritten(head).is_some()))
+        || (may_be(name) && (read::names_columns(head) || is_laboratory()))
         || (laboratory::may_be_workbook(name) && laboratory::rewritten(bytes).is_some())
 }
 

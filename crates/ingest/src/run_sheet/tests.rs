@@ -181,4 +181,6 @@ fn a_text_of_a_laboratory_is_one_and_a_table_of_readings_is_none() {
     );
     assert_eq!(rows[0].tag("relative_humidity_percent"), Some("35.5"));
     assert!(!is_sheet("a.csv", b"Zeit;Probe;U [V]\n0;1;2\n"));
+    let log = "Plot Title: a\n#,\"Date Time, GMT+02:00\",\"RH, %\",End Of File\n1,05/17/26 10:00:00 AM,41.5,Logged\n";
+    assert!(!is_sheet("log.csv", log.as_bytes()));
 }

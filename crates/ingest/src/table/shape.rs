@@ -41,8 +41,16 @@ pub struct Shape {
     pub ends_early: bool,
 }
 
+/// How much is known under the best names so far, and how many names there may be.
+struct Best {
+    score: usize,
+    most_names: usize,
+}
+
 struct Row<'a> {
     at: usize,
+    /// Its fields, with those at its end that hold nothing.
+    fields: usize,
     cells: Vec<&'a str>,
     kinds: Vec<Kind>,
 }
@@ -98,8 +106,13 @@ fn named(
         ends_early: false,
         kinds,
     };
-    let mut best = 0;
     let width = found.kinds.len();
+    // Columns of events hold nothing in most rows.
+    let fields = rows[first..].iter().map(|row| row.fields).max();
+    let mut best = Best {
+        score: 0,
+        most_names: 2 * width.max(fields.unwrap_or(0)),
+    };
     let told = comments.iter().map(|(at, _)| *at);
     let told: Vec<usize> = told.filter(|at| *at < found.data_at).collect();
     // The mark of comments may be the name of a column of numbers of rows; before units it is none.
@@ -147,11 +160,17 @@ fn named(
 fn row<'a>(at: usize, text: &'a str, delimiter: Delimiter) -> Row<'a> {
     let mut cells = Vec::new();
     delimiter.split(text, |_, cell| cells.push(cell));
+    let fields = cells.len();
     while cells.last().is_some_and(|cell| unquote(cell).is_empty()) {
         cells.pop();
     }
     let kinds = cells.iter().map(|cell| kind(cell)).collect();
-    Row { at, cells, kinds }
+    Row {
+        at,
+        fields,
+        cells,
+        kinds,
+    }
 }
 
 /// Places among so many rows that readings are looked for in.
@@ -303,11 +322,33 @@ fn readings_of(
                 found.push((names.clone(), units));
             }
             found.push((names.iter().enumerate().map(joined).collect(), Vec::new()));
+            found.extend(partly_units(&names, below_cells()));
             found.push((names, Vec::new()));
         }
         None => found.push((names, Vec::new())),
     }
     found
+}
+
+/// Names of a row that holds units below some names of the row above it, and names of its own elsewhere.
+fn partly_units<'b>(
+    upper: &[String],
+    lower: impl Iterator<Item = &'b str>,
+) -> Option<(Vec<String>, Vec<String>)> {
+    let unit = |cell: &str| {
+        unit_row(1, std::iter::once(cell))?
+            .pop()
+            .filter(|unit| !unit.is_empty())
+    };
+    let column = |(index, cell): (usize, &str)| match (unit(cell), upper.get(index)) {
+        (Some(unit), Some(name)) => (name.clone(), unit),
+        _ => (cell.to_owned(), String::new()),
+    };
+    let (names, units): (Vec<String>, Vec<String>) = lower.enumerate().map(column).unzip();
+    units
+        .iter()
+        .any(|unit| !unit.is_empty())
+        .then_some((names, units))
 }
 
 fn names_in(text: &str, delimiter: Delimiter) -> Vec<String> {
@@ -330,7 +371,7 @@ impl Shape {
     }
 
     /// Takes the names from lines above the readings, the last of which is the next to them.
-    fn take_from(&mut self, best: &mut usize, texts: &[(usize, &str)]) {
+    fn take_from(&mut self, best: &mut Best, texts: &[(usize, &str)]) {
         for index in (0..texts.len()).rev() {
             let (at, text) = texts[index];
             // Units are no names where names stand above them.
@@ -344,29 +385,35 @@ impl Shape {
                 Some(row(*at, text, self.delimiter))
             };
             for (names, units) in readings_of(text, self.delimiter, below(1).as_ref(), below(2).as_ref()) {
-                self.take(best, names, units, at);
+                self.take(best, names, units, (at, cells.len()));
             }
         }
     }
 
-    /// Takes names where more is known under them than under those before.
-    fn take(&mut self, best: &mut usize, names: Vec<String>, units: Vec<String>, at: usize) {
+    /// Takes names where more is known under them than under those before. They stand at `at`, in a row of `own` names.
+    fn take(&mut self, best: &mut Best, names: Vec<String>, units: Vec<String>, (at, own): (usize, usize)) {
         let words = names
             .iter()
             .filter(|name| matches!(kind(name), Kind::Word))
             .count();
-        if names.len() < 2 || words == 0 || names.len() > self.kinds.len().max(2) * 2 {
+        if names.len() < 2 || words == 0 || names.len() > best.most_names {
             return;
         }
         let unit = |index: usize| units.get(index).map_or("", String::as_str);
         let known: Vec<usize> = (names.iter().enumerate())
             .map(|(index, name)| known(name, unit(index), self.kinds.get(index).copied()))
             .collect();
-        // Of two rows of words under which as much is known both are the names.
-        let score = 1 + words.min(self.kinds.len()) + 100 * known.iter().sum::<usize>();
-        if score > *best || (score == *best && self.names_at.is_some_and(|lower| at < lower)) {
-            *best = score;
-            self.known = known.iter().sum();
+        let known = known.iter().sum::<usize>();
+        let score = 1 + words.min(self.kinds.len()) + 100 * known;
+        // Of two rows of words under which as much is known both are the names; a shorter one above must tell more.
+        let is_better = if names.len() > own {
+            known > self.known
+        } else {
+            score > best.score || (score == best.score && self.names_at.is_some_and(|lower| at < lower))
+        };
+        if is_better {
+            best.score = score;
+            self.known = known;
             self.names_at = Some(at);
             (self.names, self.units) = (names, units);
         }

@@ -9,7 +9,7 @@ use super::question::Question;
 use super::read::{Settled, Table};
 use super::rows;
 use crate::formats::ReadContext;
-use crate::formats::climate::moments::{Moments, NoOrder, moments};
+use crate::formats::climate::moments::{Moments, NoOrder, moments, offset_in};
 use crate::formats::error::{ReadError, quoted};
 use crate::formats::policy::BAD_SHARE;
 use crate::formats::stamp::{DateOrder, in_digits};
@@ -624,7 +624,7 @@ fn by_dates(
     let offset = if moments.in_utc {
         Some("+00:00".to_owned())
     } else {
-        crate::formats::climate::wall_clock::offset(&name)
+        offset_in(&name)
     };
     Ok(Wall {
         columns,

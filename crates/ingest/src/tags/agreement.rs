@@ -1,6 +1,7 @@
 //! Whether two sources mean the same, and what to say where they do not.
 
 use crate::tags::policy::START_AGREES_S;
+use crate::tags::value;
 use jiff::Timestamp;
 
 use ieap_domain::drive::{NOMINAL_AGREES_PART, NOMINAL_AGREES_V};
@@ -86,6 +87,9 @@ fn agree(chosen: &Tag, overruled: &Tag) -> bool {
         return true;
     }
     if chosen.key == keys::STARTED_AT {
+        if lies_in_day(chosen, overruled) || lies_in_day(overruled, chosen) {
+            return true;
+        }
         return match (
             chosen.value.parse::<Timestamp>(),
             overruled.value.parse::<Timestamp>(),
@@ -102,6 +106,12 @@ fn agree(chosen: &Tag, overruled: &Tag) -> bool {
         (Ok(a), Ok(b)) => numbers_agree(chosen, overruled, (a, b)),
         _ => false,
     }
+}
+
+/// Whether one start is a moment of the day that the other is.
+pub(super) fn lies_in_day(moment: &Tag, day: &Tag) -> bool {
+    let is_day = value::day(&day.value).is_some() && value::day(&moment.value).is_none();
+    day.key == keys::STARTED_AT && is_day && moment.value.starts_with(&day.value)
 }
 
 /// Whether two numbers of a key mean the same: exactly where neither was measured.

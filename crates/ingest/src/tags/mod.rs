@@ -194,8 +194,12 @@ fn choose(request: &TagRequest, mut offered: Vec<Offered>) -> (Vec<Tag>, Vec<Iss
     let (mut chosen, mut overruled): (Vec<Offered>, Vec<Tag>) = (Vec::new(), Vec::new());
     let mut issues = Vec::new();
     for next in offered {
-        match chosen.iter().find(|other| other.tag.key == next.tag.key) {
+        match chosen.iter_mut().find(|other| other.tag.key == next.tag.key) {
             None => chosen.push(next),
+            // The moment says more than the day that it lies in.
+            Some(winner) if agreement::lies_in_day(&next.tag, &winner.tag) => {
+                overruled.push(std::mem::replace(winner, next).tag);
+            }
             Some(winner) => {
                 issues.extend(
                     if winner.of == next.of || !is_of_a_name(&winner.tag) || !is_of_a_name(&next.tag) {

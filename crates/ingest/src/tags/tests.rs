@@ -502,3 +502,29 @@ fn a_name_that_a_pattern_cannot_split_in_one_way_gives_no_tag() {
         assert_eq!(found.value("note"), None);
     }
 }
+
+#[test]
+fn a_start_that_is_a_day_gives_way_to_a_moment_of_it() {
+    let start = |stated: &str, of_file: &str| {
+        let key = keys::STARTED_AT;
+        let given = Given {
+            header: vec![(key.to_owned(), of_file.to_owned(), String::new())],
+            ..Given::default()
+        };
+        // A date of TOML, as people write it, and a text.
+        let sidecar = format!("{key} = {stated}\n");
+        let resolved = resolve_with(&[(&format!("{FILE}.toml"), &sidecar)], given);
+        let disagrees = resolved
+            .issues
+            .iter()
+            .any(|issue| issue.code == "tag-disagreement");
+        (resolved.value(key).unwrap().to_owned(), disagrees)
+    };
+    let moment = "2026-11-20T10:00:00+02:00";
+    let is = |value: &str, disagrees| (value.to_owned(), disagrees);
+    assert_eq!(start("2026-11-20", moment), is(moment, false));
+    assert_eq!(start(moment, "2026-11-20"), is(moment, false));
+    assert_eq!(start("2026-11-21", moment), is("2026-11-21", true));
+    assert_eq!(start("\"2026-11-20\"", "2026-11-20"), is("2026-11-20", false));
+    assert_eq!(start("\"2026-11-20\"", "2026-11-19"), is("2026-11-20", true));
+}

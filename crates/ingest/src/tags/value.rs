@@ -84,17 +84,20 @@ fn number(key: &str, text: &str) -> Result<String, Fault> {
     }
 }
 
-/// RFC 3339 with the offset as stated, or with that of the campaign's time zone.
+/// RFC 3339 with the offset as stated, or with that of the campaign's time zone; a day stays a day.
 fn start(text: &str, timezone: Option<&str>) -> Result<String, Fault> {
     if let Ok(moment) = text.parse::<Timestamp>() {
         return Ok(moment_with_offset(text).unwrap_or_else(|| moment.to_string()));
     }
-    // jiff reads a date alone as midnight; a run that started at midnight is not what was said.
+    if let Some(day) = day(text) {
+        return Ok(day);
+    }
+    // jiff reads an hour alone as a time of day.
     let local = text.parse::<DateTime>().ok().filter(|_| text.contains(':'));
     let Some(local) = local else {
         return Err(Fault {
-            reason: "it is not a date with a time of day",
-            mend: "write date and time as 2026-11-20T10:00:00+02:00",
+            reason: "it is not a date",
+            mend: "write date and time as 2026-11-20T10:00:00+02:00, or the day as 2026-11-20",
         });
     };
     let without = |reason| Fault {
@@ -109,6 +112,13 @@ fn start(text: &str, timezone: Option<&str>) -> Result<String, Fault> {
             "at that change of the clocks this time came twice or never",
         )),
     }
+}
+
+/// The day that a text states, where it states no time of day: `2026-11-20`.
+pub(super) fn day(text: &str) -> Option<String> {
+    let parser = jiff::fmt::temporal::DateTimeParser::new();
+    let pieces = parser.parse_pieces(text).ok()?;
+    pieces.time().is_none().then(|| pieces.date().to_string())
 }
 
 /// The text in one spelling, where it states a numeric offset.
@@ -217,7 +227,8 @@ mod tests {
             ("2026-11-20T10:00:00", None, None),
             ("2026-10-25T03:30:00", tallinn, None), // came twice
             ("2026-03-29T03:30:00", tallinn, None), // never came
-            ("2026-11-20", tallinn, None),
+            ("2026-11-20", tallinn, Some("2026-11-20")),
+            ("2026-11-31", tallinn, None),
             ("20.11.2026 10:00", tallinn, None),
         ] {
             assert_eq!(

@@ -167,6 +167,7 @@ fn split(cell: &str) -> (String, String) {
         )
     };
     const BRACKETS: [(char, char); 3] = [('(', ')'), ('[', ']'), ('{', '}')];
+    let (cell, _) = without_description(cell);
     for (open, close) in BRACKETS {
         if cell.ends_with(close)
             && let Some(at) = opening(cell, open, close)
@@ -204,6 +205,15 @@ fn split(cell: &str) -> (String, String) {
         return pair(name, unit);
     }
     suffix(cell).unwrap_or_else(|| pair(cell, ""))
+}
+
+/// A cell and what a logger's software appends to it: serial numbers (`Temp, °C (LGR S/N: 1, SEN S/N: 2)`), or nothing in
+/// brackets.
+pub(crate) fn without_description(cell: &str) -> (&str, &str) {
+    let is_none = |at: &usize| cell[*at..].contains("S/N:") || cell[*at..].trim_end() == "()";
+    let at = cell.rfind('(').filter(is_none);
+    let (name, description) = cell.split_at(at.unwrap_or(cell.len()));
+    (name.trim_end().trim_end_matches(','), description)
 }
 
 /// Whether what stands behind a stroke is an input of a device, as in `Dev0/Ai0`: a short word with a number.
@@ -392,6 +402,12 @@ mod tests {
             ("Temp, (*F)", Quantity::Temperature, "*F"),
             ("Temp, \u{b0}F", Quantity::Temperature, "\u{b0}F"),
             ("RH, %", Quantity::RelativeHumidity, "%"),
+            ("RH, %()", Quantity::RelativeHumidity, "%"),
+            (
+                "Temperature, \u{b0}F (LGR S/N: 12, SEN S/N: 34)",
+                Quantity::Temperature,
+                "\u{b0}F",
+            ),
             ("relative_humidity_percent", Quantity::RelativeHumidity, "%"),
             ("pressure_pa", Quantity::Pressure, "Pa"),
             ("oxygen_ppm", Quantity::Oxygen, "ppm"),

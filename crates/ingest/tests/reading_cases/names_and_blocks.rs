@@ -83,6 +83,32 @@ fn a_table_on_its_side_is_told_so() {
     let text = "Time (s),0,1,2,3\nVoltage (V),0,2,2,2\nCurrent (mA),0,9,5,3\n";
     let error = refused("run.csv", text).to_string();
     assert!(error.contains("on its side"), "{error}");
+    assert!(!error.contains("decimal sign"), "{error}");
+}
+
+#[test]
+fn names_above_others_reach_over_all_columns() {
+    for names in [
+        "series 7\nTime,Electrode,\n[s],Voltage [V],Current [mA]",
+        "series 7,,\nTime,Signals\n[s],Voltage [V],Current [mA]",
+    ] {
+        let text = table(names, &base(), |row| {
+            format!("{:.1},{:.1},{:.5}", row.t, row.volts, row.ma)
+        });
+        Expected::run(&base(), 0.0).is_all_of(&of("run.csv", text));
+    }
+}
+
+#[test]
+fn a_response_that_holds_text_is_told_with_it() {
+    let text = table("Time (s),Voltage (V),Current (A)", &base(), |row| {
+        format!("{:.1},{:.1},{:.3}m", row.t, row.volts, row.ma)
+    });
+    let error = refused("run.csv", text).to_string();
+    assert!(
+        error.contains("\"Current (A)\" (85 cells hold text, first \"0.000m\")"),
+        "{error}"
+    );
 }
 
 /// Sixty rows of a log, five minutes apart.

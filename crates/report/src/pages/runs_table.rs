@@ -12,7 +12,7 @@ use crate::sparkline::Sparks;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
 use ieap_analysis::parameters::COMPARED;
-use ieap_analysis::zone::seconds;
+use ieap_analysis::zone::order_s;
 use ieap_domain::RunRecord;
 use ieap_domain::number::significant;
 use ieap_domain::tag::keys;
@@ -111,7 +111,7 @@ fn are_dated(site: &Site) -> bool {
 }
 
 fn start_s(run: &RunRecord) -> Option<f64> {
-    seconds(run.tag(keys::STARTED_AT)?)
+    order_s(run.tag(keys::STARTED_AT)?)
 }
 
 /// The table of the runs that are listed.

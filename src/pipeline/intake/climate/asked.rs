@@ -11,6 +11,8 @@ pub(super) const SURROUNDINGS_S: f64 = 3600.0;
 pub enum Start {
     /// A moment.
     Known,
+    /// A day without a time.
+    Day,
     /// Something is stated that is no moment: an issue of the run says why.
     NotUsable,
     /// Nothing is stated.

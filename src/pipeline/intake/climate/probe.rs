@@ -122,7 +122,7 @@ pub fn probe_of(
     };
     let Some(window) = window else {
         return Ok(not_covered(
-            "there are readings of the probe, but nothing says when the run started".to_owned(),
+            "there are readings of the probe, but nothing says at what time the run started".to_owned(),
             "tag the run with started_at = \"2026-11-20T10:00:00+02:00\"",
         ));
     };

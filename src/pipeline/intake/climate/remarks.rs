@@ -15,6 +15,7 @@ use crate::domain::{ClimateQuantity, ClimateRules, Issue, RunClimate};
 pub(super) fn no_start(start: Start) -> Option<Issue> {
     let why = match start {
         Start::Known => return None,
+        Start::Day => "the start of the run is a day without a time",
         Start::NotUsable => "the start that is stated for the run cannot be used",
         Start::NotStated => "nothing says when the run started",
     };

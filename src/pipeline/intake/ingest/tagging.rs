@@ -9,6 +9,7 @@ use super::start;
 use super::unread::missing_responses;
 use super::window::window;
 use crate::analysis::climate::Window;
+use crate::analysis::zone::seconds;
 use crate::domain::number::fixed;
 use crate::domain::tag::keys;
 use crate::domain::{
@@ -98,7 +99,8 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
     let times = times(input.channels);
     let window = window(without_logs.value(keys::STARTED_AT), times);
     let start = match without_logs.value(keys::STARTED_AT) {
-        Some(_) => Start::Known,
+        Some(start) if seconds(start).is_some() => Start::Known,
+        Some(_) => Start::Day,
         None if is_start_stated(&without_logs.issues, &open_date) => Start::NotUsable,
         None => Start::NotStated,
     };

@@ -1,24 +1,19 @@
 //! Onset HOBO loggers: text of HOBOware (`Plot Title`, in German `Plot-Titel`) and HOBOmobile (`Serial Number`).
 //!
 //! Names hold quantity, unit and serial numbers: `Temp, °F (LGR S/N: 1, SEN S/N: 2)`, `RH, (%)`. The offset from UTC
-//! stands in the name of the date column and is fixed, without summer time. Two-digit years stand in three orders; the
-//! one in which all rows are dates that follow each other counts, and two that fit are refused. Columns without a unit
-//! are events (`Logged`) and are left out. Relative humidity above 100 % occurs and is kept. Commas, semicolons or tabs
-//! stand between the cells, as HOBOware was told; a German one writes decimal commas.
+//! stands in the name of the date column and is fixed, without summer time. Columns without a unit are events (`Logged`);
+//! the last of them says that the log was read out. Relative humidity above 100 % occurs and is kept. The rest is as in
+//! any table of a logger.
 
-use super::wall_clock::{Log, cells_between, measured, offset};
+use super::table::read_lines;
 use crate::Reading;
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::stamp::DateOrder;
 use crate::formats::{About, Format, ReadContext, ReadError, delimited};
-use crate::text::header::Header;
-use crate::text::{Delimiter, Line, Lines};
+use crate::text::{Line, Lines};
 use ieap_domain::RunStatus;
 
 /// Reader of HOBO text.
 pub struct Hobo;
-
-const ORDERS: &[DateOrder] = &[DateOrder::MonthFirst, DateOrder::DayFirst, DateOrder::YearFirst];
 
 impl Format for Hobo {
     fn about(&self) -> About {
@@ -26,107 +21,51 @@ impl Format for Hobo {
             id: "hobo",
             title: "Onset HOBO climate logger, text of HOBOware or HOBOmobile (.csv)",
             extensions: &["csv", "txt"],
-            version: 3,
+            version: 4,
         }
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
+        const BEGINS: [&str; 3] = ["Plot Title:", "Plot-Titel:", "Serial Number:"];
+        const DATES: [&str; 3] = ["Date Time", "Time,", "Datum Zeit"];
         let text = head.text().unwrap_or_default();
         let first = text.trim_start_matches('"');
-        let begins = ["Plot Title:", "Plot-Titel:", "Serial Number:"];
-        let is_hobo = begins.iter().any(|begin| first.starts_with(begin));
         let mut lines = Lines::new(&text).take(4);
+        let names_date =
+            |line: Line<'_>| line.text.contains("GMT") && DATES.iter().any(|date| line.text.contains(date));
         Match::certain_if(
-            is_hobo && lines.any(|line| names_in(line.text).is_some()),
+            BEGINS.iter().any(|begin| first.starts_with(begin)) && lines.any(names_date),
             "Plot Title or Serial Number, then a column Date Time with GMT",
         )
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let text = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
-        let mut lines = text.lines();
-        let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
-        let found = lines
-            .iter()
-            .enumerate()
-            .take(4)
-            .find_map(|(at, line)| Some((at, names_in(line.text)?)));
-        let Some((names_at, (delimiter, names, time_at))) = found else {
-            return Err(ReadError::header_only(lines.len(), "no names of columns"));
-        };
-        let rows = &lines[names_at + 1..];
-        let (headers, is_text): (Vec<Header>, Vec<bool>) = names.iter().map(|name| header(name)).unzip();
-        let log = Log {
-            reader: self.reading(),
-            headers,
-            is_text,
-            time_at,
-            clock_at: None,
-            orders: ORDERS,
-            date_order: context.date_order,
-            offset: offset(names[time_at]),
-            delimiter,
-            decimal: delimited::decimal_of(rows, delimiter)?,
-            rows_may_end_early: false,
-            header_line: lines[names_at].number,
-            rows,
-        };
-        let evidence = end(status, evidence, lines.last());
-        log.read(
+        let decoded = delimited::decoded(bytes)?;
+        let text = delimited::text(&decoded, &mut issues)?;
+        let status = (text.status, evidence(&text));
+        read_lines(
+            self.reading(),
             Some(text.encoding),
-            evidence,
-            metadata(&lines[..names_at]),
+            context,
+            &text.lines,
+            status,
             issues,
         )
     }
 }
 
-/// The delimiter, the names and the index of the column of dates, where a line names one.
-fn names_in(text: &str) -> Option<(Delimiter, Vec<&str>, usize)> {
-    const DATES: [&str; 3] = ["Date Time", "Time,", "Datum Zeit"];
-    let is_time = |name: &&str| DATES.iter().any(|date| name.starts_with(date)) && name.contains("GMT");
-    let delimiters = [Delimiter::Comma, Delimiter::Semicolon, Delimiter::Tab];
-    delimiters.into_iter().find_map(|delimiter| {
-        let names = cells_between(text, delimiter);
-        let time_at = names.iter().position(is_time).filter(|_| names.len() > 1)?;
-        Some((delimiter, names, time_at))
-    })
-}
-
-/// The column, and whether it holds events: those have no unit.
-fn header(cell: &str) -> (Header, bool) {
-    if cell == "#" || cell.contains("GMT") {
-        return (Header::other(cell), false);
-    }
-    // `Temp, °F (LGR S/N: 1)`, `Temp, °C()`, `Temp, (*F)`
-    let described = cell.find("(LGR").or(cell.find("()")).unwrap_or(cell.len());
-    match cell[..described].trim().rsplit_once(", ") {
-        Some((name, unit)) => (measured(cell, name, unit), false),
-        None => (Header::other(cell), true),
-    }
-}
-
 /// The last row of a log that was read out names the end of the file as an event.
-fn end(status: RunStatus, evidence: String, last: Option<&Line<'_>>) -> (RunStatus, String) {
-    let is_end = last.is_some_and(|line| {
-        let filled = line.text.trim_end_matches([',', ';', '\t']);
-        ["Logged", "Protokolliert"]
-            .iter()
-            .any(|event| filled.ends_with(event))
-    });
-    match (status, is_end) {
-        (RunStatus::Complete, true) => (status, "the last row is an event of the read-out".to_owned()),
-        _ => (status, delimited::undeclared(status, evidence)),
+fn evidence(text: &delimited::Text<'_>) -> String {
+    let last = text.lines.last().map_or("", |line| line.text);
+    let filled = last.trim_end_matches([',', ';', '\t']);
+    let is_end = ["Logged", "Protokolliert"]
+        .iter()
+        .any(|event| filled.ends_with(event));
+    match text.status {
+        RunStatus::Complete if is_end => "the last row is an event of the read-out".to_owned(),
+        _ => text.evidence(),
     }
-}
-
-fn metadata(lines: &[Line<'_>]) -> Vec<(String, String)> {
-    let pair = |line: &Line<'_>| {
-        let (key, value) = line.text.trim_matches('"').split_once(':')?;
-        Some((key.trim().to_owned(), value.trim().to_owned()))
-    };
-    lines.iter().filter_map(pair).collect()
 }
 
 #[cfg(test)]
@@ -166,5 +105,36 @@ mod tests {
                 "{text}"
             );
         }
+    }
+
+    #[test]
+    fn columns_of_events_that_hold_nothing_for_long_are_columns() {
+        let rows: String = (1..90)
+            .map(|row| {
+                format!(
+                    "{row},05/17/26 {:02}:{:02}:00 PM,70.5,,,,,\n",
+                    1 + row / 60,
+                    row % 60
+                )
+            })
+            .collect();
+        let text = format!(
+            "Plot Title: a\n#,\"Date Time, GMT+03:00\",\"Temp, \u{b0}F (LGR S/N: 5)\",Attached (LGR S/N: 5),Detached (LGR S/N: \
+             5),Connected (LGR S/N: 5),Stopped (LGR S/N: 5),End (LGR S/N: 5)\n{rows}90,05/17/26 02:30:02 PM,,,,,,Logged\n"
+        );
+        let reading = read("log.csv", text.as_bytes(), &ReadContext::default()).unwrap();
+        assert_eq!(reading.format, "hobo");
+        assert_eq!(
+            reading.started_at.unwrap().local.as_deref(),
+            Some("2026-05-17T13:01:00")
+        );
+        assert_eq!(
+            reading.status_evidence,
+            "the last row is an event of the read-out"
+        );
+        let channel = (reading.tables[0].channels.iter())
+            .find(|channel| channel.quantity == Quantity::Temperature)
+            .unwrap();
+        assert_eq!((channel.values.len(), channel.raw_unit.as_str()), (89, "\u{b0}F"));
     }
 }

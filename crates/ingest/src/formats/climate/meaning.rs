@@ -2,7 +2,7 @@
 //! `MET_CS215_AirTemperature_degC_Avg`, `Temp, °F (LGR S/N: 1, SEN S/N: 2)`.
 
 use crate::text::dictionary::{CHAMBER, HUMIDITY, PLAIN, Role, TEMPERATURE, is_among};
-use crate::text::header::{Header, spelled_unit};
+use crate::text::header::{self, Header, spelled_unit};
 use crate::text::names::{half_width, names_of, role, says_measured};
 use crate::text::policy::LONGEST_NAME;
 use ieap_domain::Quantity;
@@ -183,11 +183,7 @@ fn of_chamber(lower_words: &[String]) -> Option<Quantity> {
 
 /// The name without what HOBO software appends, with the serial number and label in it.
 fn without_description(raw_name: &str) -> (&str, Option<String>, Option<String>) {
-    let cut = raw_name
-        .find("(LGR")
-        .or_else(|| raw_name.find("()"))
-        .unwrap_or(raw_name.len());
-    let (name, description) = raw_name.split_at(cut);
+    let (name, description) = header::without_description(raw_name);
     let after = |mark: &str| {
         let (_, rest) = description.split_once(mark)?;
         let end = rest.find([',', ')']).unwrap_or(rest.len());
@@ -195,7 +191,7 @@ fn without_description(raw_name: &str) -> (&str, Option<String>, Option<String>)
     };
     let serial = after("SEN S/N:").or_else(|| after("LGR S/N:"));
     // The sensor's own name before the quantity (`GCap. RH`) says nothing beside a serial number.
-    (name.trim().trim_end_matches(','), serial, after("LBL:"))
+    (name.trim_start(), serial, after("LBL:"))
 }
 
 /// The name without the unit behind it.

@@ -9,7 +9,6 @@ pub mod moments;
 pub mod picolog;
 pub mod table;
 pub mod toa5;
-pub mod wall_clock;
 
 pub use hobo::Hobo;
 pub use picolog::Picolog;

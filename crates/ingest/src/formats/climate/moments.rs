@@ -174,6 +174,17 @@ pub fn offset_s(offset: &str) -> Option<i64> {
     (hours <= 18 && minutes < 60).then_some(sign * (3600 * hours + 60 * minutes))
 }
 
+/// `GMT-07:00`, `GMT +05:00` behind a column's name; `UTC` alone is no offset.
+pub fn offset_in(name: &str) -> Option<String> {
+    let (_, zone) = name.split_once("GMT").or_else(|| name.split_once("UTC"))?;
+    let zone = zone.trim_matches([' ', ')', ']']);
+    if zone.is_empty() {
+        return Some("+00:00".to_owned());
+    }
+    let is_offset = zone.len() == 6 && zone.starts_with(['+', '-']) && zone.as_bytes()[3] == b':';
+    is_offset.then(|| zone.to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

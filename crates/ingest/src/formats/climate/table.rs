@@ -35,7 +35,7 @@ impl Format for ClimateTable {
             id: "climate-table",
             title: "climate logger, any table with dates beside temperature, humidity, pressure, oxygen or water (CSV, TSV)",
             extensions: &["csv", "txt", "tsv", "dat"],
-            version: 5,
+            version: 6,
         }
     }
 
