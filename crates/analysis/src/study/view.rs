@@ -20,8 +20,8 @@ use crate::tables::laws;
 
 const KIND: Quantity = Quantity::plain("question", "Question", "what is compared");
 const PARAMETER: Quantity = Quantity::plain("parameter", "Parameter", "parameter");
-const UPPER: Quantity = Quantity::plain("over", "This", "what stands above");
-const LOWER: Quantity = Quantity::plain("under", "over", "what it is held against");
+const UPPER: Quantity = Quantity::plain("over", "Condition", "what stands above");
+const LOWER: Quantity = Quantity::plain("under", "against", "what it is held against");
 const VOLTAGES: Quantity = Quantity::new("voltages_v", "at", "voltages over which it is a mean", "V");
 const SAMPLES: Quantity = Quantity::plain("samples", "Samples", "samples behind it");
 const RUNS: Quantity = Quantity::plain("runs", "Runs", "runs above and below");
@@ -32,7 +32,7 @@ const ALSO: Quantity = Quantity::plain(
 );
 const NUMBER: Quantity = Quantity::plain(
     "ratio",
-    "×",
+    "ratio, points or %",
     "ratio with its 95 % interval; points of bending lost; relative change per unit; percent of the range of a curve",
 );
 const INTERVAL: Quantity = Quantity::plain(
