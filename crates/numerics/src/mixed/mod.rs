@@ -7,6 +7,7 @@
 //! (docs/validation/study.md).
 
 mod at;
+mod block;
 mod estimated;
 mod model;
 mod odd;

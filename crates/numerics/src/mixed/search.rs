@@ -1,6 +1,6 @@
 //! The variances that are most likely.
 
-use super::at::At;
+use super::at::{At, Likely};
 use super::estimated::Estimated;
 use super::model::MixedModel;
 use crate::symmetric::Symmetric;
@@ -15,7 +15,7 @@ const OWN_PART: f64 = 1e-6;
 impl MixedModel {
     /// The model at stated variances: of each component, and of readings, last. None where `X` loses a direction.
     pub fn at(&self, variances: &[f64]) -> Option<Estimated> {
-        let at = At::of(self, variances)?;
+        let at = Likely::of(self, variances)?;
         Some(Estimated::stated(at, variances.to_vec()))
     }
 
@@ -74,10 +74,10 @@ impl MixedModel {
             if next == variances {
                 return None;
             }
-            if let Some(moved) = At::of(self, &next)
+            if let Some(moved) = Likely::of(self, &next)
                 && moved.log_likelihood >= at.log_likelihood
             {
-                return Some((next, moved));
+                return Some((next, At::whole(moved)));
             }
             part *= 0.5;
         }
