@@ -114,8 +114,10 @@ def measured(ieap, work, runs, diagnose):
     write_campaign(folder, runs + 1)
     subprocess.run([ieap, "--quiet", "simulate", folder / "simulation.toml"], check=True, stdout=subprocess.DEVNULL)
     last = max((folder / "runs").rglob("*.csv"), key=lambda path: (path.parent.name, path.stat().st_mtime_ns))
-    aside = work / last.name
-    shutil.move(last, aside)
+    # With the file of its tags, which says nothing without it.
+    own = [last, last.with_name(f"{last.name}.toml")]
+    for path in own:
+        shutil.move(path, work / path.name)
     quiet = [ieap, "--quiet", "--no-progress"]
     found = {
         "ingest": timed(quiet + ["ingest", folder]),
@@ -128,7 +130,8 @@ def measured(ieap, work, runs, diagnose):
     some = min((folder / "runs").rglob("*.csv")).relative_to(folder)
     subprocess.run(quiet + ["tag", some, "note=looked at", folder], check=True, stdout=subprocess.DEVNULL)
     found["report after a tag"] = timed(quiet + ["report", folder])
-    shutil.move(aside, last)
+    for path in own:
+        shutil.move(work / path.name, path)
     found["one run more"] = timed(quiet + ["run", "--no-diagnose", folder])
     return {
         "runs": runs,

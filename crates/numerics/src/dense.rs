@@ -22,11 +22,14 @@ impl Matrix {
 
     /// The matrix whose entries `entry(row, column)` gives.
     pub fn from_fn(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Matrix {
-        let at = |k: usize| entry(k / columns.max(1), k % columns.max(1));
+        let mut entries = Vec::with_capacity(rows * columns);
+        for row in 0..rows {
+            entries.extend((0..columns).map(|column| entry(row, column)));
+        }
         Matrix {
             rows,
             columns,
-            entries: (0..rows * columns).map(at).collect(),
+            entries,
         }
     }
 
@@ -36,10 +39,14 @@ impl Matrix {
         self.entries[row * self.columns + column]
     }
 
-    /// Adds to an entry.
+    fn row(&self, row: usize) -> &[f64] {
+        &self.entries[row * self.columns..(row + 1) * self.columns]
+    }
+
+    /// The entries of a row, to change them.
     #[inline]
-    pub fn add(&mut self, row: usize, column: usize, value: f64) {
-        self.entries[row * self.columns + column] += value;
+    pub fn row_mut(&mut self, row: usize) -> &mut [f64] {
+        &mut self.entries[row * self.columns..(row + 1) * self.columns]
     }
 
     /// Adds another matrix of the same size.
@@ -51,9 +58,15 @@ impl Matrix {
 
     /// The rows and columns in these ranges.
     pub fn part(&self, rows: std::ops::Range<usize>, columns: std::ops::Range<usize>) -> Matrix {
-        Matrix::from_fn(rows.len(), columns.len(), |row, column| {
-            self.get(rows.start + row, columns.start + column)
-        })
+        let mut entries = Vec::with_capacity(rows.len() * columns.len());
+        for row in rows.clone() {
+            entries.extend_from_slice(&self.row(row)[columns.clone()]);
+        }
+        Matrix {
+            rows: rows.len(),
+            columns: columns.len(),
+            entries,
+        }
     }
 
     /// Rows for columns.
@@ -64,17 +77,21 @@ impl Matrix {
     /// Product with another matrix.
     pub fn times(&self, other: &Matrix) -> Matrix {
         let mut product = Matrix::zero(self.rows, other.columns);
+        product.add_product(self, other);
+        product
+    }
+
+    /// Adds the product of two others.
+    pub fn add_product(&mut self, one: &Matrix, other: &Matrix) {
         for row in 0..self.rows {
-            for middle in 0..self.columns {
-                let factor = self.get(row, middle);
+            let sums = self.row_mut(row);
+            for (middle, &factor) in one.row(row).iter().enumerate() {
                 if factor != 0.0 {
-                    for column in 0..other.columns {
-                        product.add(row, column, factor * other.get(middle, column));
-                    }
+                    let added = sums.iter_mut().zip(other.row(middle));
+                    added.for_each(|(sum, own)| *sum += factor * own);
                 }
             }
         }
-        product
     }
 
     /// Product with a vector.
@@ -96,6 +113,11 @@ impl Matrix {
     /// Number of rows.
     pub fn count_rows(&self) -> usize {
         self.rows
+    }
+
+    /// Number of columns.
+    pub fn count_columns(&self) -> usize {
+        self.columns
     }
 
     /// Sum of the diagonal.

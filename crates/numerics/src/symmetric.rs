@@ -238,9 +238,8 @@ impl Cholesky {
         };
         for row in 0..order {
             for column in 0..=row {
-                let known: f64 = (0..column)
-                    .map(|k| factor.get(row, k) * factor.get(column, k))
-                    .sum();
+                let (own, other) = (factor.row(row), factor.row(column));
+                let known: f64 = (own.iter().zip(other).take(column)).map(|(a, b)| a * b).sum();
                 let rest = entry(row, column) - known;
                 factor.entries[row * order + column] = if row == column {
                     pivot(row, rest)?
@@ -256,12 +255,16 @@ impl Cholesky {
         self.entries[row * self.order + column]
     }
 
+    fn row(&self, row: usize) -> &[f64] {
+        &self.entries[row * self.order..(row + 1) * self.order]
+    }
+
     /// Solution of `A x = right`.
     pub fn solve(&self, right: &[f64]) -> Vec<f64> {
         let n = self.order;
         let mut x = right[..n].to_vec();
         for row in 0..n {
-            let known: f64 = (0..row).map(|k| self.get(row, k) * x[k]).sum();
+            let known: f64 = (self.row(row).iter().zip(&x).take(row)).map(|(a, x)| a * x).sum();
             x[row] = (x[row] - known) / self.get(row, row);
         }
         for row in (0..n).rev() {

@@ -143,6 +143,14 @@ impl Store {
         Ok(found.first().map_or_else(String::new, hex))
     }
 
+    /// What tells whether anything changed of any current run or its fit.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn state_of_all_fits(&self) -> Result<String, StoreError> {
+        self.state_of_lists(&["run actuation", "result fit"])
+    }
+
     /// Fills in the fits of runs, and why there is none where it was tried.
     pub(super) fn fill_in_fits(&self, records: &mut [RunRecord]) -> Result<(), StoreError> {
         let fits = self.all_results::<Fit>("fits", ResultKind::Fit)?;

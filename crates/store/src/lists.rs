@@ -92,6 +92,15 @@ impl Store {
         self.check_sum(list, hashes.into_iter())
     }
 
+    /// What tells whether anything changed in some lists: their sums, against which they are held where they are read.
+    pub(super) fn state_of_lists(&self, lists: &[&str]) -> Result<String, StoreError> {
+        let _moment = self.snapshot()?;
+        let sums = lists.iter().map(|list| sum_of(&self.connection, list));
+        let sums = sums.collect::<rusqlite::Result<Vec<_>>>();
+        let sums = sums.map_err(|e| self.failed("reading what lists are", e))?;
+        Ok(format!("{sums:?}"))
+    }
+
     fn check_sum(&self, list: &str, hashes: impl Iterator<Item = RowHash>) -> Result<(), StoreError> {
         let stated = sum_of(&self.connection, list).map_err(|e| self.failed("checking a list", e))?;
         if hashes.fold(RowHash::default(), added) == stated {

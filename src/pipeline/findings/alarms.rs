@@ -102,35 +102,24 @@ pub fn alarms(context: &Context, runs: &[RunRecord]) -> Result<Alarms, PipelineE
 
 fn alarms_in_doubt(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> Result<Alarms, PipelineError> {
     let stored = context.store.result::<Alarms>(ResultKind::Alarms, OF)?;
-    match stored.filter(|stored| stored.origin.key == key(context, runs, doubts)) {
+    let key = key(context, runs, doubts)?;
+    match stored.filter(|stored| stored.origin.key == key) {
         Some(StoredResult { found: Ok(found), .. }) => Ok(found),
         _ => Ok(watched(context, runs, doubts)?.into()),
     }
 }
 
-/// Hash of everything that alarms of these runs depend on.
-fn key(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> String {
+/// Hash of everything that alarms of these runs depend on. What is stored of runs and fits carries hashes already.
+fn key(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> Result<String, PipelineError> {
     let mut hash = InputHash::new();
     hash.text(VERSION)
         .text(CODE_VERSION)
         .text(&context.campaign_digest);
+    hash.text(&context.store.state_of_all_fits()?);
     for run in runs {
-        hash.text(&run.path)
-            .whole(run.revision.into())
-            .text(&run.data_hash)
-            .text(&format!("{:?}", doubts.of(&run.path)));
-        for tag in &run.tags {
-            hash.text(&tag.key).text(&tag.value);
-        }
-        // Numbers that JSON does not hold come to nothing here as well.
-        for document in [
-            serde_json::to_string(&run.fit),
-            serde_json::to_string(&run.climate),
-        ] {
-            hash.text(&document.unwrap_or_default());
-        }
+        hash.text(&run.path).text(&format!("{:?}", doubts.of(&run.path)));
     }
-    hash.finished()
+    Ok(hash.finished())
 }
 
 /// An alarm that was told and is taken back, because its run was set aside later.
@@ -173,7 +162,7 @@ impl RaiseAlarms {
         // A change is told once, whichever of its signs came first then.
         let is_new = |alarm: &&Alarm| !alarm.shown_by.iter().any(|sign| told.contains(&sign.id));
         let (runs, doubts, found) = self.watched(context, &is_new)?;
-        keep(context, &key(context, &runs, &doubts), &found)?;
+        keep(context, &key(context, &runs, &doubts)?, &found)?;
         let open = |alarm: &&Alarm| !alarm.acknowledged;
         let standing: Vec<&Alarm> = found.alarms.iter().filter(open).collect();
         let mut summary = AlarmSummary {

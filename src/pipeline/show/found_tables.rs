@@ -11,7 +11,7 @@ use crate::analysis::monitoring::fitted::Interval;
 use crate::analysis::monitoring::{Monitoring, Watched, series::Reaches, words};
 use crate::analysis::run_tables::runs_table;
 use crate::analysis::study::{self, Answer, InScope, Study, Verdict, sentence};
-use crate::analysis::tables::{NamedTable, Need, TABLES};
+use crate::analysis::tables::{NamedTable, Need, TABLES, TableInput};
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, GroupDiagnosis, HeldOutGain, RunRecord};
 use crate::pipeline::campaign::standing;
@@ -226,7 +226,10 @@ fn texts(frame: &Frame) -> Vec<String> {
 /// The tables of `ieap table` that no view shows otherwise and that a report makes what they need for: their rows, and their
 /// columns with units.
 fn shown_tables(input: &report::Input) -> [PublishedRows; 2] {
-    let from = input.of_tables();
+    let from = TableInput {
+        told: Some(&input.study),
+        ..input.of_tables()
+    };
     let made = |named: &NamedTable| match named.needs {
         Need::None | Need::Readings => Some(named.table(&from)),
         Need::Curves => Some(study::view::table(&input.study.answers)),

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::along::PageCurves;
 use super::found_tables;
@@ -19,6 +20,7 @@ use crate::domain::{Fault, GroupDiagnosis, RunRecord, SourceFile};
 use crate::model::effects::smooth_laws::SMOOTH_LAWS;
 use crate::model::effects::{self, Effect};
 use crate::numerics::interrupt;
+use crate::numerics::mixed::with_memory;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::campaign::places::{FAULTS, KEPT_VALUES, REPORT_FOLDER, STAMP};
 use crate::pipeline::campaign::standing::{self, Runs};
@@ -147,7 +149,7 @@ impl RenderReport {
         // What another build of the program made may differ though nothing else does.
         let kept = standing.values(&program);
         let made = kept.as_ref().map_or_else(Made::new, |_| standing.pages());
-        let values = kept.unwrap_or_else(|| Cache::by(&program));
+        let values = Arc::new(kept.unwrap_or_else(|| Cache::by(&program)));
         let input = report::Input {
             templates: own.texts.clone(),
             before: Before {
@@ -432,7 +434,7 @@ pub(crate) fn input(
     context: &Context,
     changes: u64,
     changed_at: &str,
-    kept: &Cache,
+    kept: &Arc<Cache>,
 ) -> Result<report::Input, PipelineError> {
     // Each of these may fail by itself: the report then lacks it, and says so.
     let mut faults = Vec::new();
@@ -466,7 +468,9 @@ pub(crate) fn input(
         })
         .beside(&set_aside))
     };
-    let study = or_nothing(step("what the study asked", study), &mut faults)?;
+    // What was searched for before is not searched for again.
+    let study = with_memory(kept.clone(), || step("what the study asked", study));
+    let study = or_nothing(study, &mut faults)?;
     let findings = or_nothing(
         step("findings", || Ok(findings(context, &runs, found))),
         &mut faults,

@@ -151,6 +151,7 @@ impl TableData {
             doubts: &self.doubts,
             comparisons: &self.comparisons,
             outdated_comparisons: self.outdated_comparisons,
+            told: None,
             origin: &self.origin,
         })
     }

@@ -83,6 +83,26 @@ fn study(design: Design, differs: bool, seed: u64) -> Study {
     })
 }
 
+#[test]
+fn without_its_curves_a_study_is_what_it_is_where_none_were_read() {
+    let design = BALANCED;
+    let (runs, mut campaign) = simulated(design, nothing, 1);
+    campaign.study.compare = vec![Factor::Environment];
+    let evidence = Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        doubts: &Doubts::default(),
+        curves: &drawn(&runs, design, true, 2),
+    };
+    let with = Study::of(evidence);
+    let without = Study::of(Evidence {
+        curves: &[],
+        ..evidence
+    });
+    assert!(with != without);
+    assert_eq!(with.without_curves(&campaign), without);
+}
+
 /// The true difference at each time, percent of the range of both.
 fn truth(own: &Answer, differs: bool) -> Vec<f64> {
     let side = |name: &str, place| {

@@ -162,6 +162,18 @@ impl Study {
         self
     }
 
+    /// What it says where nobody reads the curves: chances are judged together with fewer others then.
+    #[must_use]
+    pub fn without_curves(&self, campaign: &Campaign) -> Study {
+        let mut study = Study {
+            left_out_of_curves: Vec::new(),
+            ..self.clone()
+        };
+        study.answers.retain(|own| !own.is_of_curve());
+        judge(&mut study.answers, campaign.study.alike_percent);
+        study
+    }
+
     /// Answers to what the study asked.
     pub fn asked(&self) -> impl Iterator<Item = &Answer> {
         self.answers.iter().filter(|answer| answer.is_of_study)

@@ -53,6 +53,8 @@ pub struct TableInput<'a> {
     pub comparisons: &'a [RunComparison],
     /// Number of comparisons that are not among them, since what they were made from has changed.
     pub outdated_comparisons: usize,
+    /// What the study asked of these runs and their curves, where that is known; else it is asked anew.
+    pub told: Option<&'a Study>,
     /// Program and state of the database, for the table's foot.
     pub origin: &'a str,
 }
@@ -60,6 +62,9 @@ pub struct TableInput<'a> {
 impl<'a> TableInput<'a> {
     /// What the study asked, with its answers.
     pub fn study(&self) -> Study {
+        if let Some(told) = self.told.filter(|_| self.curves.is_empty()) {
+            return told.without_curves(self.campaign);
+        }
         Study::of(Evidence {
             runs: self.runs,
             campaign: self.campaign,
@@ -90,6 +95,7 @@ impl<'a> TableInput<'a> {
             doubts,
             comparisons: &[],
             outdated_comparisons: 0,
+            told: None,
             origin: "",
         }
     }

@@ -1,6 +1,6 @@
 //! What a mixed model says: numbers with errors and degrees of freedom.
 
-use super::at::At;
+use super::at::{At, Likely};
 use crate::chance::f_chance;
 use crate::dense::Matrix;
 use crate::student::two_sided_chance;
@@ -37,7 +37,7 @@ pub struct Combined {
 }
 
 impl Estimated {
-    pub(super) fn stated(at: At, variances: Vec<f64>) -> Estimated {
+    pub(super) fn stated(at: Likely, variances: Vec<f64>) -> Estimated {
         Estimated {
             coefficients: at.coefficients,
             variances,

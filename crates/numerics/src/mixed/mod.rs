@@ -7,7 +7,9 @@
 //! (docs/validation/study.md).
 
 mod at;
+mod block;
 mod estimated;
+mod memory;
 mod model;
 mod odd;
 mod search;
@@ -15,5 +17,6 @@ mod search;
 mod tests;
 
 pub use estimated::{Combined, Estimated};
+pub use memory::{Memory, Search, with_memory};
 pub use model::{MixedModel, Reading, Unit};
 pub use odd::Odd;

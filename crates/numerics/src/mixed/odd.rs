@@ -6,7 +6,8 @@
 
 use statrs::distribution::{Cauchy, Continuous, StudentsT};
 
-use super::at::{At, blocks, least_variance};
+use super::at::Likely;
+use super::block::{blocks, least_variance};
 use super::estimated::Estimated;
 use super::model::{MixedModel, Reading, Unit};
 use crate::grouped::dot;
@@ -126,11 +127,14 @@ impl MixedModel {
     /// Readings that count as one, by unit and place, with how far off each stands, in its standard errors at the variances
     /// found: the score of a shift of it. Of what nothing else is said it is 0.
     pub(super) fn standings(&self, found: &Estimated) -> Option<Vec<((usize, usize), f64)>> {
-        let (at, blocks) = (At::of(self, &found.variances)?, blocks(self, &found.variances)?);
+        let (at, blocks) = (
+            Likely::of(self, &found.variances)?,
+            blocks(self, &found.variances)?,
+        );
         let shared = *found.variances.last()?;
         let least = least_variance(self, shared);
         let by_chance: Vec<Option<Vec<f64>>> = (blocks.iter())
-            .map(|block| block.as_ref().map(|own| at.by_chance(own).1))
+            .map(|block| block.as_ref().map(|own| own.by_chance(&at.coefficients).1))
             .collect();
         let mut stand = Vec::new();
         for (k, unit) in self.units.iter().enumerate() {

@@ -1,7 +1,8 @@
 //! The variances that are most likely.
 
-use super::at::At;
+use super::at::{At, Likely};
 use super::estimated::Estimated;
+use super::memory::{self, Search};
 use super::model::MixedModel;
 use crate::symmetric::Symmetric;
 
@@ -15,7 +16,7 @@ const OWN_PART: f64 = 1e-6;
 impl MixedModel {
     /// The model at stated variances: of each component, and of readings, last. None where `X` loses a direction.
     pub fn at(&self, variances: &[f64]) -> Option<Estimated> {
-        let at = At::of(self, variances)?;
+        let at = Likely::of(self, variances)?;
         Some(Estimated::stated(at, variances.to_vec()))
     }
 
@@ -32,6 +33,23 @@ impl MixedModel {
         if self.readings() <= fixed as f64 {
             return None;
         }
+        let memory = memory::of_thread().map(|memory| (memory, memory::hash(self, near)));
+        let known = memory.as_ref().and_then(|(memory, hash)| memory.earlier(hash));
+        let known = known.and_then(|search| Some((At::of(self, &search.0)?, search)));
+        let (at, search) = match (known, &memory) {
+            (Some(known), _) => known,
+            (None, None) => self.sought(near)?,
+            (None, Some((memory, hash))) => {
+                let sought = self.sought(near)?;
+                memory.keep(hash, &sought.1);
+                sought
+            }
+        };
+        Some(Estimated::found(at, search.0, &search.1))
+    }
+
+    /// Seeks them.
+    fn sought(&self, near: Option<&Estimated>) -> Option<(At, Search)> {
         let scale = self.scale();
         let told = self.told_apart(scale)?;
         let mut variances = vec![0.0; self.components() + 1];
@@ -53,7 +71,7 @@ impl MixedModel {
                 break;
             }
         }
-        Some(Estimated::found(at, variances, &told))
+        Some((at, (variances, told)))
     }
 
     /// One step of Fisher's scoring within what is not negative, halved until it gains; none where nothing does.
@@ -74,10 +92,10 @@ impl MixedModel {
             if next == variances {
                 return None;
             }
-            if let Some(moved) = At::of(self, &next)
+            if let Some(moved) = Likely::of(self, &next)
                 && moved.log_likelihood >= at.log_likelihood
             {
-                return Some((next, moved));
+                return Some((next, At::whole(moved)));
             }
             part *= 0.5;
         }
