@@ -15,6 +15,10 @@ pub(super) const SPREADS: (f64, f64) = (0.003, 3.0);
 /// Precision with which a coordinate of the base, of order one, is known before any reading: under every hypothesis the same.
 pub(super) const KNOWN_BEFORE: f64 = 1e-4;
 
+/// Square of the length of all columns of a law together, in variances of the noise, below which it changes nothing that could
+/// be seen: far below [`SIZES`], above what rounding leaves. Chosen.
+pub(super) const NOTHING: f64 = 1e-12;
+
 /// Distance of the knots of smooth courses over the logarithm of the time since an edge: half a decade. Prototype.
 pub(super) const KNOT_SPACING: f64 = 0.5 * std::f64::consts::LN_10;
 /// Time since an edge from which these knots begin, s. Prototype.

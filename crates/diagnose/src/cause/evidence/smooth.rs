@@ -3,12 +3,9 @@
 use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
-use super::policy::{KNOT_SPACING, KNOTS_FROM_S};
+use super::policy::{KNOT_SPACING, KNOTS_FROM_S, NOTHING};
 use crate::fitting::tangent::{DEPENDENT, Tangent};
 use crate::readings::group::{Block, RunGroup};
-
-/// Square of the length of all columns together, in variances of the noise, that is nothing.
-const NOTHING: f64 = 1e-12;
 
 /// A column of whitened readings, as pieces that begin at a row.
 pub(crate) struct Column {
