@@ -169,6 +169,9 @@ pub struct Coefficients {
     pub resistance_ohm_cm2: Vec<f64>,
     /// Differential capacitance of every branch, F/cm2.
     pub capacitance_f_per_cm2: Vec<f64>,
+    /// Factor on the charge that every branch stores at a voltage, q = C e: where it changes the charge stays, so that a held
+    /// voltage draws V dC/dt. 1 where the capacitance is that of its own voltage alone, dq = C de.
+    pub storage: Vec<f64>,
     /// Conductance 1/R_ss, S/cm2.
     pub steady_s_per_cm2: f64,
     /// Further current between the terminals that does not bend, A/cm2.
@@ -191,6 +194,7 @@ impl Coefficients {
         self.resistance_ohm_cm2.copy_from_slice(&other.resistance_ohm_cm2);
         self.capacitance_f_per_cm2
             .copy_from_slice(&other.capacitance_f_per_cm2);
+        self.storage.copy_from_slice(&other.storage);
         self.steady_s_per_cm2 = other.steady_s_per_cm2;
         self.leak_a_per_cm2 = other.leak_a_per_cm2;
         self.leak_s_per_cm2 = other.leak_s_per_cm2;

@@ -229,9 +229,12 @@ impl Law for Smooth {
         match part {
             Part::Resistance(None) => scale_resistances(c, 1.0 + by),
             Part::Resistance(only) => of(only, &mut c.resistance_ohm_cm2),
-            // As a differential capacitance, dq = C de. Where it follows what is not its own voltage a strip rather has q = C e:
-            // under a held voltage that draws V dC/dt, which is told as a voltage of the source.
-            Part::Capacitance(only) => scale_capacitances(now, c, only, |_| 1.0 + by),
+            Part::Capacitance(only) => {
+                scale_capacitances(now, c, only, |_| 1.0 + by);
+                let branches = c.storage.iter_mut().zip(now.branches);
+                let own = branches.filter(|(_, branch)| only.is_none() || branch.of_base == only);
+                own.for_each(|(storage, _)| *storage *= (1.0 + by).max(LEAST));
+            }
             Part::Leak => c.leak_s_per_cm2 += size * by,
             Part::Source => c.emf_v += size * by * now.source_v,
             Part::Drop => c.emf_v -= size * by * now.current_a_per_cm2,
