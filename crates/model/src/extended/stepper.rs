@@ -81,6 +81,7 @@ impl<'a> Stepper<'a> {
                 relaxation_factor: 1.0,
                 coupling_factor: 1.0,
                 emf_v: 0.0,
+                added_current_a: 0.0,
                 added_curvature_per_cm: 0.0,
             },
         }
@@ -149,7 +150,8 @@ impl<'a> Stepper<'a> {
                 state.source_v = v;
             }
             self.see(&mut state, &mut work, t, edge_s, level);
-            current_a[k] = self.run.area_cm2 * state.current + self.system.current_offset_a;
+            let read_a = self.system.current_offset_a + work.now.added_current_a;
+            current_a[k] = self.run.area_cm2 * state.current + read_a;
             curvature[k] = work.curvature;
         }
         if !self.system.observations.is_empty() {

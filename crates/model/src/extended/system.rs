@@ -184,6 +184,8 @@ pub struct Coefficients {
     pub coupling_factor: f64,
     /// Voltage in series with the source, V.
     pub emf_v: f64,
+    /// What is read beside the current, A.
+    pub added_current_a: f64,
     /// Curvature beside that of the charge, 1/cm.
     pub added_curvature_per_cm: f64,
 }
@@ -201,6 +203,7 @@ impl Coefficients {
         self.relaxation_factor = other.relaxation_factor;
         self.coupling_factor = other.coupling_factor;
         self.emf_v = other.emf_v;
+        self.added_current_a = other.added_current_a;
         self.added_curvature_per_cm = other.added_curvature_per_cm;
     }
 }

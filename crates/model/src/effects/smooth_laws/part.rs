@@ -126,13 +126,6 @@ impl Part {
         };
         let weights = curve.weights.clone();
         match self {
-            Part::ReadCurrent => system.written_current.push(Box::new(move |t, value| {
-                if t < 0.0 {
-                    value
-                } else {
-                    value + size * curve.at(t)
-                }
-            })),
             Part::ReadGain => system.written_current.push(Box::new(move |_, value: f64| {
                 value * (1.0 + curve.at(value.abs() / size * curve.ends.1))
             })),
@@ -240,6 +233,7 @@ impl Law for Smooth {
             Part::Drop => c.emf_v -= size * by * now.current_a_per_cm2,
             Part::Coupling => c.coupling_factor *= (1.0 + by).max(LEAST),
             Part::Rate => c.relaxation_factor *= (1.0 + by).max(LEAST),
+            Part::ReadCurrent => c.added_current_a += size * by,
             Part::Added => c.added_curvature_per_cm += size * by,
             Part::Play => {
                 let unit = MOVES * size / PART / curve.ends.1;
