@@ -10,7 +10,6 @@ use std::fmt::{self, Write as _};
 use std::sync::{Mutex, PoisonError};
 
 use ciborium::Value;
-use ieap_numerics::mixed::{Memory, Search};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -100,17 +99,6 @@ impl fmt::Write for Hash {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         self.0.update(text.as_bytes());
         Ok(())
-    }
-}
-
-/// Searches for the variances of mixed models.
-impl Memory for Cache {
-    fn earlier(&self, hash: &str) -> Option<Search> {
-        Cache::earlier(self, hash)
-    }
-
-    fn keep(&self, hash: &str, found: &Search) {
-        self.put(hash, found);
     }
 }
 
