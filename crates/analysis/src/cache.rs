@@ -64,6 +64,13 @@ impl Cache {
         asked.insert(hash.to_owned(), bytes);
     }
 
+    /// The hashes of the values that were asked for.
+    #[cfg(test)]
+    pub(crate) fn hashes(&self) -> std::collections::BTreeSet<String> {
+        let asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
+        asked.keys().cloned().collect()
+    }
+
     /// The values that were asked for, as a file holds them: the same bytes whether they were kept or made.
     pub fn bytes(&self) -> Vec<u8> {
         let asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);

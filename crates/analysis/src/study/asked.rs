@@ -1,6 +1,6 @@
-//! Asks every question of a study, parameter by parameter. The answers about one parameter of a material are made from its
-//! runs and from those of the first material, against which it is held: where both are as they were, they are taken from what
-//! was kept.
+//! Asks every question of a study, parameter by parameter. Answers about a parameter of a material are made from its own runs,
+//! and those that hold it against the first material from the runs of both: where these are as they were, the answers are taken
+//! from what was kept.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use super::answer::Answer;
 use super::asking::Asking;
 use super::curves::Curves;
 use super::evidence::{Evidence, Numbers, numbers};
-use super::kept::{Grounds, Kept};
+use super::kept::{Beside, Grounds, Kept, Unit};
 use super::laws::{of_humidity, other_slopes, over_humidity};
 use super::measured::Measured;
 use super::measures::{CURVES, MEASURES};
@@ -29,8 +29,8 @@ pub(super) struct Asked<'a> {
     pub facts: &'a [RunFacts],
 }
 
-/// What is told of each material and parameter.
-type Told = BTreeMap<(usize, &'static str), Kept>;
+/// What is told of each parameter of each unit.
+type Told = BTreeMap<(&'static str, Unit), Kept>;
 
 impl Asked<'_> {
     /// Every answer, by material, and every odd value.
@@ -53,12 +53,19 @@ impl Asked<'_> {
         for key in CURVES {
             self.tell_curves(key, (&placed, &grounds), kept, &mut told);
         }
-        let (mut answers, mut odd) = (Vec::new(), Vec::new());
-        odd.extend(told.values().flat_map(|own| own.odd.iter().cloned()));
-        odd.sort_by(|a: &OddValue, b| a.run.cmp(&b.run));
+        let mut odd: Vec<OddValue> = Vec::new();
+        for material in materials.clone() {
+            let mut keys = MEASURES;
+            keys.sort_unstable();
+            let own = keys.map(|key| told.get(&(key, (material, Beside::Nothing))));
+            odd.extend(own.into_iter().flatten().flat_map(|own| own.odd.iter().cloned()));
+        }
+        odd.sort_by(|a, b| a.run.cmp(&b.run));
+        let mut answers = Vec::new();
         for material in materials {
             let keys = MEASURES.into_iter().chain(CURVES);
-            let own = keys.filter_map(|key| told.remove(&(material, key)));
+            let units = keys.flat_map(|key| [Beside::Nothing, Beside::First].map(|of| (key, (material, of))));
+            let own = units.filter_map(|unit| told.remove(&unit));
             let mut found: Vec<Answer> = own.flat_map(|own| own.answers).collect();
             found.sort_by_key(|own| (!own.is_of_study, own.kind));
             answers.extend(found);
@@ -66,7 +73,7 @@ impl Asked<'_> {
         (answers, odd)
     }
 
-    /// What is told of a parameter of each material.
+    /// What is told of a parameter of each unit.
     fn tell_measure(
         &self,
         key: &'static str,
@@ -78,10 +85,8 @@ impl Asked<'_> {
             .iter()
             .map(|own| numbers(&self.evidence, own, key))
             .collect();
-        let hashes = grounds.of_measure(key, &all);
-        let due = due(key, (grounds, &hashes), kept, told);
-        let needed = |at: &usize| due.contains(at) || *at == 0 && !due.is_empty();
-        let each = (0..all.len()).filter(needed);
+        let due = due(key, grounds, grounds.of_measure(key, &all), kept, told);
+        let each = (0..all.len()).filter(|at| is_needed(*at, &due));
         let measured = each.filter_map(|at| Some(((at, key), measured(all[at].as_ref()?, &placed[at]))));
         let measured: BTreeMap<_, _> = measured.collect();
         let slope = |(&at, of): (&_, &Result<Measured, _>)| {
@@ -90,29 +95,34 @@ impl Asked<'_> {
             Some((at, Slope::of(&over)?))
         };
         let slopes = measured.iter().filter_map(slope).collect();
-        let of_due = measured.iter().filter(|((at, _), _)| due.contains(at));
+        let alone = measured
+            .iter()
+            .filter(|((at, _), _)| due.contains_key(&(*at, Beside::Nothing)));
         let other =
             |(&at, of): (&_, &Result<Measured, _>)| Some((at, other_slopes(of.as_ref().ok()?, self.facts)));
-        let others = of_due.filter_map(other).collect();
+        let others = alone.filter_map(other).collect();
         let asking = Asking {
             measured,
             slopes,
             others,
             ..self.asking()
         };
-        for at in due {
-            let own = asking.measured(at, key).map(|of| (key, of));
-            let run = |place: usize| self.evidence.runs[self.facts[place].run].path.clone();
-            let found = Kept {
-                answers: asking.of_measure(at, key),
-                odd: odd_values(own.into_iter(), |own| run(own.place)),
+        let run = |place: usize| self.evidence.runs[self.facts[place].run].path.clone();
+        for (unit, hash) in due {
+            let own = asking.measured(unit.0, key).map(|of| (key, of));
+            let found = match unit.1 {
+                Beside::Nothing => Kept {
+                    answers: asking.alone(unit.0, key),
+                    odd: odd_values(own.into_iter(), |own| run(own.place)),
+                },
+                Beside::First => Kept::of(asking.against_first(unit.0, key)),
             };
-            found.keep(&hashes[at], &grounds.runs(at), kept);
-            told.insert((at, key), found);
+            found.keep(&hash, &grounds.runs(unit), kept);
+            told.insert((key, unit), found);
         }
     }
 
-    /// What is told of curves of each material.
+    /// What is told of curves of each unit.
     fn tell_curves(
         &self,
         key: &'static str,
@@ -120,9 +130,13 @@ impl Asked<'_> {
         kept: &Cache,
         told: &mut Told,
     ) {
-        let hashes = grounds.of_curves(key, self.evidence.curves);
-        let due = due(key, (grounds, &hashes), kept, told);
-        let needed = |at: &usize| due.contains(at) || *at == 0 && !due.is_empty();
+        let due = due(
+            key,
+            grounds,
+            grounds.of_curves(key, self.evidence.curves),
+            kept,
+            told,
+        );
         let stated = self.evidence.campaign.study.scatter_percent;
         let curves = |at: usize| {
             Some((
@@ -130,17 +144,18 @@ impl Asked<'_> {
                 Curves::of(&placed[at], self.evidence.curves, stated, key)?,
             ))
         };
+        let needed = (0..placed.len()).filter(|at| is_needed(*at, &due));
         let asking = Asking {
-            curves: (0..placed.len()).filter(needed).filter_map(curves).collect(),
+            curves: needed.filter_map(curves).collect(),
             ..self.asking()
         };
-        for at in due {
-            let found = Kept {
-                answers: asking.whole_curves(at, key),
-                odd: Vec::new(),
-            };
-            found.keep(&hashes[at], &grounds.runs(at), kept);
-            told.insert((at, key), found);
+        for (unit, hash) in due {
+            let found = Kept::of(match unit.1 {
+                Beside::Nothing => asking.whole_curves(unit.0, key),
+                Beside::First => asking.curves_of_materials(unit.0, key).into_iter().collect(),
+            });
+            found.keep(&hash, &grounds.runs(unit), kept);
+            told.insert((key, unit), found);
         }
     }
 
@@ -163,21 +178,30 @@ fn measured(of: &Result<Numbers, &'static str>, placed: &Placed) -> Result<Measu
     of.as_ref().map(|own| own.measured(placed)).map_err(|why| *why)
 }
 
-/// Takes what was kept, and gives the materials of which nothing was.
+/// Takes what was kept, and gives the units of which nothing was, with their hashes.
 fn due(
     key: &'static str,
-    (grounds, hashes): (&Grounds, &[String]),
+    grounds: &Grounds,
+    hashes: BTreeMap<Unit, String>,
     kept: &Cache,
     told: &mut Told,
-) -> Vec<usize> {
-    let mut due = Vec::new();
-    for (at, hash) in hashes.iter().enumerate() {
-        match Kept::earlier(hash, &grounds.runs(at), kept) {
+) -> BTreeMap<Unit, String> {
+    let mut due = BTreeMap::new();
+    for (unit, hash) in hashes {
+        match Kept::earlier(&hash, &grounds.runs(unit), kept) {
             Some(found) => {
-                told.insert((at, key), found);
+                told.insert((key, unit), found);
             }
-            None => due.push(at),
+            None => {
+                due.insert(unit, hash);
+            }
         }
     }
     due
+}
+
+/// Whether something that is due is told from a material.
+fn is_needed(material: usize, due: &BTreeMap<Unit, String>) -> bool {
+    let mut units = due.keys();
+    units.any(|(own, beside)| *own == material || material == 0 && *beside == Beside::First)
 }

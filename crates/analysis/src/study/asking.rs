@@ -30,13 +30,22 @@ pub struct Asking<'a> {
 }
 
 impl Asking<'_> {
-    /// Every answer about a parameter of a material.
-    pub fn of_measure(&self, material: usize, key: &'static str) -> Vec<Answer> {
+    /// Every answer about a parameter of a material by itself.
+    pub fn alone(&self, material: usize, key: &'static str) -> Vec<Answer> {
         let mut found = self.environments(material, key);
         found.extend(self.voltages(material, key));
         found.extend(self.humidity_law(material, key));
-        found.extend(self.humidity_by_material(material, key));
         found.extend(self.other_laws(material, key));
+        found
+    }
+
+    /// Every answer about a parameter of a material held against the first.
+    pub fn against_first(&self, material: usize, key: &'static str) -> Vec<Answer> {
+        let pairs = self.pairs(material).into_iter();
+        let mut found: Vec<Answer> = pairs
+            .filter_map(|pair| self.by_material(&pair, material, key))
+            .collect();
+        found.extend(self.humidity_by_material(material, key));
         found.extend(self.materials(material, key));
         found
     }

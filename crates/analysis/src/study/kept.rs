@@ -17,7 +17,17 @@ use crate::conditions::Conditions;
 use crate::laws::facts::RunFacts;
 use crate::model_free::curves::StepCurves;
 
-/// What is told of one parameter, or of the curves of one channel, of a material: not yet judged beside the others.
+/// What a material is told of beside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Beside {
+    Nothing,
+    First,
+}
+
+/// A material, by itself or held against the first one.
+pub(super) type Unit = (usize, Beside);
+
+/// What is told of one parameter, or of the curves of one channel, of a unit: not yet judged beside the others.
 pub(super) struct Kept {
     pub answers: Vec<Answer>,
     pub odd: Vec<OddValue>,
@@ -33,6 +43,14 @@ struct Written {
 }
 
 impl Kept {
+    /// Answers alone.
+    pub fn of(answers: Vec<Answer>) -> Kept {
+        Kept {
+            answers,
+            odd: Vec::new(),
+        }
+    }
+
     /// What was made from what has that hash, of these runs; none where it was not kept.
     pub fn earlier(hash: &str, runs: &[usize], kept: &Cache) -> Option<Kept> {
         let written: Written = kept.earlier(hash)?;
@@ -43,10 +61,8 @@ impl Kept {
         answers
             .iter_mut()
             .try_for_each(|own| renumber(own, &|at| runs.get(at).copied()))?;
-        Some(Kept {
-            answers,
-            odd: written.odd,
-        })
+        let odd = written.odd;
+        Some(Kept { answers, odd })
     }
 
     /// Keeps it as made from what has that hash, of these runs.
@@ -126,16 +142,22 @@ impl<'a> Grounds<'a> {
         }
     }
 
-    /// The runs by which answers of a material are kept: its own, after those of the first.
-    pub fn runs(&self, material: usize) -> Vec<usize> {
-        let both = [0, material];
-        let of = both.iter().skip(usize::from(material == 0));
-        let places = of.flat_map(|&at| self.placed[at].cells.keys());
+    /// The runs by which answers of a material are kept: its own, after those of the first where it is held against that.
+    pub fn runs(&self, (material, scope): Unit) -> Vec<usize> {
+        let of = match scope {
+            Beside::Nothing => vec![material],
+            Beside::First => vec![0, material],
+        };
+        let places = of.iter().flat_map(|&at| self.placed[at].cells.keys());
         places.map(|&place| self.facts[place].run).collect()
     }
 
-    /// Of each material, the hash of all that its answers about a parameter of these numbers are made from.
-    pub fn of_measure(&self, key: &str, numbers: &[Option<Result<Numbers, &'static str>>]) -> Vec<String> {
+    /// The hash of all that answers about a parameter of these numbers are made from, of each unit.
+    pub fn of_measure(
+        &self,
+        key: &str,
+        numbers: &[Option<Result<Numbers, &'static str>>],
+    ) -> BTreeMap<Unit, String> {
         let own = numbers.iter().zip(self.placed).map(|(numbers, placed)| {
             let mut hash = InputHash::new();
             match numbers {
@@ -149,7 +171,7 @@ impl<'a> Grounds<'a> {
     }
 
     /// The same of answers about curves of a channel.
-    pub fn of_curves(&self, key: &str, curves: &[StepCurves]) -> Vec<String> {
+    pub fn of_curves(&self, key: &str, curves: &[StepCurves]) -> BTreeMap<Unit, String> {
         let own = self.placed.iter().map(|placed| {
             let mut hash = InputHash::new();
             for &place in placed.cells.keys() {
@@ -168,20 +190,13 @@ impl<'a> Grounds<'a> {
         self.with(key, &own.collect::<Vec<_>>())
     }
 
-    /// With what a material and the first one are.
-    fn with(&self, key: &str, own: &[String]) -> Vec<String> {
+    /// With what a material is, and the first one where it is held against that.
+    fn with(&self, key: &str, own: &[String]) -> BTreeMap<Unit, String> {
         let of = |at: usize| (&self.materials[at], &own[at]);
-        let hash = |at: usize| {
-            let (material, first) = (of(at), of(0));
-            Hash::default()
-                .with(&self.common)
-                .with(&key)
-                .with(&(at == 0))
-                .with(&material)
-                .with(&first)
-                .text()
-        };
-        (0..own.len()).map(hash).collect()
+        let alone = (0..own.len()).map(|at| ((at, Beside::Nothing), vec![of(at)]));
+        let beside = (1..own.len()).map(|at| ((at, Beside::First), vec![of(0), of(at)]));
+        let hash = |of: &Vec<_>| Hash::default().with(&self.common).with(&key).with(of).text();
+        alone.chain(beside).map(|(unit, of)| (unit, hash(&of))).collect()
     }
 }
 

@@ -37,6 +37,8 @@ mod curves_tests;
 #[cfg(test)]
 mod grammar_tests;
 #[cfg(test)]
+mod kept_tests;
+#[cfg(test)]
 mod other_laws_tests;
 #[cfg(test)]
 mod power_tests;
