@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Makes the tables of docs/benchmarks.md: times the user's own commands and reads what `cargo bench` says.
 
-Usage: benches/cost_table.py [--runs 100,1000,4000,10000] [--diagnose-up-to 1000] [--work FOLDER] [--print]
+Usage: benches/cost_table.py [--parts single,growth] [--runs 100,1000,4000,10000] [--diagnose-up-to 1000] [--work FOLDER]
 After `cargo build --release`; builds the benches itself. Needs Python 3.9 and nothing else; Linux.
 
-Everything between the two marker lines of the page is written anew; --print shows it and leaves the page alone.
+Each part stands between two marker lines of the page, and everything between them is written anew.
 IEAP names another program than target/release/ieap. A table of 10,000 runs takes about half an hour.
 """
 
@@ -22,7 +22,7 @@ import scale
 
 HOUSE = pathlib.Path(__file__).resolve().parent.parent
 PAGE = HOUSE / "docs/benchmarks.md"
-BEGIN, END = "<!-- made by benches/cost_table.py -->", "<!-- to here -->"
+BEGIN, END = "<!-- {}: made by benches/cost_table.py -->", "<!-- to here -->"
 # What a row says, the bench, and the names that its numbers have there.
 BENCHES = [
     ("fit of 3,600 readings x 2 channels, step stated; between two readings", "fit",
@@ -95,35 +95,36 @@ def machine():
     return f"{os.cpu_count()} cores, {model.group(1) if model else 'of a kind that is not said'}"
 
 
-def page(ieap, work, sizes, diagnose_up_to):
+def where(ieap):
     version = subprocess.run([ieap, "--version"], check=True, capture_output=True, text=True).stdout.strip()
-    lines = [f"{version}, release profile, {machine()}, {datetime.date.today()}.", ""]
-    lines += ["| what | measured | command |", "|---|---|---|"]
-    lines += [*of_benches(), of_main_job(ieap, work), ""]
-    lines += ["Commands on campaigns of simulated runs of 700 readings x 2, seconds of processor time:", ""]
-    lines += [f"| runs | {' | '.join(COLUMNS)} | memory at most, MB | database, archive, report, MB |"]
-    lines += ["|---" * (len(COLUMNS) + 3) + "|"]
-    lines += [of_growth(ieap, work, runs, runs <= diagnose_up_to) for runs in sizes]
-    return "\n".join(lines)
+    return f"{version}, release profile, {machine()}, {datetime.date.today()}:"
+
+
+def parts(ieap, work, given):
+    """The tables of the page by the names in their marker lines, made as they are asked for."""
+    sizes = [int(runs) for runs in given.runs.split(",")]
+    heads = [f"| runs | {' | '.join(COLUMNS)} | memory at most, MB | database, archive, report, MB |"]
+    heads += ["|---" * (len(COLUMNS) + 3) + "|"]
+    growth = lambda: heads + [of_growth(ieap, work, runs, runs <= given.diagnose_up_to) for runs in sizes]
+    single = lambda: ["| what | measured | command |", "|---|---|---|", *of_benches(), of_main_job(ieap, work)]
+    return {"single": single, "growth": growth}
 
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--parts", default="single,growth")
     arguments.add_argument("--runs", default="100,1000,4000,10000")
     arguments.add_argument("--diagnose-up-to", type=int, default=1000)
     arguments.add_argument("--work", type=pathlib.Path)
-    arguments.add_argument("--print", action="store_true")
     given = arguments.parse_args()
     ieap = pathlib.Path(os.environ.get("IEAP", HOUSE / "target/release/ieap"))
-    before, rest = PAGE.read_text().split(BEGIN)
-    after = rest.split(END)[1]
     with tempfile.TemporaryDirectory(dir=given.work) as work:
-        sizes = map(int, given.runs.split(","))
-        made = page(ieap, pathlib.Path(work), sizes, given.diagnose_up_to)
-    if given.print:
-        print(made)
-    else:
-        PAGE.write_text(f"{before}{BEGIN}\n{made}\n{END}{after}")
+        make = parts(ieap, pathlib.Path(work), given)
+        for part in given.parts.split(","):
+            made = "\n".join([where(ieap), "", *make[part]()])
+            before, rest = PAGE.read_text().split(BEGIN.format(part))
+            after = rest.split(END, 1)[1]
+            PAGE.write_text(f"{before}{BEGIN.format(part)}\n{made}\n{END}{after}")
 
 
 if __name__ == "__main__":
