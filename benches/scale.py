@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""How the cost grows with the number of runs: ingest, fit, diagnosis, report, status, a tag, a run more; time, memory, size.
+"""How the cost grows with the number of runs: ingest, fit, diagnosis, report, status, a tag, a run more, nothing new; time,
+memory, size. One line of JSON a campaign; `benches/cost_table.py` makes the tables of the docs of them.
 
-Usage: benches/scale.py [--runs 100,1000,10000,100000] [--diagnose-up-to 1000] [--work FOLDER] [--figure FILE.svg]
+Usage: benches/scale.py [--runs 100,1000,10000,100000] [--diagnose-up-to 1000] [--work FOLDER]
 After `cargo build --release`. Needs Python 3.8 and nothing else; Linux (peak memory as the kernel counts it).
 
 100,000 runs take hours and 15 GB; leave them out with --runs where that is too much.
@@ -106,6 +107,11 @@ def size_mb(folder, names):
     return round(sum(path.stat().st_size for name in names for path in folder.glob(name)) / 1e6, 2)
 
 
+def both(one, other):
+    """What two commands take, one after the other."""
+    return {key: max(one[key], other[key]) if key == "memory_mb" else round(one[key] + other[key], 3) for key in one}
+
+
 def measured(ieap, work, runs, diagnose):
     """What every command takes on a new campaign of so many runs."""
     folder = work / str(runs)
@@ -128,11 +134,12 @@ def measured(ieap, work, runs, diagnose):
     found["report"] = timed(quiet + ["report", folder])
     found["status"] = timed(quiet + ["status", folder])
     some = min((folder / "runs").rglob("*.csv")).relative_to(folder)
-    subprocess.run(quiet + ["tag", some, "note=looked at", folder], check=True, stdout=subprocess.DEVNULL)
-    found["report after a tag"] = timed(quiet + ["report", folder])
+    tag = timed(quiet + ["tag", some, "note=looked at", folder])
+    found["tag and report"] = both(tag, timed(quiet + ["report", folder]))
     for path in own:
         shutil.move(work / path.name, path)
     found["one run more"] = timed(quiet + ["run", "--no-diagnose", folder])
+    found["nothing new"] = timed(quiet + ["run", "--no-diagnose", folder])
     return {
         "runs": runs,
         "commands": found,
@@ -143,90 +150,20 @@ def measured(ieap, work, runs, diagnose):
     }
 
 
-COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
-MARKS = ["circle", "square", "diamond", "up", "down", "cross", "bar"]
-
-
-def mark(kind, x, y, colour):
-    paths = {
-        "circle": f"M{x - 4} {y}a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z",
-        "square": f"M{x - 4} {y - 4}h8v8h-8z",
-        "diamond": f"M{x} {y - 5}l5 5l-5 5l-5 -5z",
-        "up": f"M{x} {y - 5}l5 9h-10z",
-        "down": f"M{x} {y + 5}l5 -9h-10z",
-        "cross": f"M{x - 4} {y - 4}l8 8M{x - 4} {y + 4}l8 -8",
-        "bar": f"M{x - 5} {y - 2}h10v4h-10z",
-    }
-    return f'<path d="{paths[kind]}" fill="{colour}" stroke="{colour}" stroke-width="1.5"/>'
-
-
-def panel(rows, value, label, left):
-    """One log-log panel: a line a command, its name at its last point, and what grows with the runs beside them."""
-    top, width, height = 30, 330, 330
-    names = list(dict.fromkeys(name for row in rows for name in row["commands"]))
-    lines = {n: [(r["runs"], value(r["commands"][n])) for r in rows if n in r["commands"]] for n in names}
-    every = [v for line in lines.values() for _, v in line]
-    low, high = math.floor(math.log10(min(every))), math.ceil(math.log10(max(every)))
-    first, last = math.log10(rows[0]["runs"]), math.log10(rows[-1]["runs"])
-    x = lambda runs: left + width * (math.log10(runs) - first) / max(last - first, 1)
-    y = lambda v: top + height * (high - math.log10(v)) / (high - low)
-    out = [f'<rect x="{left}" y="{top}" width="{width}" height="{height}" fill="none" stroke="#555"/>']
-    for power in range(low, high + 1):
-        at = y(10.0**power)
-        out.append(f'<path d="M{left} {at:.1f}h{width}" stroke="#ddd"/>')
-        out.append(f'<text x="{left - 6}" y="{at + 4:.1f}" text-anchor="end">{10.0**power:g}</text>')
-    for power in range(round(first), math.floor(last) + 1):
-        at = x(10.0**power)
-        out.append(f'<text x="{at:.1f}" y="{top + height + 18}" text-anchor="middle">{10**power:,}</text>')
-    # What grows with the number of runs has this slope.
-    start = 10.0 ** (low + 0.3)
-    out.append(
-        f'<path d="M{x(rows[0]["runs"]):.1f} {y(start):.1f}L{x(rows[-1]["runs"]):.1f} '
-        f'{max(y(start * rows[-1]["runs"] / rows[0]["runs"]), top):.1f}" stroke="#999" stroke-dasharray="2 4" fill="none"/>'
-    )
-    ends = []
-    for name, colour, kind in zip(names, COLOURS, MARKS):
-        points = [(x(r), y(v)) for r, v in lines[name]]
-        out.append(f'<path d="M{"L".join(f"{a:.1f} {b:.1f}" for a, b in points)}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
-        out.extend(mark(kind, round(a, 1), round(b, 1), colour) for a, b in points)
-        ends.append([points[-1][1], points[-1][0], name, colour])
-    ends.sort()
-    for before, after in zip(ends, ends[1:]):
-        after[0] = max(after[0], before[0] + 15)
-    out.extend(f'<text x="{a + 9:.1f}" y="{b + 4:.1f}" fill="{c}">{n}</text>' for b, a, n, c in ends)
-    out.append(f'<text x="{left + width / 2}" y="{top + height + 40}" text-anchor="middle">runs of 700 readings x 2</text>')
-    out.append(f'<text x="{left}" y="{top - 10}">{label}</text>')
-    return out
-
-
-def figure(rows):
-    inner = panel(rows, lambda c: c["seconds"], "time, s (dotted: as the number of runs)", 60)
-    inner += panel(rows, lambda c: c["memory_mb"], "memory at most, MB", 540)
-    return (
-        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 990 420" font-family="sans-serif" font-size="13">'
-        '<rect width="990" height="420" fill="#fff"/>' + "\n".join(inner) + "</svg>\n"
-    )
-
-
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--runs", default="100,1000,10000,100000")
     arguments.add_argument("--diagnose-up-to", type=int, default=1000)
     arguments.add_argument("--work", type=pathlib.Path)
-    arguments.add_argument("--figure", type=pathlib.Path)
     given = arguments.parse_args()
     ieap = pathlib.Path(os.environ.get("IEAP", HOUSE / "target/release/ieap"))
     with tempfile.TemporaryDirectory() as scratch:
         work = given.work or pathlib.Path(scratch)
         work.mkdir(parents=True, exist_ok=True)
-        rows = []
         for runs in map(int, given.runs.split(",")):
-            rows.append(measured(ieap, work, runs, runs <= given.diagnose_up_to))
-            print(json.dumps(rows[-1]), flush=True)
+            print(json.dumps(measured(ieap, work, runs, runs <= given.diagnose_up_to)), flush=True)
             if not given.work:
                 shutil.rmtree(work / str(runs))
-    if given.figure:
-        given.figure.write_text(figure(rows))
 
 
 if __name__ == "__main__":

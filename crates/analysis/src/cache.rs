@@ -10,7 +10,6 @@ use std::fmt::{self, Write as _};
 use std::sync::{Mutex, PoisonError};
 
 use ciborium::Value;
-use ieap_numerics::mixed::{Memory, Search};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -65,6 +64,13 @@ impl Cache {
         asked.insert(hash.to_owned(), bytes);
     }
 
+    /// The hashes of the values that were asked for.
+    #[cfg(test)]
+    pub(crate) fn hashes(&self) -> std::collections::BTreeSet<String> {
+        let asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
+        asked.keys().cloned().collect()
+    }
+
     /// The values that were asked for, as a file holds them: the same bytes whether they were kept or made.
     pub fn bytes(&self) -> Vec<u8> {
         let asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
@@ -100,17 +106,6 @@ impl fmt::Write for Hash {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         self.0.update(text.as_bytes());
         Ok(())
-    }
-}
-
-/// Searches for the variances of mixed models.
-impl Memory for Cache {
-    fn earlier(&self, hash: &str) -> Option<Search> {
-        Cache::earlier(self, hash)
-    }
-
-    fn keep(&self, hash: &str, found: &Search) {
-        self.put(hash, found);
     }
 }
 

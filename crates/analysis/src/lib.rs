@@ -45,6 +45,7 @@ pub mod study;
 pub mod tables;
 pub mod traces;
 pub mod witnesses;
+pub mod word;
 pub mod zone;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};

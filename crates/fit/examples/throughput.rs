@@ -1,10 +1,11 @@
 //! How many runs a second are fitted, and in how much memory: a few simulated runs, fitted over and over on
-//! every core. `cargo run --release --example throughput -- 100000 3600 variable-projection`
+//! every core. `cargo run --release --example throughput -- 100000 3600 variable-projection between`; the last word puts the
+//! step between two readings, so that where it was is fitted, too.
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use ieap_domain::{Channel, Drive, Quantity};
+use ieap_domain::{Channel, Drive, Edge, Level, Quantity, Segment};
 use ieap_fit::{FitInput, FitOptions, fit_run};
 use ieap_model::{Branch, LumpedModel};
 use rand::SeedableRng;
@@ -69,9 +70,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let method = arguments
         .next()
         .unwrap_or_else(|| "variable-projection".to_owned());
+    let edge = match arguments.next().as_deref() {
+        Some("between") => Edge::between(-1.0, 0.0),
+        _ => Edge::at(0.0),
+    };
     let options = FitOptions::default().with_method(&method)?;
     let measured: Vec<(Vec<Channel>, Drive)> = (0..16)
-        .map(|k| (run(&ROWS[k % 4], samples, k as u64), Drive::step(ROWS[k % 4][7])))
+        .map(|k| {
+            let level = Level::Voltage(ROWS[k % 4][7]);
+            let drive = Drive {
+                baseline_v: 0.0,
+                segments: vec![Segment { edge, level }],
+            };
+            (run(&ROWS[k % 4], samples, k as u64), drive)
+        })
         .collect();
     let start = Instant::now();
     let (converged, quickest_s) = (0..runs)

@@ -151,9 +151,14 @@ impl Store {
         self.state_of_lists(&["run actuation", "result fit"])
     }
 
+    /// Every current fit, by run.
+    pub(super) fn fits(&self) -> Result<std::sync::Arc<Vec<StoredResult<Fit>>>, StoreError> {
+        self.all_results("fits", ResultKind::Fit)
+    }
+
     /// Fills in the fits of runs, and why there is none where it was tried.
     pub(super) fn fill_in_fits(&self, records: &mut [RunRecord]) -> Result<(), StoreError> {
-        let fits = self.all_results::<Fit>("fits", ResultKind::Fit)?;
+        let fits = self.fits()?;
         for record in records {
             let stored = fits.binary_search_by(|stored| stored.origin.name.cmp(&record.path));
             fill_in_fit(record, stored.ok().map(|at| fits[at].clone()));

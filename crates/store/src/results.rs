@@ -136,6 +136,12 @@ pub struct StoredResult<T> {
     pub found: Result<T, Issue>,
 }
 
+impl<T> StoredResult<T> {
+    fn named_key(&self) -> (String, String) {
+        (self.origin.name.clone(), self.origin.key.clone())
+    }
+}
+
 /// What a result is of, and what it was made from and by.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ResultOrigin {
@@ -237,7 +243,11 @@ impl Store {
     /// See [`StoreError`].
     pub fn result_keys(&self, kind: ResultKind) -> Result<BTreeMap<String, String>, StoreError> {
         let read = |row: &Row<'_>| Ok((row.get("of_name")?, row.get("key")?));
-        let keys = self.listed("reading what results depend on", RESULT, &list_of(kind), read)?;
+        let keys = match kind {
+            // Who asks for the keys of fits asks for the fits, too.
+            ResultKind::Fit => self.fits()?.iter().map(StoredResult::named_key).collect(),
+            _ => self.listed("reading what results depend on", RESULT, &list_of(kind), read)?,
+        };
         Ok(keys.into_iter().collect())
     }
 

@@ -35,6 +35,31 @@ struct StandingIn {
 impl ResultDocument for Same {}
 
 impl Store {
+    /// Row ids of current actuation runs without marks of that version. No marks are read for it: what is damaged in a key only
+    /// makes them again.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn unmarked(&self, version: u32) -> Result<Vec<i64>, StoreError> {
+        let _moment = self.snapshot()?;
+        let sql =
+            "SELECT run_id, key FROM result WHERE kind = ?1 AND superseded_at IS NULL AND run_id IS NOT NULL";
+        let read = |row: &rusqlite::Row<'_>| Ok((row.get::<_, i64>("run_id")?, row.get::<_, String>("key")?));
+        let doing = "looking which runs have marks";
+        let known = self.rows(doing, sql, [ResultKind::Marks.key()], read)?;
+        let known: BTreeMap<i64, String> = known.into_iter().collect();
+        let runs = self.current_rows(RunKind::Actuation)?;
+        let is_marked = |run: &&Arc<RunRow>| {
+            known
+                .get(&run.id)
+                .is_some_and(|own| *own == key(version, &run.data_hash))
+        };
+        let unmarked = runs.iter().filter(|run| !is_marked(run)).map(|run| run.id);
+        let mut unmarked: Vec<i64> = unmarked.collect();
+        unmarked.sort_unstable();
+        Ok(unmarked)
+    }
+
     /// Current actuation runs by row id, each with its marks; empty where it has none of that version.
     ///
     /// # Errors

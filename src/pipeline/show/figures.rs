@@ -1,11 +1,10 @@
 //! The verb `figure`: a named figure of the campaign for print.
 
-use std::sync::Arc;
-
 use super::along::PageCurves;
 use super::report::input;
 use super::simulated_figures::{SIMULATED, simulated_named};
 use crate::analysis::ParameterInfo;
+use crate::analysis::cache::Cache;
 use crate::analysis::parameters::begins_key;
 use crate::model::fit_models;
 use crate::pipeline::{Context, PipelineError};
@@ -120,7 +119,7 @@ impl MakeFigure {
         let format = self.checked_format()?;
         let width_mm = self.width_mm.unwrap_or(figure.width_mm);
         let (changes, changed_at) = context.store.changes()?;
-        let input = input(context, changes, &changed_at, &Arc::default())?;
+        let input = input(context, changes, &changed_at, &Cache::default())?;
         let site = Site::new(&input);
         if self.run.is_some() && !figure.of_strips && figure.name != "models" {
             let needed = "no run: this figure shows them all".to_owned();

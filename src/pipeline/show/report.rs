@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use super::along::PageCurves;
 use super::found_tables;
@@ -20,7 +19,6 @@ use crate::domain::{Fault, GroupDiagnosis, RunRecord, SourceFile};
 use crate::model::effects::smooth_laws::SMOOTH_LAWS;
 use crate::model::effects::{self, Effect};
 use crate::numerics::interrupt;
-use crate::numerics::mixed::with_memory;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::campaign::places::{FAULTS, KEPT_VALUES, REPORT_FOLDER, STAMP};
 use crate::pipeline::campaign::standing::{self, Runs};
@@ -113,7 +111,7 @@ impl RenderReport {
         let (changes, changed_at) = context.store.changes()?;
         let own = OwnTemplates::of(context);
         let stamp = stamp(context, changes, &changed_at, &own)?;
-        let altered = own_folder::altered(&target)
+        let altered = own_folder::altered_since_listed(&target)
             .map_err(failed(&target, "looking whether it is as it was written"))?;
         let current = stands(context, &stamp) && altered.is_empty();
         let unchanged = |refused| ReportSummary {
@@ -149,7 +147,7 @@ impl RenderReport {
         // What another build of the program made may differ though nothing else does.
         let kept = standing.values(&program);
         let made = kept.as_ref().map_or_else(Made::new, |_| standing.pages());
-        let values = Arc::new(kept.unwrap_or_else(|| Cache::by(&program)));
+        let values = kept.unwrap_or_else(|| Cache::by(&program));
         let input = report::Input {
             templates: own.texts.clone(),
             before: Before {
@@ -434,7 +432,7 @@ pub(crate) fn input(
     context: &Context,
     changes: u64,
     changed_at: &str,
-    kept: &Arc<Cache>,
+    kept: &Cache,
 ) -> Result<report::Input, PipelineError> {
     // Each of these may fail by itself: the report then lacks it, and says so.
     let mut faults = Vec::new();
@@ -460,17 +458,15 @@ pub(crate) fn input(
     });
     let curves = or_nothing(curves, &mut faults)?;
     let study = || {
-        Ok(Study::of(Evidence {
+        let evidence = Evidence {
             runs: &runs,
             campaign: &context.campaign,
             doubts: &doubts,
             curves: &curves,
-        })
-        .beside(&set_aside))
+        };
+        Ok(Study::kept(evidence, kept).beside(&set_aside))
     };
-    // What was searched for before is not searched for again.
-    let study = with_memory(kept.clone(), || step("what the study asked", study));
-    let study = or_nothing(study, &mut faults)?;
+    let study = or_nothing(step("what the study asked", study), &mut faults)?;
     let findings = or_nothing(
         step("findings", || Ok(findings(context, &runs, found))),
         &mut faults,

@@ -1,7 +1,6 @@
 //! What a parameter may follow from run to run: covariates with their keys, units and effects.
 
-use std::collections::BTreeSet;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use crate::word::{Word, word};
 
 /// Something that differs between runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -44,23 +43,13 @@ pub enum Covariate {
 
 /// The key of a tag that campaign.toml declares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
-pub struct DeclaredTag(&'static str);
+pub struct DeclaredTag(Word);
 
 impl DeclaredTag {
     /// The tag of that key. Keys are kept for as long as the program runs: they are few, and covariates are copied
     /// everywhere.
     pub fn of(key: &str) -> DeclaredTag {
-        static KNOWN: OnceLock<Mutex<BTreeSet<&'static str>>> = OnceLock::new();
-        let known = KNOWN.get_or_init(Mutex::default);
-        let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
-        match known.get(key) {
-            Some(kept) => DeclaredTag(kept),
-            None => {
-                let kept: &'static str = Box::leak(key.into());
-                known.insert(kept);
-                DeclaredTag(kept)
-            }
-        }
+        DeclaredTag(word(key))
     }
 }
 

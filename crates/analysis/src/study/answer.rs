@@ -2,9 +2,10 @@
 
 use ieap_domain::{Estimate, string_enum};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::laws::Covariate;
+use crate::word::{self, Word};
 
 string_enum! {
     /// What is asked.
@@ -108,7 +109,7 @@ string_enum! {
 }
 
 /// An answer in the other scope, on the same scale.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct InScope {
     /// The number.
     pub value: f64,
@@ -127,7 +128,7 @@ pub struct InScope {
 }
 
 /// The values behind a law, brought to the mean of what was taken out.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drawn {
     /// What the law goes through whatever its size: the means of what is followed and of the logarithm, or of points.
     pub middle: (f64, f64),
@@ -136,7 +137,7 @@ pub struct Drawn {
 }
 
 /// A value behind a law.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Its sample.
     pub sample: String,
@@ -151,20 +152,22 @@ pub struct Point {
 }
 
 /// An answer.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Answer {
     /// What is asked.
     pub kind: Kind,
     /// Whether the study asked it, or it is a detail of what it asked. Chances are judged together among each.
     pub is_of_study: bool,
     /// Key of the parameter, or of the curve.
-    pub parameter: &'static str,
+    #[serde(deserialize_with = "word::read")]
+    pub parameter: Word,
     /// Material, or the first of two.
     pub material: String,
     /// The second of two materials.
     pub against_material: Option<String>,
     /// Key of what a law follows.
-    pub covariate: Option<&'static str>,
+    #[serde(deserialize_with = "word::read_or_none")]
+    pub covariate: Option<Word>,
     /// What stands above: an environment, a voltage; or what a law follows.
     pub upper: String,
     /// What it is held against; empty for a law.

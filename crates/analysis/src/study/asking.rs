@@ -9,7 +9,6 @@ use super::answer::{Answer, Kind};
 use super::combined::Term;
 use super::curves::Curves;
 use super::measured::{Cell, Measured};
-use super::measures::{CURVES, MEASURES};
 use super::slope::{Other, Slope};
 use crate::conditions::Conditions;
 use crate::laws::facts::RunFacts;
@@ -31,29 +30,24 @@ pub struct Asking<'a> {
 }
 
 impl Asking<'_> {
-    /// Every answer, by material.
-    pub fn answers(&self) -> Vec<Answer> {
-        let materials = 0..self.conditions.materials.len();
-        let all = materials.flat_map(|material| {
-            let of_key = |key| {
-                let mut found = self.environments(material, key);
-                found.extend(self.voltages(material, key));
-                found.extend(self.humidity_law(material, key));
-                found.extend(self.humidity_by_material(material, key));
-                found.extend(self.other_laws(material, key));
-                found.extend(self.materials(material, key));
-                found
-            };
-            let mut found: Vec<Answer> = MEASURES.into_iter().flat_map(of_key).collect();
-            found.extend(
-                CURVES
-                    .into_iter()
-                    .flat_map(|key| self.whole_curves(material, key)),
-            );
-            found.sort_by_key(|own| (!own.is_of_study, own.kind));
-            found
-        });
-        all.collect()
+    /// Every answer about a parameter of a material by itself.
+    pub fn alone(&self, material: usize, key: &'static str) -> Vec<Answer> {
+        let mut found = self.environments(material, key);
+        found.extend(self.voltages(material, key));
+        found.extend(self.humidity_law(material, key));
+        found.extend(self.other_laws(material, key));
+        found
+    }
+
+    /// Every answer about a parameter of a material held against the first.
+    pub fn against_first(&self, material: usize, key: &'static str) -> Vec<Answer> {
+        let pairs = self.pairs(material).into_iter();
+        let mut found: Vec<Answer> = pairs
+            .filter_map(|pair| self.by_material(&pair, material, key))
+            .collect();
+        found.extend(self.humidity_by_material(material, key));
+        found.extend(self.materials(material, key));
+        found
     }
 
     pub(super) fn measured(&self, material: usize, key: &'static str) -> Option<&Measured> {

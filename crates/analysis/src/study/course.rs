@@ -3,8 +3,8 @@
 
 use ieap_numerics::symmetric::Symmetric;
 
+use super::evidence::{Evidence, measure};
 use super::laws::{of_humidity, over_conditions, over_humidity, stating};
-use super::made::{Evidence, measure};
 use super::placed::Placed;
 use super::policy::{MOST_POWERS, MOST_STRIPS};
 use super::slope::{Followed, Over};

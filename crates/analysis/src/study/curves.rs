@@ -26,19 +26,11 @@ impl Curves {
         stated_percent: Option<f64>,
         key: &str,
     ) -> Option<Curves> {
-        let of = |own: &StepCurves| -> Vec<TimePoint> {
-            let points = if key == CURRENT_CURVE {
-                &own.current
-            } else {
-                &own.bending
-            };
-            points.clone()
-        };
         let mut points: BTreeMap<i32, BTreeMap<usize, TimePoint>> = BTreeMap::new();
         let mut values: BTreeMap<Cell, BTreeMap<i32, Vec<f64>>> = BTreeMap::new();
         for (&place, &cell) in &placed.cells {
             let run = placed.facts[place].run;
-            for point in curves.get(run).map(of).unwrap_or_default() {
+            for &point in curves.get(run).map_or(&[][..], |own| points_of(own, key)) {
                 points.entry(point.place).or_default().insert(place, point);
                 let of_cell = values.entry(cell).or_default();
                 of_cell.entry(point.place).or_default().push(point.value);
@@ -66,6 +58,15 @@ impl Curves {
     /// The time at which most conditions have a value.
     pub fn fullest(&self) -> Option<&Measured> {
         self.at.values().max_by_key(|own| own.cells.len())
+    }
+}
+
+/// The curve of one channel of a run.
+pub(super) fn points_of<'c>(of: &'c StepCurves, key: &str) -> &'c [TimePoint] {
+    if key == CURRENT_CURVE {
+        &of.current
+    } else {
+        &of.bending
     }
 }
 

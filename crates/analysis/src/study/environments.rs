@@ -60,7 +60,6 @@ impl Asking<'_> {
                 }
             }
             found.extend(self.by_voltage(of, &pair, &shared, material, key));
-            found.extend(self.by_material(&pair, material, key));
         }
         found
     }

@@ -183,7 +183,7 @@ impl Asking<'_> {
 }
 
 /// What else a parameter may follow: of what says how long a strip was used the first that is known.
-fn followed(facts: &[RunFacts]) -> Vec<Covariate> {
+pub(super) fn followed(facts: &[RunFacts]) -> Vec<Covariate> {
     let has = |of: &Covariate| {
         let mut all = facts.iter();
         all.any(|fact| fact.numbers.contains_key(of) || fact.names.contains_key(of))

@@ -7,12 +7,15 @@
 
 mod also;
 mod answer;
+mod asked;
 mod asking;
 mod combined;
 mod course;
 mod curves;
 mod environments;
+mod evidence;
 mod grammar;
+mod kept;
 mod laws;
 mod made;
 mod measured;
@@ -34,6 +37,8 @@ mod curves_tests;
 #[cfg(test)]
 mod grammar_tests;
 #[cfg(test)]
+mod kept_tests;
+#[cfg(test)]
 mod other_laws_tests;
 #[cfg(test)]
 mod power_tests;
@@ -44,9 +49,10 @@ mod two_scopes_tests;
 
 pub use answer::{Answer, Basis, Drawn, InScope, Kind, Point, Scale, Scope, Verdict};
 pub use course::{Course, courses};
+pub use evidence::Evidence;
 pub use grammar::UNTOLD;
 pub(crate) use grammar::factor;
-pub use made::{Evidence, Study};
+pub use made::Study;
 pub use odd::OddValue;
 pub use said::{first_parameter, first_screen, lead};
 pub use words::{about, sentence, symbol};

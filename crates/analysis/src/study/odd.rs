@@ -5,20 +5,22 @@ use std::collections::BTreeMap;
 use ieap_domain::number::significant;
 use ieap_domain::words::in_a_row;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::measured::{Measured, Value};
 use super::policy::MOST_NAMED;
 use crate::laws::words::symbol;
 use crate::parameters::COMPARED;
+use crate::word::{self, Word};
 
 /// A value of a run that may be of something else than its condition says.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OddValue {
     /// The run.
     pub run: String,
     /// The parameter, or what is made of several.
-    pub parameter: &'static str,
+    #[serde(deserialize_with = "word::read")]
+    pub parameter: Word,
     /// How far it stands off what the others say, in the standard errors that they leave.
     pub off_standard_errors: f64,
     /// As how many runs it counts: the chance that it is like the others.

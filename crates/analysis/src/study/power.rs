@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::answer::{InScope, Scale};
 use super::combined::InBoth;
-use super::made::{Evidence, measured_of};
+use super::evidence::{Evidence, measured_of};
 use super::measured::{Measured, Value, distinct};
 use super::measures::MEASURES;
 pub use super::policy::{ALIKE_PERCENT, MOST_STRIPS};

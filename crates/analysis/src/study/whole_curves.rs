@@ -55,12 +55,15 @@ impl Asking<'_> {
                 ));
             }
         }
-        found.extend(self.curves_of_materials(material, key));
         found
     }
 
-    fn curves_of_materials(&self, material: usize, key: &'static str) -> Option<Answer> {
-        let of = |material| self.curves.get(&(material, key));
+    pub(super) fn curves_of_materials(&self, material: usize, key: &'static str) -> Option<Answer> {
+        let of = |material| {
+            self.curves
+                .get(&(material, key))
+                .filter(|_| !self.rules.voltages_together)
+        };
         let (own, first) = (of(material)?, of(0).filter(|_| material > 0)?);
         let cells: Vec<Cell> = own.fullest()?.cells.clone();
         let shared: Vec<Cell> = cells

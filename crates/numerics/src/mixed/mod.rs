@@ -9,7 +9,6 @@
 mod at;
 mod block;
 mod estimated;
-mod memory;
 mod model;
 mod odd;
 mod search;
@@ -17,6 +16,5 @@ mod search;
 mod tests;
 
 pub use estimated::{Combined, Estimated};
-pub use memory::{Memory, Search, with_memory};
 pub use model::{MixedModel, Reading, Unit};
 pub use odd::Odd;

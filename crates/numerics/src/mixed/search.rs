@@ -2,7 +2,6 @@
 
 use super::at::{At, Likely};
 use super::estimated::Estimated;
-use super::memory::{self, Search};
 use super::model::MixedModel;
 use crate::symmetric::Symmetric;
 
@@ -33,23 +32,12 @@ impl MixedModel {
         if self.readings() <= fixed as f64 {
             return None;
         }
-        let memory = memory::of_thread().map(|memory| (memory, memory::hash(self, near)));
-        let known = memory.as_ref().and_then(|(memory, hash)| memory.earlier(hash));
-        let known = known.and_then(|search| Some((At::of(self, &search.0)?, search)));
-        let (at, search) = match (known, &memory) {
-            (Some(known), _) => known,
-            (None, None) => self.sought(near)?,
-            (None, Some((memory, hash))) => {
-                let sought = self.sought(near)?;
-                memory.keep(hash, &sought.1);
-                sought
-            }
-        };
-        Some(Estimated::found(at, search.0, &search.1))
+        let (at, variances, told) = self.sought(near)?;
+        Some(Estimated::found(at, variances, &told))
     }
 
-    /// Seeks them.
-    fn sought(&self, near: Option<&Estimated>) -> Option<(At, Search)> {
+    /// Seeks them; with them, which of them the design tells apart.
+    fn sought(&self, near: Option<&Estimated>) -> Option<(At, Vec<f64>, Vec<usize>)> {
         let scale = self.scale();
         let told = self.told_apart(scale)?;
         let mut variances = vec![0.0; self.components() + 1];
@@ -71,7 +59,7 @@ impl MixedModel {
                 break;
             }
         }
-        Some((at, (variances, told)))
+        Some((at, variances, told))
     }
 
     /// One step of Fisher's scoring within what is not negative, halved until it gains; none where nothing does.

@@ -14,15 +14,11 @@ use crate::pipeline::{Context, Observer, PipelineError};
 /// # Errors
 /// The database refuses.
 pub fn find_copies(context: &mut Context, observer: &dyn Observer) -> Result<usize, PipelineError> {
-    let known = context.store.marks(VERSION)?;
-    let fresh: Vec<i64> = known
-        .iter()
-        .filter(|(_, marks)| marks.is_none())
-        .map(|(id, _)| *id)
-        .collect();
+    let fresh = context.store.unmarked(VERSION)?;
     if fresh.is_empty() {
         return Ok(0);
     }
+    let known = context.store.marks(VERSION)?;
     observer.begin("looking for copies", fresh.len() as u64);
     let mut all: BTreeMap<i64, Vec<u64>> = known
         .into_iter()
