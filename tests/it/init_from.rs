@@ -195,7 +195,7 @@ fn files_of_one_header_have_one_draft() {
     }
     let shown = ieap(root.path(), &["init", "study", "--from", "files", "--json"]).expect(0);
     let profiles = shown.json();
-    let profiles = profiles["profiles"].as_array().unwrap();
+    let profiles = profiles["proposed"]["profiles"].as_array().unwrap();
     let of: Vec<usize> = profiles
         .iter()
         .map(|profile| profile["files"].as_array().unwrap().len())
