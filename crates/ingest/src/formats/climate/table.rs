@@ -481,7 +481,11 @@ fn rows_of_words(read: &Table<'_>, column: usize) -> Option<BTreeMap<String, Vec
     const MOST: usize = 64;
     let mut rows: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     let is_time = |header: &Header| header.meaning.quantity() == Some(Quantity::Time);
-    let times = read.headers.iter().position(is_time).map(|at| &read.cells.columns[at].numbers);
+    let times = read
+        .headers
+        .iter()
+        .position(is_time)
+        .map(|at| &read.cells.columns[at].numbers);
     // A row without a time is no reading: the mean of a footer names no sensor.
     let is_timed = |row: usize| times.is_none_or(|times| times.get(row).is_none_or(|time| time.is_finite()));
     let mut add = |word: String, row: usize| {
