@@ -53,13 +53,26 @@ impl Format for ClimateTable {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let mut issues = Vec::new();
-        let decoded = delimited::decoded(bytes)?;
-        let text = delimited::text(&decoded, &mut issues)?;
-        let reader = self.reading();
-        let status = (text.status, text.evidence());
-        read_lines(reader, Some(text.encoding), context, &text.lines, status, issues)
+        read_text(self.reading(), bytes, context, |_| Ok(0))
     }
+}
+
+/// Reads the text of a logger for `reader`, which has read nothing yet; so many lines stand above its table as `above` says.
+///
+/// # Errors
+/// As [`read_lines`]; the file is empty, is no text, or has no whole line yet.
+pub fn read_text(
+    reader: Reading,
+    bytes: &[u8],
+    context: &ReadContext,
+    above: impl FnOnce(&[Line<'_>]) -> Result<usize, ReadError>,
+) -> Result<Reading, ReadError> {
+    let mut issues = Vec::new();
+    let decoded = delimited::decoded(bytes)?;
+    let text = delimited::text(&decoded, &mut issues)?;
+    let status = (text.status, text.evidence());
+    let lines = &text.lines[above(&text.lines)?..];
+    read_lines(reader, Some(text.encoding), context, lines, status, issues)
 }
 
 /// Whether lines hold the table of a logger: dates or a start beside climate, and no response of a sample, which makes a run of
