@@ -483,7 +483,11 @@ impl Law for Shape {
         let factor = (1.0 + by(x)).max(0.05);
         match drawn.law {
             "resistance" => c.resistance_ohm_cm2.iter_mut().for_each(|r| *r *= factor),
-            "capacitance" => c.capacitance_f_per_cm2.iter_mut().for_each(|own| *own *= factor),
+            // The charge is that of the capacitance, q = C e.
+            "capacitance" => {
+                let stored = c.capacitance_f_per_cm2.iter_mut().chain(&mut c.storage);
+                stored.for_each(|own| *own *= factor);
+            }
             "leak" => c.leak_s_per_cm2 += self.unit * (self.strength + by(x)),
             "source" => c.emf_v -= self.unit * by(x) * now.current_a_per_cm2,
             "coupling" => c.coupling_factor *= factor,

@@ -41,6 +41,8 @@ pub(super) struct Charging {
     /// Weight of the voltage at the start, and at the end, in the capacitor's voltage at the end.
     pub(super) from: f64,
     pub(super) to: f64,
+    /// Charge that fits in at a volt at the start of the step, over that of its middle, which is as much over that of its end.
+    pub(super) stored: f64,
 }
 
 impl Charging {
@@ -63,6 +65,7 @@ impl Charging {
             end,
             from: end * (way - to),
             to: end * to,
+            stored: 1.0,
         }
     }
 }
@@ -73,7 +76,8 @@ pub(super) fn draw(c: &Coefficients, charging: &[Charging], capacitor_v: &[f64],
     let mut offset = c.leak_a_per_cm2;
     for ((charging, &e), &r) in charging.iter().zip(capacitor_v).zip(&c.resistance_ohm_cm2) {
         conductance += (1.0 - charging.to) / r;
-        offset -= ((1.0 - charging.decay.way) * e + charging.from * u_from) / r;
+        let stored = charging.stored * charging.stored;
+        offset -= ((1.0 - charging.decay.way) * e + charging.from * u_from) * stored / r;
     }
     (conductance, offset)
 }

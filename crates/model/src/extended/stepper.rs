@@ -20,6 +20,8 @@ pub struct Responses {
 struct State {
     /// Capacitor voltages, node by node.
     capacitor_v: Vec<f64>,
+    /// Factor on the charge that every branch stores at that voltage.
+    storage: Vec<f64>,
     /// Charge since the start of the drive that bends, mean over the nodes, C/cm2.
     charge: f64,
     /// Strain of every mode of relaxation, in units of areal charge.
@@ -40,6 +42,7 @@ impl State {
     /// Takes over another one of the same model: no room is asked for, as a clone would at every step.
     fn copy_from(&mut self, other: &State) {
         self.capacitor_v.copy_from_slice(&other.capacitor_v);
+        self.storage.copy_from_slice(&other.storage);
         self.strain.copy_from_slice(&other.strain);
         self.memory.copy_from_slice(&other.memory);
         self.nodes_v.copy_from_slice(&other.nodes_v);
@@ -71,12 +74,14 @@ impl<'a> Stepper<'a> {
             plain: Coefficients {
                 resistance_ohm_cm2: system.branches.iter().map(|b| b.resistance_ohm_cm2).collect(),
                 capacitance_f_per_cm2: system.branches.iter().map(|b| b.capacitance_f_per_cm2).collect(),
+                storage: vec![1.0; system.branches.len()],
                 steady_s_per_cm2: system.steady_s_per_cm2,
                 leak_a_per_cm2: 0.0,
                 leak_s_per_cm2: 0.0,
                 relaxation_factor: 1.0,
                 coupling_factor: 1.0,
                 emf_v: 0.0,
+                added_current_a: 0.0,
                 added_curvature_per_cm: 0.0,
             },
         }
@@ -91,6 +96,7 @@ impl<'a> Stepper<'a> {
         let node: Vec<f64> = at_rest.collect();
         State {
             capacitor_v: node.repeat(self.nodes),
+            storage: vec![1.0; self.system.branches.len()],
             charge: 0.0,
             strain: vec![0.0; self.system.relaxation.len()],
             memory: vec![0.0; self.system.laws.len()],
@@ -109,8 +115,10 @@ impl<'a> Stepper<'a> {
         let mut current_a = vec![0.0; times.len()];
         let mut curvature = vec![0.0; times.len()];
         let mut state = self.rest();
-        let mut middle = state.clone();
         let mut work = Work::new(self);
+        self.act(&state, &mut work, start_s, start_s);
+        state.storage.copy_from_slice(&work.now.storage);
+        let mut middle = state.clone();
         let mut segment = None;
         let mut segments = self.run.drive.segments.iter().peekable();
         let at_rest_a = self.run.area_cm2 * self.run.drive.baseline_v * self.system.rest_s_per_cm2();
@@ -127,6 +135,7 @@ impl<'a> Stepper<'a> {
             }
             while let Some(next) = segments.next_if(|next| next.start_s() <= t) {
                 segment = Some((next.start_s(), next.level));
+                work.follows.fill(0.0);
                 if let Level::Voltage(v) = next.level {
                     state.source_v_per_s = self.system.ramp_v_per_s(state.source_v, v);
                 }
@@ -141,7 +150,8 @@ impl<'a> Stepper<'a> {
                 state.source_v = v;
             }
             self.see(&mut state, &mut work, t, edge_s, level);
-            current_a[k] = self.run.area_cm2 * state.current + self.system.current_offset_a;
+            let read_a = self.system.current_offset_a + work.now.added_current_a;
+            current_a[k] = self.run.area_cm2 * state.current + read_a;
             curvature[k] = work.curvature;
         }
         if !self.system.observations.is_empty() {
@@ -164,9 +174,33 @@ impl<'a> Stepper<'a> {
         self.terminals(state, work, level);
         if !self.system.laws.is_empty() {
             self.act(state, work, t, edge_s);
+            self.keep_charge(state, work);
             self.terminals(state, work, level);
         }
         work.curvature = self.curvature(state, &work.now);
+    }
+
+    /// What fits in at a volt is another than the step thought: its end is mended as if it had gone there, charge and all.
+    fn keep_charge(&self, state: &mut State, work: &Work) {
+        let branches = self.system.branches.len();
+        let mut gained = 0.0;
+        for (k, branch) in self.system.branches.iter().enumerate() {
+            let part = state.storage[k] / work.now.storage[k];
+            if part == 1.0 {
+                continue;
+            }
+            let held = branch.bends * work.now.capacitance_f_per_cm2[k];
+            for (e, u) in state.capacitor_v.chunks_mut(branches).zip(&state.nodes_v) {
+                let follows = work.follows[k] * u;
+                gained += held * follows * (1.0 - part);
+                e[k] += (e[k] - follows) * (part - 1.0);
+            }
+            state.storage[k] = work.now.storage[k];
+        }
+        let gained = gained / self.nodes as f64;
+        let strained = self.share(state.charge, gained) * gained;
+        state.strain.iter_mut().for_each(|strain| *strain += strained);
+        state.charge += gained;
     }
 
     /// Voltages and total current now, with the coefficients in `work.now`.
@@ -271,6 +305,7 @@ impl<'a> Stepper<'a> {
         let branches = system.branches.len();
         self.advance_source(state, h, level);
         work.prepare(self, h);
+        work.store(&mut state.storage);
         let nodes = state.capacitor_v.chunks(branches).zip(&state.nodes_v);
         for (draws, (e, &u)) in work.draws.iter_mut().zip(nodes) {
             *draws = draw(&work.now, &work.charging, e, u);
@@ -278,23 +313,27 @@ impl<'a> Stepper<'a> {
         let source = self.source(state.source_v, level, work.now.emf_v);
         self.solve(source, work);
         work.gained.fill(0.0);
-        let (mut mean_v, mut risen) = (0.0, 0.0);
+        work.ramped.fill(0.0);
+        let mut mean_v = 0.0;
         let nodes = state.capacitor_v.chunks_mut(branches).zip(&state.nodes_v);
         for ((e, &from), &to) in nodes.zip(&work.nodes_v) {
-            for ((e, charging), gained) in e.iter_mut().zip(&work.charging).zip(&mut work.gained) {
+            for (k, (e, charging)) in e.iter_mut().zip(&work.charging).enumerate() {
+                // In charge over the capacitance of the middle.
+                let part = charging.stored;
+                let (own, from, to) = (*e * part, from * part, to / part);
                 let ramp = charging.end * (to - from) / h;
-                *gained += charging.end * from - ramp / charging.decay.rate_per_s - *e;
-                *e = (1.0 - charging.decay.way) * *e + charging.from * from + charging.to * to;
+                work.gained[k] += charging.end * from - ramp / charging.decay.rate_per_s - own;
+                work.ramped[k] += ramp;
+                let stored = (1.0 - charging.decay.way) * own + charging.from * from + charging.to * to;
+                *e = stored * part;
             }
             mean_v += (from + to) / 2.0;
-            risen += to - from;
         }
         let per_node = 1.0 / self.nodes as f64;
-        let steady = mean_v * per_node * work.now.steady_s_per_cm2 * system.steady_bends;
-        let ramp = risen * per_node / h;
+        let steady = mean_v * work.now.steady_s_per_cm2 * system.steady_bends;
         let charges = system.branches.iter().enumerate();
-        let ramped = charges.map(|(k, b)| b.bends * work.now.capacitance_f_per_cm2[k] * work.charging[k].end);
-        let steady = steady + ramp * ramped.sum::<f64>();
+        let ramped = charges.map(|(k, b)| b.bends * work.now.capacitance_f_per_cm2[k] * work.ramped[k]);
+        let steady = (steady + ramped.sum::<f64>()) * per_node;
         self.advance_strain(state, work, h, per_node, steady);
         for (k, law) in system.laws.iter().enumerate() {
             if let Some(time_s) = law.memory_time_s() {
@@ -367,7 +406,11 @@ struct Work {
     driven: Vec<f64>,
     draws: Vec<(f64, f64)>,
     nodes_v: Vec<f64>,
+    /// Per branch, over its capacitance: what is still to come, and what comes evenly in a second.
     gained: Vec<f64>,
+    ramped: Vec<f64>,
+    /// Per branch, how far its voltage at the end of a step follows that across it: not at all where the drive jumps.
+    follows: Vec<f64>,
     inputs: Vec<f64>,
     curvature: f64,
     prepared_s: f64,
@@ -385,9 +428,20 @@ impl Work {
             draws: vec![(0.0, 0.0); stepper.nodes],
             nodes_v: vec![0.0; stepper.nodes],
             gained: vec![0.0; branches],
+            ramped: vec![0.0; branches],
+            follows: vec![0.0; branches],
             inputs: vec![0.0; stepper.system.laws.len()],
             curvature: 0.0,
             prepared_s: 0.0,
+        }
+    }
+
+    /// What fits in at a volt goes through that of the middle, and beyond it by the same factor.
+    fn store(&mut self, storage: &mut [f64]) {
+        for (k, (charging, at_start)) in self.charging.iter_mut().zip(storage).enumerate() {
+            charging.stored = *at_start / self.now.storage[k];
+            *at_start = self.now.storage[k] / charging.stored;
+            self.follows[k] = charging.to;
         }
     }
 

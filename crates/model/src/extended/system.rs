@@ -169,6 +169,9 @@ pub struct Coefficients {
     pub resistance_ohm_cm2: Vec<f64>,
     /// Differential capacitance of every branch, F/cm2.
     pub capacitance_f_per_cm2: Vec<f64>,
+    /// Factor on the charge that every branch stores at a voltage, q = C e: where it changes the charge stays, so that a held
+    /// voltage draws V dC/dt. 1 where the capacitance is that of its own voltage alone, dq = C de.
+    pub storage: Vec<f64>,
     /// Conductance 1/R_ss, S/cm2.
     pub steady_s_per_cm2: f64,
     /// Further current between the terminals that does not bend, A/cm2.
@@ -181,6 +184,8 @@ pub struct Coefficients {
     pub coupling_factor: f64,
     /// Voltage in series with the source, V.
     pub emf_v: f64,
+    /// What is read beside the current, A.
+    pub added_current_a: f64,
     /// Curvature beside that of the charge, 1/cm.
     pub added_curvature_per_cm: f64,
 }
@@ -191,12 +196,14 @@ impl Coefficients {
         self.resistance_ohm_cm2.copy_from_slice(&other.resistance_ohm_cm2);
         self.capacitance_f_per_cm2
             .copy_from_slice(&other.capacitance_f_per_cm2);
+        self.storage.copy_from_slice(&other.storage);
         self.steady_s_per_cm2 = other.steady_s_per_cm2;
         self.leak_a_per_cm2 = other.leak_a_per_cm2;
         self.leak_s_per_cm2 = other.leak_s_per_cm2;
         self.relaxation_factor = other.relaxation_factor;
         self.coupling_factor = other.coupling_factor;
         self.emf_v = other.emf_v;
+        self.added_current_a = other.added_current_a;
         self.added_curvature_per_cm = other.added_curvature_per_cm;
     }
 }

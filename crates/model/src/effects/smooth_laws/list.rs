@@ -98,6 +98,8 @@ fn others() -> Vec<(Site, &'static str, &'static str, Part, Axis)> {
         current("source", "", Part::Source, Axis::Time),
         current("source", "", Part::Source, Axis::Voltage),
         current("current-reading", "", Part::ReadCurrent, Axis::Time),
+        current("current-reading", "", Part::ReadCurrent, Axis::Charge),
+        current("current-reading", "", Part::ReadCurrent, Axis::Curvature),
         current("current-reading", "", Part::ReadGain, Axis::CurrentSize),
         current("first-charge", "", Part::FirstCharge, Axis::Elements),
         bending("coupling", Part::Strain, Axis::Charge),

@@ -126,13 +126,6 @@ impl Part {
         };
         let weights = curve.weights.clone();
         match self {
-            Part::ReadCurrent => system.written_current.push(Box::new(move |t, value| {
-                if t < 0.0 {
-                    value
-                } else {
-                    value + size * curve.at(t)
-                }
-            })),
             Part::ReadGain => system.written_current.push(Box::new(move |_, value: f64| {
                 value * (1.0 + curve.at(value.abs() / size * curve.ends.1))
             })),
@@ -229,14 +222,18 @@ impl Law for Smooth {
         match part {
             Part::Resistance(None) => scale_resistances(c, 1.0 + by),
             Part::Resistance(only) => of(only, &mut c.resistance_ohm_cm2),
-            // As a differential capacitance, dq = C de. Where it follows what is not its own voltage a strip rather has q = C e:
-            // under a held voltage that draws V dC/dt, which is told as a voltage of the source.
-            Part::Capacitance(only) => scale_capacitances(now, c, only, |_| 1.0 + by),
+            Part::Capacitance(only) => {
+                scale_capacitances(now, c, only, |_| 1.0 + by);
+                let branches = c.storage.iter_mut().zip(now.branches);
+                let own = branches.filter(|(_, branch)| only.is_none() || branch.of_base == only);
+                own.for_each(|(storage, _)| *storage *= (1.0 + by).max(LEAST));
+            }
             Part::Leak => c.leak_s_per_cm2 += size * by,
             Part::Source => c.emf_v += size * by * now.source_v,
             Part::Drop => c.emf_v -= size * by * now.current_a_per_cm2,
             Part::Coupling => c.coupling_factor *= (1.0 + by).max(LEAST),
             Part::Rate => c.relaxation_factor *= (1.0 + by).max(LEAST),
+            Part::ReadCurrent => c.added_current_a += size * by,
             Part::Added => c.added_curvature_per_cm += size * by,
             Part::Play => {
                 let unit = MOVES * size / PART / curve.ends.1;
