@@ -165,10 +165,10 @@ pub fn footer(dice: &mut Dice, dialect: &Dialect, all: &[Written], last: usize) 
     let language = dialect.language.saturating_sub(7).min(2);
     let is_table = dialect.delimiter != ' ' && dice.chance(0.4) && all[0].is_time;
     let mut lines: Vec<String> = Vec::new();
-    for at in 0..dialect.odd.footer {
+    for counted in COUNTED[language].iter().take(dialect.odd.footer) {
         if is_table {
             let mut cells: Vec<String> = all.iter().map(|column| summed(column, last)).collect();
-            cells[0] = COUNTED[language][at].to_owned();
+            cells[0] = (*counted).to_owned();
             lines.push(line(&cells, dialect));
         } else {
             lines.push(
