@@ -99,7 +99,7 @@ impl ProposedProfile {
         if let Some(path) = [&path, &taken].into_iter().find(|path| path.exists()) {
             return Err(PipelineError::FileExists { path: path.clone() });
         }
-        if let Some(path) = self.of_same_header(&folder, [&path, &taken]) {
+        if let Some(path) = self.of_same_header(&folder, ending, [&path, &taken]) {
             return Err(PipelineError::FileExists { path });
         }
         fs::create_dir_all(&folder).map_err(|source| PipelineError::File {
@@ -112,8 +112,9 @@ impl ProposedProfile {
         Ok(())
     }
 
-    /// The profile or draft of another name that is for files of the same header: of two neither would read them.
-    fn of_same_header(&self, folder: &Path, own: [&PathBuf; 2]) -> Option<PathBuf> {
+    /// The profile of another name that is for files of the same header: of two neither would read them. A draft, which reads nothing,
+    /// is in the way of another draft only.
+    fn of_same_header(&self, folder: &Path, ending: &str, own: [&PathBuf; 2]) -> Option<PathBuf> {
         let header = self
             .profile
             .lines()
@@ -121,7 +122,9 @@ impl ProposedProfile {
         let names = fs::entries(folder).ok()?.into_iter();
         let stem = |path: &Path| path.with_extension("").with_extension("");
         names.map(|entry| entry.path()).find(|path| {
-            !own.iter().any(|own| stem(own) == stem(path))
+            let counts = ending == "toml.draft" || path.extension().is_some_and(|last| last == "toml");
+            counts
+                && !own.iter().any(|own| stem(own) == stem(path))
                 && fs::read_own_text(path).is_ok_and(|text| text.lines().any(|line| line == header))
         })
     }
