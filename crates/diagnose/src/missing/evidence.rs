@@ -1,7 +1,6 @@
 //! What a law with random weights says of residuals, in closed form.
 
-use super::policy::SIZES;
-use crate::cause::evidence::{Column, Process, grid, log_mean};
+use crate::cause::evidence::{Column, Process, SIZES, grid, log_mean};
 use crate::fitting::tangent::Tangent;
 
 /// The evidence of a law.

@@ -9,7 +9,7 @@ use super::account::account;
 use super::columns::{LawColumns, columns};
 use super::drawn::drawn;
 use super::policy::{MOST_LAWS, MOST_RIVALS, NEXT_FROM_PART, SURE};
-use super::posterior::posterior;
+use super::posterior::{differing, posterior};
 use super::told::{Told, told};
 use super::weighed::{Asked, Says, Weighed};
 use crate::cause::evidence::Varying;
@@ -174,7 +174,13 @@ impl<'g> Round<'g> {
         }
         .weigh();
         let masses = weighed.masses();
-        let told = told(&weighed, &among_explanations(&weighed, &masses));
+        let among = among_explanations(&weighed, &masses);
+        let each = weighed.all.iter().zip(&among);
+        let mass = each
+            .filter(|(own, _)| own.says == Says::Differ)
+            .map(|(_, mass)| mass)
+            .sum();
+        let told = told(&weighed, &among, &differing(&weighed, mass, current));
         Round {
             columns,
             weighed,

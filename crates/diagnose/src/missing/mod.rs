@@ -12,5 +12,6 @@ mod evidence;
 pub(crate) mod look;
 mod policy;
 mod posterior;
+mod simple;
 mod told;
 pub(crate) mod weighed;

@@ -5,10 +5,6 @@
 
 pub(super) use ieap_domain::diagnosis::SURE;
 
-/// Sizes of what a law adds, in standard deviations of the noise after the refit, that are thought of: the least that is seen
-/// and the largest.
-pub(super) const SIZES: (f64, f64) = (3.0, 600.0);
-
 /// Laws that are fitted in full at most, so many at a time, and how far below the best one's logarithm of evidence, in parts of
 /// that and beside.
 pub(super) const MOST_FITTED: usize = 12;

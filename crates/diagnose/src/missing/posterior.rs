@@ -26,7 +26,13 @@ pub(super) fn posterior(
             mass,
         };
         match own.says {
-            Says::Curve(k) => found.push(plain(HypothesisKind::Law, Some(laws[k].law.about().id))),
+            Says::Curve(k) | Says::Textbook(k) => {
+                let id = laws[k].law.about().id;
+                match found.iter_mut().find(|known| known.effect.as_deref() == Some(id)) {
+                    Some(known) => known.mass += mass,
+                    None => found.push(plain(HypothesisKind::Law, Some(id))),
+                }
+            }
             Says::Equation(id) => found.push(plain(HypothesisKind::Effect, Some(id))),
             Says::SlowNoise => found.push(plain(HypothesisKind::SlowNoise, None)),
             Says::Unnamed => found.push(plain(HypothesisKind::Unnamed, None)),
@@ -51,7 +57,7 @@ pub(super) fn posterior(
 }
 
 /// The subsets of parameters that differ, which share that probability.
-fn differing(weighed: &Weighed, mass: f64, base: &Fitted) -> Vec<Hypothesis> {
+pub(super) fn differing(weighed: &Weighed, mass: f64, base: &Fitted) -> Vec<Hypothesis> {
     let each: Vec<(Hypothesis, f64)> = (weighed.varying.iter())
         .flat_map(|varying| varying.weighed(base))
         .collect();

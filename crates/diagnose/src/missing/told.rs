@@ -1,5 +1,6 @@
 //! What the readings tell: the deepest of place, law and variable, name that is sure.
 
+use ieap_domain::Hypothesis;
 use ieap_model::effects::Site;
 use ieap_model::effects::smooth_laws::{Place, WEIGHTS};
 
@@ -21,14 +22,17 @@ pub(crate) struct Told {
     pub(crate) probability: f64,
 }
 
-/// The deepest that is sure; nothing where no place is.
-pub(crate) fn told(weighed: &Weighed, masses: &[f64]) -> Told {
+/// The deepest that is sure; nothing where no place is. `differing` are the runs that differ, with their masses.
+pub(crate) fn told(weighed: &Weighed, masses: &[f64], differing: &[Hypothesis]) -> Told {
     let each = || weighed.all.iter().zip(masses);
+    let followed: Vec<(Place, f64)> = (differing.iter())
+        .filter_map(|own| Some((law_of(own)?, own.mass)))
+        .collect();
     let sum = |is_of: &dyn Fn(&Place) -> bool| -> f64 {
-        each()
-            .filter(|(own, _)| own.place.as_ref().is_some_and(is_of))
-            .map(|(_, mass)| mass)
-            .sum()
+        let placed = each().filter_map(|(own, mass)| Some((own.place.as_ref()?, mass)));
+        let followed = followed.iter().map(|(place, mass)| (place, mass));
+        let of = placed.chain(followed).filter(|(place, _)| is_of(place));
+        of.map(|(_, mass)| mass).sum()
     };
     let mut told = Told::default();
     for site in [Site::Current, Site::Bending] {
@@ -82,3 +86,28 @@ pub(crate) fn told(weighed: &Weighed, masses: &[f64]) -> Told {
     told.names = within;
     told
 }
+
+/// The law that a parameter is which differs with the voltage: both say the same.
+fn law_of(differs: &Hypothesis) -> Option<Place> {
+    let [parameter] = &differs.parameters_that_differ[..] else {
+        return None;
+    };
+    let (site, law) = match parameter.as_bytes().first()? {
+        b'a' => (Site::Bending, "coupling"),
+        b'l' => (Site::Bending, "relaxation"),
+        b'c' => (Site::Current, "capacitance"),
+        b'r' if parameter.starts_with("rss") => (Site::Current, "leak"),
+        b'r' => (Site::Current, "resistance"),
+        _ => return None,
+    };
+    let is_of_voltage = differs.with.as_deref() == Some(VOLTAGE);
+    is_of_voltage.then_some(Place {
+        site,
+        law,
+        of: "",
+        variable: VOLTAGE,
+    })
+}
+
+/// The variable that runs are mostly taken over.
+const VOLTAGE: &str = "voltage_v";

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use ieap_model::FitModel;
 use ieap_model::effects::Scale;
-use ieap_model::effects::smooth_laws::{Place, SmoothLaw, place_of};
+use ieap_model::effects::smooth_laws::{Place, SmoothLaw, Textbook, place_of, textbooks_of};
 use rayon::prelude::*;
 
 use super::columns::{LawColumns, columns_of};
@@ -14,8 +14,9 @@ use super::policy::{
     DIFFERS, FITTED_TOGETHER, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED,
     UNNAMED,
 };
+use super::simple::{Top, simple};
 use crate::cause::candidates::{CandidateFit, fit_candidates};
-use crate::cause::evidence::{Nameless, Parts, Varying, log_evidence, log_sum};
+use crate::cause::evidence::{Nameless, Parts, Process, Varying, log_evidence, log_sum};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::tangent::Tangent;
 use crate::misfit::signature::{Direction, Signature};
@@ -26,6 +27,8 @@ use crate::readings::group::RunGroup;
 pub(crate) enum Says {
     /// A law is a smooth function: place among the columns.
     Curve(usize),
+    /// It is one of textbooks that has no name.
+    Textbook(usize),
     /// An equation of the library.
     Equation(&'static str),
     /// Parameters differ between runs.
@@ -82,9 +85,9 @@ pub(crate) struct Asked<'a, 'g> {
 impl<'g> Asked<'_, 'g> {
     pub(crate) fn weigh(&self) -> Weighed<'g> {
         let (slope, tangent) = self.current.tangent();
-        let mut all = self.curves();
         let candidates = fit_candidates(self.current, self.residuals, self.signatures, self.directions);
-        all.extend(self.equations(&candidates));
+        let mut all = self.equations(&candidates);
+        all.extend(self.curves(&all));
         share_priors(&mut all);
         let nameless = Nameless::of(self.group);
         let plain = |says, parts: Parts, prior: f64| Weight {
@@ -119,31 +122,17 @@ impl<'g> Asked<'_, 'g> {
         Weighed { all, varying }
     }
 
-    /// Every law as a smooth function: fitted in full until one that was leads.
-    fn curves(&self) -> Vec<Weight<'g>> {
+    /// Every law as a smooth function, fitted in full until one that was leads; and as a curve of textbooks that is none of the
+    /// `equations`.
+    fn curves(&self, equations: &[Weight]) -> Vec<Weight<'g>> {
         let (_, tangent) = self.current.tangent();
-        let of = |k: usize| {
-            let law = &self.laws[k];
-            let process = process(&law.columns, &tangent, self.residuals);
-            let evidence = evidence(&process)?;
-            let (weights, first) = process.most_probable(&evidence.precisions);
-            let weight = Weight {
-                says: Says::Curve(k),
-                place: Some(law.law.place),
-                fall: 0.5 * first,
-                prior: 0.0,
-                occam: evidence.log - 0.5 * first,
-                free: law.law.weights(),
-                fitted: None,
-            };
-            Some((weight, evidence.precisions, weights))
-        };
-        let mut found: Vec<_> = (0..self.laws.len()).into_par_iter().filter_map(of).collect();
-        found.sort_by(|a, b| b.0.log(1.0).total_cmp(&a.0.log(1.0)));
+        let of = |k: usize| Curve::of(k, &self.laws[k], &tangent, self.residuals);
+        let mut found: Vec<Curve> = (0..self.laws.len()).into_par_iter().filter_map(of).collect();
+        found.sort_by(|a, b| b.weight.log(1.0).total_cmp(&a.weight.log(1.0)));
         let (_, base_columns) = self.current.problem.slope(&self.current.at);
-        let fit = |(weight, precisions, weights): &(Weight<'g>, Vec<f64>, Vec<f64>)| {
-            let Says::Curve(k) = weight.says else { return None };
-            let fitted = refit(self.current, &self.laws[k], precisions, weights, &base_columns)?;
+        let fit = |own: &Curve<'g>| {
+            let law = &self.laws[own.law];
+            let fitted = refit(self.current, law, &own.precisions, &own.weights, &base_columns)?;
             let fall = 0.5 * (self.current.penalised() - fitted.penalised());
             Some((fall, fitted))
         };
@@ -154,7 +143,7 @@ impl<'g> Asked<'_, 'g> {
             let best = found
                 .iter()
                 .take(tried)
-                .map(|own| own.0.log(1.0))
+                .map(|own| own.weight.log(1.0))
                 .fold(0.0, f64::max);
             let is_near = |own: &Weight| {
                 let log = kept * own.fall + own.occam;
@@ -163,7 +152,7 @@ impl<'g> Asked<'_, 'g> {
             let next = found[tried..]
                 .iter()
                 .take(FITTED_TOGETHER)
-                .take_while(|own| is_near(&own.0));
+                .take_while(|own| is_near(&own.weight));
             let count = next.count().min(MOST_FITTED - tried);
             if count == 0 {
                 break;
@@ -172,17 +161,20 @@ impl<'g> Asked<'_, 'g> {
             let (mut promised, mut brought) = (0.0, 0.0);
             for (own, fitted) in found[tried..].iter_mut().zip(batch) {
                 let Some((fall, fitted)) = fitted else { continue };
-                promised += own.0.fall;
-                brought += fall.clamp(0.0, own.0.fall);
-                (own.0.fall, own.0.fitted) = (fall, Some(fitted));
+                promised += own.weight.fall;
+                brought += fall.clamp(0.0, own.weight.fall);
+                own.put(fall, fitted, &self.laws[own.law]);
             }
             kept = kept.min(if promised > 0.0 { brought / promised } else { 1.0 });
             tried += count;
         }
-        let mut weights: Vec<Weight> = found.into_iter().map(|own| own.0).collect();
-        let untried = weights.iter_mut().filter(|own| own.fitted.is_none());
+        let simple: Vec<Weight> = (found.iter())
+            .filter_map(|own| own.simple(&self.laws[own.law], equations))
+            .collect();
+        let mut all: Vec<Weight> = found.into_iter().map(|own| own.weight).chain(simple).collect();
+        let untried = all.iter_mut().filter(|own| own.fitted.is_none());
         untried.for_each(|own| own.fall *= kept);
-        weights
+        all
     }
 
     /// Every equation of the library: those that promise most were fitted in full.
@@ -211,6 +203,74 @@ impl<'g> Asked<'_, 'g> {
             })
         };
         candidates.par_iter().filter_map(of).collect()
+    }
+}
+
+/// A law as a smooth function, about its top.
+struct Curve<'g> {
+    weight: Weight<'g>,
+    /// Place among the columns.
+    law: usize,
+    process: Process,
+    precisions: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl<'g> Curve<'g> {
+    /// To first order; none where a refit takes up everything.
+    fn of(k: usize, law: &LawColumns, tangent: &Tangent, residuals: &[f64]) -> Option<Curve<'g>> {
+        let process = process(&law.columns, tangent, residuals);
+        let evidence = evidence(&process)?;
+        let (weights, first) = process.most_probable(&evidence.precisions);
+        let weight = Weight {
+            says: Says::Curve(k),
+            place: Some(law.law.place),
+            fall: 0.5 * first,
+            prior: 0.0,
+            occam: evidence.log - 0.5 * first,
+            free: law.law.weights(),
+            fitted: None,
+        };
+        Some(Curve {
+            weight,
+            law: k,
+            process,
+            precisions: evidence.precisions,
+            weights,
+        })
+    }
+
+    /// Puts it where it was fitted.
+    fn put(&mut self, fall: f64, fitted: Fitted<'g>, law: &LawColumns) {
+        let own = &fitted.at[fitted.at.len() - law.law.weights()..];
+        self.weights = own.iter().map(|at| at / law.coordinate()).collect();
+        (self.weight.fall, self.weight.fitted) = (fall, Some(fitted));
+    }
+
+    /// The law as a curve of textbooks that is none of the `equations` at its place.
+    fn simple(&self, law: &LawColumns, equations: &[Weight]) -> Option<Weight<'g>> {
+        let named: Vec<Textbook> = (equations.iter())
+            .filter(|own| own.place == self.weight.place)
+            .filter_map(|own| match own.says {
+                Says::Equation(id) => Some(textbooks_of(id)),
+                _ => None,
+            })
+            .flatten()
+            .copied()
+            .collect();
+        let top = Top {
+            weights: &self.weights,
+            precisions: &self.precisions,
+            fall: self.weight.fall,
+        };
+        let parts = simple(&self.process, &top, &law.law.simple(&law.probe, &named))?;
+        Some(Weight {
+            says: Says::Textbook(self.law),
+            fall: parts.fall,
+            occam: parts.occam,
+            free: parts.free,
+            ..self.weight.clone()
+        })
     }
 }
 
@@ -262,7 +322,7 @@ pub(crate) fn with_law<'g>(
 /// Gives every law and variable the same weight, its curves a part of it and its equations the rest.
 fn share_priors(all: &mut [Weight]) {
     let mut counts: BTreeMap<Place, [usize; 2]> = BTreeMap::new();
-    let is_curve = |own: &Weight| matches!(own.says, Says::Curve(_));
+    let is_curve = |own: &Weight| matches!(own.says, Says::Curve(_) | Says::Textbook(_));
     for own in all.iter() {
         if let Some(place) = own.place {
             counts.entry(place).or_default()[usize::from(is_curve(own))] += 1;

@@ -119,9 +119,9 @@ fn a_leak_far_below_the_first_peak_is_told_by_its_charge() {
         "{misfit:?}"
     );
     assert_eq!(found.verdict, Verdict::Law, "{}", found.sentence);
-    assert!(
-        found.set.contains(&"faradaic-leak".to_string()),
-        "{:?}",
-        found.set
-    );
+    // Of three voltages an equation is not told from every other curve, and hardly from a leak by the charge.
+    assert_eq!(found.missing[0].place, "current");
+    let leads = &found.posterior[0];
+    let is_leak = leads.effect.as_deref() == Some("faradaic-leak");
+    assert!(is_leak && leads.mass > 0.8, "{:?}", found.posterior);
 }

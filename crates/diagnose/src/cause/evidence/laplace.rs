@@ -17,47 +17,83 @@ pub(crate) fn log_evidence(before: &Fitted, fitted: &Fitted) -> (f64, f64) {
 }
 
 /// Logarithm of what the width of the peak and the priors of all effects leave of the likelihood at its peak.
+///
+/// A prior that is even over a range is as wide as a Gaussian of a variance of a twelfth of its square: along what no reading
+/// tells the peak is no wider than that, in whatever direction it lies.
 fn log_widths(fitted: &Fitted) -> f64 {
     if fitted.problem.effects.is_empty() {
         return 0.0;
     }
     let (slope, _) = fitted.problem.slope(&fitted.at);
     let known = fitted.problem.base_len();
-    let normal = known_before(&slope.normal, known);
-    let width = 0.5 * (block(&normal, known).log_determinant() - normal.log_determinant());
+    let mut normal = known_before(&slope.normal, known);
+    let base = block(&normal, known).log_determinant();
     let mut at = known;
-    let mut prior = 0.0;
+    let mut priors = Vec::new();
     for free_effect in &fitted.problem.effects {
         for (k, limits) in free_effect.limits.iter().enumerate().filter(|(_, l)| !l.held) {
-            // A Gaussian: its height is all that is left of it.
-            if let Some(precision) = free_effect.known.get(k) {
-                prior += 0.5 * precision.ln();
-                at += 1;
-                continue;
-            }
-            let precision = precision_beside(&normal, known, at);
-            let (low, high) = fitted.problem.limits_of(at);
-            prior += match (k, limits.logarithmic) {
-                (0, false) => strength(fitted.at[at], precision, low < 0.0 && high > 0.0),
-                (0, true) => -(SIZES.1 / SIZES.0).ln(),
-                _ => -(high - low).max(f64::MIN_POSITIVE).ln(),
-            };
-            // A peak wider than what is possible is cut at its ends.
-            let width = (std::f64::consts::TAU / precision.max(f64::MIN_POSITIVE)).sqrt();
-            let room = if k == 0 { width } else { width.min(high - low) };
-            prior += std::f64::consts::TAU.sqrt().ln() + (room / width).ln();
+            priors.push(match free_effect.known.get(k) {
+                Some(precision) => Prior::Gaussian(*precision),
+                None => {
+                    let precision = precision_beside(&normal, known, at);
+                    let (low, high) = fitted.problem.limits_of(at);
+                    match (k, limits.logarithmic) {
+                        (0, false) => Prior::strength(fitted.at[at], precision, low < 0.0 && high > 0.0),
+                        (0, true) => Prior::Even((SIZES.1 / SIZES.0).ln()),
+                        _ => Prior::Even((high - low).max(f64::MIN_POSITIVE)),
+                    }
+                }
+            });
             at += 1;
         }
     }
-    width + prior
+    let mut log = 0.0;
+    for (k, prior) in priors.iter().enumerate() {
+        log += prior.log_height();
+        normal.add(known + k, known + k, prior.narrows());
+    }
+    log + 0.5 * (base - normal.log_determinant())
 }
 
-/// Logarithm of the prior density of a strength's coordinate: its size is as likely on any part of a logarithmic scale.
-fn strength(coordinate: f64, precision: f64, either_sign: bool) -> f64 {
-    let size_of_unit = precision.max(f64::MIN_POSITIVE).sqrt();
-    let size = (coordinate.abs() * size_of_unit).max(SIZES.0);
-    let sign = if either_sign { 0.5_f64 } else { 1.0 };
-    (sign * size_of_unit / (size * (SIZES.1 / SIZES.0).ln())).ln()
+/// What is thought of a coordinate before any reading.
+enum Prior {
+    /// A Gaussian of that precision, which the likelihood has already.
+    Gaussian(f64),
+    /// Even over a range.
+    Even(f64),
+    /// Of that density where the peak is, and of that range about it.
+    Falling { density: f64, range: f64 },
+}
+
+impl Prior {
+    /// Of a strength's coordinate, of that precision: its size is as likely on any part of a logarithmic scale.
+    fn strength(coordinate: f64, precision: f64, either_sign: bool) -> Prior {
+        let size_of_unit = precision.max(f64::MIN_POSITIVE).sqrt();
+        let least = (SIZES.0 / size_of_unit).max(coordinate.abs());
+        let range = least * (SIZES.1 / SIZES.0).ln();
+        let sign = if either_sign { 0.5_f64 } else { 1.0 };
+        Prior::Falling {
+            density: sign / range,
+            range,
+        }
+    }
+
+    /// Logarithm of its height at the peak, over that of a Gaussian of unit width.
+    fn log_height(&self) -> f64 {
+        match self {
+            Prior::Gaussian(precision) => 0.5 * precision.ln(),
+            Prior::Even(range) => 0.5 * std::f64::consts::TAU.ln() - range.ln(),
+            Prior::Falling { density, .. } => 0.5 * std::f64::consts::TAU.ln() + density.ln(),
+        }
+    }
+
+    /// The precision that it adds to that of the likelihood.
+    fn narrows(&self) -> f64 {
+        match self {
+            Prior::Gaussian(_) => 0.0,
+            Prior::Even(range) | Prior::Falling { range, .. } => 12.0 / (range * range),
+        }
+    }
 }
 
 /// The first rows and columns.
@@ -107,7 +143,8 @@ mod tests {
             .map(|k| low + width * (f64::from(k) + 0.5))
             .map(|s| density(s) * (-0.5 * precision * (s - best) * (s - best)).exp() * width)
             .sum();
-        let closed = strength(best, precision, true) + 0.5 * (std::f64::consts::TAU / precision).ln();
+        let prior = Prior::strength(best, precision, true);
+        let closed = prior.log_height() - 0.5 * (precision + prior.narrows()).ln();
         assert!((sum.ln() - closed).abs() < 5e-3, "{} {closed}", sum.ln());
     }
 }

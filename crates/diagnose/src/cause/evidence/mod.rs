@@ -12,7 +12,7 @@ mod unnamed;
 mod varies;
 
 pub(crate) use laplace::log_evidence;
-pub(crate) use policy::{grid, log_mean, log_sum};
+pub(crate) use policy::{SIZES, grid, log_mean, log_sum};
 pub(crate) use smooth::{Column, Process};
 pub(crate) use unnamed::{Nameless, Parts};
 pub(crate) use varies::Varying;

@@ -7,8 +7,8 @@
 /// Prior weight of parameters that differ between the runs, all subsets and laws together. Prototype.
 pub(super) const VARIES: f64 = 2.0;
 /// Sizes of what is added, in standard deviations of the noise after the refit: the least that can be seen and the largest
-/// that is thought of. A size between them is as likely on any part of a logarithmic scale.
-pub(super) const SIZES: (f64, f64) = (2.5, 1500.0);
+/// that is thought of. A size between them is as likely on any part of a logarithmic scale. Chosen on development seeds.
+pub(crate) const SIZES: (f64, f64) = (3.0, 600.0);
 /// Spread of a parameter between runs, in parts of itself, likewise. The prototype ended at 0.3; measured resistances differ
 /// 9-fold between voltages.
 pub(super) const SPREADS: (f64, f64) = (0.003, 3.0);

@@ -119,6 +119,11 @@ impl Process {
         }
     }
 
+    /// Products of every column with the columns of these coefficients together.
+    pub(crate) fn times(&self, coefficients: &[f64]) -> Vec<f64> {
+        self.products.times(coefficients)
+    }
+
     /// The coefficients that are most probable with these precisions, and what they make the penalised sum of squares fall by.
     pub(crate) fn most_probable(&self, precisions: &[f64]) -> (Vec<f64>, f64) {
         let mut normal = self.products.clone();

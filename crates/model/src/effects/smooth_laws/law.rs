@@ -2,6 +2,7 @@
 
 use super::axis::{Axis, Curve, WEIGHTS};
 use super::part::Part;
+use super::shapes::{Textbook, simple};
 use crate::effects::{About, Effect, EffectParameter, Limits, Scale, Search, Site};
 use crate::extended::{RunContext, System};
 
@@ -106,6 +107,17 @@ impl SmoothLaw {
             let (x, y) = places.into_iter().map(|(x, y)| (x, by_unit * y)).unzip();
             Drawn { x, y, unit }
         })
+    }
+
+    /// Weights of curves of textbooks over its variable, each of size one, but for these; none of a spectrum, nor of a law of
+    /// fewer weights. Ends as of parameters.
+    pub fn simple(&self, parameters: &[f64], without: &[Textbook]) -> Vec<&'static [f64]> {
+        let (low, high) = (parameters[WEIGHTS], parameters[WEIGHTS + 1]);
+        let is_signed = low == -high;
+        if self.weights() < WEIGHTS || low < 0.0 && !is_signed {
+            return Vec::new();
+        }
+        simple(self.axis, is_signed, without)
     }
 
     fn function(&self, parameters: &[f64]) -> Curve {

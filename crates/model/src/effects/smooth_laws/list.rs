@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use super::axis::Axis;
 use super::law::{Place, SmoothLaw};
 use super::part::Part;
+use super::shapes::{Shape, Textbook};
 use crate::effects::{Effect, Site, mechanism_of};
 use ieap_domain::diagnosis::LAW;
 
@@ -215,6 +216,27 @@ pub fn place_of(effect: &str) -> Option<Place> {
         "clock-rate" => at("delay", "", "time_s"),
         _ => return None,
     })
+}
+
+/// Curves of textbooks that an equation of the library is over its variable; none where it is of another kind.
+pub fn textbooks_of(effect: &str) -> &'static [Textbook] {
+    use Shape::{Bell, Exponential, Power, Saturating, Threshold};
+    match effect {
+        "faradaic-leak" => const { &[Threshold.even(), Exponential.even(), Saturating.even()] },
+        "threshold-relaxation" => const { &[Threshold.even()] },
+        "voltage-dependent-capacitance" | "softening" | "tip-formula" => const { &[Power.even()] },
+        "asymmetric-capacitance" => const { &[Power.odd(), Saturating.odd()] },
+        "redox-peak" => const { &[Bell.odd()] },
+        "piezoresistive-electrode" | "noncircular-shape" => const { &[Power.odd(), Power.even()] },
+        "quadratic-coupling" => const { &[Power.odd()] },
+        "coupling-saturation" | "curvature-limit" => const { &[Saturating.even()] },
+        "polarity-coupling" => const { &[Saturating.odd()] },
+        "resistance-drift" | "creep" => const { &[Power.even()] },
+        "water-exchange" | "ambient-temperature" | "moisture-bending" | "modulus-drift" => {
+            const { &[Saturating.even(), Exponential.even()] }
+        }
+        _ => &[],
+    }
 }
 
 #[cfg(test)]

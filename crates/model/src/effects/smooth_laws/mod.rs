@@ -7,11 +7,13 @@ mod axis;
 mod law;
 mod list;
 mod part;
+mod shapes;
 mod words;
 
 pub use axis::WEIGHTS;
 pub use law::{Drawn, Place, SmoothLaw};
-pub use list::{SMOOTH_LAWS, place_of, smooth_law};
+pub use list::{SMOOTH_LAWS, place_of, smooth_law, textbooks_of};
+pub use shapes::{Shape, Textbook};
 pub use words::variable_words;
 
 #[cfg(test)]
@@ -140,9 +142,8 @@ mod tests {
                 let second = slope(at + h / 2.0, level, &ahead(h / 2.0, first));
                 let third = slope(at + h / 2.0, level, &ahead(h / 2.0, second));
                 let fourth = slope(at + h, level, &ahead(h, third));
-                state = [0, 1, 2].map(|m| {
-                    state[m] + h / 6.0 * (first[m] + 2.0 * second[m] + 2.0 * third[m] + fourth[m])
-                });
+                state = [0, 1, 2]
+                    .map(|m| state[m] + h / 6.0 * (first[m] + 2.0 * second[m] + 2.0 * third[m] + fourth[m]));
             }
         }
         answers
