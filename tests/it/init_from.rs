@@ -175,6 +175,34 @@ fn three_actions_lead_from_a_folder_of_files_to_a_report() {
     assert!(itself.stderr.contains("the campaign itself"), "{}", itself.stderr);
 }
 
+#[test]
+fn files_of_one_header_have_one_draft() {
+    let root = tempfile::tempdir().unwrap();
+    let files = root.path().join("files");
+    fs::create_dir_all(&files).unwrap();
+    let rows: String = (0..40).map(|k| format!("{k};{};{}\n", k % 7, 3 * k)).collect();
+    for (lines, header) in [
+        (1, "tick;gauge;dial"),
+        (3, "tick;gauge;dial"),
+        (2, "tick;knob;dial"),
+    ] {
+        let head: String = (0..lines).map(|k| format!("remark {k}\n")).collect();
+        fs::write(
+            files.join(format!("odd_{lines}.csv")),
+            format!("{head}{header}\n{rows}"),
+        )
+        .unwrap();
+    }
+    let shown = ieap(root.path(), &["init", "study", "--from", "files", "--json"]).expect(0);
+    let profiles = shown.json();
+    let profiles = profiles["proposed"]["profiles"].as_array().unwrap();
+    let of: Vec<usize> = profiles
+        .iter()
+        .map(|profile| profile["files"].as_array().unwrap().len())
+        .collect();
+    assert_eq!(of, [2, 1], "{profiles:#?}");
+}
+
 /// Names, sizes and times of change of all files.
 fn listed(folder: &Path) -> Vec<(String, u64, std::time::SystemTime)> {
     let mut found = Vec::new();

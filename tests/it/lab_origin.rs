@@ -138,6 +138,11 @@ fn a_proposed_profile_shows_what_it_reads_and_is_saved_when_it_is_whole() {
         "runs/a.csv",
         "a draft is not read"
     );
+    folder.write("runs/b.csv", format!("one more line\n{}", bench_log(2)));
+    let second = folder
+        .ieap(&["profile", "runs/b.csv", "--write", "other"])
+        .expect(2);
+    assert!(second.stderr.contains("bench.toml.draft"), "{}", second.stderr);
     folder.write("runs/c.csv", run_table(1));
     let whole = folder
         .ieap(&["profile", "runs/c.csv", "--write", "plain", "--json"])

@@ -34,6 +34,9 @@ mod names;
 #[path = "../examples/random_tables/number.rs"]
 mod number;
 #[allow(dead_code)]
+#[path = "../examples/random_tables/odd.rs"]
+mod odd;
+#[allow(dead_code)]
 #[path = "../examples/random_tables/shapes.rs"]
 mod shapes;
 #[allow(dead_code)]

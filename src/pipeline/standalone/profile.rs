@@ -82,7 +82,7 @@ impl ProposedProfile {
     /// Writes it into the campaign; one with places to fill in gets the ending `.draft`, under which nothing reads it.
     ///
     /// # Errors
-    /// The name is no id, there is such a profile, or the folder cannot be written.
+    /// The name is no id, there is such a profile or one for the same header, or the folder cannot be written.
     pub fn write(&mut self, campaign: &Path, name: &str) -> Result<(), PipelineError> {
         if !profiles::is_id(name) {
             return Err(PipelineError::BadArgument {
@@ -99,6 +99,9 @@ impl ProposedProfile {
         if let Some(path) = [&path, &taken].into_iter().find(|path| path.exists()) {
             return Err(PipelineError::FileExists { path: path.clone() });
         }
+        if let Some(path) = self.of_same_header(&folder, ending, [&path, &taken]) {
+            return Err(PipelineError::FileExists { path });
+        }
         fs::create_dir_all(&folder).map_err(|source| PipelineError::File {
             path: folder.clone(),
             doing: "making the folder of profiles",
@@ -107,5 +110,22 @@ impl ProposedProfile {
         put_bytes(&path, false, self.profile.as_bytes())?;
         self.written = Some(path);
         Ok(())
+    }
+
+    /// The profile of another name that is for files of the same header: of two neither would read them. A draft, which reads nothing,
+    /// is in the way of another draft only.
+    fn of_same_header(&self, folder: &Path, ending: &str, own: [&PathBuf; 2]) -> Option<PathBuf> {
+        let header = self
+            .profile
+            .lines()
+            .find(|line| line.starts_with("contains = "))?;
+        let names = fs::entries(folder).ok()?.into_iter();
+        let stem = |path: &Path| path.with_extension("").with_extension("");
+        names.map(|entry| entry.path()).find(|path| {
+            let counts = ending == "toml.draft" || path.extension().is_some_and(|last| last == "toml");
+            counts
+                && !own.iter().any(|own| stem(own) == stem(path))
+                && fs::read_own_text(path).is_ok_and(|text| text.lines().any(|line| line == header))
+        })
     }
 }

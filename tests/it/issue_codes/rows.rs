@@ -53,7 +53,6 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("clock-offset-unused", By("crates/ingest/src/clocks/tests.rs", "an_offset_that_is_not_in_use_is_pointed_out")),
     ("clock-starts-anew", By("crates/ingest/tests/reading_cases/times.rs", "case_02_the_clock_starts_anew_at_the_step")),
     ("clock-without-summer-time", By("crates/analysis/src/climate/clock.rs", "a_clock_that_ran_through_keeps_its_first_offset")),
-    ("column-never-seen", By("crates/ingest/src/formats/eplexor_xls.rs", "a_column_that_was_never_seen_is_kept_and_not_used")),
     ("column-not-measured", By("crates/ingest/tests/reading_cases/names_and_blocks.rs", "a_set_point_and_an_alarm_are_no_readings_of_the_air")),
     ("column-refused", By("crates/ingest/src/named_columns.rs", "a_tag_that_cannot_be_followed_changes_nothing_and_says_why")),
     ("column-taken", Campaign(|to| to.write("runs/a.csv", run("curvture_per_cm", "0.1")))),

@@ -1,8 +1,10 @@
 //! The first hour of a laboratory that nobody prepared: its files as its instruments write them, in its own language and
 //! layout, from folder to report in a few commands and edits, held against the truth that they were simulated from.
 
+mod chinese;
 mod estonian;
 mod french;
+mod japanese;
 mod truth;
 
 use std::cell::RefCell;
@@ -39,6 +41,15 @@ impl Person {
 
     fn path(&self, relative: &str) -> PathBuf {
         self.root.path().join(relative)
+    }
+
+    /// Has a file in a folder, in an encoding that holds all of its letters.
+    fn puts(&self, folder: &str, name: &str, encoding: &'static encoding_rs::Encoding, text: &str) {
+        let (bytes, _, lacks) = encoding.encode(text);
+        assert!(!lacks, "{name} in {}", encoding.name());
+        let path = self.path(folder).join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
     }
 
     /// Types a command.
@@ -130,6 +141,7 @@ fn nothing_is_lost(stories: &[Value], folder: &Path) {
             "run",
             "half of a run",
             "climate log",
+            "modulus log",
             "run sheet",
             "copy of a file",
         ]

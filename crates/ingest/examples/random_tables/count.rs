@@ -88,6 +88,7 @@ impl Counts {
             text,
             "{told} of freezing air in °F that name no unit, read in °C, which a note tells"
         );
+        self.write_odd(&mut text);
         let _ = writeln!(text, "{} SILENTLY WRONG", self.wrong());
         for (kind, seeds) in self.kinds() {
             let _ = writeln!(text, "    {:5} {kind}", seeds.len());
@@ -100,6 +101,27 @@ impl Counts {
             }
         }
         text
+    }
+
+    /// What became of tables with an oddity.
+    fn write_odd(&self, text: &mut String) {
+        let mut odd = BTreeMap::<String, [usize; 3]>::new();
+        for (seed, outcome) in &self.0 {
+            let place = match outcome {
+                Outcome::Right { .. } | Outcome::Told => 0,
+                Outcome::Asked(_) | Outcome::Refused(_) => 1,
+                Outcome::Wrong { .. } => 2,
+            };
+            for word in of_seed(*seed).1.oddities() {
+                odd.entry(word).or_default()[place] += 1;
+            }
+        }
+        for (word, [right, refused, wrong]) in odd {
+            let _ = writeln!(
+                text,
+                "{word}: {right} right, {refused} asked or refused, {wrong} wrong"
+            );
+        }
     }
 
     /// Keeps the tables that are shown in a folder.

@@ -2,6 +2,7 @@
 
 use crate::clock::Clock;
 use crate::dice::Dice;
+use crate::odd::{Odd, Order};
 use crate::truth::Truth;
 use crate::wall::Wall;
 
@@ -44,6 +45,8 @@ pub enum Encoding {
     Utf16Be,
     /// Windows-1252.
     Windows1252,
+    /// That of a language which is not Latin.
+    Other(&'static encoding_rs::Encoding),
 }
 
 /// All choices.
@@ -107,6 +110,8 @@ pub struct Dialect {
     pub open_end: bool,
     /// Cells that hold no measurement.
     pub sentinels: usize,
+    /// What some writers do besides.
+    pub odd: Odd,
 }
 
 /// Draws a dialect that a sane writer could have for such a table.
@@ -172,8 +177,15 @@ pub fn random(dice: &mut Dice, truth: &Truth) -> Dialect {
         } else {
             0
         },
+        odd: Odd {
+            order: Order::Plain,
+            footer: 0,
+            full_width: false,
+            mixed_marks: false,
+        },
     };
     marks(dice, &mut dialect);
+    native(dice, &mut dialect);
     dialect.newest_first = dialect.clock.is_pure_wall() && truth.parts.len() == 1 && dice.chance(0.12);
     // What is lost at the end of such a file is its beginning in time.
     dialect.cut &= !dialect.newest_first;
@@ -187,7 +199,24 @@ pub fn random(dice: &mut Dice, truth: &Truth) -> Dialect {
     if matches!(dialect.units, UnitPlace::Row(_)) {
         dialect.two_rows = false;
     }
+    dialect.odd = Odd::random(dice, truth, &dialect);
     dialect
+}
+
+/// The encodings, dates and half-days of a language of its own.
+fn native(dice: &mut Dice, dialect: &mut Dialect) {
+    let encoding = match dialect.language {
+        7 => Encoding::Other(encoding_rs::WINDOWS_1251),
+        8 => Encoding::Other(encoding_rs::SHIFT_JIS),
+        9 => Encoding::Other(encoding_rs::GBK),
+        _ => dialect.encoding,
+    };
+    if dice.chance(0.5) {
+        dialect.encoding = encoding;
+    }
+    if let Some(wall) = &mut dialect.clock.wall {
+        wall.natively(dice, dialect.language);
+    }
 }
 
 fn units(dice: &mut Dice) -> UnitPlace {

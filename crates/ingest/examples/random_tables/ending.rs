@@ -81,15 +81,19 @@ pub fn encoded(text: &str, dialect: &Dialect) -> Vec<u8> {
             .chain(text.encode_utf16())
             .flat_map(u16::to_be_bytes)
             .collect(),
-        Encoding::Windows1252 => {
-            let (bytes, _, is_lossy) = encoding_rs::WINDOWS_1252.encode(text);
-            if is_lossy {
-                text.as_bytes().to_vec()
-            } else {
-                bytes.into_owned()
-            }
-        }
+        Encoding::Windows1252 => in_bytes(text, encoding_rs::WINDOWS_1252),
+        Encoding::Other(encoding) => in_bytes(text, encoding),
     };
     bytes.extend(tail);
     bytes
+}
+
+/// In UTF-8 where that encoding lacks a letter.
+fn in_bytes(text: &str, encoding: &'static encoding_rs::Encoding) -> Vec<u8> {
+    let (bytes, _, is_lossy) = encoding.encode(text);
+    if is_lossy {
+        text.as_bytes().to_vec()
+    } else {
+        bytes.into_owned()
+    }
 }

@@ -133,7 +133,16 @@ fn unit_cell(column: &Written, brackets: &str, dialect: &Dialect) -> String {
     }
 }
 
-fn name(column: &Written, dialect: &Dialect) -> String {
+/// The cell of its unit where units stand apart from names.
+pub fn unit_of(column: &Written, dialect: &Dialect) -> Option<String> {
+    match dialect.units {
+        UnitPlace::Row(brackets) => Some(unit_cell(column, brackets, dialect)),
+        _ => None,
+    }
+}
+
+/// Name and unit as the dialect writes them.
+pub fn name(column: &Written, dialect: &Dialect) -> String {
     let UnitPlace::Name(style) = dialect.units else {
         return column.name.clone();
     };

@@ -15,6 +15,7 @@ mod head;
 mod judge;
 mod names;
 mod number;
+mod odd;
 mod shapes;
 mod start;
 mod table;

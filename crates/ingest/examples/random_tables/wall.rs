@@ -22,6 +22,10 @@ pub enum DateForm {
     MonthFirst(bool),
     /// `28-Mar-2026`.
     MonthName,
+    /// `2026年3月28日`.
+    Kanji,
+    /// `令和8年3月28日`.
+    Era,
     /// Seconds or milliseconds since 1970.
     Epoch { ms: bool },
 }
@@ -37,13 +41,24 @@ pub enum Zone {
     Offset(i32, bool),
 }
 
+/// How the half-days are told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HalfDay {
+    /// They are not: 24 hours.
+    No,
+    /// In front of the time, noon and midnight as 0.
+    Before([&'static str; 2]),
+    /// Behind it, noon and midnight as 12.
+    Behind([&'static str; 2]),
+}
+
 /// Form of date and time.
 #[derive(Debug, Clone, Copy)]
 pub struct Wall {
     /// Date.
     pub form: DateForm,
-    /// `PM` behind a time of 12 hours.
-    pub am_pm: bool,
+    /// Words of the half-days of a time of 12 hours.
+    pub half_day: HalfDay,
     /// Digits behind the second; none where seconds are left out.
     pub digits: Option<usize>,
     /// Offset.
@@ -77,7 +92,7 @@ impl Wall {
                 DateForm::MonthName,
                 DateForm::YearFirst,
             ]),
-            am_pm: false,
+            half_day: HalfDay::No,
             digits: Some(0),
             zone: Zone::None,
             columns: dice.pick(&[Layout::One, Layout::One, Layout::DateTime]),
@@ -130,7 +145,11 @@ impl Wall {
         };
         Wall {
             form,
-            am_pm: matches!(form, DateForm::MonthFirst(_)) && dice.chance(0.5),
+            half_day: if matches!(form, DateForm::MonthFirst(_)) && dice.chance(0.5) {
+                HalfDay::Behind([" AM", " PM"])
+            } else {
+                HalfDay::No
+            },
             digits: if form == (DateForm::Epoch { ms: true }) {
                 Some(3)
             } else {
@@ -138,6 +157,47 @@ impl Wall {
             },
             zone,
             columns,
+        }
+    }
+
+    /// Gives it the date and half-days of a language, where that has its own.
+    pub fn natively(&mut self, dice: &mut Dice, language: usize) {
+        let is_plain = matches!(
+            self.form,
+            DateForm::Iso | DateForm::YearFirst | DateForm::DayFirst(..)
+        ) && self.zone == Zone::None;
+        if !is_plain || dice.chance(0.5) {
+            return;
+        }
+        let (forms, half_day): (&[DateForm], HalfDay) = match language {
+            3 => (
+                &[DateForm::DayFirst('/', false)],
+                HalfDay::Behind([" a. m.", " p. m."]),
+            ),
+            8 => (
+                &[DateForm::YearFirst, DateForm::Kanji, DateForm::Era],
+                HalfDay::Before(["午前", "午後"]),
+            ),
+            9 => (
+                &[DateForm::YearFirst, DateForm::Kanji],
+                HalfDay::Before(["上午", "下午"]),
+            ),
+            _ => return,
+        };
+        self.form = dice.pick(forms);
+        if dice.chance(0.5) {
+            self.half_day = half_day;
+        }
+    }
+
+    /// What of it belongs to one language.
+    pub fn oddity(&self) -> Option<&'static str> {
+        match (self.form, self.half_day) {
+            (_, HalfDay::Before(_)) => Some("half-days in words before the time"),
+            (DateForm::DayFirst(..), HalfDay::Behind(_)) => Some("half-days in words behind the time"),
+            (DateForm::Era, _) => Some("dates of an era"),
+            (DateForm::Kanji, _) => Some("dates with their units"),
+            _ => None,
         }
     }
 
@@ -177,7 +237,12 @@ impl Wall {
             DateForm::DayFirst(mark, is_short) => {
                 format!("{day:02}{mark}{month:02}{mark}{}", short(is_short))
             }
-            DateForm::MonthFirst(is_short) if self.am_pm => format!("{month}/{day}/{}", short(is_short)),
+            DateForm::Kanji => format!("{year}年{month}月{day}日"),
+            DateForm::Era if (year, month) < (2019, 5) => format!("平成{}年{month}月{day}日", year - 1988),
+            DateForm::Era => format!("令和{}年{month}月{day}日", year - 2018),
+            DateForm::MonthFirst(is_short) if self.half_day != HalfDay::No => {
+                format!("{month}/{day}/{}", short(is_short))
+            }
             DateForm::MonthFirst(is_short) => format!("{month:02}/{day:02}/{}", short(is_short)),
             DateForm::MonthName => format!("{day:02}-{}-{year}", at.strftime("%b")),
             _ => format!("{year}-{month:02}-{day:02}"),
@@ -188,19 +253,20 @@ impl Wall {
     fn time_of_day(&self, us: i64, comma: char) -> String {
         let second = us.div_euclid(SECOND).rem_euclid(86_400);
         let (hour, minute) = (second / 3600, second / 60 % 60);
-        let shown = if self.am_pm { (hour + 11) % 12 + 1 } else { hour };
-        let mut text = if self.am_pm {
-            format!("{shown}:{minute:02}")
-        } else {
-            format!("{shown:02}:{minute:02}")
+        let shown = match self.half_day {
+            HalfDay::No => format!("{hour:02}"),
+            HalfDay::Before(_) => (hour % 12).to_string(),
+            HalfDay::Behind(_) => ((hour + 11) % 12 + 1).to_string(),
         };
+        let mut text = format!("{shown}:{minute:02}");
         if let Some(digits) = self.digits {
             text += &seconds(us.rem_euclid(60 * SECOND), digits, comma);
         }
-        match (self.am_pm, hour) {
-            (false, _) => text,
-            (true, ..12) => text + " AM",
-            (true, _) => text + " PM",
+        let half = usize::from(hour >= 12);
+        match self.half_day {
+            HalfDay::No => text,
+            HalfDay::Before(words) => words[half].to_owned() + &text,
+            HalfDay::Behind(words) => text + words[half],
         }
     }
 
@@ -236,7 +302,10 @@ impl Wall {
         if let DateForm::Epoch { .. } = form {
             return format!("{form:?}");
         }
-        let time = if self.am_pm { " AM/PM" } else { "" };
+        let time = match self.half_day {
+            HalfDay::No => String::new(),
+            half => format!(" {half:?}"),
+        };
         format!(
             "{form:?}{time} {columns:?} digits {:?} zone {zone:?}",
             self.digits

@@ -56,6 +56,19 @@ impl Dialect {
         add(self.nul_tail > 0, format!("{} zero bytes", self.nul_tail));
         add(self.open_end, "open end".to_owned());
         add(self.sentinels > 0, format!("{} sentinels", self.sentinels));
+        words.extend(self.odd.words().into_iter().map(str::to_owned));
         words.join(", ")
+    }
+
+    /// What it does that plain writers do not.
+    pub fn oddities(&self) -> Vec<String> {
+        let mut words: Vec<String> = self.odd.words().into_iter().map(str::to_owned).collect();
+        if let Encoding::Other(encoding) = self.encoding {
+            words.push(encoding.name().to_owned());
+        }
+        if let Some(wall) = &self.clock.wall {
+            words.extend(wall.oddity().map(str::to_owned));
+        }
+        words
     }
 }

@@ -5,6 +5,7 @@ use crate::dice::Dice;
 use crate::ending::{encoded, ended};
 use crate::expected::{Expected, expected};
 use crate::head;
+use crate::odd::{Order, footer, on_its_side};
 use crate::table::{Written, data, sentinels};
 use crate::times::{Times, times};
 use crate::truth::Truth;
@@ -39,7 +40,16 @@ pub fn table(dice: &mut Dice, truth: &Truth, dialect: &Dialect) -> Table {
     } else {
         (0..rows).collect()
     };
-    for (nth, &row) in order.iter().enumerate() {
+    if dialect.odd.order == Order::OnItsSide {
+        lines.truncate(lines.len() - head.len());
+        lines.extend(on_its_side(dialect, &all, &order));
+    }
+    let rows = if dialect.odd.order == Order::OnItsSide {
+        &[][..]
+    } else {
+        &order
+    };
+    for (nth, &row) in rows.iter().enumerate() {
         if row > 0 && truth.parts.contains(&row) {
             lines.extend(head.iter().cloned());
         }
@@ -50,6 +60,9 @@ pub fn table(dice: &mut Dice, truth: &Truth, dialect: &Dialect) -> Table {
         }
     }
     let last = *order.last().unwrap_or(&0);
+    if dialect.odd.footer > 0 {
+        lines.extend(footer(dice, dialect, &all, last));
+    }
     let text = ended(dice, lines, dialect, &mut all, last);
     Table {
         file: dice.pick(if truth.is_log {
@@ -107,7 +120,12 @@ fn arranged(
             plain(name, (1..=truth.time_us.len()).map(|n| n.to_string()).collect()),
         );
     }
-    all
+    let group = |column: &Written| match column.quantity {
+        Some((quantity, _)) if !truth.is_log => quantity as usize,
+        Some((_, sensor)) => sensor,
+        None => usize::MAX,
+    };
+    dialect.odd.arranged(all, group)
 }
 
 /// A line of cells, and a delimiter behind it where the dialect has one.

@@ -1,9 +1,8 @@
 //! NETZSCH GABO Eplexor export (.xls): a sheet `Exported Data` with a row of names, a row of units, then rows.
 //!
-//! One public file was seen, a sweep of frequency and temperature; `SEEN` lists its columns. A column that is not
-//! among them, a humidity above all, is kept under its own name and not used until a tag says what it is: its name
-//! and unit are not guessed at. The sheet `Data header` is kept as metadata. The export has no date and declares no
-//! number of rows.
+//! One public file was seen, a sweep of frequency and temperature. Names and units are the dictionary's, as in any table; a
+//! column that is not known is kept under its own name until a tag says what it is. The sheet `Data header` is kept as
+//! metadata. The export has no date and declares no number of rows.
 
 use super::assemble::{Raw, assemble_untimed};
 use super::cells::CellTable;
@@ -13,9 +12,7 @@ use super::sheet_cells::{self, Sheet, SheetCell};
 use super::{About, Format, ReadContext};
 use crate::Reading;
 use crate::text::Cell;
-use crate::text::header::{Header, Meaning};
-use ieap_domain::unit::Conversion;
-use ieap_domain::{Issue, Quantity};
+use crate::text::header::{Header, is_of_analyser};
 
 /// Reader of the Eplexor's spreadsheets.
 pub struct EplexorXls;
@@ -24,37 +21,13 @@ pub struct EplexorXls;
 const READINGS: &str = "Exported Data";
 const SETTINGS: &str = "Data header";
 
-/// Columns of the file that was seen: name, unit, and what it measures where ieap uses it.
-const SEEN: [(&str, &str, Quantity); 20] = [
-    ("Nr", "", Quantity::Other),
-    ("F stat.", "N", Quantity::Other),
-    ("Strain stat", "%", Quantity::Other),
-    ("Stress stat", "MPa", Quantity::Other),
-    ("Lo", "mm", Quantity::Other),
-    ("Lm", "mm", Quantity::Other),
-    ("F dyn.", "N", Quantity::Other),
-    ("Strain dyn", "%", Quantity::Other),
-    ("Stress dyn", "MPa", Quantity::Other),
-    ("Time", "s", Quantity::Time),
-    ("f", "Hz", Quantity::Frequency),
-    ("T", "°C", Quantity::Temperature),
-    ("E'", "MPa", Quantity::StorageModulus),
-    ("E''", "MPa", Quantity::LossModulus),
-    ("|E*|", "MPa", Quantity::ComplexModulus),
-    ("tan delta", "", Quantity::LossFactor),
-    ("F cont.", "N", Quantity::Other),
-    ("T2", "°C", Quantity::Other),
-    ("T3", "°C", Quantity::Other),
-    ("|J*|", "1/MPa", Quantity::Other),
-];
-
 impl Format for EplexorXls {
     fn about(&self) -> About {
         About {
             id: "eplexor-xls",
             title: "NETZSCH GABO Eplexor export of a dynamic mechanical analysis (.xls)",
             extensions: &["xls"],
-            version: 1,
+            version: 2,
         }
     }
 
@@ -105,15 +78,8 @@ fn reading(sheets: &[Sheet]) -> Result<Reading, ReadError> {
         .iter()
         .filter_map(|(place, _)| {
             let name = text_at(&names.cells, *place)?;
-            Some((
-                *place,
-                header(
-                    name,
-                    text_at(&units.cells, *place).unwrap_or(""),
-                    names.number,
-                    &mut issues,
-                ),
-            ))
+            let unit = text_at(&units.cells, *place).unwrap_or("");
+            Some((*place, Header::with_unit(name, unit).keeping(is_of_analyser)))
         })
         .collect();
     let cells = cells(sheet, &columns);
@@ -136,42 +102,6 @@ fn text_at(cells: &[(u32, SheetCell)], place: u32) -> Option<&str> {
         SheetCell::Text(text) if *column == place => Some(text.trim()),
         _ => None,
     })
-}
-
-/// A column that was seen; any other is kept, pointed out and not used.
-fn header(name: &str, unit: &str, line: u32, issues: &mut Vec<Issue>) -> Header {
-    let seen = SEEN
-        .iter()
-        .find(|(seen, seen_unit, _)| *seen == name && *seen_unit == unit);
-    if seen.is_none() {
-        let message = format!(
-            "a column {} in {} was never seen in an Eplexor export; it is kept, but not used",
-            quoted(name),
-            quoted(unit)
-        );
-        let mend = format!(
-            "if you know what it is, say so in the file's tags, as in relative_humidity_column = \"{name}\""
-        );
-        issues.push(
-            Issue::warning("column-never-seen", message)
-                .at(format!("line {line}"))
-                .mend(mend),
-        );
-    }
-    let meaning = match seen {
-        Some((_, _, quantity)) if *quantity != Quantity::Other => Meaning::Known {
-            quantity: *quantity,
-            // The units seen are the canonical ones.
-            conversion: Conversion::IDENTITY,
-        },
-        _ => Meaning::Other,
-    };
-    Header {
-        raw_name: name.to_owned(),
-        raw_unit: unit.to_owned(),
-        meaning,
-        position_mm: None,
-    }
 }
 
 fn cells(sheet: &Sheet, columns: &[(u32, Header)]) -> CellTable {
@@ -219,6 +149,7 @@ fn settings(sheets: &[Sheet]) -> Vec<(String, String)> {
 mod tests {
     use super::super::sheet_cells::SheetRow;
     use super::*;
+    use ieap_domain::Quantity;
 
     fn sheet(name: &str, rows: &[&[&str]]) -> Sheet {
         let cell = |text: &str| match text.parse() {
@@ -282,13 +213,17 @@ mod tests {
     }
 
     #[test]
-    fn a_column_that_was_never_seen_is_kept_and_not_used() {
-        for (name, unit) in [("RH", "%"), ("E'", "GPa"), ("T", "K")] {
+    fn further_columns_are_known_by_the_dictionary() {
+        for (name, unit, quantity) in [
+            ("RH", "%", Quantity::RelativeHumidity),
+            ("T", "K", Quantity::Temperature),
+            ("Strain stat", "%", Quantity::Other),
+            ("F dyn.", "N", Quantity::Other),
+            ("T2", "°C", Quantity::Other),
+        ] {
             let reading = reading(&exported(name, unit)).unwrap();
-            let last = reading.tables[0].channels.last().unwrap();
-            assert_eq!((last.quantity, last.raw_name.as_str()), (Quantity::Other, name));
-            assert_eq!(reading.issues[0].code, "column-never-seen");
-            assert!(reading.issues[0].message.contains(unit));
+            let last = reading.tables[0].channels.iter().find(|c| c.raw_name == name);
+            assert_eq!(last.unwrap().quantity, quantity, "{name}");
         }
     }
 

@@ -12,7 +12,7 @@ use super::recognition::{FileHead, Match};
 use super::stamp::{self, DateOrder};
 use super::{About, Format, ReadContext, delimited};
 use crate::text::grid::Dialect;
-use crate::text::header::{Header, Meaning};
+use crate::text::header::{Header, is_of_any_analyser};
 use crate::text::{Decimal, Delimiter, Line};
 use crate::{Reading, StartedAt, Timestamp};
 use ieap_domain::Issue;
@@ -138,14 +138,9 @@ fn header(cell: &str) -> Header {
         Some((name, unit)) => (name, unit.trim_end_matches(')')),
         None => cell.rsplit_once('/').unwrap_or((cell, "")),
     };
-    let header = Header::with_unit(name, unit);
     Header {
         raw_name: cell.to_owned(),
-        meaning: match name {
-            "Temp." | "Time" => header.meaning,
-            _ => Meaning::Other,
-        },
-        ..header
+        ..Header::with_unit(name, unit).keeping(is_of_any_analyser)
     }
 }
 

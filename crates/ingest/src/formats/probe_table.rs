@@ -16,8 +16,12 @@ use super::stamp::{self, DateOrder};
 use super::{About, Format, ReadContext, delimited};
 use crate::formats::policy::PROBE_HEADER_WITHIN;
 use crate::table::layout;
+use crate::text::dictionary::{ERRORS, FACES, FLEXED, MEASURED, PER_SQUARE};
+use crate::text::header::Header;
+use crate::text::names::{names_time, sheet_column};
 use crate::text::{Cell, Decimal, Delimiter, Line, Lines, number};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
+use ieap_domain::tag::keys;
 use ieap_domain::{Channel, Issue, Quantity};
 
 /// Reader of probe tables.
@@ -37,25 +41,13 @@ pub const FLEXINGS: &str = "flexings";
 pub const HUMIDITY: &str = "relative_humidity_percent";
 
 const ORDERS: [DateOrder; 3] = [DateOrder::MonthFirst, DateOrder::DayFirst, DateOrder::YearFirst];
-/// Spellings of "per square" behind a unit or in a name.
-const PER_SQUARE: [&str; 8] = [
-    "/square",
-    "/sq.",
-    "/sq",
-    "/□",
-    "/◻",
-    "per square",
-    "per sq",
-    "/sqr",
-];
-
 impl Format for ProbeTable {
     fn about(&self) -> About {
         About {
             id: ID,
             title: "four-point probe, a table of electrode resistance per square with sample and date (CSV, TSV)",
             extensions: &["csv", "txt", "tsv"],
-            version: 3,
+            version: 4,
         }
     }
 
@@ -119,7 +111,7 @@ impl Format for ProbeTable {
 }
 
 /// The header row.
-struct Header {
+struct Head {
     at: usize,
     delimiter: Delimiter,
     names: Vec<String>,
@@ -146,10 +138,10 @@ struct Row {
     humidity: Option<f64>,
 }
 
-fn header(lines: &[Line<'_>]) -> Option<Header> {
+fn header(lines: &[Line<'_>]) -> Option<Head> {
     let is_probe = |line: &Line<'_>| {
         let lower = line.text.to_lowercase();
-        PER_SQUARE.iter().any(|mark| lower.contains(mark)) || lower.contains("_per_sq")
+        is_in(PER_SQUARE, &lower.replace('_', " "))
     };
     if !lines.iter().any(is_probe) {
         return None;
@@ -161,29 +153,34 @@ fn header(lines: &[Line<'_>]) -> Option<Header> {
         .find_map(|(at, shape)| columns(at, shape.delimiter, shape.names))
 }
 
-fn columns(at: usize, delimiter: Delimiter, names: Vec<String>) -> Option<Header> {
+/// Whether one of these words stands in a text in small letters.
+fn is_in(words: &str, lower: &str) -> bool {
+    words.split(';').any(|word| lower.contains(word))
+}
+
+fn columns(at: usize, delimiter: Delimiter, names: Vec<String>) -> Option<Head> {
     let lower: Vec<String> = names.iter().map(|name| name.to_lowercase()).collect();
-    let starts = |words: &[&str]| {
-        let is = |name: &String| words.iter().any(|word| name.starts_with(word));
+    let named = |is: &dyn Fn(&str) -> bool| names.iter().position(|name| is(name));
+    let starts = |words: &'static str| {
+        let is = |name: &String| words.split(';').any(|word| name.starts_with(word));
         lower.iter().position(is)
     };
+    let measures =
+        |name: &str, quantity: Quantity| Header::parse(name).meaning.named_quantity() == Some(quantity);
     let per_square: Vec<(usize, f64)> = (lower.iter().enumerate())
         .filter_map(|(at, name)| Some((at, ohm(name, &names[at])?)))
         .collect();
-    let is_error = |name: &str| {
-        let marks = ["error", "sd", "deviation", "uncertainty", "±", "sem"];
-        marks.iter().any(|mark| name.contains(mark))
-    };
-    let resistance = *per_square.iter().find(|(at, _)| !is_error(&lower[*at]))?;
-    Some(Header {
+    let is_error = |at: usize| is_in(ERRORS, &lower[at]);
+    let resistance = *per_square.iter().find(|(at, _)| !is_error(*at))?;
+    Some(Head {
         at,
         delimiter,
-        sample: starts(&["sample", "specimen", "strip"])?,
-        date: starts(&["date", "time", "measured", "started"])?,
-        error: per_square.iter().find(|(at, _)| is_error(&lower[*at])).copied(),
-        face: starts(&["face", "side", "electrode"]).filter(|face| *face != resistance.0),
-        flexings: starts(&["flex", "cycles", "bends", "number of flex", "number of bend"]),
-        humidity: starts(&["relative_humidity", "relative humidity", "rh", "humidity"]),
+        sample: named(&|name| sheet_column(name) == Some(keys::SAMPLE))?,
+        date: named(&names_time).or_else(|| starts(MEASURED))?,
+        error: per_square.iter().find(|(at, _)| is_error(*at)).copied(),
+        face: starts(FACES).filter(|face| *face != resistance.0),
+        flexings: starts(FLEXED),
+        humidity: named(&|name| measures(name, Quantity::RelativeHumidity)),
         resistance,
         names,
     })
@@ -192,7 +189,7 @@ fn columns(at: usize, delimiter: Delimiter, names: Vec<String>) -> Option<Header
 /// Ohm per unit of a column of a resistance per square; none where it is none.
 fn ohm(lower: &str, name: &str) -> Option<f64> {
     let lower = lower.replace('_', " ");
-    let is_per_square = PER_SQUARE.iter().any(|mark| lower.contains(mark));
+    let is_per_square = is_in(PER_SQUARE, &lower);
     let is_ohm = lower.contains("ohm") || name.contains(['Ω', 'Ω']);
     if !is_per_square || !is_ohm {
         return None;
@@ -215,7 +212,7 @@ fn ohm(lower: &str, name: &str) -> Option<f64> {
     })
 }
 
-impl Header {
+impl Head {
     fn row(&self, line: &Line<'_>, decimal: Decimal) -> Row {
         let mut cells: Vec<&str> = Vec::new();
         self.delimiter
@@ -293,7 +290,7 @@ type Read<'a> = (f64, &'a Row, f64);
 
 /// The table of each sample, by name; rows that say nothing are left out and told.
 fn tables(
-    header: &Header,
+    header: &Head,
     rows: &[Row],
     moments: &[DateTime],
     first: DateTime,

@@ -10,11 +10,11 @@ use super::error::ReadError;
 use super::recognition::{FileHead, Match};
 use super::{About, Format, ReadContext, date, delimited};
 use crate::text::grid::Dialect;
-use crate::text::header::{Header, Meaning};
+use crate::text::header::{Header, is_of_analyser, is_of_any_analyser};
 use crate::text::{Delimiter, Line};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
 use ieap_domain::tag::keys;
-use ieap_domain::{Issue, Quantity, RunStatus};
+use ieap_domain::{Issue, RunStatus};
 
 /// Reader of TRIOS text.
 pub struct TaTrios;
@@ -59,7 +59,7 @@ impl Format for TaTrios {
             .unwrap_or(lines.len());
         let (preamble, rest) = lines.split_at(first_step);
         let steps = steps(rest);
-        let of_analyser = preamble.iter().any(|line| is_of_analyser(line.text));
+        let of_analyser = preamble.iter().any(|line| names_analyser(line.text));
         let mut tables: Vec<RunTable> = Vec::new();
         for step in &steps {
             let is_taken = tables.iter().any(|table| table.name == step.name);
@@ -158,7 +158,7 @@ fn step<'a>(lines: &[Line<'a>]) -> Option<Step<'a>> {
 }
 
 /// Whether a line above the steps names a dynamic mechanical analyser: instrument type DMA850.
-fn is_of_analyser(text: &str) -> bool {
+fn names_analyser(text: &str) -> bool {
     text.split_once('\t').is_some_and(|(key, value)| {
         key.starts_with("Instrument") && ["DMA", "RSA", "Q800"].iter().any(|name| value.contains(name))
     })
@@ -188,26 +188,19 @@ fn table(
     assemble_untimed(Raw::of_instrument(name, headers, cells), issues)
 }
 
-/// Displacements and forces of a rheometer or analyser are not those of an actuator, and only an analyser's moduli are of bending or
-/// stretching. Without a row of units they stand in the names.
+/// Only an analyser's moduli are of bending or stretching. Without a row of units they stand in the names.
 fn header(name: &str, unit: Option<&str>, of_analyser: bool) -> Header {
     let header = match unit {
         None => Header::parse(name),
         Some(unit) => Header::with_unit(name, unit),
     };
-    let is_kept = |quantity: Quantity| match quantity {
-        Quantity::Time | Quantity::Temperature => true,
-        Quantity::LossFactor | Quantity::Frequency | Quantity::RelativeHumidity => of_analyser,
-        quantity => of_analyser && quantity.is_modulus(),
-    };
-    Header {
-        meaning: if header.meaning.quantity().is_some_and(is_kept) {
-            header.meaning
+    header.keeping(|quantity| {
+        if of_analyser {
+            is_of_analyser(quantity)
         } else {
-            Meaning::Other
-        },
-        ..header
-    }
+            is_of_any_analyser(quantity)
+        }
+    })
 }
 
 fn status(steps: &[Step<'_>], text: RunStatus, evidence: String) -> (RunStatus, String) {

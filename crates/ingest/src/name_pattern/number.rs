@@ -1,5 +1,6 @@
 //! Numbers as names of files spell them.
 
+use crate::text::dictionary::{HUMIDITY_OF_NAMES, is_among};
 use ieap_domain::tag::keys;
 
 /// Signs before a number; a `-` in a name is often a separator, so that people write letters. The longer spellings first.
@@ -16,20 +17,16 @@ const SIGNS: [(&str, f64); 9] = [
 ];
 
 /// Units that may stand behind the number of a key.
-fn units(key: &str) -> &'static [&'static str] {
+fn units(key: &str) -> &'static str {
     match key {
-        keys::VOLTAGE_V => &["v", "volt", "volts"],
-        keys::RELATIVE_HUMIDITY_PERCENT => &HUMIDITY,
-        keys::TEMPERATURE_C => &["c", "degc", "°c"],
-        keys::REST_BEFORE_S => &["s"],
-        _ => &[],
+        keys::VOLTAGE_V => "v;volt;volts",
+        keys::RELATIVE_HUMIDITY_PERCENT => HUMIDITY_OF_NAMES,
+        keys::TEMPERATURE_C => "c;degc;°c",
+        keys::REST_BEFORE_S => "s",
+        _ => "",
     }
 }
 
-/// Units of a humidity.
-pub(super) const HUMIDITY: [&str; 10] = [
-    "rh", "rf", "hr", "%", "%rh", "rh%", "%rf", "%hr", "percent", "pct",
-];
 /// Of a voltage in millivolts; a lone m is the prefix of a V that stands behind the placeholder.
 const MILLIVOLTS: [&str; 2] = ["mv", "m"];
 
@@ -57,7 +54,7 @@ pub(crate) fn number(key: &str, text: &str) -> Option<f64> {
     };
     let exponent = match unit {
         unit if key == keys::VOLTAGE_V && MILLIVOLTS.contains(&unit) => "e-3",
-        unit if unit.is_empty() || units(key).contains(&unit) => "",
+        unit if unit.is_empty() || is_among(units(key), unit) => "",
         _ => return None,
     };
     Some(sign * (written + exponent).parse::<f64>().ok()?)

@@ -1,16 +1,13 @@
 //! What the words of a file name say: an environment, a voltage, a humidity, a cycle, a sample.
 
-use super::number::{HUMIDITY, number};
+use super::number::number;
 use crate::campaign_file::nearest;
 use crate::tags::value::shortest;
+use crate::text::dictionary::{HUMIDITY_OF_NAMES, RUN_COUNTERS, is_among};
+use crate::text::names::names_of_sheet_column;
 use ieap_domain::surroundings;
 use ieap_domain::tag::keys;
 
-/// What a number is called that counts runs; single letters are more often those of samples.
-const COUNTERS: [&str; 19] = [
-    "", "#", "cycle", "zyklus", "run", "lauf", "nr", "no", "n°", "messung", "rep", "essai", "mesure",
-    "prova", "medida", "katse", "tsukkel", "tsükkel", "versuch",
-];
 /// Digits of a number that counts runs, at most; more are a date.
 const MOST_DIGITS: usize = 4;
 
@@ -163,13 +160,13 @@ fn says(text: &str) -> Says {
             &meant,
         ),
         (before, behind)
-            if (HUMIDITY.contains(&before) && (behind.is_empty() || behind == "%"))
-                || (before.is_empty() && HUMIDITY.contains(&behind)) =>
+            if (is_among(HUMIDITY_OF_NAMES, before) && (behind.is_empty() || behind == "%"))
+                || (before.is_empty() && is_among(HUMIDITY_OF_NAMES, behind)) =>
         {
             tag(keys::RELATIVE_HUMIDITY_PERCENT, prefix, written, suffix, &meant)
         }
         ("" | "t", "c" | "degc" | "°c") => tag(keys::TEMPERATURE_C, prefix, written, suffix, &meant),
-        (before, "") if is_whole && written.len() <= MOST_DIGITS && COUNTERS.contains(&before) => {
+        (before, "") if is_whole && written.len() <= MOST_DIGITS && counts_runs(before) => {
             tag(keys::CYCLE, prefix, written, suffix, &meant)
         }
         _ => match spelt() {
@@ -177,6 +174,11 @@ fn says(text: &str) -> Says {
             None => Says::Other,
         },
     }
+}
+
+/// Whether a word in small letters names a number that counts runs.
+fn counts_runs(word: &str) -> bool {
+    is_among(RUN_COUNTERS, word) || is_among(names_of_sheet_column(keys::CYCLE), word)
 }
 
 fn tag(key: &'static str, prefix: &str, written: &str, suffix: &str, meant: &str) -> Says {

@@ -24,6 +24,8 @@ pub(super) struct Guess {
     pub sheet: Option<String>,
     /// Line of the names, from 1; 0 where there are none.
     pub header_line: usize,
+    /// The line of a text that names the columns.
+    pub names_line: Option<String>,
     pub lines_after_header: usize,
     /// Names of the columns; empty texts where there are none.
     pub names: Vec<String>,
@@ -104,11 +106,9 @@ pub(super) fn guess_text(bytes: &[u8]) -> Option<Guess> {
     lines.pop_if(|line| !line.ended);
     let mut guess = guess(&lines)?;
     guess.encoding = Some(decoded.encoding);
-    let head = lines
-        .iter()
-        .position(|line| line.number == guess.header_line)
-        .unwrap_or(0);
-    guess.start = start_line(&lines[..head]);
+    let head = lines.iter().position(|line| line.number == guess.header_line);
+    guess.names_line = head.map(|at| lines[at].text.trim().trim_start_matches('\u{feff}').to_owned());
+    guess.start = start_line(&lines[..head.unwrap_or(0)]);
     Some(guess)
 }
 
@@ -147,6 +147,7 @@ fn guess(lines: &[Line<'_>]) -> Option<Guess> {
         encoding: None,
         sheet: None,
         header_line,
+        names_line: None,
         lines_after_header: lines[shape.data_at].number - header_line - 1,
         is_number: (0..width)
             .map(|column| shape.kinds.get(column) == Some(&Kind::Number))

@@ -8,7 +8,7 @@ use crate::formats::sheet_cells;
 use crate::table::Answers;
 use crate::text::header::{Header, Meaning, leave_lone_phases};
 use crate::text::likely::headed_by_unit;
-use crate::text::{Decimal, Delimiter, decode};
+use crate::text::{Decimal, Delimiter};
 use ieap_domain::Quantity;
 use ieap_domain::words::in_a_row;
 
@@ -17,6 +17,8 @@ use ieap_domain::words::in_a_row;
 pub struct Proposal {
     /// Its text.
     pub text: String,
+    /// Names and units of the file's columns: files that share them need one profile.
+    pub header: String,
     /// What the file does not show and a person has to fill in; empty where the profile can be used as it is.
     pub open: Vec<String>,
 }
@@ -49,16 +51,22 @@ pub fn answered(name: &str, bytes: &[u8], answers: &Answers) -> Result<Proposal,
         quoted(name)
     );
     let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
-    let _ = if is_workbook(bytes) {
+    let named = if is_workbook(bytes) {
+        String::new()
+    } else {
+        names_of(bytes)?
+    };
+    let _ = if named.is_empty() {
         writeln!(text, "name = {}", quoted(&format!("*.{extension}")))
     } else {
-        writeln!(text, "contains = [{}]", quoted(&names_of(bytes)?))
+        writeln!(text, "contains = [{}]", quoted(&named))
     };
     let _ = write!(text, "\n[answers]\n");
     for (key, answer) in answers.iter() {
         let _ = writeln!(text, "{key} = {}", quoted(answer));
     }
     Ok(Proposal {
+        header: named,
         text,
         open: Vec::new(),
     })
@@ -70,14 +78,12 @@ fn is_workbook(bytes: &[u8]) -> bool {
 
 /// The line that names the columns of a text.
 fn names_of(bytes: &[u8]) -> Result<String, ReadError> {
-    let guess = guess_text(bytes).filter(|guess| guess.header_line > 0);
-    let guess = guess.ok_or_else(|| ReadError::NoHeader {
-        line: 0,
-        found: "no line that names columns".to_owned(),
-    })?;
-    let decoded = decode(bytes);
-    let names = decoded.text.lines().nth(guess.header_line - 1).unwrap_or("");
-    Ok(names.trim().trim_start_matches('\u{feff}').to_owned())
+    guess_text(bytes)
+        .and_then(|guess| guess.names_line)
+        .ok_or_else(|| ReadError::NoHeader {
+            line: 0,
+            found: "no line that names columns".to_owned(),
+        })
 }
 
 /// Proposes a profile for a file of that name, in which columns are what is `stated` of them.
@@ -121,12 +127,15 @@ fn written(name: &str, guess: &Guess, stated: &[StatedColumn]) -> Proposal {
                 .to_owned(),
         );
     }
-    Proposal { text, open }
+    let header = [guess.names.as_slice(), &guess.units].concat().join("\t");
+    Proposal { text, header, open }
 }
 
 fn recognise(text: &mut String, name: &str, guess: &Guess) {
     let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
-    if guess.header_line == 0 {
+    if let Some(line) = &guess.names_line {
+        let _ = write!(text, "[recognise]\ncontains = [{}]\n\n", quoted(line));
+    } else if guess.header_line == 0 {
         let _ = write!(
             text,
             "[recognise]\nname = {}    # the file names no columns, so its own name tells it apart\n\n",
@@ -168,7 +177,10 @@ fn layout(text: &mut String, guess: &Guess) {
             }
         }
     }
-    let _ = writeln!(text, "header_line = {}", guess.header_line);
+    let _ = match &guess.names_line {
+        Some(line) => writeln!(text, "header_contains = {}", quoted(line)),
+        None => writeln!(text, "header_line = {}", guess.header_line),
+    };
     if guess.lines_after_header > 0 {
         let _ = writeln!(text, "lines_after_header = {}", guess.lines_after_header);
     }

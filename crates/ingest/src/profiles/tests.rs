@@ -252,7 +252,9 @@ fn a_row_of_units_is_no_row_of_names() {
         .collect();
     let proposal = propose("sweep.csv", &utf16, &[]).unwrap();
     assert!(
-        proposal.text.contains("header_line = 3\nlines_after_header = 2"),
+        proposal
+            .text
+            .contains("header_contains = \"Interval data:\\tPoint No.\\tRun duration\\tStorage Modulus\"\nlines_after_header = 2"),
         "{}",
         proposal.text
     );

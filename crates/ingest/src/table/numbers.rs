@@ -75,7 +75,12 @@ impl Writing {
         decimal: Option<Decimal>,
         group: Option<Option<Group>>,
     ) -> Found {
-        let mut forms: Vec<(usize, NumberForm)> = all_forms(delimiter)
+        let holds_commas = self
+            .columns
+            .iter()
+            .flatten()
+            .any(|(pattern, _)| pattern.marks.iter().any(|(mark, _)| *mark == ','));
+        let mut forms: Vec<(usize, NumberForm)> = all_forms(delimiter, holds_commas)
             .into_iter()
             .map(|form| (self.unread(form), form))
             .collect();
@@ -175,7 +180,7 @@ impl Writing {
 /// Whether any way of writing numbers reads a pattern: `28.03.2026` is none.
 pub fn is_readable(pattern: &Pattern) -> bool {
     pattern.marks.is_empty()
-        || all_forms(Delimiter::Semicolon)
+        || all_forms(Delimiter::Semicolon, true)
             .into_iter()
             .any(|form| places(pattern, form).is_some())
 }
@@ -188,14 +193,14 @@ fn other(decimal: Decimal) -> Decimal {
 }
 
 /// The ways in which people and programs write numbers, the plainest first. Between commas as delimiters a point that groups
-/// thousands has nothing to be a decimal mark beside it.
-fn all_forms(delimiter: Delimiter) -> Vec<NumberForm> {
+/// thousands has nothing to be a decimal mark beside it, unless quoted cells hold commas.
+fn all_forms(delimiter: Delimiter, holds_commas: bool) -> Vec<NumberForm> {
     let mut forms = Vec::new();
     let mut add = |decimal, group| forms.push(NumberForm { decimal, group });
     add(Decimal::Point, None);
     add(Decimal::Comma, None);
     add(Decimal::Point, Some(Group::Comma));
-    if delimiter != Delimiter::Comma {
+    if delimiter != Delimiter::Comma || holds_commas {
         add(Decimal::Comma, Some(Group::Point));
     }
     for group in [Group::Apostrophe, Group::Space] {

@@ -213,6 +213,27 @@ pub(crate) const SHEET_COLUMNS: [(&str, &str); 8] = [
     ),
 ];
 
+/// Columns of tables of a four-point probe, by what their names begin with: the face of the strip, how often it was bent, when
+/// it was measured.
+pub(crate) const FACES: &str = "face;side;electrode";
+/// As [`FACES`].
+pub(crate) const FLEXED: &str = "flex;cycles;bends;number of flex;number of bend";
+/// As [`FACES`].
+pub(crate) const MEASURED: &str = "measured;started";
+/// What stands in the name of an error of readings.
+pub(crate) const ERRORS: &str = "error;sd;deviation;uncertainty;±;sem";
+/// Spellings of "per square" behind a unit or in a name.
+pub(crate) const PER_SQUARE: &str = "/sq;/□;/◻;per sq";
+
+/// What the number is called in names of files that counts runs, beside a cycle's names in sheets; single letters are more often
+/// those of samples.
+pub(crate) const RUN_COUNTERS: &str =
+    ";#;run;lauf;nr;no;n°;messung;rep;mesure;prova;medida;katse;tsukkel;versuch";
+/// What stands before or behind a humidity in names of files.
+pub(crate) const HUMIDITY_OF_NAMES: &str = "rh;rf;hr;%;%rh;rh%;%rf;%hr;percent;pct";
+/// Parts of names of dew points, which are no temperatures of the air.
+pub(super) const DEW_POINTS: &str = "dew;taupunkt;frost;rosée;rocío;rugiada;orvalho;kastepunkt;росы;露";
+
 /// Whether a word is among words with semicolons between them.
 pub(crate) fn is_among(words: &str, word: &str) -> bool {
     words.split(';').any(|known| known == word)

@@ -118,13 +118,11 @@ const BYTES_ASKED: usize = crate::formats::recognition::HEAD_BYTES;
 /// Different words that are asked. Chosen.
 const WORDS_ASKED: usize = 256;
 
-/// The encoding under which the most words are known; of several the detector's, else the usual one. What holds NUL bytes is no
-/// text of these.
+/// The encoding under which the most words are known; of several the detector's, else the usual one. What stands behind a NUL byte
+/// is no text of these.
 fn detected(bytes: &[u8]) -> &'static Encoding {
     let head = &bytes[..bytes.len().min(BYTES_ASKED)];
-    if head.contains(&0) {
-        return WINDOWS_1252;
-    }
+    let head = head.split(|byte| *byte == 0).next().unwrap_or(head);
     let words = foreign_words(head);
     let known = |encoding: &'static Encoding| {
         let texts: Option<Vec<Cow<'_, str>>> = (words.iter())
@@ -193,6 +191,13 @@ mod tests {
             assert_eq!((&*decoded.text, decoded.encoding), (text, encoding));
             assert!(!decoded.has_replacements);
         }
+    }
+
+    #[test]
+    fn a_tail_of_zero_bytes_hides_no_encoding() {
+        let (bytes, _, _) = GBK.encode("传感器,温度 [K],相对湿度 [% RH]\n1,328.92,50.589\n");
+        let decoded = [bytes.as_ref(), &[0; 40]].concat();
+        assert_eq!(decode(&decoded).encoding, "GBK");
     }
 
     #[test]

@@ -117,6 +117,17 @@ impl Header {
         !candidates(&name).is_empty()
     }
 
+    /// The same, kept under its own name where what it measures is none of these.
+    pub fn keeping(self, is_kept: impl Fn(Quantity) -> bool) -> Header {
+        match self.meaning.quantity() {
+            Some(quantity) if is_kept(quantity) => self,
+            _ => Header {
+                meaning: Meaning::Other,
+                ..self
+            },
+        }
+    }
+
     /// A column kept under its own name, with the unit that stands in it.
     pub fn other(cell: &str) -> Header {
         Header {
@@ -124,6 +135,19 @@ impl Header {
             ..Header::parse(cell)
         }
     }
+}
+
+/// What a mechanical analyser measures of a strip: its forces and displacements are not those of an actuator.
+pub fn is_of_analyser(quantity: Quantity) -> bool {
+    use Quantity::{Frequency, LossFactor, RelativeHumidity};
+    is_of_any_analyser(quantity)
+        || quantity.is_modulus()
+        || matches!(quantity, LossFactor | Frequency | RelativeHumidity)
+}
+
+/// What every thermal analyser measures as others do.
+pub fn is_of_any_analyser(quantity: Quantity) -> bool {
+    matches!(quantity, Quantity::Time | Quantity::Temperature)
 }
 
 /// Takes a phase for a column of its own where no impedance stands beside it: a modulus has one, too.

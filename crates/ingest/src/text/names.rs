@@ -8,7 +8,9 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use super::dictionary::{ELAPSED, QUANTITIES, ROLE_PARTS, ROLES, Role, SHEET_COLUMNS, TIMES, is_among};
+use super::dictionary::{
+    DEW_POINTS, ELAPSED, QUANTITIES, ROLE_PARTS, ROLES, Role, SHEET_COLUMNS, TIMES, is_among,
+};
 use super::header::Header;
 use crate::text::policy::LONGEST_NAME;
 use ieap_domain::{Quantity, surroundings, unit};
@@ -207,21 +209,8 @@ fn words_of(name: &str) -> Vec<String> {
 
 /// Whether a name is that of a dew point, which is no temperature of the air.
 pub fn names_dew_point(name: &str) -> bool {
-    role(name) == Role::Derived
-        && [
-            "dew",
-            "taupunkt",
-            "frost",
-            "rosée",
-            "rocío",
-            "rugiada",
-            "orvalho",
-            "kastepunkt",
-            "росы",
-            "露",
-        ]
-        .iter()
-        .any(|word| name.to_lowercase().contains(word))
+    let lower = name.to_lowercase();
+    role(name) == Role::Derived && DEW_POINTS.split(';').any(|word| lower.contains(word))
 }
 
 /// Whether a name in small letters is that of a time which counts from the start of something.
@@ -252,6 +241,14 @@ pub fn names_time(name: &str) -> bool {
 /// Whether a column is headed by a unit of time alone: `s`, `min`. A letter in upper case stands for something else.
 pub fn is_unit_of_time(name: &str) -> bool {
     matches!(name.trim(), "s" | "ms" | "us" | "min" | "h")
+}
+
+/// Names of a column of run sheets.
+pub(crate) fn names_of_sheet_column(key: &str) -> &'static str {
+    SHEET_COLUMNS
+        .iter()
+        .find(|(known, _)| *known == key)
+        .map_or("", |(_, names)| names)
 }
 
 /// The column of a run sheet that a name is: as a whole, or by a word in it where it states no unit.

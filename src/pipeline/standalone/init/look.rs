@@ -112,6 +112,9 @@ pub struct Seen {
 pub struct ProposedFor {
     /// Id.
     pub id: String,
+    /// Names and units of the columns that its files have.
+    #[serde(skip)]
+    pub header: String,
     /// Text.
     pub text: String,
     /// What has to be filled in before it reads anything; empty where it is usable.
@@ -374,17 +377,11 @@ fn propose(
     looked: &mut Looked,
 ) -> Option<bool> {
     let proposal = profiles::propose(name, bytes, &[]).ok()?;
-    // Files of one source have one proposal.
-    let plain = |text: &str| {
-        text.lines()
-            .filter(|line| !line.contains(name))
-            .collect::<Vec<_>>()
-            .join("\n")
-    };
+    // Files of one header have one profile: of two that fit a file neither would read it.
     let known = looked
         .profiles
         .iter_mut()
-        .find(|known| plain(&known.text) == plain(&proposal.text));
+        .find(|known| known.header == proposal.header);
     if let Some(known) = known {
         known.files.push(shown.to_owned());
         return Some(false);
@@ -397,6 +394,7 @@ fn propose(
     if is_table_of_run {
         looked.profiles.push(ProposedFor {
             id,
+            header: proposal.header,
             text: proposal.text,
             open: proposal.open,
             files: vec![shown.to_owned()],

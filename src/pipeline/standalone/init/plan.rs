@@ -16,6 +16,9 @@ use crate::ingest::name_pattern::{
 use crate::ingest::pairs::{Half, Paired, pair};
 use crate::ingest::tags;
 
+/// Tags by key.
+type Tags = BTreeMap<String, String>;
+
 /// A file with what it becomes.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PlannedFile {
@@ -69,12 +72,14 @@ pub fn plan(looked: &Looked) -> Plan {
     let is_run = |seen: &Seen| seen.taken == Taken::Run && !is_partner(seen);
     let runs: Vec<&Seen> = looked.files.iter().filter(|seen| is_run(seen)).collect();
     let stems: Vec<String> = runs.iter().map(|seen| stem_of(seen)).collect();
-    let pattern = propose(&stems.iter().map(String::as_str).collect::<Vec<_>>());
-    let named: Vec<BTreeMap<String, String>> = runs
-        .iter()
-        .zip(&stems)
-        .map(|(seen, stem)| named(seen, stem, &partner_rows(looked, &pairs, seen)))
+    let rows: Vec<Tags> = (runs.iter())
+        .map(|seen| partner_rows(looked, &pairs, seen))
         .collect();
+    let named: Vec<Tags> = (runs.iter().zip(&stems).zip(&rows))
+        .map(|((seen, stem), rows)| named(seen, stem, rows))
+        .collect();
+    let pattern = propose(&stems.iter().map(String::as_str).collect::<Vec<_>>())
+        .filter(|found| !contradicts(found, &stems, &rows));
     let logs = looked.files.iter().filter(|seen| seen.taken == Taken::ModulusLog);
     let of_logs: Vec<String> = logs.filter_map(sample_of_name).collect();
     let of_runs = named.iter().filter_map(|tags| tags.get(keys::SAMPLE));
@@ -129,6 +134,23 @@ pub fn plan(looked: &Looked) -> Plan {
         samples: samples.into_list(),
         pattern,
     }
+}
+
+/// Whether the word that a pattern takes for the sample is another than the run sheet's in every run that one lists: the number of
+/// a record, which would contradict them all.
+fn contradicts(found: &ProposedPattern, stems: &[String], rows: &[Tags]) -> bool {
+    let Ok(pattern) = NamePattern::compile(&found.pattern) else {
+        return false;
+    };
+    let of_name = |stem: &String| {
+        let read = read(&pattern, stem, &Samples::of(std::iter::empty()));
+        read.into_iter()
+            .find_map(|(key, value)| (key == keys::SAMPLE).then_some(value))
+    };
+    let mut both = (stems.iter().zip(rows))
+        .filter_map(|(stem, row)| Some((of_name(stem)?, row.get(keys::SAMPLE)?)))
+        .peekable();
+    both.peek().is_some() && both.all(|(name, row)| shared_spelling(&name) != shared_spelling(row))
 }
 
 /// Pairs of files, by what was read of them: as a campaign of these files will pair them.

@@ -5,10 +5,10 @@
 //! the last of them says that the log was read out. Relative humidity above 100 % occurs and is kept. The rest is as in
 //! any table of a logger.
 
-use super::table::read_lines;
+use super::table::read_text;
 use crate::Reading;
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::{About, Format, ReadContext, ReadError, delimited};
+use crate::formats::{About, Format, ReadContext, ReadError};
 use crate::text::{Line, Lines};
 use ieap_domain::RunStatus;
 
@@ -40,32 +40,27 @@ impl Format for Hobo {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let mut issues = Vec::new();
-        let decoded = delimited::decoded(bytes)?;
-        let text = delimited::text(&decoded, &mut issues)?;
-        let status = (text.status, evidence(&text));
-        read_lines(
-            self.reading(),
-            Some(text.encoding),
-            context,
-            &text.lines,
-            status,
-            issues,
-        )
+        let mut is_read_out = false;
+        let reading = read_text(self.reading(), bytes, context, |lines| {
+            is_read_out = lines.last().is_some_and(|line| ends_the_log(line.text));
+            Ok(0)
+        })?;
+        Ok(match reading.status {
+            RunStatus::Complete if is_read_out => Reading {
+                status_evidence: "the last row is an event of the read-out".to_owned(),
+                ..reading
+            },
+            _ => reading,
+        })
     }
 }
 
 /// The last row of a log that was read out names the end of the file as an event.
-fn evidence(text: &delimited::Text<'_>) -> String {
-    let last = text.lines.last().map_or("", |line| line.text);
-    let filled = last.trim_end_matches([',', ';', '\t']);
-    let is_end = ["Logged", "Protokolliert"]
+fn ends_the_log(row: &str) -> bool {
+    let filled = row.trim_end_matches([',', ';', '\t']);
+    ["Logged", "Protokolliert"]
         .iter()
-        .any(|event| filled.ends_with(event));
-    match text.status {
-        RunStatus::Complete if is_end => "the last row is an event of the read-out".to_owned(),
-        _ => text.evidence(),
-    }
+        .any(|event| filled.ends_with(event))
 }
 
 #[cfg(test)]

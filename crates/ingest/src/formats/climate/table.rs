@@ -53,13 +53,26 @@ impl Format for ClimateTable {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let mut issues = Vec::new();
-        let decoded = delimited::decoded(bytes)?;
-        let text = delimited::text(&decoded, &mut issues)?;
-        let reader = self.reading();
-        let status = (text.status, text.evidence());
-        read_lines(reader, Some(text.encoding), context, &text.lines, status, issues)
+        read_text(self.reading(), bytes, context, |_| Ok(0))
     }
+}
+
+/// Reads the text of a logger for `reader`, which has read nothing yet; so many lines stand above its table as `above` says.
+///
+/// # Errors
+/// As [`read_lines`]; the file is empty, is no text, or has no whole line yet.
+pub fn read_text(
+    reader: Reading,
+    bytes: &[u8],
+    context: &ReadContext,
+    above: impl FnOnce(&[Line<'_>]) -> Result<usize, ReadError>,
+) -> Result<Reading, ReadError> {
+    let mut issues = Vec::new();
+    let decoded = delimited::decoded(bytes)?;
+    let text = delimited::text(&decoded, &mut issues)?;
+    let status = (text.status, text.evidence());
+    let lines = &text.lines[above(&text.lines)?..];
+    read_lines(reader, Some(text.encoding), context, lines, status, issues)
 }
 
 /// Whether lines hold the table of a logger: dates or a start beside climate, and no response of a sample, which makes a run of
@@ -480,7 +493,19 @@ impl Labels {
 fn rows_of_words(read: &Table<'_>, column: usize) -> Option<BTreeMap<String, Vec<usize>>> {
     const MOST: usize = 64;
     let mut rows: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-    let mut add = |word: String, row: usize| rows.entry(word).or_default().push(row);
+    let is_time = |header: &Header| header.meaning.quantity() == Some(Quantity::Time);
+    let times = read
+        .headers
+        .iter()
+        .position(is_time)
+        .map(|at| &read.cells.columns[at].numbers);
+    // A row without a time is no reading: the mean of a footer names no sensor.
+    let is_timed = |row: usize| times.is_none_or(|times| times.get(row).is_none_or(|time| time.is_finite()));
+    let mut add = |word: String, row: usize| {
+        if is_timed(row) {
+            rows.entry(word).or_default().push(row);
+        }
+    };
     match read.kind(column) {
         Kind::Word => read
             .texts_of(column)

@@ -3,10 +3,10 @@
 //! Written from the maker's public description, with look-alikes typed by hand. Dates are in the logger's local time
 //! without a zone. The temperature of the logger's own panel (`PTemp`) keeps its name.
 
-use super::table::read_lines;
+use super::table::read_text;
 use crate::Reading;
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::{About, Format, ReadContext, ReadError, delimited};
+use crate::formats::{About, Format, ReadContext, ReadError};
 
 /// Reader of TOA5.
 pub struct Toa5;
@@ -30,28 +30,19 @@ impl Format for Toa5 {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let mut issues = Vec::new();
-        let decoded = delimited::decoded(bytes)?;
-        let text = delimited::text(&decoded, &mut issues)?;
-        let [station, table @ ..] = text.lines.as_slice() else {
-            return Err(ReadError::Empty);
-        };
-        let (head, rows) = table.split_at_checked(3).unwrap_or((table, &[]));
-        if rows.is_empty() {
-            let line = head.first().unwrap_or(station).number;
-            return Err(ReadError::header_only(line, "no row"));
-        }
-        let status = (text.status, text.evidence());
-        let reading = read_lines(
-            self.reading(),
-            Some(text.encoding),
-            context,
-            table,
-            status,
-            issues,
-        )?;
+        let mut station = String::new();
+        let reading = read_text(self.reading(), bytes, context, |lines| {
+            station = lines.first().map_or("", |line| line.text).to_owned();
+            match lines {
+                [_, _, _, _, _, ..] => Ok(1),
+                _ => Err(ReadError::header_only(
+                    lines.get(1).or(lines.first()).map_or(1, |line| line.number),
+                    "no row",
+                )),
+            }
+        })?;
         Ok(Reading {
-            original_metadata: vec![("station".to_owned(), station.text.to_owned())],
+            original_metadata: vec![("station".to_owned(), station)],
             ..reading
         })
     }
