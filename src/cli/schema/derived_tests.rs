@@ -272,7 +272,7 @@ fn schemas_are_as_the_structs_say() {
     names.sort_unstable();
     assert_eq!(
         names,
-        SCHEMAS.map(|schema| schema.name),
+        SCHEMAS.iter().map(|schema| schema.name).collect::<Vec<_>>(),
         "derived ones and those by hand"
     );
 }

@@ -8,7 +8,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::SystemTime;
 
 use rayon::prelude::*;
 
@@ -105,8 +104,7 @@ impl Fresh {
             fs::write(&to, bytes)?;
         }
         // Looked at here, where nobody exchanges it any more.
-        let is_same =
-            is_untouched(&to, list_time(other)?) || hash_of_file(&to).is_ok_and(|(found, _)| found == hash);
+        let is_same = hash_of_file(&to).is_ok_and(|(found, _)| found == hash);
         if !is_same {
             fs::remove_file(&to)?;
         }
@@ -294,42 +292,9 @@ pub enum Altered {
 /// # Errors
 /// The list cannot be read.
 pub fn altered(folder: &Path) -> io::Result<Vec<(String, Altered)>> {
-    altered_but(folder, &|_, _| false)
-}
-
-/// The same of the files that were written to since they were listed: the others are not read. What a disk made of those is
-/// for [`altered`] to tell.
-///
-/// # Errors
-/// The list cannot be read.
-pub fn altered_since_listed(folder: &Path) -> io::Result<Vec<(String, Altered)>> {
-    altered_but(folder, &is_untouched)
-}
-
-/// Whether it is a file that was last written to before the list of its folder was.
-fn is_untouched(file: &Path, listed: Option<SystemTime>) -> bool {
-    let found = fs::symlink_metadata(file).ok().filter(|found| found.is_file());
-    let written = found.and_then(|found| found.modified().ok());
-    written
-        .zip(listed)
-        .is_some_and(|(written, listed)| written < listed)
-}
-
-/// When the list of a folder was written; none where there is none.
-fn list_time(folder: &Path) -> io::Result<Option<SystemTime>> {
-    match fs::metadata(folder.join(WRITTEN)).and_then(|found| found.modified()) {
-        Ok(time) => Ok(Some(time)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(error),
-    }
-}
-
-fn altered_but(folder: &Path, is_whole: &IsWhole) -> io::Result<Vec<(String, Altered)>> {
     let mut known = listed(folder)?;
     loop {
-        let time = list_time(folder)?;
-        let is_whole = |file: &Path| is_whole(file, time);
-        let found = altered_of(folder, known.clone().unwrap_or_default(), &is_whole);
+        let found = altered_of(folder, known.clone().unwrap_or_default());
         let now = listed(folder)?;
         if found.is_empty() || now == known {
             return Ok(found);
@@ -338,20 +303,9 @@ fn altered_but(folder: &Path, is_whole: &IsWhole) -> io::Result<Vec<(String, Alt
     }
 }
 
-/// Whether a file needs no look, by when its list was written.
-type IsWhole<'a> = dyn Fn(&Path, Option<SystemTime>) -> bool + Sync + 'a;
-
-fn altered_of(
-    folder: &Path,
-    listed: BTreeMap<String, Option<String>>,
-    is_whole: &(dyn Fn(&Path) -> bool + Sync),
-) -> Vec<(String, Altered)> {
+fn altered_of(folder: &Path, listed: BTreeMap<String, Option<String>>) -> Vec<(String, Altered)> {
     let look = |(name, hash): (String, Option<String>)| {
-        let file = folder.join(&name);
-        if is_whole(&file) {
-            return None;
-        }
-        let found = match hash_of_file(&file) {
+        let found = match hash_of_file(&folder.join(&name)) {
             Ok((found, _)) if hash.is_none_or(|hash| hash == found) => return None,
             Ok(_) => Altered::Changed,
             Err(error) if error.kind() == io::ErrorKind::NotFound => Altered::Missing,

@@ -111,7 +111,7 @@ impl RenderReport {
         let (changes, changed_at) = context.store.changes()?;
         let own = OwnTemplates::of(context);
         let stamp = stamp(context, changes, &changed_at, &own)?;
-        let altered = own_folder::altered_since_listed(&target)
+        let altered = own_folder::altered(&target)
             .map_err(failed(&target, "looking whether it is as it was written"))?;
         let current = stands(context, &stamp) && altered.is_empty();
         let unchanged = |refused| ReportSummary {

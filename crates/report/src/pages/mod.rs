@@ -53,7 +53,7 @@ pub use strip::content as strip_content;
 const PARAMETERS: Option<&str> = Some("parameters.html");
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 15] = [
+pub const PAGES: &[Page] = &[
     Page {
         file: "index.html",
         title: "Overview",

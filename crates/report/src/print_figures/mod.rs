@@ -25,7 +25,7 @@ pub use figure::{FigureInput, NamedFigure};
 pub use print::{POINTS_PER_PIXEL, Print};
 
 /// Every figure, in the order in which they are listed.
-pub const FIGURES: [NamedFigure; 14] = [
+pub const FIGURES: &[NamedFigure] = &[
     NamedFigure {
         name: "figure4",
         alias: "shapes",

@@ -38,7 +38,7 @@ pub fn part(context: &Context) -> Result<Part, PipelineError> {
         };
         issue
             .at(format!("{REPORT_FOLDER}/{name}"))
-            .mend("`ieap report --again` writes the report anew")
+            .mend("`ieap report` writes the report anew")
     };
     let mut findings: Vec<Issue> = altered.into_iter().map(of_file).collect();
     if let Some(refused) = not_ours(&context.folder)? {
