@@ -343,10 +343,11 @@ fn outline(ended: &Ended, folder: &str) -> String {
     }
 }
 
-/// Whether a word is a hash, which changes with the program.
+/// Whether a word is a hash, which changes with the program; in brackets the beginning of one.
 fn is_hash(word: &str) -> bool {
     let digits = word.chars().filter(char::is_ascii_hexdigit).count();
-    digits >= 16 && digits == word.trim_matches(['"', ',']).len()
+    let inner = word.trim_matches(['"', ',', '(', ')']);
+    digits == inner.len() && (digits >= 16 || digits >= 8 && word.starts_with('('))
 }
 
 /// Runs of digits, and what stands in numbers, as one `#`.
