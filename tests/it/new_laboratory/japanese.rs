@@ -78,9 +78,8 @@ fn laser(rows: &[Row]) -> String {
 /// The room's logger: its humidity is that of the runs in air, whatever surrounds the strip.
 fn logger(truths: &[(&str, Truth)]) -> String {
     let mut text = String::from("機種名,TR-72\r\n設置場所,B棟201\r\n\r\n日時,温度(℃),湿度(%)\r\n");
-    for at in 0..truths.len() {
+    for (at, (_, truth)) in truths.iter().enumerate() {
         let (day, first) = moment(at);
-        let (_, truth) = &truths[at];
         let humidity = if truth.environment == "air" {
             truth.humidity_percent
         } else {
