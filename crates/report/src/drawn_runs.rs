@@ -6,6 +6,8 @@ use super::input::Input;
 use super::pages::DrawnRun;
 use super::run_pages::RunPage;
 use super::site::Site;
+use super::sparkline::Sparks;
+use ieap_analysis::cache::{Cache, Hash};
 use ieap_domain::CurveSource;
 use ieap_domain::fault::caught;
 
@@ -39,6 +41,36 @@ pub fn to_draw(site: &Site, run: usize, curves: &dyn CurveSource) -> DrawnRun {
         climate: Vec::new(),
         failed: Some(reason),
     })
+}
+
+/// The responses of a run as small pictures: those that were drawn for its page, those that an earlier report kept, or made now.
+pub fn sparks(
+    (site, run): (&Site, usize),
+    drawn: Option<Sparks>,
+    curves: &dyn CurveSource,
+    kept: Option<&Cache>,
+) -> Sparks {
+    let from = caught(|| curves.drawn_from(site.input.record(run).id)).flatten();
+    let hash = from.ok().flatten().map(|from| {
+        let hash = Hash::default().with(&"small pictures");
+        hash.with(&from).text()
+    });
+    let known = kept.zip(hash);
+    let earlier = || known.as_ref().and_then(|(kept, hash)| kept.earlier(hash));
+    if let Some(earlier) = drawn.is_none().then(earlier).flatten() {
+        return earlier;
+    }
+    let (made, is_whole) = match drawn {
+        Some(drawn) => (drawn, true),
+        None => {
+            let own = to_draw(site, run, curves);
+            (Sparks::of(&own.curves), own.failed.is_none())
+        }
+    };
+    if let Some((kept, hash)) = known.filter(|_| is_whole) {
+        kept.put(&hash, &made);
+    }
+    made
 }
 
 /// What the curves of the runs of a page are read from; none where that is not known of all of them.

@@ -4,6 +4,8 @@
 use std::collections::BTreeMap;
 use std::io;
 
+use ieap_analysis::cache::Cache;
+
 /// File of the list, one file of the report a line: what it was made from, two blanks, its path.
 pub const FILE: &str = ".made";
 
@@ -16,6 +18,8 @@ pub struct Earlier<'a> {
     pub made: Made,
     /// Takes files of it over under their names, all or none. Says whether that was done; they are made anew else.
     pub take: &'a (dyn Fn(&[String]) -> io::Result<bool> + Sync),
+    /// Values that took long to make.
+    pub values: Option<&'a Cache>,
 }
 
 impl Earlier<'_> {
@@ -24,6 +28,7 @@ impl Earlier<'_> {
         Earlier {
             made: Made::new(),
             take: &|_| Ok(false),
+            values: None,
         }
     }
 

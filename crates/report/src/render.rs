@@ -2,7 +2,7 @@
 //!
 //! A page that cannot be made is replaced by a box that says why, and the others are written: only the disk ends a report.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use tera::{Kwargs, State, Tera};
 
 use super::blocks;
-use super::drawn_runs::{batches, to_draw};
+use super::drawn_runs::{self, batches};
 use super::error::ReportError;
 use super::fault::{guarded, reason_of};
 use super::input::Input;
@@ -24,7 +24,6 @@ use super::readings_file;
 use super::run_index::run_index;
 use super::run_page_writer::make;
 use super::site::Site;
-use super::sparkline::Sparks;
 use super::visible::{indexed, write_escaped};
 use ieap_analysis::dma::table::modulus_table;
 use ieap_analysis::run_tables::{conditions_table, fits_wide};
@@ -132,7 +131,7 @@ pub fn render_site(
         .collect();
     bytes += sizes?.iter().sum::<u64>();
     let mut done = others.len() + groups;
-    let mut sparks = BTreeMap::new();
+    let mut drawn = BTreeMap::new();
     let mut kept = 0;
     if groups > 0 {
         progress(done, total);
@@ -141,7 +140,7 @@ pub fn render_site(
         let made = make(&writer, batch.clone(), curves)?;
         bytes += made.bytes;
         kept += made.kept;
-        sparks.extend(made.sparks);
+        drawn.extend(made.sparks);
         progress(done + batch.end, total);
     }
     done += site.run_pages.len();
@@ -153,12 +152,16 @@ pub fn render_site(
     bytes += write_tables(&writer)?;
     let made = writer.made.into_inner().unwrap_or_default();
     bytes += write(&out_dir.join(kept::FILE), &kept::text(&made))?;
-    for run in listed(&site).into_iter().chain(residuals::worst_first(&site)) {
+    let pictured: BTreeSet<usize> = listed(&site)
+        .into_iter()
+        .chain(residuals::worst_first(&site))
+        .collect();
+    let picture = |run| {
         // Of a page that was taken over nothing was drawn.
-        sparks
-            .entry(run)
-            .or_insert_with(|| Sparks::of(&to_draw(&site, run, curves).curves));
-    }
+        let drawn = drawn.remove(&run);
+        (run, drawn_runs::sparks((&site, run), drawn, curves, earlier.values))
+    };
+    let sparks = pictured.into_iter().map(picture).collect();
     let mut faults = writer.faults.into_inner().unwrap_or_default();
     // Pages are made side by side, in no order.
     faults.sort_by(|a, b| (&a.place, &a.runs).cmp(&(&b.place, &b.runs)));

@@ -64,6 +64,7 @@ pub fn make(
         .collect();
     let kept = count - drawn.len();
     let runs = drawn.iter().flat_map(|(_, runs)| runs);
+    let runs = runs.filter(|drawn| drawn.failed.is_none());
     let sparks = runs.map(|drawn| (drawn.run, Sparks::of(&drawn.curves))).collect();
     let sizes: Result<Vec<u64>, ReportError> = drawn
         .into_par_iter()

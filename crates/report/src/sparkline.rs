@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use ieap_domain::{Quantity, RunCurve};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::figures::residual::BAND_SIGMA;
 use crate::figures::thin::{self, Pixels};
@@ -17,19 +17,19 @@ const UNIT: f64 = 1e-3;
 const COLUMNS: usize = 60;
 
 /// Path data of both responses; empty where there is none.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sparks {
     /// Of the current.
     pub current: String,
     /// Of the curvature, or what is measured in its place.
     pub motion: String,
     /// What the fit leaves of each channel.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub residuals: Vec<ResidualSpark>,
 }
 
 /// What a fit leaves of a channel as a small picture, over the same time as its response.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ResidualSpark {
     /// The channel, `current`.
     pub channel: String,

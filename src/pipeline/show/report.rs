@@ -166,7 +166,11 @@ impl RenderReport {
                 .collect();
             known.map_or(Ok(false), |known| fresh.keep(&target, &known))
         };
-        let earlier = Earlier { made, take: &take };
+        let earlier = Earlier {
+            made,
+            take: &take,
+            values: Some(&values),
+        };
         let rendered = write_fresh(context, (&input, &values), (&fresh, &earlier), &stamp, observer)?;
         let shown = found_tables::shown(&input);
         drop(snapshot);

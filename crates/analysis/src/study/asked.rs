@@ -8,11 +8,11 @@ use ieap_domain::Factor;
 
 use super::answer::Answer;
 use super::asking::Asking;
+use super::combinations::Combinations;
 use super::curves::Curves;
 use super::evidence::{Evidence, Numbers, numbers};
 use super::kept::{Beside, Grounds, Kept, Unit};
 use super::laws::{of_humidity, other_slopes, over_humidity};
-use super::measured::Measured;
 use super::measures::{CURVES, MEASURES};
 use super::odd::{OddValue, odd_values};
 use super::placed::Placed;
@@ -89,7 +89,7 @@ impl Asked<'_> {
         let each = (0..all.len()).filter(|at| is_needed(*at, &due));
         let measured = each.filter_map(|at| Some(((at, key), measured(all[at].as_ref()?, &placed[at]))));
         let measured: BTreeMap<_, _> = measured.collect();
-        let slope = |(&at, of): (&_, &Result<Measured, _>)| {
+        let slope = |(&at, of): (&_, &Result<Combinations, _>)| {
             let values = of_humidity(of.as_ref().ok()?, self.conditions)?;
             let over = over_humidity(&values, self.conditions, self.facts)?;
             Some((at, Slope::of(&over)?))
@@ -98,8 +98,9 @@ impl Asked<'_> {
         let alone = measured
             .iter()
             .filter(|((at, _), _)| due.contains_key(&(*at, Beside::Nothing)));
-        let other =
-            |(&at, of): (&_, &Result<Measured, _>)| Some((at, other_slopes(of.as_ref().ok()?, self.facts)));
+        let other = |(&at, of): (&_, &Result<Combinations, _>)| {
+            Some((at, other_slopes(of.as_ref().ok()?, self.facts)))
+        };
         let others = alone.filter_map(other).collect();
         let asking = Asking {
             measured,
@@ -109,7 +110,7 @@ impl Asked<'_> {
         };
         let run = |place: usize| self.evidence.runs[self.facts[place].run].path.clone();
         for (unit, hash) in due {
-            let own = asking.measured(unit.0, key).map(|of| (key, of));
+            let own = asking.measured(unit.0, key).map(|of| (key, &**of));
             let found = match unit.1 {
                 Beside::Nothing => Kept {
                     answers: asking.alone(unit.0, key),
@@ -174,8 +175,9 @@ impl Asked<'_> {
     }
 }
 
-fn measured(of: &Result<Numbers, &'static str>, placed: &Placed) -> Result<Measured, &'static str> {
-    of.as_ref().map(|own| own.measured(placed)).map_err(|why| *why)
+fn measured(of: &Result<Numbers, &'static str>, placed: &Placed) -> Result<Combinations, &'static str> {
+    let measured = of.as_ref().map(|own| own.measured(placed));
+    measured.map(Combinations::new).map_err(|why| *why)
 }
 
 /// Takes what was kept, and gives the units of which nothing was, with their hashes.

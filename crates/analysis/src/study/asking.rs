@@ -6,9 +6,10 @@ use std::collections::BTreeMap;
 use ieap_domain::{Factor, StudyRules};
 
 use super::answer::{Answer, Kind};
+use super::combinations::Combinations;
 use super::combined::Term;
 use super::curves::Curves;
-use super::measured::{Cell, Measured};
+use super::measured::Cell;
 use super::slope::{Other, Slope};
 use crate::conditions::Conditions;
 use crate::laws::facts::RunFacts;
@@ -20,7 +21,7 @@ pub struct Asking<'a> {
     pub conditions: &'a Conditions,
     pub facts: &'a [RunFacts],
     /// Of each material and parameter; why its values cannot be compared, where they cannot.
-    pub measured: BTreeMap<(usize, &'static str), Result<Measured, &'static str>>,
+    pub measured: BTreeMap<(usize, &'static str), Result<Combinations, &'static str>>,
     /// Slopes over the humidity.
     pub slopes: BTreeMap<(usize, &'static str), Slope>,
     /// Slopes over what else differs.
@@ -50,7 +51,7 @@ impl Asking<'_> {
         found
     }
 
-    pub(super) fn measured(&self, material: usize, key: &'static str) -> Option<&Measured> {
+    pub(super) fn measured(&self, material: usize, key: &'static str) -> Option<&Combinations> {
         self.measured.get(&(material, key))?.as_ref().ok()
     }
 

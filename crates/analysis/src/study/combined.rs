@@ -6,6 +6,7 @@ use ieap_numerics::student::{quantile, quantile_95, two_sided_chance};
 use super::also::also_changed;
 use super::answer::{Answer, Basis, InScope, Kind, Scale, Scope, Verdict};
 use super::asking::Asking;
+use super::combinations::Combinations;
 use super::measured::{Measured, Value};
 use super::measures::{BENDING_LOST, CURVES};
 use super::policy::{LARGEST_RATIO, LEAST_ERROR};
@@ -99,18 +100,17 @@ impl Asking<'_> {
         }
     }
 
-    /// A sum of combinations of conditions, in both scopes.
+    /// A sum of combinations of conditions, each with its sign, in both scopes.
     pub(super) fn contrast(
         &self,
-        of: Vec<(&Measured, Vec<f64>)>,
+        of: &[(&Combinations, Vec<f64>, f64)],
         voltages: &[usize],
         is_asked: bool,
         blank: Answer,
     ) -> Answer {
-        let of: Vec<Scoped> = (of.into_iter())
-            .map(|(of, factors)| Scoped::of_conditions(of, factors))
-            .collect();
-        let plus: Vec<(&Scoped, f64)> = of.iter().map(|own| (own, 1.0)).collect();
+        let scoped: Vec<_> = (of.iter()).map(|(of, factors, _)| of.scoped(factors)).collect();
+        let signs = of.iter().map(|(_, _, sign)| *sign);
+        let plus: Vec<(&Scoped, f64)> = scoped.iter().map(|own| &**own).zip(signs).collect();
         let voltages = |_: &[Term]| voltages.to_vec();
         self.in_scopes(&plus, voltages, is_asked, blank)
     }
@@ -311,7 +311,7 @@ impl InScope {
 /// Numbers in one scope, each with its sign; none where one is not told in it.
 fn terms<'a>(
     of: &[(&'a Scoped, f64)],
-    scope: impl Fn(&'a Scoped) -> Option<&'a Told<'a>>,
+    scope: impl Fn(&'a Scoped) -> Option<&'a Told>,
 ) -> Option<Vec<Term<'a>>> {
     let term = |&(own, sign): &(&'a Scoped, f64)| Some(Term::of_number(scope(own)?, sign));
     of.iter().map(term).collect()

@@ -5,7 +5,8 @@ use ieap_domain::quantiles::NORMAL_95;
 
 use super::answer::{Answer, Kind};
 use super::asking::Asking;
-use super::measured::{Bound, Cell, Measured};
+use super::combinations::Combinations;
+use super::measured::{Bound, Cell};
 use super::pairs::Pair;
 use crate::conditions::volts;
 
@@ -42,7 +43,12 @@ impl Asking<'_> {
                 .filter(|_| !shared.is_empty() || self.rules.voltages_together);
             match pooled {
                 Some(factors) => {
-                    found.push(self.contrast(vec![(of, factors)], &shared, pair.is_of_study, blank.clone()));
+                    found.push(self.contrast(
+                        &[(of, factors, 1.0)],
+                        &shared,
+                        pair.is_of_study,
+                        blank.clone(),
+                    ));
                 }
                 None if pair.is_of_study => found.push(Answer {
                     is_of_study: true,
@@ -65,12 +71,12 @@ impl Asking<'_> {
     }
 
     /// One condition against another at one voltage; a bound where one side is one.
-    pub(super) fn at_voltage(&self, of: &Measured, cells: (Cell, Cell), blank: Answer) -> Option<Answer> {
+    pub(super) fn at_voltage(&self, of: &Combinations, cells: (Cell, Cell), blank: Answer) -> Option<Answer> {
         let (upper, lower) = (of.at(cells.0), of.at(cells.1));
         if let (Some(above), Some(below)) = (upper, lower) {
             let mut factors = vec![0.0; of.cells.len()];
             (factors[above], factors[below]) = (1.0, -1.0);
-            return Some(self.contrast(vec![(of, factors)], &[cells.0.1], false, blank));
+            return Some(self.contrast(&[(of, factors, 1.0)], &[cells.0.1], false, blank));
         }
         let side = |cell: Cell, at: Option<usize>| -> Option<Bound> {
             let Some(at) = at else {
@@ -99,7 +105,7 @@ impl Asking<'_> {
     /// Whether a pair differs otherwise at the highest voltage than at the lowest.
     pub(super) fn by_voltage(
         &self,
-        of: &Measured,
+        of: &Combinations,
         pair: &Pair,
         shared: &[usize],
         material: usize,
@@ -121,7 +127,7 @@ impl Asking<'_> {
             format!("{} at {}", pair.lower.name, volts(low)),
         );
         let blank = self.blank(Kind::ByVoltage, material, key, (&names.0, &names.1));
-        Some(self.contrast(vec![(of, factors)], &[low, high], false, blank))
+        Some(self.contrast(&[(of, factors, 1.0)], &[low, high], false, blank))
     }
 
     /// Whether a pair differs otherwise than in the first material.
@@ -139,12 +145,11 @@ impl Asking<'_> {
         let mut terms = Vec::new();
         for (of, sign) in [(first, 1.0), (own, -1.0)] {
             let factors = self.difference(of, &pair.upper, &pair.lower, &shared)?;
-            let factors = factors.into_iter().map(|factor| sign * factor).collect();
-            terms.push((of, factors));
+            terms.push((of, factors, sign));
         }
         let mut blank = self.blank(Kind::ByMaterial, 0, key, (&pair.upper.name, &pair.lower.name));
         blank.against_material = Some(self.conditions.materials[material].clone());
         let is_asked = pair.is_of_study && self.asks(Factor::Material);
-        Some(self.contrast(terms, &shared, is_asked, blank))
+        Some(self.contrast(&terms, &shared, is_asked, blank))
     }
 }

@@ -37,7 +37,7 @@ impl Asking<'_> {
             let blank = self.blank(Kind::Voltage, material, key, (&names.0, &names.1));
             let ends = [of.cells[low].1, of.cells[high].1];
             steps.push(factors.clone());
-            found.push(self.contrast(vec![(of, factors)], &ends, false, blank));
+            found.push(self.contrast(&[(of, factors, 1.0)], &ends, false, blank));
             // A law goes over the size of the voltage: its sign is the side to which the strip bends.
             let size = |k: usize| volt(k).abs();
             let mut sizes: Vec<f64> = cells.iter().map(|&k| size(k)).collect();
@@ -67,11 +67,11 @@ impl Asking<'_> {
                 .map(|own| self.conditions.voltages_v[own.cell.1].abs());
             found.push(Answer {
                 also_changed: changed_with(self.facts, &of.values, &sizes.collect::<Vec<f64>>()),
-                ..self.contrast(vec![(of, factors)], &used, asks, blank)
+                ..self.contrast(&[(of, factors, 1.0)], &used, asks, blank)
             });
         } else if let ([low, high], Some(factors)) = (&self.conditions.voltages_v[..], mean_of(&steps)) {
             let blank = self.blank(Kind::Voltage, material, key, (&volts(*high), &volts(*low)));
-            found.push(self.contrast(vec![(of, factors)], &[0, 1], asks, blank));
+            found.push(self.contrast(&[(of, factors, 1.0)], &[0, 1], asks, blank));
         }
         found
     }

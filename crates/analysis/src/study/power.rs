@@ -11,6 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::answer::{InScope, Scale};
+use super::combinations::Combinations;
 use super::combined::InBoth;
 use super::evidence::{Evidence, measured_of};
 use super::measured::{Measured, Value, distinct};
@@ -201,10 +202,10 @@ impl Planned {
         };
         let (strips, material) = match &self.question {
             Question::Environment => {
-                let of = Measured::new(values, Default::default(), &[], None);
+                let of = Combinations::new(Measured::new(values, Default::default(), &[], None));
                 let part = 1.0 / self.voltages as f64;
                 let factor = |cell: &(usize, usize)| if cell.0 == 1 { part } else { -part };
-                chances(&Scoped::of_conditions(&of, of.cells.iter().map(factor).collect()))
+                chances(&of.scoped(&of.cells.iter().map(factor).collect::<Vec<f64>>()))
             }
             Question::Humidity(_) => {
                 let followed = Followed {

@@ -7,8 +7,8 @@
 //! each other that is not told from what the strip does in them: of the strips it is told what they did, as they were
 //! measured, and only their spread tells of the material.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use ieap_numerics::grouped::{Grouped, dot};
 use ieap_numerics::mixed::Estimated;
@@ -17,9 +17,9 @@ use super::measured::{Measured, Row, Value, distinct, model, one_of};
 use super::policy::{LEAST_ERROR, MOST_STRIPS, ONE_SLOPE};
 
 /// A model with the combination of its columns that is the number.
-pub(super) struct Told<'a> {
+pub(super) struct Told {
     /// The model.
-    pub of: Cow<'a, Measured>,
+    pub of: Rc<Measured>,
     /// The combination.
     pub factors: Vec<f64>,
     /// On which side of it each value stands: positive above, negative below.
@@ -29,12 +29,12 @@ pub(super) struct Told<'a> {
 }
 
 /// A number in both scopes.
-pub(super) struct Scoped<'a> {
+pub(super) struct Scoped {
     /// Of the strips as they are; none where no strip stands on both sides, and of more than [`MOST_STRIPS`], whose material
     /// tells as much.
-    pub strips: Option<Told<'a>>,
+    pub strips: Option<Told>,
     /// Of the material; none of one strip.
-    pub material: Option<Told<'a>>,
+    pub material: Option<Told>,
     /// How the strips' own numbers differ; none of one strip, and where the runs do not tell it.
     pub differ: Option<Differ>,
     /// Whether it sets surroundings against each other: what a strip does in them is not told from what its runs there share by
@@ -64,19 +64,20 @@ pub(super) struct Columns<'a> {
     /// The number for a coefficient of one.
     each: f64,
     /// On which side of the number each value stands.
-    side: Vec<f64>,
+    pub side: Vec<f64>,
     /// Columns that are taken out: levels, and what the design can carry beside.
     pub beside: Vec<Vec<f64>>,
     /// What the runs of a strip share by chance, by value, and all that there are.
     pub part: Vec<(usize, usize)>,
     parts: Vec<(usize, usize)>,
-    is_of_surroundings: bool,
+    /// Whether it sets surroundings against each other.
+    pub is_of_surroundings: bool,
 }
 
-impl Scoped<'_> {
+impl Scoped {
     /// None where nothing tells the number.
-    pub fn of(columns: &Columns) -> Option<Scoped<'static>> {
-        let (strips, differ) = columns.of_strips().unzip();
+    pub fn of(columns: &Columns) -> Option<Scoped> {
+        let (strips, differ) = columns.of_strips(|| columns.of_one_number()).unzip();
         let material = columns.of_material();
         (strips.is_some() || material.is_some()).then_some(Scoped {
             strips,
@@ -84,30 +85,6 @@ impl Scoped<'_> {
             differ: differ.flatten(),
             is_of_surroundings: false,
         })
-    }
-
-    /// A combination of conditions. Of the material it is told by their own model, in which strips differ by chance in each of
-    /// the surroundings. Where every condition has one run, and of one strip, that model says all there is.
-    pub fn of_conditions<'a>(of: &'a Measured, factors: Vec<f64>) -> Scoped<'a> {
-        let side = |own: &Value| of.at(own.cell).map_or(0.0, |at| factors[at]);
-        let side: Vec<f64> = of.values.iter().map(side).collect();
-        let columns = Columns::of_conditions(of, &factors, side.clone());
-        let columns = columns.filter(|own| own.samples > 1 && !of.is_of_single_runs());
-        let is_of_surroundings = columns.as_ref().is_some_and(|own| own.is_of_surroundings);
-        let within = columns.as_ref().filter(|_| !is_of_surroundings);
-        let material = within.and_then(Columns::of_material).unwrap_or(Told {
-            of: Cow::Borrowed(of),
-            factors,
-            side,
-            fitted: Vec::new(),
-        });
-        let (strips, differ) = columns.and_then(|own| own.of_strips()).unzip();
-        Scoped {
-            strips,
-            material: Some(material),
-            differ: differ.flatten(),
-            is_of_surroundings,
-        }
     }
 }
 
@@ -131,7 +108,7 @@ impl<'a> Columns<'a> {
 
     /// The column of a combination of conditions, beside all that conditions differ by and it is not; none where its factors
     /// do not add up to none, for levels of strips are no such number.
-    fn of_conditions(of: &'a Measured, factors: &[f64], side: Vec<f64>) -> Option<Columns<'a>> {
+    pub fn of_conditions(of: &'a Measured, factors: &[f64], side: Vec<f64>) -> Option<Columns<'a>> {
         let square = dot(factors, factors);
         if factors.iter().sum::<f64>().abs() > LEAST_ERROR || square <= 0.0 {
             return None;
@@ -193,6 +170,11 @@ impl<'a> Columns<'a> {
         }
     }
 
+    /// Whether what the runs of a strip share is left to chance.
+    pub fn has_parts(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
     /// Strips in what their runs share.
     pub fn strips_in_parts(&self) -> usize {
         distinct(self.sample.iter().zip(&self.part)).len()
@@ -210,32 +192,47 @@ impl<'a> Columns<'a> {
 
     /// A level for each strip, what is taken out beside, and these columns of all strips: the model and which of its columns
     /// they are.
-    pub fn with_levels(&self, slopes: Vec<Vec<f64>>) -> Option<(Told<'static>, std::ops::Range<usize>)> {
+    pub fn with_levels(&self, slopes: Vec<Vec<f64>>) -> Option<(Told, std::ops::Range<usize>)> {
         let samples: Vec<usize> = (0..self.samples).collect();
         let (beside, slopes) = self.columns(&self.sample, slopes);
         let before = self.samples + beside.len();
         let of: Vec<Vec<f64>> = beside.into_iter().chain(slopes).collect();
-        let row = |k: usize| Row {
-            block: self.sample[k],
-            fixed: [
-                one_of(&samples, &self.sample[k]),
-                of.iter().map(|own| own[k]).collect(),
-            ]
-            .concat(),
-            random: one_of(&self.parts, &self.part[k]),
-        };
         let columns = before..self.samples + of.len();
-        let told = self.told(row, vec![0; self.parts.len()], vec![0.0; columns.end])?;
+        let levels = |k: usize| one_of(&samples, &self.sample[k]);
+        let fixed = |k: usize| [levels(k), of.iter().map(|own| own[k]).collect()].concat();
+        let model = self.with_fixed(fixed)?;
+        let told = self.told(model, fixed, vec![0.0; columns.end]);
         (!columns.is_empty()).then_some((told, columns))
     }
 
-    /// The number of the strips as they are.
-    fn of_strips(&self) -> Option<(Told<'static>, Option<Differ>)> {
+    /// The model of the strips as they are with these fixed columns, by value.
+    pub fn with_fixed(&self, fixed: impl Fn(usize) -> Vec<f64>) -> Option<Measured> {
+        let row = |k: usize| Row {
+            block: self.sample[k],
+            fixed: fixed(k),
+            random: one_of(&self.parts, &self.part[k]),
+        };
+        self.model(row, vec![0; self.parts.len()])
+    }
+
+    /// The number where all strips have one.
+    fn of_one_number(&self) -> Option<Told> {
+        let (mut one, columns) = self.with_levels(vec![self.x.clone()])?;
+        one.factors[columns.start] = self.each;
+        Some(one)
+    }
+
+    /// Whether the number is told beside a level for each strip.
+    pub fn is_told_beside_levels(&self) -> bool {
+        !self.columns(&self.sample, vec![self.x.clone()]).1.is_empty()
+    }
+
+    /// The number of the strips as they are; `one`: where all of them have one.
+    pub fn of_strips(&self, one: impl FnOnce() -> Option<Told>) -> Option<(Told, Option<Differ>)> {
         if self.samples > MOST_STRIPS {
             return None;
         }
-        let (mut one, columns) = self.with_levels(vec![self.x.clone()])?;
-        one.factors[columns.start] = self.each;
+        let one = one()?;
         let of_sample = |sample: usize| -> Vec<f64> {
             let own = self.x.iter().zip(&self.sample);
             own.map(|(x, of)| if *of == sample { *x } else { 0.0 }).collect()
@@ -258,49 +255,50 @@ impl<'a> Columns<'a> {
     }
 
     /// The number of the material; none of one strip.
-    fn of_material(&self) -> Option<Told<'static>> {
+    pub fn of_material(&self) -> Option<Told> {
         let (mut told, columns) = self.by_chance(vec![self.x.clone()])?;
         told.factors[columns.start] = self.each;
         Some(told)
     }
 
     /// The same with levels and slopes of the strips by chance; none of one strip.
-    pub fn by_chance(&self, slopes: Vec<Vec<f64>>) -> Option<(Told<'static>, std::ops::Range<usize>)> {
+    pub fn by_chance(&self, slopes: Vec<Vec<f64>>) -> Option<(Told, std::ops::Range<usize>)> {
         if self.samples < 2 {
             return None;
         }
         let (beside, slopes) = self.columns(&vec![0; self.values.len()], slopes);
         let before = beside.len() + 1;
         let of: Vec<Vec<f64>> = beside.into_iter().chain(slopes).collect();
+        let fixed =
+            |k: usize| -> Vec<f64> { std::iter::once(1.0).chain(of.iter().map(|own| own[k])).collect() };
         let row = |k: usize| Row {
             block: self.sample[k],
-            fixed: std::iter::once(1.0).chain(of.iter().map(|own| own[k])).collect(),
+            fixed: fixed(k),
             random: [vec![1.0, self.x[k]], one_of(&self.parts, &self.part[k])].concat(),
         };
         let components = [0, 1].into_iter().chain(self.parts.iter().map(|_| 2)).collect();
         let columns = before..of.len() + 1;
-        let told = self.told(row, components, vec![0.0; columns.end])?;
+        let told = self.told(self.model(row, components)?, fixed, vec![0.0; columns.end]);
         (!columns.is_empty()).then_some((told, columns))
     }
 
-    fn told(
-        &self,
-        row: impl Fn(usize) -> Row,
-        component_of: Vec<usize>,
-        factors: Vec<f64>,
-    ) -> Option<Told<'static>> {
-        let model = model(self.values, (0..self.values.len()).map(&row), component_of);
-        let of = Measured::of_columns(self.values.to_vec(), &model)?;
+    fn model(&self, row: impl Fn(usize) -> Row, component_of: Vec<usize>) -> Option<Measured> {
+        let model = model(self.values, (0..self.values.len()).map(row), component_of);
+        Measured::of_columns(self.values.to_vec(), &model)
+    }
+
+    /// With what it makes of each value by these fixed columns.
+    fn told(&self, of: Measured, fixed: impl Fn(usize) -> Vec<f64>, factors: Vec<f64>) -> Told {
         let fitted = of.estimated().map_or_else(Vec::new, |estimated| {
-            let own = |k: usize| dot(&row(k).fixed, &estimated.coefficients);
+            let own = |k: usize| dot(&fixed(k), &estimated.coefficients);
             (0..self.values.len()).map(own).collect()
         });
-        Some(Told {
-            of: Cow::Owned(of),
+        Told {
+            of: Rc::new(of),
             factors,
             side: self.side.clone(),
             fitted,
-        })
+        }
     }
 }
 

@@ -23,7 +23,7 @@ pub(super) struct Followed {
 /// A slope in both scopes.
 pub(super) struct Slope {
     /// The number.
-    pub scoped: Scoped<'static>,
+    pub scoped: Scoped,
     /// From the least to the largest number, in its unit.
     pub range: (f64, f64),
     /// The numbers of its values.
