@@ -85,6 +85,7 @@ mod tests {
         let earlier = Earlier {
             made: read("a  one\nb  two\nb  lost\n", |_| true),
             take: &take,
+            values: None,
         };
         assert_eq!(earlier.take("a").unwrap(), Some(&["one".to_owned()][..]));
         assert_eq!(earlier.take("b").unwrap(), None);
