@@ -159,7 +159,10 @@ pub fn render_site(
     let picture = |run| {
         // Of a page that was taken over nothing was drawn.
         let drawn = drawn.remove(&run);
-        (run, drawn_runs::sparks((&site, run), drawn, curves, earlier.values))
+        (
+            run,
+            drawn_runs::sparks((&site, run), drawn, curves, earlier.values),
+        )
     };
     let sparks = pictured.into_iter().map(picture).collect();
     let mut faults = writer.faults.into_inner().unwrap_or_default();

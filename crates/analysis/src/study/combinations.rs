@@ -80,3 +80,75 @@ impl Combinations {
         Some(leveled.as_ref()?.told(factors, columns.side.clone()))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Values of some strips in a room of conditions of which some are missing.
+    fn values(random: &mut ChaCha8Rng) -> Vec<Value> {
+        let mut values = Vec::new();
+        for place in 0..60 {
+            let (sample, cell) = (
+                random.random_range(0..3),
+                (random.random_range(0..3), random.random_range(0..3)),
+            );
+            if (sample + cell.0 + cell.1) % 4 == 3 {
+                continue;
+            }
+            values.push(Value {
+                place,
+                sample,
+                cell,
+                humidity_percent: None,
+                y: 0.3 * sample as f64 + 0.1 * cell.0 as f64 + random.random_range(-0.1..0.1),
+                variance: random.random_range(1e-4..4e-3),
+                weight: 1.0,
+                off: None,
+            });
+        }
+        values
+    }
+
+    #[test]
+    fn one_model_with_levels_tells_what_a_model_of_each_combination_does() {
+        let mut random = ChaCha8Rng::seed_from_u64(11);
+        let mut compared = 0;
+        for _ in 0..20 {
+            let of = Combinations::new(Measured::new(values(&mut random), BTreeMap::new(), &[], None));
+            let mut factors = vec![0.0; of.cells.len()];
+            let (above, below) = (
+                random.random_range(0..factors.len()),
+                random.random_range(0..factors.len()),
+            );
+            factors[above] += 1.0;
+            factors[below] -= 1.0;
+            let side = |own: &Value| of.at(own.cell).map_or(0.0, |at| factors[at]);
+            let side = of.values.iter().map(side).collect();
+            let Some(columns) = Columns::of_conditions(&of.of, &factors, side) else {
+                continue;
+            };
+            let both = [of.of_all_strips(&columns, &factors), columns.of_one_number()];
+            let told = |own: &Told| own.of.with_scatter(&own.factors).unwrap().0;
+            let [shared, own] = both.map(|own| own.as_ref().map(told));
+            let (Some(shared), Some(own)) = (shared, own) else {
+                assert!(shared.is_none() && own.is_none());
+                continue;
+            };
+            compared += 1;
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * own.variance.sqrt();
+            assert!(near(shared.value, own.value), "{shared:?} {own:?}");
+            assert!(
+                near(shared.variance.sqrt(), own.variance.sqrt()),
+                "{shared:?} {own:?}"
+            );
+            assert!(
+                (shared.freedom / own.freedom - 1.0).abs() < 1e-4,
+                "{shared:?} {own:?}"
+            );
+        }
+        assert!(compared > 10, "{compared}");
+    }
+}

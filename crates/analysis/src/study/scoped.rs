@@ -216,7 +216,7 @@ impl<'a> Columns<'a> {
     }
 
     /// The number where all strips have one.
-    fn of_one_number(&self) -> Option<Told> {
+    pub fn of_one_number(&self) -> Option<Told> {
         let (mut one, columns) = self.with_levels(vec![self.x.clone()])?;
         one.factors[columns.start] = self.each;
         Some(one)
