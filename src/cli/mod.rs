@@ -85,46 +85,83 @@ struct Cli {
     verb: Verb,
 }
 
-#[derive(Debug, Subcommand)]
-enum Verb {
-    Init(init::InitArgs),
-    Run(run::RunArgs),
-    Watch(watch::WatchArgs),
-    Serve(serve::ServeArgs),
-    Ingest(ingest::IngestArgs),
-    Fit(fit::FitArgs),
-    ImportFits(import_fits::ImportFitsArgs),
-    Dma(dma::DmaArgs),
-    Impedance(impedance::ImpedanceArgs),
-    Diagnose(diagnose::DiagnoseArgs),
-    Study(study::StudyArgs),
-    Compare(compare::CompareArgs),
-    Next(next::NextArgs),
-    Report(report::ReportArgs),
-    Tag(tag::TagArgs),
-    Drop(drop::DropArgs),
-    Status(status::StatusArgs),
-    Verify(verify::VerifyArgs),
-    Rebuild(rebuild::RebuildArgs),
-    Table(table::TableArgs),
-    Explain(explain::ExplainArgs),
-    Figure(figure::FigureArgs),
-    Inspect(inspect::InspectArgs),
-    Profile(profile::ProfileArgs),
-    Simulate(simulate::SimulateArgs),
-    Trace(trace::TraceArgs),
-    Export(export::ExportArgs),
-    Predict(predict::PredictArgs),
-    Plan(plan::PlanArgs),
-    Drive(drive::DriveArgs),
-    Convert(convert::ConvertArgs),
-    Backup(backup::BackupArgs),
-    Restore(backup::RestoreArgs),
-    List(list::ListArgs),
-    Man(man::ManArgs),
-    Completions(completions::CompletionsArgs),
-    #[command(flatten)]
-    Former(former::Former),
+/// The verbs from one table: the command line, the groups of its help, and what runs each.
+macro_rules! verbs {
+    ($($group:literal { $($verb:ident($args:ty) => $run:expr,)+ })+) => {
+        #[derive(Debug, Subcommand)]
+        enum Verb {
+            $($($verb($args),)+)+
+            #[command(flatten)]
+            Former(former::Former),
+        }
+
+        /// Groups of the help, each with how many of the verbs, in their order, it has.
+        const GROUPS: &[(&str, usize)] = &[$(($group, [$(stringify!($verb)),+].len())),+];
+
+        fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
+            match &cli.verb {
+                $($(Verb::$verb(args) => {
+                    let run: fn(&$args, &Global, &Output) -> Result<u8, CliError> = $run;
+                    run(args, &cli.global, output)
+                })+)+
+                Verb::Former(word) => former::run(word, &cli.global, output),
+            }
+        }
+    };
+}
+
+// By what a person is about to do, what everybody needs first.
+verbs! {
+    "start" {
+        Init(init::InitArgs) => |args, _, output| init::run(args, output),
+        Run(run::RunArgs) => run::run,
+        Watch(watch::WatchArgs) => watch::run,
+        Serve(serve::ServeArgs) => serve::run,
+        Status(status::StatusArgs) => |args, _, output| status::run(args, output),
+    }
+    "look" {
+        Inspect(inspect::InspectArgs) => |args, _, output| inspect::run(args, output),
+        Table(table::TableArgs) => |args, _, output| table::run(args, output),
+        Figure(figure::FigureArgs) => |args, _, output| figure::run(args, output),
+        Report(report::ReportArgs) => report::run,
+        Export(export::ExportArgs) => |args, _, output| export::run(args, output),
+    }
+    "say" {
+        Tag(tag::TagArgs) => tag::run,
+        Drop(drop::DropArgs) => drop::run,
+    }
+    "why" {
+        Diagnose(diagnose::DiagnoseArgs) => diagnose::run,
+        Compare(compare::CompareArgs) => compare::run,
+        Explain(explain::ExplainArgs) => |args, _, output| explain::run(args, output),
+    }
+    "next" {
+        Next(next::NextArgs) => |args, _, output| next::run(args, output),
+        Plan(plan::PlanArgs) => plan::run,
+        Predict(predict::PredictArgs) => |args, _, output| predict::run(args, output),
+        Drive(drive::DriveArgs) => |args, _, output| drive::run(args, output),
+    }
+    "keep" {
+        Verify(verify::VerifyArgs) => |args, _, output| verify::run(args, output),
+        Backup(backup::BackupArgs) => backup::run,
+        Restore(backup::RestoreArgs) => |args, _, output| backup::run_restore(args, output),
+        Rebuild(rebuild::RebuildArgs) => rebuild::run,
+    }
+    "more" {
+        Ingest(ingest::IngestArgs) => ingest::run,
+        Fit(fit::FitArgs) => fit::run,
+        Dma(dma::DmaArgs) => dma::run,
+        Impedance(impedance::ImpedanceArgs) => impedance::run,
+        Study(study::StudyArgs) => study::run,
+        List(list::ListArgs) => |args, _, output| list::run(args, output),
+        Convert(convert::ConvertArgs) => |args, _, output| convert::run(args, output),
+        Profile(profile::ProfileArgs) => |args, _, output| profile::run(args, output),
+        Trace(trace::TraceArgs) => |args, _, output| trace::run(args, output),
+        Simulate(simulate::SimulateArgs) => simulate::run,
+        ImportFits(import_fits::ImportFitsArgs) => import_fits::run,
+        Man(man::ManArgs) => |args, _, output| man::run(args, Cli::command(), output),
+        Completions(completions::CompletionsArgs) => |args, _, output| completions::run(args, &mut Cli::command(), output),
+    }
 }
 
 /// Parses the command line, runs the verb and gives its exit status.
@@ -146,7 +183,7 @@ pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(cli) => cli,
         Err(error) if asks_for_help(&error) => {
             let is_coloured = colour::is_wanted(choice, std::io::stdout().is_terminal());
-            let text = help::text(Cli::command(), &arguments, is_coloured);
+            let text = help::text(Cli::command(), GROUPS, &arguments, is_coloured);
             let print = || {
                 if error.use_stderr() {
                     std::io::stderr().write_all(text.as_bytes())
@@ -205,48 +242,5 @@ fn said(error: &clap::Error, print: impl FnOnce() -> std::io::Result<()>) -> u8 
             exit::STORAGE
         }
         _ => exit::DONE,
-    }
-}
-
-fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
-    let global = &cli.global;
-    match &cli.verb {
-        Verb::Init(args) => init::run(args, output),
-        Verb::Run(args) => run::run(args, global, output),
-        Verb::Watch(args) => watch::run(args, global, output),
-        Verb::Serve(args) => serve::run(args, global, output),
-        Verb::Ingest(args) => ingest::run(args, global, output),
-        Verb::Fit(args) => fit::run(args, global, output),
-        Verb::ImportFits(args) => import_fits::run(args, global, output),
-        Verb::Dma(args) => dma::run(args, global, output),
-        Verb::Impedance(args) => impedance::run(args, global, output),
-        Verb::Diagnose(args) => diagnose::run(args, global, output),
-        Verb::Study(args) => study::run(args, global, output),
-        Verb::Compare(args) => compare::run(args, global, output),
-        Verb::Next(args) => next::run(args, output),
-        Verb::Report(args) => report::run(args, global, output),
-        Verb::Tag(args) => tag::run(args, global, output),
-        Verb::Drop(args) => drop::run(args, global, output),
-        Verb::Status(args) => status::run(args, output),
-        Verb::Verify(args) => verify::run(args, output),
-        Verb::Rebuild(args) => rebuild::run(args, global, output),
-        Verb::Table(args) => table::run(args, output),
-        Verb::Explain(args) => explain::run(args, output),
-        Verb::Figure(args) => figure::run(args, output),
-        Verb::Inspect(args) => inspect::run(args, output),
-        Verb::Profile(args) => profile::run(args, output),
-        Verb::Simulate(args) => simulate::run(args, global, output),
-        Verb::Trace(args) => trace::run(args, output),
-        Verb::Export(args) => export::run(args, output),
-        Verb::Predict(args) => predict::run(args, output),
-        Verb::Plan(args) => plan::run(args, global, output),
-        Verb::Drive(args) => drive::run(args, output),
-        Verb::Convert(args) => convert::run(args, output),
-        Verb::Backup(args) => backup::run(args, global, output),
-        Verb::Restore(args) => backup::run_restore(args, output),
-        Verb::List(args) => list::run(args, output),
-        Verb::Man(args) => man::run(args, Cli::command(), output),
-        Verb::Completions(args) => completions::run(args, &mut Cli::command(), output),
-        Verb::Former(word) => former::run(word, global, output),
     }
 }

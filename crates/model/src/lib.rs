@@ -28,4 +28,4 @@ pub use choice::{ChoiceError, ModelChoice};
 pub use circuit::EquivalentCircuit;
 pub use distributed::{DistributedModel, Laminate};
 pub use lumped::{Branch, LumpedModel};
-pub use registry::{FitModel, ParameterDescription, fit_model, fit_models};
+pub use registry::{FitModel, ParameterDescription, fit_model, fit_models, law_of_parameter};

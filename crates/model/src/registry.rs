@@ -13,6 +13,8 @@ pub struct ParameterDescription {
     pub meaning: &'static str,
     /// Whether it follows from other parameters of the list.
     pub derived: bool,
+    /// The law of the model that it is, `resistance`; empty where none.
+    pub law: &'static str,
 }
 
 /// A model that runs can be fitted with.
@@ -42,7 +44,25 @@ const fn fitted(
         unit,
         meaning,
         derived: false,
+        law: "",
     }
+}
+
+const fn of_law(law: &'static str, mut description: ParameterDescription) -> ParameterDescription {
+    description.law = law;
+    description
+}
+
+const fn resistance(key: &'static str, symbol: &'static str, meaning: &'static str) -> ParameterDescription {
+    of_law("resistance", fitted(key, symbol, "Ohm cm2", meaning))
+}
+
+const fn capacitance(key: &'static str, symbol: &'static str, meaning: &'static str) -> ParameterDescription {
+    of_law("capacitance", fitted(key, symbol, "F/cm2", meaning))
+}
+
+const fn time(key: &'static str, symbol: &'static str, meaning: &'static str) -> ParameterDescription {
+    derived(fitted(key, symbol, "s", meaning))
 }
 
 const fn derived(mut description: ParameterDescription) -> ParameterDescription {
@@ -50,27 +70,36 @@ const fn derived(mut description: ParameterDescription) -> ParameterDescription 
     description
 }
 
-const R1: ParameterDescription = fitted("r1_ohm_cm2", "R1", "Ohm cm2", "resistance of the fastest branch");
-const C1: ParameterDescription = fitted("c1_f_per_cm2", "C1", "F/cm2", "capacitance of the fastest branch");
-const R2: ParameterDescription = fitted("r2_ohm_cm2", "R2", "Ohm cm2", "resistance of the slower branch");
-const C2: ParameterDescription = fitted("c2_f_per_cm2", "C2", "F/cm2", "capacitance of the slower branch");
-const R3: ParameterDescription = fitted("r3_ohm_cm2", "R3", "Ohm cm2", "resistance of the third branch");
-const C3: ParameterDescription = fitted("c3_f_per_cm2", "C3", "F/cm2", "capacitance of the third branch");
-const R4: ParameterDescription = fitted("r4_ohm_cm2", "R4", "Ohm cm2", "resistance of the fourth branch");
-const C4: ParameterDescription = fitted("c4_f_per_cm2", "C4", "F/cm2", "capacitance of the fourth branch");
-const RSS: ParameterDescription = fitted(
-    "rss_ohm_cm2",
-    "R_ss",
-    "Ohm cm2",
-    "steady-state resistance: carries the current that never decays",
+const R1: ParameterDescription = resistance("r1_ohm_cm2", "R1", "resistance of the fastest branch");
+const C1: ParameterDescription = capacitance("c1_f_per_cm2", "C1", "capacitance of the fastest branch");
+const R2: ParameterDescription = resistance("r2_ohm_cm2", "R2", "resistance of the slower branch");
+const C2: ParameterDescription = capacitance("c2_f_per_cm2", "C2", "capacitance of the slower branch");
+const R3: ParameterDescription = resistance("r3_ohm_cm2", "R3", "resistance of the third branch");
+const C3: ParameterDescription = capacitance("c3_f_per_cm2", "C3", "capacitance of the third branch");
+const R4: ParameterDescription = resistance("r4_ohm_cm2", "R4", "resistance of the fourth branch");
+const C4: ParameterDescription = capacitance("c4_f_per_cm2", "C4", "capacitance of the fourth branch");
+const RSS: ParameterDescription = of_law(
+    "leak",
+    fitted(
+        "rss_ohm_cm2",
+        "R_ss",
+        "Ohm cm2",
+        "steady-state resistance: carries the current that never decays",
+    ),
 );
-const ALPHA: ParameterDescription = fitted(
-    "alpha_per_c_cm",
-    "alpha",
-    "1/(C cm)",
-    "curvature per charge of the whole sample",
+const ALPHA: ParameterDescription = of_law(
+    "coupling",
+    fitted(
+        "alpha_per_c_cm",
+        "alpha",
+        "1/(C cm)",
+        "curvature per charge of the whole sample",
+    ),
 );
-const LAMBDA: ParameterDescription = fitted("lambda_per_s", "lambda", "1/s", "rate of back-relaxation");
+const LAMBDA: ParameterDescription = of_law(
+    "relaxation",
+    fitted("lambda_per_s", "lambda", "1/s", "rate of back-relaxation"),
+);
 const C_TOTAL: ParameterDescription = derived(fitted(
     "c_total_f_per_cm2",
     "C1+C2",
@@ -90,18 +119,10 @@ const RE: ParameterDescription = fitted(
     "Ohm/sq",
     "resistance of both electrodes along the strip",
 );
-const RC: ParameterDescription = fitted(
-    "rc_ohm_cm2",
-    "R_c",
-    "Ohm cm2",
-    "resistance of the chain across the laminate",
-);
-const C: ParameterDescription = fitted(
-    "c_f_per_cm2",
-    "C",
-    "F/cm2",
-    "capacitance of the chain across the laminate",
-);
+const RC: ParameterDescription =
+    resistance("rc_ohm_cm2", "R_c", "resistance of the chain across the laminate");
+const C: ParameterDescription =
+    capacitance("c_f_per_cm2", "C", "capacitance of the chain across the laminate");
 const MU: ParameterDescription = fitted(
     "mu_per_c",
     "mu",
@@ -109,12 +130,11 @@ const MU: ParameterDescription = fitted(
     "curvature per charge of unit length of the strip",
 );
 const ALPHA_OF_MU: ParameterDescription = derived(ALPHA);
-const TAU_ALONG: ParameterDescription = derived(fitted(
+const TAU_ALONG: ParameterDescription = time(
     "tau_s",
     "tau",
-    "s",
     "time constant Rc C of a place whose voltage is held",
-));
+);
 const RE_PER_RC: ParameterDescription = derived(fitted(
     "re_l2_per_rc",
     "Re L2/Rc",
@@ -128,31 +148,11 @@ const RE_PER_RSS: ParameterDescription = derived(fitted(
     "resistance of the electrodes over the length against the steady-state one across the laminate",
 ));
 
-const TAU1: ParameterDescription = derived(fitted(
-    "tau1_s",
-    "tau1",
-    "s",
-    "time constant R1 C1 of the fastest branch",
-));
-const TAU2: ParameterDescription = derived(fitted(
-    "tau2_s",
-    "tau2",
-    "s",
-    "time constant R2 C2 of the slower branch",
-));
+const TAU1: ParameterDescription = time("tau1_s", "tau1", "time constant R1 C1 of the fastest branch");
+const TAU2: ParameterDescription = time("tau2_s", "tau2", "time constant R2 C2 of the slower branch");
 
-const TAU3: ParameterDescription = derived(fitted(
-    "tau3_s",
-    "tau3",
-    "s",
-    "time constant R3 C3 of the third branch",
-));
-const TAU4: ParameterDescription = derived(fitted(
-    "tau4_s",
-    "tau4",
-    "s",
-    "time constant R4 C4 of the fourth branch",
-));
+const TAU3: ParameterDescription = time("tau3_s", "tau3", "time constant R3 C3 of the third branch");
+const TAU4: ParameterDescription = time("tau4_s", "tau4", "time constant R4 C4 of the fourth branch");
 
 const K1: ParameterDescription = fitted(
     "k1_per_c_cm",
@@ -372,6 +372,12 @@ pub fn fit_models() -> &'static [FitModel] {
 /// The model of that id.
 pub fn fit_model(id: &str) -> Option<&'static FitModel> {
     MODELS.iter().find(|model| model.id == id)
+}
+
+/// The law of the model that a parameter of that key is.
+pub fn law_of_parameter(key: &str) -> Option<&'static str> {
+    let mut all = MODELS.iter().flat_map(|model| model.parameters);
+    all.find(|of| of.key == key).map(|of| of.law)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::store::FitTask;
 /// Hash of the library of effects: ids, forms, parameters with units, equations, limits.
 pub(crate) fn library_hash() -> String {
     let mut hash = InputHash::new();
-    for effect in effects::ALL {
+    for effect in effects::ALL.iter() {
         let about = effect.about();
         for text in [about.id, about.code, about.equation, about.vanishes] {
             hash.text(text);

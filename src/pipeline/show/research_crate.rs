@@ -12,13 +12,13 @@ use zip::write::SimpleFileOptions;
 use super::export::{Export, Table};
 use super::figures::{self, MakeFigure};
 use crate::analysis::TableFormat;
+use crate::analysis::json_rows::rows;
 use crate::domain::FileState;
 use crate::ingest::archive::Archive;
 use crate::ingest::campaign_file::{self, Publication};
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::infra::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError};
-use crate::show::{Frame, FrameCells};
 use crate::system::fs;
 
 /// Resolution of figures; they are drawn as SVG, where it does not count.
@@ -56,9 +56,14 @@ pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<C
         let failed = |source| refused(path, "writing the crate", source);
         let file = fs::OpenOptions::new().read(true).write(true).open(part);
         let mut zip = ZipWriter::new(file.map_err(failed)?);
-        let (mut parts, mut left_out) = (Vec::new(), Vec::new());
+        let (columns, mut parts, mut left_out) = (columns(context)?, Vec::new(), Vec::new());
         let mut add = |name: &str, about: &str, bytes: &[u8]| {
-            parts.push(described(name, about, bytes));
+            let mut part = described(name, about, bytes);
+            let table = name.strip_prefix("tables/").and_then(|name| name.split_once('.'));
+            if let Some(own) = table.and_then(|(table, _)| columns.get(table)) {
+                part["variableMeasured"] = references(own);
+            }
+            parts.push(part);
             put(&mut zip, name, bytes).map_err(failed)
         };
         add(
@@ -78,7 +83,6 @@ pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<C
                 }
             }
         }
-        let columns = properties(&Table::Columns.frame(context)?);
         for table in Table::ALL {
             for (format, ending) in [(TableFormat::Parquet, "parquet"), (TableFormat::Csv, "csv")] {
                 let (bytes, rows) = Export::bytes(context, table, format)?;
@@ -103,15 +107,6 @@ pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<C
             }
         }
         let files = parts.len() + 2;
-        for part in &mut parts {
-            let stem = part["@id"]
-                .as_str()
-                .and_then(|id| id.strip_prefix("tables/")?.rsplit_once('.'));
-            let own = stem.and_then(|(table, _)| columns.get(table));
-            if let Some(own) = own {
-                part["variableMeasured"] = references(own);
-            }
-        }
         let columns = columns.into_values().flatten();
         for (name, document) in descriptions(context, &publication, parts, columns)? {
             put(&mut zip, name, format!("{document:#}\n").as_bytes()).map_err(failed)?;
@@ -284,32 +279,22 @@ fn descriptions(
 }
 
 /// The columns of each table, as the table `columns` has them.
-fn properties(columns: &Frame) -> BTreeMap<String, Vec<Value>> {
-    let cell = |name: &str, row: usize| {
-        let column = columns.iter().find(|column| column.name == name)?;
-        match &column.cells {
-            FrameCells::Texts(cells) => cells.get(row)?.as_deref(),
-            _ => None,
-        }
-    };
+fn columns(context: &Context) -> Result<BTreeMap<String, Vec<Value>>, PipelineError> {
     let mut by_table: BTreeMap<String, Vec<Value>> = BTreeMap::new();
-    for row in 0..columns.first().map_or(0, |column| column.cells.len()) {
-        let (table, name) = (
-            cell("table", row).unwrap_or_default(),
-            cell("column", row).unwrap_or_default(),
-        );
+    for row in rows(&Table::Columns.frame(context)?, Value::Bool) {
+        let [table, name] = ["table", "column"].map(|key| row[key].as_str().unwrap_or_default());
         let mut property = json!({
             "@id": format!("#{table}.{}", id_of(name)),
             "@type": "PropertyValue",
             "name": name,
-            "description": cell("meaning", row).unwrap_or_default(),
+            "description": row["meaning"].as_str().unwrap_or_default(),
         });
-        if let Some(unit) = cell("unit", row) {
-            property["unitText"] = unit.into();
+        if row["unit"].is_string() {
+            property["unitText"] = row["unit"].clone();
         }
         by_table.entry(table.to_owned()).or_default().push(property);
     }
-    by_table
+    Ok(by_table)
 }
 
 fn references(to: &[Value]) -> Value {

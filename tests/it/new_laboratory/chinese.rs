@@ -86,8 +86,7 @@ fn run_sheet(truths: &[(&str, Truth)]) -> String {
 fn a_chinese_laboratory_goes_from_its_folder_to_a_true_report() {
     let person = Person::new("Asia/Shanghai");
     let truths = truths();
-    let plain: Vec<Truth> = self::truths().into_iter().map(|(_, truth)| truth).collect();
-    let tables = simulated(&plain, 64, (LENGTH_MM * WIDTH_MM / 100.0, 20.0));
+    let tables = simulated(&truths, 64, (LENGTH_MM * WIDTH_MM / 100.0, 20.0));
     let write = |name: &str, text: &str| person.puts("数据", name, GBK, text);
     for (at, rows) in tables.iter().enumerate() {
         let name = format!("{:03}", at + 1);
@@ -100,26 +99,14 @@ fn a_chinese_laboratory_goes_from_its_folder_to_a_true_report() {
     write("温湿度记录.csv", &logger(&truths));
     write("实验记录.csv", &run_sheet(&truths));
 
-    let shown = person
-        .types(&["init", "yanjiu", "--from", "数据"])
-        .expect(0)
-        .stdout;
-    for told in ["18 runs in two files each", "1 climate log", "1 run sheet"] {
-        assert!(shown.contains(told), "{told} in {shown}");
-    }
-    person
-        .types(&["init", "yanjiu", "--from", "数据", "--yes"])
-        .expect(0);
-    person.edits(
-        "yanjiu/campaign.toml",
-        &[
-            ("# length_mm = 0.0", "length_mm = 10.0"),
-            ("# width_mm = 0.0", "width_mm = 2.0"),
-        ],
+    person.makes(
+        "yanjiu",
+        "数据",
+        &["18 runs in two files each", "1 climate log", "1 run sheet"],
+        (LENGTH_MM, WIDTH_MM),
     );
     person.types(&["run", "yanjiu", "--no-diagnose"]).expect(0);
     nothing_is_lost(&person.stories("yanjiu"), &person.path("数据"));
-    let kept: Vec<Truth> = truths.into_iter().map(|(_, truth)| truth).collect();
-    is_true(&person, "yanjiu", (&kept, &[]));
+    is_true(&person, "yanjiu", (&truths, &[]));
     person.was_quick("yanjiu");
 }

@@ -58,6 +58,30 @@ impl Person {
         self.looks(arguments)
     }
 
+    /// Makes a campaign of a folder: is shown what its files are, takes them, and says how large the strips are.
+    fn makes(
+        &self,
+        campaign: &str,
+        folder: &str,
+        told: &[&str],
+        (length_mm, width_mm): (f64, f64),
+    ) -> String {
+        let from = ["init", campaign, "--from", folder, "--yes"];
+        let shown = self.types(&from[..4]).expect(0).stdout;
+        for told in told {
+            assert!(shown.contains(told), "{told} in {shown}");
+        }
+        self.types(&from).expect(0);
+        let length = format!("length_mm = {length_mm:?}");
+        let width = format!("width_mm = {width_mm:?}");
+        let size = [
+            ("# length_mm = 0.0", length.as_str()),
+            ("# width_mm = 0.0", &width),
+        ];
+        self.edits(&format!("{campaign}/campaign.toml"), &size);
+        shown
+    }
+
     /// Looks closer than a person would have to: a command that is not counted.
     fn looks(&self, arguments: &[&str]) -> Ended {
         let output = command(self.root.path(), arguments)
@@ -155,17 +179,17 @@ fn nothing_is_lost(stories: &[Value], folder: &Path) {
 
 /// The fits of the campaign are those of the truth: every run that should be there, under its tags, with its parameters, and
 /// `others` that tell less.
-fn is_true(person: &Person, campaign: &str, (truths, others): (&[Truth], &[&str])) {
+fn is_true<Word>(person: &Person, campaign: &str, (truths, others): (&[(Word, Truth)], &[&str])) {
     let fits = person.looks(&["fit", "--json", campaign]).json();
     let fits = fits["fits"].as_array().unwrap();
     let found: Vec<&str> = fits.iter().map(|fit| fit["run"].as_str().unwrap()).collect();
-    let mut expected: Vec<&str> = truths.iter().map(|truth| truth.run.as_str()).collect();
+    let mut expected: Vec<&str> = truths.iter().map(|(_, truth)| truth.run.as_str()).collect();
     expected.extend(others);
     expected.sort_unstable();
     let mut sorted = found.clone();
     sorted.sort_unstable();
     assert_eq!(sorted, expected);
-    for truth in truths {
+    for (_, truth) in truths {
         let fit = fits.iter().find(|fit| fit["run"] == truth.run.as_str()).unwrap();
         assert_eq!(fit["sample"], truth.sample.as_str(), "{}", truth.run);
         assert_eq!(fit["environment"], truth.environment, "{}", truth.run);

@@ -32,14 +32,18 @@ impl Truth {
 /// A row of a simulated table: time, s, voltage, V, current, A, and curvature, 1/cm.
 pub type Row = [f64; 4];
 
-/// Simulates the runs: one table each, in their order.
-pub fn simulated(truths: &[Truth], seed: u32, (area_cm2, baseline_s): (f64, f64)) -> Vec<Vec<Row>> {
+/// Simulates the runs, each with a word of its laboratory: one table each, in their order.
+pub fn simulated<Word>(
+    truths: &[(Word, Truth)],
+    seed: u32,
+    (area_cm2, baseline_s): (f64, f64),
+) -> Vec<Vec<Row>> {
     let folder = tempfile::tempdir().unwrap();
     let mut spec = format!(
         "[simulation]\nseed = {seed}\nfolder = \"runs\"\nstatement = [\"SIMULATED, not measured.\"]\nbaseline_s = {baseline_s}\n\n\
          [noise]\ncurrent_a = 1e-6\ncurvature_per_cm = 1e-3\n\n[[sampling]]\nuntil_s = 400.0\nevery_s = 1.0\n"
     );
-    for (at, truth) in truths.iter().enumerate() {
+    for (at, (_, truth)) in truths.iter().enumerate() {
         let [r1, c1, r2, c2, rss, alpha, lambda] = truth.parameters;
         // Writing to a String cannot fail.
         let _ = writeln!(

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use ieap_domain::{GroupDiagnosis, MissingLaw};
-use ieap_model::effects::smooth_laws::place_of;
+use ieap_model::effects::place_of;
 use ieap_model::effects::{About, Applied, Effect, EffectParameter, Limits, Scale, Search, Site};
 use ieap_model::extended::{Coefficients, Law, Now, Responses, RunContext, System};
 use rand::RngExt;

@@ -86,7 +86,7 @@ type Wanted = (&'static dyn Effect, usize, Vec<Limits>, Vec<f64>, f64);
 
 /// Signatures of every effect of the library at every probe, at the base model `at`.
 pub(crate) fn signatures(problem: &ExtendedProblem, at: &[f64], scale: &Scale) -> Vec<Signature> {
-    signatures_of(ALL, problem, at, scale)
+    signatures_of(&ALL, problem, at, scale)
 }
 
 /// Signatures of these effects.

@@ -2,7 +2,8 @@
 
 use ieap_domain::Hypothesis;
 use ieap_model::effects::Site;
-use ieap_model::effects::smooth_laws::{Place, WEIGHTS};
+use ieap_model::effects::smooth_laws::{Place, SMOOTH_LAWS, WEIGHTS};
+use ieap_model::law_of_parameter;
 
 use super::policy::{INEXACT, SURE};
 use super::weighed::{Says, Weighed, Weight};
@@ -92,21 +93,9 @@ fn law_of(differs: &Hypothesis) -> Option<Place> {
     let [parameter] = &differs.parameters_that_differ[..] else {
         return None;
     };
-    let (site, law) = match parameter.as_bytes().first()? {
-        b'a' => (Site::Bending, "coupling"),
-        b'l' => (Site::Bending, "relaxation"),
-        b'c' => (Site::Current, "capacitance"),
-        b'r' if parameter.starts_with("rss") => (Site::Current, "leak"),
-        b'r' => (Site::Current, "resistance"),
-        _ => return None,
-    };
-    let is_of_voltage = differs.with.as_deref() == Some(VOLTAGE);
-    is_of_voltage.then_some(Place {
-        site,
-        law,
-        of: "",
-        variable: VOLTAGE,
-    })
+    let law = law_of_parameter(parameter).filter(|_| differs.with.as_deref() == Some(VOLTAGE))?;
+    let mut places = SMOOTH_LAWS.iter().map(|own| own.place);
+    places.find(|place| (place.law, place.of, place.variable) == (law, "", VOLTAGE))
 }
 
 /// The variable that runs are mostly taken over.

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use ieap_model::FitModel;
 use ieap_model::effects::Scale;
-use ieap_model::effects::smooth_laws::{Place, SmoothLaw, Textbook, place_of, textbooks_of};
+use ieap_model::effects::smooth_laws::{Place, SmoothLaw, Textbook};
+use ieap_model::effects::{place_of, textbooks_of};
 use rayon::prelude::*;
 
 use super::columns::{LawColumns, columns_of};

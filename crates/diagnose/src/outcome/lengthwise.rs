@@ -12,7 +12,7 @@ use ieap_domain::finding_words::say;
 use ieap_domain::number::{significant, upper_bound};
 use ieap_domain::{EffectFinding, GroupDiagnosis, HeldOutError, MissingLaw, Parameter, Verdict};
 use ieap_fit::distributed::{Decision, LumpedOrDistributed};
-use ieap_model::effects::smooth_laws::place_of;
+use ieap_model::effects::place_of;
 use ieap_model::effects::{Site, effect, summary};
 
 /// Id of the effect in the library.

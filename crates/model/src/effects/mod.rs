@@ -76,74 +76,144 @@ pub use about::{About, EffectParameter};
 pub use effect::{Applied, Effect};
 pub use followed_tag::tag_places;
 pub use search::{Limits, Scale, Search};
-pub use tree::{MECHANISMS, Mechanism, Site, mechanism, mechanism_of};
+pub use tree::{Mechanism, Site};
 
 pub use super::extended::TagAt;
 
+use std::sync::LazyLock;
+
+use ieap_domain::diagnosis::follows_a_tag;
+use smooth_laws::Shape::{Bell, Exponential, Power, Saturating, Threshold};
+use smooth_laws::{Place, Textbook};
+use tree::mechanism;
+
+/// A row of the table of effects.
+struct Row {
+    effect: &'static dyn Effect,
+    /// Id of the mechanism it is one of.
+    mechanism: &'static str,
+    /// The law that its equation is a curve of, what of several has it, and what it follows.
+    law: &'static str,
+    of: &'static str,
+    variable: &'static str,
+    /// Curves of textbooks that the equation is over its variable; none where it is of another kind.
+    textbooks: &'static [Textbook],
+}
+
+const fn row(
+    effect: &'static dyn Effect,
+    mechanism: &'static str,
+    [law, of, variable]: [&'static str; 3],
+    textbooks: &'static [Textbook],
+) -> Row {
+    Row {
+        effect,
+        mechanism,
+        law,
+        of,
+        variable,
+        textbooks,
+    }
+}
+
+/// Every effect, in the order of the catalogue: mechanism, law, what of several has it, variable, curves of textbooks.
+#[rustfmt::skip]
+static ROWS: &[Row] = &[
+    row(&series_resistance::SeriesResistance, "source-or-contact", ["source", "", "current_a_per_cm2"], &[]),
+    row(&slow_branch::SlowBranch, "current-time-scales", ["time-scales", "", "time_constant_s"], &[]),
+    row(&fast_branch::FastBranch, "current-time-scales", ["time-scales", "", "time_constant_s"], &[]),
+    row(&dispersion::Dispersion, "current-time-scales", ["time-scales", "", "time_constant_s"], &[]),
+    row(&warburg::Warburg, "current-time-scales", ["time-scales", "", "time_constant_s"], &[]),
+    row(&voltage_dependent_capacitance::VoltageDependentCapacitance, "capacitance-by-voltage", ["capacitance", "", "voltage_v"], &[Power.even()]),
+    row(&asymmetric_capacitance::AsymmetricCapacitance, "capacitance-by-voltage", ["capacitance", "", "voltage_v"], &[Power.odd(), Saturating.odd()]),
+    row(&faradaic_leak::FaradaicLeak, "leak", ["leak", "", "voltage_v"], &[Threshold.even(), Exponential.even(), Saturating.even()]),
+    row(&diffusion_limited_leak::DiffusionLimitedLeak, "leak", ["leak", "", "time_since_edge_s"], &[]),
+    row(&self_discharge::SelfDischarge, "leak", ["leak", "slow-branch", "voltage_v"], &[]),
+    row(&resistance_drift::ResistanceDrift, "resistance-in-time", ["resistance", "", "time_s"], &[Power.even()]),
+    row(&piezoresistive_electrode::PiezoresistiveElectrode, "resistance-by-state", ["resistance", "", "curvature_per_cm"], &[Power.odd(), Power.even()]),
+    row(&current_limit::CurrentLimit, "source-or-contact", ["source", "", "current_a_per_cm2"], &[]),
+    row(&source_rise::SourceRise, "source-or-contact", ["source", "", "time_since_edge_s"], &[]),
+    row(&current_offset::CurrentOffset, "current-reading", ["current-reading", "", "time_s"], &[]),
+    row(&residual_charge::ResidualCharge, "current-reading", ["first-charge", "", "time_s"], &[]),
+    row(&redox_peak::RedoxPeak, "capacitance-by-voltage", ["capacitance", "", "voltage_v"], &[Bell.odd()]),
+    row(&contact_break::ContactBreak, "resistance-in-time", ["resistance", "", "time_s"], &[]),
+    row(&constant_phase::ConstantPhase, "current-time-scales", ["time-scales", "", "time_constant_s"], &[]),
+    row(&polarity_memory::PolarityMemory, "capacitance-by-voltage", ["capacitance", "", "history"], &[]),
+    row(&current_event::CurrentEvent, "current-reading", ["current-reading", "", "time_s"], &[]),
+    row(&partial_relaxation::PartialRelaxation, "strain-relaxation", ["relaxation", "", "time_constant_s"], &[]),
+    row(&second_relaxation::SecondRelaxation, "strain-relaxation", ["relaxation", "", "time_constant_s"], &[]),
+    row(&fractional_relaxation::FractionalRelaxation, "strain-relaxation", ["relaxation", "", "time_constant_s"], &[]),
+    row(&modulus_drift::ModulusDrift, "bending-by-itself", ["coupling", "", "time_s"], &[Saturating.even(), Exponential.even()]),
+    row(&resonance::Resonance, "bending-late", ["delay", "", "time_constant_s"], &[]),
+    row(&mechanical_lag::MechanicalLag, "bending-late", ["delay", "", "time_constant_s"], &[]),
+    row(&softening::Softening, "bending-law", ["coupling", "", "curvature_per_cm"], &[Power.even()]),
+    row(&friction::Friction, "bending-late", ["play", "", "curvature_per_cm"], &[]),
+    row(&creep::Creep, "bending-by-itself", ["added-bending", "", "time_s"], &[Power.even()]),
+    row(&precurvature::Precurvature, "bending-by-itself", ["added-bending", "", "time_s"], &[]),
+    row(&unequal_coupling::UnequalCoupling, "strain-relaxation", ["coupling", "slow-branch", ""], &[]),
+    row(&counter_flow::CounterFlow, "strain-relaxation", ["relaxation", "", "time_constant_s"], &[]),
+    row(&quadratic_coupling::QuadraticCoupling, "bending-law", ["coupling", "", "charge_c_per_cm2"], &[Power.odd()]),
+    row(&leak_coupling::LeakCoupling, "strain-relaxation", ["coupling", "leak", ""], &[]),
+    row(&coupling_saturation::CouplingSaturation, "bending-law", ["coupling", "", "charge_c_per_cm2"], &[Saturating.even()]),
+    row(&threshold_relaxation::ThresholdRelaxation, "strain-relaxation", ["relaxation", "", "voltage_v"], &[Threshold.even()]),
+    row(&sensing_feedback::SensingFeedback, "bending-law", ["source", "", "curvature_per_cm"], &[]),
+    row(&lengthwise_resistance::LengthwiseResistance, "source-or-contact", ["source", "", "current_a_per_cm2"], &[]),
+    row(&polarity_coupling::PolarityCoupling, "bending-law", ["coupling", "", "voltage_v"], &[Saturating.odd()]),
+    row(&even_bending::EvenBending, "bending-law", ["added-bending", "", "voltage_v"], &[]),
+    row(&joule_heating::JouleHeating, "resistance-by-state", ["resistance", "", "heat"], &[]),
+    row(&water_redistribution::WaterRedistribution, "resistance-by-state", ["resistance", "", "flow"], &[]),
+    row(&water_exchange::WaterExchange, "resistance-in-time", ["resistance", "", "time_s"], &[Saturating.even(), Exponential.even()]),
+    row(&moisture_bending::MoistureBending, "bending-by-itself", ["added-bending", "", "time_s"], &[Saturating.even(), Exponential.even()]),
+    row(&electrolytic_drying::ElectrolyticDrying, "resistance-in-time", ["resistance", "", "heat"], &[]),
+    row(&ambient_temperature::AmbientTemperature, "resistance-in-time", ["resistance", "", "time_s"], &[Saturating.even(), Exponential.even()]),
+    row(&parameter_wander::ParameterWander, "resistance-in-time", ["resistance", "", "time_s"], &[]),
+    row(&camera_zero::CameraZero, "bending-by-itself", ["added-bending", "", "time_s"], &[]),
+    row(&camera_delay::CameraDelay, "bending-late", ["delay", "", "time_constant_s"], &[]),
+    row(&clock_rate::ClockRate, "bending-late", ["delay", "", "time_s"], &[]),
+    row(&tip_formula::TipFormula, "bending-law", ["coupling", "", "curvature_per_cm"], &[Power.even()]),
+    row(&exposure_smoothing::ExposureSmoothing, "bending-late", ["delay", "", "time_constant_s"], &[]),
+    row(&noncircular_shape::NoncircularShape, "bending-law", ["coupling", "", "curvature_per_cm"], &[Power.odd(), Power.even()]),
+    row(&curvature_limit::CurvatureLimit, "bending-law", ["coupling", "", "curvature_per_cm"], &[Saturating.even()]),
+    row(&bending_event::BendingEvent, "bending-by-itself", ["added-bending", "", "time_s"], &[]),
+];
+
 /// Every effect that can be simulated and fitted, in the order of the catalogue. What follows a tag from run to run is not
 /// among them: which tags there are a campaign says ([`tag_places`]).
-pub static ALL: &[&dyn Effect] = &[
-    &series_resistance::SeriesResistance,
-    &slow_branch::SlowBranch,
-    &fast_branch::FastBranch,
-    &dispersion::Dispersion,
-    &warburg::Warburg,
-    &voltage_dependent_capacitance::VoltageDependentCapacitance,
-    &asymmetric_capacitance::AsymmetricCapacitance,
-    &faradaic_leak::FaradaicLeak,
-    &diffusion_limited_leak::DiffusionLimitedLeak,
-    &self_discharge::SelfDischarge,
-    &resistance_drift::ResistanceDrift,
-    &piezoresistive_electrode::PiezoresistiveElectrode,
-    &current_limit::CurrentLimit,
-    &source_rise::SourceRise,
-    &current_offset::CurrentOffset,
-    &residual_charge::ResidualCharge,
-    &redox_peak::RedoxPeak,
-    &contact_break::ContactBreak,
-    &constant_phase::ConstantPhase,
-    &polarity_memory::PolarityMemory,
-    &current_event::CurrentEvent,
-    &partial_relaxation::PartialRelaxation,
-    &second_relaxation::SecondRelaxation,
-    &fractional_relaxation::FractionalRelaxation,
-    &modulus_drift::ModulusDrift,
-    &resonance::Resonance,
-    &mechanical_lag::MechanicalLag,
-    &softening::Softening,
-    &friction::Friction,
-    &creep::Creep,
-    &precurvature::Precurvature,
-    &unequal_coupling::UnequalCoupling,
-    &counter_flow::CounterFlow,
-    &quadratic_coupling::QuadraticCoupling,
-    &leak_coupling::LeakCoupling,
-    &coupling_saturation::CouplingSaturation,
-    &threshold_relaxation::ThresholdRelaxation,
-    &sensing_feedback::SensingFeedback,
-    &lengthwise_resistance::LengthwiseResistance,
-    &polarity_coupling::PolarityCoupling,
-    &even_bending::EvenBending,
-    &joule_heating::JouleHeating,
-    &water_redistribution::WaterRedistribution,
-    &water_exchange::WaterExchange,
-    &moisture_bending::MoistureBending,
-    &electrolytic_drying::ElectrolyticDrying,
-    &ambient_temperature::AmbientTemperature,
-    &parameter_wander::ParameterWander,
-    &camera_zero::CameraZero,
-    &camera_delay::CameraDelay,
-    &clock_rate::ClockRate,
-    &tip_formula::TipFormula,
-    &exposure_smoothing::ExposureSmoothing,
-    &noncircular_shape::NoncircularShape,
-    &curvature_limit::CurvatureLimit,
-    &bending_event::BendingEvent,
-];
+pub static ALL: LazyLock<Vec<&'static dyn Effect>> =
+    LazyLock::new(|| ROWS.iter().map(|row| row.effect).collect());
+
+fn row_of(effect: &str) -> Option<&'static Row> {
+    ROWS.iter().find(|row| row.effect.about().id == effect)
+}
+
+/// The mechanism that an effect is one of; none of an unknown id.
+pub fn mechanism_of(effect: &str) -> Option<&'static Mechanism> {
+    if follows_a_tag(effect) {
+        mechanism("from-run-to-run")
+    } else {
+        mechanism(row_of(effect)?.mechanism)
+    }
+}
+
+/// The place of an effect of the library: the law that its equation is a curve of.
+pub fn place_of(effect: &str) -> Option<Place> {
+    let row = row_of(effect)?;
+    Some(Place {
+        site: mechanism(row.mechanism)?.site,
+        law: row.law,
+        of: row.of,
+        variable: row.variable,
+    })
+}
+
+/// Curves of textbooks that an equation of the library is over its variable.
+pub fn textbooks_of(effect: &str) -> &'static [Textbook] {
+    row_of(effect).map_or(&[], |row| row.textbooks)
+}
 
 /// The effect of that id: one of the list, or one that follows a tag.
 pub fn effect(id: &str) -> Option<&'static dyn Effect> {
-    let listed = ALL.iter().copied().find(|effect| effect.about().id == id);
+    let listed = row_of(id).map(|row| row.effect);
     let smooth = || smooth_laws::smooth_law(id).map(|law| law as &'static dyn Effect);
     listed.or_else(|| followed_tag::of_id(id)).or_else(smooth)
 }

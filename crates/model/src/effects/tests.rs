@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use super::{ALL, Applied, Effect, Limits, Scale, Search, effect};
+use super::tree::MECHANISMS;
+use super::{ALL, Applied, Effect, Limits, Scale, Search, Site, effect, mechanism_of, place_of};
 use crate::extended::tests::{base, context, drive};
 use crate::extended::{ExtendedModel, Responses};
 use ieap_domain::Drive;
@@ -251,7 +252,7 @@ fn few_shapes_are_asked_for() {
 
 #[test]
 fn everything_is_said_of_every_effect() {
-    for effect in ALL {
+    for effect in ALL.iter() {
         let about = effect.about();
         let texts = [
             about.id,
@@ -306,6 +307,20 @@ fn effects_stand_in_the_order_of_the_catalogue() {
     };
     assert!(ALL.is_sorted_by_key(place));
     assert_eq!(ALL.len(), 56);
+}
+
+#[test]
+fn every_effect_has_its_place_and_every_mechanism_its_effects() {
+    for effect in ALL.iter() {
+        assert!(place_of(effect.about().id).is_some(), "{}", effect.about().id);
+    }
+    for own in MECHANISMS {
+        let is_of = |effect: &&dyn Effect| mechanism_of(effect.about().id) == Some(own);
+        assert!(ALL.iter().any(is_of) || own.site == Site::Runs, "{own:?}");
+    }
+    let site = |effect| mechanism_of(effect).map(|own| own.site);
+    assert_eq!(site("follows:batch"), Some(Site::Runs));
+    assert_eq!(site("no-such-effect"), None);
 }
 
 proptest! {

@@ -8,7 +8,7 @@
 use super::table::read_text;
 use crate::Reading;
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::{About, Format, ReadContext, ReadError};
+use crate::formats::{About, Format, ReadContext, ReadError, delimited};
 use crate::text::{Line, Lines};
 use ieap_domain::RunStatus;
 
@@ -41,7 +41,7 @@ impl Format for Hobo {
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         let mut is_read_out = false;
-        let reading = read_text(self.reading(), bytes, context, |lines| {
+        let reading = read_text(self.reading(), &delimited::decoded(bytes)?, context, |lines| {
             is_read_out = lines.last().is_some_and(|line| ends_the_log(line.text));
             Ok(0)
         })?;

@@ -1,11 +1,11 @@
 //! PicoLog text: a first column without a name that counts Unix seconds, then quoted names with units.
 
-use super::table::read_lines;
+use super::table::read_text;
 use crate::Reading;
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::{About, Format, ReadContext, ReadError, delimited};
 use crate::table::epoch;
-use crate::text::{Line, Lines};
+use crate::text::Lines;
 
 /// Reader of PicoLog text.
 pub struct Picolog;
@@ -31,23 +31,8 @@ impl Format for Picolog {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let mut issues = Vec::new();
-        let decoded = delimited::decoded(bytes)?;
-        let text = delimited::text(&decoded, &mut issues)?;
-        let mut lines = text.lines.clone();
-        let names = lines[0].text.replacen("\"\"", "\"Unix time\"", 1);
-        lines[0] = Line {
-            text: &names,
-            ..lines[0]
-        };
-        let status = (text.status, text.evidence());
-        read_lines(
-            self.reading(),
-            Some(text.encoding),
-            context,
-            &lines,
-            status,
-            issues,
-        )
+        let mut decoded = delimited::decoded(bytes)?;
+        decoded.text = decoded.text.replacen("\"\"", "\"Unix time\"", 1).into();
+        read_text(self.reading(), &decoded, context, |_| Ok(0))
     }
 }

@@ -19,7 +19,7 @@ use crate::text::dictionary::{Role, SENSORS, SERIALS, VALUE_LABELS, is_among};
 use crate::text::header::{Header, Meaning};
 use crate::text::lines::lines_of;
 use crate::text::names::{names_time, role};
-use crate::text::{Line, number};
+use crate::text::{Decoded, Line, number};
 use crate::{Reading, RunTable};
 use ieap_domain::number::{fixed, percent};
 use ieap_domain::unit::{self, Conversion};
@@ -53,23 +53,22 @@ impl Format for ClimateTable {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        read_text(self.reading(), bytes, context, |_| Ok(0))
+        read_text(self.reading(), &delimited::decoded(bytes)?, context, |_| Ok(0))
     }
 }
 
 /// Reads the text of a logger for `reader`, which has read nothing yet; so many lines stand above its table as `above` says.
 ///
 /// # Errors
-/// As [`read_lines`]; the file is empty, is no text, or has no whole line yet.
+/// As [`read_lines`]; the file is no text, or has no whole line yet.
 pub fn read_text(
     reader: Reading,
-    bytes: &[u8],
+    decoded: &Decoded<'_>,
     context: &ReadContext,
     above: impl FnOnce(&[Line<'_>]) -> Result<usize, ReadError>,
 ) -> Result<Reading, ReadError> {
     let mut issues = Vec::new();
-    let decoded = delimited::decoded(bytes)?;
-    let text = delimited::text(&decoded, &mut issues)?;
+    let text = delimited::text(decoded, &mut issues)?;
     let status = (text.status, text.evidence());
     let lines = &text.lines[above(&text.lines)?..];
     read_lines(reader, Some(text.encoding), context, lines, status, issues)

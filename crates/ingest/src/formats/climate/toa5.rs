@@ -6,7 +6,7 @@
 use super::table::read_text;
 use crate::Reading;
 use crate::formats::recognition::{FileHead, Match};
-use crate::formats::{About, Format, ReadContext, ReadError};
+use crate::formats::{About, Format, ReadContext, ReadError, delimited};
 
 /// Reader of TOA5.
 pub struct Toa5;
@@ -31,7 +31,7 @@ impl Format for Toa5 {
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         let mut station = String::new();
-        let reading = read_text(self.reading(), bytes, context, |lines| {
+        let reading = read_text(self.reading(), &delimited::decoded(bytes)?, context, |lines| {
             station = lines.first().map_or("", |line| line.text).to_owned();
             match lines {
                 [_, _, _, _, _, ..] => Ok(1),

@@ -1,12 +1,11 @@
-//! Every law, and where every effect of the library has its place among them.
+//! Every law.
 
 use std::sync::LazyLock;
 
 use super::axis::Axis;
 use super::law::{Place, SmoothLaw};
 use super::part::Part;
-use super::shapes::{Shape, Textbook};
-use crate::effects::{Effect, Site, mechanism_of};
+use crate::effects::{Effect, Site};
 use ieap_domain::diagnosis::LAW;
 
 /// Parts of the longest record for which a variable is remembered.
@@ -158,103 +157,14 @@ pub fn smooth_law(id: &str) -> Option<&'static SmoothLaw> {
     SMOOTH_LAWS.iter().copied().find(|law| law.about().id == id)
 }
 
-/// The place of an effect of the library: the law that its equation is a curve of.
-pub fn place_of(effect: &str) -> Option<Place> {
-    let site = mechanism_of(effect)?.site;
-    let at = |law, of, variable| Place {
-        site,
-        law,
-        of,
-        variable,
-    };
-    Some(match effect {
-        "series-resistance" | "current-limit" | "lengthwise-resistance" => {
-            at("source", "", "current_a_per_cm2")
-        }
-        "source-rise" => at("source", "", "time_since_edge_s"),
-        "sensing-feedback" => at("source", "", "curvature_per_cm"),
-        "slow-branch" | "fast-branch" | "dispersion" | "warburg" | "constant-phase" => {
-            at("time-scales", "", "time_constant_s")
-        }
-        "voltage-dependent-capacitance" | "asymmetric-capacitance" | "redox-peak" => {
-            at("capacitance", "", "voltage_v")
-        }
-        "polarity-memory" => at("capacitance", "", "history"),
-        "faradaic-leak" => at("leak", "", "voltage_v"),
-        "diffusion-limited-leak" => at("leak", "", "time_since_edge_s"),
-        "self-discharge" => at("leak", "slow-branch", "voltage_v"),
-        "resistance-drift"
-        | "water-exchange"
-        | "ambient-temperature"
-        | "contact-break"
-        | "parameter-wander" => at("resistance", "", "time_s"),
-        "electrolytic-drying" | "joule-heating" => at("resistance", "", "heat"),
-        "piezoresistive-electrode" => at("resistance", "", "curvature_per_cm"),
-        "water-redistribution" => at("resistance", "", "flow"),
-        "current-offset" | "current-event" => at("current-reading", "", "time_s"),
-        "residual-charge" => at("first-charge", "", "time_s"),
-        "coupling-saturation" | "quadratic-coupling" => at("coupling", "", "charge_c_per_cm2"),
-        "softening" | "tip-formula" | "noncircular-shape" | "curvature-limit" => {
-            at("coupling", "", "curvature_per_cm")
-        }
-        "polarity-coupling" => at("coupling", "", "voltage_v"),
-        "modulus-drift" => at("coupling", "", "time_s"),
-        "unequal-coupling" => at("coupling", "slow-branch", ""),
-        "leak-coupling" => at("coupling", "leak", ""),
-        "even-bending" => at("added-bending", "", "voltage_v"),
-        "partial-relaxation" | "second-relaxation" | "fractional-relaxation" | "counter-flow" => {
-            at("relaxation", "", "time_constant_s")
-        }
-        "threshold-relaxation" => at("relaxation", "", "voltage_v"),
-        "moisture-bending" | "creep" | "precurvature" | "camera-zero" | "bending-event" => {
-            at("added-bending", "", "time_s")
-        }
-        "camera-delay" | "mechanical-lag" | "exposure-smoothing" | "resonance" => {
-            at("delay", "", "time_constant_s")
-        }
-        "friction" => at("play", "", "curvature_per_cm"),
-        "clock-rate" => at("delay", "", "time_s"),
-        _ => return None,
-    })
-}
-
-/// Curves of textbooks that an equation of the library is over its variable; none where it is of another kind.
-pub fn textbooks_of(effect: &str) -> &'static [Textbook] {
-    use Shape::{Bell, Exponential, Power, Saturating, Threshold};
-    match effect {
-        "faradaic-leak" => const { &[Threshold.even(), Exponential.even(), Saturating.even()] },
-        "threshold-relaxation" => const { &[Threshold.even()] },
-        "voltage-dependent-capacitance" | "softening" | "tip-formula" => const { &[Power.even()] },
-        "asymmetric-capacitance" => const { &[Power.odd(), Saturating.odd()] },
-        "redox-peak" => const { &[Bell.odd()] },
-        "piezoresistive-electrode" | "noncircular-shape" => const { &[Power.odd(), Power.even()] },
-        "quadratic-coupling" => const { &[Power.odd()] },
-        "coupling-saturation" | "curvature-limit" => const { &[Saturating.even()] },
-        "polarity-coupling" => const { &[Saturating.odd()] },
-        "resistance-drift" | "creep" => const { &[Power.even()] },
-        "water-exchange" | "ambient-temperature" | "moisture-bending" | "modulus-drift" => {
-            const { &[Saturating.even(), Exponential.even()] }
-        }
-        _ => &[],
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::ALL;
 
     #[test]
     fn every_law_has_an_id_of_its_own() {
         let ids: std::collections::BTreeSet<&str> = SMOOTH_LAWS.iter().map(|law| law.about().id).collect();
         assert_eq!(ids.len(), SMOOTH_LAWS.len(), "{ids:?}");
         assert!(smooth_law("law:resistance:slow-branch:time").is_some());
-    }
-
-    #[test]
-    fn every_effect_has_its_place() {
-        for effect in ALL {
-            assert!(place_of(effect.about().id).is_some(), "{}", effect.about().id);
-        }
     }
 }

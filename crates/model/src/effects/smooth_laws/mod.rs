@@ -12,7 +12,7 @@ mod words;
 
 pub use axis::WEIGHTS;
 pub use law::{Drawn, Place, SmoothLaw};
-pub use list::{SMOOTH_LAWS, place_of, smooth_law, textbooks_of};
+pub use list::{SMOOTH_LAWS, smooth_law};
 pub use shapes::{Shape, Textbook};
 pub use words::variable_words;
 
