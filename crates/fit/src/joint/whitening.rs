@@ -153,6 +153,24 @@ fn filter(time_s: &[f64], processes: &[Process]) -> Vec<Filtered> {
     (0..time_s.len()).map(of_reading).collect()
 }
 
+/// A rule that is the same for all readings that have so many before them as it has coefficients.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Steady {
+    /// What is predicted from each of the readings before, the last one first.
+    pub(crate) coefficients: Vec<f64>,
+    /// What is new, times this, is of unit size.
+    size: f64,
+}
+
+impl Steady {
+    /// By what an exponential is multiplied that falls by `e^-fall` from reading to reading.
+    pub(crate) fn gain(&self, fall: f64) -> f64 {
+        let each = self.coefficients.iter().zip(1..);
+        let predicted: f64 = each.map(|(own, lag)| own * (fall * f64::from(lag)).exp()).sum();
+        self.size * (1.0 - predicted)
+    }
+}
+
 impl Filtered {
     /// The states of the processes after a surprise, at the next reading.
     fn go_on(&self, states: &mut [f64], surprise: f64) {
@@ -325,6 +343,31 @@ impl Whitener {
             }
         };
         scales + autocorrelation
+    }
+
+    /// The rule behind the first readings of a span, where it is the same for all of them; none where it changes, or
+    /// remembers without end.
+    pub(crate) fn steady(&self, span: &Span) -> Option<Steady> {
+        let per_sd = &self.per_sd[span.first..span.end];
+        if per_sd.iter().any(|own| *own != per_sd[0]) {
+            return None;
+        }
+        let (coefficients, per_new) = match &self.rule {
+            Rule::Pairs(pairs) => {
+                let later = &pairs[span.first + 1..span.end];
+                let (rho, per_new) = *later.first()?;
+                if later.iter().any(|own| *own != (rho, per_new)) {
+                    return None;
+                }
+                (vec![rho], per_new)
+            }
+            Rule::Orders(orders) => orders.last().filter(|last| last.0.len() < per_sd.len())?.clone(),
+            Rule::Filter(_) => return None,
+        };
+        Some(Steady {
+            coefficients,
+            size: per_sd[0] * per_new,
+        })
     }
 
     /// Whether the whitened value of a smooth series varies smoothly from reading `k - 1` to `k` of a span that
