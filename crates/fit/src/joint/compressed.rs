@@ -190,8 +190,10 @@ fn condensed(
         column
     };
     let values = white(sampled.values[span.first..span.end].to_vec());
-    if let Some((nodes, target)) = Nodes::of(elapsed_s, span, whitener, &values) {
-        let column = |rate: &f64| nodes.column(*rate, span, whitener);
+    if let Some(steady) = whitener.steady(span)
+        && let Some((nodes, target)) = Nodes::of(elapsed_s, steady.coefficients.len(), &values)
+    {
+        let column = |rate: &f64| nodes.white_column(*rate, span, whitener, &steady);
         return (rates_per_s.iter().map(column).collect(), target);
     }
     let groups = groups(elapsed_s, span, whitener);

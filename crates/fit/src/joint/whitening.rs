@@ -3,6 +3,18 @@
 use crate::sampled::{Sampled, Span};
 use ieap_numerics::symmetric::Symmetric;
 
+/// Sum of the logarithms; of a number that repeats itself it is taken once.
+pub(super) fn sum_of_logs(values: impl Iterator<Item = f64>) -> f64 {
+    let (mut last, mut log) = (1.0, 0.0);
+    let of = |value: f64| {
+        if value != last {
+            (last, log) = (value, value.ln());
+        }
+        log
+    };
+    values.map(of).sum()
+}
+
 /// How noise remembers.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Autocorrelation {
@@ -329,15 +341,14 @@ impl Whitener {
 
     /// Logarithm of the determinant of the covariance of all readings.
     pub(crate) fn log_determinant(&self, sampled: &Sampled) -> f64 {
-        let scales: f64 = self.per_sd.iter().map(|per_sd| -2.0 * per_sd.ln()).sum();
+        let scales = -2.0 * sum_of_logs(self.per_sd.iter().copied());
         let autocorrelation: f64 = match &self.rule {
-            Rule::Pairs(pairs) => pairs.iter().map(|(_, per_new)| -2.0 * per_new.ln()).sum(),
+            Rule::Pairs(pairs) => -2.0 * sum_of_logs(pairs.iter().map(|(_, per_new)| *per_new)),
             Rule::Filter(filter) => filter.iter().map(|rule| -2.0 * rule.per_new.ln()).sum(),
             Rule::Orders(orders) => {
-                let of_span = |span: &Span| -> f64 {
-                    (0..span.end - span.first)
-                        .map(|k| -2.0 * orders[k.min(orders.len() - 1)].1.ln())
-                        .sum()
+                let of_span = |span: &Span| {
+                    let each = (0..span.end - span.first).map(|k| orders[k.min(orders.len() - 1)].1);
+                    -2.0 * sum_of_logs(each)
                 };
                 sampled.spans.iter().map(of_span).sum()
             }
@@ -355,13 +366,13 @@ impl Whitener {
         let (coefficients, per_new) = match &self.rule {
             Rule::Pairs(pairs) => {
                 let later = &pairs[span.first + 1..span.end];
-                let (rho, per_new) = *later.first()?;
+                let (rho, per_new) = later.first().copied().unwrap_or((0.0, 1.0));
                 if later.iter().any(|own| *own != (rho, per_new)) {
                     return None;
                 }
                 (vec![rho], per_new)
             }
-            Rule::Orders(orders) => orders.last().filter(|last| last.0.len() < per_sd.len())?.clone(),
+            Rule::Orders(orders) => orders.last()?.clone(),
             Rule::Filter(_) => return None,
         };
         Some(Steady {
