@@ -17,7 +17,7 @@ use super::joint::feature::Feature;
 use super::joint::layout::Layout;
 use super::joint::minimum::excess;
 use super::joint::problem::JointProblem;
-use super::joint::readings::RunReadings;
+use super::joint::readings::{Response, RunReadings};
 use super::joint::start::Start;
 use super::outcome;
 use super::sampled::Sampled;
@@ -242,13 +242,21 @@ fn readings_and_start<'a>(
     model: &FitModel,
     identified: &Identified,
 ) -> Result<(RunReadings<'a>, Start), String> {
-    let (_, electrical) = identified.current.as_ref().map_err(String::clone)?;
+    let (current, electrical) = identified.current.as_ref().map_err(String::clone)?;
     let mut start = Start::of(electrical, model.branches);
-    let mut run = RunReadings::new(input.channels, input.drive, input.area_cm2, needed(model));
-    match &identified.curvature {
-        Ok((_, bending)) => start = start.with_bending(bending),
-        Err(_) => run.curvature = None,
+    if let Ok((_, bending)) = &identified.curvature {
+        start = start.with_bending(bending);
     }
+    let run = RunReadings {
+        drive: input.drive,
+        area_cm2: input.area_cm2,
+        current: Some(Response::new(current.clone())),
+        curvature: identified
+            .curvature
+            .as_ref()
+            .ok()
+            .map(|(own, _)| Response::new(own.clone())),
+    };
     Ok((run, start))
 }
 

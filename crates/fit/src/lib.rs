@@ -149,10 +149,11 @@ fn fit_on_one_clock(input: &FitInput, options: &FitOptions) -> Result<Fit, FitEr
         drive: settled.edges.drive(),
         ..*input
     };
-    let mut fit = fit_placed(&placed, options, step.as_ref())?;
+    let (mut fit, is_plain) = fit_placed(&placed, options, step.as_ref())?;
     fit.nuisances.extend(nuisances::edges(&settled, input.drive));
     if !settled.open.is_empty() {
-        widened::widen(&mut fit, &settled, |drive| {
+        let here = is_plain.then(|| widened::values(&fit.parameters));
+        widened::widen(&mut fit, &settled, here, |drive| {
             Some(in_two_steps(&FitInput { drive, ..*input }, options, step.as_ref())?.parameters)
         });
     }
@@ -188,7 +189,9 @@ pub fn fit_knowing(
     let mut fit = with(settled.edges.drive())?;
     fit.nuisances.extend(nuisances::edges(&settled, input.drive));
     if !settled.open.is_empty() {
-        widened::widen(&mut fit, &settled, |drive| Some(with(drive).ok()?.parameters));
+        widened::widen(&mut fit, &settled, None, |drive| {
+            Some(with(drive).ok()?.parameters)
+        });
     }
     fit.issues.extend(cleaned.issues_of_whole());
     Ok(fit)
@@ -244,27 +247,35 @@ pub fn placed_drive(input: &FitInput, options: &FitOptions) -> Result<Drive, Fit
     Ok(settled.edges.drive().clone())
 }
 
-/// Fits a run whose edges are where its drive has them; its circuit may be known for another place of the `step`.
-fn fit_placed(input: &FitInput, options: &FitOptions, step: Option<&OfStep>) -> Result<Fit, FitError> {
+/// Fits a run whose edges are where its drive has them; its circuit may be known for another place of the `step`. Beside
+/// the fit whether its estimates are those of [`in_two_steps`].
+fn fit_placed(
+    input: &FitInput,
+    options: &FitOptions,
+    step: Option<&OfStep>,
+) -> Result<(Fit, bool), FitError> {
     let readings = Readings::new(input)?;
     if let Some(law) = rival_law(options.model.id) {
-        return Ok(law::fit(input, options, law, readings));
+        return Ok((law::fit(input, options, law, readings), true));
     }
     let mut identified = identify(input, options, readings, step);
     if input.drive.moves() {
         moving::look_closer(input, options, &mut identified);
-        return Ok(outcome::fit(input, options, &identified, None));
+        return Ok((outcome::fit(input, options, &identified, None), false));
     }
     if options.steps == Steps::Simultaneous && identified.current.is_ok() {
         let group = group::fit_placed(&[*input], &GroupOptions::sharing_all(options.model))?;
         if let Some(fit) = group.runs.into_iter().next() {
-            return Ok(fit);
+            return Ok((fit, false));
         }
     }
     if let Some(fit) = bent_alone(input, options, &identified) {
-        return Ok(fit);
+        return Ok((fit, true));
     }
     unseen_charge::look(input, options, &mut identified);
     let judged = judge(input, options, &mut identified);
-    Ok(outcome::fit(input, options, &identified, judged.as_ref()))
+    let fit = outcome::fit(input, options, &identified, judged.as_ref());
+    let current = identified.current.as_ref().ok();
+    let is_plain = judged.is_none() && current.is_none_or(|(_, circuit)| circuit.ends.is_empty());
+    Ok((fit, is_plain))
 }

@@ -5,14 +5,15 @@ use ieap_numerics::symmetric::Symmetric;
 
 /// Sum of the logarithms; of a number that repeats itself it is taken once.
 pub(super) fn sum_of_logs(values: impl Iterator<Item = f64>) -> f64 {
-    let (mut last, mut log) = (1.0, 0.0);
-    let of = |value: f64| {
+    let (mut last, mut times, mut sum) = (1.0_f64, 0.0, 0.0);
+    for value in values {
         if value != last {
-            (last, log) = (value, value.ln());
+            sum += times * last.ln();
+            (last, times) = (value, 0.0);
         }
-        log
-    };
-    values.map(of).sum()
+        times += 1.0;
+    }
+    sum + times * last.ln()
 }
 
 /// How noise remembers.

@@ -39,9 +39,9 @@ impl Smooth {
             });
             let normal = normal_of(&columns);
             let right: Vec<f64> = columns.iter().map(|column| inner(column, &short_rest)).collect();
-            let solved = normal.solve(&right, 1e-14);
+            let (solved, own) = normal.solve_with_log_determinant(&right);
             square += inner(&rest, &rest) - inner(&right, &solved);
-            determinant += normal.log_determinant();
+            determinant += own;
         }
         let freedom = (sampled.len() as f64 - self.terms()).max(1.0);
         let variance = (square / freedom).max(f64::MIN_POSITIVE);
@@ -116,9 +116,9 @@ impl Smooth {
             let count = products.len() - 1;
             let normal = normal(products, count, rho);
             let right: Vec<f64> = products[count][..count].iter().map(|p| white(p, rho)).collect();
-            let solved = normal.solve(&right, 1e-14);
+            let (solved, own) = normal.solve_with_log_determinant(&right);
             square += white(&products[count][count], rho) - inner(&right, &solved);
-            determinant += normal.log_determinant() + pairs * (1.0 - rho * rho).ln();
+            determinant += own + pairs * (1.0 - rho * rho).ln();
         }
         let freedom = (lagged.readings - self.terms()).max(1.0);
         let variance = (square / freedom).max(f64::MIN_POSITIVE);
