@@ -100,8 +100,8 @@ pub(crate) struct Offsets {
 }
 
 impl<'a> RunReadings<'a> {
-    #[cfg(test)]
     /// Readings of the first channel of each quantity that has at least `needed` of them after the step.
+    #[cfg(test)]
     pub(crate) fn new(
         channels: &[Channel],
         drive: &'a Drive,
