@@ -158,6 +158,31 @@ impl Electrical {
         with
     }
 
+    /// The circuit of the same current where the one step that it answers to was so much later: every exponential has died
+    /// away by that much less, so its conductance is smaller.
+    pub(super) fn with_step_later(&self, later_s: f64) -> Electrical {
+        let n = self.conductances_a_per_v.len();
+        let fallen: Vec<f64> = self
+            .time_constants_s
+            .iter()
+            .map(|tau_s| later_s / tau_s)
+            .collect();
+        let mut moved = self.clone();
+        for (conductance, fallen) in moved.conductances_a_per_v.iter_mut().zip(&fallen) {
+            *conductance *= (-fallen).exp();
+        }
+        // d ln c = d ln c of before + fallen d ln tau.
+        let of = |row: usize, column: usize| {
+            let with_tau = |place: usize| (place < n).then(|| (n + 1 + place, fallen[place]));
+            let own = |row: usize, column: usize| self.covariance.get(row, column);
+            let across =
+                |row: usize| own(row, column) + with_tau(column).map_or(0.0, |(tau, by)| by * own(row, tau));
+            across(row) + with_tau(row).map_or(0.0, |(tau, by)| by * across(tau))
+        };
+        moved.covariance = Symmetric::from_fn(self.covariance.order(), of);
+        moved
+    }
+
     /// The circuit with its logarithmic parameters moved by `by`, in the covariance's order.
     pub(super) fn moved(&self, by: &[f64; CAPACITY]) -> Electrical {
         let n = self.conductances_a_per_v.len();

@@ -17,7 +17,7 @@ use super::joint::feature::Feature;
 use super::joint::layout::Layout;
 use super::joint::minimum::excess;
 use super::joint::problem::JointProblem;
-use super::joint::readings::RunReadings;
+use super::joint::readings::{Response, RunReadings};
 use super::joint::start::Start;
 use super::outcome;
 use super::sampled::Sampled;
@@ -27,7 +27,7 @@ use crate::error::FitError;
 use crate::nuisances;
 use crate::options::{FitInput, FitOptions};
 use crate::outliers::Cleaned;
-use crate::two_steps::{Readings, identify, needed};
+use crate::two_steps::{Identified, Readings, identify, needed};
 use crate::widened::{self, widen_by};
 
 pub(super) use intervals::Found;
@@ -103,12 +103,18 @@ pub(crate) fn fit_on_one_clock(inputs: &[FitInput], options: &GroupOptions) -> R
     Ok(group)
 }
 
-/// The edges of one run, searched with the parameters of both its responses; none where its current tells of no circuit.
-pub(crate) fn settled(input: &FitInput, options: &FitOptions, edges: &EdgeTimes) -> Option<Settled> {
+/// The edges of one run, searched with the parameters of both its responses from what was `identified` of it with the drive of
+/// `edges`; none where its current tells of no circuit.
+pub(crate) fn settled(
+    input: &FitInput,
+    options: &FitOptions,
+    edges: &EdgeTimes,
+    identified: &Identified,
+) -> Option<Settled> {
     let options = GroupOptions::sharing_all(options.model);
-    let middle = with_drives(&[*input], std::iter::once(edges.drive()));
-    let (runs, starts) = prepared(&middle, &options).ok()?;
-    let (problem, bottom, _) = search(runs, &starts, &shared_places(&options).ok()?);
+    let drive = edges.drive();
+    let (run, start) = readings_and_start(&FitInput { drive, ..*input }, options.model, identified).ok()?;
+    let (problem, bottom, _) = search(vec![run], &[start], &shared_places(&options).ok()?);
     let placed = open_edges::placed(&problem, &bottom.at, std::slice::from_ref(edges))?;
     placed.into_iter().next().map(|placed| placed.settled)
 }
@@ -225,17 +231,32 @@ fn prepare<'a>(
     };
     let readings = Readings::new(input)?;
     readings.check(input, &own)?;
-    let identified = identify(input, &own, readings);
-    let (_, electrical) = identified.current.as_ref().map_err(|reason| FitError::GroupRun {
-        index,
-        reason: reason.clone(),
-    })?;
-    let mut start = Start::of(electrical, options.model.branches);
-    let mut run = RunReadings::new(input.channels, input.drive, input.area_cm2, needed(options.model));
-    match &identified.curvature {
-        Ok((_, bending)) => start = start.with_bending(bending),
-        Err(_) => run.curvature = None,
+    let identified = identify(input, &own, readings, None);
+    readings_and_start(input, options.model, &identified)
+        .map_err(|reason| FitError::GroupRun { index, reason })
+}
+
+/// Readings of a run with their noise, and where what was `identified` of it puts it.
+fn readings_and_start<'a>(
+    input: &FitInput<'a>,
+    model: &FitModel,
+    identified: &Identified,
+) -> Result<(RunReadings<'a>, Start), String> {
+    let (current, electrical) = identified.current.as_ref().map_err(String::clone)?;
+    let mut start = Start::of(electrical, model.branches);
+    if let Ok((_, bending)) = &identified.curvature {
+        start = start.with_bending(bending);
     }
+    let run = RunReadings {
+        drive: input.drive,
+        area_cm2: input.area_cm2,
+        current: Some(Response::new(current.clone())),
+        curvature: identified
+            .curvature
+            .as_ref()
+            .ok()
+            .map(|(own, _)| Response::new(own.clone())),
+    };
     Ok((run, start))
 }
 

@@ -72,7 +72,7 @@ pub use own_clock::{Aligned, aligned};
 pub use whitened::WhitenedChannel;
 
 use plain::{bent_alone, in_two_steps, judge};
-use two_steps::{Readings, identify};
+use two_steps::{OfStep, Readings, identify};
 
 #[cfg(test)]
 mod any_input;
@@ -136,22 +136,25 @@ fn fit_cleaned(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
         },
         options,
     )?;
-    own_clock::widen(&mut fit, input, &aligned, |input| in_two_steps(input, options));
+    own_clock::widen(&mut fit, input, &aligned, |input| {
+        in_two_steps(input, options, None)
+    });
     Ok(fit)
 }
 
 /// Fits a run whose channels are on one clock.
 fn fit_on_one_clock(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
-    let settled = settled_edges::settled(input, options)?;
+    let (settled, step) = settled_edges::settled(input, options)?;
     let placed = FitInput {
         drive: settled.edges.drive(),
         ..*input
     };
-    let mut fit = fit_placed(&placed, options)?;
+    let (mut fit, is_plain) = fit_placed(&placed, options, step.as_ref())?;
     fit.nuisances.extend(nuisances::edges(&settled, input.drive));
     if !settled.open.is_empty() {
-        widened::widen(&mut fit, &settled, |drive| {
-            Some(in_two_steps(&FitInput { drive, ..*input }, options)?.parameters)
+        let here = is_plain.then(|| widened::values(&fit.parameters));
+        widened::widen(&mut fit, &settled, here, |drive| {
+            Some(in_two_steps(&FitInput { drive, ..*input }, options, step.as_ref())?.parameters)
         });
     }
     Ok(fit)
@@ -181,12 +184,14 @@ pub fn fit_knowing(
     }
     let cleaned = Cleaned::of(input);
     let input = &cleaned.input(input);
-    let settled = settled_edges::settled(input, options)?;
+    let (settled, _) = settled_edges::settled(input, options)?;
     let with = |drive: &Drive| group::known::fit(&FitInput { drive, ..*input }, options.model, known);
     let mut fit = with(settled.edges.drive())?;
     fit.nuisances.extend(nuisances::edges(&settled, input.drive));
     if !settled.open.is_empty() {
-        widened::widen(&mut fit, &settled, |drive| Some(with(drive).ok()?.parameters));
+        widened::widen(&mut fit, &settled, None, |drive| {
+            Some(with(drive).ok()?.parameters)
+        });
     }
     fit.issues.extend(cleaned.issues_of_whole());
     Ok(fit)
@@ -218,7 +223,9 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
     let mut group = group::fit_on_one_clock(&on_one_clock.collect::<Vec<_>>(), options)?;
     for ((fit, input), aligned) in group.runs.iter_mut().zip(&inputs).zip(&aligned) {
         match aligned {
-            Ok(Some(aligned)) => own_clock::widen(fit, input, aligned, |input| in_two_steps(input, &own)),
+            Ok(Some(aligned)) => {
+                own_clock::widen(fit, input, aligned, |input| in_two_steps(input, &own, None))
+            }
             Ok(None) => {}
             Err(open) => fit.issues.push(open.clone()),
         }
@@ -236,31 +243,39 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
 /// As [`fit_run`].
 pub fn placed_drive(input: &FitInput, options: &FitOptions) -> Result<Drive, FitError> {
     let cleaned = Cleaned::of(input);
-    let settled = settled_edges::settled(&cleaned.input(input), options)?;
+    let (settled, _) = settled_edges::settled(&cleaned.input(input), options)?;
     Ok(settled.edges.drive().clone())
 }
 
-/// Fits a run whose edges are where its drive has them.
-fn fit_placed(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
+/// Fits a run whose edges are where its drive has them; its circuit may be known for another place of the `step`. Beside
+/// the fit whether its estimates are those of [`in_two_steps`].
+fn fit_placed(
+    input: &FitInput,
+    options: &FitOptions,
+    step: Option<&OfStep>,
+) -> Result<(Fit, bool), FitError> {
     let readings = Readings::new(input)?;
     if let Some(law) = rival_law(options.model.id) {
-        return Ok(law::fit(input, options, law, readings));
+        return Ok((law::fit(input, options, law, readings), true));
     }
-    let mut identified = identify(input, options, readings);
+    let mut identified = identify(input, options, readings, step);
     if input.drive.moves() {
         moving::look_closer(input, options, &mut identified);
-        return Ok(outcome::fit(input, options, &identified, None));
+        return Ok((outcome::fit(input, options, &identified, None), false));
     }
     if options.steps == Steps::Simultaneous && identified.current.is_ok() {
         let group = group::fit_placed(&[*input], &GroupOptions::sharing_all(options.model))?;
         if let Some(fit) = group.runs.into_iter().next() {
-            return Ok(fit);
+            return Ok((fit, false));
         }
     }
     if let Some(fit) = bent_alone(input, options, &identified) {
-        return Ok(fit);
+        return Ok((fit, true));
     }
     unseen_charge::look(input, options, &mut identified);
     let judged = judge(input, options, &mut identified);
-    Ok(outcome::fit(input, options, &identified, judged.as_ref()))
+    let fit = outcome::fit(input, options, &identified, judged.as_ref());
+    let current = identified.current.as_ref().ok();
+    let is_plain = judged.is_none() && current.is_none_or(|(_, circuit)| circuit.ends.is_empty());
+    Ok((fit, is_plain))
 }

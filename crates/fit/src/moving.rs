@@ -37,7 +37,7 @@ pub(crate) fn look_closer(input: &FitInput, options: &FitOptions, identified: &m
 pub fn least_squares_place(input: &FitInput, options: &FitOptions) -> Option<LumpedModel> {
     let cleaned = Cleaned::of(input);
     let input = &cleaned.input(input);
-    let found = identify(input, options, Readings::new(input).ok()?);
+    let found = identify(input, options, Readings::new(input).ok()?, None);
     let (_, electrical) = found.current.ok()?;
     let bending = found.curvature.map_or((0.0, 0.0), |(_, bending)| {
         (bending.coupling_per_c_cm, bending.rate_per_s)

@@ -96,7 +96,7 @@ fn against_current(input: &FitInput, options: &FitOptions, bending: &Channel) ->
     if input.drive.moves() {
         return Err("the voltage moves all the time".to_owned());
     }
-    let settled = settled(input, options).map_err(|error| error.to_string())?;
+    let (settled, _) = settled(input, options).map_err(|error| error.to_string())?;
     let edges = &settled.edges;
     let placed = FitInput {
         drive: edges.drive(),
@@ -104,7 +104,9 @@ fn against_current(input: &FitInput, options: &FitOptions, bending: &Channel) ->
     };
     let circuit = |there: &FitInput| -> Result<Electrical, String> {
         let readings = Readings::new(there).map_err(|error| error.to_string())?;
-        identify(there, options, readings).current.map(|(_, own)| own)
+        identify(there, options, readings, None)
+            .current
+            .map(|(_, own)| own)
     };
     let electrical = circuit(&placed)?;
     if electrical.conductances_a_per_v.is_empty() {

@@ -9,17 +9,17 @@ use crate::joint::readings::{Response, RunReadings};
 use crate::joint::single::{self, Judged};
 use crate::options::{FitInput, FitOptions};
 use crate::sampled::Sampled;
-use crate::two_steps::{Identified, Readings, identify, needed};
+use crate::two_steps::{Identified, OfStep, Readings, identify, needed};
 use crate::{bending_alone, law, outcome, parabola, unseen_charge};
 
 /// A run in two steps, of its bending alone, or by the law of a rival, for its estimates and no further; none where there is
-/// nothing to fit.
-pub(crate) fn in_two_steps(input: &FitInput, options: &FitOptions) -> Option<Fit> {
+/// nothing to fit. The circuit may be known for another place of the `step`.
+pub(crate) fn in_two_steps(input: &FitInput, options: &FitOptions, step: Option<&OfStep>) -> Option<Fit> {
     let readings = Readings::new(input).ok()?;
     if let Some(law) = rival_law(options.model.id) {
         return Some(law::fit(input, options, law, readings));
     }
-    let mut identified = identify(input, options, readings);
+    let mut identified = identify(input, options, readings, step);
     unseen_charge::look(input, options, &mut identified);
     let alone = bent_alone(input, options, &identified);
     Some(alone.unwrap_or_else(|| outcome::for_its_estimates(input, options, &identified)))

@@ -11,17 +11,18 @@ use crate::line::Line;
 use crate::options::{FitInput, FitOptions};
 use crate::plain::in_two_steps;
 use crate::policy::MOST_MEMORY;
-use crate::two_steps::{Readings, identify};
+use crate::two_steps::{Identified, OfStep, identified};
 
 /// The edges of a run, of a lumped model with circuit and bending at once; of a rival's law, and of bending without a circuit,
-/// where all of them together are best. Where nothing tells more they stay in the middle of where they may be.
+/// where all of them together are best. Where nothing tells more they stay in the middle of where they may be. With them the
+/// circuit of a single step, for whichever place of it.
 ///
 /// # Errors
 /// As [`crate::fit_run`].
-pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled, FitError> {
+pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<(Settled, Option<OfStep>), FitError> {
     let middle = Settled::in_the_middle(input.drive);
     if !middle.edges.is_open() {
-        return Ok(middle);
+        return Ok((middle, None));
     }
     let is_rival = rival_law(options.model.id).is_some();
     // A bending on a clock of its own has no part in where the edges are, nor has the law that a rival's is held against.
@@ -32,26 +33,24 @@ pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled,
         channels: &telling,
         ..*input
     };
-    let hides = hides_charge(&told, options, &middle);
-    Ok(match group::settled(&told, options, &middle.edges) {
+    let Some(identified) = identified(&told, options, middle.edges.drive()) else {
+        return Ok((of_all_together(input, options, middle), None));
+    };
+    let step = OfStep::of(middle.edges.drive(), &identified);
+    let hides = hides_charge(options, &identified);
+    let settled = match group::settled(&told, options, &middle.edges, &identified) {
         Some(settled) if hides => settled.or_later(),
         Some(settled) if !is_rival => settled,
         None if hides => middle,
         settled => of_all_together(input, options, settled.unwrap_or(middle)),
-    })
+    };
+    Ok((settled, step))
 }
 
 /// Whether a branch of the model may have charged before the first reading behind an edge. It bends the strip as an earlier edge
 /// does: the edge that is found without such a branch is the earliest that it may be.
-fn hides_charge(input: &FitInput, options: &FitOptions, middle: &Settled) -> bool {
-    let placed = FitInput {
-        drive: middle.edges.drive(),
-        ..*input
-    };
-    let current = Readings::new(&placed)
-        .ok()
-        .and_then(|readings| identify(&placed, options, readings).current.ok());
-    current.is_some_and(|(_, electrical)| {
+fn hides_charge(options: &FitOptions, identified: &Identified) -> bool {
+    identified.current.as_ref().is_ok_and(|(_, electrical)| {
         let seen = electrical.without_too_fast().conductances_a_per_v.len();
         seen > 0 && seen < options.model.branches
     })
@@ -80,6 +79,7 @@ fn of_all_together(input: &FitInput, options: &FitOptions, from: Settled) -> Set
                 ..*input
             },
             options,
+            None,
         )?;
         let of = |noise: &ChannelNoise| {
             let memory = noise.residual_autocorrelation.clamp(0.0, MOST_MEMORY);

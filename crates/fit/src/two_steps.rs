@@ -112,7 +112,52 @@ fn check_drive(drive: &Drive) -> Result<(), FitError> {
     Ok(())
 }
 
-pub(crate) fn identify(input: &FitInput, options: &FitOptions, readings: Readings) -> Identified {
+/// The circuit of a run whose drive is one step, found with that step at some place between two readings.
+///
+/// Shifting the step only rescales the amplitudes of the same exponentials, so the same circuit is known for every other place.
+pub(crate) struct OfStep {
+    start_s: f64,
+    electrical: Electrical,
+}
+
+impl OfStep {
+    /// From what was found with the step where `drive` has it; none where there are further edges, or where a limit of the
+    /// search, which goes with the step, holds a branch.
+    pub(crate) fn of(drive: &Drive, identified: &Identified) -> Option<OfStep> {
+        let [step] = drive.segments.as_slice() else {
+            return None;
+        };
+        let (_, electrical) = identified.current.as_ref().ok()?;
+        let is_free = electrical.at_bound.iter().all(Option::is_none);
+        let is_held = step.level != Level::OpenCircuit && !drive.moves();
+        (is_held && is_free).then(|| OfStep {
+            start_s: step.start_s(),
+            electrical: electrical.clone(),
+        })
+    }
+
+    /// The circuit with the step where `drive` has it.
+    fn under(&self, drive: &Drive) -> Electrical {
+        let later_s = drive.segments[0].start_s() - self.start_s;
+        self.electrical.with_step_later(later_s)
+    }
+}
+
+/// Both steps of a run under another drive; none where there is nothing to fit.
+pub(crate) fn identified(input: &FitInput, options: &FitOptions, drive: &Drive) -> Option<Identified> {
+    let input = &FitInput { drive, ..*input };
+    let readings = Readings::new(input).ok()?;
+    readings.check(input, options).ok()?;
+    Some(identify(input, options, readings, None))
+}
+
+/// Both steps; where the circuit is known for another place of the `step`, it is not searched again.
+pub(crate) fn identify(
+    input: &FitInput,
+    options: &FitOptions,
+    readings: Readings,
+    step: Option<&OfStep>,
+) -> Identified {
     let needed = needed(options.model);
     let enough = |sampled: &Sampled, name: &str| {
         if sampled.after_step() >= needed {
@@ -128,13 +173,11 @@ pub(crate) fn identify(input: &FitInput, options: &FitOptions, readings: Reading
         .ok_or_else(|| "the run has no current channel".to_owned())
         .and_then(|sampled| {
             enough(&sampled, "current")?;
-            let electrical = electrical::identify(
-                input.drive,
-                input.area_cm2,
-                &sampled,
-                options.model.branches,
-                options.search(),
-            );
+            let search = || {
+                let branches = options.model.branches;
+                electrical::identify(input.drive, input.area_cm2, &sampled, branches, options.search())
+            };
+            let electrical = step.map_or_else(search, |step| step.under(input.drive));
             Ok((sampled, electrical))
         });
     let mut unfitted_curvature = None;

@@ -21,14 +21,19 @@ pub(crate) fn values(parameters: &[Parameter]) -> Values {
 }
 
 /// Widens the intervals of `fit`, which was made with the edges of `settled`, by what they leave open; `plain` fits the run
-/// with another drive, in the simplest way. It is asked at both ends of where the edges are in 95 of 100 runs: a branch that
+/// with another drive, in the simplest way, and has the parameters `here` where the edges are, if that is known. It is asked at both ends of where the edges are in 95 of 100 runs: a branch that
 /// charges between two readings goes far from a straight line between them.
-pub(crate) fn widen(fit: &mut Fit, settled: &Settled, plain: impl Fn(&Drive) -> Option<Vec<Parameter>>) {
+pub(crate) fn widen(
+    fit: &mut Fit,
+    settled: &Settled,
+    here: Option<Values>,
+    plain: impl Fn(&Drive) -> Option<Vec<Parameter>>,
+) {
     let with_shifts = |by_s: &[f64]| {
         let fitted = plain(&settled.edges.shifted(by_s));
         fitted.map_or_else(Values::new, |fitted| values(&fitted))
     };
-    let here = with_shifts(&vec![0.0; settled.edges.shifts().len()]);
+    let here = here.unwrap_or_else(|| with_shifts(&vec![0.0; settled.edges.shifts().len()]));
     let end = |by_s: &Vec<f64>, sign: f64| {
         let whole: Vec<f64> = by_s.iter().map(|by_s| sign * NORMAL_95 * by_s).collect();
         let part = settled.edges.part_of(&whole);

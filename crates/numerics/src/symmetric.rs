@@ -143,10 +143,13 @@ impl Symmetric {
 
     /// Logarithm of the determinant.
     pub fn log_determinant(&self) -> f64 {
-        let Scaled { factor, scale } = self.scaled(1e-14);
-        (0..self.order)
-            .map(|k| 2.0 * (factor.get(k, k) / scale[k].max(f64::MIN_POSITIVE)).ln())
-            .sum()
+        self.scaled(1e-14).log_determinant()
+    }
+
+    /// Solution of `A x = right`, as [`Symmetric::solve`] has it, and the logarithm of the determinant, by one factor.
+    pub fn solve_with_log_determinant(&self, right: &[f64]) -> (Vec<f64>, f64) {
+        let scaled = self.scaled(1e-14);
+        (scaled.solve(right), scaled.log_determinant())
     }
 
     /// Eigenvalues and eigenvectors by cyclic Jacobi rotations, in no particular order: `vectors[row][m]` belongs to
@@ -282,6 +285,12 @@ struct Scaled {
 }
 
 impl Scaled {
+    fn log_determinant(&self) -> f64 {
+        let each = self.scale.iter().enumerate();
+        each.map(|(k, scale)| 2.0 * (self.factor.get(k, k) / scale.max(f64::MIN_POSITIVE)).ln())
+            .sum()
+    }
+
     fn solve(&self, right: &[f64]) -> Vec<f64> {
         let by_scale = |values: &[f64]| -> Vec<f64> {
             let pairs = values.iter().zip(&self.scale);

@@ -75,7 +75,7 @@ pub fn fit_distributed(input: &DistributedInput, steps: Steps) -> Result<Fit, Fi
     };
     let mut fit = fit_placed(&placed, steps)?;
     if !settled.open.is_empty() {
-        widened::widen(&mut fit, &settled, |drive| {
+        widened::widen(&mut fit, &settled, None, |drive| {
             let moved = DistributedInput { drive, ..*input };
             Some(estimates::parameters(&identify(&moved, steps).ok()?))
         });

@@ -20,6 +20,7 @@ use crate::joint::start::{Start, problem};
 use crate::options::{FitInput, FitOptions};
 use crate::outcome;
 use crate::outliers::Cleaned;
+use crate::two_steps::identified;
 use crate::widened::widen_by;
 
 /// Key of what a charge does to the strip: it bends where it is free, and pulls where it is held.
@@ -117,8 +118,13 @@ fn placed_alone(input: &FitInput, edges: &EdgeTimes, model: &'static FitModel) -
         model,
         ..FitOptions::default()
     };
-    let settled = edges.is_open().then(|| settled(input, &options, edges)).flatten();
-    settled.map_or_else(|| edges.drive().clone(), |settled| settled.edges.drive().clone())
+    let settled = edges.is_open().then(|| {
+        let identified = identified(input, &options, edges.drive())?;
+        settled(input, &options, edges, &identified)
+    });
+    settled
+        .flatten()
+        .map_or_else(|| edges.drive().clone(), |settled| settled.edges.drive().clone())
 }
 
 /// What the spectrum says of the strip by itself.

@@ -10,6 +10,7 @@ use ieap_numerics::sums::dot;
 
 use crate::sampled::{Sampled, Span};
 
+use super::nodes::Nodes;
 use super::whitening::Whitener;
 
 /// Spacing of the grid of rates in logarithms, and nodes that an interpolation uses: its error is 1e-9 of the signal. (At 1/3 and
@@ -81,12 +82,6 @@ impl CompressedSpan {
             .iter()
             .map(|t| t - first_s)
             .collect();
-        let groups = groups(&elapsed_s, span, whitener);
-        let white = |mut column: Vec<f64>| {
-            whitener.whiten(span, &mut column);
-            column
-        };
-        let condensed = |column: Vec<f64>| grouped(&white(column), &groups);
         let longest_s = elapsed_s[elapsed_s.len() - 1];
         let step_s = elapsed_s
             .windows(2)
@@ -100,16 +95,9 @@ impl CompressedSpan {
         } else {
             0
         };
-        let mut columns = vec![condensed(vec![1.0; elapsed_s.len()])];
-        let blocks = blocks(&elapsed_s, 0, elapsed_s.len());
-        for node in 0..nodes {
-            columns.push(condensed(decay(
-                (slowest + SPACING * node as f64).exp(),
-                &blocks,
-                &elapsed_s,
-            )));
-        }
-        let target = condensed(sampled.values[span.first..span.end].to_vec());
+        let rates = (0..nodes).map(|node| (slowest + SPACING * node as f64).exp());
+        let rates: Vec<f64> = std::iter::once(0.0).chain(rates).collect();
+        let (columns, target) = condensed(sampled, span, whitener, &elapsed_s, &rates);
         let (design, target) = reduced(columns, target);
         CompressedSpan {
             segment: span.segment,
@@ -186,6 +174,35 @@ fn lagrange(x: f64) -> [f64; STENCIL] {
     }
     weights.iter_mut().for_each(|weight| *weight /= sum);
     weights
+}
+
+/// e^(-rate t) of every rate, and the readings, made white and short: by nodes where one rule holds for all readings, else by
+/// groups.
+fn condensed(
+    sampled: &Sampled,
+    span: &Span,
+    whitener: &Whitener,
+    elapsed_s: &[f64],
+    rates_per_s: &[f64],
+) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let white = |mut column: Vec<f64>| {
+        whitener.whiten(span, &mut column);
+        column
+    };
+    let values = white(sampled.values[span.first..span.end].to_vec());
+    if let Some(steady) = whitener.steady(span)
+        && let Some((nodes, target)) = Nodes::of(elapsed_s, steady.coefficients.len(), &values)
+    {
+        let column = |rate: &f64| nodes.white_column(*rate, span, whitener, &steady);
+        return (rates_per_s.iter().map(column).collect(), target);
+    }
+    let groups = groups(elapsed_s, span, whitener);
+    let blocks = blocks(elapsed_s, 0, elapsed_s.len());
+    let column = |rate: &f64| grouped(&white(decay(*rate, &blocks, elapsed_s)), &groups);
+    (
+        rates_per_s.iter().map(column).collect(),
+        grouped(&values, &groups),
+    )
 }
 
 /// e^(-rate t) at all readings.
@@ -302,15 +319,33 @@ mod tests {
     use super::*;
     use ieap_domain::{Channel, Drive, Quantity};
 
+    /// Over noise of every kind: of one size and short memory, of a long one, of sizes that differ, and at uneven times.
     #[test]
     fn condensed_residuals_are_those_of_all_readings() {
-        let time_s: std::sync::Arc<[f64]> = (0..3000).map(|k| 0.5 * f64::from(k)).collect();
+        let even: Vec<f64> = (0..3000).map(|k| 0.5 * f64::from(k)).collect();
+        let uneven: Vec<f64> = even.iter().map(|t| t + 0.1 * (3.0 * t).sin()).collect();
+        let growing: Vec<f64> = even.iter().map(|t| 1e-3 * (1.0 + (-t / 300.0).exp())).collect();
+        let same = vec![1e-3; 3000];
+        for order in [vec![], vec![0.6], vec![0.4, -0.2, 0.3]] {
+            assert_is_that_of_all(&even, &same, Autocorrelation::Order(order));
+        }
+        assert_is_that_of_all(&even, &growing, Autocorrelation::Order(vec![0.6]));
+        let time = Autocorrelation::Time {
+            correlation_time_s: 1.0,
+        };
+        assert_is_that_of_all(&uneven, &same, Autocorrelation::Order(vec![]));
+        assert_is_that_of_all(&even, &same, time);
+    }
+
+    #[track_caller]
+    fn assert_is_that_of_all(time_s: &[f64], sd: &[f64], autocorrelation: Autocorrelation) {
+        let time_s: std::sync::Arc<[f64]> = time_s.into();
         let value =
             |t: f64| 0.2 + 1.3 * (-t / 7.7).exp() - 0.4 * (-t / 333.0).exp() + 0.1 * (-t * 1e-6).exp();
         let values: Vec<f64> = time_s.iter().map(|&t| value(t)).collect();
         let channel = Channel::new(Quantity::Current, time_s, values.into());
         let sampled = Sampled::new(&channel, &Drive::step(1.0), false);
-        let whitener = Whitener::new(&sampled, &vec![1e-3; 3000], &Autocorrelation::Order(vec![0.6]));
+        let whitener = Whitener::new(&sampled, sd, &autocorrelation);
         let span = &Compressed::new(&sampled, &whitener).spans[0];
         let mode = |rate_per_s: f64, amplitude| Mode {
             rate_per_s,

@@ -7,6 +7,7 @@ mod compressed;
 pub(super) mod feature;
 pub(super) mod layout;
 pub(super) mod minimum;
+mod nodes;
 pub(super) mod noise;
 pub(super) mod policy;
 pub(super) mod problem;

@@ -9,6 +9,7 @@ mod growth;
 mod lagged;
 mod memory;
 mod shared;
+mod short_shapes;
 pub(crate) mod slow;
 mod smooth;
 #[cfg(test)]

@@ -43,6 +43,12 @@ pub(super) const FLICKER_FROM_READINGS: f64 = 0.5;
 /// Longest such process, in records. Chosen.
 pub(super) const FLICKER_TO_RECORDS: f64 = 1.0;
 
+/// A stretch of whitened readings that nodes stand for ends at this multiple of the time at which it begins: the nodes of
+/// `ieap_numerics::discrete_gauss` are counted for it.
+pub(super) const STRETCH: f64 = 2.0;
+/// Rate times time from which on an exponential is nothing beside rounding: e^-40 is 4e-18.
+pub(super) const GONE_AT: f64 = 40.0;
+
 /// Exponentials of the smooth part per segment, at most. Chosen.
 pub(super) const MOST_SHAPES: usize = 16;
 /// The closest that they lie in the logarithm of time. Chosen.

@@ -2,7 +2,9 @@
 
 use crate::joint::policy::LEAST_NOISE_PART;
 use crate::sampled::Sampled;
-use ieap_domain::{Channel, Drive, Estimate, Quantity};
+#[cfg(test)]
+use ieap_domain::{Channel, Quantity};
+use ieap_domain::{Drive, Estimate};
 use ieap_model::LumpedModel;
 use ieap_model::lumped::SegmentResponse;
 use ieap_numerics::noise::local_scatter;
@@ -99,6 +101,7 @@ pub(crate) struct Offsets {
 
 impl<'a> RunReadings<'a> {
     /// Readings of the first channel of each quantity that has at least `needed` of them after the step.
+    #[cfg(test)]
     pub(crate) fn new(
         channels: &[Channel],
         drive: &'a Drive,

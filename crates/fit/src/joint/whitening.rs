@@ -3,6 +3,19 @@
 use crate::sampled::{Sampled, Span};
 use ieap_numerics::symmetric::Symmetric;
 
+/// Sum of the logarithms; of a number that repeats itself it is taken once.
+pub(super) fn sum_of_logs(values: impl Iterator<Item = f64>) -> f64 {
+    let (mut last, mut times, mut sum) = (1.0_f64, 0.0, 0.0);
+    for value in values {
+        if value != last {
+            sum += times * last.ln();
+            (last, times) = (value, 0.0);
+        }
+        times += 1.0;
+    }
+    sum + times * last.ln()
+}
+
 /// How noise remembers.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Autocorrelation {
@@ -151,6 +164,24 @@ fn filter(time_s: &[f64], processes: &[Process]) -> Vec<Filtered> {
         }
     };
     (0..time_s.len()).map(of_reading).collect()
+}
+
+/// A rule that is the same for all readings that have so many before them as it has coefficients.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Steady {
+    /// What is predicted from each of the readings before, the last one first.
+    pub(crate) coefficients: Vec<f64>,
+    /// What is new, times this, is of unit size.
+    size: f64,
+}
+
+impl Steady {
+    /// By what an exponential is multiplied that falls by `e^-fall` from reading to reading.
+    pub(crate) fn gain(&self, fall: f64) -> f64 {
+        let each = self.coefficients.iter().zip(1..);
+        let predicted: f64 = each.map(|(own, lag)| own * (fall * f64::from(lag)).exp()).sum();
+        self.size * (1.0 - predicted)
+    }
 }
 
 impl Filtered {
@@ -311,20 +342,44 @@ impl Whitener {
 
     /// Logarithm of the determinant of the covariance of all readings.
     pub(crate) fn log_determinant(&self, sampled: &Sampled) -> f64 {
-        let scales: f64 = self.per_sd.iter().map(|per_sd| -2.0 * per_sd.ln()).sum();
+        let scales = -2.0 * sum_of_logs(self.per_sd.iter().copied());
         let autocorrelation: f64 = match &self.rule {
-            Rule::Pairs(pairs) => pairs.iter().map(|(_, per_new)| -2.0 * per_new.ln()).sum(),
+            Rule::Pairs(pairs) => -2.0 * sum_of_logs(pairs.iter().map(|(_, per_new)| *per_new)),
             Rule::Filter(filter) => filter.iter().map(|rule| -2.0 * rule.per_new.ln()).sum(),
             Rule::Orders(orders) => {
-                let of_span = |span: &Span| -> f64 {
-                    (0..span.end - span.first)
-                        .map(|k| -2.0 * orders[k.min(orders.len() - 1)].1.ln())
-                        .sum()
+                let of_span = |span: &Span| {
+                    let each = (0..span.end - span.first).map(|k| orders[k.min(orders.len() - 1)].1);
+                    -2.0 * sum_of_logs(each)
                 };
                 sampled.spans.iter().map(of_span).sum()
             }
         };
         scales + autocorrelation
+    }
+
+    /// The rule behind the first readings of a span, where it is the same for all of them; none where it changes, or
+    /// remembers without end.
+    pub(crate) fn steady(&self, span: &Span) -> Option<Steady> {
+        let per_sd = &self.per_sd[span.first..span.end];
+        if per_sd.iter().any(|own| *own != per_sd[0]) {
+            return None;
+        }
+        let (coefficients, per_new) = match &self.rule {
+            Rule::Pairs(pairs) => {
+                let later = &pairs[span.first + 1..span.end];
+                let (rho, per_new) = later.first().copied().unwrap_or((0.0, 1.0));
+                if later.iter().any(|own| *own != (rho, per_new)) {
+                    return None;
+                }
+                (vec![rho], per_new)
+            }
+            Rule::Orders(orders) => orders.last()?.clone(),
+            Rule::Filter(_) => return None,
+        };
+        Some(Steady {
+            coefficients,
+            size: per_sd[0] * per_new,
+        })
     }
 
     /// Whether the whitened value of a smooth series varies smoothly from reading `k - 1` to `k` of a span that

@@ -46,7 +46,7 @@ pub(super) fn fit(
         current,
         curvature: None,
     };
-    let mut identified = identify(input, options, of_current);
+    let mut identified = identify(input, options, of_current, None);
     let outcome = bend(input, options, law, &identified.current, curvature);
     if let Err(unfitted) = &outcome {
         identified.unfitted_curvature.clone_from(&unfitted.sampled);

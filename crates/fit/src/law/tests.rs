@@ -309,7 +309,7 @@ fn the_law_of_the_thesis_agrees_with_its_own_fit() {
         area_cm2: AREA_CM2,
     };
     let options = FitOptions::default();
-    let (_, own) = identify(&input, &options, Readings::new(&input).unwrap())
+    let (_, own) = identify(&input, &options, Readings::new(&input).unwrap(), None)
         .curvature
         .unwrap();
     let described = crate::describe(&input, options.model).unwrap();

@@ -75,7 +75,7 @@ fn a_fit_in_two_steps_settled_only_where_both_did() {
     let options = FitOptions::default();
     for stop in STOPS {
         for of_current in [true, false] {
-            let mut identified = identify(&input, &options, Readings::new(&input).unwrap());
+            let mut identified = identify(&input, &options, Readings::new(&input).unwrap(), None);
             let (Ok((_, electrical)), Ok((_, bending))) =
                 (&mut identified.current, &mut identified.curvature)
             else {

@@ -56,7 +56,7 @@ impl Again {
         let spans: Vec<SpanShapes> = sampled
             .spans
             .iter()
-            .zip(&smooth.shapes)
+            .zip(smooth.shapes(sampled))
             .map(|(span, shapes)| SpanShapes {
                 span: *span,
                 shapes: shapes

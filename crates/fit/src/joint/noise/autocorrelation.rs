@@ -1,7 +1,7 @@
 //! The memory of noise, by restricted likelihood beside the smooth part, so that the smooth part costs no bias.
 
 use crate::joint::policy::MEMORY_OF_RECORD;
-use crate::joint::whitening::{Autocorrelation, Whitener};
+use crate::joint::whitening::{Autocorrelation, Whitener, sum_of_logs};
 use crate::sampled::{Sampled, Span};
 use ieap_numerics::correlation::{FEWEST_FOR_ORDER, NOISE_EVIDENCE, yule_walker};
 
@@ -23,19 +23,25 @@ impl Smooth {
         let whitener = Whitener::new(sampled, scale, autocorrelation);
         let mut square = 0.0;
         let mut determinant = whitener.log_determinant(sampled);
-        for (span, shapes) in sampled.spans.iter().zip(&self.shapes) {
+        for (k, span) in sampled.spans.iter().enumerate() {
             let white = |column: &[f64]| {
                 let mut column = column.to_vec();
                 whitener.whiten(span, &mut column);
                 column
             };
-            let columns: Vec<Vec<f64>> = shapes.iter().map(|shape| white(shape)).collect();
             let rest = white(&self.rest[span.first..span.end]);
+            let short = self
+                .short()
+                .and_then(|short| short[k].white(span, &whitener, &rest));
+            let (columns, short_rest) = short.unwrap_or_else(|| {
+                let shapes = &self.shapes(sampled)[k];
+                (shapes.iter().map(|shape| white(shape)).collect(), rest.clone())
+            });
             let normal = normal_of(&columns);
-            let right: Vec<f64> = columns.iter().map(|column| inner(column, &rest)).collect();
-            let solved = normal.solve(&right, 1e-14);
+            let right: Vec<f64> = columns.iter().map(|column| inner(column, &short_rest)).collect();
+            let (solved, own) = normal.solve_with_log_determinant(&right);
             square += inner(&rest, &rest) - inner(&right, &solved);
-            determinant += normal.log_determinant();
+            determinant += own;
         }
         let freedom = (sampled.len() as f64 - self.terms()).max(1.0);
         let variance = (square / freedom).max(f64::MIN_POSITIVE);
@@ -44,8 +50,8 @@ impl Smooth {
 
     /// The memory that the rest shows.
     pub(super) fn autocorrelation(&self, sampled: &Sampled, scale: &[f64]) -> FoundAutocorrelation {
-        let white = Autocorrelation::Order(Vec::new());
-        let mut best = (self.deviance(sampled, scale, &white), white);
+        let lagged = self.lagged(sampled, scale);
+        let mut best = (self.deviance_of(&lagged, 0.0), Autocorrelation::Order(Vec::new()));
         let unit: f64 = self.rest.iter().map(|r| r * r).sum();
         let freedom = sampled.len() as f64 - self.terms();
         if freedom < 4.0 || unit <= 0.0 {
@@ -54,7 +60,6 @@ impl Smooth {
         let by_order = |x: f64| Autocorrelation::Order(vec![x.tanh()]);
         let (shortest_s, longest_s) = sampled.time_scales_s();
         let is_even = sampled.blocks.iter().all(|(_, block)| block.step_s.is_some());
-        let lagged = self.lagged(sampled, scale);
         let with_prior =
             |(deviance, variance): (f64, f64), records: f64| (deviance + prior_deviance(records), variance);
         let of_order = |x: f64| {
@@ -82,17 +87,24 @@ impl Smooth {
 
     /// Products of the scaled shapes and rest with each other.
     fn lagged(&self, sampled: &Sampled, scale: &[f64]) -> Lagged {
-        let of_span = |(span, shapes): (&Span, &Vec<Vec<f64>>)| {
+        let of_span = |(k, span): (usize, &Span)| {
             let scale = &scale[span.first..span.end];
             let rest = &self.rest[span.first..span.end];
-            let mut columns: Vec<Vec<f64>> = shapes.iter().map(|shape| scaled(shape, scale)).collect();
-            columns.push(scaled(rest, scale));
-            (among(&columns), (span.end - span.first - 1) as f64)
+            let is_even = scale.iter().all(|own| *own == scale[0]);
+            let short = self.short().filter(|_| is_even);
+            let short = short.and_then(|short| short[k].among(rest, scale[0]));
+            let products = short.unwrap_or_else(|| {
+                let shapes = &self.shapes(sampled)[k];
+                let mut columns: Vec<Vec<f64>> = shapes.iter().map(|shape| scaled(shape, scale)).collect();
+                columns.push(scaled(rest, scale));
+                among(&columns)
+            });
+            (products, (span.end - span.first - 1) as f64)
         };
         Lagged {
-            spans: sampled.spans.iter().zip(&self.shapes).map(of_span).collect(),
+            spans: sampled.spans.iter().enumerate().map(of_span).collect(),
             readings: sampled.len() as f64,
-            determinant: scale.iter().map(|s| 2.0 * s.ln()).sum(),
+            determinant: 2.0 * sum_of_logs(scale.iter().copied()),
         }
     }
 
@@ -104,9 +116,9 @@ impl Smooth {
             let count = products.len() - 1;
             let normal = normal(products, count, rho);
             let right: Vec<f64> = products[count][..count].iter().map(|p| white(p, rho)).collect();
-            let solved = normal.solve(&right, 1e-14);
+            let (solved, own) = normal.solve_with_log_determinant(&right);
             square += white(&products[count][count], rho) - inner(&right, &solved);
-            determinant += normal.log_determinant() + pairs * (1.0 - rho * rho).ln();
+            determinant += own + pairs * (1.0 - rho * rho).ln();
         }
         let freedom = (lagged.readings - self.terms()).max(1.0);
         let variance = (square / freedom).max(f64::MIN_POSITIVE);
