@@ -440,6 +440,7 @@ fn kept(input: &Input, curves: &dyn CurveSource, old: &Path, new: &Path) -> usiz
     let earlier = Earlier {
         made: kept::read(&list, |_| true),
         take: &take,
+        values: None,
     };
     let rendered = render(input, curves, &earlier, new, &|_, _| {}).expect("a site");
     rendered.kept
