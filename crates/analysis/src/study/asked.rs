@@ -5,6 +5,8 @@
 use std::collections::BTreeMap;
 
 use ieap_domain::Factor;
+use ieap_numerics::interrupt;
+use rayon::prelude::*;
 
 use super::answer::Answer;
 use super::asking::Asking;
@@ -46,13 +48,17 @@ impl Asked<'_> {
             self.conditions,
             (self.facts, &placed),
         );
-        let mut told = Told::new();
-        for key in MEASURES {
-            self.tell_measure(key, (&placed, &grounds), kept, &mut told);
-        }
-        for key in CURVES {
-            self.tell_curves(key, (&placed, &grounds), kept, &mut told);
-        }
+        // Each by itself, side by side: what becomes of them does not hang on their order.
+        let of_measures = MEASURES.into_par_iter().map(|key| {
+            interrupt::check();
+            self.tell_measure(key, (&placed, &grounds), kept)
+        });
+        let of_curves = CURVES.into_par_iter().map(|key| {
+            interrupt::check();
+            self.tell_curves(key, (&placed, &grounds), kept)
+        });
+        let all: Vec<Told> = of_measures.chain(of_curves).collect();
+        let mut told: Told = all.into_iter().flatten().collect();
         let mut odd: Vec<OddValue> = Vec::new();
         for material in materials.clone() {
             let mut keys = MEASURES;
@@ -79,13 +85,13 @@ impl Asked<'_> {
         key: &'static str,
         (placed, grounds): (&[Placed], &Grounds),
         kept: &Cache,
-        told: &mut Told,
-    ) {
+    ) -> Told {
+        let mut told = Told::new();
         let all: Vec<_> = placed
             .iter()
             .map(|own| numbers(&self.evidence, own, key))
             .collect();
-        let due = due(key, grounds, grounds.of_measure(key, &all), kept, told);
+        let due = due(key, grounds, grounds.of_measure(key, &all), kept, &mut told);
         let each = (0..all.len()).filter(|at| is_needed(*at, &due));
         let measured = each.filter_map(|at| Some(((at, key), measured(all[at].as_ref()?, &placed[at]))));
         let measured: BTreeMap<_, _> = measured.collect();
@@ -121,22 +127,18 @@ impl Asked<'_> {
             found.keep(&hash, &grounds.runs(unit), kept);
             told.insert((key, unit), found);
         }
+        told
     }
 
     /// What is told of curves of each unit.
-    fn tell_curves(
-        &self,
-        key: &'static str,
-        (placed, grounds): (&[Placed], &Grounds),
-        kept: &Cache,
-        told: &mut Told,
-    ) {
+    fn tell_curves(&self, key: &'static str, (placed, grounds): (&[Placed], &Grounds), kept: &Cache) -> Told {
+        let mut told = Told::new();
         let due = due(
             key,
             grounds,
             grounds.of_curves(key, self.evidence.curves),
             kept,
-            told,
+            &mut told,
         );
         let stated = self.evidence.campaign.study.scatter_percent;
         let curves = |at: usize| {
@@ -158,6 +160,7 @@ impl Asked<'_> {
             found.keep(&hash, &grounds.runs(unit), kept);
             told.insert((key, unit), found);
         }
+        told
     }
 
     /// Nothing measured yet.

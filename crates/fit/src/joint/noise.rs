@@ -5,6 +5,7 @@
 
 mod again;
 mod autocorrelation;
+mod columns;
 mod growth;
 mod lagged;
 mod memory;
@@ -12,6 +13,7 @@ mod shared;
 mod short_shapes;
 pub(crate) mod slow;
 mod smooth;
+mod spread;
 #[cfg(test)]
 mod tests;
 mod tried;

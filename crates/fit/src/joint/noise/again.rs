@@ -6,9 +6,10 @@ use crate::sampled::{Sampled, Span};
 use ieap_numerics::symmetric::Symmetric;
 
 use super::Noise;
+use super::columns::inner;
 use super::lagged::{Products, among, normal, normal_of, products, scaled, white};
 use super::shared::together;
-use super::smooth::{Smooth, inner};
+use super::smooth::Smooth;
 use super::tried::{CORRELATIONS, FROM, TO, correlation_at, lowest};
 
 /// Smooth shapes and scales of a channel, and the normal matrices of every memory that is tried.

@@ -5,8 +5,9 @@ use crate::joint::whitening::{Autocorrelation, Whitener, sum_of_logs};
 use crate::sampled::{Sampled, Span};
 use ieap_numerics::correlation::{FEWEST_FOR_ORDER, NOISE_EVIDENCE, yule_walker};
 
+use super::columns::inner;
 use super::lagged::{Products, among, normal, normal_of, scaled, white};
-use super::smooth::{Smooth, inner};
+use super::smooth::Smooth;
 use super::tried::{CORRELATIONS, FROM, TO, lowest};
 
 /// Correlation times that are tried.

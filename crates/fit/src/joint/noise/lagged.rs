@@ -3,7 +3,7 @@
 
 use ieap_numerics::symmetric::Symmetric;
 
-use super::smooth::inner;
+use super::columns::inner;
 
 /// Products of two series at the first reading, at later ones, at those before them, and across.
 pub(crate) type Products = [f64; 4];

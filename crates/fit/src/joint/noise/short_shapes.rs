@@ -7,8 +7,9 @@ use crate::joint::nodes::Nodes;
 use crate::joint::whitening::Whitener;
 use crate::sampled::{Sampled, Span};
 
-use super::lagged::Products;
-use super::smooth::{add_decay, inner, orthonormal, rates_per_s, take};
+use super::columns::{inner, orthonormal, take};
+use super::lagged::{Products, products};
+use super::spread::{add_decay, rates_per_s};
 
 /// Orthonormal sums of exponentials.
 pub(super) struct ShortShapes {
@@ -123,7 +124,7 @@ impl ShortShapes {
         let row = |a: usize| (0..=a).map(|b| pair(a, b)).collect();
         let mut among: Vec<Vec<Products>> = (0..own.len()).map(row).collect();
         // The series is no smooth one: nodes do not stand for its products with itself.
-        let last = super::lagged::products(series, series);
+        let last = products(series, series);
         among[self.count()][self.count()] = last.map(|product| per_square * product);
         Some(among)
     }

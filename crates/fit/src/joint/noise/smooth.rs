@@ -4,12 +4,14 @@
 use std::cell::OnceCell;
 
 use ieap_domain::{Drive, Level};
-use ieap_numerics::decay::{BLOCK, Block, Decay, blocks};
+use ieap_numerics::decay::blocks;
 
-use crate::joint::policy::{CLOSEST_SHAPES_LOG, GONE_AT, MOST_SHAPES, POWERS, READINGS_PER_ANSWER};
+use crate::joint::policy::{POWERS, READINGS_PER_ANSWER};
 use crate::sampled::{Sampled, Span};
 
+use super::columns::{inner, orthonormal, take};
 use super::short_shapes::ShortShapes;
+use super::spread::{add_decay, rates_per_s, time_constants_s};
 
 /// Smooth shapes of every span, and what they leave.
 pub(super) struct Smooth {
@@ -98,53 +100,6 @@ fn decays(elapsed_s: &[f64]) -> Vec<Vec<f64>> {
     rates_per_s(elapsed_s).into_iter().map(column).collect()
 }
 
-/// The rate of a constant, and those of exponentials that are spread over the segment.
-pub(super) fn rates_per_s(elapsed_s: &[f64]) -> Vec<f64> {
-    let spread = time_constants_s(elapsed_s, elapsed_s.len() / 8, MOST_SHAPES);
-    let spread = spread.into_iter().map(f64::recip);
-    std::iter::once(0.0).chain(spread).collect()
-}
-
-/// Adds `amplitude` times e^(-rate t).
-pub(super) fn add_decay(
-    amplitude: f64,
-    rate_per_s: f64,
-    blocks: &[Block],
-    elapsed_s: &[f64],
-    out: &mut [f64],
-) {
-    let (mut decay, mut own) = (Decay::new(rate_per_s), [0.0; BLOCK]);
-    for block in blocks {
-        if rate_per_s * elapsed_s[block.first] > GONE_AT {
-            break;
-        }
-        decay.fill(block, elapsed_s, &mut own);
-        take(&own, -amplitude, &mut out[block.first..block.first + block.len]);
-    }
-}
-
-/// Takes so much of a series off another one.
-pub(super) fn take(series: &[f64], by: f64, out: &mut [f64]) {
-    out.iter_mut().zip(series).for_each(|(out, own)| *out -= by * own);
-}
-
-/// Time constants from the record's length down to the distance of readings, at most so many; none of too few readings.
-fn time_constants_s(elapsed_s: &[f64], count: usize, most: usize) -> Vec<f64> {
-    let longest_s = elapsed_s.last().copied().unwrap_or(0.0);
-    let step_s = elapsed_s
-        .windows(3)
-        .map(|three| (three[2] - three[0]) / 2.0)
-        .fold(f64::INFINITY, f64::min);
-    if elapsed_s.len() < 6 || longest_s <= 0.0 || step_s <= 0.0 {
-        return Vec::new();
-    }
-    let (fast, slow) = ((step_s * 2.0).ln(), (longest_s / 1.5).ln());
-    let room = ((slow - fast) / CLOSEST_SHAPES_LOG).max(0.0) as usize + 1;
-    let count = count.min(room).clamp(2, most);
-    let at = |k: usize| (slow + (fast - slow) * k as f64 / (count - 1) as f64).exp();
-    (0..count).map(at).collect()
-}
-
 /// What follows a moving voltage: its powers, and their means over the past that forget in so many time constants.
 fn answers(drive: &Drive, time_s: &[f64], elapsed_s: &[f64]) -> Vec<Vec<f64>> {
     let mut columns = Vec::new();
@@ -185,43 +140,4 @@ fn remembered(drive: &Drive, time_s: &[f64], power: i32, tau_s: f64) -> Vec<f64>
         out.push(mean);
     }
     out
-}
-
-/// Columns made orthonormal over so many of their entries (Gram and Schmidt, twice); dependent ones fall out.
-pub(super) fn orthonormal(columns: Vec<Vec<f64>>, over: usize) -> Vec<Vec<f64>> {
-    let mut found: Vec<Vec<f64>> = Vec::new();
-    let norm = |column: &[f64]| inner(&column[..over], &column[..over]).sqrt();
-    for mut column in columns {
-        let before = norm(&column);
-        for _ in 0..2 {
-            for shape in &found {
-                let part = inner(&shape[..over], &column[..over]);
-                take(shape, part, &mut column);
-            }
-        }
-        let norm = norm(&column);
-        if norm > 1e-6 * before && norm.is_finite() {
-            column.iter_mut().for_each(|c| *c /= norm);
-            found.push(column);
-        }
-    }
-    found
-}
-
-/// Inner product in eight running sums, which the compiler turns into vector instructions.
-pub(super) fn inner(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (left, right) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = left
-        .remainder()
-        .iter()
-        .zip(right.remainder())
-        .map(|(a, b)| a * b)
-        .sum();
-    for (left, right) in left.zip(right) {
-        for (lane, sum) in sums.iter_mut().enumerate() {
-            *sum += left[lane] * right[lane];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
