@@ -40,8 +40,7 @@ pub fn kind(cell: &str) -> Kind {
         Cell::Empty => return Kind::Empty,
         Cell::Text => {}
     }
-    let has_digit = text.bytes().any(|byte| byte.is_ascii_digit());
-    if !has_digit {
+    if !holds_digit(text) {
         return Kind::Word;
     }
     if pattern(text).is_some_and(|found| is_readable(&found)) {
@@ -60,6 +59,10 @@ pub fn kind(cell: &str) -> Kind {
     }
 }
 
+fn holds_digit(text: &str) -> bool {
+    text.bytes().any(|byte| byte.is_ascii_digit())
+}
+
 /// Whether a text is a time of day or a duration, with an offset from UTC or without.
 fn is_clock(text: &str) -> bool {
     let bare = crate::formats::climate::moments::with_offset(text).map_or(text, |(bare, _)| bare);
@@ -69,7 +72,9 @@ fn is_clock(text: &str) -> bool {
 /// Whether a cell holds a word or marks in place of a reading.
 pub fn is_gap(text: &str) -> bool {
     let marks = |c: char| matches!(c, '-' | '*' | '#' | '?' | '.' | '_');
+    // No such word holds a digit, and nearly all cells do.
     text.len() <= 9
+        && !holds_digit(text)
         && (!text.is_empty() && text.chars().all(marks) || GAPS.contains(&text.to_lowercase().as_str()))
 }
 
@@ -103,46 +108,51 @@ pub struct Pattern {
 /// The pattern of a number that is written with any marks; none for other texts.
 pub fn pattern(text: &str) -> Option<Pattern> {
     let body = text.trim_start_matches(['+', '-', '\u{2212}']);
-    if text.chars().count() > body.chars().count() + 1 {
+    if text[..text.len() - body.len()].chars().count() > 1 {
         return None;
-    }
-    let (digits, exponent) = match body.find(['e', 'E', 'd', 'D']) {
-        Some(at) => (&body[..at], Some(&body[at + 1..])),
-        None => (body, None),
-    };
-    if let Some(power) = exponent {
-        let bare = power.trim_start_matches(['+', '-', '\u{2212}']);
-        if bare.is_empty() || !bare.bytes().all(|byte| byte.is_ascii_digit()) {
-            return None;
-        }
     }
     let mut found = Pattern {
         first: 0,
-        begins_with_zero: digits.starts_with('0'),
+        begins_with_zero: body.starts_with('0'),
         is_zero: true,
         marks: Vec::new(),
         ends_in_zero: false,
-        has_exponent: exponent.is_some(),
+        has_exponent: false,
     };
-    let mut any = false;
-    for c in digits.chars() {
-        if c.is_ascii_digit() {
-            any = true;
-            found.is_zero &= c == '0';
-            match found.marks.last_mut() {
-                Some((_, count)) => *count += 1,
-                None => found.first += 1,
+    let bytes = body.as_bytes();
+    let (mut any, mut at) = (false, 0);
+    while at < bytes.len() {
+        match bytes[at] {
+            digit @ b'0'..=b'9' => {
+                any = true;
+                found.is_zero &= digit == b'0';
+                match found.marks.last_mut() {
+                    Some((_, count)) => *count += 1,
+                    None => found.first += 1,
+                }
+                at += 1;
             }
-        } else {
-            // Two marks do not stand side by side.
-            if found.marks.last().is_some_and(|(_, count)| *count == 0) {
-                return None;
+            b'e' | b'E' | b'd' | b'D' => {
+                let power = body[at + 1..].trim_start_matches(['+', '-', '\u{2212}']);
+                if power.is_empty() || !power.bytes().all(|byte| byte.is_ascii_digit()) {
+                    return None;
+                }
+                found.has_exponent = true;
+                break;
             }
-            Group::of(c)?;
-            found.marks.push((canonical(c), 0));
+            _ => {
+                let mark = body[at..].chars().next()?;
+                // Two marks do not stand side by side.
+                if found.marks.last().is_some_and(|(_, count)| *count == 0) {
+                    return None;
+                }
+                Group::of(mark)?;
+                found.marks.push((canonical(mark), 0));
+                at += mark.len_utf8();
+            }
         }
     }
-    found.ends_in_zero = !found.marks.is_empty() && digits.ends_with('0');
+    found.ends_in_zero = !found.marks.is_empty() && body[..at].ends_with('0');
     (any && (found.first > 0 || found.marks.len() == 1)).then_some(found)
 }
 
