@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::kind::{Pattern, pattern};
+use super::kind::Pattern;
 use super::question::Question;
 use crate::text::number::unquote;
 use crate::text::{Decimal, Delimiter, Group, NumberForm};
@@ -15,6 +15,8 @@ use crate::text::{Decimal, Delimiter, Group, NumberForm};
 #[derive(Debug, Default)]
 pub struct Writing {
     columns: Vec<BTreeMap<Pattern, Seen>>,
+    /// That of the cell that was added last.
+    last: Pattern,
 }
 
 #[derive(Debug, Clone)]
@@ -55,18 +57,18 @@ impl Writing {
     /// Takes a cell of a column, where it is a number.
     pub fn add(&mut self, column: usize, line: usize, cell: &str) {
         let text = unquote(cell);
-        let Some((column, pattern)) = self.columns.get_mut(column).zip(pattern(text)) else {
+        let Some((column, ())) = self.columns.get_mut(column).zip(self.last.take(text)) else {
             return;
         };
-        if let Some(seen) = column.get_mut(&pattern) {
+        if let Some(seen) = column.get_mut(&self.last) {
             seen.count += 1;
-        } else if is_readable(&pattern) {
+        } else if is_readable(&self.last) {
             let first = Seen {
                 count: 1,
                 line,
                 text: text.to_owned(),
             };
-            column.insert(pattern, first);
+            column.insert(self.last.clone(), first);
         }
     }
 
@@ -92,6 +94,7 @@ impl Writing {
             let of_column = |column: &BTreeMap<Pattern, Seen>| {
                 let alone = Writing {
                     columns: vec![column.clone()],
+                    ..Writing::default()
                 };
                 match alone.decide(delimiter, decimal, group) {
                     Found::One(form) if alone.unread(form) == 0 => Some(form),

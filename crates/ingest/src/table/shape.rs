@@ -55,12 +55,24 @@ struct Row<'a> {
     kinds: Vec<Kind>,
 }
 
-/// The shape of lines under a delimiter; none where no two rows of two columns look alike.
-pub fn shape(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Shape> {
-    let sample = (lines.iter().enumerate())
+/// The lines that shapes are found by, with their indices.
+pub struct Sample<'l, 'a> {
+    rows: Vec<(usize, &'l Line<'a>)>,
+    comments: Vec<(usize, &'l Line<'a>)>,
+}
+
+/// The first lines that are not blank.
+pub fn sample<'l, 'a>(lines: &'l [Line<'a>]) -> Sample<'l, 'a> {
+    let first = (lines.iter().enumerate())
         .filter(|(_, line)| !is_blank(line.text))
         .take(HEADER_WITHIN_LINES + ROWS_LOOKED_AT);
-    let (comments, rows): (Vec<_>, Vec<_>) = sample.partition(|(_, line)| is_comment(line.text));
+    let (comments, rows) = first.partition(|(_, line)| is_comment(line.text));
+    Sample { rows, comments }
+}
+
+/// The shape of lines under a delimiter; none where no two rows of two columns look alike.
+pub fn shape(lines: &[Line<'_>], sample: &Sample<'_, '_>, delimiter: Delimiter) -> Option<Shape> {
+    let Sample { rows, comments } = sample;
     // A delimiter that separates nothing where readings are looked for is none: that is told soonest.
     let is_split = |(_, line): &&(usize, &Line<'_>)| delimiter.split(line.text, |_, _| {}) > 1;
     let splits = |window: std::ops::Range<usize>| {
@@ -71,17 +83,19 @@ pub fn shape(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Shape> {
         return None;
     }
     // No instrument writes so many columns: a line of that many cells is damage, and looking into each takes seconds.
-    let is_too_wide = |(_, line): &(usize, &Line<'_>)| delimiter.split(line.text, |_, _| {}) > MOST_COLUMNS;
+    let is_too_wide = |(_, line): &(usize, &Line<'_>)| {
+        line.text.len() >= MOST_COLUMNS && delimiter.split(line.text, |_, _| {}) > MOST_COLUMNS
+    };
     if rows.iter().any(is_too_wide) {
         return None;
     }
     let rows: Vec<Row<'_>> = rows
-        .into_iter()
-        .map(|(at, line)| row(at, line.text, delimiter))
+        .iter()
+        .map(|(at, line)| row(*at, line.text, delimiter))
         .collect();
     let found = blocks(&rows)
         .into_iter()
-        .map(|(first, kinds)| named(lines, &rows, &comments, delimiter, first, kinds));
+        .map(|(first, kinds)| named(lines, &rows, comments, delimiter, first, kinds));
     found.max_by_key(|shape| (shape.known, std::cmp::Reverse(shape.data_at)))
 }
 

@@ -28,6 +28,14 @@ impl Delimiter {
         Delimiter::Blanks,
     ];
 
+    /// The marks that separate cells and nothing else, the surest first.
+    pub const SURE: [Delimiter; 4] = [
+        Delimiter::Tab,
+        Delimiter::Semicolon,
+        Delimiter::Comma,
+        Delimiter::Bar,
+    ];
+
     /// The delimiter in words.
     pub fn label(self) -> &'static str {
         match self {

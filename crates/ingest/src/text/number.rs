@@ -190,8 +190,8 @@ impl Digits {
     /// Takes the digits at the beginning of `rest`; gives how many.
     fn take(&mut self, rest: &mut &[u8]) -> usize {
         let mut taken = 0;
-        while let Some(byte) = rest.get(taken).filter(|byte| byte.is_ascii_digit()) {
-            let digit = u64::from(byte - b'0');
+        while taken < rest.len() && rest[taken].is_ascii_digit() {
+            let digit = u64::from(rest[taken] - b'0');
             self.count += usize::from(self.count > 0 || digit > 0);
             self.mantissa = self.mantissa.wrapping_mul(10).wrapping_add(digit);
             taken += 1;
