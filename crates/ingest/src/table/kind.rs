@@ -139,14 +139,17 @@ impl Pattern {
         let (mut any, mut at) = (false, 0);
         while at < bytes.len() {
             match bytes[at] {
-                digit @ b'0'..=b'9' => {
-                    any = true;
-                    self.is_zero &= digit == b'0';
-                    match self.marks.last_mut() {
-                        Some((_, count)) => *count += 1,
-                        None => self.first += 1,
+                b'0'..=b'9' => {
+                    let start = at;
+                    while at < bytes.len() && bytes[at].is_ascii_digit() {
+                        self.is_zero &= bytes[at] == b'0';
+                        at += 1;
                     }
-                    at += 1;
+                    any = true;
+                    match self.marks.last_mut() {
+                        Some((_, count)) => *count += at - start,
+                        None => self.first += at - start,
+                    }
                 }
                 b'e' | b'E' | b'd' | b'D' => {
                     let power = body[at + 1..].trim_start_matches(['+', '-', '\u{2212}']);
@@ -156,8 +159,12 @@ impl Pattern {
                     self.has_exponent = true;
                     break;
                 }
-                _ => {
-                    let mark = body[at..].chars().next()?;
+                byte => {
+                    let mark = if byte.is_ascii() {
+                        char::from(byte)
+                    } else {
+                        body[at..].chars().next()?
+                    };
                     // Two marks do not stand side by side.
                     if self.marks.last().is_some_and(|(_, count)| *count == 0) {
                         return None;
@@ -168,7 +175,7 @@ impl Pattern {
                 }
             }
         }
-        self.ends_in_zero = !self.marks.is_empty() && body[..at].ends_with('0');
+        self.ends_in_zero = !self.marks.is_empty() && bytes[..at].ends_with(b"0");
         (any && (self.first > 0 || self.marks.len() == 1)).then_some(())
     }
 }

@@ -116,10 +116,7 @@ pub enum Cell {
 
 /// Reads a cell, which may be padded by blanks or quoted.
 pub fn parse(cell: &str, decimal: Decimal) -> Cell {
-    let trimmed = match cell.as_bytes() {
-        [first, .., last] if first.is_ascii_graphic() && last.is_ascii_graphic() && *first != b'"' => cell,
-        _ => unquote(cell),
-    };
+    let trimmed = unquote(cell);
     if trimmed.is_empty() {
         return Cell::Empty;
     }
@@ -134,6 +131,14 @@ pub fn parse(cell: &str, decimal: Decimal) -> Cell {
 
 /// The cell without surrounding blanks and quotes.
 pub fn unquote(cell: &str) -> &str {
+    // Nearly all cells are bare.
+    if let [first, .., last] = cell.as_bytes()
+        && first.is_ascii_graphic()
+        && last.is_ascii_graphic()
+        && *first != b'"'
+    {
+        return cell;
+    }
     let trimmed = cell.trim();
     match trimmed
         .strip_prefix('"')
@@ -249,7 +254,7 @@ fn power_of_ten(bytes: &[u8]) -> Option<i32> {
 }
 
 fn word(text: &str, decimal: Decimal) -> Cell {
-    if text.contains('\u{2212}') {
+    if !text.is_ascii() && text.contains('\u{2212}') {
         // The typographic minus that plotting programs write, before the number and in its power of ten.
         return match parse(&text.replace('\u{2212}', "-"), decimal) {
             number @ Cell::Number(_) => number,
