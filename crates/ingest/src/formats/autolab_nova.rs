@@ -26,7 +26,7 @@ impl Format for AutolabNova {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let Some(first) = Lines::new(&text).next() else {
+        let Some(first) = Lines::new(text).next() else {
             return Match::No;
         };
         let is_nova = Delimiter::ALL.into_iter().any(|delimiter| {

@@ -40,15 +40,15 @@ impl Format for Chi {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let first = Lines::new(&text).next().map_or("", |line| line.text);
-        let has_model = Lines::new(&text)
+        let first = Lines::new(text).next().map_or("", |line| line.text);
+        let has_model = Lines::new(text)
             .take(8)
             .any(|line| line.text.starts_with("Instrument Model:"));
         if has_model && stamp::civil(first, DateOrder::MonthFirst).is_some() {
             return Match::Certain("a date, then Instrument Model");
         }
         Match::certain_if(
-            first.starts_with("Init E (V) =") && Lines::new(&text).any(|line| names(line.text).is_some()),
+            first.starts_with("Init E (V) =") && Lines::new(text).any(|line| names(line.text).is_some()),
             "the file begins with Init E (V)",
         )
     }

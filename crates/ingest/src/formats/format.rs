@@ -1,16 +1,21 @@
 //! What every format answers, and what it is asked.
 
+use std::borrow::Cow;
+use std::cell::OnceCell;
+
 use super::error::ReadError;
 use crate::Reading;
-use crate::table::Answers;
+use crate::table::shape::Shape;
+use crate::table::{Answers, layout};
 use crate::text::decode;
+use crate::text::lines::lines_of;
 use ieap_domain::{Campaign, DateOrder};
 
 /// Bytes of a file that recognition looks at.
 pub const HEAD_BYTES: usize = 64 << 10;
 
 /// How a file begins.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct FileHead<'a> {
     /// File name without its folder.
     pub name: &'a str,
@@ -18,6 +23,10 @@ pub struct FileHead<'a> {
     pub bytes: &'a [u8],
     /// Size of the whole file, bytes.
     pub size: u64,
+    /// Its text, once a format asked for it.
+    text: OnceCell<Option<Cow<'a, str>>>,
+    /// Where its table stands, once a format asked for it.
+    shape: OnceCell<Result<Shape, ReadError>>,
 }
 
 impl<'a> FileHead<'a> {
@@ -27,6 +36,8 @@ impl<'a> FileHead<'a> {
             name,
             bytes: &bytes[..bytes.len().min(HEAD_BYTES)],
             size: bytes.len() as u64,
+            text: OnceCell::new(),
+            shape: OnceCell::new(),
         }
     }
 
@@ -40,15 +51,28 @@ impl<'a> FileHead<'a> {
 
     /// The head as text; none where it holds NUL bytes and no UTF-16 mark, as binary files do. Nothing but NUL behind a text is
     /// what a disk leaves that lost its power.
-    pub fn text(&self) -> Option<String> {
-        let decoded = decode(self.bytes);
-        match decoded.text.find('\0') {
-            None => Some(decoded.text.into_owned()),
-            Some(at) => {
-                let is_tail = at > 0 && decoded.text[at..].bytes().all(|byte| byte == 0);
-                is_tail.then(|| decoded.text[..at].to_owned())
+    pub fn text(&self) -> Option<&str> {
+        let found = self.text.get_or_init(|| {
+            let text = decode(self.bytes).text;
+            match text.find('\0') {
+                None => Some(text),
+                Some(at) => {
+                    let is_tail = at > 0 && text[at..].bytes().all(|byte| byte == 0);
+                    is_tail.then(|| Cow::Owned(text[..at].to_owned()))
+                }
             }
-        }
+        });
+        found.as_deref()
+    }
+
+    /// Where the table of its text stands.
+    ///
+    /// # Errors
+    /// As [`layout::best_shape`].
+    pub fn shape(&self) -> Result<&Shape, &ReadError> {
+        let lines = || lines_of(self.text().unwrap_or_default());
+        let found = self.shape.get_or_init(|| layout::best_shape(&lines()));
+        found.as_ref()
     }
 }
 

@@ -37,7 +37,7 @@ impl Format for GamryDta {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let mut lines = Lines::new(&text).map(|line| line.text);
+        let mut lines = Lines::new(text).map(|line| line.text);
         let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
         Match::certain_if(
             first.trim_end() == "EXPLAIN" || second.starts_with("TAG\t"),

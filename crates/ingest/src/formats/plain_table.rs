@@ -33,14 +33,13 @@ impl Format for PlainTable {
         let Some(text) = head.text() else {
             return Match::No;
         };
-        let lines = lines_of(&text);
-        match layout::best_shape(&lines) {
+        match head.shape() {
             Ok(_) | Err(ReadError::HeaderOnly { .. } | ReadError::NoReading { .. }) => Match::Possible {
                 score: 0.6,
                 reason: "a header row names a time column",
             },
             Err(_)
-                if layout::shapes(&lines)
+                if layout::shapes(&lines_of(text))
                     .iter()
                     .any(|shape| !matches!(shape.delimiter, Delimiter::Blanks | Delimiter::WideBlanks)) =>
             {

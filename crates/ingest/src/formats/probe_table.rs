@@ -53,7 +53,7 @@ impl Format for ProbeTable {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let lines: Vec<Line<'_>> = Lines::new(&text).take(PROBE_HEADER_WITHIN + 1).collect();
+        let lines: Vec<Line<'_>> = Lines::new(text).take(PROBE_HEADER_WITHIN + 1).collect();
         match header(&lines) {
             Some(_) => Match::Possible {
                 score: 0.9,

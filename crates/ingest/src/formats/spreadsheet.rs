@@ -88,7 +88,8 @@ impl Format for Spreadsheet {
                 continue;
             };
             let texts = text_of::texts(sheet, columns);
-            if climate::table::is_log(&text_of::lines(sheet, &texts)) {
+            let lines = text_of::lines(sheet, &texts);
+            if climate::table::is_log(&lines, || layout::best_shape(&lines).ok()) {
                 logs.push((sheet, texts));
                 continue;
             }

@@ -49,7 +49,7 @@ impl Format for VersastatPar {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let mut lines = Lines::new(&text).map(|line| line.text.trim());
+        let mut lines = Lines::new(text).map(|line| line.text.trim());
         Match::certain_if(
             (lines.next(), lines.next()) == (Some("<Application>"), Some("Name=VersaStudio")),
             "the file begins with <Application> and Name=VersaStudio",

@@ -40,7 +40,7 @@ impl Format for Zplot {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let first = Lines::new(&text).next().map_or("", |line| bare(line.text));
+        let first = Lines::new(text).next().map_or("", |line| bare(line.text));
         Match::certain_if(
             BEGINNINGS.iter().any(|beginning| first.starts_with(beginning)),
             "the file begins with the name of ZPlot or ZView",

@@ -40,24 +40,35 @@ pub fn kind(cell: &str) -> Kind {
         Cell::Empty => return Kind::Empty,
         Cell::Text => {}
     }
-    let has_digit = text.bytes().any(|byte| byte.is_ascii_digit());
-    if !has_digit {
+    if !holds_digit(text) {
         return Kind::Word;
     }
     if pattern(text).is_some_and(|found| is_readable(&found)) {
         Kind::Number
+    } else if text.contains([';', '|']) {
+        // No date and no time of day holds these: that is told soonest where rows are split at another mark than theirs.
+        Kind::Word
     } else if is_clock(text) {
         Kind::Clock
     } else if is_moment(text) {
         Kind::Moment
-    } else if DateOrder::ALL
-        .into_iter()
-        .any(|order| civil(&format!("{text} 12:00"), order).is_some())
-    {
+    } else if is_date(text) {
         Kind::Date
     } else {
         Kind::Word
     }
+}
+
+/// Whether a text is a date without a time of day.
+fn is_date(text: &str) -> bool {
+    let noon = format!("{text} 12:00");
+    DateOrder::ALL
+        .into_iter()
+        .any(|order| civil(&noon, order).is_some())
+}
+
+fn holds_digit(text: &str) -> bool {
+    text.bytes().any(|byte| byte.is_ascii_digit())
 }
 
 /// Whether a text is a time of day or a duration, with an offset from UTC or without.
@@ -69,7 +80,9 @@ fn is_clock(text: &str) -> bool {
 /// Whether a cell holds a word or marks in place of a reading.
 pub fn is_gap(text: &str) -> bool {
     let marks = |c: char| matches!(c, '-' | '*' | '#' | '?' | '.' | '_');
+    // No such word holds a digit, and nearly all cells do.
     text.len() <= 9
+        && !holds_digit(text)
         && (!text.is_empty() && text.chars().all(marks) || GAPS.contains(&text.to_lowercase().as_str()))
 }
 
@@ -84,7 +97,7 @@ pub fn is_moment(text: &str) -> bool {
 }
 
 /// How a number is written: which marks stand in it, and how many digits between them.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Pattern {
     /// Digits before the first mark.
     pub first: usize,
@@ -102,48 +115,69 @@ pub struct Pattern {
 
 /// The pattern of a number that is written with any marks; none for other texts.
 pub fn pattern(text: &str) -> Option<Pattern> {
-    let body = text.trim_start_matches(['+', '-', '\u{2212}']);
-    if text.chars().count() > body.chars().count() + 1 {
-        return None;
-    }
-    let (digits, exponent) = match body.find(['e', 'E', 'd', 'D']) {
-        Some(at) => (&body[..at], Some(&body[at + 1..])),
-        None => (body, None),
-    };
-    if let Some(power) = exponent {
-        let bare = power.trim_start_matches(['+', '-', '\u{2212}']);
-        if bare.is_empty() || !bare.bytes().all(|byte| byte.is_ascii_digit()) {
+    let mut found = Pattern::default();
+    found.take(text)?;
+    Some(found)
+}
+
+impl Pattern {
+    /// Becomes the pattern of a number, as [`pattern`] gives it; nothing is allocated where it had as many marks before.
+    pub fn take(&mut self, text: &str) -> Option<()> {
+        let body = text.trim_start_matches(['+', '-', '\u{2212}']);
+        if text[..text.len() - body.len()].chars().count() > 1 {
             return None;
         }
-    }
-    let mut found = Pattern {
-        first: 0,
-        begins_with_zero: digits.starts_with('0'),
-        is_zero: true,
-        marks: Vec::new(),
-        ends_in_zero: false,
-        has_exponent: exponent.is_some(),
-    };
-    let mut any = false;
-    for c in digits.chars() {
-        if c.is_ascii_digit() {
-            any = true;
-            found.is_zero &= c == '0';
-            match found.marks.last_mut() {
-                Some((_, count)) => *count += 1,
-                None => found.first += 1,
+        let mut marks = std::mem::take(&mut self.marks);
+        marks.clear();
+        *self = Pattern {
+            begins_with_zero: body.starts_with('0'),
+            is_zero: true,
+            marks,
+            ..Pattern::default()
+        };
+        let bytes = body.as_bytes();
+        let (mut any, mut at) = (false, 0);
+        while at < bytes.len() {
+            match bytes[at] {
+                b'0'..=b'9' => {
+                    let start = at;
+                    while at < bytes.len() && bytes[at].is_ascii_digit() {
+                        self.is_zero &= bytes[at] == b'0';
+                        at += 1;
+                    }
+                    any = true;
+                    match self.marks.last_mut() {
+                        Some((_, count)) => *count += at - start,
+                        None => self.first += at - start,
+                    }
+                }
+                b'e' | b'E' | b'd' | b'D' => {
+                    let power = body[at + 1..].trim_start_matches(['+', '-', '\u{2212}']);
+                    if power.is_empty() || !power.bytes().all(|byte| byte.is_ascii_digit()) {
+                        return None;
+                    }
+                    self.has_exponent = true;
+                    break;
+                }
+                byte => {
+                    let mark = if byte.is_ascii() {
+                        char::from(byte)
+                    } else {
+                        body[at..].chars().next()?
+                    };
+                    // Two marks do not stand side by side.
+                    if self.marks.last().is_some_and(|(_, count)| *count == 0) {
+                        return None;
+                    }
+                    Group::of(mark)?;
+                    self.marks.push((canonical(mark), 0));
+                    at += mark.len_utf8();
+                }
             }
-        } else {
-            // Two marks do not stand side by side.
-            if found.marks.last().is_some_and(|(_, count)| *count == 0) {
-                return None;
-            }
-            Group::of(c)?;
-            found.marks.push((canonical(c), 0));
         }
+        self.ends_in_zero = !self.marks.is_empty() && bytes[..at].ends_with(b"0");
+        (any && (self.first > 0 || self.marks.len() == 1)).then_some(())
     }
-    found.ends_in_zero = !found.marks.is_empty() && digits.ends_with('0');
-    (any && (found.first > 0 || found.marks.len() == 1)).then_some(found)
 }
 
 /// One character for all marks of a group.

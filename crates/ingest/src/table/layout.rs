@@ -5,7 +5,7 @@
 use super::kind::{Kind, kind};
 use super::numbers::{Found, Writing};
 use super::policy::ROWS_ASKED;
-use super::shape::{Shape, shape};
+use super::shape::{Shape, sample, shape};
 use crate::formats::ReadContext;
 use crate::formats::assemble::{is_modulus_sweep, is_spectrum};
 use crate::formats::error::{ReadError, quoted};
@@ -240,18 +240,20 @@ pub fn shapes(lines: &[Line<'_>]) -> Vec<Shape> {
         "|" => Some(Delimiter::Bar),
         _ => None,
     });
-    let all = Delimiter::ALL
-        .into_iter()
-        .filter(|delimiter| stated.is_none_or(|stated| stated == *delimiter));
-    let mut found: Vec<Shape> = all.filter_map(|delimiter| shape(lines, delimiter)).collect();
+    let sample = sample(lines);
+    let under = |delimiter: Delimiter| {
+        let is_possible = stated.is_none_or(|stated| stated == delimiter);
+        is_possible.then(|| shape(lines, &sample, delimiter)).flatten()
+    };
+    let mut found: Vec<Shape> = Delimiter::SURE.into_iter().filter_map(under).collect();
     // Blanks also stand inside names and texts: two together separate columns only where the rows are even under them, and one
     // only where nothing else does.
-    let is = |shape: &Shape, delimiter: Delimiter| shape.delimiter == delimiter;
-    found.retain(|shape| !is(shape, Delimiter::WideBlanks) || has_even_rows(shape, lines));
-    let is_other =
-        |shape: &Shape| !is(shape, Delimiter::Blanks) && shape.names_at.is_some() && shape.known > 0;
-    if found.iter().any(is_other) {
-        found.retain(|shape| !is(shape, Delimiter::Blanks));
+    found.extend(under(Delimiter::WideBlanks).filter(|shape| has_even_rows(shape, lines)));
+    if !found
+        .iter()
+        .any(|shape| shape.names_at.is_some() && shape.known > 0)
+    {
+        found.extend(under(Delimiter::Blanks));
     }
     found
 }

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::kind::{Pattern, pattern};
+use super::kind::Pattern;
 use super::question::Question;
 use crate::text::number::unquote;
 use crate::text::{Decimal, Delimiter, Group, NumberForm};
@@ -15,6 +15,8 @@ use crate::text::{Decimal, Delimiter, Group, NumberForm};
 #[derive(Debug, Default)]
 pub struct Writing {
     columns: Vec<BTreeMap<Pattern, Seen>>,
+    /// That of the cell that was added last.
+    last: Pattern,
 }
 
 #[derive(Debug, Clone)]
@@ -55,17 +57,19 @@ impl Writing {
     /// Takes a cell of a column, where it is a number.
     pub fn add(&mut self, column: usize, line: usize, cell: &str) {
         let text = unquote(cell);
-        let readable = pattern(text).filter(is_readable);
-        let Some(found) = self.columns.get_mut(column).zip(readable) else {
+        let Some((column, ())) = self.columns.get_mut(column).zip(self.last.take(text)) else {
             return;
         };
-        let (seen, pattern) = found;
-        let new = || Seen {
-            count: 0,
-            line,
-            text: text.to_owned(),
-        };
-        seen.entry(pattern).or_insert_with(new).count += 1;
+        if let Some(seen) = column.get_mut(&self.last) {
+            seen.count += 1;
+        } else if is_readable(&self.last) {
+            let first = Seen {
+                count: 1,
+                line,
+                text: text.to_owned(),
+            };
+            column.insert(self.last.clone(), first);
+        }
     }
 
     /// The way in which these numbers are written; what a person answered counts where they leave it open.
@@ -81,7 +85,6 @@ impl Writing {
             .flatten()
             .any(|(pattern, _)| pattern.marks.iter().any(|(mark, _)| *mark == ','));
         let mut forms: Vec<(usize, NumberForm)> = all_forms(delimiter, holds_commas)
-            .into_iter()
             .map(|form| (self.unread(form), form))
             .collect();
         let fewest = forms.iter().map(|(unread, _)| *unread).min().unwrap_or(0);
@@ -91,6 +94,7 @@ impl Writing {
             let of_column = |column: &BTreeMap<Pattern, Seen>| {
                 let alone = Writing {
                     columns: vec![column.clone()],
+                    ..Writing::default()
                 };
                 match alone.decide(delimiter, decimal, group) {
                     Found::One(form) if alone.unread(form) == 0 => Some(form),
@@ -180,9 +184,7 @@ impl Writing {
 /// Whether any way of writing numbers reads a pattern: `28.03.2026` is none.
 pub fn is_readable(pattern: &Pattern) -> bool {
     pattern.marks.is_empty()
-        || all_forms(Delimiter::Semicolon, true)
-            .into_iter()
-            .any(|form| places(pattern, form).is_some())
+        || all_forms(Delimiter::Semicolon, true).any(|form| places(pattern, form).is_some())
 }
 
 fn other(decimal: Decimal) -> Decimal {
@@ -194,22 +196,26 @@ fn other(decimal: Decimal) -> Decimal {
 
 /// The ways in which people and programs write numbers, the plainest first. Between commas as delimiters a point that groups
 /// thousands has nothing to be a decimal mark beside it, unless quoted cells hold commas.
-fn all_forms(delimiter: Delimiter, holds_commas: bool) -> Vec<NumberForm> {
-    let mut forms = Vec::new();
-    let mut add = |decimal, group| forms.push(NumberForm { decimal, group });
-    add(Decimal::Point, None);
-    add(Decimal::Comma, None);
-    add(Decimal::Point, Some(Group::Comma));
-    if delimiter != Delimiter::Comma || holds_commas {
-        add(Decimal::Comma, Some(Group::Point));
-    }
-    for group in [Group::Apostrophe, Group::Space] {
-        if group != Group::Space || delimiter != Delimiter::Blanks {
-            add(Decimal::Point, Some(group));
-            add(Decimal::Comma, Some(group));
-        }
-    }
-    forms
+fn all_forms(delimiter: Delimiter, holds_commas: bool) -> impl Iterator<Item = NumberForm> {
+    const FORMS: [(Decimal, Option<Group>); 8] = [
+        (Decimal::Point, None),
+        (Decimal::Comma, None),
+        (Decimal::Point, Some(Group::Comma)),
+        (Decimal::Comma, Some(Group::Point)),
+        (Decimal::Point, Some(Group::Apostrophe)),
+        (Decimal::Comma, Some(Group::Apostrophe)),
+        (Decimal::Point, Some(Group::Space)),
+        (Decimal::Comma, Some(Group::Space)),
+    ];
+    let is_possible = move |form: &NumberForm| match form.group {
+        Some(Group::Point) => delimiter != Delimiter::Comma || holds_commas,
+        Some(Group::Space) => delimiter != Delimiter::Blanks,
+        _ => true,
+    };
+    let forms = FORMS
+        .into_iter()
+        .map(|(decimal, group)| NumberForm { decimal, group });
+    forms.filter(is_possible)
 }
 
 /// How many decimals a number of that pattern has under a form; none where it cannot be read so.

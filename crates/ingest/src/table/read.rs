@@ -97,13 +97,14 @@ pub fn read<'a>(
 
 /// Adds a row; one that ends early where columns may be left away is whole.
 fn push_row(cells: &mut CellTable, line: Line<'_>, layout: &Layout) {
+    let is_short = || layout.dialect.delimiter.split(line.text, |_, _| {}) < layout.shape.names.len();
+    if !layout.shape.ends_early || !is_short() {
+        push_line_in(cells, line, layout.dialect, &layout.own_numbers);
+        return;
+    }
     let ragged = cells.ragged.clone();
     push_line_in(cells, line, layout.dialect, &layout.own_numbers);
-    let is_short =
-        |line: Line<'_>| layout.dialect.delimiter.split(line.text, |_, _| {}) < layout.shape.names.len();
-    if layout.shape.ends_early && cells.ragged.count > ragged.count && is_short(line) {
-        cells.ragged = ragged;
-    }
+    cells.ragged = ragged;
 }
 
 impl Table<'_> {

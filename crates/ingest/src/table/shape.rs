@@ -55,12 +55,24 @@ struct Row<'a> {
     kinds: Vec<Kind>,
 }
 
-/// The shape of lines under a delimiter; none where no two rows of two columns look alike.
-pub fn shape(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Shape> {
-    let sample = (lines.iter().enumerate())
+/// The lines that shapes are found by, with their indices.
+pub struct Sample<'l, 'a> {
+    rows: Vec<(usize, &'l Line<'a>)>,
+    comments: Vec<(usize, &'l Line<'a>)>,
+}
+
+/// The first lines that are not blank.
+pub fn sample<'l, 'a>(lines: &'l [Line<'a>]) -> Sample<'l, 'a> {
+    let first = (lines.iter().enumerate())
         .filter(|(_, line)| !is_blank(line.text))
         .take(HEADER_WITHIN_LINES + ROWS_LOOKED_AT);
-    let (comments, rows): (Vec<_>, Vec<_>) = sample.partition(|(_, line)| is_comment(line.text));
+    let (comments, rows) = first.partition(|(_, line)| is_comment(line.text));
+    Sample { rows, comments }
+}
+
+/// The shape of lines under a delimiter; none where no two rows of two columns look alike.
+pub fn shape(lines: &[Line<'_>], sample: &Sample<'_, '_>, delimiter: Delimiter) -> Option<Shape> {
+    let Sample { rows, comments } = sample;
     // A delimiter that separates nothing where readings are looked for is none: that is told soonest.
     let is_split = |(_, line): &&(usize, &Line<'_>)| delimiter.split(line.text, |_, _| {}) > 1;
     let splits = |window: std::ops::Range<usize>| {
@@ -71,17 +83,19 @@ pub fn shape(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Shape> {
         return None;
     }
     // No instrument writes so many columns: a line of that many cells is damage, and looking into each takes seconds.
-    let is_too_wide = |(_, line): &(usize, &Line<'_>)| delimiter.split(line.text, |_, _| {}) > MOST_COLUMNS;
+    let is_too_wide = |(_, line): &(usize, &Line<'_>)| {
+        line.text.len() >= MOST_COLUMNS && delimiter.split(line.text, |_, _| {}) > MOST_COLUMNS
+    };
     if rows.iter().any(is_too_wide) {
         return None;
     }
     let rows: Vec<Row<'_>> = rows
-        .into_iter()
-        .map(|(at, line)| row(at, line.text, delimiter))
+        .iter()
+        .map(|(at, line)| row(*at, line.text, delimiter))
         .collect();
     let found = blocks(&rows)
         .into_iter()
-        .map(|(first, kinds)| named(lines, &rows, &comments, delimiter, first, kinds));
+        .map(|(first, kinds)| named(lines, &rows, comments, delimiter, first, kinds));
     found.max_by_key(|shape| (shape.known, std::cmp::Reverse(shape.data_at)))
 }
 
@@ -140,7 +154,7 @@ fn named(
         let is_reading = |row: &&Row<'_>| {
             let is_units =
                 !found.units.is_empty() && unit_row(row.cells.len(), row.cells.iter().copied()).is_some();
-            row.at > names_at && !is_units && row.matches(&found.kinds) > 0
+            row.at > names_at && !is_units && row.fit(&found.kinds).matches > 0
         };
         if let Some(earlier) = above.iter().find(is_reading) {
             found.data_at = earlier.at;
@@ -183,11 +197,14 @@ fn windows(rows: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
 /// Where the readings may begin, and what their columns hold then. The last rows may be a foot, and rows above the table may
 /// look alike, too: what readings are is tried from several places.
 fn blocks(rows: &[Row<'_>]) -> Vec<(usize, Vec<Kind>)> {
+    let mut tried: Vec<Vec<Kind>> = Vec::new();
+    for kinds in windows(rows.len()).filter_map(|window| kinds_of(&rows[window])) {
+        if !tried.contains(&kinds) {
+            tried.push(kinds);
+        }
+    }
     let mut found: Vec<(usize, Vec<Kind>)> = Vec::new();
-    for window in windows(rows.len()) {
-        let Some(kinds) = kinds_of(&rows[window]) else {
-            continue;
-        };
+    for kinds in tried {
         if let Some(first) = first_of(rows, &kinds)
             && !found.iter().any(|(known, _)| *known == first)
         {
@@ -234,49 +251,52 @@ fn first_of(rows: &[Row<'_>], kinds: &[Kind]) -> Option<usize> {
     let mut first = None;
     let (mut all, mut readings) = (0usize, 0usize);
     for (at, row) in rows.iter().enumerate().rev() {
+        let fit = row.fit(kinds);
         all += 1;
-        readings += usize::from(row.is_reading(kinds));
+        readings += usize::from(fit.is_reading);
         let nearly_all = readings as f64 >= OBEYING_SHARE * all as f64 || all - readings <= 1;
-        if row.is_plain(kinds) && nearly_all {
+        if fit.is_plain && nearly_all {
             first = Some(at);
         }
     }
     first.filter(|_| readings > 0)
 }
 
-impl Row<'_> {
+/// How a row fits the kinds of columns.
+struct Fit {
     /// Cells that hold what their column holds.
-    fn matches(&self, kinds: &[Kind]) -> usize {
-        let pairs = self.kinds.iter().zip(kinds);
-        pairs
-            .filter(|(own, of)| own == of && !matches!(own, Kind::Empty | Kind::Word))
-            .count()
-    }
-
-    /// Cells that hold words or another kind of time where numbers or times are.
-    fn strays<'k>(&self, kinds: &'k [Kind]) -> impl Iterator<Item = Kind> + use<'_, 'k> {
-        let pairs = self.kinds.iter().zip(kinds);
-        let is_stray = |(own, of): &(&Kind, &Kind)| {
-            !matches!(of, Kind::Empty | Kind::Word) && !matches!(own, Kind::Empty) && own != of
-        };
-        pairs.filter(is_stray).map(|(_, of)| *of)
-    }
-
-    fn is_reading(&self, kinds: &[Kind]) -> bool {
-        let strays = self.strays(kinds).count();
-        self.matches(kinds) > strays && !self.strays(kinds).any(|of| of != Kind::Number)
-    }
-
+    matches: usize,
+    /// Whether most of it are such cells, and no other stands where times are.
+    is_reading: bool,
     /// Whether it is a reading without anything odd in it.
-    fn is_plain(&self, kinds: &[Kind]) -> bool {
-        let times = self
-            .kinds
-            .iter()
-            .zip(kinds)
-            .filter(|(_, of)| matches!(of, Kind::Moment | Kind::Date | Kind::Clock));
-        self.is_reading(kinds)
-            && self.strays(kinds).next().is_none()
-            && times.clone().all(|(own, of)| own == of)
+    is_plain: bool,
+}
+
+impl Row<'_> {
+    fn fit(&self, kinds: &[Kind]) -> Fit {
+        let (mut matches, mut strays, mut strays_of_time, mut gaps_of_time) = (0, 0, 0, 0);
+        let mut at = 0;
+        while at < self.kinds.len() && at < kinds.len() {
+            let (own, of) = (self.kinds[at], kinds[at]);
+            at += 1;
+            if matches!(of, Kind::Empty | Kind::Word) {
+                continue;
+            }
+            if own == of {
+                matches += 1;
+            } else if own == Kind::Empty {
+                gaps_of_time += usize::from(of != Kind::Number);
+            } else {
+                strays += 1;
+                strays_of_time += usize::from(of != Kind::Number);
+            }
+        }
+        let is_reading = matches > strays && strays_of_time == 0;
+        Fit {
+            matches,
+            is_reading,
+            is_plain: is_reading && strays == 0 && gaps_of_time == 0,
+        }
     }
 }
 

@@ -116,10 +116,7 @@ pub enum Cell {
 
 /// Reads a cell, which may be padded by blanks or quoted.
 pub fn parse(cell: &str, decimal: Decimal) -> Cell {
-    let trimmed = match cell.as_bytes() {
-        [first, .., last] if first.is_ascii_graphic() && last.is_ascii_graphic() && *first != b'"' => cell,
-        _ => unquote(cell),
-    };
+    let trimmed = unquote(cell);
     if trimmed.is_empty() {
         return Cell::Empty;
     }
@@ -134,6 +131,14 @@ pub fn parse(cell: &str, decimal: Decimal) -> Cell {
 
 /// The cell without surrounding blanks and quotes.
 pub fn unquote(cell: &str) -> &str {
+    // Nearly all cells are bare.
+    if let [first, .., last] = cell.as_bytes()
+        && first.is_ascii_graphic()
+        && last.is_ascii_graphic()
+        && *first != b'"'
+    {
+        return cell;
+    }
     let trimmed = cell.trim();
     match trimmed
         .strip_prefix('"')
@@ -190,8 +195,8 @@ impl Digits {
     /// Takes the digits at the beginning of `rest`; gives how many.
     fn take(&mut self, rest: &mut &[u8]) -> usize {
         let mut taken = 0;
-        while let Some(byte) = rest.get(taken).filter(|byte| byte.is_ascii_digit()) {
-            let digit = u64::from(byte - b'0');
+        while taken < rest.len() && rest[taken].is_ascii_digit() {
+            let digit = u64::from(rest[taken] - b'0');
             self.count += usize::from(self.count > 0 || digit > 0);
             self.mantissa = self.mantissa.wrapping_mul(10).wrapping_add(digit);
             taken += 1;
@@ -249,7 +254,7 @@ fn power_of_ten(bytes: &[u8]) -> Option<i32> {
 }
 
 fn word(text: &str, decimal: Decimal) -> Cell {
-    if text.contains('\u{2212}') {
+    if !text.is_ascii() && text.contains('\u{2212}') {
         // The typographic minus that plotting programs write, before the number and in its power of ten.
         return match parse(&text.replace('\u{2212}', "-"), decimal) {
             number @ Cell::Number(_) => number,

@@ -33,7 +33,7 @@ impl Format for BiologicMpt {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let first = Lines::new(&text).next().map_or("", |line| line.text);
+        let first = Lines::new(text).next().map_or("", |line| line.text);
         if matches!(first.trim(), "EC-Lab ASCII FILE" | "BT-Lab ASCII FILE") {
             return Match::Certain("the file begins with EC-Lab ASCII FILE");
         }

@@ -30,7 +30,7 @@ impl Format for Hobo {
         const DATES: [&str; 3] = ["Date Time", "Time,", "Datum Zeit"];
         let text = head.text().unwrap_or_default();
         let first = text.trim_start_matches('"');
-        let mut lines = Lines::new(&text).take(4);
+        let mut lines = Lines::new(text).take(4);
         let names_date =
             |line: Line<'_>| line.text.contains("GMT") && DATES.iter().any(|date| line.text.contains(date));
         Match::certain_if(

@@ -22,7 +22,7 @@ impl Format for Picolog {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let mut lines = Lines::new(&text).map(|line| line.text);
+        let mut lines = Lines::new(text).map(|line| line.text);
         let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
         Match::certain_if(
             first.starts_with("\"\",\"") && second.split(',').next().is_some_and(epoch::is_moment),

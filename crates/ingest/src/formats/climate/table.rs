@@ -14,7 +14,8 @@ use crate::formats::recognition::{FileHead, Match};
 use crate::formats::{About, Format, ReadContext, ReadError, delimited};
 use crate::table::kind::Kind;
 use crate::table::policy::{AIR_IN_CELSIUS, LARGEST_FRACTION, SMOOTHER_WITHIN};
-use crate::table::{self, Question, Table, epoch, layout, start, times};
+use crate::table::shape::Shape;
+use crate::table::{self, Question, Table, epoch, start, times};
 use crate::text::dictionary::{Role, SENSORS, SERIALS, VALUE_LABELS, is_among};
 use crate::text::header::{Header, Meaning};
 use crate::text::lines::lines_of;
@@ -41,8 +42,8 @@ impl Format for ClimateTable {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let lines = lines_of(&text);
-        if is_log(&lines) {
+        let lines = lines_of(text);
+        if is_log(&lines, || head.shape().ok().cloned()) {
             Match::Possible {
                 score: 0.8,
                 reason: "dates beside temperature, humidity, pressure, oxygen or water",
@@ -75,15 +76,15 @@ pub fn read_text(
 }
 
 /// Whether lines hold the table of a logger: dates or a start beside climate, and no response of a sample, which makes a run of
-/// it whatever else was logged with it.
-pub fn is_log(lines: &[Line<'_>]) -> bool {
+/// it whatever else was logged with it. Where the table stands is asked only where lines speak of moments.
+pub fn is_log(lines: &[Line<'_>], shape: impl FnOnce() -> Option<Shape>) -> bool {
     // No time of day, no number since 1970: that is told soonest.
     let speaks_of_moments =
         |line: &Line<'_>| line.text.contains([':', '時', '时']) || has_long_number(line.text);
     if !lines.iter().any(speaks_of_moments) {
         return false;
     }
-    let Ok(shape) = layout::best_shape(lines) else {
+    let Some(shape) = shape() else {
         return false;
     };
     let unit = |index: usize| shape.units.get(index).map_or("", String::as_str);

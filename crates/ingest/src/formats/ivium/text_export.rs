@@ -27,7 +27,7 @@ impl Format for IviumText {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        let mut lines = Lines::new(&text).map(|line| line.text.trim());
+        let mut lines = Lines::new(text).map(|line| line.text.trim());
         let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
         let is_date = !first.is_empty() && first.chars().all(|c| c.is_ascii_digit() || " ./:-".contains(c));
         let names: Vec<&str> = second.split_whitespace().collect();
