@@ -9,10 +9,8 @@ use crate::table::shape::Shape;
 use crate::table::{Answers, layout};
 use crate::text::decode;
 use crate::text::lines::lines_of;
+use crate::text::policy::HEAD_BYTES;
 use ieap_domain::{Campaign, DateOrder};
-
-/// Bytes of a file that recognition looks at.
-pub const HEAD_BYTES: usize = 64 << 10;
 
 /// How a file begins.
 #[derive(Debug, Clone)]

@@ -6,7 +6,8 @@ use crate::formats::policy::{CERTAIN, EXTENSION, LEAD};
 use crate::profiles::propose;
 use crate::text::decode;
 
-pub use super::format::{FileHead, Format, HEAD_BYTES, Match};
+pub use super::format::{FileHead, Format, Match};
+pub use crate::text::policy::HEAD_BYTES;
 
 /// A format that fits, with its score.
 #[derive(Clone, Copy)]

@@ -114,7 +114,7 @@ const TRIED: [&Encoding; 12] = [
     WINDOWS_1254,
 ];
 /// Bytes of a file that are asked: the head that recognition sees, so that all who ask find the same.
-const BYTES_ASKED: usize = crate::formats::recognition::HEAD_BYTES;
+const BYTES_ASKED: usize = super::policy::HEAD_BYTES;
 /// Different words that are asked. Chosen.
 const WORDS_ASKED: usize = 256;
 

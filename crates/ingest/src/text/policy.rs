@@ -19,3 +19,5 @@ pub(crate) const LONGEST_NAME: usize = 400;
 pub(super) const LINES_ABOVE_LAST: usize = 64;
 /// Fewest of them that show a fixed form. Chosen.
 pub(super) const FEWEST_OF_FORM: usize = 2;
+/// Bytes of a file that recognition looks at. Chosen.
+pub const HEAD_BYTES: usize = 64 << 10;
