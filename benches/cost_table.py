@@ -65,7 +65,7 @@ def said_by(bench):
 def of_benches():
     said = {bench: said_by(bench) for bench in dict.fromkeys(bench for _, bench, _ in BENCHES)}
     for what, bench, names in BENCHES:
-        yield f"| {what} | {'; '.join(said[bench][name] for name in names)} | `cargo bench --bench {bench}` |"
+        yield f"| {what} | {'; '.join(said[bench][name] for name in names)} | `{bench}` |"
 
 
 def of_main_job(ieap, work):
@@ -106,7 +106,7 @@ def parts(ieap, work, given):
     heads = [f"| runs | {' | '.join(COLUMNS)} | memory at most, MB | database, archive, report, MB |"]
     heads += ["|---" * (len(COLUMNS) + 3) + "|"]
     growth = lambda: heads + [of_growth(ieap, work, runs, runs <= given.diagnose_up_to) for runs in sizes]
-    single = lambda: ["| what | measured | command |", "|---|---|---|", *of_benches(), of_main_job(ieap, work)]
+    single = lambda: ["| what | measured | `cargo bench --bench` |", "|---|---|---|", *of_benches(), of_main_job(ieap, work)]
     return {"single": single, "growth": growth}
 
 

@@ -3,7 +3,7 @@
 use crate::conditions::Conditions;
 use crate::laws::facts::{RunFacts, facts_beside};
 use ieap_domain::{Campaign, Issue, RunRecord, Standing};
-use ieap_show::{Block, Mark};
+use ieap_show::Block;
 
 /// A run that is condemned, and where it would have stood.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +42,7 @@ pub fn issues(
 ) -> Option<Block> {
     let charts = blocks.iter().flat_map(Block::charts);
     let layers = charts.flat_map(|chart| chart.panels.iter().flat_map(|panel| &panel.layers));
-    let drawn: Vec<&String> = (layers.filter(|layer| layer.mark == Mark::SetAside))
+    let drawn: Vec<&String> = (layers.filter(|layer| layer.is_aside))
         .flat_map(|layer| &layer.runs)
         .collect();
     let issue = |aside: &Aside| {

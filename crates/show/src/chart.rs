@@ -83,6 +83,9 @@ pub struct Layer {
     pub bars_across: Vec<(f64, f64)>,
     /// Paths of the runs that its points stand for; empty where they stand for none.
     pub runs: Vec<String>,
+    /// Whether it is of a run that no result is made from, and that it is named after: marks are crossed, dots open, lines
+    /// pale and dashed. Axes take no notice of it: what lies beyond them is said in words.
+    pub is_aside: bool,
 }
 
 /// What stands at the points of a layer.
@@ -104,9 +107,6 @@ pub enum Mark {
     Level,
     /// What lies between its bars along the horizontal axis is shaded.
     Span,
-    /// Of a run that no result is made from, and that its layer is named after. Axes take no notice of it: beyond them it stands
-    /// at their end, and it is said in words.
-    SetAside,
 }
 
 /// Colours by what they stand for; a writer has them such that the colour-blind tell them apart.
@@ -220,6 +220,15 @@ impl Layer {
             bars: Vec::new(),
             bars_across: Vec::new(),
             runs: Vec::new(),
+            is_aside: false,
+        }
+    }
+
+    /// The same as of a run that no result is made from.
+    pub fn aside(self) -> Layer {
+        Layer {
+            is_aside: true,
+            ..self
         }
     }
 

@@ -128,7 +128,9 @@ fn set_aside(lives: &Lives, watched: &Watched, factor: f64) -> Vec<Layer> {
         let name = format!("{}, set aside", campaign.run_name(&run.path));
         let point = [(place.value, factor * value)];
         let bars = vec![(end(estimate.low_95), end(estimate.high_95))];
-        let layer = Layer::new(name, Mark::SetAside, Ink::Guide, point).with_bars(bars);
+        let layer = Layer::new(name, Mark::Marks, Ink::Guide, point)
+            .with_bars(bars)
+            .aside();
         Some(layer.of_runs(vec![run.path.clone()]))
     };
     lives.aside.iter().filter_map(layer).collect()

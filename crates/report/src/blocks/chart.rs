@@ -1,8 +1,9 @@
 //! Draws a chart: on a page, and for print as wide as it is asked.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use plotters::element::{Circle, PathElement, Polygon, Rectangle};
+use plotters::series::DashedLineSeries;
 use plotters::style::{Color, ShapeStyle};
 use serde::Serialize;
 
@@ -13,7 +14,7 @@ use crate::figures::axis::{Axis, finite_range};
 use crate::figures::calendar::calendar_axis;
 use crate::figures::canvas::{Area, Drawing, PAGE_WIDTH, TENTHS, drawing as drawn};
 use crate::figures::comparison::{self, marker};
-use crate::figures::group::{Group, grouped, series};
+use crate::figures::group::{Group, aside_series, grouped, series};
 use crate::figures::panel::{self, Margins, panel};
 use crate::figures::thin;
 use crate::print_figures::grid;
@@ -66,6 +67,10 @@ const DASHES: u32 = 12;
 /// Opacity of bands and of what is shaded, and the least width of that as a part of the axis.
 const PALE: f64 = 0.18;
 const LEAST_SPAN: f64 = 0.0015;
+/// Opacity of curves that are set aside, their open dots, about, and dash and gap of their lines, tenths of a px.
+const OF_ASIDE: f64 = 0.45;
+const MOST_OPEN: usize = 60;
+const DASH: (u32, u32) = (60, 45);
 /// What a legend calls runs that no result is made from.
 const SET_ASIDE: &str = "Set aside";
 
@@ -91,7 +96,7 @@ pub struct Key {
 pub fn keys(chart: &Chart) -> Vec<Key> {
     let mut keys: Vec<Key> = Vec::new();
     for layer in chart.panels.iter().flat_map(|panel| &panel.layers) {
-        let is_aside = layer.mark == Mark::SetAside;
+        let is_aside = layer.is_aside;
         let name = if is_aside { SET_ASIDE } else { layer.name.as_str() };
         let is_ordered = matches!(layer.ink, show::Ink::Ordered(..));
         let is_known = |key: &Key| key.name == name || is_ordered && key.ink == ink(layer.ink);
@@ -100,7 +105,8 @@ pub fn keys(chart: &Chart) -> Vec<Key> {
                 is_aside,
                 class: Ink::class_of(ink(layer.ink)),
                 ink: ink(layer.ink),
-                mark: (layer.mark == Mark::Marks).then(|| MARKS[style_of(layer.ink) % MARKS.len()]),
+                mark: (layer.mark == Mark::Marks && !is_aside)
+                    .then(|| MARKS[style_of(layer.ink) % MARKS.len()]),
                 is_line: is_ordered
                     || matches!(
                         layer.mark,
@@ -150,43 +156,87 @@ pub fn print(chart: &Chart, width: u32) -> Result<Drawing, String> {
     prints(std::slice::from_ref(chart), 1, width)
 }
 
-/// The same of several, in so many columns, with one legend.
+/// The same of several, in so many columns: with one legend where no colour has two names, else each has its own.
 ///
 /// # Errors
 /// The message of the drawing library.
 pub fn prints(charts: &[Chart], columns: usize, width: u32) -> Result<Drawing, String> {
     let (mut legend, mut notes, mut tallest) = (Vec::new(), Vec::new(), 0);
-    let (mut panels, mut aside) = (Vec::new(), BTreeSet::new());
+    let mut panels = Vec::new();
     for chart in charts {
-        // Readings are told by their dots, of which a legend of lines has none.
-        let lines = keys(chart)
-            .into_iter()
-            .filter(|key| key.is_line || key.mark.is_some());
-        legend.extend(lines.map(|key| (key.name, key.ink)));
+        legend.extend(legend_of(chart));
         notes.extend((!chart.caption.is_empty()).then(|| chart.caption.clone()));
-        let layers = chart.panels.iter().flat_map(|panel| &panel.layers);
-        aside.extend(
-            layers
-                .filter(|layer| layer.mark == Mark::SetAside)
-                .map(|layer| layer.name.as_str()),
-        );
         tallest = tallest.max(height(chart, width));
-        panels.push(grid::Panel {
-            title: chart.title.clone(),
-            draw: Box::new(move |area| draw(area, chart, None)),
-        });
     }
     let (mut named, mut told) = (BTreeSet::new(), BTreeSet::new());
     legend.retain(|(name, _): &(String, Ink)| named.insert(name.clone()));
     notes.retain(|note: &String| told.insert(note.clone()));
-    if !aside.is_empty() {
-        let names: Vec<&str> = aside.into_iter().collect();
-        notes.push(format!(
+    let is_shared = tells_apart(&legend) || charts.iter().all(|chart| legend_of(chart) == legend);
+    for chart in charts {
+        panels.push(grid::Panel {
+            title: chart.title.clone(),
+            draw: Box::new(move |area| {
+                if is_shared {
+                    return draw(area, chart, None);
+                }
+                draw(&grid::draw_entries(area, &legend_of(chart))?, chart, None)
+            }),
+        });
+    }
+    if !is_shared {
+        legend.clear();
+    }
+    notes.extend(set_aside_words(charts));
+    grid::grid(width, columns, tallest, &legend, &panels, &notes)
+}
+
+/// What a print says of the runs that no result is made from.
+fn set_aside_words(charts: &[Chart]) -> Vec<String> {
+    let mut marked: BTreeSet<&str> = BTreeSet::new();
+    // Whether the curves of a run lie within the axes of any chart.
+    let mut curves: BTreeMap<&str, bool> = BTreeMap::new();
+    for chart in charts {
+        for panel in &chart.panels {
+            let (x, y) = axes(chart, panel, None);
+            for layer in panel.layers.iter().filter(|layer| layer.is_aside) {
+                if layer.mark == Mark::Marks {
+                    marked.insert(&layer.name);
+                } else {
+                    let seen = layer.points.iter().filter(|at| x.shows(at.0) && y.shows(at.1));
+                    *curves.entry(&layer.name).or_default() |= 2 * seen.count() > layer.points.len();
+                }
+            }
+        }
+    }
+    let of_curve = |(name, is_within)| match is_within {
+        true => format!("Open dots, dashed: set aside, in no result: {name}."),
+        false => format!("Set aside, mostly outside the axes: {name}."),
+    };
+    let mut said: Vec<String> = curves.into_iter().map(of_curve).collect();
+    if !marked.is_empty() {
+        let names: Vec<&str> = marked.into_iter().collect();
+        said.push(format!(
             "Crossed, in no number, at an arrow where beyond the axes: {}.",
             in_a_row(&names)
         ));
     }
-    grid::grid(width, columns, tallest, &legend, &panels, &notes)
+    said
+}
+
+/// The legend of a print: readings are told by their dots, of which a legend of lines has none.
+fn legend_of(chart: &Chart) -> Vec<(String, Ink)> {
+    let lines = keys(chart)
+        .into_iter()
+        .filter(|key| !key.is_aside && (key.is_line || key.mark.is_some()));
+    lines.map(|key| (key.name, key.ink)).collect()
+}
+
+/// Whether every colour of a legend has one name.
+fn tells_apart(legend: &[(String, Ink)]) -> bool {
+    let is_other = |one: &(String, Ink), other: &(String, Ink)| one.0 == other.0 || one.1 != other.1;
+    legend
+        .iter()
+        .all(|one| legend.iter().all(|other| is_other(one, other)))
 }
 
 /// Draws a chart that is `width` px wide; its points lead to the runs of `site`, whose clock it goes by.
@@ -269,9 +319,9 @@ fn axes(chart: &Chart, own: &Panel, site: Option<&Site>) -> (Axis, Axis) {
 
 /// The least and the greatest number that an axis must show: a line widens it only where nothing else is drawn.
 fn shown(range: &Range, layers: &[&Layer], guide: Mark, of: fn(&Layer) -> Vec<f64>) -> (f64, f64) {
-    let never = [guide, Mark::SetAside, Mark::Span];
+    let never = [guide, Mark::Span];
     let is_line = |layer: &&&Layer| layer.mark == Mark::Line;
-    let is_counted = |layer: &&&Layer| !never.contains(&layer.mark) && !is_line(layer);
+    let is_counted = |layer: &&&Layer| !layer.is_aside && !never.contains(&layer.mark) && !is_line(layer);
     let is_bare = !layers
         .iter()
         .any(|layer| is_counted(&layer) && layer.mark != Mark::Upright);
@@ -306,6 +356,9 @@ fn draw_layer(
     (x, y): (&Axis, &Axis),
     site: Option<&Site>,
 ) -> Result<(), String> {
+    if layer.is_aside {
+        return aside_layer(chart, layer, (x, y));
+    }
     let ink = ink(layer.ink).color();
     let place = |at: &(f64, f64)| (x.position(at.0), y.position(at.1));
     let is_shown = |at: &(f64, f64)| x.shows(at.0) && y.shows(at.1);
@@ -333,7 +386,6 @@ fn draw_layer(
             dots(chart, group(&layer.name, runs()), points, radius, style)
         }
         Mark::Marks => marks(chart, layer, (x, y), runs()),
-        Mark::SetAside => draw_aside(chart, (x, y), &aside_marks(layer)),
         Mark::Span => {
             let least = LEAST_SPAN * (x.high - x.low);
             let ends = layer
@@ -400,10 +452,33 @@ fn band(chart: &mut panel::Chart, layer: &Layer, (x, y): (&Axis, &Axis)) -> Resu
     })
 }
 
+/// A layer of a run that no result is made from.
+fn aside_layer(chart: &mut panel::Chart, layer: &Layer, (x, y): (&Axis, &Axis)) -> Result<(), String> {
+    if layer.mark == Mark::Marks {
+        return draw_aside(chart, (x, y), &aside_marks(layer));
+    }
+    let pale = ink(layer.ink).color().mix(OF_ASIDE);
+    let shown = layer.points.iter().filter(|at| x.shows(at.0) && y.shows(at.1));
+    let points: Vec<(f64, f64)> = shown.map(|at| (x.position(at.0), y.position(at.1))).collect();
+    aside_series(chart, &layer.name, |chart| {
+        let drawn = if layer.mark == Mark::Readings {
+            // Open dots are large, and so fewer of them are told apart.
+            let open = points.iter().step_by((points.len() / MOST_OPEN).max(1));
+            let open = open.map(|&at| Circle::new(at, DOT, pale.stroke_width(RING)));
+            chart.draw_series(open).map(|_| ())
+        } else {
+            let (dash, gap) = DASH;
+            let line = DashedLineSeries::new(points, dash, gap, pale.stroke_width(LINE));
+            chart.draw_series(line).map(|_| ())
+        };
+        drawn.map_err(|error| error.to_string())
+    })
+}
+
 /// The runs of a layer that no result is made from.
 fn aside_marks(layer: &Layer) -> Vec<AsideMark> {
     let points = layer.points.iter().zip(&layer.bars);
-    let points = points.filter(|_| layer.mark == Mark::SetAside);
+    let points = points.filter(|_| layer.is_aside && layer.mark == Mark::Marks);
     let mark = |(&(x, y), &bar): (&(f64, f64), &(f64, f64))| AsideMark {
         run: 0,
         x,

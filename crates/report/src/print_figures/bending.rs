@@ -2,19 +2,16 @@
 //! one material share their vertical axis: how much less bends back in dry gas is the point of the figure. The thesis
 //! shows the displacement; the curvature is what the strip does whatever its length.
 
-use ieap_domain::range_of;
-use std::collections::BTreeMap;
-
 use super::FigureInput;
-use super::grid::{Panel, grid};
-use super::responses::{Line, aside_lines, aside_words, draw_lines, lines, note_aside, speaking};
-use crate::figures::axis::Axis;
-use crate::figures::canvas::{Drawing, Ink};
+use super::responses::{Line, aside_lines, chart, lines};
+use crate::blocks::chart::prints;
+use crate::figures::canvas::Drawing;
 use crate::pages::wording::{surroundings_label, voltage_label};
-use ieap_domain::Quantity;
+use ieap_domain::{Quantity, range_of};
+use ieap_show::{Chart, Range};
 
-/// Height of a panel, px.
-const HEIGHT: u32 = 180;
+/// What precedes the step is shown so long, part of what follows.
+const BEFORE: f64 = 0.02;
 /// Panels side by side at most.
 const MOST_COLUMNS: usize = 3;
 
@@ -30,7 +27,12 @@ pub fn displacement(input: &FigureInput, width: u32) -> Result<Drawing, String> 
 
 fn draw(input: &FigureInput, width: u32, quantity: Quantity) -> Result<Drawing, String> {
     let conditions = &input.site.conditions;
-    let (mut panels, mut aside) = (Vec::new(), BTreeMap::new());
+    let names: Vec<String> = conditions
+        .voltages_v
+        .iter()
+        .map(|&volts| voltage_label(volts))
+        .collect();
+    let mut charts: Vec<Chart> = Vec::new();
     for (material, name) in conditions.materials.iter().enumerate() {
         let mut of_material: Vec<(usize, Vec<Line>)> = Vec::new();
         for surroundings in 0..conditions.surroundings.len() {
@@ -41,61 +43,51 @@ fn draw(input: &FigureInput, width: u32, quantity: Quantity) -> Result<Drawing, 
                     drawn.extend(lines(input, run, quantity, voltage)?);
                 }
             }
-            if drawn.iter().any(|line| !line.measured.is_empty()) {
-                drawn.extend(aside_lines(input, quantity, |(of, around, voltage)| {
-                    ((of, around) == (material, surroundings)).then_some(voltage)
-                })?);
-                of_material.push((surroundings, drawn));
-            }
+            drawn.extend(aside_lines(input, quantity, |(of, around, voltage)| {
+                ((of, around) == (material, surroundings)).then_some(voltage)
+            })?);
+            of_material.push((surroundings, drawn));
         }
-        let all = of_material.iter().flat_map(|(_, lines)| speaking(lines));
-        let points: Vec<(f64, f64)> = all
-            .flat_map(|line| line.measured.iter().chain(&line.fitted).copied())
-            .collect();
+        let axes = axes(&mut of_material, quantity);
         for (surroundings, drawn) in of_material {
-            let (x, y) = axes(&points, quantity);
-            note_aside(&mut aside, (&x, &y), &drawn);
-            panels.push(Panel {
-                title: format!(
-                    "{name}, {}",
-                    surroundings_label(&conditions.surroundings[surroundings])
-                ),
-                draw: Box::new(move |area| draw_lines(area, &x, &y, &drawn)),
-            });
+            let around = surroundings_label(&conditions.surroundings[surroundings]);
+            let title = format!("{name}, {around}");
+            charts.extend(chart(input.site, title, axes.clone(), drawn, &names));
         }
     }
-    if panels.is_empty() && quantity == Quantity::TipDisplacement {
+    if charts.is_empty() && quantity == Quantity::TipDisplacement {
         return Err("no run with a curvature is of a sample whose length is known: give samples length_mm in campaign.toml".to_owned());
     }
-    let legend: Vec<(String, Ink)> = conditions
-        .voltages_v
-        .iter()
-        .map(|&v| voltage_label(v))
-        .zip(Ink::SERIES.into_iter().cycle())
-        .collect();
     let columns = conditions.surroundings.len().clamp(1, MOST_COLUMNS);
-    grid(
-        width,
-        columns,
-        HEIGHT,
-        &legend,
-        &panels,
-        &aside_words(input.site, &aside),
-    )
+    prints(&charts, columns, width)
 }
 
-fn axes(points: &[(f64, f64)], quantity: Quantity) -> (Axis, Axis) {
-    let range = |pick: fn(&(f64, f64)) -> f64| range_of(points.iter().map(pick));
-    let ((from, to), (low, high)) = (range(|point| point.0), range(|point| point.1));
-    let margin = 0.04 * (high - low);
-    // Hours are read, thousands of seconds are not; short runs keep their seconds.
-    let x = Axis::linear(from.max(-0.02 * to), 1.01 * to, "Time after the step", "s", 4);
+/// Axes that all lines of a material share, from which what long precedes the step is taken.
+fn axes(of_material: &mut [(usize, Vec<Line>)], quantity: Quantity) -> (Range, Range) {
+    let all = |of_material: &[(usize, Vec<Line>)]| -> Vec<(f64, f64)> {
+        let lines = of_material.iter().flat_map(|(_, lines)| lines);
+        let shown = lines.filter(|line| line.is_shown());
+        shown
+            .flat_map(|line| line.measured.iter().chain(&line.fitted).copied())
+            .collect()
+    };
+    let (_, last_s) = range_of(all(of_material).into_iter().map(|at| at.0));
+    for line in of_material.iter_mut().flat_map(|(_, lines)| lines) {
+        line.measured.retain(|at| at.0 >= -BEFORE * last_s);
+        line.fitted.retain(|at| at.0 >= -BEFORE * last_s);
+    }
+    let points = all(of_material);
+    let ends = |pick: fn(&(f64, f64)) -> f64| {
+        let (low, high) = range_of(points.iter().map(pick));
+        vec![low, high]
+    };
     let title = match quantity {
         Quantity::TipDisplacement => "Displacement",
         _ => quantity.label(),
     };
+    let shared = |range: Range, always: Vec<f64>| Range { always, ..range };
     (
-        x,
-        Axis::linear(low - margin, high + margin, title, quantity.unit(), 4),
+        shared(Range::linear("Time after the step", "s"), ends(|at| at.0)),
+        shared(Range::linear(title, quantity.unit()), ends(|at| at.1)),
     )
 }

@@ -1,32 +1,26 @@
 //! Curvature against the charge that has passed, one panel a material and voltage: a straight line where the bending follows
 //! the charge, a hook back where it relaxes, a tail to the right where charge leaks.
 
-use std::collections::BTreeMap;
-
 use super::FigureInput;
 use super::currents::lowest_and_highest;
-use super::grid::{Panel, grid};
-use super::responses::{Line, aside_words, draw_lines, lines, note_aside, speaking};
-use crate::figures::axis::Axis;
-use crate::figures::canvas::{Drawing, Ink};
-use crate::pages::wording::surroundings_label;
-use ieap_domain::{Quantity, range_of};
-
-/// Height of a panel, px.
-const HEIGHT: u32 = 210;
-/// Room around what is drawn, part of its range.
-const ROOM: f64 = 0.05;
+use super::responses::{Line, chart, lines};
+use crate::blocks::chart::prints;
+use crate::figures::canvas::Drawing;
+use crate::pages::wording::{surroundings_label, voltage_label};
+use ieap_domain::Quantity;
+use ieap_show::{Chart, Range};
 
 /// Currents are drawn in mA.
 const MILLI: f64 = 1e-3;
-/// Ticks of an axis, about.
-const TICKS: usize = 5;
+/// What the legend does not tell.
+const CAPTION: &str = "Dots: measured. Lines: simulated. Charge is the integral of the current since the step, what leaks counted.";
 
 /// Draws it.
 pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
     let conditions = &input.site.conditions;
     let voltages = lowest_and_highest(&conditions.voltages_v);
-    let (mut panels, mut aside) = (Vec::new(), BTreeMap::new());
+    let names: Vec<String> = conditions.surroundings.iter().map(surroundings_label).collect();
+    let mut charts: Vec<Chart> = Vec::new();
     for (material, name) in conditions.materials.iter().enumerate() {
         for &voltage in &voltages {
             let is_here = |of: usize, volts: usize| (of, volts) == (material, voltage);
@@ -47,26 +41,16 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
                     drawn.extend(of_run(input, own.run, surroundings)?);
                 }
             }
-            let Some((x, y)) = axes(&drawn) else { continue };
-            note_aside(&mut aside, (&x, &y), &drawn);
-            let volts = crate::pages::wording::voltage_label(conditions.voltages_v[voltage]);
-            panels.push(Panel {
-                title: format!("{name}, {volts}"),
-                draw: Box::new(move |area| draw_lines(area, &x, &y, &drawn)),
-            });
+            let title = format!("{name}, {}", voltage_label(conditions.voltages_v[voltage]));
+            let axes = (
+                Range::linear("Charge", "C cm⁻²").with(0.0),
+                Range::linear("Curvature", "cm⁻¹").with(0.0),
+            );
+            let chart = chart(input.site, title, axes, drawn, &names);
+            charts.extend(chart.map(|chart| chart.told(CAPTION)));
         }
     }
-    let legend: Vec<(String, Ink)> = conditions
-        .surroundings
-        .iter()
-        .map(surroundings_label)
-        .zip(Ink::SERIES.into_iter().cycle())
-        .collect();
-    let mut notes = vec![
-        "Dots: measured. Lines: simulated. Charge is the integral of the current since the step, what leaks counted.".to_owned(),
-    ];
-    notes.extend(aside_words(input.site, &aside));
-    grid(width, voltages.len().max(1), HEIGHT, &legend, &panels, &notes)
+    prints(&charts, voltages.len().max(1), width)
 }
 
 /// Curvature of a run against its charge; nothing where either was not read.
@@ -117,21 +101,6 @@ fn charge_at(passed: &[(f64, f64)], time_s: f64) -> Option<f64> {
     }
     let (early_s, early) = *passed.get(after.checked_sub(1)?)?;
     Some(early + (late - early) * (time_s - early_s) / (late_s - early_s))
-}
-
-fn axes(lines: &[Line]) -> Option<(Axis, Axis)> {
-    let points = || speaking(lines).flat_map(|line| line.measured.iter().chain(&line.fitted));
-    let around = |values: &mut dyn Iterator<Item = f64>| {
-        let (low, high) = range_of(values.chain([0.0]));
-        let room = ROOM * (high - low);
-        (high > low).then_some((low - room, high + room))
-    };
-    let (left, right) = around(&mut points().map(|point| point.0))?;
-    let (low, high) = around(&mut points().map(|point| point.1))?;
-    Some((
-        Axis::linear(left, right, "Charge", "C cm⁻²", TICKS),
-        Axis::linear(low, high, "Curvature", "cm⁻¹", TICKS),
-    ))
 }
 
 #[cfg(test)]

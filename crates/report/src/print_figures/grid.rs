@@ -98,13 +98,13 @@ fn wrapped(note: &str, width: u32) -> Vec<String> {
     lines
 }
 
-/// Draws a legend at the top of `area`, `width` px wide, and gives what lies below it.
-pub(super) fn draw_entries<'a>(
-    area: &Area<'a>,
-    width: i32,
-    legend: &[(String, Ink)],
-) -> Result<Area<'a>, String> {
-    let places = legend_places(width, legend);
+/// Draws a legend at the top of `area`, and gives what lies below it.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn draw_entries<'a>(area: &Area<'a>, legend: &[(String, Ink)]) -> Result<Area<'a>, String> {
+    let (width, _) = area.dim_in_pixel();
+    let places = legend_places(width as i32 / TENTHS, legend);
     let height = places.last().map_or(0, |&(_, y)| y + LEGEND_ROW);
     let (top, below) = area.split_vertically(height * TENTHS);
     for ((name, ink), place) in legend.iter().zip(&places) {

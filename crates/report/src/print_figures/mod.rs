@@ -5,7 +5,6 @@ mod along;
 mod bending;
 mod charge;
 mod currents;
-pub mod family;
 mod figure;
 pub(crate) mod frequency;
 pub(crate) mod grid;
@@ -16,13 +15,15 @@ mod outlines;
 mod parameters;
 mod pdf;
 mod png;
-pub mod predicted;
 mod print;
 mod responses;
 mod svg;
 
 pub use figure::{FigureInput, NamedFigure};
 pub use print::{POINTS_PER_PIXEL, Print};
+
+use crate::blocks::chart;
+use ieap_show::Chart;
 
 /// Every figure, in the order in which they are listed.
 pub const FIGURES: &[NamedFigure] = &[
@@ -154,15 +155,15 @@ pub const FIGURES: &[NamedFigure] = &[
     },
 ];
 
-/// A print of a family of lines that no campaign is needed for.
+/// A print of charts, in so many columns, that no campaign is needed for.
 ///
 /// # Errors
-/// There is no panel, or the message of the drawing library.
-pub fn family_print(family: &family::Family, title: &str, width_mm: f64) -> Result<Print, String> {
+/// There is no chart, or the message of the drawing library.
+pub fn charts_print(charts: &[Chart], columns: usize, title: &str, width_mm: f64) -> Result<Print, String> {
     Ok(Print {
         title: title.to_owned(),
         notice: None,
-        drawing: family.draw(Print::pixels(width_mm))?,
+        drawing: chart::prints(charts, columns, Print::pixels(width_mm))?,
         width_mm,
     })
 }

@@ -1,33 +1,11 @@
 //! Curves of runs as several figures show them: measured as dots, simulated as a line of the same colour.
 
-use std::collections::BTreeMap;
-
-use plotters::element::Circle;
-use plotters::series::{DashedLineSeries, LineSeries};
-use plotters::style::Color;
-
 use super::FigureInput;
-use crate::figures::axis::Axis;
-use crate::figures::canvas::Area;
-use crate::figures::comparison::{ink, marker};
-use crate::figures::panel::{Chart, Margins, panel};
 use crate::site::Site;
 use ieap_domain::tag::keys;
 use ieap_domain::{Level, Quantity, RunCurve, RunRecord};
+use ieap_show::{Chart, Ink, Layer, Mark, Panel, Range};
 
-/// Room around a panel, px.
-const MARGINS: Margins = Margins {
-    left: 54,
-    right: 12,
-    top: 4,
-    bottom: 44,
-};
-/// Markers on a simulated line: lines are told apart without colour.
-const MARKERS: usize = 5;
-/// Opacity of dots and of what is set aside.
-const PALE: f64 = 0.45;
-/// Open dots of a line, about.
-const MOST_OPEN: usize = 60;
 const MILLI: f64 = 1e3;
 
 /// One response of one run.
@@ -41,7 +19,7 @@ pub struct Line {
     pub fitted: Vec<(f64, f64)>,
     /// Number of the run among all that have a page.
     pub run: usize,
-    /// Whether no result is made from it: it is drawn with open dots and a pale dashed line, and sets no axis.
+    /// Whether no result is made from it.
     pub aside: bool,
 }
 
@@ -95,32 +73,46 @@ pub fn aside_lines(
     Ok(found)
 }
 
-/// Lines that results are made from: those that set the axes.
-pub fn speaking(lines: &[Line]) -> impl Iterator<Item = &Line> {
-    lines.iter().filter(|line| !line.aside)
-}
+impl Line {
+    /// Readings and what is simulated, which the legend calls `name`. A run that no result is made from is called by its own.
+    fn layers(self, site: &Site, name: &str) -> [Layer; 2] {
+        let ink = Ink::Series(self.style);
+        let readings = Layer::new("", Mark::Readings, ink, self.measured);
+        let line = Layer::new(name, Mark::MarkedLine, ink, self.fitted);
+        if !self.aside {
+            return [readings, line];
+        }
+        let reason = site.input.record(self.run).standing.reason();
+        let name = format!("{} ({reason})", site.run_name(self.run));
+        [readings, line].map(|own| Layer {
+            name: name.clone(),
+            ..own.aside()
+        })
+    }
 
-/// Notes which of the lines are of runs set aside, with whether most of them lies within the axes.
-pub fn note_aside(seen: &mut BTreeMap<usize, bool>, (x, y): (&Axis, &Axis), lines: &[Line]) {
-    for line in lines.iter().filter(|line| line.aside) {
-        let points = || line.measured.iter().chain(&line.fitted);
-        let inside = points().filter(|point| x.shows(point.0) && y.shows(point.1));
-        let within = 2 * inside.count() > points().count();
-        *seen.entry(line.run).or_default() |= within;
+    /// Whether results are made from it and there is something to draw.
+    pub fn is_shown(&self) -> bool {
+        !self.aside && !self.measured.is_empty()
     }
 }
 
-/// What a figure says of the runs set aside that were noted for it; nothing where there are none.
-pub fn aside_words(site: &Site, seen: &BTreeMap<usize, bool>) -> Vec<String> {
-    let said = |(&run, &within): (&usize, &bool)| {
-        let (name, reason) = (site.run_name(run), site.input.record(run).standing.reason());
-        if within {
-            format!("Open dots, dashed: set aside, in no result: {name} ({reason}).")
-        } else {
-            format!("Set aside, mostly outside the axes: {name} ({reason}).")
-        }
+/// A chart of lines, which the legend calls by the names of their styles; none without one that results are made from.
+pub fn chart(
+    site: &Site,
+    title: String,
+    (x, y): (Range, Range),
+    lines: Vec<Line>,
+    names: &[String],
+) -> Option<Chart> {
+    if !lines.iter().any(Line::is_shown) {
+        return None;
+    }
+    let layers = |line: Line| {
+        let name = names[line.style].as_str();
+        line.layers(site, name)
     };
-    seen.iter().map(said).collect()
+    let layers = lines.into_iter().flat_map(layers).collect();
+    Some(Chart::new(title, vec![Panel { x, y, layers }]))
 }
 
 /// Free length of the run's sample, cm.
@@ -160,67 +152,6 @@ fn line(curve: &RunCurve, style: usize, step_s: f64, shown: &dyn Fn(f64) -> f64)
         run: 0,
         aside: false,
     }
-}
-
-/// Draws lines in a panel over the whole of `area`; what lies outside the axes is left out.
-///
-/// # Errors
-/// The message of the drawing library.
-pub fn draw_lines(area: &Area, x: &Axis, y: &Axis, lines: &[Line]) -> Result<(), String> {
-    let mut chart = panel(area, MARGINS, x, y, true)?;
-    let shown = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
-        let within = points.iter().filter(|point| x.shows(point.0) && y.shows(point.1));
-        within
-            .map(|point| (x.position(point.0), y.position(point.1)))
-            .collect()
-    };
-    for line in lines {
-        let color = ink(line.style).color();
-        let style = color.mix(PALE).filled();
-        let dots = shown(&line.measured);
-        if line.aside {
-            draw_aside(&mut chart, line.style, &dots, &shown(&line.fitted))?;
-            continue;
-        }
-        chart
-            .draw_series(dots.iter().map(|&point| Circle::new(point, 9, style)))
-            .map_err(|error| error.to_string())?;
-        let simulated = shown(&line.fitted);
-        chart
-            .draw_series(LineSeries::new(simulated.iter().copied(), color.stroke_width(14)))
-            .map_err(|error| error.to_string())?;
-        let marked = if simulated.is_empty() { &dots } else { &simulated };
-        // Each line has its markers at other places, so that they do not hide each other.
-        let spacing = (marked.len() / MARKERS).max(1);
-        for &point in marked
-            .iter()
-            .skip(spacing * (line.style + 1) / 7)
-            .step_by(spacing)
-        {
-            marker(&mut chart, point, line.style, true)?;
-        }
-    }
-    Ok(())
-}
-
-/// A run that no result is made from: open dots and a dashed line, both pale.
-fn draw_aside(
-    chart: &mut Chart,
-    style: usize,
-    dots: &[(f64, f64)],
-    simulated: &[(f64, f64)],
-) -> Result<(), String> {
-    let pale = ink(style).color().mix(PALE);
-    // Open dots are large, and so fewer of them are told apart.
-    let every = (dots.len() / MOST_OPEN).max(1);
-    let open = dots.iter().step_by(every);
-    chart
-        .draw_series(open.map(|&point| Circle::new(point, 20, pale.stroke_width(8))))
-        .map_err(|error| error.to_string())?;
-    let (dash, gap) = (60, 45);
-    let line = DashedLineSeries::new(simulated.iter().copied(), dash, gap, pale.stroke_width(14));
-    let drawn = chart.draw_series(line);
-    drawn.map(|_| ()).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 mod families;
 
 use crate::pipeline::PipelineError;
-use crate::report::print_figures::family::Family;
-use crate::report::print_figures::{Print, family_print};
+use crate::report::print_figures::{Print, charts_print};
+use crate::show::Chart;
 use families::{figure13, figure16, figure18};
 
 /// A figure that no campaign is needed for.
@@ -17,7 +17,7 @@ pub struct SimulatedFigure {
     pub about: &'static str,
     /// Width for which it is laid out, mm.
     pub width_mm: f64,
-    family: fn() -> Family,
+    charts: fn() -> Vec<Chart>,
 }
 
 /// Every one, in the order in which they are listed.
@@ -27,21 +27,21 @@ pub const SIMULATED: [SimulatedFigure; 3] = [
         alias: "families",
         about: "Simulated curvature after a step: one and two R-C circuits, and several rates of relaxation",
         width_mm: 170.0,
-        family: figure13,
+        charts: figure13,
     },
     SimulatedFigure {
         name: "figure16",
         alias: "voltages-simulated",
         about: "Simulated voltage along the strip after a step: sums of few and many terms, and its course in time",
         width_mm: 170.0,
-        family: figure16,
+        charts: figure16,
     },
     SimulatedFigure {
         name: "figure18",
         alias: "curvatures-simulated",
         about: "Simulated curvature along the strip over time, for two rates of relaxation",
         width_mm: 170.0,
-        family: figure18,
+        charts: figure18,
     },
 ];
 
@@ -58,7 +58,8 @@ impl SimulatedFigure {
     /// # Errors
     /// What the drawing library says.
     pub(crate) fn print(&'static self, width_mm: f64) -> Result<Print, PipelineError> {
-        let print = family_print(&(self.family)(), self.about, width_mm);
+        let charts = (self.charts)();
+        let print = charts_print(&charts, charts.len(), self.about, width_mm);
         print.map_err(|reason| PipelineError::Figure {
             figure: self.name,
             reason,
@@ -73,11 +74,11 @@ mod tests {
     #[test]
     fn every_simulated_figure_has_lines_of_numbers() {
         for figure in &SIMULATED {
-            let family = (figure.family)();
-            assert!(!family.panels.is_empty());
-            for panel in &family.panels {
-                assert!(!panel.lines.is_empty(), "{}", figure.name);
-                let points = panel.lines.iter().flat_map(|line| &line.points);
+            let charts = (figure.charts)();
+            assert!(!charts.is_empty());
+            for panel in charts.iter().flat_map(|chart| &chart.panels) {
+                assert!(!panel.layers.is_empty(), "{}", figure.name);
+                let points = panel.layers.iter().flat_map(|line| &line.points);
                 assert!(points.clone().count() > 100, "{}", figure.name);
                 assert!(
                     points

@@ -3,13 +3,14 @@
 use super::document::{Predicted, PredictedRow};
 use super::{DriveDocument, PredictionDocument};
 use crate::pipeline::PipelineError;
-use crate::report::print_figures::predicted::{Course, courses};
-use crate::report::print_figures::{Print, figure_format_named};
+use crate::report::print_figures::{Print, charts_print, figure_format_named};
+use crate::show::{Chart, Ink, Layer, Mark, Panel, Range};
 
 /// Width, mm, and resolution, dots per inch.
 const WIDTH_MM: f64 = 85.0;
 const DOTS_PER_INCH: f64 = 600.0;
-const MILLI: f64 = 1e3;
+/// What a band is.
+const BAND: &str = "Band: a further run lies in it in 95 of 100 cases.";
 
 /// The prediction over time, with its intervals, in the format of that name.
 ///
@@ -20,26 +21,34 @@ pub fn prediction_figure(
     notice: Option<&str>,
     format: &str,
 ) -> Result<Vec<u8>, PipelineError> {
-    let series = |title: &str, unit: &str, scale: f64, of: &dyn Fn(&PredictedRow) -> Option<Predicted>| {
-        let values = document
-            .course
-            .iter()
-            .filter_map(|row| Some((row.time_s, of(row)?)));
-        course(title, unit, scale, values, Vec::new())
+    let rows = &document.course;
+    let response = |quantity: &'static str, unit, of: &dyn Fn(&PredictedRow) -> Option<Predicted>| {
+        predicted(
+            quantity,
+            unit,
+            rows.iter().filter_map(|row| Some((row.time_s, of(row)?))),
+        )
     };
-    let all = [
-        series("Current", "mA", MILLI, &|row| Some(row.current_a)),
-        series("Charge", "mC", MILLI, &|row| Some(row.charge_c)),
-        series("Curvature", "cm⁻¹", 1.0, &|row| row.curvature_per_cm),
-        series("Tip displacement", "mm", 1.0, &|row| row.tip_displacement_mm),
-        series("Blocked moment", "mN mm", 1.0, &|row| row.blocked_moment_mn_mm),
+    let electrical = vec![
+        response("Current", "A", &|row| Some(row.current_a)),
+        response("Charge", "C", &|row| Some(row.charge_c)),
+    ];
+    let bending = vec![
+        response("Curvature", "1/cm", &|row| row.curvature_per_cm),
+        response("Tip displacement", "mm", &|row| row.tip_displacement_mm),
+    ];
+    let moment = response("Blocked moment", "mN mm", &|row| row.blocked_moment_mn_mm);
+    let all = vec![
+        Chart::new("Electrical", electrical),
+        Chart::new("Bending", bending),
+        Chart::new("Force", vec![moment]),
     ];
     let strip = &document.strip;
     let title = format!(
         "Predicted for {} in {}, {} mm by {} mm, with 95 % intervals of a further run",
         document.sample, document.environment, strip.length_mm, strip.width_mm
     );
-    written(&title, notice, &all, format)
+    written(&title, notice, all, format)
 }
 
 /// The found drive, the wanted and the reached course, in the format of that name.
@@ -52,48 +61,58 @@ pub fn course_figure(
     format: &str,
 ) -> Result<Vec<u8>, PipelineError> {
     let rows = &document.course;
-    let wanted = rows.iter().map(|row| (row.time_s, row.wanted_mm)).collect();
+    let voltage = Layer::new(
+        "",
+        Mark::Line,
+        Ink::FIRST,
+        rows.iter().map(|row| (row.time_s, row.voltage_v)),
+    );
+    let wanted = rows.iter().map(|row| (row.time_s, row.wanted_mm));
     let reached = rows.iter().map(|row| (row.time_s, row.reached_mm));
-    let voltage = Course {
-        quantity: "Voltage".to_owned(),
-        unit: "V".to_owned(),
-        points: rows.iter().map(|row| (row.time_s, row.voltage_v)).collect(),
-        band: Vec::new(),
-        wanted: Vec::new(),
-    };
-    let all = [voltage, course("Tip displacement", "mm", 1.0, reached, wanted)];
+    let mut tip = predicted("Tip displacement", "mm", reached);
+    tip.layers
+        .push(Layer::new("Wanted", Mark::MarkedLine, Ink::SECOND, wanted));
+    let all = vec![Chart::new(
+        "",
+        vec![over_time("Voltage", "V", vec![voltage]), tip],
+    )];
     let title = format!(
         "Drive for {} in {}, and what it reaches",
         document.sample, document.environment
     );
-    written(&title, notice, &all, format)
+    written(&title, notice, all, format)
 }
 
-fn course(
-    quantity: &str,
-    unit: &str,
-    scale: f64,
+/// A response as a line in its band, all of which is seen.
+fn predicted(
+    quantity: &'static str,
+    unit: &'static str,
     values: impl Iterator<Item = (f64, Predicted)>,
-    wanted: Vec<(f64, f64)>,
-) -> Course {
+) -> Panel {
     let (mut points, mut band) = (Vec::new(), Vec::new());
     for (time_s, predicted) in values {
-        points.push((time_s, scale * predicted.value));
-        band.push((scale * predicted.low_95, scale * predicted.high_95));
+        points.push((time_s, predicted.value));
+        band.push((predicted.low_95, predicted.high_95));
     }
-    Course {
-        quantity: quantity.to_owned(),
-        unit: unit.to_owned(),
-        points,
-        band,
-        wanted,
-    }
+    let ends: Vec<f64> = band.iter().flat_map(|(low, high)| [*low, *high]).collect();
+    let line = Layer::new("Predicted", Mark::Line, Ink::FIRST, points).with_bars(band);
+    let mut panel = over_time(quantity, unit, vec![line]);
+    panel.y.always.extend(ends);
+    panel
+}
+
+fn over_time(quantity: &'static str, unit: &'static str, layers: Vec<Layer>) -> Panel {
+    let (x, y) = (
+        Range::linear("Time", "s"),
+        Range::linear(quantity, unit).with(0.0),
+    );
+    Panel { x, y, layers }
 }
 
 fn written(
     title: &str,
     notice: Option<&str>,
-    all: &[Course],
+    mut charts: Vec<Chart>,
     format: &str,
 ) -> Result<Vec<u8>, PipelineError> {
     let format = figure_format_named(format).ok_or_else(|| PipelineError::BadArgument {
@@ -105,12 +124,15 @@ fn written(
         figure: "prediction",
         reason,
     };
-    let drawing = courses(Print::pixels(WIDTH_MM), all).map_err(failed)?;
+    for chart in &mut charts {
+        chart.panels.retain(|panel| panel.layers[0].points.len() > 1);
+        chart.caption = BAND.to_owned();
+    }
+    charts.retain(|chart| !chart.panels.is_empty());
+    let print = charts_print(&charts, 1, title, WIDTH_MM).map_err(failed)?;
     let print = Print {
-        title: title.to_owned(),
         notice: notice.map(str::to_owned),
-        drawing,
-        width_mm: WIDTH_MM,
+        ..print
     };
     (format.write)(&print, DOTS_PER_INCH).map_err(failed)
 }
