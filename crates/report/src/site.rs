@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::figures::residual::Clock;
 use super::input::Input;
 use super::lookup::Lookup;
 use super::moved::Numbers;
@@ -19,6 +18,15 @@ use ieap_analysis::{Conditions, conditions};
 use ieap_domain::number::fixed;
 use ieap_domain::tag::keys;
 use ieap_domain::{Drive, Fault, GroupDiagnosis, RunRecord};
+
+/// How the time of a run is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clock {
+    /// Since the step, so that seconds and hours have equal room.
+    SinceStep,
+    /// Evenly, as a voltage that moves all the time asks for.
+    Even,
+}
 
 /// What pages are made from: the input with the conditions and the names of the run pages.
 pub struct Site<'a> {

@@ -6,9 +6,10 @@ use std::fmt::Write as _;
 use ieap_domain::{Quantity, RunCurve};
 use serde::{Deserialize, Serialize};
 
-use crate::figures::residual::BAND_SIGMA;
 use crate::figures::thin::{self, Pixels};
 
+/// Half width of the band: single readings stay within it in 95 of 100 cases.
+pub const BAND_SIGMA: f64 = 2.0;
 /// Room of a picture, px; the template states the same.
 pub const SIZE: (f64, f64) = (60.0, 16.0);
 /// Time after the step from which on the picture is logarithmic, as a part of the longest.

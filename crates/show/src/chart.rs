@@ -44,7 +44,7 @@ pub struct Range {
     /// Quantity.
     pub quantity: Cow<'static, str>,
     /// Unit.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// How numbers become positions.
     pub scale: Scale,
     /// Numbers that are seen in any case.
@@ -54,12 +54,18 @@ pub struct Range {
 }
 
 /// How numbers become positions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scale {
     /// Proportional.
     Linear,
     /// Proportional to the logarithm; what is not positive is left out.
     Log,
+    /// Of times since a step, s: nearly proportional up to `unit_s`, then to the logarithm, so that seconds and hours have
+    /// equal room; what precedes the step stands in a narrow strip.
+    SinceStep {
+        /// Where it turns, s.
+        unit_s: f64,
+    },
     /// Places of names.
     Names,
     /// Dates by the clock of the campaign, of seconds since 1970 UTC.
@@ -126,10 +132,10 @@ pub enum Ink {
 
 impl Range {
     /// A linear axis.
-    pub fn linear(quantity: impl Into<Cow<'static, str>>, unit: &'static str) -> Range {
+    pub fn linear(quantity: impl Into<Cow<'static, str>>, unit: impl Into<Cow<'static, str>>) -> Range {
         Range {
             quantity: quantity.into(),
-            unit,
+            unit: unit.into(),
             scale: Scale::Linear,
             always: Vec::new(),
             names: Vec::new(),
@@ -146,10 +152,25 @@ impl Range {
     }
 
     /// A logarithmic axis.
-    pub fn log(quantity: impl Into<Cow<'static, str>>, unit: &'static str) -> Range {
+    pub fn log(quantity: impl Into<Cow<'static, str>>, unit: impl Into<Cow<'static, str>>) -> Range {
         Range {
             scale: Scale::Log,
             ..Range::linear(quantity, unit)
+        }
+    }
+
+    /// Time since a step at 0, of which `times_s` are shown: it turns at the first of them after it, at `shortest` of the last
+    /// at the soonest.
+    pub fn since_step(times_s: impl Iterator<Item = f64>, shortest: f64) -> Range {
+        let after = times_s.filter(|time_s| *time_s > 0.0);
+        let (next_s, last_s) = after.fold((f64::INFINITY, 0.0), |(next, last), time_s| {
+            (time_s.min(next), time_s.max(last))
+        });
+        Range {
+            scale: Scale::SinceStep {
+                unit_s: next_s.max(shortest * last_s),
+            },
+            ..Range::linear("Time since the step", "s")
         }
     }
 

@@ -16,7 +16,7 @@ use crate::figures::canvas::{Area, Drawing, PAGE_WIDTH, TENTHS, drawing as drawn
 use crate::figures::comparison::{self, marker};
 use crate::figures::group::{Group, aside_series, grouped, series};
 use crate::figures::panel::{self, Margins, panel};
-use crate::figures::thin;
+use crate::figures::{svg, thin};
 use crate::print_figures::grid;
 use crate::site::Site;
 use ieap_analysis::zone::Zone;
@@ -143,7 +143,7 @@ pub fn beyond(chart: &Chart) -> String {
         if marks.is_empty() {
             return String::new();
         }
-        beyond_words(&marks, (Some(&x), &y), panel.y.unit)
+        beyond_words(&marks, (Some(&x), &y), &panel.y.unit)
     };
     chart.panels.iter().map(of_panel).collect()
 }
@@ -247,6 +247,14 @@ pub fn drawing(chart: &Chart, width: u32, site: Option<&Site>) -> Result<Drawing
     drawn((width, height(chart, width)), |area| draw(area, chart, site))
 }
 
+/// A chart as wide as a column of a page, for one that is no block.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn inline(chart: &Chart, title: &str, desc: &str) -> Result<String, String> {
+    Ok(svg::inline(&drawing(chart, PAGE_WIDTH, None)?, title, desc))
+}
+
 fn height(chart: &Chart, width: u32) -> u32 {
     match chart.form {
         Form::EqualScales => SQUARE.1 * width / SQUARE.0,
@@ -311,7 +319,7 @@ fn axes(chart: &Chart, own: &Panel, site: Option<&Site>) -> (Axis, Axis) {
     });
     if chart.form == Form::EqualScales {
         let span = (1.0 + ROOM) * (x.1 - x.0).max(y.1 - y.0);
-        let axis = |range: &Range, low: f64| Axis::linear(low, low + span, &range.quantity, range.unit, 5);
+        let axis = |range: &Range, low: f64| Axis::linear(low, low + span, &range.quantity, &range.unit, 5);
         return (axis(&own.x, x.0), axis(&own.y, y.0));
     }
     (axis(&own.x, x, 6, site), axis(&own.y, y, 5, site))
@@ -337,7 +345,8 @@ fn axis(range: &Range, (low, high): (f64, f64), ticks: usize, site: Option<&Site
     let room = ROOM * (high - low);
     match range.scale {
         Scale::Names => Axis::names(&range.names),
-        Scale::Log => Axis::log(low / LOG_ROOM, high * LOG_ROOM, &range.quantity, range.unit),
+        Scale::Log => Axis::log(low / LOG_ROOM, high * LOG_ROOM, &range.quantity, &range.unit),
+        Scale::SinceStep { unit_s } => Axis::about_step(low.min(0.0), unit_s, high, &range.quantity),
         Scale::Calendar => {
             let zone = site.map_or_else(Zone::utc, Site::zone);
             calendar_axis(low - room, high + room, ticks, &zone)
@@ -345,7 +354,7 @@ fn axis(range: &Range, (low, high): (f64, f64), ticks: usize, site: Option<&Site
         Scale::Linear => {
             // What begins at zero stands on the axis.
             let below = if low == 0.0 { 0.0 } else { room };
-            Axis::linear(low - below, high + room, &range.quantity, range.unit, ticks)
+            Axis::linear(low - below, high + room, &range.quantity, &range.unit, ticks)
         }
     }
 }

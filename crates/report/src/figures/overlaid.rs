@@ -1,23 +1,10 @@
 //! One response of all runs of a group on one axis, a line for each.
 
-use plotters::series::LineSeries;
-use plotters::style::Color;
-
-use super::axis::{Axis, finite_range};
-use super::canvas::{Ink, svg};
-use super::group::series;
-use super::panel::{Margins, panel, pixels};
-use super::thin;
 use ieap_domain::RunCurve;
+use ieap_show::{Chart, Ink, Layer, Mark, Panel, Range};
 
-/// Size, px.
-const SIZE: (u32, u32) = (super::shape::PAGE_WIDTH, 220);
-const MARGINS: Margins = Margins {
-    left: 62,
-    right: 16,
-    top: 8,
-    bottom: 42,
-};
+use crate::blocks::chart::inline;
+
 /// Shortest time that the axis tells apart, as a fraction of the longest.
 const SHORTEST: f64 = 1e-6;
 
@@ -64,31 +51,15 @@ pub fn overlaid(lines: &[Line], title: &str, desc: &str) -> Result<Option<String
     let Some(first) = lines.first().filter(|_| lines.len() > 1) else {
         return Ok(None);
     };
-    let points = || lines.iter().flat_map(|line| line.after_step());
-    let (_, last_s) = finite_range(points().map(|(t, _)| t));
-    let (next_s, _) = finite_range(points().map(|(t, _)| t).filter(|t| *t > 0.0));
-    let (low, high) = finite_range(points().map(|(_, y)| y));
-    let unit_s = next_s.max(SHORTEST * last_s);
-    let x = Axis::about_step(0.0, unit_s, last_s, "Time since the step");
+    let times_s = lines.iter().flat_map(|line| line.after_step()).map(|(t, _)| t);
     let quantity = first.curve.quantity;
-    let margin = 0.05 * (high - low);
-    let y = Axis::linear(low - margin, high + margin, quantity.label(), quantity.unit(), 4);
-    let drawn = svg(SIZE, title, desc, |area| {
-        let mut chart = panel(area, MARGINS, &x, &y, true)?;
-        for line in &lines {
-            let points: Vec<(f64, f64)> = line.after_step().map(|(t, y)| (x.position(t), y)).collect();
-            let points = thin::line(&points, pixels(&chart));
-            series(&mut chart, line.name, |chart| {
-                let style = line.ink.color().stroke_width(14);
-                chart
-                    .draw_series(LineSeries::new(points, style))
-                    .map(|_| ())
-                    .map_err(|error| error.to_string())
-            })?;
-        }
-        Ok(())
-    })?;
-    Ok(Some(drawn))
+    let layer = |line: &&Line| Layer::new(line.name, Mark::Line, line.ink, line.after_step());
+    let panel = Panel {
+        x: Range::since_step(times_s, SHORTEST),
+        y: Range::linear(quantity.label(), quantity.unit()),
+        layers: lines.iter().map(layer).collect(),
+    };
+    inline(&Chart::new(title, vec![panel]), title, desc).map(Some)
 }
 
 #[cfg(test)]
@@ -116,7 +87,7 @@ mod tests {
         let curves = [curve(1e-3), curve(2e-3)];
         let line = |name, at: usize| Line {
             name,
-            ink: Ink::ORDERED[at],
+            ink: Ink::Ordered(at, 2),
             curve: &curves[at],
             step_s: 0.0,
         };

@@ -3,18 +3,10 @@
 
 use ieap_domain::quantiles::CHI_SQUARE_95_OF_ONE;
 use ieap_domain::range_of;
-use plotters::element::{Circle, PathElement};
-use plotters::series::LineSeries;
-use plotters::style::Color;
+use ieap_show::{Chart, Ink, Layer, Mark, Panel, Range};
 
-use super::axis::Axis;
-use super::canvas::{Ink, svg};
-use super::group::series;
-use super::panel::{Margins, panel};
-use ieap_domain::number::{decimal_exponent, superscript};
+use crate::blocks::chart::inline;
 
-const WIDTH: u32 = super::shape::PAGE_WIDTH;
-const HEIGHT: u32 = 210;
 /// Rise that bounds a 95 % interval.
 const BOUND: f64 = CHI_SQUARE_95_OF_ONE;
 /// Rises beyond this many times the bound are not drawn: one far point would press the others flat.
@@ -45,83 +37,26 @@ pub fn profile(
     if points.len() < 3 || ends.0 >= ends.1 {
         return Ok(None);
     }
-    let over_decades = ends.0 > 0.0 && ends.1 > DECADES * ends.0;
-    // Decades are short by themselves.
-    let exponent = if over_decades {
-        0
-    } else {
-        decimal_exponent(ends.0.abs().max(ends.1.abs()))
+    let (quantity, unit) = (quantity.to_owned(), unit.to_owned());
+    let x = match ends.0 > 0.0 && ends.1 > DECADES * ends.0 {
+        true => Range::log(quantity, unit),
+        false => Range::linear(quantity, unit),
     };
-    let (points, ends, quantity) = in_short_numbers(points, ends, quantity, unit, exponent);
-    let most = points.iter().fold(2.0 * BOUND, |most, (_, y)| most.max(*y));
-    let most = most.min(HIGHEST * BOUND);
-    let x = if over_decades {
-        Axis::log(ends.0, ends.1, &quantity, "")
-    } else {
-        let margin = 0.04 * (ends.1 - ends.0);
-        Axis::linear(ends.0 - margin, ends.1 + margin, &quantity, "", 4)
-    };
-    let y = Axis::linear(-0.03 * most, 1.05 * most, "Rise of the sum of squares", "", 5);
-    let points: Vec<(f64, f64)> = points
-        .into_iter()
-        .map(|(v, rise)| (x.position(v), rise))
-        .collect();
-    let points = below(HIGHEST * BOUND, &points);
-    let drawn = svg((WIDTH, HEIGHT), title, desc, |area| {
-        let margins = Margins {
-            left: 58,
-            right: 16,
-            top: 8,
-            bottom: 42,
-        };
-        let mut chart = panel(area, margins, &x, &y, true)?;
-        series(&mut chart, "", |chart| {
-            let level = [(x.low, BOUND), (x.high, BOUND)];
-            chart
-                .draw_series([PathElement::new(level, Ink::Vermillion.color().stroke_width(10))])
-                .map(|_| ())
-                .map_err(|error| error.to_string())?;
-            let line = LineSeries::new(points.clone(), Ink::Blue.color().stroke_width(16));
-            chart
-                .draw_series(line)
-                .map(|_| ())
-                .map_err(|error| error.to_string())
-        })?;
-        series(&mut chart, "Rise", |chart| {
-            let style = Ink::Blue.color().filled();
-            chart
-                .draw_series(points.iter().map(|point| Circle::new(*point, 22, style)))
-                .map(|_| ())
-                .map_err(|error| error.to_string())
-        })
-    })?;
-    Ok(Some(drawn))
-}
-
-/// Points and ends over a power of ten, where numbers of that exponent would have many digits, and the title that says so.
-fn in_short_numbers(
-    points: Vec<(f64, f64)>,
-    ends: (f64, f64),
-    quantity: &str,
-    unit: &str,
-    exponent: i32,
-) -> (Vec<(f64, f64)>, (f64, f64), String) {
-    let (factor, power) = match exponent {
-        -2..=3 => (1.0, String::new()),
-        far => (10f64.powi(-far), format!("10{}", superscript(far))),
-    };
-    let unit = match (power.is_empty(), unit.is_empty()) {
-        (true, _) => unit.to_owned(),
-        (false, true) => power,
-        (false, false) => format!("{power} {unit}"),
-    };
-    let title = if unit.is_empty() {
-        quantity.to_owned()
-    } else {
-        format!("{quantity} ({unit})")
-    };
-    let points = points.into_iter().map(|(x, y)| (factor * x, y)).collect();
-    (points, (factor * ends.0, factor * ends.1), title)
+    let x = x.with(ends.0).with(ends.1);
+    let y = Range::linear("Rise of the sum of squares", "")
+        .with(0.0)
+        .with(2.0 * BOUND);
+    let layers = vec![
+        Layer::new("", Mark::Level, Ink::Limit, [(ends.0, BOUND)]),
+        Layer::new(
+            "Rise",
+            Mark::DottedLine,
+            Ink::FIRST,
+            below(HIGHEST * BOUND, &points),
+        ),
+    ];
+    let chart = Chart::new(title, vec![Panel { x, y, layers }]);
+    inline(&chart, title, desc).map(Some)
 }
 
 /// The points up to `most`, with those where the line between neighbours passes it.

@@ -1,26 +1,13 @@
 //! One channel of one run of a diagnosis: what the base model leaves and what the extended one leaves, in units of the
 //! noise, with the band that noise alone fills; and, above it, the readings with what both models say.
 
-use plotters::element::{Circle, PathElement, Polygon};
-use plotters::series::LineSeries;
-use plotters::style::Color;
-
-use super::axis::{Axis, finite_range};
-use super::canvas::{Area, Ink, TENTHS, svg};
-use super::group::series;
-use super::panel::{Chart, Margins, panel, pixels};
-use super::thin;
 use ieap_domain::{Quantity, ResidualCurve};
+use ieap_show::{Chart, Ink, Layer, Mark, Panel, Range};
 
-/// Width of a figure, px.
-const WIDTH: u32 = super::shape::PAGE_WIDTH;
-/// Height of a figure of residuals alone, px.
-const HEIGHT: u32 = 190;
-/// Heights of the two panels of an overlay, px.
-const READINGS_HEIGHT: u32 = 210;
-const RESIDUALS_HEIGHT: u32 = 170;
-/// Half width of the band: single readings stay within it in 95 of 100 cases.
-pub(crate) const BAND_SIGMA: f64 = 2.0;
+use crate::blocks::chart::inline;
+use crate::site::Clock;
+use crate::sparkline::BAND_SIGMA;
+
 /// Shortest time that the axis tells apart, as a fraction of the longest.
 const SHORTEST: f64 = 1e-5;
 
@@ -31,15 +18,6 @@ pub struct Called<'a> {
     pub base: &'a str,
     /// What is held against it.
     pub extension: &'a str,
-}
-
-/// How the time of a run is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Clock {
-    /// Since the step, so that seconds and hours have equal room.
-    SinceStep,
-    /// Evenly, as a voltage that moves all the time asks for.
-    Even,
 }
 
 /// Draws the residuals of `curve`, the models `called` so. None where there is too little to draw.
@@ -53,11 +31,11 @@ pub fn residual(
     title: &str,
     desc: &str,
 ) -> Result<Option<String>, String> {
-    let Some(drawing) = Drawing::of(curve, called, clock)? else {
+    let Some(x) = time(curve, clock)? else {
         return Ok(None);
     };
-    let drawn = svg((WIDTH, HEIGHT), title, desc, |area| drawing.residuals(area))?;
-    Ok(Some(drawn))
+    let chart = Chart::new(title, vec![residuals(curve, called, x)]);
+    inline(&chart, title, desc).map(Some)
 }
 
 /// Draws the readings of `curve` with both models, and the residuals under them. None where there is too little to draw,
@@ -72,109 +50,73 @@ pub fn overlay(
     title: &str,
     desc: &str,
 ) -> Result<Option<String>, String> {
-    let drawing = match Drawing::of(curve, called, clock)? {
-        Some(drawing) if !curve.measured.is_empty() => drawing,
+    let x = match time(curve, clock)? {
+        Some(x) if !curve.measured.is_empty() => x,
         _ => return Ok(None),
     };
-    let height = READINGS_HEIGHT + RESIDUALS_HEIGHT;
-    let drawn = svg((WIDTH, height), title, desc, |area| {
-        let (above, below) = area.split_vertically(READINGS_HEIGHT as i32 * TENTHS);
-        drawing.readings(&above)?;
-        drawing.residuals(&below)
-    })?;
-    Ok(Some(drawn))
+    let panels = vec![readings(curve, called, x.clone()), residuals(curve, called, x)];
+    inline(&Chart::new(title, panels), title, desc).map(Some)
 }
 
-/// What both panels share.
-struct Drawing<'a> {
-    curve: &'a ResidualCurve,
-    called: Called<'a>,
-    x: Axis,
+/// The axis of times; none where there is too little to draw.
+fn time(curve: &ResidualCurve, clock: Clock) -> Result<Option<Range>, String> {
+    check_lengths(curve)?;
+    let last_s = curve.time_s.last().copied().unwrap_or(0.0);
+    let after = curve.time_s.iter().filter(|t| **t > SHORTEST * last_s);
+    if after.count() < 2 {
+        return Ok(None);
+    }
+    Ok(Some(match clock {
+        Clock::SinceStep => Range::since_step(curve.time_s.iter().copied(), SHORTEST),
+        Clock::Even => Range::linear("Time", "s"),
+    }))
 }
 
-impl Drawing<'_> {
-    fn of<'a>(
-        curve: &'a ResidualCurve,
-        called: Called<'a>,
-        clock: Clock,
-    ) -> Result<Option<Drawing<'a>>, String> {
-        check_lengths(curve)?;
-        let last_s = curve.time_s.last().copied().unwrap_or(0.0);
-        let after: Vec<f64> = curve
-            .time_s
-            .iter()
-            .copied()
-            .filter(|t| *t > SHORTEST * last_s)
-            .collect();
-        if after.len() < 2 {
-            return Ok(None);
-        }
-        let (first_s, _) = finite_range(curve.time_s.iter().copied());
-        let x = match clock {
-            Clock::SinceStep => Axis::about_step(first_s.min(0.0), after[0], last_s, "Time since the step"),
-            Clock::Even => Axis::linear(first_s, last_s, "Time", "s", 6),
-        };
-        Ok(Some(Drawing { curve, called, x }))
+/// The readings as dots, the models as lines.
+fn readings(curve: &ResidualCurve, called: Called, x: Range) -> Panel {
+    let (label, unit) = match curve.channel.as_str() {
+        "current" => (Quantity::Current.label().to_owned(), Quantity::Current.unit()),
+        "curvature" => (Quantity::Curvature.label().to_owned(), Quantity::Curvature.unit()),
+        other => (other.to_owned(), ""),
+    };
+    let of = |name: &str, mark, ink, values: &[f64]| Layer::over(name, mark, ink, &curve.time_s, values);
+    let mut layers = vec![
+        of("Measured", Mark::Readings, Ink::Guide, &curve.measured),
+        of(called.base, Mark::Line, Ink::SECOND, &curve.base),
+    ];
+    // Nothing of an extension whose residuals are withheld, because the finding is not about it.
+    if !curve.after_sigma.is_empty() {
+        layers.push(of(called.extension, Mark::Line, Ink::FIRST, &curve.extended));
     }
+    let lines = layers.iter().flat_map(|own| &own.points).map(|at| at.1);
+    let always = lines.filter(|value| value.is_finite()).collect();
+    let y = Range {
+        always,
+        ..Range::linear(label, unit)
+    };
+    Panel { x, y, layers }
+}
 
-    /// The readings as dots, the models as lines.
-    fn readings(&self, area: &Area) -> Result<(), String> {
-        let curve = self.curve;
-        let extended = self.extended();
-        let all = [&curve.measured[..], &curve.base, extended];
-        let (low, high) = finite_range(all.into_iter().flatten().copied());
-        let margin = 0.05 * (high - low);
-        let (label, unit) = match curve.channel.as_str() {
-            "current" => (Quantity::Current.label(), Quantity::Current.unit()),
-            "curvature" => (Quantity::Curvature.label(), Quantity::Curvature.unit()),
-            other => (other, ""),
-        };
-        let y = Axis::linear(low - margin, high + margin, label, unit, 4);
-        let mut chart = panel(area, margins(false), &self.x, &y, false)?;
-        series(&mut chart, "Measured", |chart| {
-            dots(chart, &self.points(&curve.measured), Ink::Muted)
-        })?;
-        series(&mut chart, self.called.base, |chart| {
-            line(chart, &self.points(&curve.base), Ink::Vermillion)
-        })?;
-        if extended.is_empty() {
-            return Ok(());
-        }
-        series(&mut chart, self.called.extension, |chart| {
-            line(chart, &self.points(extended), Ink::Blue)
-        })
+/// What both models leave over the noise, on the band that noise fills; the axis is symmetric and wide enough for it.
+fn residuals(curve: &ResidualCurve, called: Called, x: Range) -> Panel {
+    let all = curve.before_sigma.iter().chain(&curve.after_sigma);
+    let most = all
+        .filter(|sigma| sigma.is_finite())
+        .fold(1.5 * BAND_SIGMA, |most: f64, sigma| most.max(sigma.abs()));
+    let ends = [curve.time_s.first(), curve.time_s.last()].into_iter().flatten();
+    let band = Layer::new("", Mark::Line, Ink::Guide, ends.map(|&t| (t, 0.0)));
+    let of = |name: &str, mark, ink, values: &[f64]| Layer::over(name, mark, ink, &curve.time_s, values);
+    let mut layers = vec![
+        band.with_bars(vec![(-BAND_SIGMA, BAND_SIGMA); 2]),
+        of(called.base, Mark::Readings, Ink::SECOND, &curve.before_sigma),
+    ];
+    if !curve.after_sigma.is_empty() {
+        layers.push(of(called.extension, Mark::Line, Ink::FIRST, &curve.after_sigma));
     }
-
-    /// What the extended model says; nothing where its residuals are withheld, because the finding is not about it.
-    fn extended(&self) -> &[f64] {
-        if self.curve.after_sigma.is_empty() {
-            &[]
-        } else {
-            &self.curve.extended
-        }
-    }
-
-    fn residuals(&self, area: &Area) -> Result<(), String> {
-        let (x, y) = (&self.x, &vertical(self.curve));
-        let mut chart = panel(area, margins(true), x, y, true)?;
-        series(&mut chart, "", |chart| band(chart, x))?;
-        series(&mut chart, self.called.base, |chart| {
-            dots(chart, &self.points(&self.curve.before_sigma), Ink::Vermillion)
-        })?;
-        if self.curve.after_sigma.is_empty() {
-            return Ok(());
-        }
-        let after = thin::dots(&self.points(&self.curve.after_sigma));
-        series(&mut chart, self.called.extension, |chart| {
-            draw_line(chart, after, Ink::Blue)
-        })
-    }
-
-    fn points(&self, values: &[f64]) -> Vec<(f64, f64)> {
-        let at = self.curve.time_s.iter().map(|time_s| self.x.position(*time_s));
-        at.zip(values.iter().copied())
-            .filter(|(x, y)| x.is_finite() && y.is_finite())
-            .collect()
+    Panel {
+        x,
+        y: Range::linear("Residual / σ", "").with(-most).with(most),
+        layers,
     }
 }
 
@@ -193,63 +135,6 @@ fn check_lengths(curve: &ResidualCurve) -> Result<(), String> {
             curve.measured.len()
         ))
     }
-}
-
-fn margins(x_labels: bool) -> Margins {
-    Margins {
-        left: 62,
-        right: 16,
-        top: 8,
-        bottom: if x_labels { 42 } else { 6 },
-    }
-}
-
-/// Symmetric, and wide enough for the band.
-fn vertical(curve: &ResidualCurve) -> Axis {
-    let all = curve.before_sigma.iter().chain(&curve.after_sigma);
-    let most = all
-        .filter(|sigma| sigma.is_finite())
-        .fold(1.5 * BAND_SIGMA, |most: f64, sigma| most.max(sigma.abs()));
-    Axis::linear(-1.05 * most, 1.05 * most, "Residual / σ", "", 5)
-}
-
-/// The band that noise fills, and its middle.
-fn band(chart: &mut Chart, x: &Axis) -> Result<(), String> {
-    let corners = vec![
-        (x.low, -BAND_SIGMA),
-        (x.high, -BAND_SIGMA),
-        (x.high, BAND_SIGMA),
-        (x.low, BAND_SIGMA),
-    ];
-    chart
-        .draw_series([Polygon::new(corners, Ink::Muted.color().mix(0.16))])
-        .map_err(|error| error.to_string())?;
-    let zero = [(x.low, 0.0), (x.high, 0.0)];
-    chart
-        .draw_series([PathElement::new(zero, Ink::Muted.color().stroke_width(10))])
-        .map(|_| ())
-        .map_err(|error| error.to_string())
-}
-
-fn dots(chart: &mut Chart, points: &[(f64, f64)], ink: Ink) -> Result<(), String> {
-    let points = thin::dots(points);
-    let style = ink.color().filled();
-    chart
-        .draw_series(points.into_iter().map(|point| Circle::new(point, 15, style)))
-        .map(|_| ())
-        .map_err(|error| error.to_string())
-}
-
-fn line(chart: &mut Chart, points: &[(f64, f64)], ink: Ink) -> Result<(), String> {
-    let points = thin::line(points, pixels(chart));
-    draw_line(chart, points, ink)
-}
-
-fn draw_line(chart: &mut Chart, points: Vec<(f64, f64)>, ink: Ink) -> Result<(), String> {
-    chart
-        .draw_series(LineSeries::new(points, ink.color().stroke_width(16)))
-        .map(|_| ())
-        .map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

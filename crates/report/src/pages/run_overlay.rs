@@ -8,10 +8,11 @@ use serde::Serialize;
 use super::run::DrawnRun;
 use super::wording::voltage_label;
 use crate::error::ReportError;
-use crate::figures::Ink;
+use crate::figures::Ink as Colour;
 use crate::figures::overlaid::{Line, overlaid};
 use ieap_analysis::conditions::nominal_voltage_v;
 use ieap_domain::{Drive, Quantity, RunRecord};
+use ieap_show::Ink;
 
 /// Responses that are laid over each other.
 const DRAWN: [Quantity; 4] = [
@@ -35,7 +36,7 @@ pub struct Overlay {
 
 #[derive(Debug, Serialize)]
 struct Key {
-    class: String,
+    class: &'static str,
     name: String,
 }
 
@@ -82,7 +83,7 @@ pub fn overlay(
             .filter_map(|run| {
                 Some(Line {
                     name: &run.name,
-                    ink: Ink::ORDERED[shade(run.rank, ranks)],
+                    ink: Ink::Ordered(run.rank, ranks),
                     curve: run.drawn.curves.iter().find(|curve| curve.quantity == quantity)?,
                     step_s: run.step_s,
                 })
@@ -110,7 +111,7 @@ pub fn overlay(
     for run in &runs {
         if keys.iter().all(|key| key.name != run.name) {
             keys.push(Key {
-                class: format!("k-o{}", shade(run.rank, ranks) + 1),
+                class: Colour::class_of(Colour::ordered(run.rank, ranks)),
                 name: run.name.clone(),
             });
         }
@@ -153,10 +154,4 @@ fn only_step(drive: Option<&Drive>) -> Option<f64> {
         [only] => Some(only.start_s()),
         _ => None,
     }
-}
-
-/// Place among the ordered inks, which go from dark to light with the voltage.
-fn shade(rank: usize, ranks: usize) -> usize {
-    let last = Ink::ORDERED.len() - 1;
-    (rank * last / (ranks - 1).max(1)).min(last)
 }
