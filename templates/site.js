@@ -527,7 +527,7 @@
         const id = /#([\w-]+)/.exec(style.markerMid)?.[1];
         if (id) { markers.add(id); to.style.setProperty("marker", `url(#${id})`); }
       }
-      for (const name of ["class", "tabindex", "data-f", "data-s", "data-r", "data-x", "data-y", "aria-roledescription"]) to.removeAttribute(name);
+      for (const name of ["class", "tabindex", "data-f", "data-s", "data-r", "data-x", "data-y", "data-film", "aria-roledescription"]) to.removeAttribute(name);
     });
     copy.querySelectorAll("[data-gone]").forEach((element) => element.remove());
     const defs = document.createElementNS(SVG, "defs");
@@ -1323,9 +1323,9 @@
   // asked to, everything that moves can be stopped, and who wants no motion goes through the frames by hand.
   const films = () => {
     const LENGTH = 8000;
-    for (const figure of document.querySelectorAll("[data-film]")) {
-      const svg = figure.querySelector("svg"), frames = figure.dataset.film.split(";").map((frame) => frame.split("|"));
-      if (!svg || frames.length < 2) continue;
+    for (const svg of document.querySelectorAll("svg[data-film]")) {
+      const figure = svg.closest("figure"), frames = svg.dataset.film.split(";").map((frame) => frame.split("|"));
+      if (frames.length < 2) continue;
       const moving = draw("g", { class: "moving" }, svg);
       const simulated = draw("path", { class: "s k-2", "stroke-width": 18, "stroke-dasharray": "55 40" }, moving);
       const measured = draw("path", { class: "s k-text", "stroke-width": 32 }, moving);

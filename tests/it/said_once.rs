@@ -232,7 +232,8 @@ fn media(found: &GroupDiagnosis) -> Media {
     let said = overview["answers"].as_array().expect("sentences").iter();
     let of_findings = said.filter(|said| said["href"] == "findings.html");
     let page = finding_content(&site, 0).expect("its content").context;
-    let row = context("findings.html")["groups"][0].clone();
+    let list = context("findings.html");
+    let row = tables(&list["blocks"]).remove(0).clone();
     let entry = group_entry(found.clone(), &[]);
     let json = serde_json::to_value(&entry).expect("JSON");
     let lines = lines(&entry, found.draws);
@@ -241,14 +242,14 @@ fn media(found: &GroupDiagnosis) -> Media {
     Media {
         sentences: vec![
             text(&page["lead"]),
-            text(&row["sentence"]),
+            cell(&row, 0, "Finding").to_owned(),
             lines[1].clone(),
             text(&json["sentence"]),
         ],
         overview: of_findings.map(|said| text(&said["text"])).collect(),
         verdicts: vec![
             text(&page["verdict"]),
-            text(&row["verdict"]),
+            cell(&row, 0, "Verdict").to_owned(),
             lines[0].clone(),
             text(&json["verdict"]),
             ieap::report::tables::text_of(&table.rows[0].cells[2].content),
@@ -257,6 +258,19 @@ fn media(found: &GroupDiagnosis) -> Media {
         row,
         lines,
     }
+}
+
+/// The tables among blocks.
+fn tables(blocks: &Value) -> Vec<&Value> {
+    let blocks = blocks.as_array().expect("blocks").iter();
+    blocks.filter(|block| block["kind"] == "table").collect()
+}
+
+/// The text of a cell in the column of that head; empty where no row says anything there.
+fn cell<'v>(table: &'v Value, row: usize, head: &str) -> &'v str {
+    let mut heads = table["head"].as_array().expect("heads").iter();
+    let at = heads.position(|own| own["symbol"] == head);
+    at.map_or("", |at| table["rows"][row][at]["text"].as_str().expect("a text"))
 }
 
 impl Media {
@@ -405,7 +419,7 @@ fn numbers_are_those_of_the_tables(found: &GroupDiagnosis, media: &Media) {
     }
     let is_by_size = found.verdict == Verdict::Right && found.p_misfit.is_some_and(|p| p < 0.01);
     if matches!(found.verdict, Verdict::Right | Verdict::Undecided) && !is_by_size {
-        let p = media.row["p"].as_str().expect("a text");
+        let p = cell(&media.row, 0, "p");
         let sign = if p.starts_with(['<', '≤']) { "" } else { "= " };
         let told = format!("(p {sign}{p})");
         assert!(
