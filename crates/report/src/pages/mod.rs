@@ -3,10 +3,12 @@
 pub mod against;
 mod answers;
 pub mod comparison;
+mod estimates;
 pub mod finding;
 mod finding_alone;
 mod finding_answer;
 mod finding_differs;
+mod finding_effect;
 mod finding_gain;
 mod finding_law;
 mod finding_posterior;
