@@ -1324,7 +1324,7 @@
   const films = () => {
     const LENGTH = 8000;
     for (const svg of document.querySelectorAll("svg[data-film]")) {
-      const figure = svg.closest("figure"), frames = svg.dataset.film.split(";").map((frame) => frame.split("|"));
+      const frames = svg.dataset.film.split(";").map((frame) => frame.split("|"));
       if (frames.length < 2) continue;
       const moving = draw("g", { class: "moving" }, svg);
       const simulated = draw("path", { class: "s k-2", "stroke-width": 18, "stroke-dasharray": "55 40" }, moving);
@@ -1357,7 +1357,7 @@
       const heed = () => { play.hidden = calm.matches; if (calm.matches) stop(); };
       calm.addEventListener("change", heed);
       heed();
-      figure.append(make("div", { class: "tools film", role: "group", "aria-label": "The strip in motion" }, play, slider, time, stills));
+      svg.after(make("div", { class: "tools film", role: "group", "aria-label": "The strip in motion" }, play, slider, time, stills));
     }
   };
 

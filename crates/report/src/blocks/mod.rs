@@ -375,10 +375,7 @@ impl<'s> Writer<'s> {
         (title, caption): (&str, &str),
         drawn: Result<String, String>,
     ) -> Result<(), ReportError> {
-        let svg = drawn.map_err(|reason| ReportError::Figure {
-            figure: figure.to_owned(),
-            reason,
-        })?;
+        let svg = drawn.map_err(ReportError::of_figure(figure))?;
         self.figures.insert(figure.to_owned(), svg);
         self.beside(ChartText {
             figure: figure.to_owned(),
@@ -465,10 +462,7 @@ impl<'s> Writer<'s> {
     fn chart(&mut self, chart: &Chart) -> Result<ChartText, ReportError> {
         let figure = format!("chart-{}", self.figures.len() + 1);
         let drawn = drawing(chart, chart::width_on_page(chart), Some(self.site));
-        let drawing = drawn.map_err(|reason| ReportError::Figure {
-            figure: figure.clone(),
-            reason,
-        })?;
+        let drawing = drawn.map_err(ReportError::of_figure(&figure))?;
         let svg = svg::inline(&drawing, &chart.title, &chart::described(chart));
         self.figures.insert(figure.clone(), svg);
         Ok(ChartText {

@@ -134,11 +134,8 @@ pub fn small_panels(
                 "{} against step voltage in each environment, with 95 % intervals.",
                 parameter.symbol
             );
-            let drawn =
-                small_comparison(groups, &axis, &title, &desc).map_err(|reason| ReportError::Figure {
-                    figure: figure.clone(),
-                    reason,
-                })?;
+            let drawn = small_comparison(groups, &axis, &title, &desc);
+            let drawn = drawn.map_err(ReportError::of_figure(&figure))?;
             figures.insert(figure.clone(), drawn);
             panels.push(SmallPanel {
                 key: parameter.key,

@@ -61,10 +61,7 @@ pub fn answer(
             &title,
             &seen(curve, found),
         );
-        let drawn = drawn.map_err(|reason| ReportError::Figure {
-            figure: id.clone(),
-            reason,
-        })?;
+        let drawn = drawn.map_err(ReportError::of_figure(&id))?;
         if let Some(svg) = drawn {
             figures.insert(id.clone(), svg);
             ids.push(id);

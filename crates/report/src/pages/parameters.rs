@@ -7,9 +7,9 @@ use serde::Serialize;
 use super::comparison::doubts;
 use super::{Content, against, comparison};
 use crate::aside::{AsideRow, Shown};
+use crate::blocks::chart::Key;
 use crate::blocks::{Item, Writer};
 use crate::error::ReportError;
-use crate::figures::Ink;
 use crate::site::Site;
 use ieap_analysis::against::Against;
 use ieap_analysis::tables::named;
@@ -31,18 +31,9 @@ struct Page {
 #[derive(Debug, Serialize)]
 struct Choice {
     name: &'static str,
-    groups: Vec<SampleKey>,
+    groups: Vec<Key>,
     /// Every parameter.
     parameters: Vec<Item>,
-}
-
-/// A name with its marker.
-#[derive(Debug, Serialize)]
-struct SampleKey {
-    class: String,
-    /// Outline of the marker in a box of 100 by 100.
-    path: &'static str,
-    name: String,
 }
 
 /// Makes the page.
@@ -60,7 +51,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         let parameters = writer.taken();
         choices.extend(groups.map(|groups| Choice {
             name: against::name(chosen),
-            groups: keys(&groups.names),
+            groups: Key::marks(&groups.names),
             parameters,
         }));
     }
@@ -87,21 +78,4 @@ fn table5(site: &Site) -> Block {
         }),
         None => Block::say("No run belongs to a condition yet."),
     }
-}
-
-/// Keys of names in the order of their markers.
-fn keys(names: &[String]) -> Vec<SampleKey> {
-    const OUTLINES: [&str; 5] = [
-        "M50 14a36 36 0 1 0 .1 0z",
-        "M17 17h66v66h-66z",
-        "M50 6l42 76h-84z",
-        "M50 2l48 48-48 48-48-48z",
-        "M50 94l42-76h-84z",
-    ];
-    let key = |(at, name): (usize, &String)| SampleKey {
-        class: format!("k-{}", at % Ink::SERIES.len() + 1),
-        path: OUTLINES[at % OUTLINES.len()],
-        name: name.clone(),
-    };
-    names.iter().enumerate().map(key).collect()
 }

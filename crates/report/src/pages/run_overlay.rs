@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::run::DrawnRun;
 use super::wording::voltage_label;
+use crate::blocks::chart::Key;
 use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::overlaid::{Line, overlaid};
@@ -31,12 +32,6 @@ pub struct Overlay {
     /// Whether repeats are left out.
     is_first_only: bool,
     figures: Vec<OverlayFigure>,
-}
-
-#[derive(Debug, Serialize)]
-struct Key {
-    class: String,
-    name: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -82,7 +77,7 @@ pub fn overlay(
             .filter_map(|run| {
                 Some(Line {
                     name: &run.name,
-                    ink: Ink::ORDERED[shade(run.rank, ranks)],
+                    ink: Ink::ordered(run.rank, ranks),
                     curve: run.drawn.curves.iter().find(|curve| curve.quantity == quantity)?,
                     step_s: run.step_s,
                 })
@@ -94,10 +89,7 @@ pub fn overlay(
             "{} over the time since the step, coloured by voltage.",
             counted(lines.len(), "run")
         );
-        let svg = overlaid(&lines, &title, &desc).map_err(|reason| ReportError::Figure {
-            figure: id.clone(),
-            reason,
-        })?;
+        let svg = overlaid(&lines, &title, &desc).map_err(ReportError::of_figure(&id))?;
         if let Some(svg) = svg {
             figures.insert(id.clone(), svg);
             made.push(OverlayFigure {
@@ -108,11 +100,9 @@ pub fn overlay(
     }
     let mut keys: Vec<Key> = Vec::new();
     for run in &runs {
-        if keys.iter().all(|key| key.name != run.name) {
-            keys.push(Key {
-                class: format!("k-o{}", shade(run.rank, ranks) + 1),
-                name: run.name.clone(),
-            });
+        let key = Key::line(&run.name, Ink::ordered(run.rank, ranks));
+        if !keys.contains(&key) {
+            keys.push(key);
         }
     }
     Ok((!made.is_empty()).then_some(Overlay {
@@ -153,10 +143,4 @@ fn only_step(drive: Option<&Drive>) -> Option<f64> {
         [only] => Some(only.start_s()),
         _ => None,
     }
-}
-
-/// Place among the ordered inks, which go from dark to light with the voltage.
-fn shade(rank: usize, ranks: usize) -> usize {
-    let last = Ink::ORDERED.len() - 1;
-    (rank * last / (ranks - 1).max(1)).min(last)
 }
