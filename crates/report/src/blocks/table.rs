@@ -117,12 +117,11 @@ impl TableText {
     }
 }
 
-/// Whether words are a number or an interval: `≤ 0.001`, `8.1 %`, `1.9 to 2.4`; no date is one.
+/// Whether words are a number: `≤ 0.001`, `8.1 %`, `150 ± 12`; no interval and no date is one.
 fn is_read_as_number(text: &str) -> bool {
-    let is_sign = |c: char| c.is_ascii_digit() || "⁰¹²³⁴⁵⁶⁷⁸⁹⁻.·−–±%<>≤≥()".contains(c);
-    let is_number = |part: &str| ["to", "below", "above"].contains(&part) || part.chars().all(is_sign);
+    let is_sign = |c: char| c.is_ascii_digit() || " ⁰¹²³⁴⁵⁶⁷⁸⁹⁻.·−–±%<>≤≥()".contains(c);
     let has_digit = text.contains(|c: char| c.is_ascii_digit());
-    (has_digit || text.is_empty()) && text.split(' ').all(is_number)
+    (has_digit || text.is_empty()) && text.chars().all(is_sign)
 }
 
 /// The 95 % interval, and of a mean how it came about.
