@@ -173,7 +173,7 @@
   const FEWEST_SORTED = 3, FEWEST_FILTERED = 15, AT_ONCE = 100;
   const sortable = (table) => {
     const body = table.tBodies[0], head = table.tHead?.rows[0];
-    if (!body || !head || table.tHead.rows.length > 1 || table.matches(".matrix, .coverage")) return;
+    if (!body || !head || table.tHead.rows.length > 1 || table.matches(".matrix")) return;
     const rows = [...body.rows];
     if (rows.length < FEWEST_SORTED || rows.some((row) => [...row.cells].some((cell) => cell.rowSpan > 1 || cell.colSpan > 1))) return;
     const asRead = (cell) => {
@@ -527,7 +527,7 @@
         const id = /#([\w-]+)/.exec(style.markerMid)?.[1];
         if (id) { markers.add(id); to.style.setProperty("marker", `url(#${id})`); }
       }
-      for (const name of ["class", "tabindex", "data-f", "data-s", "data-r", "data-x", "data-y", "aria-roledescription"]) to.removeAttribute(name);
+      for (const name of ["class", "tabindex", "data-f", "data-s", "data-r", "data-x", "data-y", "data-film", "aria-roledescription"]) to.removeAttribute(name);
     });
     copy.querySelectorAll("[data-gone]").forEach((element) => element.remove());
     const defs = document.createElementNS(SVG, "defs");
@@ -1049,7 +1049,7 @@
   const BARRED = 3; // rows from which bars in cells tell anything
   const takeAlong = (table) => {
     const rows = [...table.rows].filter((row) => row.cells.length > 1);
-    if (rows.length < 2 || table.matches(".coverage")) return;
+    if (rows.length < 2) return;
     const text = (cell) => cell.innerText.replace(/\s+/g, " ").trim();
     const lines = (join) => rows.filter((row) => !row.hidden && !row.matches(".out")).map((row) => [...row.cells].filter((cell) => !cell.hidden).map((cell) => join(text(cell))));
     const button = (name, act) => {
@@ -1240,7 +1240,7 @@
         element.classList.toggle("marked", !!mark?.(run));
       };
       const runOf = (link) => byHref.get(link.href.split("&")[0]);
-      for (const row of document.querySelectorAll("main table:not(.matrix, .coverage) > tbody > tr")) {
+      for (const row of document.querySelectorAll("main table:not(.matrix) > tbody > tr")) {
         const linked = [...row.querySelectorAll("a[href]")].map(runOf).find(Boolean);
         const words = () => [...row.cells].filter((cell) => cell.matches("th") || tagsOf.has(cell.textContent.trim())).map((cell) => cell.textContent.trim());
         show(row, linked || words().map(named).reduce((a, b) => ({ text: a.text + " " + b.text, tags: { ...a.tags, ...b.tags } }), { text: "", tags: {} }));
@@ -1323,9 +1323,9 @@
   // asked to, everything that moves can be stopped, and who wants no motion goes through the frames by hand.
   const films = () => {
     const LENGTH = 8000;
-    for (const figure of document.querySelectorAll("[data-film]")) {
-      const svg = figure.querySelector("svg"), frames = figure.dataset.film.split(";").map((frame) => frame.split("|"));
-      if (!svg || frames.length < 2) continue;
+    for (const svg of document.querySelectorAll("svg[data-film]")) {
+      const frames = svg.dataset.film.split(";").map((frame) => frame.split("|"));
+      if (frames.length < 2) continue;
       const moving = draw("g", { class: "moving" }, svg);
       const simulated = draw("path", { class: "s k-2", "stroke-width": 18, "stroke-dasharray": "55 40" }, moving);
       const measured = draw("path", { class: "s k-text", "stroke-width": 32 }, moving);
@@ -1357,7 +1357,7 @@
       const heed = () => { play.hidden = calm.matches; if (calm.matches) stop(); };
       calm.addEventListener("change", heed);
       heed();
-      figure.append(make("div", { class: "tools film", role: "group", "aria-label": "The strip in motion" }, play, slider, time, stills));
+      svg.after(make("div", { class: "tools film", role: "group", "aria-label": "The strip in motion" }, play, slider, time, stills));
     }
   };
 

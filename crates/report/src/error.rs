@@ -57,6 +57,14 @@ pub enum ReportError {
 }
 
 impl ReportError {
+    /// Of a figure that could not be drawn, from the reason.
+    pub fn of_figure(figure: &str) -> impl FnOnce(String) -> ReportError {
+        move |reason| ReportError::Figure {
+            figure: figure.to_owned(),
+            reason,
+        }
+    }
+
     /// Whether the disk refused; every other is a fault of the program.
     pub fn is_of_disk(&self) -> bool {
         matches!(

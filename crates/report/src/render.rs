@@ -17,9 +17,7 @@ use super::input::Input;
 use super::kept::{self, Earlier};
 use super::moved;
 use super::page_writer::{INDEX, LAYOUT, PageWriter, template_error, write};
-use super::pages::{
-    FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, STRIP_TEMPLATE, listed, numbers, residuals, shown,
-};
+use super::pages::{FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, listed, numbers, residuals, shown};
 use super::readings_file;
 use super::run_index::run_index;
 use super::run_page_writer::make;
@@ -239,8 +237,9 @@ fn templates(pages: &[&Page], own: &BTreeMap<String, String>) -> Result<Tera, Re
     tera.register_filter("indexed", |text: &str, _: Kwargs, _: &State| indexed(text));
     tera.register_filter("held", |text: &str, _: Kwargs, _: &State| held(text));
     let or_own = |name: &str, ours: &'static str| own.get(name).cloned().unwrap_or_else(|| ours.to_owned());
+    let of_blocks = or_own(PAGE_NAME, blocks::PAGE);
     let pages = pages.iter().map(|page| match page.template {
-        blocks::PAGE => (page.file, or_own(PAGE_NAME, blocks::PAGE)),
+        blocks::PAGE => (page.file, of_blocks.clone()),
         ours => (page.file, ours.to_owned()),
     });
     let all = [
@@ -249,7 +248,7 @@ fn templates(pages: &[&Page], own: &BTreeMap<String, String>) -> Result<Tera, Re
         ("fault.html", FAULT),
         ("run.html", RUN_TEMPLATE),
         ("finding.html", FINDING_TEMPLATE),
-        ("strip.html", STRIP_TEMPLATE),
+        ("strip.html", of_blocks.as_str()),
     ]
     .map(|(name, text)| (name, text.to_owned()))
     .into_iter()

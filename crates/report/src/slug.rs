@@ -5,22 +5,32 @@ use std::collections::HashSet;
 /// Readable characters kept of a path.
 const READABLE: usize = 60;
 
-/// One page name per path, in the order of `paths`, without `.html`.
-///
-/// The readable part is lower case (some file systems do not tell `A` from `a`); the hash of the path makes
-/// it unique and keeps a link valid when other runs come and go.
-pub fn slugs<'a>(paths: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let mut taken = HashSet::new();
-    let mut unique = |path: &str| {
+/// Page names that are given, so that each is given once.
+#[derive(Debug, Default)]
+pub struct Slugs {
+    taken: HashSet<String>,
+}
+
+impl Slugs {
+    /// The page name of a path, without `.html`.
+    ///
+    /// The readable part is lower case (some file systems do not tell `A` from `a`); the hash of the path makes
+    /// it unique and keeps a link valid when other runs come and go.
+    pub fn next(&mut self, path: &str) -> String {
         let hash = blake3::hash(path.as_bytes()).to_hex();
         let mut slug = format!("{}-{}", readable(path), &hash[..8]);
-        if !taken.insert(slug.clone()) {
-            slug = format!("{}-{hash}-{}", readable(path), taken.len());
-            taken.insert(slug.clone());
+        if !self.taken.insert(slug.clone()) {
+            slug = format!("{}-{hash}-{}", readable(path), self.taken.len());
+            self.taken.insert(slug.clone());
         }
         slug
-    };
-    paths.map(&mut unique).collect()
+    }
+}
+
+/// One page name per path, in the order of `paths`.
+pub fn slugs<'a>(paths: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut given = Slugs::default();
+    paths.map(|path| given.next(path)).collect()
 }
 
 fn readable(path: &str) -> String {

@@ -231,7 +231,7 @@ impl<'s, R> Sheet<'s, R> {
         self
     }
 
-    /// A column for programs, headed by its key.
+    /// A column that its key heads: of a table for programs, or of one that stands on a page alone.
     pub fn plain<V: OfKind>(self, key: &str, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
         self.column_under(Column::plain(key, key, ""), of)
     }

@@ -92,6 +92,30 @@ pub struct Key {
     ink: Ink,
 }
 
+impl Key {
+    /// Of a line in that ink.
+    pub fn line(name: &str, ink: Ink) -> Key {
+        Key {
+            class: Ink::class_of(ink),
+            is_line: true,
+            mark: None,
+            is_aside: false,
+            name: name.to_owned(),
+            ink,
+        }
+    }
+
+    /// Of names, each with the mark of its place.
+    pub fn marks(names: &[String]) -> Vec<Key> {
+        let key = |(at, name): (usize, &String)| Key {
+            is_line: false,
+            mark: Some(MARKS[at % MARKS.len()]),
+            ..Key::line(name, Ink::SERIES[at % Ink::SERIES.len()])
+        };
+        names.iter().enumerate().map(key).collect()
+    }
+}
+
 /// The legend: each named layer once.
 pub fn keys(chart: &Chart) -> Vec<Key> {
     let mut keys: Vec<Key> = Vec::new();

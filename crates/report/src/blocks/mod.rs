@@ -15,9 +15,9 @@ use crate::error::ReportError;
 use crate::figures::svg;
 use crate::pages::Content;
 use crate::pages::policy::{MOST_SECTIONS, OPEN_ISSUES};
-use crate::pages::wording::IssueText;
+use crate::pages::wording::{IssueText, RunLink};
 use crate::site::Site;
-use crate::slug::slugs;
+use crate::slug::Slugs;
 use ieap_analysis::readable::readable;
 use ieap_domain::Issue;
 use ieap_domain::words::counted;
@@ -88,10 +88,19 @@ pub(crate) enum Item {
         level: usize,
         anchor: String,
         title: String,
+        /// Whether it is shown when it is asked for.
+        #[serde(skip_serializing_if = "std::ops::Not::not")]
+        is_folded: bool,
     },
-    Close,
+    Close {
+        #[serde(skip_serializing_if = "std::ops::Not::not")]
+        is_folded: bool,
+    },
     Say {
         text: String,
+        /// Where more is told.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        more: Option<RunLink>,
     },
     Facts {
         facts: Vec<(&'static str, String)>,
@@ -123,6 +132,23 @@ pub(crate) struct IssueItem {
     text: IssueText,
     #[serde(skip_serializing_if = "Option::is_none")]
     href: Option<String>,
+    /// The runs that have it, where it is told once for several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    runs: Vec<RunText>,
+}
+
+impl IssueItem {
+    fn of(site: &Site, issue: &Issue) -> IssueItem {
+        let (RunText { name, href }, mut text) = (RunText::of(site, &issue.place), IssueText::from(issue));
+        if href.is_some() {
+            text.place = name;
+        }
+        IssueItem {
+            text,
+            href,
+            runs: Vec::new(),
+        }
+    }
 }
 
 /// A run that is led to where it has a page.
@@ -130,6 +156,15 @@ pub(crate) struct IssueItem {
 pub(crate) struct RunText {
     name: String,
     href: Option<String>,
+}
+
+impl RunText {
+    fn of(site: &Site, path: &str) -> RunText {
+        RunText {
+            name: site.input.campaign.run_name(path).to_owned(),
+            href: site.run_of(path).map(|run| site.run_href(run)),
+        }
+    }
 }
 
 /// The content of a page of blocks. Of many parts only the first are shown, and it is said.
@@ -150,8 +185,22 @@ pub fn content(site: &Site, file: &str, mut blocks: Vec<Block>) -> Result<Conten
             "{more} more stand in the tables and documents of this kind."
         )));
     }
+    page(site, file, |page| page.write(blocks))
+}
+
+/// The content of a page that is written piece by piece.
+///
+/// # Errors
+/// Those of the pieces: a fault of the program.
+pub(crate) fn page(
+    site: &Site,
+    file: &str,
+    write: impl FnOnce(&mut Writer) -> Result<(), ReportError>,
+) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
-    let blocks = items(site, blocks, 2, &mut figures)?;
+    let mut writer = Writer::new(site, 2, &mut figures);
+    write(&mut writer)?;
+    let blocks = writer.taken();
     Content::new(file, &BlocksPage { blocks }, figures)
 }
 
@@ -165,16 +214,9 @@ pub(crate) fn items(
     level: usize,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Vec<Item>, ReportError> {
-    let anchors = anchors(&blocks);
-    let mut writer = Writer {
-        site,
-        items: Vec::new(),
-        figures,
-        anchors,
-    };
-    writer.write(blocks, level)?;
-    writer.items.iter_mut().for_each(Item::say_legend_once);
-    Ok(writer.items)
+    let mut writer = Writer::new(site, level, figures);
+    writer.write(blocks)?;
+    Ok(writer.taken())
 }
 
 impl Item {
@@ -195,28 +237,11 @@ impl Item {
             *keys = std::mem::take(&mut charts[0].keys);
             charts.iter_mut().for_each(|chart| chart.keys.clear());
         }
-        if charts.iter().all(|chart| chart.caption == charts[0].caption) {
+        if caption.is_empty() && charts.iter().all(|chart| chart.caption == charts[0].caption) {
             *caption = std::mem::take(&mut charts[0].caption);
             charts.iter_mut().for_each(|chart| chart.caption.clear());
         }
     }
-}
-
-/// Anchors of all parts, the last one first.
-fn anchors(blocks: &[Block]) -> Vec<String> {
-    fn titles<'b>(blocks: &'b [Block], all: &mut Vec<&'b str>) {
-        for block in blocks {
-            if let Block::Part(title, blocks) = block {
-                all.push(title);
-                titles(blocks, all);
-            }
-        }
-    }
-    let mut all = Vec::new();
-    titles(blocks, &mut all);
-    let mut anchors = slugs(all.into_iter());
-    anchors.reverse();
-    anchors
 }
 
 /// A sentence as a page prints it; what is to be typed, between back quotes, stays as it is typed.
@@ -232,55 +257,201 @@ fn said(text: &str) -> String {
     parts.collect::<Vec<_>>().join("`")
 }
 
-struct Writer<'s> {
+/// Writes blocks as a page shows them, and what a page alone has: sentences that lead on, parts that are folded.
+pub struct Writer<'s> {
     site: &'s Site<'s>,
     items: Vec<Item>,
     figures: &'s mut BTreeMap<String, String>,
-    anchors: Vec<String>,
+    anchors: Slugs,
+    /// Of the next heading.
+    level: usize,
 }
 
-impl Writer<'_> {
-    fn write(&mut self, blocks: Vec<Block>, level: usize) -> Result<(), ReportError> {
+impl<'s> Writer<'s> {
+    /// With headings from that level on; pictures go to `figures`.
+    pub(crate) fn new(site: &'s Site, level: usize, figures: &'s mut BTreeMap<String, String>) -> Writer<'s> {
+        Writer {
+            site,
+            items: Vec::new(),
+            figures,
+            anchors: Slugs::default(),
+            level,
+        }
+    }
+
+    /// What is written so far, for `templates/blocks/all.html`; the rest is written after it.
+    pub(crate) fn taken(&mut self) -> Vec<Item> {
+        self.items.iter_mut().for_each(Item::say_legend_once);
+        std::mem::take(&mut self.items)
+    }
+
+    /// A sentence, and the page that tells more.
+    pub(crate) fn leading(&mut self, text: &str, href: &str, name: String) {
+        self.items.push(Item::Say {
+            text: said(text),
+            more: Some(RunLink {
+                href: href.to_owned(),
+                name,
+            }),
+        });
+    }
+
+    /// A part of that title.
+    ///
+    /// # Errors
+    /// Those of what is inside.
+    pub(crate) fn part(
+        &mut self,
+        title: &str,
+        inside: impl FnOnce(&mut Self) -> Result<(), ReportError>,
+    ) -> Result<(), ReportError> {
+        let anchor = self.anchors.next(title);
+        self.within((anchor, title), false, inside)
+    }
+
+    /// A part that is led to from elsewhere.
+    ///
+    /// # Errors
+    /// Those of what is inside.
+    pub(crate) fn anchored(
+        &mut self,
+        anchor: &str,
+        title: &str,
+        inside: impl FnOnce(&mut Self) -> Result<(), ReportError>,
+    ) -> Result<(), ReportError> {
+        self.within((anchor.to_owned(), title), false, inside)
+    }
+
+    /// A part that is shown when it is asked for.
+    ///
+    /// # Errors
+    /// Those of what is inside.
+    pub(crate) fn folded(
+        &mut self,
+        title: &str,
+        inside: impl FnOnce(&mut Self) -> Result<(), ReportError>,
+    ) -> Result<(), ReportError> {
+        let anchor = self.anchors.next(title);
+        self.within((anchor, title), true, inside)
+    }
+
+    fn within(
+        &mut self,
+        (anchor, title): (String, &str),
+        is_folded: bool,
+        inside: impl FnOnce(&mut Self) -> Result<(), ReportError>,
+    ) -> Result<(), ReportError> {
+        self.items.push(Item::Open {
+            level: self.level.min(4),
+            anchor,
+            title: title.to_owned(),
+            is_folded,
+        });
+        self.level += 1;
+        inside(self)?;
+        self.level -= 1;
+        self.items.push(Item::Close { is_folded });
+        Ok(())
+    }
+
+    /// Issues that are each told once for the runs of these paths.
+    pub(crate) fn issues_of_runs(&mut self, issues: Vec<(Issue, Vec<String>)>) {
+        let item = |(issue, runs): &(Issue, Vec<String>)| IssueItem {
+            runs: runs.iter().map(|path| RunText::of(self.site, path)).collect(),
+            ..IssueItem::of(self.site, issue)
+        };
+        let issues = issues.iter().map(item).collect();
+        let open = OPEN_ISSUES;
+        self.items.push(Item::Issues { issues, open });
+    }
+
+    /// A drawing of the page's own: its id, what stands above and below it, and itself.
+    ///
+    /// # Errors
+    /// [`ReportError::Figure`] where it could not be drawn.
+    pub(crate) fn drawing(
+        &mut self,
+        figure: &str,
+        (title, caption): (&str, &str),
+        drawn: Result<String, String>,
+    ) -> Result<(), ReportError> {
+        let svg = drawn.map_err(ReportError::of_figure(figure))?;
+        self.figures.insert(figure.to_owned(), svg);
+        self.beside(ChartText {
+            figure: figure.to_owned(),
+            title: title.to_owned(),
+            is_wide: false,
+            keys: Vec::new(),
+            caption: caption.to_owned(),
+            beyond: String::new(),
+        });
+        Ok(())
+    }
+
+    /// Runs set aside that lie beyond the axes of the drawing that stands last.
+    pub(crate) fn beyond(&mut self, words: String) {
+        if let Some(Item::Charts { charts, .. }) = self.items.last_mut()
+            && let Some(last) = charts.last_mut()
+        {
+            last.beyond = words;
+        }
+    }
+
+    /// What holds for all drawings that stand last, below them.
+    pub(crate) fn below(&mut self, words: &str) {
+        match self.items.last_mut() {
+            Some(Item::Charts { caption, .. }) => words.clone_into(caption),
+            _ => self.items.push(Item::Say {
+                text: said(words),
+                more: None,
+            }),
+        }
+    }
+
+    /// A picture beside those that stand last.
+    fn beside(&mut self, chart: ChartText) {
+        if let Some(Item::Charts { charts, .. }) = self.items.last_mut() {
+            return charts.push(chart);
+        }
+        self.items.push(Item::Charts {
+            keys: Vec::new(),
+            caption: String::new(),
+            charts: vec![chart],
+        });
+    }
+
+    /// Blocks, one after the other.
+    ///
+    /// # Errors
+    /// A chart cannot be drawn: a fault of the program.
+    pub(crate) fn write(&mut self, blocks: impl IntoIterator<Item = Block>) -> Result<(), ReportError> {
         for block in blocks {
             let item = match block {
-                Block::Say(text) => Item::Say { text: said(&text) },
+                Block::Say(text) => Item::Say {
+                    text: said(&text),
+                    more: None,
+                },
                 Block::Facts(facts) => Item::Facts { facts },
                 Block::Table(table) => Item::Table(TableText::of(self.site, &table)),
                 Block::Chart(chart) => {
                     let chart = self.chart(&chart)?;
-                    match self.items.last_mut() {
-                        Some(Item::Charts { charts, .. }) => {
-                            charts.push(chart);
-                            continue;
-                        }
-                        _ => Item::Charts {
-                            keys: Vec::new(),
-                            caption: String::new(),
-                            charts: vec![chart],
-                        },
-                    }
+                    self.beside(chart);
+                    continue;
                 }
-                Block::Issues(issues) => {
-                    let item = |issue: &Issue| {
-                        let (RunText { name, href }, mut text) = (self.run(&issue.place), issue.into());
-                        if href.is_some() {
-                            text = IssueText { place: name, ..text };
-                        }
-                        IssueItem { text, href }
-                    };
-                    let issues = issues.iter().map(item).collect();
-                    let open = OPEN_ISSUES;
-                    Item::Issues { issues, open }
-                }
+                Block::Issues(issues) => Item::Issues {
+                    issues: issues
+                        .iter()
+                        .map(|issue| IssueItem::of(self.site, issue))
+                        .collect(),
+                    open: OPEN_ISSUES,
+                },
                 Block::Runs(word, paths) => {
-                    let runs = paths.iter().map(|path| self.run(path)).collect();
+                    let runs = paths.iter().map(|path| RunText::of(self.site, path)).collect();
                     Item::Runs { word, runs }
                 }
                 Block::Part(title, blocks) => {
-                    let anchor = self.anchors.pop().unwrap_or_default();
-                    self.items.push(Item::Open { level, anchor, title });
-                    self.write(blocks, (level + 1).min(4))?;
-                    Item::Close
+                    self.part(&title, |part| part.write(blocks))?;
+                    continue;
                 }
             };
             self.items.push(item);
@@ -291,10 +462,7 @@ impl Writer<'_> {
     fn chart(&mut self, chart: &Chart) -> Result<ChartText, ReportError> {
         let figure = format!("chart-{}", self.figures.len() + 1);
         let drawn = drawing(chart, chart::width_on_page(chart), Some(self.site));
-        let drawing = drawn.map_err(|reason| ReportError::Figure {
-            figure: figure.clone(),
-            reason,
-        })?;
+        let drawing = drawn.map_err(ReportError::of_figure(&figure))?;
         let svg = svg::inline(&drawing, &chart.title, &chart::described(chart));
         self.figures.insert(figure.clone(), svg);
         Ok(ChartText {
@@ -305,13 +473,5 @@ impl Writer<'_> {
             caption: chart.caption.clone(),
             beyond: chart::beyond(chart),
         })
-    }
-
-    fn run(&self, path: &str) -> RunText {
-        let run = self.site.run_of(path);
-        RunText {
-            name: self.site.input.campaign.run_name(path).to_owned(),
-            href: run.map(|run| self.site.run_href(run)),
-        }
     }
 }

@@ -2,11 +2,14 @@
 
 use serde::Serialize;
 
+use super::RunText;
+use crate::pages::wording::group_title;
 use crate::site::Site;
 use crate::tables::{ShownCell, grid, note_letter, note_letters, remarks, repeated};
 use ieap_analysis::study::UNTOLD;
-use ieap_domain::number::interval;
-use ieap_show::{Cell, Content, SourceOrigin, Table};
+use ieap_domain::number::interval as interval_text;
+use ieap_show::quantities::RUNS;
+use ieap_show::{Cell, Content, Source, SourceOrigin, Table};
 
 /// A table as its template prints it.
 #[derive(Debug, Serialize)]
@@ -39,6 +42,9 @@ struct CellText {
     /// Where it leads to.
     #[serde(skip_serializing_if = "Option::is_none")]
     href: Option<String>,
+    /// The runs that are counted, in place of their number.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    runs: Vec<RunText>,
     is_number: bool,
     is_head: bool,
     /// Whether it says that nothing can be told: it stands back behind what is.
@@ -50,7 +56,11 @@ impl TableText {
     /// The text of a table; the name of a run leads to its page.
     pub fn of(site: &Site, table: &Table) -> TableText {
         let (cells, repeated) = (grid(table), repeated(table));
-        let is_number = |column: usize| cells.iter().all(|row| row[column].is_number());
+        let is_number = |column: usize| {
+            let is_told = column >= table.stub && table.columns[column].key != RUNS.key;
+            let mut cells = cells.iter().map(|row| &row[column]);
+            cells.all(|cell| cell.is_number() || is_told && is_read_as_number(&cell.text()))
+        };
         let numbers: Vec<bool> = (0..table.columns.len()).map(is_number).collect();
         // A column in which no row says anything is not shown.
         let says = |column: usize| {
@@ -63,7 +73,11 @@ impl TableText {
         let head = seen.iter().map(|&at| {
             let column = &table.columns[at];
             HeadText {
-                symbol: column.symbol.clone(),
+                symbol: match column.key.as_str() {
+                    // In the place of their number stand the runs.
+                    key if key == RUNS.key => RUNS.symbol.to_owned(),
+                    _ => column.symbol.clone(),
+                },
                 unit: column.unit.clone(),
                 quantity: column.quantity.clone(),
                 is_number: numbers[at],
@@ -71,6 +85,10 @@ impl TableText {
         });
         let cell = |row: usize, column: usize| {
             let (cell, shown) = (&table.rows[row].cells[column], &cells[row][column]);
+            let runs = match table.columns[column].key.as_str() {
+                key if key == RUNS.key => runs(site, cell),
+                _ => Vec::new(),
+            };
             CellText {
                 text: if repeated[row][column] {
                     String::new()
@@ -81,6 +99,7 @@ impl TableText {
                 interval: interval_of(cell),
                 href: href(site, cell, shown),
                 is_number: numbers[column],
+                runs,
                 is_untold: shown.text().starts_with(UNTOLD),
                 // What stands above already heads nothing.
                 is_head: column < table.stub && !repeated[row][column],
@@ -98,25 +117,54 @@ impl TableText {
     }
 }
 
-fn interval_of(cell: &Cell) -> String {
-    match &cell.content {
-        Content::Measured(own) => match own.low_95.zip(own.high_95) {
-            Some((low, high)) => format!("95\u{a0}%: {}", interval(low, high)),
-            None => String::new(),
-        },
-        _ => String::new(),
-    }
+/// Whether words are a number: `≤ 0.001`, `8.1 %`, `150 ± 12`; no interval and no date is one.
+fn is_read_as_number(text: &str) -> bool {
+    let is_sign = |c: char| c.is_ascii_digit() || " ⁰¹²³⁴⁵⁶⁷⁸⁹⁻.·−–±%<>≤≥()".contains(c);
+    let has_digit = text.contains(|c: char| c.is_ascii_digit());
+    (has_digit || text.is_empty()) && text.chars().all(is_sign)
 }
 
-/// The page of a run that a cell names.
+/// The 95 % interval, and of a mean how it came about.
+fn interval_of(cell: &Cell) -> String {
+    let Content::Measured(own) = &cell.content else {
+        return String::new();
+    };
+    let interval = own.low_95.zip(own.high_95);
+    let interval = interval.map(|(low, high)| format!("95\u{a0}%: {}", interval_text(low, high)));
+    let mean = own.pooled.as_ref().filter(|mean| mean.runs > 1);
+    let mean = mean.map(|mean| format!("mean of {} runs, {} samples", mean.runs, mean.samples));
+    interval.into_iter().chain(mean).collect::<Vec<_>>().join("; ")
+}
+
+/// The runs that a cell is made from.
+fn runs(site: &Site, cell: &Cell) -> Vec<RunText> {
+    let is_run = |source: &&Source| matches!(source.origin, SourceOrigin::Run(_));
+    let runs = cell.sources.iter().filter(is_run);
+    let runs = runs.map(|source| RunText::of(site, &source.name));
+    runs.filter(|run| run.href.is_some()).collect()
+}
+
+/// The page of the run or of the group that a cell names.
 fn href(site: &Site, cell: &Cell, shown: &ShownCell) -> Option<String> {
     let ShownCell::Words(words) = shown else {
         return None;
     };
-    let named = cell.sources.iter().find(|source| source.name == *words)?;
-    let run = site.run_of(words)?;
-    Some(match named.origin {
-        SourceOrigin::Strip => site.strip_href(run),
-        _ => site.run_href(run),
+    cell.sources.iter().find_map(|source| {
+        let name = source.name.as_str();
+        if source.origin == SourceOrigin::Diagnosis {
+            let place = site
+                .input
+                .findings
+                .groups
+                .iter()
+                .position(|found| found.group == name)?;
+            return (group_title(name) == *words).then(|| site.finding_href(place));
+        }
+        let is_named = [name, site.input.campaign.run_name(name)].contains(&words.as_str());
+        let run = site.run_of(name).filter(|_| is_named)?;
+        Some(match source.origin {
+            SourceOrigin::Strip => site.strip_href(run),
+            _ => site.run_href(run),
+        })
     })
 }

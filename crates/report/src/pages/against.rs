@@ -2,10 +2,9 @@
 
 use ieap_domain::range_of;
 use ieap_domain::words::counted;
-use std::collections::BTreeMap;
 
-use super::parameter_section::{Panel, Section};
 use crate::aside::{Shown, beyond_words, marks};
+use crate::blocks::Writer;
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;
 use crate::figures::axis::{Axis, Scale, Tick};
@@ -29,19 +28,21 @@ const SPREAD: f64 = 0.7;
 /// Room beside them of runs that are set aside.
 const ASIDE: f64 = 0.2;
 
-/// Every parameter in a section of its own, and by what its marks are told apart; none where runs do not differ in it.
-pub fn sections(
+/// Every parameter in a part of its own; gives by what its marks are told apart, none where runs do not differ in it.
+///
+/// # Errors
+/// [`ReportError::Figure`] where a figure cannot be drawn.
+pub fn parts(
+    page: &mut Writer,
     site: &Site,
     against: Against,
     shown: &mut Shown,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Option<(Groups, Vec<Section>)>, ReportError> {
+) -> Result<Option<Groups>, ReportError> {
     let input = site.input;
     let Some(places) = against.places(&input.runs, &input.campaign, &site.facts) else {
         return Ok(None);
     };
     let groups = Groups::new(site, against);
-    let mut sections = Vec::new();
     for info in &PARAMETERS {
         let own = Drawing {
             site,
@@ -50,16 +51,18 @@ pub fn sections(
             groups: &groups,
             info,
         };
-        let panels = own.panels(shown, figures)?;
+        let panels = own.panels();
         if !panels.is_empty() {
-            sections.push(Section::of(
-                format!("{}-{}", name(against), info.key),
-                info,
-                panels,
-            ));
+            let anchor = format!("{}-{}", name(against), info.key);
+            let title = format!("{} {}", info.symbol, info.name);
+            page.anchored(&anchor, &title, |part| {
+                panels
+                    .into_iter()
+                    .try_for_each(|panel| own.draw(part, panel, shown))
+            })?;
         }
     }
-    Ok(Some((groups, sections)))
+    Ok(Some(groups))
 }
 
 /// What the runs are shown against, in a word.
@@ -76,8 +79,6 @@ pub fn name(against: Against) -> &'static str {
 
 /// By what marks are told apart.
 pub struct Groups {
-    /// Tag.
-    pub key: &'static str,
     /// Names, in the order of the markers.
     pub names: Vec<String>,
     of_run: Vec<Option<usize>>,
@@ -93,7 +94,6 @@ impl Groups {
         let (runs, campaign) = (&site.input.runs, &site.input.campaign);
         match by.places(runs, campaign, &site.facts) {
             Some(places) => Groups {
-                key,
                 names: places.names,
                 of_run: places
                     .of_run
@@ -102,7 +102,6 @@ impl Groups {
                     .collect(),
             },
             None => Groups {
-                key,
                 names: runs
                     .iter()
                     .find_map(|run| run.tag(key))
@@ -124,58 +123,63 @@ struct Drawing<'a> {
     info: &'static ParameterInfo,
 }
 
-impl Drawing<'_> {
-    fn panels(
-        &self,
-        shown: &mut Shown,
-        figures: &mut BTreeMap<String, String>,
-    ) -> Result<Vec<Panel>, ReportError> {
-        let materials = &self.site.conditions.materials;
-        let shared = [String::new()];
-        let names = if self.against == Against::Material {
-            &shared[..]
-        } else {
-            &materials[..]
+/// The figure of a material.
+struct Panel<'a> {
+    /// Empty where all materials share it.
+    material: &'a str,
+    at: usize,
+    marks: Vec<Mark>,
+    /// Fitted runs that have no mark.
+    left_out: usize,
+}
+
+impl<'a> Drawing<'a> {
+    /// Every panel that has marks.
+    fn panels(&self) -> Vec<Panel<'a>> {
+        let materials = self.site.conditions.materials.iter().map(String::as_str);
+        let names: Vec<&str> = match self.against {
+            Against::Material => vec![""],
+            _ => materials.collect(),
         };
-        let mut panels = Vec::new();
-        for (at, name) in names.iter().enumerate() {
-            let (marks, left_out) = self.marks(name);
-            if marks.is_empty() {
-                continue;
+        let panels = names.into_iter().enumerate().map(|(at, material)| {
+            let (marks, left_out) = self.marks(material);
+            Panel {
+                material,
+                at,
+                marks,
+                left_out,
             }
-            let key = self.info.key.replace('_', "-");
-            let id = format!("{}-{key}-{at}", self::name(self.against));
-            let of = if name.is_empty() {
-                String::new()
-            } else {
-                format!(" of {name}")
-            };
-            let title = format!("{}{of} against {}", self.info.name, self::name(self.against));
-            let desc = "One mark a run with its 95 % interval; the numbers stand in the table of parameters.";
-            let (x, y) = (self.across(), vertical(self.info, &marks));
-            let beside = Beside {
-                names: self.groups.names.clone(),
-                aside: self.aside(name),
-                ..Beside::default()
-            };
-            let drawn = sized_panel(SMALL, (&x, &y), (&marks, &beside), (&title, desc));
-            let svg = drawn.map_err(|reason| ReportError::Figure {
-                figure: id.clone(),
-                reason,
-            })?;
-            figures.insert(id.clone(), svg);
-            shown.note(&beside.aside);
-            panels.push(Panel {
-                beyond: beyond_words(&beside.aside, (Some(&x), &y), self.info.shown_unit),
-                material: name.clone(),
-                figure: Some(id),
-                note: match left_out {
-                    0 => String::new(),
-                    some => format!("{} left out: a bound, or not determined.", counted(some, "run")),
-                },
-            });
-        }
-        Ok(panels)
+        });
+        panels.filter(|panel| !panel.marks.is_empty()).collect()
+    }
+
+    fn draw(&self, part: &mut Writer, panel: Panel, shown: &mut Shown) -> Result<(), ReportError> {
+        let (material, against) = (panel.material, name(self.against));
+        let of = match material {
+            "" => String::new(),
+            material => format!(" of {material}"),
+        };
+        let title = format!("{}{of} against {against}", self.info.name);
+        let desc = "One mark a run with its 95 % interval; the numbers stand in the table of parameters.";
+        let (x, y) = (self.across(), vertical(self.info, &panel.marks));
+        let beside = Beside {
+            names: self.groups.names.clone(),
+            aside: self.aside(material),
+            ..Beside::default()
+        };
+        let note = match panel.left_out {
+            0 => String::new(),
+            some => format!(
+                "{}{of} left out: a bound, or not determined.",
+                counted(some, "run")
+            ),
+        };
+        let drawn = sized_panel(SMALL, (&x, &y), (&panel.marks, &beside), (&title, desc));
+        let figure = format!("{against}-{}-{}", self.info.key.replace('_', "-"), panel.at);
+        part.drawing(&figure, (material, &note), drawn)?;
+        shown.note(&beside.aside);
+        part.beyond(beyond_words(&beside.aside, (Some(&x), &y), self.info.shown_unit));
+        Ok(())
     }
 
     /// Marks of a material (of all where the name is empty), and how many fitted runs have none.

@@ -115,10 +115,8 @@ pub fn coverage(site: &Site) -> String {
     }
 }
 
-/// `3 runs to make next`; empty where there is none.
-pub fn next_words(site: &Site) -> String {
-    match site.input.next_runs.len() {
-        0 => String::new(),
-        count => format!("{} to make next", counted(count, "run")),
-    }
+/// `3 runs to make next`; none where there is none.
+pub fn next_words(site: &Site) -> Option<String> {
+    let count = site.input.next_runs.len();
+    (count > 0).then(|| format!("{} to make next", counted(count, "run")))
 }

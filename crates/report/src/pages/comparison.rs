@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::parameter_section::{Panel, Section};
 use super::wording::{NOT_CONVERGED, humidity_label, voltage_labels};
 use crate::aside::{Shown, beyond_words, marks};
+use crate::blocks::Writer;
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
@@ -18,20 +18,23 @@ use ieap_analysis::conditions::Conditions;
 use ieap_analysis::laws::words;
 use ieap_analysis::parameters::{COMPARED, usable};
 use ieap_domain::Estimate;
+use ieap_show::Block;
 
 /// How far beyond the largest (or below the smallest positive) value an interval may stretch an axis.
 const STRETCH: f64 = 2.0;
 
-/// Every parameter in a section of its own.
-pub fn sections(
-    site: &Site,
-    shown: &mut Shown,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Vec<Section>, ReportError> {
-    let parameters = COMPARED.iter().filter_map(|key| ParameterInfo::of(key));
-    parameters
-        .map(|parameter| section(site, parameter, shown, figures))
-        .collect()
+/// Every parameter in a part of its own.
+///
+/// # Errors
+/// [`ReportError::Figure`] where a figure cannot be drawn.
+pub fn parts(page: &mut Writer, site: &Site, shown: &mut Shown) -> Result<(), ReportError> {
+    let mut parameters = COMPARED.iter().filter_map(|key| ParameterInfo::of(key));
+    parameters.try_for_each(|parameter| {
+        let title = format!("{} {}", parameter.symbol, parameter.name);
+        page.anchored(parameter.key, &title, |part| {
+            of_parameter(part, site, parameter, shown)
+        })
+    })
 }
 
 /// Fits that a finding doubts, and what is done with them.
@@ -39,12 +42,13 @@ pub fn doubts(site: &Site) -> Vec<String> {
     site.input.doubted.iter().map(words::doubted).collect()
 }
 
-fn section(
+/// A figure a material.
+fn of_parameter(
+    part: &mut Writer,
     site: &Site,
     parameter: &'static ParameterInfo,
     shown: &mut Shown,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Section, ReportError> {
+) -> Result<(), ReportError> {
     let materials = &site.conditions.materials;
     let groups: Vec<Vec<Group>> = (0..materials.len())
         .map(|material| groups(site, material, parameter))
@@ -52,39 +56,32 @@ fn section(
     let shared = parameter
         .spans_decades
         .then(|| axis(parameter, groups.iter().flatten()));
-    let mut panels = Vec::new();
     for (material, groups) in groups.iter().enumerate() {
-        let mut panel = Panel {
-            material: materials[material].clone(),
-            figure: None,
-            note: note(site, material, parameter),
-            beyond: String::new(),
-        };
-        if groups
-            .iter()
-            .flat_map(|group| &group.slots)
-            .flat_map(|slot| &slot.estimates)
-            .any(says_something)
-        {
-            let id = format!("{}-{material}", parameter.key.replace('_', "-"));
-            let axis = shared.clone().unwrap_or_else(|| axis(parameter, groups.iter()));
-            let title = format!("{} of {}", parameter.name, panel.material);
-            let desc = format!(
-                "{} against step voltage in each environment, with 95 % intervals. The numbers stand in the table of parameters.",
-                parameter.symbol
-            );
-            let drawn = comparison(groups, &axis, &title, &desc).map_err(|reason| ReportError::Figure {
-                figure: id.clone(),
-                reason,
-            })?;
-            figures.insert(id.clone(), drawn);
-            panel.figure = Some(id);
-            shown.note(aside_of(groups));
-            panel.beyond = beyond_words(aside_of(groups), (None, &axis), parameter.shown_unit);
+        let name = &materials[material];
+        let note = Some(note(site, material, parameter)).filter(|note| !note.is_empty());
+        let note = note.map_or_else(String::new, |note| format!("{name}: {note}"));
+        let slots = groups.iter().flat_map(|group| &group.slots);
+        if !slots.flat_map(|slot| &slot.estimates).any(says_something) {
+            part.write([Block::say(note)])?;
+            continue;
         }
-        panels.push(panel);
+        let axis = shared.clone().unwrap_or_else(|| axis(parameter, groups.iter()));
+        let title = format!("{} of {name}", parameter.name);
+        let desc = format!(
+            "{} against step voltage in each environment, with 95 % intervals. The numbers stand in the table of parameters.",
+            parameter.symbol
+        );
+        let drawn = comparison(groups, &axis, &title, &desc);
+        let figure = format!("{}-{material}", parameter.key.replace('_', "-"));
+        part.drawing(&figure, (name, &note), drawn)?;
+        shown.note(aside_of(groups));
+        part.beyond(beyond_words(
+            aside_of(groups),
+            (None, &axis),
+            parameter.shown_unit,
+        ));
     }
-    Ok(Section::of(parameter.key.to_owned(), parameter, panels))
+    Ok(())
 }
 
 /// A small panel of the overview.
@@ -137,11 +134,8 @@ pub fn small_panels(
                 "{} against step voltage in each environment, with 95 % intervals.",
                 parameter.symbol
             );
-            let drawn =
-                small_comparison(groups, &axis, &title, &desc).map_err(|reason| ReportError::Figure {
-                    figure: figure.clone(),
-                    reason,
-                })?;
+            let drawn = small_comparison(groups, &axis, &title, &desc);
+            let drawn = drawn.map_err(ReportError::of_figure(&figure))?;
             figures.insert(figure.clone(), drawn);
             panels.push(SmallPanel {
                 key: parameter.key,

@@ -1,132 +1,53 @@
 //! The page of one group: what the simulation gets wrong there, the cause, the extended model and its gain.
 
-use ieap_domain::diagnosis::LAW;
 use ieap_domain::finding_words::verdict_word;
-use ieap_domain::number::probabilities::{counted_with_q, equation_of};
 use ieap_domain::words::in_a_row;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
-use super::finding_alone::{AloneRow, alone_rows};
-use super::finding_answer::{Answer, answer, size, symbol_and_unit};
-use super::finding_differs::{DiffersBlock, differs_blocks};
-use super::finding_gain::{GainSection, called, called_held_out, extension, gain_section};
-use super::finding_law::{AccountPart, LawBlock, account_parts, law_blocks};
+use super::finding_alone::alone;
+use super::finding_answer::{Answer, answer, size, strengths, symbol_and_unit};
+use super::finding_differs as differs;
+use super::finding_effect::effect;
+use super::finding_gain::{called, called_held_out, errors, extension, gain_section};
+use super::finding_law::{AccountPart, account_parts, laws};
 use super::finding_posterior::{HypothesisRow, hypothesis_rows};
 use super::finding_words::{shift_words, test_words};
-use super::wording::{EstimateText, RunLink, group_title, readable, with_index};
+use super::wording::{readable, shown_as};
+use crate::blocks::{Item, Writer};
 use crate::error::ReportError;
 use crate::figures::profile::profile;
-use crate::figures::residual::residual;
+use crate::figures::residual::{Called, residual};
 use crate::input::{EffectText, Findings};
 use crate::pages::policy::{MOST_HELD_OUT_FIGURES, MOST_RESIDUAL_FIGURES};
 use crate::site::Site;
-use ieap_analysis::ParameterInfo;
 use ieap_domain::campaign::Adopted;
 use ieap_domain::number::{fixed, measured, significant};
-use ieap_domain::{EffectFinding, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
+use ieap_domain::{GroupDiagnosis, MisfitStretch, NextRun, ParameterShift, ResidualCurve, Verdict};
+use ieap_show::{Block, Rough, Sheet, Source};
 
 #[derive(Debug, Serialize)]
 struct FindingPage {
-    name: String,
     verdict: &'static str,
-    key: &'static str,
     /// The answer in a sentence.
     lead: String,
     answer: Answer,
-    /// How often chance gives as much.
-    summary: Vec<String>,
-    runs: Vec<NamedRun>,
-    /// Parameters that differ, where that is the finding.
-    differs: Vec<DiffersBlock>,
-    /// Of what the error is made, as one bar.
-    account: Vec<AccountPart>,
-    /// The laws that are missing.
-    laws: Vec<LawBlock>,
-    hypotheses: Vec<HypothesisRow>,
-    effects: Vec<EffectBlock>,
-    set: Vec<SetMember>,
-    next_run: Option<NextRunText>,
-    shifts: Vec<ShiftRow>,
-    shift_words: Vec<String>,
+    /// What to measure next.
+    next: Option<String>,
     /// The model adopted for the group, or how to adopt the one that was found.
     adoption: Option<String>,
-    gain: Option<GainSection>,
-    /// What the line of a figure is called: `extended model`, or what was tried.
-    extension: &'static str,
-    profiles: Vec<ResidualBlock>,
-    held_out: Vec<ResidualBlock>,
-    residuals: Vec<ResidualBlock>,
-    not_drawn: String,
-    stretches: Vec<StretchRow>,
-    remarks: Vec<String>,
-    alone: Vec<AloneRow>,
-}
-
-#[derive(Debug, Serialize)]
-struct NamedRun {
-    /// None where the run is gone.
-    link: Option<RunLink>,
-    path: String,
-}
-
-#[derive(Debug, Serialize)]
-struct EffectBlock {
-    id: String,
-    variant: String,
-    summary: String,
-    equation: String,
-    parameters: Vec<ParameterRow>,
-    p: String,
-    q: String,
-    twins: String,
-    separated_by: String,
-}
-
-#[derive(Debug, Serialize)]
-struct ParameterRow {
-    symbol: String,
-    meaning: String,
-    unit: String,
-    estimate: EstimateText,
-}
-
-#[derive(Debug, Serialize)]
-struct SetMember {
-    id: String,
-    summary: String,
-    separated_by: String,
-}
-
-#[derive(Debug, Serialize)]
-struct NextRunText {
-    drive: String,
-    splits: String,
-    expected: String,
-}
-
-#[derive(Debug, Serialize)]
-struct ShiftRow {
-    symbol: String,
-    unit: String,
-    before: String,
-    after: String,
-}
-
-#[derive(Debug, Serialize)]
-struct ResidualBlock {
-    heading: String,
-    figure: String,
-}
-
-#[derive(Debug, Serialize)]
-struct StretchRow {
-    run: String,
-    channel: String,
-    times: String,
-    sigma: String,
+    /// Of what the error is made, as one bar.
+    account: Vec<AccountPart>,
+    /// The laws that are missing, and the parameters that differ.
+    missing: Vec<Item>,
+    errors: Vec<Item>,
+    hypotheses: Vec<HypothesisRow>,
+    /// Causes that these runs do not tell apart, and how strong those are that were found.
+    causes: Vec<Item>,
+    /// How it was found.
+    how: Vec<Item>,
 }
 
 /// Makes the page of group number `place`.
@@ -135,128 +56,56 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     let found = &findings.groups[place];
     let mut figures = BTreeMap::new();
     let answer = answer(site, found, &mut figures)?;
-    let residuals = residuals(site, found, &mut figures)?;
-    let held_out = held_out(site, found, &mut figures)?;
-    let profiles = profiles(found, findings, &mut figures)?;
-    let laws = law_blocks(found, &mut figures)?;
-    let differs = match found.verdict {
-        Verdict::Differs => differs_blocks(found, &mut figures)?,
-        _ => Vec::new(),
-    };
-    let shifts = found.shifts.iter();
-    let drawn_of = found.residuals.len();
+    let mut blocks = Writer::new(site, 2, &mut figures);
+    laws(&mut blocks, found)?;
+    differs::drawn(&mut blocks, found)?;
+    let missing = blocks.taken();
+    blocks.write(errors(found))?;
+    let errors = blocks.taken();
+    blocks.write(set(found, findings).into_iter().chain(strengths(found, findings)))?;
+    let causes = blocks.taken();
+    blocks.folded("How this was found", |part| how_found(part, site, found))?;
     let page = FindingPage {
-        name: group_title(&found.group),
         verdict: verdict_word(found.verdict),
-        key: found.verdict.key(),
         lead: readable(&found.sentence),
         answer,
-        summary: test_words(found),
-        runs: found.runs.iter().map(|path| named_run(site, path)).collect(),
-        differs,
-        account: account_parts(found.account.as_ref()),
-        laws,
-        hypotheses: hypothesis_rows(found, findings),
-        effects: found
-            .effects
-            .iter()
-            .map(|effect| effect_block(effect, found.draws, findings))
-            .collect(),
-        set: set(found, findings),
-        next_run: found.next_run.as_ref().map(|next| NextRunText {
-            drive: next.drive.clone(),
-            splits: in_a_row(&next.splits),
-            expected: significant(next.expected_set_size, 2),
-        }),
-        shift_words: shifts
-            .clone()
-            .filter_map(|s| shift_words(s, &symbol(&s.key).0))
-            .collect(),
-        shifts: shifts.map(shift_row).collect(),
+        next: found.next_run.as_ref().map(next_words),
         adoption: adoption(site, found),
-        gain: gain_section(found),
-        extension: extension(found),
-        profiles,
-        held_out,
-        not_drawn: if drawn_of > residuals.len() {
-            format!(
-                "{} of {drawn_of} residuals are drawn, the largest first.",
-                residuals.len()
-            )
-        } else {
-            String::new()
-        },
-        residuals,
-        stretches: stretches(found),
-        remarks: found.remarks.clone(),
-        alone: alone_rows(&found.alone, found.draws),
+        account: account_parts(found.account.as_ref()),
+        missing,
+        errors,
+        hypotheses: hypothesis_rows(found, findings),
+        causes,
+        how: blocks.taken(),
     };
     Content::new("finding.html", &page, figures)
 }
 
-fn named_run(site: &Site, path: &str) -> NamedRun {
-    NamedRun {
-        link: site.run_of(path).map(|run| RunLink::to(site, run)),
-        path: path.to_owned(),
-    }
-}
-
-fn effect_block(finding: &EffectFinding, draws: usize, findings: &Findings) -> EffectBlock {
-    let known = findings.effect(&finding.effect);
-    let text = |of: fn(&EffectText) -> &String| known.map_or_else(String::new, |effect| of(effect).clone());
-    let parameter = |parameter: &ieap_domain::Parameter| {
-        let known = known.and_then(|effect| effect.parameters.iter().find(|p| p.key == parameter.key));
-        ParameterRow {
-            symbol: known.map_or_else(|| parameter.key.clone(), |p| with_index(&p.symbol)),
-            meaning: known.map_or_else(String::new, |p| p.meaning.clone()),
-            unit: known.map_or_else(String::new, |p| p.unit.clone()),
-            estimate: EstimateText::of(&parameter.estimate, 1.0),
-        }
-    };
-    let (p, q) = counted_with_q(Some(finding.p), finding.q, draws);
-    EffectBlock {
-        id: finding.effect.clone(),
-        variant: finding.variant.clone().unwrap_or_default(),
-        summary: text(|effect| &effect.summary),
-        equation: text(|effect| &effect.equation),
-        parameters: if finding.effect.starts_with(LAW) {
-            Vec::new()
-        } else {
-            finding.parameters.iter().map(parameter).collect()
-        },
-        p: equation_of("p", &p),
-        q: equation_of("q", &q),
-        twins: in_a_row(&finding.twins),
-        separated_by: text(|effect| &effect.separated_by),
-    }
+fn next_words(next: &NextRun) -> String {
+    format!(
+        "Next: {}; it tells apart {}, and {} possible causes are expected to be left.",
+        next.drive,
+        in_a_row(&next.splits),
+        significant(next.expected_set_size, 2)
+    )
 }
 
 /// Members of a set of several; a single cause stands above.
-fn set(found: &GroupDiagnosis, findings: &Findings) -> Vec<SetMember> {
+fn set(found: &GroupDiagnosis, findings: &Findings) -> Option<Block> {
     if found.set.len() < 2 || found.verdict == Verdict::Differs {
-        return Vec::new();
+        return None;
     }
-    let member = |id: &String| {
-        let known = findings.effect(id);
-        SetMember {
-            id: id.clone(),
-            summary: known.map_or_else(String::new, |effect| effect.summary.clone()),
-            separated_by: known.map_or_else(String::new, |effect| effect.separated_by.clone()),
-        }
-    };
-    found.set.iter().map(member).collect()
-}
-
-/// Symbol, unit and factor under which a base parameter is shown.
-fn symbol(key: &str) -> (String, String, f64) {
-    match ParameterInfo::of(key) {
-        Some(known) => (
-            known.symbol.to_owned(),
-            known.shown_unit.to_owned(),
-            known.shown_factor,
-        ),
-        None => (key.to_owned(), String::new(), 1.0),
-    }
+    let known = |id: &str, of: fn(&EffectText) -> &String| Some(of(findings.effect(id)?).clone());
+    let table = Sheet::<&String>::new("set", "", 1)
+        .plain("Cause", |id| id.as_str())
+        .plain("What it is", move |id| known(id, |effect| &effect.summary))
+        .plain("Told from the others by", move |id| {
+            known(id, |effect| &effect.separated_by)
+        })
+        .over(&found.set);
+    let said = "These runs do not tell which of these causes it is; another kind of run may:";
+    let blocks = vec![Block::say(said), Block::Table(table)];
+    Some(Block::part("Which cause it is", blocks))
 }
 
 /// What was adopted for the group, or the command that would.
@@ -277,125 +126,158 @@ fn adoption(site: &Site, found: &GroupDiagnosis) -> Option<String> {
     })
 }
 
-fn shift_row(shift: &ParameterShift) -> ShiftRow {
-    let (symbol, unit, factor) = symbol(&shift.key);
-    ShiftRow {
-        symbol,
-        unit,
-        before: significant(shift.before * factor, 4),
-        after: measured(shift.after * factor, shift.standard_error * factor),
+/// The tests, the effects, and everything that the answer rests on.
+fn how_found(page: &mut Writer, site: &Site, found: &GroupDiagnosis) -> Result<(), ReportError> {
+    let findings = &site.input.findings;
+    let shifts = found.shifts.iter();
+    let shifts = shifts.filter_map(|shift| shift_words(shift, shown_as(&shift.key).0));
+    let tests = test_words(found).into_iter();
+    page.write(tests.chain(shifts.map(|words| words + ".")).map(Block::Say))?;
+    page.write(differs::tables(found))?;
+    page.write(found.effects.iter().map(|own| effect(own, found.draws, findings)))?;
+    profiles(page, found, findings)?;
+    if let Some(section) = gain_section(found) {
+        page.part(&section.heading, |part| {
+            part.write(section.blocks())?;
+            part.write([Block::say(format!(
+                "Gain is the fall of the deviance: how far the readings lie from what was predicted of them, in units of the noise, with what the prediction itself does not know; positive where the {} predicts better.",
+                extension(found)
+            ))])?;
+            held_out(part, site, found)
+        })?;
     }
+    page.write(shifted(found))?;
+    residuals(page, site, found)?;
+    page.write(alone(found))?;
+    let remarks: Vec<Block> = found.remarks.iter().map(Block::say).collect();
+    page.write((!remarks.is_empty()).then(|| Block::part("Remarks", remarks)))?;
+    page.write([Block::Runs("Runs", found.runs.clone())])
+}
+
+/// Base parameters before and after.
+fn shifted(found: &GroupDiagnosis) -> Option<Block> {
+    let shown = |shift: &ParameterShift| shown_as(&shift.key).2;
+    let table = Sheet::<&ParameterShift>::new("shifts", "", 1)
+        .plain("Parameter", |shift| shown_as(&shift.key).0)
+        .plain("Base model", move |shift| Rough(shift.before * shown(shift), 4))
+        .plain("Extended model", move |shift| {
+            measured(shift.after * shown(shift), shift.standard_error * shown(shift))
+        })
+        .plain("Unit", |shift| shown_as(&shift.key).1)
+        .over(&found.shifts);
+    let title = "Base parameters before and after";
+    (!found.shifts.is_empty()).then(|| Block::part(title, vec![Block::Table(table)]))
 }
 
 /// The residuals that are drawn, the largest first.
-fn residuals(
-    site: &Site,
-    found: &GroupDiagnosis,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Vec<ResidualBlock>, ReportError> {
+fn residuals(page: &mut Writer, site: &Site, found: &GroupDiagnosis) -> Result<(), ReportError> {
     let mut curves: Vec<&ResidualCurve> = found.residuals.iter().collect();
-    if curves.len() > MOST_RESIDUAL_FIGURES {
+    let all = curves.len();
+    if curves.is_empty() {
+        return Ok(());
+    }
+    if all > MOST_RESIDUAL_FIGURES {
         curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
         curves.truncate(MOST_RESIDUAL_FIGURES);
     }
-    let mut blocks = Vec::new();
-    for (place, curve) in curves.iter().enumerate() {
-        let id = format!("residual-{}", place + 1);
-        let heading = format!("{}: {}", curve.run, curve.channel);
-        let title = format!("Residual of the {} of {}", curve.channel, curve.run);
-        let desc = format!(
-            "Dots: measured minus base model; line: measured minus {}; band: two standard deviations of single readings.",
+    let desc = format!(
+        "Dots: measured minus base model; line: measured minus {}; band: two standard deviations of single readings.",
+        extension(found)
+    );
+    let not_drawn = match curves.len() {
+        drawn if drawn < all => format!(" {drawn} of {all} residuals are drawn, the largest first."),
+        _ => String::new(),
+    };
+    page.part("What the simulation leaves", |part| {
+        draw(part, site, ("residual", "Residual", &desc), &curves, called(found))?;
+        part.below(&format!(
+            "Measured minus simulated, in standard deviations σ of the noise, neighbours averaged. Dots: base model; line: {}, where there is one. Single readings stay within the grey band of ±2 σ in 95 of 100 cases, averaged ones more often; a curve that runs outside it, or to one side of zero for long, is a misfit.{not_drawn}",
             extension(found)
-        );
-        let drawn = residual(curve, called(found), site.clock_of(&curve.run), &title, &desc);
-        blocks.extend(block(id, heading, drawn, figures)?);
-    }
-    Ok(blocks)
-}
-
-/// A figure with its heading; none where there was too little to draw.
-fn block(
-    id: String,
-    heading: String,
-    drawn: Result<Option<String>, String>,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Option<ResidualBlock>, ReportError> {
-    let drawn = drawn.map_err(|reason| ReportError::Figure {
-        figure: id.clone(),
-        reason,
-    })?;
-    Ok(drawn.map(|svg| {
-        figures.insert(id.clone(), svg);
-        ResidualBlock { heading, figure: id }
-    }))
+        ));
+        part.write(stretches(found))
+    })
 }
 
 /// What the models leave of what took no part in their fits, the largest misfits of the base first.
-fn held_out(
-    site: &Site,
-    found: &GroupDiagnosis,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Vec<ResidualBlock>, ReportError> {
+fn held_out(page: &mut Writer, site: &Site, found: &GroupDiagnosis) -> Result<(), ReportError> {
     let mut curves: Vec<&ResidualCurve> = found.held_out_residuals.iter().collect();
     curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    let mut blocks = Vec::new();
-    for (place, curve) in curves.into_iter().take(MOST_HELD_OUT_FIGURES).enumerate() {
-        let id = format!("held-out-{}", place + 1);
-        let title = format!("Held-out residual of the {} of {}", curve.channel, curve.run);
-        let desc = format!(
-            "Measured minus what models predict that were fitted without these readings. Dots: base model; line: {}.",
-            extension(found)
-        );
-        let drawn = residual(
-            curve,
-            called_held_out(found),
-            site.clock_of(&curve.run),
-            &title,
-            &desc,
-        );
-        let heading = format!("{}: {}", curve.run, curve.channel);
-        blocks.extend(block(id, heading, drawn, figures)?);
+    curves.truncate(MOST_HELD_OUT_FIGURES);
+    if curves.is_empty() {
+        return Ok(());
     }
-    Ok(blocks)
+    let desc = format!(
+        "Measured minus what models predict that were fitted without these readings. Dots: base model; line: {}.",
+        extension(found)
+    );
+    let kind = ("held-out", "Held-out residual", desc.as_str());
+    page.part("Predicted without having been seen", |part| {
+        draw(part, site, kind, &curves, called_held_out(found))?;
+        part.below(&format!(
+            "Measured minus predicted, in standard deviations σ of the noise, by models that were fitted without these readings. Dots: base model; line: {}.",
+            extension(found)
+        ));
+        Ok(())
+    })
+}
+
+/// Residuals of one kind, each drawn where there is enough of it.
+fn draw(
+    page: &mut Writer,
+    site: &Site,
+    (id, what, desc): (&str, &str, &str),
+    curves: &[&ResidualCurve],
+    called: Called,
+) -> Result<(), ReportError> {
+    for (place, curve) in curves.iter().enumerate() {
+        let title = format!("{what} of the {} of {}", curve.channel, curve.run);
+        let drawn = residual(curve, called, site.clock_of(&curve.run), &title, desc);
+        let heading = format!("{}: {}", curve.run, curve.channel);
+        if let Some(drawn) = drawn.transpose() {
+            page.drawing(&format!("{id}-{}", place + 1), (&heading, ""), drawn)?;
+        }
+    }
+    Ok(())
 }
 
 /// How the sum of squares rises with the strength of every accepted effect.
-fn profiles(
-    found: &GroupDiagnosis,
-    findings: &Findings,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Vec<ResidualBlock>, ReportError> {
-    let mut blocks = Vec::new();
-    for (place, of) in found.profiles.iter().enumerate() {
-        let id = format!("profile-{}", place + 1);
-        let title = format!("Profile of the strength of {}", of.effect);
-        let desc = "Rise of the weighted sum of squares with all other parameters fitted anew; the level line bounds a 95 % interval.";
-        let known = findings.effect(&of.effect);
-        let known = known.and_then(|effect| effect.parameters.iter().find(|p| p.key == of.key));
-        let axis = symbol_and_unit(&of.key, known);
-        let drawn = profile((&of.values, &of.rises), axis, &title, desc);
-        let heading = format!(
-            "{}: {}",
-            of.effect,
-            known.map_or(axis.0, |known| known.meaning.as_str())
-        );
-        blocks.extend(block(id, heading, drawn, figures)?);
+fn profiles(page: &mut Writer, found: &GroupDiagnosis, findings: &Findings) -> Result<(), ReportError> {
+    if found.profiles.is_empty() {
+        return Ok(());
     }
-    Ok(blocks)
+    let desc = "Rise of the weighted sum of squares with all other parameters fitted anew; the level line bounds a 95 % interval.";
+    page.part("How sharp the strength is", |part| {
+        for (place, of) in found.profiles.iter().enumerate() {
+            let title = format!("Profile of the strength of {}", of.effect);
+            let known = findings.effect(&of.effect);
+            let known = known.and_then(|effect| effect.parameters.iter().find(|p| p.key == of.key));
+            let axis = symbol_and_unit(&of.key, known);
+            let drawn = profile((&of.values, &of.rises), axis, &title, desc);
+            let meaning = known.map_or(axis.0, |known| known.meaning.as_str());
+            if let Some(drawn) = drawn.transpose() {
+                let heading = format!("{}: {meaning}", of.effect);
+                part.drawing(&format!("profile-{}", place + 1), (&heading, ""), drawn)?;
+            }
+        }
+        part.below("Rise of the weighted sum of squares as the strength leaves its best value, all other parameters fitted anew. Values below the level line belong to the 95 % interval; a flat curve means that the runs do not tell the strength.");
+        Ok(())
+    })
 }
 
-fn stretches(found: &GroupDiagnosis) -> Vec<StretchRow> {
-    let segments = found.whereabouts.iter().flat_map(|place| &place.segments);
-    segments
-        .map(|segment| StretchRow {
-            run: segment.run.clone(),
-            channel: segment.channel.clone(),
-            times: format!(
-                "{} to {} s",
-                significant(segment.from_s, 3),
-                significant(segment.to_s, 3)
-            ),
-            sigma: fixed(segment.sigma, 1),
+/// Where the simulation is worst; none where nothing says so.
+fn stretches(found: &GroupDiagnosis) -> Option<Block> {
+    let stretches = found.whereabouts.as_ref()?.segments.iter();
+    let table = Sheet::<&MisfitStretch>::new("stretches", "", 1)
+        .made_from(|stretch| vec![Source::file(&stretch.run)])
+        .plain("Run", |stretch| stretch.run.as_str())
+        .plain("Channel", |stretch| stretch.channel.as_str())
+        .plain("Time", |stretch| {
+            let [from, to] = [stretch.from_s, stretch.to_s].map(|time_s| significant(time_s, 3));
+            format!("{from} to {to} s")
         })
-        .collect()
+        .plain("Measured minus simulated / standard error", |stretch| {
+            fixed(stretch.sigma, 1)
+        })
+        .over(stretches);
+    (!table.rows.is_empty()).then(|| Block::part("Worst stretches", vec![Block::Table(table)]))
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::finding_gain::{ErrorTable, called, error_table, extension};
+use super::finding_gain::{called, extension};
 use super::wording::{EstimateText, RunLink, with_index};
 use crate::error::ReportError;
 use crate::figures::residual::overlay;
@@ -13,6 +13,7 @@ use crate::input::{EffectParameterText, Findings};
 use crate::site::Site;
 use ieap_domain::number::significant;
 use ieap_domain::{EffectFinding, GroupDiagnosis, ResidualCurve};
+use ieap_show::Block;
 
 /// The open part of the page.
 #[derive(Debug, Serialize)]
@@ -25,9 +26,6 @@ pub struct Answer {
     extension: &'static str,
     /// How large the misfit is over all runs; empty where there is none.
     size: String,
-    errors: Option<ErrorTable>,
-    /// Size of every effect that was found.
-    strengths: Vec<Strengths>,
 }
 
 #[derive(Debug, Serialize)]
@@ -36,13 +34,6 @@ struct DrawnLink {
     path: String,
     /// `of 3 runs the one with the largest residual`; empty where there is one run.
     which: String,
-}
-
-#[derive(Debug, Serialize)]
-struct Strengths {
-    effect: String,
-    /// `V₀ = 1.21 ± 0.02 V`.
-    values: Vec<String>,
 }
 
 /// The open part of the page of that finding; its figures go to `figures`.
@@ -70,10 +61,7 @@ pub fn answer(
             &title,
             &seen(curve, found),
         );
-        let drawn = drawn.map_err(|reason| ReportError::Figure {
-            figure: id.clone(),
-            reason,
-        })?;
+        let drawn = drawn.map_err(ReportError::of_figure(&id))?;
         if let Some(svg) = drawn {
             figures.insert(id.clone(), svg);
             ids.push(id);
@@ -87,12 +75,6 @@ pub fn answer(
         figures: ids,
         extension: if is_extended { extension(found) } else { "" },
         size: size_words(found),
-        errors: error_table(found),
-        strengths: found
-            .effects
-            .iter()
-            .map(|effect| strengths(effect, &site.input.findings))
-            .collect(),
     })
 }
 
@@ -165,7 +147,15 @@ fn size_words(found: &GroupDiagnosis) -> String {
     }
 }
 
-fn strengths(finding: &EffectFinding, findings: &Findings) -> Strengths {
+/// The size of every effect that was found; none where there is none.
+pub fn strengths(found: &GroupDiagnosis, findings: &Findings) -> Option<Block> {
+    let sizes = found.effects.iter().map(|effect| strength(effect, findings));
+    let sizes: Vec<Block> = sizes.map(Block::Say).collect();
+    (!sizes.is_empty()).then(|| Block::part("How strong it is", sizes))
+}
+
+/// `faradaic-leak: i₀ = (2.13 ± 0.12)·10⁻⁵ A/cm2`
+fn strength(finding: &EffectFinding, findings: &Findings) -> String {
     let known = findings.effect(&finding.effect);
     let value = |parameter: &ieap_domain::Parameter| {
         let text = known.and_then(|effect| effect.parameters.iter().find(|p| p.key == parameter.key));
@@ -178,10 +168,8 @@ fn strengths(finding: &EffectFinding, findings: &Findings) -> Strengths {
             _ => format!("{symbol} = {} {unit}", shown.text).trim_end().to_owned(),
         }
     };
-    Strengths {
-        effect: finding.effect.clone(),
-        values: finding.parameters.iter().map(value).collect(),
-    }
+    let values: Vec<String> = finding.parameters.iter().map(value).collect();
+    format!("{}: {}", finding.effect, values.join(", "))
 }
 
 /// Symbol and unit of an effect's parameter; its key where nothing else is known.

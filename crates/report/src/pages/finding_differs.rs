@@ -1,75 +1,66 @@
 //! Parameters that differ between the runs of a group: drawn over the voltage, or run by run.
 
-use std::collections::BTreeMap;
-
-use serde::Serialize;
-
+use super::wording::shown_as;
+use crate::blocks::Writer;
 use crate::error::ReportError;
 use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Mark, SMALL, sized_panel};
-use ieap_analysis::ParameterInfo;
-use ieap_domain::number::{measured, significant};
+use ieap_domain::number::measured;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
-use ieap_domain::{GroupDiagnosis, VaryingParameter, VaryingValue};
+use ieap_domain::{GroupDiagnosis, VaryingParameter, VaryingValue, Verdict};
+use ieap_show::{Block, Sheet, Source, rough};
 
-/// A parameter with its figure and its values.
-#[derive(Debug, Serialize)]
-pub struct DiffersBlock {
-    symbol: String,
-    unit: String,
-    figure: Option<String>,
-    rows: Vec<DiffersRow>,
+/// The parameters that differ; none where that is not the finding.
+fn differing(found: &GroupDiagnosis) -> &[VaryingParameter] {
+    match found.verdict {
+        Verdict::Differs => &found.differs,
+        _ => &[],
+    }
 }
 
-#[derive(Debug, Serialize)]
-struct DiffersRow {
-    run: String,
-    step_v: String,
-    value: String,
-}
-
-/// The section of a group whose runs differ; empty for others.
+/// Draws the parameters that differ.
 ///
 /// # Errors
 /// [`ReportError::Figure`] where a figure cannot be drawn.
-pub fn differs_blocks(
-    found: &GroupDiagnosis,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Vec<DiffersBlock>, ReportError> {
-    let mut blocks = Vec::new();
-    for (place, parameter) in found.differs.iter().enumerate() {
-        let id = format!("differs-{}", place + 1);
-        let known = ParameterInfo::of(&parameter.key);
-        let (symbol, unit, factor) = known.map_or((parameter.key.as_str(), "", 1.0), |known| {
-            (known.symbol, known.shown_unit, known.shown_factor)
-        });
-        let drawn = figure(parameter, (symbol, unit, factor)).map_err(|reason| ReportError::Figure {
-            figure: id.clone(),
-            reason,
-        })?;
-        let row = |value: &VaryingValue| DiffersRow {
-            run: value.run.clone(),
-            step_v: significant(value.step_v, 3),
-            value: measured(factor * value.value, factor * value.standard_error),
-        };
-        blocks.push(DiffersBlock {
-            symbol: symbol.to_owned(),
-            unit: unit.to_owned(),
-            rows: parameter.values.iter().map(row).collect(),
-            figure: drawn.map(|svg| {
-                figures.insert(id.clone(), svg);
-                id
-            }),
-        });
+pub fn drawn(page: &mut Writer, found: &GroupDiagnosis) -> Result<(), ReportError> {
+    let differing = differing(found);
+    if differing.is_empty() {
+        return Ok(());
     }
-    Ok(blocks)
+    page.part("What differs", |part| {
+        for (place, parameter) in differing.iter().enumerate() {
+            let (symbol, unit, _) = shown_as(&parameter.key);
+            let heading = [symbol, unit].join(", ");
+            let heading = heading.trim_end_matches(", ");
+            if let Some(drawn) = figure(parameter).transpose() {
+                part.drawing(&format!("differs-{}", place + 1), (heading, ""), drawn)?;
+            }
+        }
+        part.below("Each run by itself, with its 95 % interval; parameters that are not shown here are shared by all runs.");
+        Ok(())
+    })
+}
+
+/// The same as tables.
+pub fn tables(found: &GroupDiagnosis) -> impl Iterator<Item = Block> {
+    differing(found).iter().map(|parameter| {
+        let (symbol, unit, factor) = shown_as(&parameter.key);
+        let head = [&format!("{symbol} ± standard error"), unit].join(", ");
+        let table = Sheet::<&VaryingValue>::new("differs", "", 1)
+            .made_from(|value| vec![Source::file(&value.run)])
+            .plain("Run", |value| value.run.as_str())
+            .plain("Voltage, V", |value| rough(value.step_v))
+            .plain(head.trim_end_matches(", "), |value| {
+                measured(factor * value.value, factor * value.standard_error)
+            })
+            .over(&parameter.values);
+        Block::part(format!("{symbol} of every run"), vec![Block::Table(table)])
+    })
 }
 
 /// None of fewer than two values.
-fn figure(
-    parameter: &VaryingParameter,
-    (symbol, unit, factor): (&str, &str, f64),
-) -> Result<Option<String>, String> {
+fn figure(parameter: &VaryingParameter) -> Result<Option<String>, String> {
+    let (symbol, unit, factor) = shown_as(&parameter.key);
     let volts: Vec<f64> = parameter.values.iter().map(|value| value.step_v.abs()).collect();
     let ends = |values: &mut dyn Iterator<Item = f64>| {
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {

@@ -1,37 +1,25 @@
 //! What an extension gains on readings that took no part in its fit, for the page of one group.
 
-use serde::Serialize;
-
 use crate::figures::residual::Called;
-use ieap_domain::finding_words::{StatedError, errors, gain_words};
+use ieap_domain::finding_words::{StatedError, errors as stated_errors, gain_words};
 use ieap_domain::number::{measured, percent, significant};
 use ieap_domain::{Gain, GroupDiagnosis, HeldOutGain, Prediction, Verdict};
+use ieap_show::{Block, Sheet, Table};
 
-/// Errors before and after, on readings that took no part in the fit.
-#[derive(Debug, Serialize)]
-pub struct ErrorTable {
-    /// What a reader must know first; empty where the extension stands.
-    caution: &'static str,
-    /// Head of the extension's column.
-    column: &'static str,
-    rows: Vec<(String, String, String)>,
-}
-
-/// The table; none where nothing was held out, or the readings allow no finding.
-pub fn error_table(found: &GroupDiagnosis) -> Option<ErrorTable> {
+/// Errors before and after, on readings that took no part in the fit; none where nothing was held out, or the readings allow
+/// no finding.
+pub fn errors(found: &GroupDiagnosis) -> Option<Block> {
     let section = gain_section(found)?;
-    let first = section.blocks.into_iter().next()?;
-    Some(ErrorTable {
-        caution: section.caution,
-        column: section.column,
-        rows: first.rows,
-    })
+    let mut blocks = section.caution();
+    blocks.push(Block::Table(section.blocks.first()?.errors(section.column)));
+    Some(Block::part("Errors before and after", blocks))
 }
 
 /// Everything about the gain of a group's extension.
-#[derive(Debug, Serialize)]
+#[derive(Debug)]
 pub struct GainSection {
-    heading: String,
+    /// Title.
+    pub heading: String,
     /// What a reader must know first; empty where the extension stands.
     caution: &'static str,
     /// Head of the extension's column.
@@ -39,14 +27,53 @@ pub struct GainSection {
     blocks: Vec<GainBlock>,
 }
 
+impl GainSection {
+    /// What is said of it.
+    pub fn blocks(&self) -> Vec<Block> {
+        let mut blocks = self.caution();
+        blocks.extend(self.blocks.iter().map(|own| own.part(self.column)));
+        blocks
+    }
+
+    fn caution(&self) -> Vec<Block> {
+        let caution = Some(self.caution).filter(|caution| !caution.is_empty());
+        caution.map(Block::say).into_iter().collect()
+    }
+}
+
 /// The gain on one kind of held-out readings.
-#[derive(Debug, Serialize)]
+#[derive(Debug)]
 struct GainBlock {
-    heading: String,
+    heading: &'static str,
     sentence: String,
-    rows: Vec<(String, String, String)>,
-    parts: Vec<(String, String)>,
-    total: String,
+    /// What, before, after.
+    rows: Vec<[String; 3]>,
+    /// What was held out, and the gain there; all of it last.
+    parts: Vec<[String; 2]>,
+}
+
+impl GainBlock {
+    fn part(&self, column: &str) -> Block {
+        let parts = Sheet::<&[String; 2]>::new("held-out", "", 1)
+            .plain("Held out", |row| row[0].as_str())
+            .plain("Gain", |row| row[1].as_str())
+            .over(&self.parts);
+        let errors = self.errors(column);
+        let blocks = vec![
+            Block::say(&self.sentence),
+            Block::Table(errors),
+            Block::Table(parts),
+        ];
+        Block::part(self.heading, blocks)
+    }
+
+    fn errors(&self, column: &str) -> Table {
+        Sheet::<&[String; 3]>::new("errors", "", 1)
+            .plain("Measure", |row| row[0].as_str())
+            .plain(BASE, |row| row[1].as_str())
+            .plain(column, |row| row[2].as_str())
+            .over(&self.rows)
+    }
 }
 
 /// What the extension of that finding is called: one that was not accepted is not the group's model.
@@ -124,11 +151,11 @@ fn proof(gain: &Gain, runs: usize, subject: &str) -> GainBlock {
         _ => ("Runs left out", "runs that took no part in the fit"),
     };
     let mut block = block(heading, what, (&gain.proof, &gain.predictions), subject);
-    block.rows.push((
+    block.rows.push([
         "Residuals of the fit to all readings, in σ of the noise".to_owned(),
         significant(gain.residual_rms_sigma_before, 3),
         significant(gain.residual_rms_sigma_after, 3),
-    ));
+    ]);
     block
 }
 
@@ -138,48 +165,38 @@ fn later_block(later: &HeldOutGain, subject: &str) -> GainBlock {
 }
 
 fn block(
-    heading: &str,
+    heading: &'static str,
     what: &str,
     (gain, predictions): (&HeldOutGain, &[Prediction]),
     subject: &str,
 ) -> GainBlock {
+    let part = |(name, fall): &(String, f64)| [name.clone(), significant(*fall, 3)];
+    let all = measured(gain.deviance, gain.standard_error);
+    let all = ["All, ± standard error".to_owned(), all];
     GainBlock {
-        heading: heading.to_owned(),
+        heading,
         sentence: gain_words(&format!("the {subject}"), what, gain, predictions),
         rows: rows(gain, predictions),
-        parts: gain
-            .parts
-            .iter()
-            .map(|(name, fall)| (name.clone(), significant(*fall, 3)))
-            .collect(),
-        total: measured(gain.deviance, gain.standard_error),
+        parts: gain.parts.iter().map(part).chain([all]).collect(),
     }
 }
 
-fn rows(gain: &HeldOutGain, predictions: &[Prediction]) -> Vec<(String, String, String)> {
+fn rows(gain: &HeldOutGain, predictions: &[Prediction]) -> Vec<[String; 3]> {
     let error = |error: StatedError| {
         let of_range = if error.is_of_range {
             ", in % of its range"
         } else {
             ""
         };
-        (
-            format!("Error of predicted {}{of_range}", error.of),
-            error.before,
-            error.after,
-        )
+        let what = format!("Error of predicted {}{of_range}", error.of);
+        [what, error.before, error.after]
     };
-    let coverage = gain
-        .coverage_before
-        .zip(gain.coverage_after)
-        .map(|(before, after)| {
-            (
-                "Held-out readings within their 95 % interval".to_owned(),
-                percent(before, 0),
-                percent(after, 0),
-            )
-        });
-    let errors = errors(gain, predictions).into_iter().map(error);
+    let coverage = gain.coverage_before.zip(gain.coverage_after);
+    let coverage = coverage.map(|(before, after)| {
+        let what = "Held-out readings within their 95 % interval".to_owned();
+        [what, percent(before, 0), percent(after, 0)]
+    });
+    let errors = stated_errors(gain, predictions).into_iter().map(error);
     errors.chain(coverage).collect()
 }
 

@@ -1,15 +1,15 @@
 //! The account of a group's error, and the laws that are missing, drawn.
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 
+use crate::blocks::Writer;
 use crate::error::ReportError;
 use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Curve, law_panel};
 use ieap_domain::finding_words::short_name;
 use ieap_domain::number::significant;
 use ieap_domain::{Account, GroupDiagnosis, LawCurve, MissingLaw, range_of};
+use ieap_show::Block;
 
 /// A part of the account, as a piece of one bar.
 #[derive(Debug, Serialize)]
@@ -47,61 +47,47 @@ pub fn account_parts(account: Option<&Account>) -> Vec<AccountPart> {
     all.filter(|own| own.width >= LEAST).collect()
 }
 
-/// A missing law with its figure.
-#[derive(Debug, Serialize)]
-pub struct LawBlock {
-    heading: String,
-    words: String,
-    /// Textbook curves within the band, where no single one is the name.
-    about: String,
-    figure: Option<String>,
-    before: String,
-    after: String,
-    better_parts: String,
-    channel: &'static str,
-}
-
-/// The missing laws of a group, or those that come closest.
+/// The missing laws of a group, or those that come closest, each drawn.
 ///
 /// # Errors
 /// [`ReportError::Figure`] where a figure cannot be drawn.
-pub fn law_blocks(
-    found: &GroupDiagnosis,
-    figures: &mut BTreeMap<String, String>,
-) -> Result<Vec<LawBlock>, ReportError> {
-    let mut blocks = Vec::new();
+pub fn laws(page: &mut Writer, found: &GroupDiagnosis) -> Result<(), ReportError> {
     for (place, law) in found.missing.iter().chain(&found.closest).enumerate() {
-        let id = format!("law-{}", place + 1);
-        let figure = match &law.curve {
-            Some(curve) => {
-                let drawn = drawn(law, curve).map_err(|reason| ReportError::Figure {
-                    figure: id.clone(),
-                    reason,
-                })?;
-                figures.insert(id.clone(), drawn);
-                Some(id)
+        page.part(&short_name(law), |part| {
+            match &law.curve {
+                Some(curve) => {
+                    let heading = format!("{}: line, with its 95 % band", law.words);
+                    let figure = format!("law-{}", place + 1);
+                    part.drawing(&figure, (&heading, ""), drawn(law, curve))?;
+                }
+                None => part.write([Block::say(format!("That {}.", law.words))])?,
             }
-            None => None,
-        };
-        let percent = |error: Option<f64>| error.map_or_else(String::new, |own| significant(own, 2));
-        blocks.push(LawBlock {
-            heading: short_name(law),
-            words: law.words.clone(),
-            about: match law.name {
-                Some(_) => String::new(),
-                None => law.names.join(", "),
-            },
-            figure,
-            before: percent(law.held_out.error_percent_before),
-            after: percent(law.held_out.error_percent_after),
-            better_parts: law.held_out.better_parts.clone(),
-            channel: match law.place.as_str() {
-                "bending" => "curvature",
-                _ => "current",
-            },
-        });
+            part.write(proof(law).into_iter().chain(about(law)))
+        })?;
     }
-    Ok(blocks)
+    Ok(())
+}
+
+/// What the law gains on readings that were held out.
+fn proof(law: &MissingLaw) -> Option<Block> {
+    let held_out = &law.held_out;
+    let after = held_out.error_percent_after.map(|own| significant(own, 2));
+    let channel = match law.place.as_str() {
+        "bending" => "curvature",
+        _ => "current",
+    };
+    Some(Block::say(format!(
+        "Held-out error of the {channel}: {} % of its range without it, {} % with it; {} held-out parts come out better.",
+        significant(held_out.error_percent_before?, 2),
+        after.unwrap_or_default(),
+        held_out.better_parts
+    )))
+}
+
+/// Textbook curves within the band, where no single one is the name.
+fn about(law: &MissingLaw) -> Option<Block> {
+    let is_told = law.name.is_none() && !law.names.is_empty();
+    is_told.then(|| Block::say(format!("Within the band lies: {}.", law.names.join(", "))))
 }
 
 fn drawn(law: &MissingLaw, curve: &LawCurve) -> Result<String, String> {

@@ -1,241 +1,215 @@
 //! The list of groups with what was found in each, and the ledger of every test made.
 
 use ieap_domain::words::counted;
-use std::collections::BTreeMap;
-
-use serde::Serialize;
 
 use super::Content;
 use super::answers::next_words;
 use super::finding_words::campaign_lead;
-use super::wording::{RunLink, group_title, readable};
+use super::wording::{group_title, readable};
+use crate::blocks;
 use crate::error::ReportError;
+use crate::input::Findings;
 use crate::site::Site;
 use ieap_analysis::shared_effects::{SharedEffect, SharedParameter, left_out};
 use ieap_domain::finding_words::verdict_word;
 use ieap_domain::number::probabilities::{counted_with_q, probability};
-use ieap_domain::number::{interval, measured, significant};
-use ieap_domain::{FromOthers, GroupDiagnosis, Verdict};
+use ieap_domain::number::{interval, measured};
+use ieap_domain::{Estimate, FromOthers, GroupDiagnosis, Verdict};
+use ieap_show::{Block, Rough, Sheet, Source, SourceOrigin, Table};
 
-#[derive(Debug, Serialize)]
-struct FindingsPage {
-    /// Findings first.
-    summary: Vec<String>,
-    /// What to measure next, where anything is.
-    next: String,
-    groups: Vec<GroupRow>,
-    shared: Vec<SharedSection>,
-    ledger: Vec<LedgerRow>,
-    runs: Vec<RunRow>,
-}
-
-#[derive(Debug, Serialize)]
-struct GroupRow {
-    link: RunLink,
-    runs: String,
-    verdict: &'static str,
-    /// Stored name: class.
-    key: &'static str,
-    sentence: String,
-    set: Vec<String>,
-    p: String,
-    q: String,
-}
-
-/// A cause of several samples.
-#[derive(Debug, Serialize)]
-struct SharedSection {
-    title: String,
-    sentence: String,
-    parameters: Vec<SharedRow>,
-    left_out: Vec<LeftOutRow>,
-}
-
-#[derive(Debug, Serialize)]
-struct SharedRow {
-    key: String,
-    mean: String,
-    interval: String,
-    spread: String,
-    is_one: &'static str,
-}
-
-#[derive(Debug, Serialize)]
-struct LeftOutRow {
-    sample: String,
-    group: String,
-    from: String,
-    fall: String,
-    own: String,
-}
-
-/// One test: what was asked, and how often chance answers as strongly.
-#[derive(Debug, Serialize)]
-struct LedgerRow {
-    group: String,
-    question: String,
-    p: String,
-    q: String,
-}
-
-#[derive(Debug, Serialize)]
-struct RunRow {
-    /// Link to the run's page; none where the run is gone.
-    link: Option<RunLink>,
-    path: String,
-    verdict: &'static str,
-    set: Vec<String>,
-    p: String,
-    q: String,
-    /// Place in the order of arrival.
-    place: String,
-    /// Level at which it was tested when it came.
-    level: String,
-    /// Whether it was claimed then.
-    claimed: &'static str,
-}
+const LEAD: &str = "A group is what one parameter set should describe: the runs of one sample in one environment and humidity. Each name leads to its page.";
+const CHANCES: &str = "p: how often chance alone leaves residuals at least as bad, if the simulation is right. q: where all findings up to this one are claimed, the share of them that is expected to be chance; nothing above 0.05 is claimed.";
+const LEFT_OUT: &str = "A sample that is left out gives its own base parameters, and of the cause its strength or nothing. The fall of the sum of squares is beside the base model refitted alone, in units of the noise: above zero the cause, as the other samples know it, describes this one better.";
+const ALONE: &str = "q looks at all runs at once. While runs arrive nobody knows how many will come, so each is also tested against a level that only those before it decide: a run with p at or below it is claimed to be wrong, and of all that is so claimed at most 5 % is expected to be chance.";
 
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
     let findings = &site.input.findings;
     let groups = &findings.groups;
-    let mut summary = vec![campaign_lead(groups)];
-    if !groups.is_empty() {
-        summary.push(format!(
-            "{} and each of {} alone were asked whether the simulation leaves more than noise: {} laws as free curves, and {} textbook curves.",
-            counted(groups.len(), "group"),
-            counted(findings.runs.len(), "run"),
-            findings.laws.len(),
-            findings.effects.len()
-        ));
-    }
-    let page = FindingsPage {
-        summary,
-        next: next_words(site),
-        groups: (0..groups.len()).map(|place| group_row(site, place)).collect(),
-        shared: findings
-            .shared
-            .iter()
-            .map(|(effect, said)| shared_section(effect, said, groups))
-            .collect(),
-        ledger: groups.iter().flat_map(ledger).collect(),
-        runs: findings.runs.iter().map(|found| run_row(site, found)).collect(),
-    };
-    Content::new("findings.html", &page, BTreeMap::new())
+    blocks::page(site, "findings.html", |page| {
+        page.write([Block::say(campaign_lead(groups))])?;
+        if !groups.is_empty() {
+            page.write([Block::say(asked(findings))])?;
+        }
+        if let Some(next) = next_words(site) {
+            page.leading("", "study.html", next);
+        }
+        if groups.is_empty() {
+            return Ok(());
+        }
+        let table = Block::Table(of_groups(groups));
+        page.write([Block::part("Groups", vec![Block::say(LEAD), table])])?;
+        page.write(shared(findings))?;
+        page.folded("Every test made", |part| {
+            part.write([Block::Table(of_tests(groups))])?;
+            let alone = Block::Table(of_runs(site));
+            let alone = Block::part("Every run alone", vec![alone]);
+            part.write((!findings.runs.is_empty()).then_some(alone))
+        })
+    })
 }
 
-fn group_row(site: &Site, place: usize) -> GroupRow {
-    let found = &site.input.findings.groups[place];
-    let (p, q) = counted_with_q(found.p_misfit, found.q_misfit, found.draws);
-    GroupRow {
-        link: RunLink {
-            href: site.finding_href(place),
-            name: group_title(&found.group),
-        },
-        runs: counted(found.runs.len(), "run"),
-        verdict: verdict_word(found.verdict),
-        key: found.verdict.key(),
-        sentence: readable(&found.sentence),
+/// How much was asked.
+fn asked(findings: &Findings) -> String {
+    format!(
+        "{} and each of {} alone were asked whether the simulation leaves more than noise: {} laws as free curves, and {} textbook curves.",
+        counted(findings.groups.len(), "group"),
+        counted(findings.runs.len(), "run"),
+        findings.laws.len(),
+        findings.effects.len()
+    )
+}
+
+/// Effects that may be the cause; none where there are none.
+fn causes(found: &GroupDiagnosis) -> Option<String> {
+    (!found.set.is_empty()).then(|| found.set.join(", "))
+}
+
+/// p and q of a misfit.
+fn chances(found: &GroupDiagnosis) -> (String, String) {
+    counted_with_q(found.p_misfit, found.q_misfit, found.draws)
+}
+
+fn of_groups(groups: &[GroupDiagnosis]) -> Table {
+    Sheet::<&GroupDiagnosis>::new("groups", "", 1)
+        .remarks(CHANCES, "")
+        .made_from(|found| vec![Source::of(SourceOrigin::Diagnosis, &found.group)])
+        .plain("Group", |found| group_title(&found.group))
+        .plain("Runs", |found| found.runs.len())
+        .plain("Verdict", |found| verdict_word(found.verdict))
+        .plain("Finding", |found| readable(&found.sentence))
         // Parameters that differ are in the sentence.
-        set: match found.verdict {
-            Verdict::Differs => Vec::new(),
-            _ => found.set.clone(),
-        },
+        .plain("Possible causes", |found| {
+            causes(found).filter(|_| found.verdict != Verdict::Differs)
+        })
+        .plain("p", |found| chances(found).0)
+        .plain("q", |found| chances(found).1)
+        .over(groups)
+}
+
+/// Causes of several samples.
+fn shared(findings: &Findings) -> Option<Block> {
+    let of_effect = |(effect, said): &(SharedEffect, String)| {
+        let mut blocks = vec![Block::say(said), Block::Table(of_parameters(effect))];
+        let left_out = of_left_out(effect, &findings.groups);
+        blocks.extend((!left_out.rows.is_empty()).then_some(Block::Table(left_out)));
+        Block::part(format!("{} in {}", effect.effect, effect.material), blocks)
+    };
+    let mut blocks: Vec<Block> = findings.shared.iter().map(of_effect).collect();
+    if blocks.is_empty() {
+        return None;
+    }
+    blocks.push(Block::say(LEFT_OUT));
+    Some(Block::part("The same cause in several samples", blocks))
+}
+
+fn of_parameters(effect: &SharedEffect) -> Table {
+    Sheet::<&SharedParameter>::new("shared", "", 1)
+        .plain("Parameter", |own| own.key.as_str())
+        .plain("Mean of samples", |own| match own.mean {
+            Some(mean) => Estimate::determined(mean.value, mean.standard_error, mean.low_95, mean.high_95),
+            None => Estimate::not_determined("no sample determines it"),
+        })
+        .plain("95 % interval", |own| {
+            own.mean.map(|mean| interval(mean.low_95, mean.high_95))
+        })
+        .plain("Between samples", |own| {
+            Some(Rough(own.mean?.between_samples?, 2))
+        })
+        .plain("Samples", |own| match own.p_equal {
+            Some(_) if own.is_one() => "one value for all",
+            Some(_) => "samples differ",
+            None => "not asked: no errors",
+        })
+        .over(&effect.parameters)
+}
+
+fn of_left_out(effect: &SharedEffect, groups: &[GroupDiagnosis]) -> Table {
+    type Held<'a> = (&'a str, &'a str, &'a FromOthers);
+    Sheet::<Held>::new("left-out", "", 1)
+        .plain("Sample left out", |(sample, ..)| *sample)
+        .plain("Group", |(_, group, _)| *group)
+        .plain("Parameters from", |(.., held)| held.samples.join(", "))
+        .plain("Fall, shape from others", |(.., held)| {
+            Some(Rough(held.fall_own_strength, 4)).filter(|own| own.0.is_finite())
+        })
+        .plain("Fall, strength too", |(.., held)| match held.fall {
+            fall if fall.is_finite() => measured(fall, held.standard_error),
+            _ => "cannot be held against it".to_owned(),
+        })
+        .over(left_out(effect, groups))
+}
+
+/// A test: of which group, what was asked, and how often chance answers as strongly.
+struct Test<'a> {
+    found: &'a GroupDiagnosis,
+    question: String,
+    p: Option<f64>,
+    q: Option<f64>,
+}
+
+impl Test<'_> {
+    fn chances(&self) -> (String, String) {
+        counted_with_q(self.p, self.q, self.found.draws)
+    }
+}
+
+/// The ledger.
+fn of_tests(groups: &[GroupDiagnosis]) -> Table {
+    Sheet::<Test>::new("tests", "", 1)
+        .plain("Group", |test| group_title(&test.found.group))
+        .plain("Question", |test| test.question.clone())
+        .plain("p", |test| test.chances().0)
+        .plain("q", |test| test.chances().1)
+        .over(groups.iter().flat_map(tests))
+}
+
+fn tests(found: &GroupDiagnosis) -> Vec<Test<'_>> {
+    let test = |question: &str, p, q| Test {
+        found,
+        question: question.to_owned(),
         p,
         q,
-    }
-}
-
-fn shared_section(effect: &SharedEffect, said: &str, groups: &[GroupDiagnosis]) -> SharedSection {
-    let row = |parameter: &SharedParameter| {
-        let mean = parameter.mean;
-        let spread = mean.and_then(|mean| mean.between_samples);
-        SharedRow {
-            key: parameter.key.clone(),
-            mean: mean.map_or_else(
-                || "not determined".to_owned(),
-                |mean| measured(mean.value, mean.standard_error),
-            ),
-            interval: mean.map_or_else(String::new, |mean| interval(mean.low_95, mean.high_95)),
-            spread: spread.map_or_else(String::new, |spread| significant(spread, 2)),
-            is_one: match parameter.p_equal {
-                Some(_) if parameter.is_one() => "one value for all",
-                Some(_) => "samples differ",
-                None => "not asked: no errors",
-            },
-        }
     };
-    let held = |(sample, group, held): (&str, &str, &FromOthers)| LeftOutRow {
-        sample: sample.to_owned(),
-        group: group.to_owned(),
-        from: held.samples.join(", "),
-        fall: if held.fall.is_finite() {
-            measured(held.fall, held.standard_error)
-        } else {
-            "cannot be held against it".to_owned()
-        },
-        own: if held.fall_own_strength.is_finite() {
-            significant(held.fall_own_strength, 4)
-        } else {
-            String::new()
-        },
-    };
-    SharedSection {
-        title: format!("{} in {}", effect.effect, effect.material),
-        sentence: said.to_owned(),
-        parameters: effect.parameters.iter().map(row).collect(),
-        left_out: left_out(effect, groups).map(held).collect(),
-    }
-}
-
-fn ledger(found: &GroupDiagnosis) -> Vec<LedgerRow> {
-    let row = |question: String, p: Option<f64>, q: Option<f64>| {
-        let (p, q) = counted_with_q(p, q, found.draws);
-        LedgerRow {
-            group: group_title(&found.group),
-            question,
-            p,
-            q,
-        }
-    };
-    let mut rows = Vec::new();
+    let mut tests = Vec::new();
     if found.p_misfit.is_some() {
-        rows.push(row(
-            "Does the simulation leave more than noise?".to_owned(),
-            found.p_misfit,
-            found.q_misfit,
-        ));
+        let question = "Does the simulation leave more than noise?";
+        tests.push(test(question, found.p_misfit, found.q_misfit));
     }
     for effect in &found.effects {
         let question = format!(
             "Does {} describe the readings better than chance would?",
             effect.effect
         );
-        rows.push(row(question, Some(effect.p), effect.q));
+        tests.push(test(&question, Some(effect.p), effect.q));
     }
     if found.p_leftover.is_some() {
         let question = "Does the extended simulation leave more than noise?";
-        rows.push(row(question.to_owned(), found.p_leftover, None));
+        tests.push(test(question, found.p_leftover, None));
     }
-    rows
+    tests
 }
 
-fn run_row(site: &Site, found: &GroupDiagnosis) -> RunRow {
-    let turn = site.input.findings.turns.get(&found.group);
-    let (p, q) = counted_with_q(found.p_misfit, found.q_misfit, found.draws);
-    RunRow {
-        place: turn.map_or_else(String::new, |turn| turn.place.to_string()),
-        level: probability(turn.map(|turn| turn.level)),
-        claimed: match turn {
+/// Every run by itself, with its place in the order of arrival and what could be claimed then.
+fn of_runs(site: &Site) -> Table {
+    let findings = &site.input.findings;
+    let turn = |found: &GroupDiagnosis| findings.turns.get(&found.group);
+    Sheet::<&GroupDiagnosis>::new("alone", "", 1)
+        .remarks(ALONE, "")
+        .made_from(|found| vec![Source::file(&found.group)])
+        .plain("Run", |found| site.input.campaign.run_name(&found.group))
+        .plain("Verdict", |found| verdict_word(found.verdict))
+        .plain("Possible causes", |found| causes(found))
+        .plain("p", |found| chances(found).0)
+        .plain("q", |found| chances(found).1)
+        .plain("Arrived", move |found| turn(found).map(|turn| turn.place))
+        .plain("Level then", move |found| {
+            turn(found).map(|turn| probability(turn.level))
+        })
+        .plain("Claimed then", move |found| match turn(found) {
             Some(turn) if turn.is_claimed => "wrong",
             Some(_) => "not shown",
             None => "",
-        },
-        link: site.run_of(&found.group).map(|run| RunLink::to(site, run)),
-        path: found.group.clone(),
-        verdict: verdict_word(found.verdict),
-        set: found.set.clone(),
-        p,
-        q,
-    }
+        })
+        .over(&findings.runs)
 }

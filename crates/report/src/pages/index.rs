@@ -11,15 +11,15 @@ use super::comparison::{SmallPanel, small_panels};
 use super::needs::{Need, needs};
 use super::run_fit::symbol_of;
 use super::runs_table::{RunsTable, runs_table};
-use super::wording::{IssueText, RunLink, has_warnings, humidity_label, voltage_labels};
-use crate::blocks;
+use super::wording::{RunLink, has_warnings, humidity_label, voltage_labels};
+use crate::blocks::{self, Writer};
 use crate::error::ReportError;
 use crate::moved::Was;
 use crate::pages::policy::{MOST_FILES_OF_REASON, MOST_MOVED_NAMED};
 use crate::site::Site;
 use ieap_analysis::study;
 use ieap_analysis::witnesses;
-use ieap_domain::{Contradiction, FileState, Issue, RunState, Severity};
+use ieap_domain::{Contradiction, FileState, Issue, RunRecord, RunState, Severity, SourceFile, Standing};
 use ieap_show::Block;
 
 /// Laws that are drawn at most: one picture. Chosen: two stand beside each other.
@@ -53,12 +53,8 @@ struct Index {
     many_voltages: bool,
     rows: Vec<MatrixRow>,
     unplaced: Vec<RunLink>,
-    refused: Vec<RefusedRow>,
-    refused_more: Vec<String>,
-    waiting: Vec<RefusedRow>,
-    set_aside: Vec<AsideRow>,
-    untagged: Vec<RunIssues>,
-    problems: Vec<Problem>,
+    /// Runs and files with what is to be known of them.
+    lists: Vec<blocks::Item>,
 }
 
 #[derive(Debug, Serialize)]
@@ -84,39 +80,6 @@ struct MatrixRun {
     state: &'static str,
 }
 
-#[derive(Debug, Serialize)]
-struct RefusedRow {
-    path: String,
-    missing: bool,
-    #[serde(skip)]
-    code: String,
-    issue: Option<IssueText>,
-}
-
-/// A run that no result is made from.
-#[derive(Debug, Serialize)]
-struct AsideRow {
-    link: RunLink,
-    /// `dropped`, `condemned` or `copy`.
-    standing: &'static str,
-    reason: String,
-    mend: String,
-}
-
-#[derive(Debug, Serialize)]
-struct RunIssues {
-    link: RunLink,
-    issues: Vec<IssueText>,
-}
-
-/// One kind of issue with every run that has it.
-#[derive(Debug, Serialize)]
-struct Problem {
-    issue: IssueText,
-    count: String,
-    runs: Vec<RunLink>,
-}
-
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
@@ -129,6 +92,9 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let first = study::first_parameter(asked).or(small.first().map(|panel| panel.key));
     let is_first = |panel: &SmallPanel| blocks.is_empty() && Some(panel.key) == first;
     let (picture, small) = small.into_iter().partition(is_first);
+    let mut writer = Writer::new(site, 2, &mut figures);
+    write_lists(&mut writer, site)?;
+    let lists = writer.taken();
     let index = Index {
         lead: lead(site),
         said: if is_asked {
@@ -158,12 +124,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             .iter()
             .map(|&run| RunLink::to(site, run))
             .collect(),
-        refused_more: more(site),
-        refused: first_of_each_reason(files(site, FileState::Refused)),
-        waiting: files(site, FileState::Pending),
-        set_aside: set_aside(site),
-        untagged: untagged(site),
-        problems: problems(site),
+        lists,
     };
     Content::new("index.html", &index, figures)
 }
@@ -322,102 +283,142 @@ fn matrix_runs(site: &Site, runs: &[usize]) -> Vec<MatrixRun> {
     runs.iter().enumerate().map(matrix_run).collect()
 }
 
-fn files(site: &Site, state: FileState) -> Vec<RefusedRow> {
-    let listed = site
-        .input
-        .files
-        .iter()
-        .filter(|file| file.state == state && !file.missing);
-    listed
-        .map(|file| RefusedRow {
-            path: file.path.clone(),
-            missing: file.missing,
-            code: file
-                .issue
-                .as_ref()
-                .map(|issue| issue.code.clone())
-                .unwrap_or_default(),
-            issue: file.issue.as_ref().map(IssueText::from),
-        })
-        .collect()
+/// What needs a look, of runs and of files, the gravest first.
+fn write_lists(page: &mut Writer, site: &Site) -> Result<(), ReportError> {
+    let said =
+        "No table, figure, comparison or alarm is made from these runs. Their pages show what was measured.";
+    let aside = Block::issues(&set_aside(site)).map(|aside| vec![Block::say(said), aside]);
+    list(page, "set-aside", "Runs set aside", aside)?;
+    let refused = Block::issues(&first_of_each_reason(files(site, FileState::Refused)));
+    let refused = refused.map(|refused| [refused].into_iter().chain(more(site)).collect());
+    list(page, "refused", "Files that could not be read", refused)?;
+    let untagged = Block::issues(&untagged(site)).map(|untagged| vec![untagged]);
+    list(page, "untagged", "Runs that lack a tag", untagged)?;
+    let problems = problems(site);
+    if !problems.is_empty() {
+        page.anchored("warnings", "Warnings", |part| {
+            part.issues_of_runs(problems);
+            Ok(())
+        })?;
+    }
+    let waiting = Block::issues(&files(site, FileState::Pending)).map(|waiting| vec![waiting]);
+    list(page, "waiting", "Files waiting", waiting)
+}
+
+/// A list under its anchor, where there is one.
+fn list(page: &mut Writer, anchor: &str, title: &str, blocks: Option<Vec<Block>>) -> Result<(), ReportError> {
+    match blocks {
+        Some(blocks) => page.anchored(anchor, title, |part| part.write(blocks)),
+        None => Ok(()),
+    }
+}
+
+/// The files in that state, each with why it is.
+fn files(site: &Site, state: FileState) -> Vec<Issue> {
+    let listed = site.input.files.iter();
+    let listed = listed.filter(|file| file.state == state && !file.missing);
+    let why = |file: &SourceFile| match &file.issue {
+        Some(issue) => told_of(&file.path, issue),
+        None => Issue {
+            severity: Severity::Note,
+            code: String::new(),
+            place: file.path.clone(),
+            message: String::new(),
+            mend: String::new(),
+        },
+    };
+    listed.map(why).collect()
+}
+
+/// An issue under the name of what it is of, with its place in that where it does not name it itself.
+fn told_of(path: &str, issue: &Issue) -> Issue {
+    let (place, message) = (&issue.place, &issue.message);
+    let said = if message.contains(place.as_str()) {
+        message.clone()
+    } else {
+        format!("{place}: {message}")
+    };
+    Issue {
+        message: said,
+        ..issue.clone().at(path)
+    }
 }
 
 /// The first refused files of each reason.
-fn first_of_each_reason(rows: Vec<RefusedRow>) -> Vec<RefusedRow> {
+fn first_of_each_reason(files: Vec<Issue>) -> Vec<Issue> {
     let mut listed: BTreeMap<String, usize> = BTreeMap::new();
-    rows.into_iter()
-        .filter(|row| {
-            let of_reason = listed.entry(row.code.clone()).or_insert(0);
-            *of_reason += 1;
-            *of_reason <= MOST_FILES_OF_REASON
-        })
-        .collect()
+    let is_first = |file: &Issue| {
+        let of_reason = listed.entry(file.code.clone()).or_insert(0);
+        *of_reason += 1;
+        *of_reason <= MOST_FILES_OF_REASON
+    };
+    files.into_iter().filter(is_first).collect()
 }
 
 /// How many refused files of each reason are not listed.
-fn more(site: &Site) -> Vec<String> {
+fn more(site: &Site) -> Vec<Block> {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-    for row in files(site, FileState::Refused) {
-        *counts.entry(row.code).or_insert(0) += 1;
+    for file in files(site, FileState::Refused) {
+        *counts.entry(file.code).or_insert(0) += 1;
     }
     let unlisted = counts
         .into_iter()
         .filter(|(_, count)| *count > MOST_FILES_OF_REASON);
-    unlisted
-        .map(|(code, count)| {
-            format!(
-                "{} more for the same reason ({code}); ieap status lists all.",
-                counted(count - MOST_FILES_OF_REASON, "file")
-            )
-        })
-        .collect()
+    let said = unlisted.map(|(code, count)| {
+        Block::say(format!(
+            "{} more for the same reason ({code}); `ieap status` lists all.",
+            counted(count - MOST_FILES_OF_REASON, "file")
+        ))
+    });
+    said.collect()
 }
 
-fn set_aside(site: &Site) -> Vec<AsideRow> {
-    let row = |(place, run): (usize, &ieap_domain::RunRecord)| AsideRow {
-        link: RunLink::to(site, site.input.runs.len() + place),
-        standing: run.standing.key(),
-        reason: run.standing.reason(),
-        mend: run.standing.mend(&run.path),
+/// Why runs are set aside.
+fn set_aside(site: &Site) -> Vec<Issue> {
+    let why = |run: &RunRecord| {
+        let (word, reason) = (run.standing.key(), run.standing.reason());
+        Issue {
+            severity: match run.standing {
+                Standing::Condemned { .. } => Severity::Warning,
+                _ => Severity::Note,
+            },
+            code: word.to_owned(),
+            place: run.path.clone(),
+            message: format!("{word}: {reason}"),
+            mend: run.standing.mend(&run.path),
+        }
     };
-    site.input.set_aside.iter().enumerate().map(row).collect()
+    site.input.set_aside.iter().map(why).collect()
 }
 
-fn untagged(site: &Site) -> Vec<RunIssues> {
-    let runs = site.input.runs.iter().enumerate();
-    runs.filter(|(_, run)| run.state == RunState::Untagged)
-        .map(|(index, run)| RunIssues {
-            link: RunLink::to(site, index),
-            issues: run.issues.iter().map(IssueText::from).collect(),
-        })
+/// Tags that runs lack.
+fn untagged(site: &Site) -> Vec<Issue> {
+    let runs = site.input.runs.iter();
+    let runs = runs.filter(|run| run.state == RunState::Untagged);
+    runs.flat_map(|run| run.issues.iter().map(|issue| told_of(&run.path, issue)))
         .collect()
 }
 
 /// Warnings and errors of runs and fits, gathered by code; the worst and the most frequent first.
-fn problems(site: &Site) -> Vec<Problem> {
-    let mut by_code: BTreeMap<String, (Issue, Vec<usize>)> = BTreeMap::new();
-    for (index, run) in site.input.runs.iter().enumerate() {
+fn problems(site: &Site) -> Vec<(Issue, Vec<String>)> {
+    let mut by_code: BTreeMap<String, (Issue, Vec<String>)> = BTreeMap::new();
+    for run in &site.input.runs {
         for issue in worrying(run) {
-            let entry = by_code
+            let (_, runs) = by_code
                 .entry(issue.code.clone())
-                .or_insert_with(|| (issue.clone(), vec![]));
-            if entry.1.last() != Some(&index) {
-                entry.1.push(index);
+                .or_insert_with(|| (issue, Vec::new()));
+            if runs.last() != Some(&run.path) {
+                runs.push(run.path.clone());
             }
         }
     }
-    let mut gathered: Vec<(Issue, Vec<usize>)> = by_code.into_values().collect();
+    let mut gathered: Vec<(Issue, Vec<String>)> = by_code.into_values().collect();
     gathered.sort_by_key(|(issue, runs)| (std::cmp::Reverse(issue.severity), std::cmp::Reverse(runs.len())));
-    let problem = |(issue, runs): (Issue, Vec<usize>)| Problem {
-        issue: IssueText::from(&issue),
-        count: counted(runs.len(), "run"),
-        runs: runs.into_iter().map(|run| RunLink::to(site, run)).collect(),
-    };
-    gathered.into_iter().map(problem).collect()
+    gathered
 }
 
 /// Issues worth a place on this page: those of a run whose tags are complete, and of its fit.
-fn worrying(run: &ieap_domain::RunRecord) -> Vec<Issue> {
+fn worrying(run: &RunRecord) -> Vec<Issue> {
     let mut issues = match run.state {
         RunState::Untagged | RunState::NoSteps => vec![],
         RunState::Ready | RunState::NotFitted => run.issues.clone(),

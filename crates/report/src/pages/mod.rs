@@ -3,10 +3,12 @@
 pub mod against;
 mod answers;
 pub mod comparison;
+mod estimates;
 pub mod finding;
 mod finding_alone;
 mod finding_answer;
 mod finding_differs;
+mod finding_effect;
 mod finding_gain;
 mod finding_law;
 mod finding_posterior;
@@ -15,7 +17,6 @@ pub mod findings;
 pub mod index;
 mod needs;
 mod page;
-mod parameter_section;
 pub mod parameters;
 pub(crate) mod policy;
 pub mod residuals;
@@ -31,7 +32,6 @@ pub mod run_tables;
 mod run_tags;
 mod runs_table;
 pub mod strip;
-pub mod table5;
 pub mod wording;
 
 use super::blocks;
@@ -170,7 +170,7 @@ pub const PAGES: &[Page] = &[
         file: "findings.html",
         title: "Findings",
         under: None,
-        template: include_str!("../../../../templates/pages/findings.html"),
+        template: blocks::PAGE,
         is_shown: |_| true,
         content: findings::content,
     },
@@ -230,7 +230,5 @@ pub fn shown(input: &Input) -> Vec<&'static Page> {
 
 /// Template of the pages of runs.
 pub const RUN_TEMPLATE: &str = include_str!("../../../../templates/pages/run.html");
-/// Template of the pages of runs that are read along the strip.
-pub const STRIP_TEMPLATE: &str = include_str!("../../../../templates/pages/strip.html");
 /// Template of the pages that every diagnosed group has.
 pub const FINDING_TEMPLATE: &str = include_str!("../../../../templates/pages/finding.html");

@@ -5,13 +5,15 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::comparison::doubts;
-use super::parameter_section::Section;
-use super::{Content, against, comparison, table5};
+use super::{Content, against, comparison};
 use crate::aside::{AsideRow, Shown};
+use crate::blocks::chart::Key;
+use crate::blocks::{Item, Writer};
 use crate::error::ReportError;
-use crate::figures::Ink;
 use crate::site::Site;
 use ieap_analysis::against::Against;
+use ieap_analysis::tables::named;
+use ieap_show::{Block, Table};
 
 #[derive(Debug, Serialize)]
 struct Page {
@@ -19,7 +21,7 @@ struct Page {
     single_material: bool,
     /// The first is shown until another is chosen.
     choices: Vec<Choice>,
-    table: table5::Shown,
+    table: Vec<Item>,
     /// Runs whose readings are known to be wrong.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     aside: Vec<AsideRow>,
@@ -29,62 +31,51 @@ struct Page {
 #[derive(Debug, Serialize)]
 struct Choice {
     name: &'static str,
-    /// Tag that marks are coloured by; empty where the axis says it.
-    group_by: &'static str,
-    groups: Vec<SampleKey>,
-    sections: Vec<Section>,
-}
-
-/// A name with its marker.
-#[derive(Debug, Serialize)]
-struct SampleKey {
-    class: String,
-    /// Outline of the marker in a box of 100 by 100.
-    path: &'static str,
-    name: String,
+    groups: Vec<Key>,
+    /// Every parameter.
+    parameters: Vec<Item>,
 }
 
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
     let (mut figures, mut shown) = (BTreeMap::new(), Shown::default());
+    let mut writer = Writer::new(site, 2, &mut figures);
+    comparison::parts(&mut writer, site, &mut shown)?;
     let mut choices = vec![Choice {
         name: "condition",
-        group_by: "",
         groups: Vec::new(),
-        sections: comparison::sections(site, &mut shown, &mut figures)?,
+        parameters: writer.taken(),
     }];
     for chosen in Against::ALL {
-        let found = against::sections(site, chosen, &mut shown, &mut figures)?;
-        choices.extend(found.map(|(groups, sections)| Choice {
+        let groups = against::parts(&mut writer, site, chosen, &mut shown)?;
+        let parameters = writer.taken();
+        choices.extend(groups.map(|groups| Choice {
             name: against::name(chosen),
-            group_by: groups.key,
-            groups: keys(&groups.names),
-            sections,
+            groups: Key::marks(&groups.names),
+            parameters,
         }));
     }
+    writer.write([table5(site)])?;
+    let table = writer.taken();
     let page = Page {
         caution: doubts(site),
         single_material: site.conditions.materials.len() == 1,
         choices,
-        table: table5::shown(site),
+        table,
         aside: shown.rows(site),
     };
     Content::new("parameters.html", &page, figures)
 }
 
-/// Keys of names in the order of their markers.
-fn keys(names: &[String]) -> Vec<SampleKey> {
-    const OUTLINES: [&str; 5] = [
-        "M50 14a36 36 0 1 0 .1 0z",
-        "M17 17h66v66h-66z",
-        "M50 6l42 76h-84z",
-        "M50 2l48 48-48 48-48-48z",
-        "M50 94l42-76h-84z",
-    ];
-    let key = |(at, name): (usize, &String)| SampleKey {
-        class: format!("k-{}", at % Ink::SERIES.len() + 1),
-        path: OUTLINES[at % OUTLINES.len()],
-        name: name.clone(),
-    };
-    names.iter().enumerate().map(key).collect()
+/// Table 5: the same of the conditions, every row with all that says which it is, so that rows may be sorted.
+fn table5(site: &Site) -> Block {
+    let table = named("table5").map(|named| named.table(&site.input.of_tables()));
+    match table.filter(|table| !table.rows.is_empty()) {
+        Some(table) => Block::Table(Table {
+            title: String::new(),
+            stub: 1,
+            ..table
+        }),
+        None => Block::say("No run belongs to a condition yet."),
+    }
 }

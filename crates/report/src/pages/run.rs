@@ -4,18 +4,20 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::estimates::{self, Number};
 use super::run_condition::condition;
 use super::run_evidence::{Evidence, Fact, evidence};
 use super::run_figures::{Response, Subject, responses};
-use super::run_fit::{self as fits, ParameterRow};
+use super::run_fit as fits;
 use super::run_tags::TagGroup;
-use super::wording::{IssueText, RunLink, group_title, readable};
-use crate::blocks::{self, Item};
+use super::wording::{IssueText, RunLink, group_title};
+use crate::blocks::{self, Item, Writer};
 use crate::error::ReportError;
 use crate::fault::REPORT_IT;
 use crate::site::Site;
 use ieap_analysis::{along, climate};
 use ieap_domain::{ClimateCurve, Issue, RunCurve, RunRecord, Severity};
+use ieap_show::Block;
 
 /// A run with what is drawn of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,31 +46,41 @@ pub struct RunSection {
     responses: Vec<Response>,
     /// What is drawn in them.
     pub drawn: String,
-    along: Option<AlongLine>,
-    /// Every parameter, for a run that has its page for itself.
-    pub parameters: Vec<ParameterRow>,
-    /// What it says without a model.
-    model_free: Vec<ParameterRow>,
-    /// What it says of its cycles, where it has any.
-    cycles: Vec<String>,
+    /// What is told of it: along the strip, its numbers, its diagnosis.
+    told: Vec<Item>,
+    /// The climate during it.
+    climate: Vec<Item>,
+    /// What is to be known of it.
+    known: Vec<Item>,
     /// Remarks on parameters: symbols with what is said of them.
     pub remarks: Vec<Fact>,
     /// How the fit was made.
     pub fit: Vec<Fact>,
-    /// What the diagnosis says of the run alone.
-    pub alone: String,
-    /// The page of the group that it was diagnosed in.
-    pub group: Option<RunLink>,
-    /// What is to be known of it, errors first.
-    pub issues: Vec<IssueText>,
-    /// The climate during it.
-    climate: Vec<Item>,
     /// What it rests on.
     pub evidence: Evidence,
     /// Channels with their readings.
     pub readings: Vec<Fact>,
     /// Tags by source.
     pub tags: Vec<TagGroup>,
+    /// What stands below all that.
+    below: Vec<Item>,
+    #[serde(skip)]
+    along: Option<AlongLine>,
+    /// Every parameter, for a run that has its page for itself.
+    #[serde(skip)]
+    pub parameters: Vec<Number>,
+    /// What it says without a model, and of its cycles.
+    #[serde(skip)]
+    without_model: Vec<Block>,
+    /// What the diagnosis says of the run alone.
+    #[serde(skip)]
+    alone: Option<String>,
+    /// The page of the group that it was diagnosed in.
+    #[serde(skip)]
+    pub group: Option<RunLink>,
+    /// What is to be known of it, errors first.
+    #[serde(skip)]
+    pub issues: Vec<Issue>,
 }
 
 impl RunSection {
@@ -79,7 +91,7 @@ impl RunSection {
             format!("this section could not be made: {reason}"),
         );
         RunSection {
-            issues: vec![IssueText::from(&fault.mend(REPORT_IT))],
+            issues: vec![fault.mend(REPORT_IT)],
             ..RunSection::empty(slug, name)
         }
     }
@@ -92,19 +104,21 @@ impl RunSection {
             summary: Vec::new(),
             responses: Vec::new(),
             drawn: String::new(),
-            along: None,
-            parameters: Vec::new(),
-            model_free: Vec::new(),
-            cycles: Vec::new(),
+            told: Vec::new(),
+            climate: Vec::new(),
+            known: Vec::new(),
             remarks: Vec::new(),
             fit: Vec::new(),
-            alone: String::new(),
-            group: None,
-            issues: Vec::new(),
-            climate: Vec::new(),
             evidence: Evidence::default(),
             readings: Vec::new(),
             tags: Vec::new(),
+            below: Vec::new(),
+            along: None,
+            parameters: Vec::new(),
+            without_model: Vec::new(),
+            alone: None,
+            group: None,
+            issues: Vec::new(),
         }
     }
 
@@ -142,32 +156,76 @@ impl RunSection {
 
     /// Tells mere notes among the facts of the fit: what is worth more stands above them.
     pub fn tell_notes(&mut self) {
-        let is_note = |issue: &IssueText| issue.severity == Severity::Note.key();
-        let (notes, issues): (Vec<_>, Vec<_>) =
-            std::mem::take(&mut self.issues).into_iter().partition(is_note);
+        let (notes, issues): (Vec<_>, Vec<_>) = std::mem::take(&mut self.issues)
+            .into_iter()
+            .partition(|issue| issue.severity == Severity::Note);
         self.issues = issues;
         self.fit.extend(notes.iter().map(note_fact));
+    }
+
+    /// Lays out what is told of it.
+    ///
+    /// # Errors
+    /// A fault of the program.
+    pub fn lay_out(&mut self, page: &mut Writer) -> Result<(), ReportError> {
+        if let Some(along) = &self.along {
+            page.part("Along the strip", |part| {
+                let read = format!("Read: {}.", along.places);
+                part.leading(
+                    &read,
+                    &along.href,
+                    "Maps of curvature, shapes, voltages".to_owned(),
+                );
+                part.write(along.decision.clone().map(Block::Say))
+            })?;
+        }
+        if !self.parameters.is_empty() {
+            let table = Block::Table(estimates::table("Parameter", &self.parameters));
+            page.write([Block::part("Parameters", vec![table])])?;
+        }
+        page.write(std::mem::take(&mut self.without_model))?;
+        self.lay_out_diagnosis(page)?;
+        self.told = page.taken();
+        let known = Block::issues(&self.issues);
+        page.write(known.map(|issues| Block::part("What to know", vec![issues])))?;
+        self.known = page.taken();
+        page.write(std::mem::take(&mut self.evidence.tables))?;
+        self.below = page.taken();
+        Ok(())
+    }
+
+    fn lay_out_diagnosis(&self, page: &mut Writer) -> Result<(), ReportError> {
+        if self.alone.is_none() && self.group.is_none() {
+            return Ok(());
+        }
+        page.part("Diagnosis", |part| {
+            let alone = self.alone.iter();
+            part.write(alone.map(|said| Block::say(format!("This run alone: {said}"))))?;
+            if let Some(group) = &self.group {
+                let with = "With the other runs of its group:";
+                part.leading(with, &group.href, group.name.clone());
+            }
+            Ok(())
+        })
     }
 }
 
 /// A note as a fact.
-pub fn note_fact(note: &IssueText) -> Fact {
-    let said = [&note.place, &note.message, &note.mend];
-    let said: Vec<&str> = said
-        .into_iter()
-        .map(String::as_str)
-        .filter(|part| !part.is_empty())
-        .collect();
-    ("Note".to_owned(), said.join(" "))
+pub fn note_fact(note: &Issue) -> Fact {
+    let IssueText {
+        place, message, mend, ..
+    } = note.into();
+    let said = [place, message, mend].into_iter().filter(|part| !part.is_empty());
+    ("Note".to_owned(), said.collect::<Vec<_>>().join(" "))
 }
 
 /// What was measured along the strip, and where it is shown.
-#[derive(Debug, Serialize)]
+#[derive(Debug)]
 struct AlongLine {
     places: String,
     href: String,
-    /// Whether the distributed model is needed; empty where nothing says so.
-    decision: String,
+    /// Whether the distributed model is needed; none where nothing says so.
+    decision: Option<String>,
 }
 
 /// What is known of a run without its curves; [`RunSection::draw`] adds what is drawn.
@@ -184,18 +242,23 @@ pub fn section(site: &Site, run: usize) -> RunSection {
         along: (record.is_along() && record.standing.speaks()).then(|| AlongLine {
             places: along::places(record),
             href: site.strip_href(run),
-            decision: along::decision(record),
+            decision: Some(along::decision(record)).filter(|said| !said.is_empty()),
         }),
         parameters: record.fit.as_ref().map_or_else(Vec::new, |fit| {
             fits::parameters(&site.input.doubts, &record.path, fit)
         }),
-        model_free: fits::model_free(site.model_free(run)),
-        cycles: fits::cycles(site.cycles(run)),
+        without_model: [
+            site.model_free(run).map(fits::model_free),
+            site.cycles(run).map(fits::cycles),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
         fit: record
             .fit
             .as_ref()
             .map_or_else(Vec::new, |fit| fits::facts(fit, record)),
-        alone: alone.map_or_else(String::new, |found| readable(&found.sentence)),
+        alone: alone.map(|found| found.sentence.clone()),
         group,
         issues: worst_first(record),
         evidence: evidence(site, run),
@@ -218,13 +281,13 @@ fn summary(record: &RunRecord, doubted: bool) -> Vec<String> {
 }
 
 /// Issues of the run and of its fit, errors first, each once; whether the strip is lumped stands with what was read along it.
-fn worst_first(record: &RunRecord) -> Vec<IssueText> {
+fn worst_first(record: &RunRecord) -> Vec<Issue> {
     let of_fit = record.fit.iter().flat_map(|fit| &fit.issues);
-    let mut issues: Vec<&Issue> = record.issues.iter().chain(of_fit).collect();
-    issues.sort_by_key(|issue| std::cmp::Reverse(issue.severity));
     let said = along::decision_issue(record).filter(|_| record.is_along() && record.standing.speaks());
     let is_new = |issue: &&Issue| said.is_none_or(|said| said.message != issue.message);
-    let mut texts: Vec<IssueText> = issues.into_iter().filter(is_new).map(IssueText::from).collect();
-    texts.dedup();
-    texts
+    let all = record.issues.iter().chain(of_fit).filter(is_new);
+    let mut issues: Vec<Issue> = all.cloned().collect();
+    issues.sort_by_key(|issue| std::cmp::Reverse(issue.severity));
+    issues.dedup();
+    issues
 }

@@ -1,31 +1,11 @@
 //! The clocks of a run, their offsets, and the readings that instruments marked.
 
-use serde::Serialize;
-
 use super::wording::in_unit;
 use crate::pages::policy::MOST_FLAGS;
-use ieap_domain::number::{fixed, measured, plain};
-use ieap_domain::{ClockOffset, RunClock, RunRecord, StartedAt, Timestamp};
-
-/// One offset.
-#[derive(Debug, Serialize)]
-pub struct OffsetRow {
-    file: String,
-    source: String,
-    offset: String,
-    used: bool,
-    detail: String,
-}
-
-/// One flagged stretch, or how many are not listed.
-#[derive(Debug, Serialize)]
-pub struct FlagRow {
-    column: String,
-    flag: String,
-    when: String,
-    readings: String,
-    effect: String,
-}
+use ieap_domain::number::{fixed, measured};
+use ieap_domain::words::counted;
+use ieap_domain::{ClockOffset, FlaggedStretch, RunClock, RunRecord, StartedAt, Timestamp};
+use ieap_show::{Block, Sheet};
 
 /// `gamry-dta, reader version 1`, or the profile.
 pub fn format(record: &RunRecord) -> String {
@@ -99,58 +79,56 @@ fn read_as(stamp: &StartedAt) -> String {
     }
 }
 
-/// Offsets against the reference clock.
-pub fn offsets(record: &RunRecord) -> Vec<OffsetRow> {
-    let file = |offset: &ClockOffset| {
-        record
-            .origin
-            .clocks
-            .get(offset.clock)
-            .map(|clock| clock.file.clone())
-    };
-    let row = |offset: &ClockOffset| OffsetRow {
-        file: file(offset).unwrap_or_default(),
-        source: offset.source.label().to_owned(),
-        offset: match (offset.offset_s, offset.standard_error_s) {
-            (Some(value), Some(error)) => format!("{} s", measured(value, error)),
-            (Some(value), None) => format!("{} s, uncertainty not known", fixed(value, 3)),
-            (None, _) => "not determined".to_owned(),
-        },
-        used: offset.applied,
-        detail: offset.detail.clone(),
-    };
-    record.origin.offsets.iter().map(row).collect()
+/// Offsets against the reference clock; none where there are none.
+pub fn offsets(record: &RunRecord) -> Option<Block> {
+    let (clocks, offsets) = (&record.origin.clocks, &record.origin.offsets);
+    let table = Sheet::<&ClockOffset>::new("offsets", "", 1)
+        .plain("Clock of", |offset| {
+            clocks.get(offset.clock).map(|clock| clock.file.as_str())
+        })
+        .plain("Source", |offset| offset.source.label())
+        .plain("Offset", |offset| {
+            match (offset.offset_s, offset.standard_error_s) {
+                (Some(value), Some(error)) => format!("{} s", measured(value, error)),
+                (Some(value), None) => format!("{} s, uncertainty not known", fixed(value, 3)),
+                (None, _) => "not determined".to_owned(),
+            }
+        })
+        .plain("Used", |offset| offset.applied)
+        .plain("Rests on", |offset| offset.detail.as_str())
+        .over(offsets);
+    let said =
+        "Added to a clock's times they give those of the reference clock. Only a stated offset is used.";
+    let blocks = vec![Block::say(said), Block::Table(table)];
+    (!offsets.is_empty()).then(|| Block::part("Clock offsets", blocks))
 }
 
-/// Flagged stretches; the last row counts those that are not listed.
-pub fn flags(record: &RunRecord) -> Vec<FlagRow> {
+/// Flagged stretches, with how many are not listed; none where there are none.
+pub fn flags(record: &RunRecord) -> Option<Block> {
     let flags = &record.origin.flags;
-    let mut rows: Vec<FlagRow> = flags
-        .iter()
-        .take(MOST_FLAGS)
-        .map(|flag| FlagRow {
-            column: flag.column.clone(),
-            flag: flag.flag.clone(),
-            when: match flag.readings {
-                1 => in_unit(flag.from_s, "s"),
-                _ => format!("{} … {}", in_unit(flag.from_s, "s"), in_unit(flag.to_s, "s")),
-            },
-            readings: flag.readings.to_string(),
-            effect: if flag.excludes {
-                "left out of fits".to_owned()
-            } else {
-                "kept".to_owned()
-            },
+    let (listed, more) = flags.split_at(flags.len().min(MOST_FLAGS));
+    let readings = more.iter().map(|flag| flag.readings).sum::<usize>();
+    let left = (!more.is_empty()).then(|| {
+        format!(
+            "Not listed: {} more, with {}.",
+            more.len(),
+            counted(readings, "reading")
+        )
+    });
+    let table = Sheet::<&FlaggedStretch>::new("flags", "", 1)
+        .said(left)
+        .plain("Column", |flag| flag.column.as_str())
+        .plain("Mark", |flag| flag.flag.as_str())
+        .plain("When", |flag| match flag.readings {
+            1 => in_unit(flag.from_s, "s"),
+            _ => format!("{} … {}", in_unit(flag.from_s, "s"), in_unit(flag.to_s, "s")),
         })
-        .collect();
-    if let Some(more) = flags.get(MOST_FLAGS..).filter(|more| !more.is_empty()) {
-        rows.push(FlagRow {
-            column: format!("and {} more", plain(more.len() as f64)),
-            flag: String::new(),
-            when: String::new(),
-            readings: more.iter().map(|flag| flag.readings).sum::<usize>().to_string(),
-            effect: String::new(),
-        });
-    }
-    rows
+        .plain("Readings", |flag| flag.readings)
+        .plain(
+            "Effect",
+            |flag| if flag.excludes { "left out of fits" } else { "kept" },
+        )
+        .over(listed);
+    let blocks = vec![Block::Table(table)];
+    (!flags.is_empty()).then(|| Block::part("Marked by the instrument", blocks))
 }

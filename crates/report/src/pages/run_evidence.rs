@@ -2,12 +2,13 @@
 
 use serde::Serialize;
 
-use super::run_clocks::{self as clocks, FlagRow, OffsetRow};
+use super::run_clocks as clocks;
 use super::wording::{in_unit, voltage_label};
 use crate::pages::policy::MOST_SEGMENTS;
 use crate::site::Site;
 use ieap_domain::number::{plain, significant};
 use ieap_domain::{ChannelSummary, Drive, Level, Quantity, RunCurve, RunRecord, RunStatus};
+use ieap_show::{Block, Sheet};
 
 /// Digits of a hash that pages show.
 const HASH_DIGITS: usize = 16;
@@ -17,10 +18,10 @@ const HASH_DIGITS: usize = 16;
 pub struct Evidence {
     /// Each with what it is a fact of.
     pub facts: Vec<Fact>,
-    offsets: Vec<OffsetRow>,
-    flags: Vec<FlagRow>,
     files: Vec<FileRow>,
-    history: Vec<Revision>,
+    /// What stands below them: clock offsets, flagged stretches, revisions.
+    #[serde(skip)]
+    pub tables: Vec<Block>,
 }
 
 /// `Drive`, `from 0 V: 2.5 V at 0 s`
@@ -47,23 +48,16 @@ struct FileRow {
     aliases: Vec<String>,
 }
 
-#[derive(Debug, Serialize)]
-struct Revision {
-    revision: u32,
-    ingested: String,
-    hashes: Vec<String>,
-    current: bool,
-}
-
 /// Gathers the evidence of a run.
 pub fn evidence(site: &Site, run: usize) -> Evidence {
     let record = site.input.record(run);
     Evidence {
         facts: facts(site, record),
-        offsets: clocks::offsets(record),
-        flags: clocks::flags(record),
         files: record.files.iter().map(file).collect(),
-        history: history(site, run),
+        tables: [clocks::offsets(record), clocks::flags(record), history(site, run)]
+            .into_iter()
+            .flatten()
+            .collect(),
     }
 }
 
@@ -216,21 +210,23 @@ fn facts(site: &Site, record: &RunRecord) -> Vec<Fact> {
         .collect()
 }
 
-/// Every revision of this path, the newest first; empty where there has been one only.
-fn history(site: &Site, run: usize) -> Vec<Revision> {
+/// Every revision of this path, the newest first; none where there has been one only.
+fn history(site: &Site, run: usize) -> Option<Block> {
     let record = site.input.record(run);
     let mut revisions: Vec<&RunRecord> = site.superseded(run).chain([record]).collect();
-    if revisions.len() == 1 {
-        return vec![];
-    }
     revisions.sort_by_key(|run| std::cmp::Reverse(run.revision));
-    let revision = |run: &RunRecord| Revision {
-        revision: run.revision,
-        ingested: site.zone().moment(&run.ingested_at),
-        hashes: run.files.iter().map(|file| short_hash(&file.hash)).collect(),
-        current: run.revision == record.revision,
-    };
-    revisions.into_iter().map(revision).collect()
+    let table = Sheet::<&RunRecord>::new("revisions", "", 1)
+        .plain("Revision", |run| match run.revision {
+            this if this == record.revision => format!("{this} (this one)"),
+            earlier => earlier.to_string(),
+        })
+        .plain("Taken in", |run| site.zone().moment(&run.ingested_at))
+        .plain("Hashes of its files", |run| {
+            let hashes = run.files.iter().map(|file| short_hash(&file.hash));
+            hashes.collect::<Vec<_>>().join(", ")
+        })
+        .over(revisions);
+    (table.rows.len() > 1).then(|| Block::part("Revisions", vec![Block::Table(table)]))
 }
 
 #[cfg(test)]

@@ -71,10 +71,7 @@ fn drawn(
     for &(suffix, view, words) in views {
         let id = format!("{}{}-{suffix}", of.id, quantity.key().replace('_', "-"));
         let title = format!("{}{words}, {}", quantity.label(), of.name);
-        let figure = response(curve, view, &title, of.aside).map_err(|reason| ReportError::Figure {
-            figure: id.clone(),
-            reason,
-        })?;
+        let figure = response(curve, view, &title, of.aside).map_err(ReportError::of_figure(&id))?;
         if let Some(figure) = figure {
             figures.insert(id.clone(), figure.svg);
             shown = shown.max(figure.drawn);
@@ -110,10 +107,7 @@ fn voltage(of: &Subject, figures: &mut BTreeMap<String, String>) -> Result<Optio
     }
     let title = format!("Voltage over the whole run, {}", of.name);
     let drawn = figures::drive::drive(drive, (first_s, last_s), &title);
-    let svg = drawn.map_err(|reason| ReportError::Figure {
-        figure: id.clone(),
-        reason,
-    })?;
+    let svg = drawn.map_err(ReportError::of_figure(&id))?;
     figures.insert(id.clone(), svg);
     let opens = drive
         .segments

@@ -1,10 +1,10 @@
 //! What the fit of one run says: its parameters, how it ended, how its residuals compare with the noise.
 
 use ieap_domain::words::{counted, in_a_row};
-use serde::Serialize;
 
+use super::estimates::{self, Number};
 use super::run_evidence::Fact;
-use super::wording::{EstimateText, in_unit};
+use super::wording::in_unit;
 use crate::pages::policy::{CORRELATED_FROM, SYSTEMATIC_FROM, WITHIN_NOISE};
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::cycles::CycleRun;
@@ -12,17 +12,7 @@ use ieap_analysis::laws::doubt::Doubts;
 use ieap_analysis::model_free::{ENERGIES, FIGURES, ModelFree};
 use ieap_domain::number::{score, significant};
 use ieap_domain::{ChannelNoise, Estimate, Fit, Parameter, Quantity, RunRecord};
-
-/// A parameter of one run.
-#[derive(Debug, Serialize)]
-pub struct ParameterRow {
-    /// Symbol.
-    pub symbol: String,
-    name: String,
-    unit: String,
-    /// Value, error, interval and remark.
-    pub estimate: EstimateText,
-}
+use ieap_show::Block;
 
 /// How the residuals compare with the noise, what the run does not determine, or why there is no fit.
 ///
@@ -114,50 +104,48 @@ pub fn symbol_of(key: &str) -> String {
     ParameterInfo::of(key).map_or_else(|| key.to_owned(), |parameter| parameter.symbol.to_owned())
 }
 
-/// The parameters of a fit, a row each, with what a finding says against them.
-pub fn parameters(doubts: &Doubts, run: &str, fit: &Fit) -> Vec<ParameterRow> {
-    let row = |parameter: &Parameter| {
+/// The parameters of a fit, with what a finding says against them.
+pub fn parameters(doubts: &Doubts, run: &str, fit: &Fit) -> Vec<Number> {
+    let number = |parameter: &Parameter| {
         let known = ParameterInfo::of(&parameter.key);
         let (unit, factor) = known.map_or(("", 1.0), |known| known.shown_in(fit));
-        ParameterRow {
+        let stated = doubts.stated(run, &parameter.key, &parameter.estimate);
+        Number {
             symbol: symbol_of(&parameter.key),
             name: known.map_or_else(String::new, |known| known.name.to_owned()),
             unit: unit.to_owned(),
-            estimate: EstimateText::of(&doubts.stated(run, &parameter.key, &parameter.estimate), factor),
+            estimate: stated.scaled(factor),
         }
     };
-    fit.parameters.iter().map(row).collect()
+    fit.parameters.iter().map(number).collect()
 }
 
-/// What a run says without a model, a row each.
-pub fn model_free(own: Option<&ModelFree>) -> Vec<ParameterRow> {
-    let Some(own) = own else {
-        return Vec::new();
-    };
-    let row = |(figure, estimate): (&ieap_show::Quantity, &Estimate)| ParameterRow {
+/// What a run says without a model.
+pub fn model_free(own: &ModelFree) -> Block {
+    let number = |(figure, estimate): (&ieap_show::Quantity, &Estimate)| Number {
         symbol: figure.symbol.to_owned(),
         name: figure.name.to_owned(),
         unit: figure.unit.to_owned(),
-        estimate: EstimateText::of(estimate, 1.0),
+        estimate: estimate.clone(),
     };
     let step = FIGURES.iter().zip(&own.values);
-    step.chain(ENERGIES.iter().zip(&own.energies)).map(row).collect()
+    let numbers = step.chain(ENERGIES.iter().zip(&own.energies)).map(number);
+    let numbers: Vec<Number> = numbers.collect();
+    let table = Block::Table(estimates::table("Of the first level", &numbers));
+    Block::part("Without a model", vec![table])
 }
 
 /// What a train says of its cycles, in sentences.
-pub fn cycles(own: Option<&CycleRun>) -> Vec<String> {
-    let Some(own) = own else {
-        return Vec::new();
-    };
-    let mut sentences = own.sentences.clone();
+pub fn cycles(own: &CycleRun) -> Block {
+    let mut sentences: Vec<Block> = own.sentences.iter().map(Block::say).collect();
     if sentences.is_empty() {
-        sentences.push("No number of the cycles has a trend.".to_owned());
+        sentences.push(Block::say("No number of the cycles has a trend."));
     }
-    sentences.push(format!(
-        "{} are told apart; every one stands in the table cycles (ieap table cycles).",
+    sentences.push(Block::say(format!(
+        "{} are told apart; every one stands in the table cycles (`ieap table cycles`).",
         counted(own.cycles.len(), "cycle")
-    ));
-    sentences
+    )));
+    Block::part("Cycles", sentences)
 }
 
 /// How the fit was made and ended.

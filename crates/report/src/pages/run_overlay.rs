@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::run::DrawnRun;
 use super::wording::voltage_label;
+use crate::blocks::chart::Key;
 use crate::error::ReportError;
 use crate::figures::Ink as Colour;
 use crate::figures::overlaid::{Line, overlaid};
@@ -32,12 +33,6 @@ pub struct Overlay {
     /// Whether repeats are left out.
     is_first_only: bool,
     figures: Vec<OverlayFigure>,
-}
-
-#[derive(Debug, Serialize)]
-struct Key {
-    class: &'static str,
-    name: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -95,10 +90,7 @@ pub fn overlay(
             "{} over the time since the step, coloured by voltage.",
             counted(lines.len(), "run")
         );
-        let svg = overlaid(&lines, &title, &desc).map_err(|reason| ReportError::Figure {
-            figure: id.clone(),
-            reason,
-        })?;
+        let svg = overlaid(&lines, &title, &desc).map_err(ReportError::of_figure(&id))?;
         if let Some(svg) = svg {
             figures.insert(id.clone(), svg);
             made.push(OverlayFigure {
@@ -109,11 +101,9 @@ pub fn overlay(
     }
     let mut keys: Vec<Key> = Vec::new();
     for run in &runs {
-        if keys.iter().all(|key| key.name != run.name) {
-            keys.push(Key {
-                class: Colour::class_of(Colour::ordered(run.rank, ranks)),
-                name: run.name.clone(),
-            });
+        let key = Key::line(&run.name, Colour::ordered(run.rank, ranks));
+        if !keys.contains(&key) {
+            keys.push(key);
         }
     }
     Ok((!made.is_empty()).then_some(Overlay {

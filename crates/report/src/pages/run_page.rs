@@ -12,15 +12,17 @@ use super::run_condition::own_condition;
 use super::run_evidence::{ChannelText, Fact, channels};
 use super::run_fit::r_squared;
 use super::run_overlay::{Overlay, overlay};
-use super::run_tables::{ParametersTable, RunsTable, parameters_table, runs_table};
+use super::run_tables::{ParametersTable, parameters_table, runs_table};
 use super::run_tags::{TagGroup, TagText, grouped, tags, take_common};
-use super::wording::{IssueText, RunLink};
+use super::wording::RunLink;
+use crate::blocks::{Item, Writer};
 use crate::error::ReportError;
 use crate::fault::{guarded, reason_of};
 use crate::pages::policy::MOST_BESIDE;
 use crate::site::Site;
 use ieap_analysis::conditions::material;
-use ieap_domain::{Fault, RunRecord, Severity};
+use ieap_domain::{Fault, Issue, RunRecord, Severity};
+use ieap_show::{Block, Table};
 
 /// A run with more channels than this names each with its range, and not among what all runs share.
 const FEW_CHANNELS: usize = 6;
@@ -37,7 +39,8 @@ struct Page {
     next: Option<RunLink>,
     /// The diagnosis of all of them together.
     diagnosis: Option<RunLink>,
-    table: Option<RunsTable>,
+    /// What its runs differ by.
+    table: Vec<Item>,
     parameters: Option<ParametersTable>,
     /// All runs on one axis.
     overlay: Option<Overlay>,
@@ -56,7 +59,7 @@ pub struct Outline<'a> {
     lead: String,
     before: Option<RunLink>,
     next: Option<RunLink>,
-    table: Option<RunsTable>,
+    table: Option<Table>,
     parameters: Option<ParametersTable>,
     beside: Vec<RunLink>,
     runs: Vec<RunOutline<'a>>,
@@ -163,7 +166,7 @@ pub fn drawn_content(site: &Site, outline: Outline, drawn: &[DrawnRun]) -> Resul
         before: outline.before,
         next: outline.next,
         diagnosis: None,
-        table: outline.table,
+        table: Vec::new(),
         parameters: outline.parameters,
         overlay,
         drawn: String::new(),
@@ -178,6 +181,14 @@ pub fn drawn_content(site: &Site, outline: Outline, drawn: &[DrawnRun]) -> Resul
         page.say_all(runs)
     }
     page.runs.iter_mut().for_each(RunSection::tell_notes);
+    let mut writer = Writer::new(site, 2, &mut figures);
+    let table = outline.table.map(Block::Table);
+    writer.write(table.map(|table| Block::part("Runs", vec![table])))?;
+    page.table = writer.taken();
+    let mut writer = Writer::new(site, page.level, &mut figures);
+    for section in &mut page.runs {
+        section.lay_out(&mut writer)?;
+    }
     Ok(Content {
         faults,
         ..Content::new("run.html", &page, figures)?
@@ -286,11 +297,10 @@ fn taken<T: Clone + PartialEq>(
 }
 
 /// Takes the notes that all sections have. Warnings and errors stay with each run: who comes for one must not miss them.
-fn taken_notes(sections: &mut [RunSection]) -> Vec<IssueText> {
-    let note = Severity::Note.key();
+fn taken_notes(sections: &mut [RunSection]) -> Vec<Issue> {
     let mut common = sections[0].issues.clone();
     common.retain(|issue| {
-        issue.severity == note && sections.iter().all(|section| section.issues.contains(issue))
+        issue.severity == Severity::Note && sections.iter().all(|section| section.issues.contains(issue))
     });
     for section in sections {
         section.issues.retain(|issue| !common.contains(issue));
@@ -301,14 +311,12 @@ fn taken_notes(sections: &mut [RunSection]) -> Vec<IssueText> {
 /// `R₁, C₁`: what is said of them.
 fn remarks(section: &RunSection) -> Vec<Fact> {
     let mut said: Vec<Fact> = Vec::new();
-    for row in section
-        .parameters
-        .iter()
-        .filter(|row| !row.estimate.reason.is_empty())
-    {
-        match said.iter_mut().find(|(_, reason)| *reason == row.estimate.reason) {
-            Some((symbols, _)) => symbols.push_str(&format!(", {}", row.symbol)),
-            None => said.push((row.symbol.clone(), row.estimate.reason.clone())),
+    for number in &section.parameters {
+        let remark = number.remark();
+        match said.iter_mut().find(|(_, own)| *own == remark) {
+            _ if remark.is_empty() => {}
+            Some((symbols, _)) => symbols.push_str(&format!(", {}", number.symbol)),
+            None => said.push((number.symbol.clone(), remark)),
         }
     }
     said

@@ -11,32 +11,12 @@ use ieap_analysis::conditions::nominal_voltage_v;
 use ieap_domain::number::{score, significant};
 use ieap_domain::tag::keys;
 use ieap_domain::{Quantity, RunRecord};
+use ieap_show::{Column, Sheet, Source, Table};
 
 /// Most columns of tags: more make a table that nobody reads.
 const MOST_TAGS: usize = 5;
 /// Longest value of a tag in a table, characters.
 const LONGEST: usize = 24;
-
-/// What the runs differ by, and how well each is described.
-#[derive(Debug, Serialize)]
-pub struct RunsTable {
-    columns: Vec<Column>,
-    rows: Vec<RunRow>,
-}
-
-#[derive(Debug, Serialize)]
-struct Column {
-    title: String,
-    small: String,
-    is_number: bool,
-}
-
-#[derive(Debug, Serialize)]
-struct RunRow {
-    anchor: String,
-    name: String,
-    cells: Vec<String>,
-}
 
 /// The fitted parameters of the runs.
 #[derive(Debug, Serialize)]
@@ -66,68 +46,36 @@ struct ParameterCell {
     kind: &'static str,
 }
 
-/// A column before it is known whether any run has something in it.
-type Filled = (Column, Vec<String>);
-
-/// The table of `runs`.
-pub fn runs_table(site: &Site, runs: &[usize]) -> RunsTable {
+/// What the runs differ by, and how well each is described.
+pub fn runs_table(site: &Site, runs: &[usize]) -> Table {
     let records: Vec<&RunRecord> = runs.iter().map(|&run| site.input.record(run)).collect();
-    let zone = site.zone();
-    let mut filled = vec![filled("Voltage", "", true, &records, |run| {
-        nominal_voltage_v(run).map(voltage_label)
-    })];
-    filled.push(self::filled("Start", "", false, &records, |run| {
-        run.tag(keys::STARTED_AT).map(|start| zone.moment(start))
-    }));
-    filled.extend(differing_tags(&records));
-    for quantity in [Quantity::Current, Quantity::Curvature] {
-        let of = quantity.label();
-        filled.push(self::filled(of, "residual / noise", true, &records, |run| {
-            residual_over_noise(run.fit.as_ref()?, quantity)
-        }));
-    }
-    for (of, which) in [("current", Quantity::Current), ("curvature", Quantity::Curvature)] {
-        filled.push(self::filled("R²", of, true, &records, |run| {
-            let fit = run.fit.as_ref()?;
-            let value = match which {
-                Quantity::Current => fit.r_squared_current,
-                _ => fit.r_squared_curvature,
-            };
-            value.map(score)
-        }));
-    }
-    filled.retain(|(_, cells)| cells.iter().any(|cell| !cell.is_empty()));
-    let row = |(at, &run): (usize, &usize)| RunRow {
-        anchor: site.run_slug(run).to_owned(),
-        name: site.run_name(run).to_owned(),
-        cells: filled.iter().map(|(_, cells)| cells[at].clone()).collect(),
-    };
-    RunsTable {
-        rows: runs.iter().enumerate().map(row).collect(),
-        columns: filled.into_iter().map(|(column, _)| column).collect(),
-    }
-}
-
-fn filled(
-    title: &str,
-    small: &str,
-    is_number: bool,
-    runs: &[&RunRecord],
-    cell: impl Fn(&RunRecord) -> Option<String>,
-) -> Filled {
-    let column = Column {
-        title: title.to_owned(),
-        small: small.to_owned(),
-        is_number,
-    };
-    (
-        column,
-        runs.iter().map(|run| cell(run).unwrap_or_default()).collect(),
-    )
+    let sheet = Sheet::<&RunRecord>::new("runs", "", 1)
+        .made_from(|run| vec![Source::file(&run.path)])
+        .plain("Run", |run| site.input.campaign.run_name(&run.path))
+        .plain("Voltage", |run| nominal_voltage_v(run).map(voltage_label))
+        .plain("Start", |run| {
+            run.tag(keys::STARTED_AT).map(|start| site.zone().moment(start))
+        });
+    let sheet = differing_tags(&records).into_iter().fold(sheet, with_tag);
+    let sheet = [Quantity::Current, Quantity::Curvature]
+        .into_iter()
+        .fold(sheet, |sheet, quantity| {
+            let head = Column::of(quantity.key(), quantity.label(), "", "residual / noise");
+            sheet.column_under(head, move |run| residual_over_noise(run.fit.as_ref()?, quantity))
+        });
+    let r_squared = |of| Column::of("r_squared", "R²", "", of);
+    sheet
+        .column_under(r_squared("current"), |run| {
+            run.fit.as_ref()?.r_squared_current.map(score)
+        })
+        .column_under(r_squared("curvature"), |run| {
+            run.fit.as_ref()?.r_squared_curvature.map(score)
+        })
+        .over(records)
 }
 
 /// Tags that not all runs have alike, except those with columns of their own and those too long for one.
-fn differing_tags(runs: &[&RunRecord]) -> Vec<Filled> {
+fn differing_tags<'a>(runs: &[&'a RunRecord]) -> Vec<&'a str> {
     const SHOWN_ELSEWHERE: [&str; 3] = [keys::VOLTAGE_V, keys::STARTED_AT, keys::NOTE];
     let mut found: Vec<&str> = runs
         .iter()
@@ -141,22 +89,21 @@ fn differing_tags(runs: &[&RunRecord]) -> Vec<Filled> {
         let short = |value: Option<&str>| value.is_none_or(|value| value.chars().count() <= LONGEST);
         short(first) && values.clone().all(short) && values.any(|value| value != first)
     };
-    let column = |key: &str| {
-        let (title, unit) = match key {
-            keys::RELATIVE_HUMIDITY_PERCENT => ("Humidity".to_owned(), "% RH"),
-            keys::TEMPERATURE_C => ("Temperature".to_owned(), "°C"),
-            other => (capital(&other.replace('_', " ")), ""),
-        };
-        let is_number = runs
-            .iter()
-            .all(|run| run.tag(key).is_none() || run.tag_number(key).is_some());
-        filled(&title, unit, is_number, runs, |run| match unit {
-            "" => run.tag(key).map(str::to_owned),
-            _ => run.tag_number(key).map(|number| significant(number, 3)),
-        })
-    };
     let wanted = found.into_iter().filter(|key| !SHOWN_ELSEWHERE.contains(key));
-    wanted.filter(differs).take(MOST_TAGS).map(column).collect()
+    wanted.filter(differs).take(MOST_TAGS).collect()
+}
+
+/// The sheet with a column for that tag.
+fn with_tag<'s, 'a: 's>(sheet: Sheet<'s, &'a RunRecord>, key: &'s str) -> Sheet<'s, &'a RunRecord> {
+    let (title, unit) = match key {
+        keys::RELATIVE_HUMIDITY_PERCENT => ("Humidity".to_owned(), "% RH"),
+        keys::TEMPERATURE_C => ("Temperature".to_owned(), "°C"),
+        other => (capital(&other.replace('_', " ")), ""),
+    };
+    sheet.column_under(Column::of(key, &title, "", unit), move |run| match unit {
+        "" => run.tag(key).map(str::to_owned),
+        _ => run.tag_number(key).map(|number| significant(number, 3)),
+    })
 }
 
 /// Names without the beginning that all of them share, cut where a word ends, and without an extension that they share;

@@ -1,14 +1,10 @@
 //! The page of one run along its strip: maps of curvature, shapes, curves at places, voltages.
 
 use ieap_domain::words::{counted, in_a_row};
-use std::collections::BTreeMap;
-
-use serde::Serialize;
 
 use super::Content;
 use super::run_condition::condition;
-use super::wording::RunLink;
-use crate::blocks::{self, Item};
+use crate::blocks::{self, Writer};
 use crate::error::ReportError;
 use crate::figures::along::frames;
 use crate::figures::along::map::{self, Shown, residual_end};
@@ -22,29 +18,6 @@ use ieap_show::Block;
 
 /// Width of a drawing, px.
 const WIDTH: u32 = crate::figures::canvas::PAGE_WIDTH;
-/// Id under which a page finds the frames of the moving picture.
-const FILM: &str = "film";
-
-#[derive(Debug, Serialize)]
-struct StripPage {
-    name: String,
-    run: RunLink,
-    condition: String,
-    places: String,
-    summary: Vec<String>,
-    maps: Vec<Panel>,
-    map_note: String,
-    shapes: Option<Panel>,
-    shapes_note: String,
-    panels: Vec<Item>,
-}
-
-#[derive(Debug, Serialize)]
-struct Panel {
-    figure: &'static str,
-    caption: String,
-    note: String,
-}
 
 /// Makes the page of run number `run`. Without a strip, as where the readings lie at places but hold no number, it says so.
 pub fn content(site: &Site, run: usize, strip: Option<&AlongStrip>) -> Result<Content, ReportError> {
@@ -52,36 +25,25 @@ pub fn content(site: &Site, run: usize, strip: Option<&AlongStrip>) -> Result<Co
     let strip = strip.unwrap_or(&nothing);
     let record = &site.input.runs[run];
     let name = site.run_name(run);
-    let mut drawn = Drawn {
-        name,
-        figures: BTreeMap::new(),
-    };
-    let maps = drawn.maps(strip)?;
-    let shapes = drawn.shapes(strip)?;
-    let charts = [charts::places(strip), charts::voltages(strip)];
-    let charts = charts.into_iter().flatten().map(Block::Chart).collect();
-    let panels = blocks::items(site, charts, 3, &mut drawn.figures)?;
-    let page = StripPage {
-        name: name.to_owned(),
-        run: RunLink::to(site, run),
-        condition: condition(site, run),
-        places: places(record),
-        summary: summary(strip, record.fit.as_ref()),
-        map_note: if maps.is_empty() {
-            String::new()
-        } else {
-            map_note(strip)
-        },
-        maps,
-        shapes_note: if shapes.is_some() {
-            shapes_note(strip)
-        } else {
-            String::new()
-        },
-        shapes,
-        panels,
-    };
-    Content::new("strip.html", &page, drawn.figures)
+    blocks::page(site, "strip.html", |page| {
+        let sentences = summary(strip, record.fit.as_ref());
+        page.write(sentences.into_iter().map(Block::Say))?;
+        let said = [condition(site, run), places(record)];
+        let said = said.into_iter().filter(|words| !words.is_empty());
+        let said = said.collect::<Vec<_>>().join("; ");
+        page.leading(
+            &format!("{said}."),
+            &site.run_href(run),
+            "Page of the run".to_owned(),
+        );
+        maps(page, name, strip)?;
+        shape(page, name, strip)?;
+        let charts = [charts::places(strip), charts::voltages(strip)]
+            .into_iter()
+            .flatten();
+        let charts: Vec<Block> = charts.map(Block::Chart).collect();
+        page.write((!charts.is_empty()).then(|| Block::part("At places and times", charts)))
+    })
 }
 
 /// Sentences that stand first: how unevenly the strip bends, and how well the model describes it.
@@ -163,10 +125,7 @@ fn unevenness(strip: &AlongStrip) -> String {
     }
 }
 
-fn map_note(strip: &AlongStrip) -> String {
-    let Some(curve) = &strip.curvature else {
-        return String::new();
-    };
+fn map_note(strip: &AlongStrip, curve: &AlongCurve) -> String {
     let time = if strip.changes_again {
         "Time is linear, since the drive changes again after the step."
     } else {
@@ -201,95 +160,51 @@ fn shapes_note(strip: &AlongStrip) -> String {
     )
 }
 
-/// Figures of the page.
-struct Drawn<'a> {
-    name: &'a str,
-    figures: BTreeMap<String, String>,
+/// Maps of the curvature over place and time: measured, simulated, and what is between them.
+fn maps(page: &mut Writer, name: &str, strip: &AlongStrip) -> Result<(), ReportError> {
+    let desc =
+        "A map of colours: time to the right, distance from the clamp upward, one cell for each reading.";
+    let curve = strip.curvature.as_ref();
+    let Some(curve) = curve.filter(|curve| frames::frames(strip, curve).is_some()) else {
+        return Ok(());
+    };
+    let plain = |figure, caption, shown| (figure, caption, String::new(), shown);
+    let mut maps = vec![plain("map-measured", "Measured curvature", Shown::Measured)];
+    if !curve.fitted.is_empty() {
+        maps.push(plain("map-simulated", "Simulated curvature", Shown::Simulated));
+        let note = format!(
+            "In units of the noise σ of each place, {}; beyond ±{} σ the colour stays.",
+            noise_range(curve),
+            significant(residual_end(curve), 1)
+        );
+        maps.push(("map-difference", "Measured less simulated", note, Shown::Residual));
+    }
+    page.part("Curvature over place and time", |part| {
+        for (figure, caption, note, shown) in maps {
+            let title = format!("{caption} of {name}");
+            let drawn = svg(map::SIZE, &title, desc, |area| {
+                map::draw(area, strip, curve, shown)
+            });
+            part.drawing(figure, (caption, &note), drawn)?;
+        }
+        part.below(&map_note(strip, curve));
+        Ok(())
+    })
 }
 
-impl Drawn<'_> {
-    fn add<F>(
-        &mut self,
-        id: &'static str,
-        size: (u32, u32),
-        title: &str,
-        desc: &str,
-        draw: F,
-    ) -> Result<(), ReportError>
-    where
-        F: FnOnce(&crate::figures::canvas::Area) -> Result<(), String>,
-    {
-        let title = format!("{title} of {}", self.name);
-        let drawn = svg(size, &title, desc, draw).map_err(|reason| ReportError::Figure {
-            figure: id.to_owned(),
-            reason,
-        })?;
-        self.figures.insert(id.to_owned(), drawn);
-        Ok(())
-    }
-
-    fn maps(&mut self, strip: &AlongStrip) -> Result<Vec<Panel>, ReportError> {
-        let Some(curve) = &strip.curvature else {
-            return Ok(vec![]);
-        };
-        if frames::frames(strip, curve).is_none() {
-            return Ok(vec![]);
-        }
-        let mut maps = vec![(
-            "map-measured",
-            "Measured curvature".to_owned(),
-            String::new(),
-            Shown::Measured,
-        )];
-        if !curve.fitted.is_empty() {
-            let end = residual_end(curve);
-            maps.push((
-                "map-simulated",
-                "Simulated curvature".to_owned(),
-                String::new(),
-                Shown::Simulated,
-            ));
-            maps.push((
-                "map-difference",
-                "Measured less simulated".to_owned(),
-                format!(
-                    "In units of the noise σ of each place, {}; beyond ±{} σ the colour stays.",
-                    noise_range(curve),
-                    significant(end, 1)
-                ),
-                Shown::Residual,
-            ));
-        }
-        let mut panels = Vec::new();
-        for (figure, caption, note, shown) in maps {
-            let desc = "A map of colours: time to the right, distance from the clamp upward, one cell for each reading.";
-            self.add(figure, map::SIZE, &caption, desc, |area| {
-                map::draw(area, strip, curve, shown)
-            })?;
-            panels.push(Panel {
-                figure,
-                caption,
-                note,
-            });
-        }
-        Ok(panels)
-    }
-
-    fn shapes(&mut self, strip: &AlongStrip) -> Result<Option<Panel>, ReportError> {
-        let Some(layout) = Layout::of(strip, WIDTH) else {
-            return Ok(None);
-        };
-        let desc = "The strip seen from its side at a few times, drawn to scale from the clamp to the tip.";
-        self.add("shapes", layout.size(), "Shape", desc, |area| {
-            shapes::draw(area, strip, &layout)
-        })?;
-        self.figures.insert(FILM.to_owned(), shapes::film(strip, &layout));
-        Ok(Some(Panel {
-            figure: "shapes",
-            caption: "Shape of the strip".to_owned(),
-            note: String::new(),
-        }))
-    }
+/// The strip at a few times; its drawing holds the frames of the moving picture.
+fn shape(page: &mut Writer, name: &str, strip: &AlongStrip) -> Result<(), ReportError> {
+    let desc = "The strip seen from its side at a few times, drawn to scale from the clamp to the tip.";
+    let Some(layout) = Layout::of(strip, WIDTH) else {
+        return Ok(());
+    };
+    let title = format!("Shape of {name}");
+    let drawn = svg(layout.size(), &title, desc, |area| {
+        shapes::draw(area, strip, &layout)
+    });
+    let film = format!("<svg data-film=\"{}\"", shapes::film(strip, &layout));
+    let drawn = drawn.map(|svg| svg.replacen("<svg", &film, 1));
+    page.drawing("shapes", ("Shape of the strip", &shapes_note(strip)), drawn)
 }
 
 /// `0.0021 cm⁻¹` or `0.0019 to 0.0023 cm⁻¹`

@@ -155,6 +155,13 @@ impl EstimateText {
     }
 }
 
+/// Symbol, unit and factor under which a parameter is shown.
+pub fn shown_as(key: &str) -> (&str, &'static str, f64) {
+    ParameterInfo::of(key).map_or((key, "", 1.0), |known| {
+        (known.symbol, known.shown_unit, known.shown_factor)
+    })
+}
+
 /// Estimate of a parameter in a run with what a finding says against it, or why the run has none.
 pub fn estimate_of(site: &Site, run: &RunRecord, parameter: &ParameterInfo) -> EstimateText {
     match run.fit.as_ref().map(|fit| fit.parameter(parameter.key)) {
