@@ -9,7 +9,7 @@ use super::grounds::{Grounds, applied_until};
 use super::predict::{left_out, model_word, remarks};
 use crate::domain::number::fixed;
 use crate::domain::typed_value::Measured;
-use crate::domain::{Drive, Estimate, Level, Segment};
+use crate::domain::{Drive, Estimate};
 use crate::model::course::{Course, Pulses, VoltageLimits, WantedAt, course, response};
 use crate::model::geometry::conversion::{curvature_from_tip, tip_displacement_mm};
 use crate::pipeline::{Context, PipelineError};
@@ -185,7 +185,7 @@ impl DriveCourse {
         let forecasts = grounds.forecasts(&drive, &times)?;
         let row = |(k, time_s): (usize, &f64)| ReachedRow {
             time_s: *time_s,
-            voltage_v: volts(&drive, k),
+            voltage_v: drive.segments[k].level.volts().unwrap_or(0.0),
             wanted_mm: wanted[k],
             reached_mm: Predicted::from(&forecasts.tip_displacement_mm[k]),
         };
@@ -278,20 +278,9 @@ fn onset_found(onset: &Estimate) -> Option<(f64, String)> {
     ))
 }
 
-/// Voltage of the sample of that number, V.
-fn volts(drive: &Drive, sample: usize) -> f64 {
-    match drive.segments[sample].level {
-        Level::Voltage(volts) => volts,
-        Level::OpenCircuit => 0.0,
-    }
-}
-
 fn drive_of(course_v: &[f64], every_s: f64) -> Drive {
-    let segment = |(k, volts): (usize, &f64)| Segment::at(every_s * k as f64, Level::Voltage(*volts));
-    Drive {
-        baseline_v: 0.0,
-        segments: course_v.iter().enumerate().map(segment).collect(),
-    }
+    let level = |(k, volts): (usize, &f64)| (every_s * k as f64, Some(*volts));
+    Drive::of_levels(0.0, course_v.iter().enumerate().map(level))
 }
 
 /// The drive whose tip comes nearest to the wanted course, and the sum of squared errors, mm2, that no other within the
@@ -368,10 +357,7 @@ fn pulses(
     (reference_v, every_s): (f64, f64),
 ) -> Result<Pulses, PipelineError> {
     let from = |k: usize| -> Result<Vec<f64>, PipelineError> {
-        let step = Drive {
-            baseline_v: 0.0,
-            segments: vec![Segment::at(every_s * k as f64, Level::Voltage(reference_v))],
-        };
+        let step = Drive::of_levels(0.0, [(every_s * k as f64, Some(reference_v))]);
         Ok(grounds.centre(&step, times)?.0)
     };
     if !grounds.changes() {

@@ -9,7 +9,7 @@ use super::grounds::{Forecasts, Grounds};
 use super::surroundings::BroughtEntry;
 use crate::analysis::forecast::Forecast;
 use crate::domain::quantiles::NORMAL_95;
-use crate::domain::{Drive, Estimate, Level, Segment};
+use crate::domain::{Drive, Estimate};
 use crate::model::geometry::{CrossSection, Shape};
 use crate::model::scaling::prediction::LINKS;
 use crate::model::scaling::{Dimension, StripSize};
@@ -96,16 +96,10 @@ pub struct SegmentEntry {
 
 impl DriveEntry {
     pub(in crate::pipeline::standalone) fn of(drive: &Drive) -> DriveEntry {
-        let entry = |segment: &Segment| SegmentEntry {
-            start_s: segment.start_s(),
-            voltage_v: match segment.level {
-                Level::Voltage(volts) => Some(volts),
-                Level::OpenCircuit => None,
-            },
-        };
+        let entry = |(start_s, voltage_v)| SegmentEntry { start_s, voltage_v };
         DriveEntry {
             baseline_v: drive.baseline_v,
-            segments: drive.segments.iter().map(entry).collect(),
+            segments: drive.levels().map(entry).collect(),
         }
     }
 }

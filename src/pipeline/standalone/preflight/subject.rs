@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::domain::tag::keys;
-use crate::domain::{ChannelNoise as FoundNoise, Drive, Fit, Level, Quantity, RunRecord};
+use crate::domain::{ChannelNoise as FoundNoise, Drive, Fit, Quantity, RunRecord};
 use crate::fit::FitOptions;
 use crate::model::scaling::lumped_model;
 use crate::model::{FitModel, LumpedModel, ParameterDescription, fit_model};
@@ -155,11 +155,6 @@ impl Subject {
         })?;
         let bends = model.charge_to_curvature_per_c_cm != 0.0;
         let drive = found.drive();
-        let steps = drive.segments.iter().map(|segment| segment.level);
-        let largest_v = steps.filter_map(|level| match level {
-            Level::Voltage(volts) => Some(volts.abs()),
-            Level::OpenCircuit => None,
-        });
         let hidden = !hidden_effects(&spec, found).is_empty();
         let without =
             "The effects that the file hides in the run are left out: a plan is made with the model alone.";
@@ -174,7 +169,7 @@ impl Subject {
             curvature_noise: bends.then(|| spec.noise.curvature()),
             start_is_known: false,
             for_s: spec.sampling.last().map_or(0.0, |last| last.until_s),
-            largest_v: largest_v.fold(0.0, f64::max),
+            largest_v: drive.largest_v(),
             remarks: hidden.then(|| without.to_owned()).into_iter().collect(),
             model,
             drive,

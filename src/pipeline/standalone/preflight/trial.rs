@@ -62,9 +62,8 @@ impl Trial {
                 &needed,
             ));
         }
-        let levels = self.drive.segments.iter().map(|segment| segment.level);
-        let moves = |level: Level| !matches!(level, Level::Voltage(volts) if volts == self.drive.baseline_v);
-        if levels.clone().any(moves) {
+        let rest = Some(self.drive.baseline_v);
+        if self.drive.levels().any(|(_, volts)| volts != rest) {
             Ok(())
         } else {
             Err(PipelineError::bad_argument(
@@ -82,19 +81,6 @@ impl Trial {
 
     fn readings(&self) -> f64 {
         self.for_s / self.every_s + self.for_s / self.bending_every_s
-    }
-
-    /// Largest voltage of either sign, V.
-    pub fn largest_v(&self) -> f64 {
-        let size = |level: Level| match level {
-            Level::Voltage(volts) => volts.abs(),
-            Level::OpenCircuit => 0.0,
-        };
-        self.drive
-            .segments
-            .iter()
-            .map(|segment| size(segment.level))
-            .fold(0.0, f64::max)
     }
 
     /// The same with all voltages times `factor`.

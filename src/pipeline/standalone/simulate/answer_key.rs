@@ -8,7 +8,7 @@ use super::run_spec::RunSpec;
 use super::spec::Spec;
 use super::spec::hidden_effects;
 use super::strip_spec::StripSpec;
-use crate::domain::{Drive, Level};
+use crate::domain::Drive;
 use crate::truth::HiddenEffect;
 use crate::truth::catalogue::known;
 
@@ -47,14 +47,11 @@ fn strip_key(strip: &StripSpec) -> Value {
 }
 
 fn segments(drive: &Drive) -> Vec<Value> {
-    drive
-        .segments
-        .iter()
-        .map(|segment| match segment.level {
-            Level::Voltage(voltage_v) => json!({ "start_s": segment.start_s(), "voltage_v": voltage_v }),
-            Level::OpenCircuit => json!({ "start_s": segment.start_s(), "open_circuit": true }),
-        })
-        .collect()
+    let key = |(start_s, volts): (f64, Option<f64>)| match volts {
+        Some(voltage_v) => json!({ "start_s": start_s, "voltage_v": voltage_v }),
+        None => json!({ "start_s": start_s, "open_circuit": true }),
+    };
+    drive.levels().map(key).collect()
 }
 
 fn run_key(spec: &Spec, run: &RunSpec) -> Value {

@@ -9,7 +9,7 @@ use super::effect_spec::EffectSpec;
 use super::noise_spec::Noise;
 use super::wave::Wave;
 use super::wrong::Wrong;
-use crate::domain::{Drive, Issue, Level, Segment};
+use crate::domain::{Drive, Issue};
 use crate::model::{Branch, LumpedModel};
 use crate::truth::{HiddenEffect, Truth, TruthError};
 
@@ -72,11 +72,10 @@ pub struct Pulses {
 }
 
 impl Pulses {
-    fn segments(&self) -> Vec<Segment> {
-        let held = |start_s: f64, voltage_v: f64| Segment::at(start_s, Level::Voltage(voltage_v));
+    fn levels(&self) -> Vec<(f64, Option<f64>)> {
         let pulse = |k: u32| {
             let start_s = f64::from(k) * (self.on_s + self.off_s);
-            [held(start_s, self.voltage_v), held(start_s + self.on_s, 0.0)]
+            [(start_s, Some(self.voltage_v)), (start_s + self.on_s, Some(0.0))]
         };
         (0..self.count).flat_map(pulse).collect()
     }
@@ -244,18 +243,12 @@ pub(super) fn drive_of(
     pulses: Option<Pulses>,
     given: &[SegmentSpec],
 ) -> Drive {
-    let given = given.iter().map(|segment| {
-        Segment::at(
-            segment.start_s,
-            segment.voltage_v.map_or(Level::OpenCircuit, Level::Voltage),
-        )
-    });
-    let segments = match (voltage_v, pulses) {
-        (Some(voltage_v), _) => Drive::step(voltage_v).segments,
-        (None, Some(pulses)) => pulses.segments(),
-        (None, None) => given.collect(),
+    let levels = match (voltage_v, pulses) {
+        (Some(_), _) => vec![(0.0, voltage_v)],
+        (None, Some(pulses)) => pulses.levels(),
+        (None, None) => given.iter().map(|own| (own.start_s, own.voltage_v)).collect(),
     };
-    Drive { baseline_v, segments }
+    Drive::of_levels(baseline_v, levels)
 }
 
 fn above_zero(size: f64) -> bool {
