@@ -276,11 +276,7 @@ fn estimate(
         variance += half(with(1.0), with(-1.0)).powi(2);
     }
     if variance == 0.0 {
-        return Estimate {
-            value: Some(value),
-            reason: None,
-            ..Estimate::not_determined("")
-        };
+        return Estimate::exact(value);
     }
     let error = variance.sqrt();
     Estimate::determined(value, error, value - NORMAL_95 * error, value + NORMAL_95 * error)
@@ -298,11 +294,7 @@ fn small(strip: &MeasuredStrip, curvature_per_cm: f64, values: &mut Vec<(String,
     }
     let number = without.from_curvature(Bending::StrainDifference, curvature_per_cm);
     let estimate = match number {
-        Ok(number) => Estimate {
-            value: Some(100.0 * number),
-            reason: None,
-            ..Estimate::not_determined("")
-        },
+        Ok(number) => Estimate::exact(100.0 * number),
         Err(error) => Estimate::not_determined(error.to_string()),
     };
     let after = values

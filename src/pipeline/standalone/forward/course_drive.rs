@@ -4,9 +4,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::asked::AskedStrip;
-use super::document::{DriveEntry, LeftOutEntry, Predicted, StripEntry, Told};
+use super::document::{DriveEntry, StripEntry, Told};
 use super::grounds::{Grounds, applied_until};
-use super::predict::{left_out, model_word, remarks};
+use super::predict::{model_word, remarks};
+use super::source::LeftOutEntry;
+use crate::analysis::forecast::Forecast;
 use crate::domain::number::fixed;
 use crate::domain::typed_value::Measured;
 use crate::domain::{Drive, Estimate};
@@ -118,7 +120,7 @@ pub struct DriveDocument {
     /// For how long of the course it is near, s.
     pub near_for_s: f64,
     /// Charge that flows through the leak, either way, C.
-    pub leaked_charge_c: Predicted,
+    pub leaked_charge_c: Forecast,
     /// Runs that it is made from.
     pub sources: Vec<Told>,
     /// Runs in the same surroundings that tell nothing.
@@ -140,7 +142,7 @@ pub struct ReachedRow {
     /// Wanted displacement of the tip, mm.
     pub wanted_mm: f64,
     /// Expected displacement.
-    pub reached_mm: Predicted,
+    pub reached_mm: Forecast,
 }
 
 impl DriveCourse {
@@ -187,7 +189,7 @@ impl DriveCourse {
             time_s: *time_s,
             voltage_v: drive.segments[k].level.volts().unwrap_or(0.0),
             wanted_mm: wanted[k],
-            reached_mm: Predicted::from(&forecasts.tip_displacement_mm[k]),
+            reached_mm: forecasts.tip_displacement_mm[k],
         };
         let course: Vec<ReachedRow> = times.iter().enumerate().map(row).collect();
         let misses: Vec<f64> = course
@@ -197,7 +199,7 @@ impl DriveCourse {
         let near = REACHED * wanted.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
         let first = misses.iter().position(|miss| miss.abs() <= near);
         let within = misses.iter().filter(|miss| miss.abs() <= near).count();
-        let leaked = forecasts.leaked_charge_c.last().map(Predicted::from);
+        let leaked = forecasts.leaked_charge_c.last().copied();
         let leaked_charge_c = leaked
             .ok_or_else(|| PipelineError::bad_argument("--for", "0 s".to_owned(), "a longer course"))?;
         let mut remarks = remarks(&grounds, &forecasts, &drive);
@@ -227,7 +229,7 @@ impl DriveCourse {
             near_for_s: every_s * within as f64,
             leaked_charge_c,
             sources: Told::all(&grounds),
-            left_out: left_out(&grounds),
+            left_out: grounds.left_out.clone(),
             course,
             remarks,
             found: drive,

@@ -6,10 +6,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::grounds::{Forecasts, Grounds};
+use super::source::{LeftOutEntry, Source};
 use super::surroundings::BroughtEntry;
 use crate::analysis::forecast::Forecast;
+use crate::domain::Drive;
 use crate::domain::quantiles::NORMAL_95;
-use crate::domain::{Drive, Estimate};
 use crate::model::geometry::{CrossSection, Shape};
 use crate::model::scaling::prediction::LINKS;
 use crate::model::scaling::{Dimension, StripSize};
@@ -117,26 +118,13 @@ pub struct Told {
 
 impl Told {
     pub(super) fn all(grounds: &Grounds) -> Vec<Told> {
-        let told = grounds
-            .sources
-            .iter()
-            .filter(|source| source.sample == 0 || grounds.is_another);
-        told.map(|source| Told {
+        let told = |source: &Source| Told {
             run: source.run.clone(),
             model: source.fitted_with.clone(),
             voltage_v: source.step_v,
-        })
-        .collect()
+        };
+        grounds.telling().map(told).collect()
     }
-}
-
-/// A run that tells nothing.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct LeftOutEntry {
-    /// Path of the run.
-    pub run: String,
-    /// Why.
-    pub reason: String,
 }
 
 /// What is predicted at one time.
@@ -145,78 +133,15 @@ pub struct PredictedRow {
     /// Time, s.
     pub time_s: f64,
     /// Current, A.
-    pub current_a: Predicted,
+    pub current_a: Forecast,
     /// Charge on the capacitors, C.
-    pub charge_c: Predicted,
+    pub charge_c: Forecast,
     /// Curvature, the mean over the length, 1/cm.
-    pub curvature_per_cm: Option<Predicted>,
+    pub curvature_per_cm: Option<Forecast>,
     /// Sideways displacement of the tip, mm.
-    pub tip_displacement_mm: Option<Predicted>,
+    pub tip_displacement_mm: Option<Forecast>,
     /// Moment that holds the strip straight, mN mm; null where the stiffness is not known.
-    pub blocked_moment_mn_mm: Option<Predicted>,
-}
-
-/// A number with the interval in which a further run lies in 95 of 100 cases.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
-pub struct Predicted {
-    /// Value.
-    pub value: f64,
-    /// Lower end.
-    pub low_95: f64,
-    /// Upper end.
-    pub high_95: f64,
-    /// Standard deviations by source; null where the runs cannot tell it.
-    pub standard_deviation: Parts,
-}
-
-impl Predicted {
-    /// The number times `scale`, with its interval.
-    pub fn estimate(&self, scale: f64) -> Estimate {
-        let half = scale * (self.high_95 - self.low_95) / 2.0;
-        Estimate::determined(
-            scale * self.value,
-            half / NORMAL_95,
-            scale * self.low_95,
-            scale * self.high_95,
-        )
-    }
-}
-
-/// Standard deviations of a prediction, in its unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
-pub struct Parts {
-    /// From the parameters of the fits and the dimensions.
-    pub parameters: f64,
-    /// From run to run.
-    pub runs: Option<f64>,
-    /// Of the way between voltages.
-    pub voltages: Option<f64>,
-    /// From strip to strip.
-    pub samples: Option<f64>,
-    /// Of the laws that brought runs to the conditions asked for; 0 where none was.
-    pub conditions: f64,
-    /// Of what the model gets wrong.
-    pub misfit: f64,
-}
-
-impl From<&Forecast> for Predicted {
-    fn from(forecast: &Forecast) -> Predicted {
-        let root = |variance: Option<f64>| variance.map(f64::sqrt);
-        let variances = &forecast.variances;
-        Predicted {
-            value: forecast.value,
-            low_95: forecast.low_95,
-            high_95: forecast.high_95,
-            standard_deviation: Parts {
-                parameters: variances.parameters.sqrt(),
-                runs: root(variances.runs),
-                voltages: root(variances.voltages),
-                samples: root(variances.samples),
-                conditions: variances.conditions.sqrt(),
-                misfit: variances.misfit.sqrt(),
-            },
-        }
-    }
+    pub blocked_moment_mn_mm: Option<Forecast>,
 }
 
 /// Rows at every time that was forecast.
@@ -226,10 +151,10 @@ pub(super) fn rows(grounds: &Grounds, forecasts: &Forecasts, time_s: &[f64]) -> 
         let curvature = forecasts.curvature_per_cm.get(k);
         PredictedRow {
             time_s,
-            current_a: Predicted::from(&forecasts.current_a[k]),
-            charge_c: Predicted::from(&forecasts.charge_c[k]),
-            curvature_per_cm: curvature.map(Predicted::from),
-            tip_displacement_mm: forecasts.tip_displacement_mm.get(k).map(Predicted::from),
+            current_a: forecasts.current_a[k],
+            charge_c: forecasts.charge_c[k],
+            curvature_per_cm: curvature.copied(),
+            tip_displacement_mm: forecasts.tip_displacement_mm.get(k).copied(),
             blocked_moment_mn_mm: curvature
                 .zip(stiffness.as_ref())
                 .map(|(c, stiffness)| stiffness.moment(c)),
@@ -258,9 +183,9 @@ impl Stiffness {
         })
     }
 
-    fn moment(&self, curvature: &Forecast) -> Predicted {
+    fn moment(&self, curvature: &Forecast) -> Forecast {
         let scale = self.moment_per_curvature;
-        let mut moment = Predicted::from(curvature);
+        let mut moment = *curvature;
         let parts = &mut moment.standard_deviation;
         parts.parameters = scale * parts.parameters.hypot(curvature.value * self.relative_error);
         parts.conditions *= scale;

@@ -1,7 +1,8 @@
 //! Predictions and found drives as figures for print.
 
-use super::document::{Predicted, PredictedRow};
+use super::document::PredictedRow;
 use super::{DriveDocument, PredictionDocument};
+use crate::analysis::forecast::Forecast;
 use crate::pipeline::PipelineError;
 use crate::report::print_figures::predicted::{Course, courses};
 use crate::report::print_figures::{Print, figure_format_named};
@@ -20,7 +21,7 @@ pub fn prediction_figure(
     notice: Option<&str>,
     format: &str,
 ) -> Result<Vec<u8>, PipelineError> {
-    let series = |title: &str, unit: &str, scale: f64, of: &dyn Fn(&PredictedRow) -> Option<Predicted>| {
+    let series = |title: &str, unit: &str, scale: f64, of: &dyn Fn(&PredictedRow) -> Option<Forecast>| {
         let values = document
             .course
             .iter()
@@ -73,7 +74,7 @@ fn course(
     quantity: &str,
     unit: &str,
     scale: f64,
-    values: impl Iterator<Item = (f64, Predicted)>,
+    values: impl Iterator<Item = (f64, Forecast)>,
     wanted: Vec<(f64, f64)>,
 ) -> Course {
     let (mut points, mut band) = (Vec::new(), Vec::new());

@@ -2,7 +2,7 @@
 
 use super::asked::{AskedStrip, size_of};
 use super::misfit::{KnownMisfit, found_onset, known_misfit};
-use super::source::{Source, applied};
+use super::source::{LeftOutEntry, Source, applied};
 use super::surroundings::{BroughtEntry, Surroundings};
 use crate::analysis::forecast::{Applied, Beside, Forecast, Told, forecast};
 use crate::domain::tag::keys;
@@ -25,8 +25,8 @@ pub(in crate::pipeline::standalone) struct Grounds {
     pub humidity_percent: Option<f64>,
     /// Runs that tell; those of the sample first.
     pub sources: Vec<Source>,
-    /// Runs in the same surroundings that tell nothing: path and reason.
-    pub left_out: Vec<(String, String)>,
+    /// Runs in the same surroundings that tell nothing.
+    pub left_out: Vec<LeftOutEntry>,
     /// What brought the runs to conditions in which none was made, as entries and in words.
     pub(super) brought: (Vec<BroughtEntry>, Vec<String>),
     /// Share with which each of [`Source::variants`] counts.
@@ -109,14 +109,17 @@ impl Grounds {
                     surroundings.bring(&mut source);
                     sources.push(source);
                 }
-                Err(reason) => left_out.push((run.path.clone(), reason)),
+                Err(reason) => left_out.push(LeftOutEntry {
+                    run: run.path.clone(),
+                    reason,
+                }),
             }
         }
         sources.sort_by_key(|source| source.sample);
         if sources.first().is_none_or(|source| source.sample != 0) {
-            let why = left_out
-                .first()
-                .map_or(String::new(), |(run, reason)| format!(" ({run}: {reason})"));
+            let why = left_out.first().map_or(String::new(), |entry| {
+                format!(" ({}: {})", entry.run, entry.reason)
+            });
             let found = format!(
                 "{:?}, of which no run in {environment} tells anything{why}",
                 sample.id
@@ -142,10 +145,8 @@ impl Grounds {
         let modulus = match asked.modulus_mpa {
             Some(given) => StripModulus {
                 modulus_mpa: Estimate {
-                    value: Some(given.value),
                     standard_error: Some(given.standard_error),
-                    reason: None,
-                    ..Estimate::not_determined("")
+                    ..Estimate::exact(given.value)
                 },
                 source: "modulus as given".to_owned(),
             },
@@ -189,11 +190,14 @@ impl Grounds {
         self.brought.0.iter().map(of).collect()
     }
 
+    /// The runs of the sample itself.
+    pub fn own(&self) -> impl Iterator<Item = &Source> {
+        self.sources.iter().filter(|source| source.sample == 0)
+    }
+
     /// Whether any run of the sample tells how it bends.
     pub fn bends(&self) -> bool {
-        self.sources
-            .iter()
-            .any(|source| source.sample == 0 && source.bends)
+        self.own().any(|source| source.bends)
     }
 
     /// Whether the parameters change under the drive.
@@ -203,14 +207,18 @@ impl Grounds {
 
     /// The last time that a run of the sample shows, s after its drive began.
     pub fn longest_s(&self) -> f64 {
-        let own = self.sources.iter().filter(|source| source.sample == 0);
-        own.map(|source| source.lasted_s).fold(0.0, f64::max)
+        self.own().map(|source| source.lasted_s).fold(0.0, f64::max)
     }
 
     /// Largest and smallest voltage of the sample's runs, V.
     pub fn measured_v(&self) -> (f64, f64) {
-        let own = self.sources.iter().filter(|source| source.sample == 0);
-        range_of(own.map(|source| source.step_v))
+        range_of(self.own().map(|source| source.step_v))
+    }
+
+    /// The runs that tell of the strip asked for: of another one those of all samples.
+    pub fn telling(&self) -> impl Iterator<Item = &Source> {
+        let tells = |source: &&Source| source.sample == 0 || self.is_another;
+        self.sources.iter().filter(tells)
     }
 
     /// What every source says of the drive.
@@ -219,7 +227,6 @@ impl Grounds {
         drive: &Drive,
         time_s: &[f64],
     ) -> Result<Vec<(&'a Source, Prediction)>, PipelineError> {
-        let relevant = |source: &&'a Source| source.sample == 0 || self.is_another;
         let said = |source: &'a Source| -> Result<(&'a Source, Prediction), PipelineError> {
             let identified = source.identified(self.electrode_resistance_ohm_per_sq);
             let mut to = self.to;
@@ -229,7 +236,7 @@ impl Grounds {
             }
             Ok((source, predict(&identified, &to, drive, time_s)?))
         };
-        self.sources.iter().filter(relevant).map(said).collect()
+        self.telling().map(said).collect()
     }
 
     /// The same of those sources, of which only the centre counts.

@@ -1,7 +1,7 @@
 //! The verb `predict`.
 
 use super::asked::AskedStrip;
-use super::document::{DriveEntry, LeftOutEntry, PredictionDocument, ShapeEntry, StripEntry, Told, rows};
+use super::document::{DriveEntry, PredictionDocument, ShapeEntry, StripEntry, Told, rows};
 use super::grounds::{Forecasts, Grounds};
 use crate::domain::Drive;
 use crate::domain::number::seconds::seconds;
@@ -82,18 +82,10 @@ impl Predict {
             course,
             brought: grounds.brought.0.clone(),
             sources: Told::all(&grounds),
-            left_out: left_out(&grounds),
+            left_out: grounds.left_out.clone(),
             remarks,
         })
     }
-}
-
-pub(super) fn left_out(grounds: &Grounds) -> Vec<LeftOutEntry> {
-    let entry = |(run, reason): &(String, String)| LeftOutEntry {
-        run: run.clone(),
-        reason: reason.clone(),
-    };
-    grounds.left_out.iter().map(entry).collect()
 }
 
 pub(super) fn model_word(forecasts: &Forecasts) -> &'static str {
@@ -140,7 +132,7 @@ pub(super) fn remarks(grounds: &Grounds, forecasts: &Forecasts, drive: &Drive) -
         ));
     }
     if let Some(first) = forecasts.current_a.last() {
-        let parts = first.variances;
+        let parts = first.standard_deviation;
         if parts.voltages.is_none() {
             remarks.push(
                 "Only one voltage was measured: that the strip answers others in proportion is taken for granted, and no interval holds what it does otherwise."

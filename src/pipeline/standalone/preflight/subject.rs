@@ -118,7 +118,7 @@ impl Subject {
             drive: drive.clone(),
             for_s: source.lasted_s,
             start_is_known: drive.segments.first().is_some_and(|first| first.edge.is_stated()),
-            largest_v: own(&grounds)
+            largest_v: (grounds.own())
                 .map(|source| source.step_v.abs())
                 .fold(0.0, f64::max),
             remarks: guessed(fit, &source.bounded, fit_model, &source.model),
@@ -218,16 +218,11 @@ impl Subject {
     }
 }
 
-/// The runs of the sample itself.
-fn own(grounds: &Grounds) -> impl Iterator<Item = &Source> {
-    grounds.sources.iter().filter(|source| source.sample == 0)
-}
-
 /// The run of that path.
 fn of_run<'a>(grounds: &'a Grounds, path: &str) -> Result<&'a Source, PipelineError> {
-    own(grounds).find(|source| source.run == path).ok_or_else(|| {
-        let left = grounds.left_out.iter().find(|(run, _)| run == path);
-        let why = left.map_or("it is set aside", |(_, reason)| reason);
+    (grounds.own().find(|source| source.run == path)).ok_or_else(|| {
+        let left = grounds.left_out.iter().find(|entry| entry.run == path);
+        let why = left.map_or("it is set aside", |entry| &entry.reason);
         let needed = "a run with a lumped fit that determines a circuit";
         PipelineError::bad_argument("--run", format!("{path}: {why}"), needed)
     })
@@ -236,7 +231,7 @@ fn of_run<'a>(grounds: &'a Grounds, path: &str) -> Result<&'a Source, PipelineEr
 /// The run of the sample whose voltage is nearest.
 fn nearest(grounds: &Grounds, voltage_v: f64) -> Result<&Source, PipelineError> {
     let apart = |source: &Source| (source.step_v - voltage_v).abs();
-    let found = own(grounds).min_by(|a, b| apart(a).total_cmp(&apart(b)));
+    let found = grounds.own().min_by(|a, b| apart(a).total_cmp(&apart(b)));
     found.ok_or_else(|| {
         PipelineError::bad_argument("--sample", grounds.sample.id.clone(), "a sample with fitted runs")
     })
