@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::asked::AskedStrip;
-use super::document::{DriveEntry, StripEntry, Told};
+use super::document::{DriveEntry, StripEntry, Told, as_entry};
 use super::grounds::{Grounds, applied_until};
 use super::predict::{model_word, remarks};
 use super::source::LeftOutEntry;
@@ -101,7 +101,9 @@ pub struct DriveDocument {
     /// What set it.
     pub limited_by: String,
     /// The drive: what the source is to hold from each start on.
-    pub drive: DriveEntry,
+    #[serde(serialize_with = "as_entry")]
+    #[schemars(with = "DriveEntry")]
+    pub drive: Drive,
     /// End of the course, s.
     pub end_s: f64,
     /// Wanted and reached at some times.
@@ -127,9 +129,6 @@ pub struct DriveDocument {
     pub left_out: Vec<LeftOutEntry>,
     /// What the intervals hold and what is missing for more.
     pub remarks: Vec<String>,
-    /// The drive, as the source takes it.
-    #[serde(skip)]
-    pub found: Drive,
 }
 
 /// Wanted and reached at one time.
@@ -219,7 +218,7 @@ impl DriveCourse {
             model: model_word(&forecasts),
             voltage_limit_v: limit_v,
             limited_by,
-            drive: DriveEntry::of(&drive),
+            drive,
             end_s,
             rows: course.iter().skip(step - 1).step_by(step).copied().collect(),
             rms_error_mm: (misses.iter().map(|miss| miss * miss).sum::<f64>() / samples as f64).sqrt(),
@@ -232,7 +231,6 @@ impl DriveCourse {
             left_out: grounds.left_out.clone(),
             course,
             remarks,
-            found: drive,
         })
     }
 

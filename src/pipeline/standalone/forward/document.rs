@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::grounds::{Forecasts, Grounds};
 use super::source::{LeftOutEntry, Source};
@@ -32,7 +32,9 @@ pub struct PredictionDocument {
     /// The strip.
     pub strip: StripEntry,
     /// The drive.
-    pub drive: DriveEntry,
+    #[serde(serialize_with = "as_entry")]
+    #[schemars(with = "DriveEntry")]
+    pub drive: Drive,
     /// `lumped` or `distributed`.
     pub model: &'static str,
     /// Share by which the lumped model would be wrong at the tip; null where the electrodes' resistance is not known.
@@ -95,14 +97,17 @@ pub struct SegmentEntry {
     pub voltage_v: Option<f64>,
 }
 
-impl DriveEntry {
-    pub(in crate::pipeline::standalone) fn of(drive: &Drive) -> DriveEntry {
-        let entry = |(start_s, voltage_v)| SegmentEntry { start_s, voltage_v };
-        DriveEntry {
-            baseline_v: drive.baseline_v,
-            segments: drive.levels().map(entry).collect(),
-        }
-    }
+/// A drive as documents state it.
+pub(in crate::pipeline::standalone) fn as_entry<S: Serializer>(
+    drive: &Drive,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let segment = |(start_s, voltage_v)| SegmentEntry { start_s, voltage_v };
+    let entry = DriveEntry {
+        baseline_v: drive.baseline_v,
+        segments: drive.levels().map(segment).collect(),
+    };
+    entry.serialize(serializer)
 }
 
 /// A run that tells.

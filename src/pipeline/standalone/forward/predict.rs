@@ -1,7 +1,7 @@
 //! The verb `predict`.
 
 use super::asked::AskedStrip;
-use super::document::{DriveEntry, PredictionDocument, ShapeEntry, StripEntry, Told, rows};
+use super::document::{PredictionDocument, ShapeEntry, StripEntry, Told, rows};
 use super::grounds::{Forecasts, Grounds};
 use crate::domain::Drive;
 use crate::domain::number::seconds::seconds;
@@ -74,7 +74,7 @@ impl Predict {
             environment: grounds.environment.clone(),
             relative_humidity_percent: grounds.humidity_percent,
             strip: StripEntry::of(&grounds),
-            drive: DriveEntry::of(&self.drive),
+            drive: self.drive.clone(),
             model: model_word(&forecasts),
             lumped_error_at_tip: forecasts.lumped_error,
             rows: places.iter().map(|&k| course[k].clone()).collect(),

@@ -73,20 +73,17 @@ impl Curvature {
 /// # Errors
 /// A parameter, the drive, an effect or the noise makes no sense, or the equations have no solution.
 pub fn simulate(asked: &CurvesAsked) -> Result<Curves, Issue> {
-    if asked.time_s.is_empty() || !asked.time_s.is_sorted_by(|a, b| a < b) {
-        let issue = Issue::error(
-            "bad-value",
-            "the times of the readings do not rise, or there are none",
-        );
-        return Err(issue
-            .at("time_s")
-            .mend("give finite times in s, each later than the one before"));
-    }
-    if !asked.time_s.iter().all(|time| time.is_finite()) {
-        let issue = Issue::error("bad-value", "a time of the readings is no finite number");
-        return Err(issue
-            .at("time_s")
-            .mend("give finite times in s, each later than the one before"));
+    let rise = !asked.time_s.is_empty() && asked.time_s.is_sorted_by(|a, b| a < b);
+    let why = match () {
+        () if !rise => Some("the times of the readings do not rise, or there are none"),
+        () if !asked.time_s.iter().all(|time| time.is_finite()) => {
+            Some("a time of the readings is no finite number")
+        }
+        () => None,
+    };
+    if let Some(why) = why {
+        let issue = Issue::error("bad-value", why).at("time_s");
+        return Err(issue.mend("give finite times in s, each later than the one before"));
     }
     let run = run_spec(asked)?;
     let drive = run.drive();

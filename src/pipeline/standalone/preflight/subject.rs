@@ -46,36 +46,22 @@ pub struct Subject {
     pub remarks: Vec<String>,
 }
 
-/// How a campaign's strip is named.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Named {
-    /// By an earlier run: its path.
-    Run(String),
-    /// By sample and surroundings: the run whose voltage is nearest tells.
-    Sample(Box<AskedStrip>),
-}
-
 impl Subject {
-    /// From the fits of a campaign, for a strip of that length and width where they are given; of runs of one sample the one
-    /// nearest to `voltage_v` tells.
+    /// From the fits of a campaign, for a strip of the size asked for: an earlier run of that path tells, of its own sample in
+    /// its environment; where none is named, of the runs of the sample asked for the one nearest to `voltage_v`.
     ///
     /// # Errors
     /// The run or the sample is not there, or its fit tells too little.
     pub fn of_campaign(
         context: &Context,
-        named: &Named,
-        size: &AskedStrip,
+        asked: AskedStrip,
+        path: Option<&str>,
         voltage_v: Option<f64>,
     ) -> Result<Subject, PipelineError> {
         let runs = standing::speaking(context)?;
-        let (asked, path) = match named {
-            Named::Sample(asked) => (asked.as_ref().clone(), None),
-            Named::Run(path) => (surroundings(&runs, path)?, Some(path)),
-        };
-        let asked = AskedStrip {
-            length_mm: size.length_mm,
-            width_mm: size.width_mm,
-            ..asked
+        let asked = match path {
+            None => asked,
+            Some(path) => in_surroundings_of(&runs, path, asked)?,
         };
         let grounds = Grounds::of(context, &asked)?;
         let source = match path {
@@ -246,8 +232,8 @@ fn lumped_of(fit: &Fit, run: &str) -> Result<&'static FitModel, PipelineError> {
     })
 }
 
-/// Sample and environment of a run.
-fn surroundings(runs: &[RunRecord], path: &str) -> Result<AskedStrip, PipelineError> {
+/// The strip of that size that a run was made with, in its environment.
+fn in_surroundings_of(runs: &[RunRecord], path: &str, size: AskedStrip) -> Result<AskedStrip, PipelineError> {
     let run = runs.iter().find(|run| run.path == path).ok_or_else(|| {
         PipelineError::bad_argument(
             "--run",
@@ -266,7 +252,7 @@ fn surroundings(runs: &[RunRecord], path: &str) -> Result<AskedStrip, PipelineEr
     Ok(AskedStrip {
         sample,
         environment: tag(keys::ENVIRONMENT),
-        ..AskedStrip::default()
+        ..size
     })
 }
 

@@ -1,8 +1,12 @@
 //! One way to make the run: its drive, its sampling and its length.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use crate::domain::number::digits;
 use crate::domain::{Drive, Edge, Level};
 use crate::pipeline::PipelineError;
+use crate::pipeline::standalone::forward::document::{DriveEntry, as_entry};
 
 /// Readings of a run at most: what twenty fits of take minutes.
 const MOST_READINGS: f64 = 1e6;
@@ -10,9 +14,11 @@ const MOST_READINGS: f64 = 1e6;
 const BEFORE: f64 = 2.0;
 
 /// How a run is to be made.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Trial {
     /// The drive.
+    #[serde(serialize_with = "as_entry")]
+    #[schemars(with = "DriveEntry")]
     pub drive: Drive,
     /// Time between readings of the current, s.
     pub every_s: f64,

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use super::effect_spec::slashed;
 use super::run_spec::RunSpec;
 use super::spec::Spec;
 use super::spec::hidden_effects;
@@ -29,20 +30,12 @@ pub fn answer_key(spec: &Spec, path: &Path) -> String {
 }
 
 fn strip_key(strip: &StripSpec) -> Value {
-    let given = &strip.parameters;
     json!({
         "file": slashed(&strip.file),
         "written_by": "ladder of cells",
         "baseline_v": strip.baseline_v,
         "drive": segments(&strip.drive()),
-        "parameters": {
-            "re_ohm_per_sq": given.re_ohm_per_sq,
-            "rc_ohm_cm2": given.rc_ohm_cm2,
-            "c_f_per_cm2": given.c_f_per_cm2,
-            "rss_ohm_cm2": given.rss_ohm_cm2,
-            "alpha_per_c_cm": given.alpha_per_c_cm,
-            "lambda_per_s": given.lambda_per_s,
-        },
+        "parameters": strip.parameters,
     })
 }
 
@@ -102,8 +95,4 @@ pub fn told(effect: &HiddenEffect) -> String {
         text += &format!(", {key} = {value}");
     }
     text
-}
-
-fn slashed(path: &Path) -> String {
-    path.to_string_lossy().replace('\\', "/")
 }

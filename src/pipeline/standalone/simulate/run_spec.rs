@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::effect_spec::EffectSpec;
 use super::noise_spec::Noise;
 use super::wave::Wave;
-use super::wrong::Wrong;
+use super::wrong::{Wrong, above_zero, from_zero};
 use crate::domain::{Drive, Issue};
 use crate::model::{Branch, LumpedModel};
 use crate::truth::{HiddenEffect, Truth, TruthError};
@@ -55,6 +55,11 @@ pub struct SegmentSpec {
     pub start_s: f64,
     /// Voltage held, V; none: open circuit.
     pub voltage_v: Option<f64>,
+}
+
+/// Whether each segment starts after the one before.
+pub(super) fn rise(segments: &[SegmentSpec]) -> bool {
+    segments.is_sorted_by(|a, b| a.start_s < b.start_s)
 }
 
 /// Pulses of one voltage with 0 V between and after them.
@@ -108,10 +113,7 @@ impl RunSpec {
             return Err(Wrong::new(&place("parameters"), key.clone(), needed));
         }
         self.check_parameters(&place)?;
-        let ordered = self
-            .drive
-            .windows(2)
-            .all(|pair| pair[0].start_s < pair[1].start_s);
+        let ordered = rise(&self.drive);
         let drives = [
             self.voltage_v.is_some(),
             !self.drive.is_empty(),
@@ -151,14 +153,10 @@ impl RunSpec {
             ("length_cm", self.length_cm),
             ("width_cm", self.width_cm),
         ];
-        for (key, size) in sizes {
-            if let Some(size) = size
-                && !above_zero(size)
-            {
-                return Err(Wrong::new(&place(key), size.to_string(), "a number above 0"));
-            }
-        }
-        Ok(())
+        let sizes = sizes
+            .into_iter()
+            .filter_map(|(key, size)| Some((place(key), size?)));
+        Wrong::unless_all(sizes, above_zero, "a number above 0")
     }
 
     /// Values that a strip can have: without them there would be no current, or none that is a number.
@@ -166,7 +164,7 @@ impl RunSpec {
         for (key, &value) in &self.parameters {
             let (is_possible, needed) = match key.as_str() {
                 "alpha_per_c_cm" => (value.is_finite(), "a number"),
-                "lambda_per_s" => (value.is_finite() && value >= 0.0, "a number of 0 or more"),
+                "lambda_per_s" => (from_zero(value), "a number of 0 or more"),
                 "rss_ohm_cm2" => (value > 0.0, "a number above 0, or none where nothing leaks"),
                 _ => (above_zero(value), "a number above 0"),
             };
@@ -249,10 +247,6 @@ pub(super) fn drive_of(
         (None, None) => given.iter().map(|own| (own.start_s, own.voltage_v)).collect(),
     };
     Drive::of_levels(baseline_v, levels)
-}
-
-fn above_zero(size: f64) -> bool {
-    size.is_finite() && size > 0.0
 }
 
 /// Refuses a run, noise or effects that make no sense, as those of a spec are refused.

@@ -131,7 +131,7 @@ pub(super) fn times(spec: &Spec, stretches: &[Sampling]) -> Vec<f64> {
 }
 
 /// Which reading of each instrument stands in a row.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Row {
     current: Option<usize>,
     curvature: Option<usize>,
@@ -139,33 +139,14 @@ struct Row {
 
 /// Rows in order of time; readings closer than a microsecond share one.
 fn merged(time_s: &[f64], camera_s: &[f64]) -> Vec<(f64, Row)> {
-    let mut rows: Vec<(f64, Row)> = time_s
-        .iter()
-        .enumerate()
-        .map(|(i, &t)| {
-            (
-                t,
-                Row {
-                    current: Some(i),
-                    curvature: None,
-                },
-            )
-        })
-        .collect();
+    let row = |current, curvature| Row { current, curvature };
+    let of_current = time_s.iter().enumerate();
+    let mut rows: Vec<(f64, Row)> = of_current.map(|(i, &t)| (t, row(Some(i), None))).collect();
     for (i, &t) in camera_s.iter().enumerate() {
         let at = rows.partition_point(|row| row.0 < t - 1e-6);
         match rows.get_mut(at) {
             Some(row) if (row.0 - t).abs() <= 1e-6 => row.1.curvature = Some(i),
-            _ => rows.insert(
-                at,
-                (
-                    t,
-                    Row {
-                        current: None,
-                        curvature: Some(i),
-                    },
-                ),
-            ),
+            _ => rows.insert(at, (t, row(None, Some(i)))),
         }
     }
     rows

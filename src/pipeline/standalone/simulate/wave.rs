@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::wrong::Wrong;
+use super::wrong::{Wrong, above_zero};
 use crate::domain::Drive;
 
 /// Steps in a period of the staircase under which effects are simulated: a reading lies within a step that is 0.3 % of the
@@ -31,7 +31,6 @@ pub struct Wave {
 
 impl Wave {
     pub(super) fn check(&self, place: &str) -> Result<(), Wrong> {
-        let above_zero = |value: f64| value.is_finite() && value > 0.0;
         let sizes = [
             self.amplitude_v,
             self.frequency_hz,
