@@ -8,7 +8,6 @@ use ieap::pipeline::standalone::in_memory;
 use pyo3::prelude::*;
 
 use crate::error::refused;
-use crate::pickled::of_stated;
 
 /// What a caller states of readings.
 #[pyclass(frozen, module = "ieap._native")]
@@ -53,7 +52,7 @@ impl Stated {
     /// For `pickle` and `copy`.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         let again = py.import("ieap._native")?.getattr("stated_again")?;
-        Ok((again, (of_stated(&self.inner).to_string(),)))
+        Ok((again, (serde_json::json!(self.inner).to_string(),)))
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use crate::domain::fault::caught;
 use crate::domain::{Channel, FlaggedStretch, Issue, RunKind, StartedAt};
 use crate::ingest::Reading;
@@ -16,11 +18,12 @@ use crate::pipeline::intake::ingest::run_parts;
 use crate::system::fs;
 
 /// A table of readings with what its reader saw.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReadTable {
     /// `#TABLE` where the file holds several, else empty.
     pub name: String,
-    /// Readings in canonical units.
+    /// Readings in canonical units; documents have no place for them.
+    #[serde(skip)]
     pub channels: Vec<Channel>,
     /// Rows of the table.
     pub rows: usize,
