@@ -19,7 +19,7 @@ use crate::pipeline::campaign::planned::planned;
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::current::findings_among;
 use crate::pipeline::infra::whole_file::put_bytes;
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, failed};
 use crate::system::fs;
 
 /// What is planned.
@@ -207,13 +207,7 @@ fn earlier_rows(file: &Path) -> Result<Vec<SheetRow>, PipelineError> {
     let bytes = match fs::read_named(file) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(source) => {
-            return Err(PipelineError::File {
-                path: file.to_owned(),
-                doing: "reading the run sheet that is there",
-                source,
-            });
-        }
+        Err(source) => return Err(failed(file, "reading the run sheet that is there")(source)),
     };
     run_sheet::read(&bytes).map_err(|issue| PipelineError::BadArgument {
         what: "--sheet",
@@ -257,11 +251,7 @@ fn cells(planned: &PlannedRun) -> Vec<(String, String)> {
 
 /// Writes rows under the columns of a sheet and whatever else they state; the file is exchanged whole.
 fn write(file: &Path, rows: &[Vec<(String, String)>]) -> Result<(), PipelineError> {
-    let failed = |source: std::io::Error| PipelineError::File {
-        path: file.to_owned(),
-        doing: "writing the run sheet",
-        source,
-    };
+    let failed = failed(file, "writing the run sheet");
     let mut columns: Vec<&str> = COLUMNS.to_vec();
     for (column, _) in rows.iter().flatten() {
         if !columns.contains(&column.as_str()) {
@@ -287,7 +277,7 @@ fn write(file: &Path, rows: &[Vec<(String, String)>]) -> Result<(), PipelineErro
         .into_inner()
         .map_err(|error| failed(std::io::Error::other(error.to_string())))?;
     if let Some(folder) = file.parent() {
-        fs::create_dir_all(folder).map_err(failed)?;
+        fs::create_dir_all(folder).map_err(&failed)?;
     }
     put_bytes(file, true, &bytes)
 }

@@ -13,7 +13,7 @@ use crate::ingest::run_sheet;
 use crate::ingest::{Reading, RunTable, StartedAt};
 use crate::pipeline::campaign::standing::{self, SetAside};
 use crate::pipeline::documents::lengthwise::LumpedOrDistributedEntry;
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, failed};
 use crate::strip;
 use crate::system::fs;
 
@@ -138,11 +138,7 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
     if file.is_dir() {
         return Ok(folder(file));
     }
-    let bytes = fs::read(file).map_err(|source| PipelineError::File {
-        path: file.to_owned(),
-        doing: "reading the file",
-        source,
-    })?;
+    let bytes = fs::read(file).map_err(failed(file, "reading the file"))?;
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     let campaign = absolute.parent().and_then(campaign_file::find);
     let profiles = match &campaign {

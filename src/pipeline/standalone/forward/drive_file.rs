@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::domain::Drive;
-use crate::pipeline::PipelineError;
+use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
 
 /// A drive: every row holds its voltage until the next. Before the first row the strip rests, discharged.
@@ -56,11 +56,7 @@ pub fn write_drive(drive: &Drive) -> String {
 }
 
 fn read(path: &Path, column: &'static str) -> Result<Vec<(f64, f64)>, PipelineError> {
-    let text = fs::read_text(path).map_err(|source| PipelineError::File {
-        path: path.to_owned(),
-        doing: "reading",
-        source,
-    })?;
+    let text = fs::read_text(path).map_err(failed(path, "reading"))?;
     parse(&text, column).map_err(|(line, found, needed)| PipelineError::DriveFile {
         path: path.to_owned(),
         place: format!("line {line}"),
