@@ -512,7 +512,7 @@ pub(crate) fn input(
     Ok(report::Input {
         before: Before::default(),
         faults,
-        next_runs: plan.runs,
+        next_runs: plan,
         doubts,
         doubted,
         study,
