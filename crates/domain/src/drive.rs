@@ -293,19 +293,9 @@ impl Drive {
     /// Whether both are one drive run twice: the same levels one after the other, to within what sources and their
     /// records differ by. How long the last level was recorded does not count.
     pub fn repeats(&self, other: &Drive) -> bool {
-        self.repeats_times(1.0, other)
-    }
-
-    /// Whether one is the other with all its voltages times a number: what is linear answers both alike.
-    pub fn is_scaled(&self, other: &Drive) -> bool {
-        let (own, others) = (self.nominal_step_v(), other.nominal_step_v());
-        others != 0.0 && self.repeats_times(own / others, other)
-    }
-
-    fn repeats_times(&self, times: f64, other: &Drive) -> bool {
-        let others_v = (times * other.nominal_step_v()).abs();
+        let others_v = other.nominal_step_v().abs();
         let off_v = LEVELS_ALIKE * self.nominal_step_v().abs().max(others_v);
-        let are_near = |a: f64, b: f64| (a - times * b).abs() <= off_v;
+        let are_near = |a: f64, b: f64| (a - b).abs() <= off_v;
         let shortest_s = self.shortest_segment_s().min(other.shortest_segment_s());
         let alike = |(own, others): (&Segment, &Segment)| {
             let levels = match (own.level, others.level) {
@@ -434,14 +424,8 @@ mod tests {
         assert!(!Drive::step(2.0).repeats(&Drive::step(-2.0)));
         assert!(!Drive::step(2.0).repeats(&Drive::step(1.9)));
         assert!(Drive::step(2.0).repeats(&Drive::step(2.03)));
-        assert!(
-            Drive::step(2.0).is_scaled(&Drive::step(-1.0)) && !Drive::step(2.0).is_scaled(&Drive::step(0.0))
-        );
-        assert!(pulses.is_scaled(&drive(&[(0.0, 1.0), (20.0, 0.0), (40.0, 1.0)])));
-        assert!(!pulses.is_scaled(&drive(&[(0.0, 1.0), (20.0, 0.2), (40.0, 1.0)])));
         let mut charged = Drive::step(0.0);
         charged.baseline_v = 2.0;
-        assert!(!charged.is_scaled(&Drive::step(2.0)));
         assert!(charged.repeats(&charged.clone()) && !charged.repeats(&Drive::step(0.0)));
         let mut open = pulses.clone();
         open.segments[1].level = Level::OpenCircuit;

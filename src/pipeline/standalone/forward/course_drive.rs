@@ -293,7 +293,7 @@ fn search(
     limits: &VoltageLimits,
     every_s: f64,
 ) -> Result<(Drive, f64), PipelineError> {
-    let length_mm = grounds.to.length.value_mm;
+    let length_mm = grounds.to.length_mm.value;
     let (mut reference_v, mut best): (f64, Option<(f64, Drive)>) = (limits.highest_v, None);
     let mut pulses = pulses(grounds, times, (reference_v, every_s))?;
     let mut asked = bent(wanted, length_mm)?;

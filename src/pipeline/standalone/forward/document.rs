@@ -12,8 +12,8 @@ use crate::analysis::forecast::Forecast;
 use crate::domain::Drive;
 use crate::domain::quantiles::NORMAL_95;
 use crate::model::geometry::{CrossSection, Shape};
+use crate::model::scaling::StripSize;
 use crate::model::scaling::prediction::LINKS;
-use crate::model::scaling::{Dimension, StripSize};
 use crate::pipeline::findings::strip_modulus::StripModulus;
 
 /// A prediction.
@@ -71,9 +71,9 @@ pub struct StripEntry {
 impl StripEntry {
     pub(super) fn of(grounds: &Grounds) -> StripEntry {
         StripEntry {
-            length_mm: grounds.to.length.value_mm,
-            width_mm: grounds.to.width.value_mm,
-            thickness_mm: grounds.to.thickness.map(|thickness| thickness.value_mm),
+            length_mm: grounds.to.length_mm.value,
+            width_mm: grounds.to.width_mm.value,
+            thickness_mm: grounds.to.thickness_mm.map(|thickness| thickness.value),
             is_another: grounds.is_another,
         }
     }
@@ -176,12 +176,11 @@ struct Stiffness {
 
 impl Stiffness {
     fn of(size: &StripSize, modulus: &StripModulus) -> Option<Stiffness> {
-        let (thickness, modulus_mpa) = size.thickness.zip(modulus.modulus_mpa.value)?;
-        let section = CrossSection::symmetrical(size.width.value_mm, thickness.value_mm);
-        let relative = |dimension: &Dimension| dimension.standard_error_mm / dimension.value_mm;
+        let (thickness, modulus_mpa) = size.thickness_mm.zip(modulus.modulus_mpa.value)?;
+        let section = CrossSection::symmetrical(size.width_mm.value, thickness.value);
         let of_modulus = modulus.modulus_mpa.standard_error.unwrap_or(0.0) / modulus_mpa;
         // I goes with the cube of the thickness.
-        let of_size = relative(&size.width).hypot(3.0 * relative(&thickness));
+        let of_size = (size.width_mm.relative_error()).hypot(3.0 * thickness.relative_error());
         Some(Stiffness {
             moment_per_curvature: section.bending_moment_mn_mm(modulus_mpa, 1.0),
             relative_error: of_modulus.hypot(of_size),
@@ -249,7 +248,7 @@ impl ShapeEntry {
             .map(|link| link.get(k))
             .collect();
         let links = links.filter(|links| links.len() == LINKS)?;
-        let link_mm = grounds.to.length.value_mm / LINKS as f64;
+        let link_mm = grounds.to.length_mm.value / LINKS as f64;
         let curvature_per_cm: Vec<f64> = links.iter().map(|link| link.value).collect();
         let shape = Shape::from_curvature(&curvature_per_cm, link_mm / 10.0);
         let link = |(k, forecast): (usize, &&Forecast)| LinkEntry {

@@ -232,7 +232,7 @@ impl Grounds {
             let mut to = self.to;
             if source.sample != 0 {
                 // Whether strips of one material are one laminate is what their spread says.
-                to.thickness = source.size.thickness;
+                to.thickness_mm = source.size.thickness_mm;
             }
             Ok((source, predict(&identified, &to, drive, time_s)?))
         };

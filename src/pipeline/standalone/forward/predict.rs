@@ -183,7 +183,7 @@ fn volts(volts: f64) -> f64 {
 
 fn modulus_in_words(grounds: &Grounds) -> String {
     let modulus = &grounds.modulus;
-    match (&modulus.modulus_mpa.value, &grounds.to.thickness) {
+    match (&modulus.modulus_mpa.value, &grounds.to.thickness_mm) {
         (Some(value), Some(_)) => format!(
             "Blocked moment: E = {} MPa, {}.",
             fixed(*value, 0),
@@ -203,7 +203,7 @@ fn modulus_in_words(grounds: &Grounds) -> String {
 
 /// Which model carries over, by the criterion of the electrodes' resistance.
 fn model_in_words(grounds: &Grounds, forecasts: &Forecasts) -> String {
-    let length_mm = grounds.to.length.value_mm;
+    let length_mm = grounds.to.length_mm.value;
     match (forecasts.carried_by, forecasts.lumped_error) {
         (Some(CarriedBy::Distributed), Some(error)) => format!(
             "Distributed model: at {length_mm} mm the lumped one would be wrong by up to {} at the tip, for the electrodes resist along the strip.",
@@ -213,7 +213,7 @@ fn model_in_words(grounds: &Grounds, forecasts: &Forecasts) -> String {
             "Lumped model: at {length_mm} mm it is wrong by at most {} at the tip.",
             percent(error, 1)
         ),
-        (_, None) if length_mm <= LONGER * grounds.from.length.value_mm => {
+        (_, None) if length_mm <= LONGER * grounds.from.length_mm.value => {
             "Lumped model: the strip is no longer than the one that was fitted.".to_owned()
         }
         (_, None) => {
