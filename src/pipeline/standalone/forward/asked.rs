@@ -55,25 +55,7 @@ const AGE_ALIKE_H: f64 = 0.0;
 impl AskedStrip {
     /// The conditions asked for.
     pub(super) fn conditions(&self) -> Vec<Condition> {
-        let all = [
-            (
-                Covariate::RelativeHumidity,
-                self.humidity_option(),
-                self.humidity_course
-                    .first()
-                    .map(|row| row.1)
-                    .or(self.relative_humidity_percent),
-                HUMIDITY_GAP_PERCENT,
-            ),
-            (
-                Covariate::Temperature,
-                "--temperature",
-                self.temperature_c,
-                TEMPERATURE_ALIKE_C,
-            ),
-            (Covariate::Age, "--age", self.age_h, AGE_ALIKE_H),
-        ];
-        let condition = |(covariate, option, to, alike): (Covariate, &'static str, Option<f64>, f64)| {
+        let condition = |covariate, option, to: Option<f64>, alike| {
             to.map(|to| Condition {
                 covariate,
                 option,
@@ -81,7 +63,28 @@ impl AskedStrip {
                 alike,
             })
         };
-        all.into_iter().filter_map(condition).collect()
+        let all = [
+            condition(
+                Covariate::RelativeHumidity,
+                self.humidity_option(),
+                self.humidity_percent(),
+                HUMIDITY_GAP_PERCENT,
+            ),
+            condition(
+                Covariate::Temperature,
+                "--temperature",
+                self.temperature_c,
+                TEMPERATURE_ALIKE_C,
+            ),
+            condition(Covariate::Age, "--age", self.age_h, AGE_ALIKE_H),
+        ];
+        all.into_iter().flatten().collect()
+    }
+
+    /// The humidity asked for, percent; of one that changes its beginning.
+    pub(super) fn humidity_percent(&self) -> Option<f64> {
+        let begins = self.humidity_course.first().map(|row| row.1);
+        begins.or(self.relative_humidity_percent)
     }
 
     fn humidity_option(&self) -> &'static str {

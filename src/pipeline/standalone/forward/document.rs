@@ -128,7 +128,8 @@ impl Told {
             model: source.fitted_with.clone(),
             voltage_v: source.step_v,
         };
-        grounds.telling().map(told).collect()
+        let telling = grounds.sources.iter().filter(|source| grounds.tells(source));
+        telling.map(told).collect()
     }
 }
 

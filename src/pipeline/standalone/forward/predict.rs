@@ -90,8 +90,8 @@ impl Predict {
 
 pub(super) fn model_word(forecasts: &Forecasts) -> &'static str {
     match forecasts.carried_by {
-        Some(CarriedBy::Distributed) => "distributed",
-        _ => "lumped",
+        CarriedBy::Distributed => "distributed",
+        CarriedBy::Lumped => "lumped",
     }
 }
 
@@ -205,7 +205,7 @@ fn modulus_in_words(grounds: &Grounds) -> String {
 fn model_in_words(grounds: &Grounds, forecasts: &Forecasts) -> String {
     let length_mm = grounds.to.length_mm.value;
     match (forecasts.carried_by, forecasts.lumped_error) {
-        (Some(CarriedBy::Distributed), Some(error)) => format!(
+        (CarriedBy::Distributed, Some(error)) => format!(
             "Distributed model: at {length_mm} mm the lumped one would be wrong by up to {} at the tip, for the electrodes resist along the strip.",
             percent(error, 1)
         ),

@@ -254,11 +254,6 @@ impl Surroundings {
         laws.flat_map(of_law).collect()
     }
 
-    /// Share with which each variant counts in the variance.
-    pub fn weights(&self) -> Vec<f64> {
-        vec![1.0; self.variants().len()]
-    }
-
     /// What was brought where.
     pub fn brought(&self) -> Vec<BroughtEntry> {
         let entry = |way: &Way| {

@@ -6,6 +6,7 @@ use crate::domain::tag::keys;
 use crate::domain::{ChannelNoise as FoundNoise, Drive, Fit, Quantity, RunRecord};
 use crate::fit::FitOptions;
 use crate::model::scaling::lumped_model;
+use crate::model::scaling::propagation::values;
 use crate::model::{FitModel, LumpedModel, ParameterDescription, fit_model};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::fits::choice::FitChoice;
@@ -165,28 +166,17 @@ impl Subject {
     /// The parameters that are simulated, with their values, in the order of the model.
     pub(super) fn known(&self) -> Vec<(ParameterDescription, f64)> {
         let described = self.options.model.parameters.iter().filter(|of| !of.derived);
-        described
-            .filter_map(|of| Some((*of, self.value(of.key)?)))
-            .collect()
-    }
-
-    fn value(&self, key: &str) -> Option<f64> {
-        let model = &self.model;
-        if let Some(at) = self.branch_of(key) {
-            let branch = model.branches.get(at)?;
-            return Some(if key.starts_with('r') {
-                branch.resistance_ohm_cm2
-            } else {
-                branch.capacitance_f_per_cm2
-            });
-        }
+        let branches = self.model.branches.len();
+        let own = described.filter(|of| self.branch_of(of.key).is_none_or(|at| at < branches));
         let bends = self.curvature_noise.is_some();
-        match key {
-            "rss_ohm_cm2" => Some(model.steady_state_resistance_ohm_cm2).filter(|value| value.is_finite()),
-            "alpha_per_c_cm" => bends.then_some(model.charge_to_curvature_per_c_cm),
-            "lambda_per_s" => Some(model.relaxation_rate_per_s).filter(|rate| bends && *rate > 0.0),
-            _ => None,
-        }
+        let is_known = |(of, value): &(&ParameterDescription, f64)| match of.key {
+            "rss_ohm_cm2" => value.is_finite(),
+            "alpha_per_c_cm" => bends,
+            "lambda_per_s" => bends && *value > 0.0,
+            _ => true,
+        };
+        let known = own.zip(values(&self.model)).filter(is_known);
+        known.map(|(of, value)| (*of, value)).collect()
     }
 
     /// Number (from 0 on) of the branch that a parameter belongs to.

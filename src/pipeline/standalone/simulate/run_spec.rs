@@ -10,7 +10,7 @@ use super::noise_spec::Noise;
 use super::wave::Wave;
 use super::wrong::{Wrong, above_zero, from_zero};
 use crate::domain::{Drive, Issue};
-use crate::model::{Branch, LumpedModel};
+use crate::model::{LumpedModel, fit_model};
 use crate::truth::{HiddenEffect, Truth, TruthError};
 
 /// One run.
@@ -86,29 +86,16 @@ impl Pulses {
     }
 }
 
-/// Parameter keys that a run may give.
-const PARAMETER_KEYS: [&str; 11] = [
-    "r1_ohm_cm2",
-    "c1_f_per_cm2",
-    "r2_ohm_cm2",
-    "c2_f_per_cm2",
-    "r3_ohm_cm2",
-    "c3_f_per_cm2",
-    "r4_ohm_cm2",
-    "c4_f_per_cm2",
-    "rss_ohm_cm2",
-    "alpha_per_c_cm",
-    "lambda_per_s",
-];
+/// Whether a run may give it: a parameter of the lumped model with the most branches.
+fn is_parameter(key: &str) -> bool {
+    let parameters = fit_model("lumped-4").map_or(&[][..], |model| model.parameters);
+    parameters.iter().any(|of| !of.derived && of.key == key)
+}
 
 impl RunSpec {
     pub(super) fn check(&self) -> Result<(), Wrong> {
         let place = |what: &str| format!("run {}: {what}", self.file.display());
-        if let Some(key) = self
-            .parameters
-            .keys()
-            .find(|key| !PARAMETER_KEYS.contains(&key.as_str()))
-        {
+        if let Some(key) = self.parameters.keys().find(|key| !is_parameter(key)) {
             let needed = "one of r1_ohm_cm2 c1_f_per_cm2 (and so on to r4_ohm_cm2 c4_f_per_cm2) rss_ohm_cm2 alpha_per_c_cm lambda_per_s";
             return Err(Wrong::new(&place("parameters"), key.clone(), needed));
         }
@@ -210,27 +197,7 @@ impl RunSpec {
 
     /// The model with the run's parameters. A branch without resistance and capacitance is absent.
     pub fn model(&self) -> LumpedModel {
-        let parameter = |key: &str| self.parameters.get(key).copied();
-        let branch = |r: &str, c: &str| {
-            Some(Branch {
-                resistance_ohm_cm2: parameter(r)?,
-                capacitance_f_per_cm2: parameter(c)?,
-            })
-        };
-        LumpedModel {
-            branches: [
-                branch("r1_ohm_cm2", "c1_f_per_cm2"),
-                branch("r2_ohm_cm2", "c2_f_per_cm2"),
-                branch("r3_ohm_cm2", "c3_f_per_cm2"),
-                branch("r4_ohm_cm2", "c4_f_per_cm2"),
-            ]
-            .into_iter()
-            .flatten()
-            .collect(),
-            steady_state_resistance_ohm_cm2: parameter("rss_ohm_cm2").unwrap_or(f64::INFINITY),
-            charge_to_curvature_per_c_cm: parameter("alpha_per_c_cm").unwrap_or(0.0),
-            relaxation_rate_per_s: parameter("lambda_per_s").unwrap_or(0.0),
-        }
+        LumpedModel::of_parameters(|key| self.parameters.get(key).copied())
     }
 }
 
