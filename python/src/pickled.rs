@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use ieap::domain::{Channel, Drive, Quantity};
+use ieap::domain::{Channel, Quantity};
 use ieap::pipeline::standalone::in_memory::{self, ReadTable};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -13,7 +13,7 @@ use crate::readings::Readings;
 use crate::stated::Stated;
 
 /// Version of what is written: another is refused.
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 
 /// A table: everything but the readings as JSON, and the readings channel by channel, times before values.
 pub fn of_table<'py>(py: Python<'py>, table: &Readings) -> PyResult<(String, Vec<Bound<'py, PyBytes>>)> {
@@ -30,24 +30,11 @@ pub fn of_table<'py>(py: Python<'py>, table: &Readings) -> PyResult<(String, Vec
         numbers.push(PyBytes::new(py, bytemuck::cast_slice(&channel.values)));
     }
     let document = json!({
-        "version": VERSION, "source": table.source, "name": read.name, "rows": read.rows, "format": read.format,
-        "reader_version": read.reader_version, "technique": read.technique,
-        "is_step_response": read.is_step_response, "time_zero_is_step": read.time_zero_is_step, "status": read.status,
-        "started_at": read.started_at, "header_tags": read.header_tags, "flags": read.flags,
-        "original_metadata": read.original_metadata, "issues": read.issues,
+        "version": VERSION, "source": table.source, "read": **read,
         "channels": read.channels.iter().map(channel).collect::<Vec<_>>(),
-        "stated": table.stated.as_deref().map(of_stated),
+        "stated": table.stated.as_deref(),
     });
     Ok((document.to_string(), numbers))
-}
-
-/// What is stated, as JSON.
-pub fn of_stated(stated: &in_memory::Stated) -> Value {
-    let strip = stated.strip;
-    json!({
-        "strip": [strip.area_cm2, strip.length_mm, strip.width_mm, strip.electrode_resistance_ohm_per_sq],
-        "drive": stated.drive, "tags": stated.tags,
-    })
 }
 
 /// A table out of what [`of_table`] gave.
@@ -65,17 +52,9 @@ pub fn table_again(py: Python<'_>, document: &str, numbers: Vec<Bound<'_, PyByte
 /// What is stated, out of its JSON.
 #[pyfunction]
 pub fn stated_again(py: Python<'_>, document: &str) -> PyResult<Stated> {
-    let inner = serde_json::from_str(document)
-        .ok()
-        .and_then(|value| stated(&value));
-    match inner {
-        Some(inner) => Ok(Stated { inner }),
-        None => Err(fault(
-            py,
-            "what was pickled",
-            "it was written by another version, or is damaged",
-        )),
-    }
+    let why = "it was written by another version, or is damaged";
+    let inner = serde_json::from_str(document).map_err(|_| fault(py, "what was pickled", why))?;
+    Ok(Stated { inner })
 }
 
 fn table(document: &str, numbers: &[Bound<'_, PyBytes>]) -> Option<Readings> {
@@ -109,40 +88,12 @@ fn table(document: &str, numbers: &[Bound<'_, PyBytes>]) -> Option<Readings> {
         });
     }
     let read = ReadTable {
-        name: part(&whole["name"])?,
         channels,
-        rows: part(&whole["rows"])?,
-        format: part(&whole["format"])?,
-        reader_version: part(&whole["reader_version"])?,
-        technique: part(&whole["technique"])?,
-        is_step_response: part(&whole["is_step_response"])?,
-        time_zero_is_step: part(&whole["time_zero_is_step"])?,
-        status: part(&whole["status"])?,
-        started_at: part(&whole["started_at"])?,
-        header_tags: part(&whole["header_tags"])?,
-        flags: part(&whole["flags"])?,
-        original_metadata: part(&whole["original_metadata"])?,
-        issues: part(&whole["issues"])?,
+        ..part(&whole["read"])?
     };
     let mut table = Readings::new(read, part(&whole["source"])?);
-    if !whole["stated"].is_null() {
-        table.stated = Some(Arc::new(stated(&whole["stated"])?));
-    }
+    table.stated = part::<Option<in_memory::Stated>>(&whole["stated"])?.map(Arc::new);
     Some(table)
-}
-
-fn stated(value: &Value) -> Option<in_memory::Stated> {
-    let [area_cm2, length_mm, width_mm, electrode_resistance_ohm_per_sq] = part(&value["strip"])?;
-    Some(in_memory::Stated {
-        strip: in_memory::Strip {
-            area_cm2,
-            length_mm,
-            width_mm,
-            electrode_resistance_ohm_per_sq,
-        },
-        drive: part::<Option<Drive>>(&value["drive"])?,
-        tags: part(&value["tags"])?,
-    })
 }
 
 fn part<T: serde::de::DeserializeOwned>(value: &Value) -> Option<T> {

@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use ieap::domain::tag::keys;
-use ieap::domain::{Drive, Level, Segment};
+use ieap::domain::Drive;
 use ieap::pipeline::standalone::in_memory;
 use pyo3::prelude::*;
 
 use crate::error::refused;
-use crate::pickled::of_stated;
 
 /// What a caller states of readings.
 #[pyclass(frozen, module = "ieap._native")]
@@ -53,30 +52,18 @@ impl Stated {
     /// For `pickle` and `copy`.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         let again = py.import("ieap._native")?.getattr("stated_again")?;
-        Ok((again, (of_stated(&self.inner).to_string(),)))
+        Ok((again, (serde_json::json!(self.inner).to_string(),)))
     }
 }
 
 /// A drive of segments, start (s) and voltage (V, none: open circuit), each known exactly; none without a segment.
 pub fn drive_of(baseline_v: f64, segments: &[(f64, Option<f64>)]) -> Option<Drive> {
-    let segment = |&(start_s, voltage_v): &(f64, Option<f64>)| {
-        Segment::at(start_s, voltage_v.map_or(Level::OpenCircuit, Level::Voltage))
-    };
-    let drive = Drive {
-        baseline_v,
-        segments: segments.iter().map(segment).collect(),
-    };
-    (!segments.is_empty()).then_some(drive)
+    (!segments.is_empty()).then(|| Drive::of_levels(baseline_v, segments.iter().copied()))
 }
 
 /// Start (s) and voltage (V, none: open circuit) of each segment.
 pub fn segments_of(drive: Option<&Drive>) -> Vec<(f64, Option<f64>)> {
-    let segments = drive.map_or(&[][..], |drive| &drive.segments);
-    let segment = |segment: &Segment| match segment.level {
-        Level::Voltage(voltage_v) => (segment.start_s(), Some(voltage_v)),
-        Level::OpenCircuit => (segment.start_s(), None),
-    };
-    segments.iter().map(segment).collect()
+    drive.into_iter().flat_map(Drive::levels).collect()
 }
 
 /// What is stated now over what came with the readings.

@@ -76,7 +76,7 @@ pub fn run(args: &DriveArgs, output: &Output) -> Result<u8, CliError> {
     print(&document, output);
     if let Some((path, ending, overwrite)) = args.file.asked() {
         let bytes = match ending.as_str() {
-            "csv" => write_drive(&document.found).into_bytes(),
+            "csv" => write_drive(&document.drive).into_bytes(),
             format => course_figure(&document, context.campaign.notice.as_deref(), format)?,
         };
         write(path, &bytes, overwrite, output)?;

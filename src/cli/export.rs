@@ -15,7 +15,7 @@ use crate::pipeline::documents::fits::fits_document;
 use crate::pipeline::show::export::{Export, Table, TableFormat};
 use crate::pipeline::show::partitioned::ExportPartitioned;
 use crate::pipeline::show::research_crate::export_crate;
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, failed};
 
 /// Write data and results as CSV, Parquet or JSON
 ///
@@ -213,11 +213,7 @@ fn targets(args: &ExportArgs) -> Result<Vec<(Table, PathBuf)>, CliError> {
         return Ok(tables.iter().map(|table| (*table, path(table))).collect());
     }
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from("export"));
-    std::fs::create_dir_all(&folder).map_err(|source| PipelineError::File {
-        path: folder.clone(),
-        doing: "making the folder",
-        source,
-    })?;
+    std::fs::create_dir_all(&folder).map_err(failed(&folder, "making the folder"))?;
     let ending = match args.format {
         Some(FileFormat::Parquet) | None => "parquet",
         Some(FileFormat::Csv) => "csv",

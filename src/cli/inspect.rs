@@ -45,7 +45,7 @@ pub fn print(inspection: &Inspection, output: &Output) {
     for candidate in &inspection.candidates {
         output.result(&format!(
             "  candidate: {} ({}) {}",
-            candidate.format, candidate.score, candidate.reason
+            candidate.id, candidate.score, candidate.reason
         ));
     }
     let facts = [

@@ -10,7 +10,7 @@ use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use crate::pipeline::Context;
-use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary, entries, plan, write_sheet};
+use crate::pipeline::findings::next_runs::{PlannedRun, SheetSummary, plan, write_sheet};
 
 /// List the runs to make next, and what each tells
 ///
@@ -28,11 +28,10 @@ pub struct NextArgs {
 pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
     let context = Context::open_read_only(&args.campaign.folder()?)?;
     let plan = plan(&context)?;
-    let list = entries(&plan);
-    if list.is_empty() {
+    if plan.is_empty() {
         output.result("no run to make next: nothing that was compared was measured in one order only, and no missing law is to be told from another");
     }
-    list.iter().for_each(|entry| print(entry, output));
+    plan.iter().for_each(|entry| print(entry, output));
     let written = match &args.sheet {
         Some(file) => Some(write_sheet(&context, &plan, file)?),
         None => None,
@@ -42,14 +41,14 @@ pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
     }
     output.document(&json!({
         "schema": "ieap/next/2",
-        "next_runs": list,
+        "next_runs": plan,
         "sheet": written,
     }))?;
     Ok(DONE)
 }
 
-fn print(entry: &NextRunEntry, output: &Output) {
-    let run = &entry.next.run;
+fn print(next: &PlannedRun, output: &Output) {
+    let run = &next.run;
     let mut place = vec![run.sample.clone()];
     place.extend(run.environment.as_ref().map(|name| format!("in {name}")));
     place.extend(run.relative_humidity_percent.map(|rh| format!("at {rh} % RH")));
@@ -57,17 +56,17 @@ fn print(entry: &NextRunEntry, output: &Output) {
     place.extend(run.rest_before_s.map(|rest| format!("after {rest} s of rest")));
     output.result(&format!(
         "{:>2}. {}  {}: {}",
-        entry.rank,
-        entry.next.planned,
+        next.rank,
+        next.planned,
         place.join(" "),
         run.drive
     ));
     output.result(&format!("    {}", run.why.join("; ")));
-    let on_sheet = match &entry.next.on_sheet {
+    let on_sheet = match &next.on_sheet {
         Some(sheet) => format!(" (on {sheet})"),
         None => String::new(),
     };
-    output.result(&format!("    save as {}{on_sheet}", entry.next.file));
+    output.result(&format!("    save as {}{on_sheet}", next.file));
 }
 
 fn say(summary: &SheetSummary, runs_folder: &str, output: &Output) {

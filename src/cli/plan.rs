@@ -15,7 +15,7 @@ use crate::pipeline::Context;
 use crate::pipeline::findings::study_plan::{self, StudyPlan};
 use crate::pipeline::standalone::forward::AskedStrip;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
-use crate::pipeline::standalone::preflight::{DRAWS, Named, PlanDocument, Preflight, Subject, Trial, table};
+use crate::pipeline::standalone::preflight::{DRAWS, PlanDocument, Preflight, Subject, Trial, table};
 
 /// Say beforehand what a run determines, or a study sees
 ///
@@ -153,26 +153,16 @@ fn subject(args: &PlanArgs, drive: Option<&Drive>) -> Result<Subject, CliError> 
         return Ok(Subject::of_spec(spec, args.run.as_deref())?);
     }
     let context = Context::open_read_only(&args.campaign.folder()?)?;
-    let size = AskedStrip {
+    let asked = AskedStrip {
+        sample: args.sample.clone().unwrap_or_default(),
+        environment: args.environment.clone(),
+        relative_humidity_percent: args.rh,
         length_mm: args.length,
         width_mm: args.width,
         ..AskedStrip::default()
     };
-    let named = match &args.run {
-        Some(run) => Named::Run(run.clone()),
-        None => Named::Sample(Box::new(AskedStrip {
-            sample: args.sample.clone().unwrap_or_default(),
-            environment: args.environment.clone(),
-            relative_humidity_percent: args.rh,
-            ..AskedStrip::default()
-        })),
-    };
-    Ok(Subject::of_campaign(
-        &context,
-        &named,
-        &size,
-        drive.map(Drive::nominal_step_v),
-    )?)
+    let volts = drive.map(Drive::nominal_step_v);
+    Ok(Subject::of_campaign(&context, asked, args.run.as_deref(), volts)?)
 }
 
 fn print(document: &PlanDocument, output: &Output) {

@@ -15,9 +15,10 @@ use crate::domain::number::estimates::in_words;
 use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
 use crate::pipeline::Context;
-use crate::pipeline::standalone::forward::document::Predicted;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
-use crate::pipeline::standalone::forward::{Predict, PredictedRow, PredictionDocument, prediction_figure};
+use crate::pipeline::standalone::forward::{
+    Forecast, Predict, PredictedRow, PredictionDocument, prediction_figure,
+};
 
 /// Predict another strip, voltage or drive from fits
 ///
@@ -84,7 +85,7 @@ fn print(document: &PredictionDocument, output: &Output) {
         document.model,
         counted(document.sources.len(), "run")
     ));
-    type Column = fn(&PredictedRow) -> Option<Predicted>;
+    type Column = fn(&PredictedRow) -> Option<Forecast>;
     let columns: [(&str, f64, Column); 5] = [
         ("current, mA", 1e3, |row| Some(row.current_a)),
         ("charge, mC", 1e3, |row| Some(row.charge_c)),
@@ -111,7 +112,7 @@ fn print(document: &PredictionDocument, output: &Output) {
 }
 
 /// `0.123 ± 0.011  (95 %: 0.101 to 0.145)`.
-pub(super) fn words(predicted: &Predicted, scale: f64) -> String {
+pub(super) fn words(predicted: &Forecast, scale: f64) -> String {
     let estimate = predicted.estimate(scale);
     let interval = crate::domain::number::estimates::interval_in_words(&estimate);
     format!("{}{interval}", in_words(&estimate))

@@ -14,7 +14,7 @@ use super::global::Global;
 use super::log_file::LogFile;
 use super::output::Output;
 use super::{ingest, report, run, signals};
-use crate::pipeline::{PipelineError, Run, Watch, WatchSettings, Watched};
+use crate::pipeline::{Run, Watch, WatchSettings, Watched, failed};
 
 /// Do what `run` does for every file that arrives
 ///
@@ -53,11 +53,7 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
     let mut context = args.campaign.open(global, output)?;
     output.time_lines(crate::pipeline::Zone::of(&context.campaign).zone().clone());
     if let Some(path) = &args.log {
-        let opened = LogFile::open(path).map_err(|source| PipelineError::File {
-            path: path.clone(),
-            doing: "opening the log",
-            source,
-        });
+        let opened = LogFile::open(path).map_err(failed(path, "opening the log"));
         output.log_into(opened?);
     }
     output.message(&format!(

@@ -32,6 +32,7 @@ pub use fits::groups::{FitGroups, FitTogether, Sharing};
 pub use fits::outcome::{FAULT, FitSummary};
 pub use fits::runs::FitRuns;
 pub use infra::allowed::AllowedCommands;
+pub(crate) use infra::error::failed;
 pub use infra::error::{HoldingsError, PipelineError};
 pub use infra::observer::{Observer, Silent};
 pub use intake::climate::LogSummary;

@@ -7,7 +7,7 @@ use ieap::domain::Fault;
 use ieap::pipeline::documents::diagnosis::diagnosis_document;
 use ieap::pipeline::documents::dma::dma;
 use ieap::pipeline::documents::fits::fits_document;
-use ieap::pipeline::findings::next_runs::{entries, plan, write_sheet};
+use ieap::pipeline::findings::next_runs::{plan, write_sheet};
 use ieap::pipeline::show::explain::explain;
 use ieap::pipeline::show::export::{Export, Table};
 use ieap::pipeline::show::figures::{self, MakeFigure};
@@ -349,7 +349,6 @@ fn told_in_every_way(context: &Context) -> Result<(), TestCaseError> {
         }
     }
     let plan = plan(context).map_err(|error| failed("next", &error))?;
-    entries(&plan);
     answered(
         "next --sheet",
         write_sheet(context, &plan, &out.path().join("next.csv")),

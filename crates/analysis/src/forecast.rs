@@ -6,8 +6,11 @@
 //! as a random walk, whose rate is that of the steps between neighbouring voltages: a straight line between them, with
 //! the variance of a bridge. Beyond the last voltage it stays, with the variance of the walk.
 
+use ieap_domain::Estimate;
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::student::quantile_95;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// Voltages are one level where they differ by less than this part: what a source is set to is met to 1 % or better.
 const LEVELS_ALIKE: f64 = 0.02;
@@ -44,23 +47,6 @@ pub struct Told {
     pub standard_error: f64,
 }
 
-/// Variance by where it comes from, in the square of the value's unit; none where the runs cannot tell it.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Variances {
-    /// Of the parameters of the fits.
-    pub parameters: f64,
-    /// From run to run at one voltage; none without repeats.
-    pub runs: Option<f64>,
-    /// Of the way between the voltages; none where another voltage is asked for than the only one measured.
-    pub voltages: Option<f64>,
-    /// From strip to strip; none with one sample, or where the strip itself is asked for.
-    pub samples: Option<f64>,
-    /// Of the laws that brought runs to the conditions asked for.
-    pub conditions: f64,
-    /// Of what the model is known to get wrong.
-    pub misfit: f64,
-}
-
 /// Standard deviations that do not come from how the runs differ.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Beside {
@@ -70,32 +56,47 @@ pub struct Beside {
     pub misfit: f64,
 }
 
-impl Variances {
-    /// The sum of what is known.
-    pub fn total(&self) -> f64 {
-        let of = |part: Option<f64>| part.unwrap_or(0.0);
-        self.parameters + of(self.runs) + of(self.voltages) + of(self.samples) + self.conditions + self.misfit
-    }
-}
-
-/// What is expected.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A number with the interval in which a further run lies in 95 of 100 cases.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Forecast {
-    /// Centre.
+    /// Value.
     pub value: f64,
-    /// Where its uncertainty comes from.
-    pub variances: Variances,
-    /// Lower end of the 95 % interval of a further run.
+    /// Lower end.
     pub low_95: f64,
     /// Upper end.
     pub high_95: f64,
+    /// Standard deviations by source; null where the runs cannot tell it.
+    pub standard_deviation: Parts,
 }
 
 impl Forecast {
-    /// Standard deviation of what a further run may show about the centre.
-    pub fn standard_deviation(&self) -> f64 {
-        self.variances.total().sqrt()
+    /// The number times `scale`, with its interval.
+    pub fn estimate(&self, scale: f64) -> Estimate {
+        let half = scale * (self.high_95 - self.low_95) / 2.0;
+        Estimate::determined(
+            scale * self.value,
+            half / NORMAL_95,
+            scale * self.low_95,
+            scale * self.high_95,
+        )
     }
+}
+
+/// Standard deviations of a prediction, in its unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct Parts {
+    /// From the parameters of the fits and the dimensions.
+    pub parameters: f64,
+    /// From run to run; none without repeats.
+    pub runs: Option<f64>,
+    /// Of the way between voltages; none where another voltage is asked for than the only one measured.
+    pub voltages: Option<f64>,
+    /// From strip to strip; none with one sample, or where the strip itself is asked for.
+    pub samples: Option<f64>,
+    /// Of the laws that brought runs to the conditions asked for; 0 where none was.
+    pub conditions: f64,
+    /// Of what the model gets wrong.
+    pub misfit: f64,
 }
 
 /// A voltage at which a sample was measured.
@@ -138,20 +139,24 @@ pub fn forecast(told: &[Told], applied: Applied, of_another_strip: bool, beside:
         freedom.push((variance, degrees));
         variance
     });
-    let variances = Variances {
-        parameters,
-        runs,
-        voltages: way_between(&own, applied),
-        samples: of_samples,
-        conditions: beside.conditions.powi(2),
-        misfit: beside.misfit.powi(2),
-    };
-    let half = quantile(variances.total(), &freedom) * variances.total().sqrt();
+    let voltages = way_between(&own, applied);
+    let known = [runs, voltages, of_samples].into_iter().flatten();
+    let of_runs = known.fold(parameters, |sum, variance| sum + variance);
+    let total = of_runs + beside.conditions.powi(2) + beside.misfit.powi(2);
+    let half = quantile(total, &freedom) * total.sqrt();
+    let root = |variance: Option<f64>| variance.map(f64::sqrt);
     Some(Forecast {
         value,
-        variances,
         low_95: value - half,
         high_95: value + half,
+        standard_deviation: Parts {
+            parameters: parameters.sqrt(),
+            runs: root(runs),
+            voltages: root(voltages),
+            samples: root(of_samples),
+            conditions: beside.conditions,
+            misfit: beside.misfit,
+        },
     })
 }
 
@@ -270,16 +275,21 @@ mod tests {
         let found = forecast(&[told(2.0, 5.0)], Applied::step(2.01), false, Beside::default()).unwrap();
         assert_eq!(found.value, 5.0);
         assert!((found.high_95 - 5.0 - 0.1 * NORMAL_95).abs() < 1e-12);
-        assert_eq!((found.variances.runs, found.variances.samples), (None, None));
-        assert_eq!(found.variances.voltages, Some(0.0));
+        let parts = found.standard_deviation;
+        assert_eq!((parts.runs, parts.samples), (None, None));
+        assert_eq!(parts.voltages, Some(0.0));
         assert_eq!(
             forecast(&[told(2.0, 5.0)], Applied::step(1.0), false, Beside::default())
                 .unwrap()
-                .variances
+                .standard_deviation
                 .voltages,
             None
         );
         assert_eq!(forecast(&[], Applied::step(1.0), false, Beside::default()), None);
+    }
+
+    fn of_voltages(found: &Forecast) -> f64 {
+        found.standard_deviation.voltages.unwrap().powi(2)
     }
 
     #[test]
@@ -288,7 +298,7 @@ mod tests {
         let middle = forecast(&runs, Applied::step(1.5), false, Beside::default()).unwrap();
         assert!((middle.value - 2.0).abs() < 1e-12);
         // The step of 2, less what the errors explain, is the rate of the walk; a bridge has a quarter in the middle.
-        assert!((middle.variances.voltages.unwrap() - (4.0 - 0.02) / 4.0).abs() < 1e-12);
+        assert!((of_voltages(&middle) - (4.0 - 0.02) / 4.0).abs() < 1e-12);
         let beyond = forecast(&runs, Applied::step(2.5), false, Beside::default()).unwrap();
         assert_eq!(beyond.value, 3.0);
         // A drive that strays about a measured voltage has that much of the walk.
@@ -297,8 +307,8 @@ mod tests {
             strays_v: 0.25,
         };
         let straying = forecast(&runs, straying, false, Beside::default()).unwrap();
-        assert!((straying.variances.voltages.unwrap() - 0.25 * 3.98 / 1.0).abs() < 1e-12);
-        assert!((beyond.variances.voltages.unwrap() - (4.0 - 0.02) / 2.0).abs() < 1e-12);
+        assert!((of_voltages(&straying) - 0.25 * 3.98 / 1.0).abs() < 1e-12);
+        assert!((of_voltages(&beyond) - (4.0 - 0.02) / 2.0).abs() < 1e-12);
     }
 
     #[test]
@@ -313,7 +323,7 @@ mod tests {
             },
         )
         .unwrap();
-        assert!((found.standard_deviation() - 0.17_f64.sqrt()).abs() < 1e-12);
+        assert!((found.high_95 - 5.0 - NORMAL_95 * 0.17_f64.sqrt()).abs() < 1e-12);
     }
 
     /// How often the interval holds a further run, of samples and repeats that scatter.

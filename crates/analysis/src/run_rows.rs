@@ -7,7 +7,7 @@ use polars::prelude::PolarsError;
 
 use super::parquet_file::{About, Cells, ParquetFile, moment_us};
 use ieap_domain::tag::keys;
-use ieap_domain::{Channel, Edge, Level, Quantity, RunRecord};
+use ieap_domain::{Channel, Edge, Quantity, RunRecord};
 
 /// Channels that have columns of their own; how many others a run has is counted.
 pub const LISTED: [Quantity; 6] = [
@@ -164,14 +164,9 @@ fn of_drives(rows: &[RunRow<'_>]) -> Vec<(String, Cells)> {
         let segments = drive(row)?.segments;
         Some(segments.iter().map(|segment| before(&segment.edge)).collect())
     });
-    let levels = rows.iter().map(|row| {
-        let segments = drive(row)?.segments;
-        let level = segments.iter().map(|segment| match segment.level {
-            Level::Voltage(voltage_v) => Some(voltage_v),
-            Level::OpenCircuit => None,
-        });
-        Some(level.collect())
-    });
+    let levels = rows
+        .iter()
+        .map(|row| Some(drive(row)?.levels().map(|(_, volts)| volts).collect()));
     vec![
         named("baseline_v", Cells::Numbers(baseline.collect())),
         named("drive_start_s", Cells::Lists(starts.collect())),

@@ -36,6 +36,16 @@ pub enum Level {
     OpenCircuit,
 }
 
+impl Level {
+    /// The voltage that the source holds, V; none in an open circuit.
+    pub fn volts(self) -> Option<f64> {
+        match self {
+            Level::Voltage(volts) => Some(volts),
+            Level::OpenCircuit => None,
+        }
+    }
+}
+
 /// Which of the levels of a moving voltage are reached by a jump: a step far larger than those beside it, and far steeper,
 /// for of readings at uneven times a larger step may just have taken longer. `time_s` are the times of the levels, s.
 pub fn jumps(time_s: &[f64], levels_v: &[f64]) -> Vec<usize> {
@@ -119,6 +129,35 @@ impl Drive {
             baseline_v: 0.0,
             segments: vec![Segment::at(0.0, Level::Voltage(voltage_v))],
         }
+    }
+
+    /// A drive by the start of each segment, s, and its voltage, V; none of an open circuit.
+    pub fn of_levels(baseline_v: f64, levels: impl IntoIterator<Item = (f64, Option<f64>)>) -> Drive {
+        let segment = |(start_s, volts): (f64, Option<f64>)| {
+            Segment::at(start_s, volts.map_or(Level::OpenCircuit, Level::Voltage))
+        };
+        Drive {
+            baseline_v,
+            segments: levels.into_iter().map(segment).collect(),
+        }
+    }
+
+    /// The start of each segment, s, and its voltage, V; none of an open circuit.
+    pub fn levels(&self) -> impl Iterator<Item = (f64, Option<f64>)> {
+        let segments = self.segments.iter();
+        segments.map(|segment| (segment.start_s(), segment.level.volts()))
+    }
+
+    /// Largest voltage of its segments, whatever its sign, V.
+    pub fn largest_v(&self) -> f64 {
+        let held = self.levels().filter_map(|(_, volts)| volts);
+        held.map(f64::abs).fold(0.0, f64::max)
+    }
+
+    /// What the source does at a time, s: it holds the baseline before the first segment.
+    pub fn level_at(&self, time_s: f64) -> Level {
+        let begun = self.segments.iter().rfind(|segment| segment.start_s() <= time_s);
+        begun.map_or(Level::Voltage(self.baseline_v), |segment| segment.level)
     }
 
     /// The staircase of a moving voltage's readings: each is held from midway to the one before to midway to the one after,
@@ -226,23 +265,17 @@ impl Drive {
     /// The voltages of the segments in their order, V; of an open circuit the one before.
     fn levels_v(&self) -> Vec<f64> {
         let mut last_v = self.baseline_v;
-        let level = |segment: &Segment| {
-            if let Level::Voltage(voltage_v) = segment.level {
-                last_v = voltage_v;
-            }
+        let level = |(_, volts): (f64, Option<f64>)| {
+            last_v = volts.unwrap_or(last_v);
             last_v
         };
-        self.segments.iter().map(level).collect()
+        self.levels().map(level).collect()
     }
 
     /// The held voltage farthest from the baseline (for a discharge, the baseline itself): the nominal step, V. Of a moving
     /// voltage that goes as far to both sides its positive end: which of them reaches farther is chance.
     pub fn nominal_step_v(&self) -> f64 {
-        let levels = self.segments.iter().filter_map(|segment| match segment.level {
-            Level::Voltage(voltage_v) => Some(voltage_v),
-            Level::OpenCircuit => None,
-        });
-        let far = levels
+        let far = (self.levels().filter_map(|(_, volts)| volts))
             .chain([self.baseline_v])
             .fold(0.0, |far: f64, v| if v.abs() > far.abs() { v } else { far });
         let has_both = far < 0.0 && self.has_level_near(-far) && self.moves();
@@ -254,29 +287,15 @@ impl Drive {
         let near = |level_v: f64| {
             (level_v - voltage_v).abs() <= NOMINAL_AGREES_V.max(NOMINAL_AGREES_PART * voltage_v.abs())
         };
-        near(self.baseline_v)
-            || self.segments.iter().any(|segment| match segment.level {
-                Level::Voltage(level_v) => near(level_v),
-                Level::OpenCircuit => false,
-            })
+        near(self.baseline_v) || self.levels().any(|(_, volts)| volts.is_some_and(near))
     }
 
     /// Whether both are one drive run twice: the same levels one after the other, to within what sources and their
     /// records differ by. How long the last level was recorded does not count.
     pub fn repeats(&self, other: &Drive) -> bool {
-        self.repeats_times(1.0, other)
-    }
-
-    /// Whether one is the other with all its voltages times a number: what is linear answers both alike.
-    pub fn is_scaled(&self, other: &Drive) -> bool {
-        let (own, others) = (self.nominal_step_v(), other.nominal_step_v());
-        others != 0.0 && self.repeats_times(own / others, other)
-    }
-
-    fn repeats_times(&self, times: f64, other: &Drive) -> bool {
-        let others_v = (times * other.nominal_step_v()).abs();
+        let others_v = other.nominal_step_v().abs();
         let off_v = LEVELS_ALIKE * self.nominal_step_v().abs().max(others_v);
-        let are_near = |a: f64, b: f64| (a - times * b).abs() <= off_v;
+        let are_near = |a: f64, b: f64| (a - b).abs() <= off_v;
         let shortest_s = self.shortest_segment_s().min(other.shortest_segment_s());
         let alike = |(own, others): (&Segment, &Segment)| {
             let levels = match (own.level, others.level) {
@@ -405,14 +424,8 @@ mod tests {
         assert!(!Drive::step(2.0).repeats(&Drive::step(-2.0)));
         assert!(!Drive::step(2.0).repeats(&Drive::step(1.9)));
         assert!(Drive::step(2.0).repeats(&Drive::step(2.03)));
-        assert!(
-            Drive::step(2.0).is_scaled(&Drive::step(-1.0)) && !Drive::step(2.0).is_scaled(&Drive::step(0.0))
-        );
-        assert!(pulses.is_scaled(&drive(&[(0.0, 1.0), (20.0, 0.0), (40.0, 1.0)])));
-        assert!(!pulses.is_scaled(&drive(&[(0.0, 1.0), (20.0, 0.2), (40.0, 1.0)])));
         let mut charged = Drive::step(0.0);
         charged.baseline_v = 2.0;
-        assert!(!charged.is_scaled(&Drive::step(2.0)));
         assert!(charged.repeats(&charged.clone()) && !charged.repeats(&Drive::step(0.0)));
         let mut open = pulses.clone();
         open.segments[1].level = Level::OpenCircuit;

@@ -53,24 +53,26 @@ impl Estimate {
     /// A determined value.
     pub fn determined(value: f64, standard_error: f64, low_95: f64, high_95: f64) -> Estimate {
         Estimate {
-            value: Some(value),
             standard_error: Some(standard_error),
             low_95: Some(low_95),
             high_95: Some(high_95),
-            at_bound: false,
-            reason: None,
+            ..Estimate::exact(value)
+        }
+    }
+
+    /// A value of which no error is known.
+    pub fn exact(value: f64) -> Estimate {
+        Estimate {
+            value: Some(value),
+            ..Estimate::default()
         }
     }
 
     /// Nothing can be said, for `reason`.
     pub fn not_determined(reason: impl Into<String>) -> Estimate {
         Estimate {
-            value: None,
-            standard_error: None,
-            low_95: None,
-            high_95: None,
-            at_bound: false,
             reason: Some(reason.into()),
+            ..Estimate::default()
         }
     }
 

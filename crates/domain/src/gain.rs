@@ -77,24 +77,6 @@ impl HeldOutGain {
         self.deviance > NORMAL_95 * self.standard_error || (self.deviance > 0.0 && all > 1 && better == all)
     }
 
-    /// The channel whose held-out readings gain most, with its error over its range before and after; none where none does.
-    pub fn best_channel(&self) -> Option<(&'static str, f64, f64)> {
-        let errors = [
-            ("current", self.nrmse_current_before, self.nrmse_current_after),
-            (
-                "curvature",
-                self.nrmse_curvature_before,
-                self.nrmse_curvature_after,
-            ),
-        ];
-        let known = errors
-            .into_iter()
-            .filter_map(|(channel, before, after)| Some((channel, before?, after?)));
-        known
-            .filter(|(_, before, after)| after < before)
-            .max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)))
-    }
-
     /// Held-out parts that the extended model predicts better, and all of them.
     pub fn better_parts(&self) -> (usize, usize) {
         let better = self.parts.iter().filter(|(_, fall)| *fall > 0.0).count();

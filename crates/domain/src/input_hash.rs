@@ -3,7 +3,7 @@
 //! Each value is written by hand, with its kind and its length, so that two inputs that differ never look alike, and no
 //! other name of a type or a field makes a stored result out of date.
 
-use super::{Drive, Issue, Level};
+use super::{Drive, Issue};
 
 /// BLAKE3 over values in the order in which they are written.
 #[derive(Debug, Clone, Default)]
@@ -83,10 +83,7 @@ impl InputHash {
         self.number(drive.baseline_v).count(drive.segments.len());
         for segment in &drive.segments {
             self.number(segment.start_s());
-            self.number_or_none(match segment.level {
-                Level::Voltage(voltage_v) => Some(voltage_v),
-                Level::OpenCircuit => None,
-            });
+            self.number_or_none(segment.level.volts());
             // A start that is stated has the hash that it always had.
             if !segment.edge.is_stated() {
                 self.number_or_none(Some(segment.edge.no_earlier_s));
@@ -120,7 +117,7 @@ impl InputHash {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Segment;
+    use crate::{Level, Segment};
 
     fn of(write: impl Fn(&mut InputHash) -> &mut InputHash) -> String {
         let mut hash = InputHash::new();

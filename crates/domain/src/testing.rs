@@ -7,8 +7,8 @@ use crate::quantiles::NORMAL_95_ROUNDED;
 use crate::tag::keys;
 use crate::{
     Branch, Campaign, Drive, EffectFinding, Environment, Estimate, Fit, Gain, GroupDiagnosis, HeldOutError,
-    HeldOutGain, Level, MissingLaw, Parameter, ParameterShift, RunFile, RunKind, RunRecord, RunState,
-    RunStatus, Sample, Segment, Tag, TagSource,
+    HeldOutGain, MissingLaw, Parameter, ParameterShift, RunFile, RunKind, RunRecord, RunState, RunStatus,
+    Sample, Tag, TagSource,
 };
 
 /// A sample of 5 x 2 x 0.22 mm.
@@ -249,12 +249,5 @@ pub fn branch(resistance_ohm_cm2: f64, capacitance_f_per_cm2: f64) -> Branch {
 
 /// A drive by the start of each segment, s, and its voltage; none of an open circuit.
 pub fn drive(baseline_v: f64, levels: &[(f64, Option<f64>)]) -> Drive {
-    let level = |voltage_v: Option<f64>| voltage_v.map_or(Level::OpenCircuit, Level::Voltage);
-    let segments = levels
-        .iter()
-        .map(|&(start_s, voltage_v)| Segment::at(start_s, level(voltage_v)));
-    Drive {
-        baseline_v,
-        segments: segments.collect(),
-    }
+    Drive::of_levels(baseline_v, levels.iter().copied())
 }

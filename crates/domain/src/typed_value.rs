@@ -16,11 +16,16 @@ pub struct Measured {
 
 impl Measured {
     /// A value that is taken as exact.
-    pub fn exact(value: f64) -> Measured {
+    pub const fn exact(value: f64) -> Measured {
         Measured {
             value,
             standard_error: 0.0,
         }
+    }
+
+    /// The standard error as a share of the value.
+    pub fn relative_error(&self) -> f64 {
+        self.standard_error / self.value
     }
 }
 

@@ -187,11 +187,9 @@ impl Circuit<'_> {
 
 /// Voltage that the source holds in a segment, V; zero while the circuit is open.
 pub(super) fn held_voltage(drive: &Drive, segment: Option<usize>) -> f64 {
-    match segment.map(|index| drive.segments[index].level) {
-        None => drive.baseline_v,
-        Some(Level::Voltage(level_v)) => level_v,
-        Some(Level::OpenCircuit) => 0.0,
-    }
+    segment.map_or(drive.baseline_v, |index| {
+        drive.segments[index].level.volts().unwrap_or(0.0)
+    })
 }
 
 /// V - v_k at the start of each segment and its derivative with respect to ln tau_k. Through an open circuit

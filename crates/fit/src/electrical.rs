@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use ieap_domain::{Drive, Level};
+use ieap_domain::Drive;
 use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::column_memory::LongColumn;
 use ieap_numerics::correlation::Autoregression;
@@ -322,10 +322,7 @@ impl Choosing<'_> {
         }
         let held = self.sampled.spans.iter().filter_map(|span| match span.segment {
             None => Some(self.drive.baseline_v),
-            Some(index) => match self.drive.segments[index].level {
-                Level::Voltage(level_v) => Some(level_v),
-                Level::OpenCircuit => None,
-            },
+            Some(index) => self.drive.segments[index].level.volts(),
         });
         let levels: Vec<f64> = held.collect();
         levels.iter().any(|&v| v == 0.0 || v != levels[0])

@@ -522,11 +522,7 @@ impl Sampled {
 }
 
 fn period_s(drive: &Drive) -> Option<f64> {
-    let level = |segment: &Segment| match segment.level {
-        Level::Voltage(volts) => Some(volts),
-        Level::OpenCircuit => None,
-    };
-    let levels: Option<Vec<f64>> = drive.segments.iter().map(level).collect();
+    let levels: Option<Vec<f64>> = drive.levels().map(|(_, volts)| volts).collect();
     let starts_s: Vec<f64> = drive.segments.iter().map(Segment::start_s).collect();
     waveform::period_s(&starts_s, &levels?)
 }

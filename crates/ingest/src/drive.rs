@@ -158,12 +158,8 @@ fn with_open_circuit(mut found: FoundDrive, open: &[(f64, f64)]) -> FoundDrive {
     };
     for &(from, to) in open {
         let due = |time_s: f64| {
-            drive
-                .segments
-                .iter()
-                .rev()
-                .find(|s| s.start_s() <= time_s)
-                .map(|s| s.level)
+            let begun = drive.segments.iter().rfind(|s| s.start_s() <= time_s);
+            begun.map(|s| s.level)
         };
         let after = to.is_finite().then(|| due(to)).flatten();
         drive.segments.retain(|s| s.start_s() < from || s.start_s() > to);

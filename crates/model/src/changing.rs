@@ -149,10 +149,7 @@ impl Stretch {
     }
 
     fn leaked_until(&self, elapsed_s: f64) -> f64 {
-        let volts = match self.level {
-            Level::Voltage(volts) => volts.abs(),
-            Level::OpenCircuit => 0.0,
-        };
+        let volts = self.level.volts().map_or(0.0, f64::abs);
         self.leaked + volts * elapsed_s / self.model.steady_state_resistance_ohm_cm2
     }
 }

@@ -67,6 +67,23 @@ impl SegmentResponse {
 }
 
 impl LumpedModel {
+    /// The model of parameters by their stored keys. A branch without resistance or capacitance is absent; a steady current, a
+    /// coupling and a relaxation that nothing is known of are none.
+    pub fn of_parameters(value: impl Fn(&str) -> Option<f64>) -> LumpedModel {
+        let branch = |k: usize| {
+            Some(Branch {
+                resistance_ohm_cm2: value(&format!("r{k}_ohm_cm2"))?,
+                capacitance_f_per_cm2: value(&format!("c{k}_f_per_cm2"))?,
+            })
+        };
+        LumpedModel {
+            branches: (1..=4).filter_map(branch).collect(),
+            steady_state_resistance_ohm_cm2: value("rss_ohm_cm2").unwrap_or(f64::INFINITY),
+            charge_to_curvature_per_c_cm: value("alpha_per_c_cm").unwrap_or(0.0),
+            relaxation_rate_per_s: value("lambda_per_s").unwrap_or(0.0),
+        }
+    }
+
     /// Current into the sample at each time, A.
     ///
     /// `area_cm2` is the active area; `time_s` may be in any order. Before the first segment the sample rests

@@ -38,7 +38,7 @@ pub use error::TruthError;
 pub use noise::{ChannelNoise, noise};
 pub use truth::Truth;
 
-use ieap_domain::{Drive, Level};
+use ieap_domain::Drive;
 use ieap_numerics::rosenbrock::Rosenbrock;
 
 use effects::Effects;
@@ -136,10 +136,7 @@ fn built(
     let effects = Effects::of_run(&truth.effects, run_index)?;
     let start_s = drive.segments[0].start_s();
     let observation = Observation::new(truth, &effects, start_s)?;
-    let held = drive.segments.iter().find_map(|segment| match segment.level {
-        Level::Voltage(v) => Some(v),
-        Level::OpenCircuit => None,
-    });
+    let held = drive.levels().find_map(|(_, volts)| volts);
     let conditions = Conditions {
         baseline_v: drive.baseline_v,
         step_v: if drive.moves() {

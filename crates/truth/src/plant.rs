@@ -350,10 +350,8 @@ impl Equations for Plant {
         self.coupling.rates(electrics.factors.relaxation, y, out);
         self.motion.rates(self.clock_s(t), electrics.wanted, y, out);
         if let Some(state) = self.source_state {
-            out[state] = match self.level {
-                Level::Voltage(level_v) => self.source.rise(level_v - y[state]),
-                Level::OpenCircuit => 0.0,
-            };
+            let rise = |level_v: f64| self.source.rise(level_v - y[state]);
+            out[state] = self.level.volts().map_or(0.0, rise);
         }
         if let Some(state) = self.late_state {
             let asked = self.late_series * electrics.outer.current;

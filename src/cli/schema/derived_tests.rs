@@ -17,7 +17,7 @@ use crate::pipeline::documents::diagnosis::DiagnosisDocument;
 use crate::pipeline::documents::dma::Dma;
 use crate::pipeline::documents::fits::FitsDocument;
 use crate::pipeline::findings::impedance::Spectra;
-use crate::pipeline::findings::next_runs::{NextRunEntry, SheetSummary};
+use crate::pipeline::findings::next_runs::{PlannedRun, SheetSummary};
 use crate::pipeline::findings::study::Study;
 use crate::pipeline::findings::study_plan::StudyPlanDocument;
 use crate::pipeline::intake::trace::TraceSummary;
@@ -94,7 +94,7 @@ fn derived() -> Vec<Derived> {
         document("moved/1", "table NAME --moved", whole::<MovedDocument>),
         document("next/2", "next", |of| {
             keys([
-                ("next_runs", value::<Vec<NextRunEntry>>(of)),
+                ("next_runs", value::<Vec<PlannedRun>>(of)),
                 ("sheet", value::<Option<SheetSummary>>(of)),
             ])
         }),

@@ -23,7 +23,7 @@ use crate::domain::{EffectFinding, Fault, GroupDiagnosis, Verdict};
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::current::findings_among;
 use crate::pipeline::findings::model_free::curves_after_steps;
-use crate::pipeline::findings::next_runs::{self, NextRunEntry, Plan, PlannedIds};
+use crate::pipeline::findings::next_runs::{self, PlannedIds, PlannedRun};
 use crate::pipeline::findings::study;
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::infra::fault::{or_nothing, step};
@@ -51,7 +51,7 @@ pub struct DiagnosisDocument {
     /// Groups whose fits are in doubt, and what that does to the questions across runs.
     pub campaign_doubted: Vec<DoubtedEntry>,
     /// Runs to make next, the first first.
-    pub campaign_next_runs: Vec<NextRunEntry>,
+    pub campaign_next_runs: Vec<PlannedRun>,
     /// What the study asked, in words.
     pub campaign_contrasts: Vec<String>,
     /// The same with its numbers, and the details.
@@ -188,7 +188,7 @@ pub fn diagnosis_document(
     let study = || Ok(study::of_runs(context, &runs, &findings, &curves));
     let study = or_nothing(step("what the study asked", study), &mut faults)?;
     let plan = || match group {
-        Some(_) => Ok(Plan::default()),
+        Some(_) => Ok(Vec::new()),
         None => Ok(next_runs::plan_from(
             context,
             (&runs, &ids),
@@ -229,7 +229,7 @@ pub fn diagnosis_document(
             .collect(),
         campaign_effects,
         campaign_doubted: doubted::entries(&told_of_doubts),
-        campaign_next_runs: next_runs::entries(&plan),
+        campaign_next_runs: plan,
         campaign_contrasts: study.asked().map(sentence).collect(),
         study,
     })

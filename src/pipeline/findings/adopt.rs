@@ -11,7 +11,7 @@ use crate::domain::{GroupDiagnosis, Verdict};
 use crate::ingest::campaign_file::FILE_NAME;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::infra::whole_file::put_stated;
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, failed};
 use crate::system::fs;
 
 /// The verb `diagnose --adopt`.
@@ -100,11 +100,7 @@ fn current<'a>(context: &'a Context, group: &str) -> Option<&'a str> {
 /// Adds entries at the end of campaign.toml; the file is exchanged whole.
 fn append(context: &Context, adopted: &[Adopted]) -> Result<(), PipelineError> {
     let path = context.folder.join(FILE_NAME);
-    let mut text = fs::read_stated_text(&context.folder, &path).map_err(|source| PipelineError::File {
-        path: path.clone(),
-        doing: "reading",
-        source,
-    })?;
+    let mut text = fs::read_stated_text(&context.folder, &path).map_err(failed(&path, "reading"))?;
     if !text.ends_with('\n') {
         text.push('\n');
     }

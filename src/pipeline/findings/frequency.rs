@@ -3,7 +3,7 @@
 
 use crate::analysis::frequency::{FrequencyPoint, FrequencyRun, PerVolt, frequency_run};
 use crate::domain::{Drive, Fit, RunRecord};
-use crate::model::{Branch, LumpedModel};
+use crate::model::LumpedModel;
 use crate::numerics::complex::Complex;
 use crate::pipeline::campaign::batch::compute;
 use crate::pipeline::campaign::readings;
@@ -34,23 +34,12 @@ pub fn frequency_runs(context: &Context, runs: &[RunRecord]) -> Result<Vec<Frequ
 /// The transfer functions of a fit with a lumped model; none where it leaves a branch open.
 fn modelled(fit: &Fit, area_cm2: f64) -> Option<impl Fn(f64) -> FrequencyPoint> {
     let value = |key: &str| fit.parameter(key).and_then(|estimate| estimate.value);
-    let branch = |k: usize| {
-        Some(Branch {
-            resistance_ohm_cm2: value(&format!("r{k}_ohm_cm2"))?,
-            capacitance_f_per_cm2: value(&format!("c{k}_f_per_cm2"))?,
-        })
-    };
+    // A steady current that is too small to be seen is none.
+    let model = LumpedModel::of_parameters(value);
     let stated = |k: &usize| fit.parameter(&format!("r{k}_ohm_cm2")).is_some();
-    let branches: Vec<Branch> = (1..).take_while(stated).map(branch).collect::<Option<_>>()?;
-    let model = LumpedModel {
-        // A steady current that is too small to be seen is none.
-        steady_state_resistance_ohm_cm2: value("rss_ohm_cm2").unwrap_or(f64::INFINITY),
-        charge_to_curvature_per_c_cm: value("alpha_per_c_cm").unwrap_or(0.0),
-        relaxation_rate_per_s: value("lambda_per_s").unwrap_or(0.0),
-        branches,
-    };
+    let is_whole = (1..).take_while(stated).count() == model.branches.len();
     let exact = |value: Complex| Some(PerVolt { value, half_95: 0.0 });
-    (!model.branches.is_empty()).then_some(move |frequency_hz: f64| FrequencyPoint {
+    (is_whole && !model.branches.is_empty()).then_some(move |frequency_hz: f64| FrequencyPoint {
         frequency_hz,
         current: exact(model.admittance_a_per_v(area_cm2, frequency_hz)),
         curvature: exact(model.curvature_per_cm_v(area_cm2, frequency_hz))

@@ -7,8 +7,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::study;
+pub use crate::analysis::plan::PlannedRun;
 use crate::analysis::plan::list::{Grounds, RowOfSheet};
-use crate::analysis::plan::{PlannedRun, next_runs};
+use crate::analysis::plan::next_runs;
 use crate::analysis::study::Study;
 use crate::domain::safe_text::csv_text;
 use crate::domain::tag::keys;
@@ -19,31 +20,14 @@ use crate::pipeline::campaign::planned::planned;
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::current::findings_among;
 use crate::pipeline::infra::whole_file::put_bytes;
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, failed};
 use crate::system::fs;
 
-/// What is planned.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Plan {
-    /// Runs to make, the first first.
-    pub runs: Vec<PlannedRun>,
-}
-
-/// A run of the list, as documents state it.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct NextRunEntry {
-    /// Place in the list, from 1.
-    pub rank: usize,
-    /// The run.
-    #[serde(flatten)]
-    pub next: PlannedRun,
-}
-
-/// Plans from what the campaign says now.
+/// Runs to make, the first first, from what the campaign says now.
 ///
 /// # Errors
 /// The database cannot be read.
-pub fn plan(context: &Context) -> Result<Plan, PipelineError> {
+pub fn plan(context: &Context) -> Result<Vec<PlannedRun>, PipelineError> {
     let all = standing::all(context)?;
     let findings = findings_among(context, &all)?;
     let ids = PlannedIds::of(context, &all)?;
@@ -84,13 +68,13 @@ impl PlannedIds {
     }
 }
 
-/// Plans from a study and findings that are known already.
+/// The same from a study and findings that are known already.
 pub(crate) fn plan_from(
     context: &Context,
     (runs, ids): (&[RunRecord], &PlannedIds),
     study: &Study,
     groups: &[GroupDiagnosis],
-) -> Plan {
+) -> Vec<PlannedRun> {
     let mut planned_runs = next_runs(&Grounds {
         runs,
         campaign: &context.campaign,
@@ -100,7 +84,7 @@ pub(crate) fn plan_from(
         last_number: ids.last_number,
     });
     shorten_misread(context, &mut planned_runs);
-    Plan { runs: planned_runs }
+    planned_runs
 }
 
 /// Names that `name_pattern` would read tags from become the bare id, so that a name says nothing beside the sheet.
@@ -122,15 +106,6 @@ fn shorten_misread(context: &Context, runs: &mut [PlannedRun]) {
             run.file.clone_from(&run.planned);
         }
     }
-}
-
-/// The list as documents state it.
-pub fn entries(plan: &Plan) -> Vec<NextRunEntry> {
-    let entry = |(rank, next): (usize, &PlannedRun)| NextRunEntry {
-        rank,
-        next: next.clone(),
-    };
-    (1..).zip(&plan.runs).map(entry).collect()
 }
 
 /// What writing a run sheet did.
@@ -155,7 +130,11 @@ pub struct SheetSummary {
 ///
 /// # Errors
 /// The file is there and no run sheet, or it cannot be written.
-pub fn write_sheet(context: &Context, plan: &Plan, file: &Path) -> Result<SheetSummary, PipelineError> {
+pub fn write_sheet(
+    context: &Context,
+    plan: &[PlannedRun],
+    file: &Path,
+) -> Result<SheetSummary, PipelineError> {
     let before = earlier_rows(file)?;
     // A run that was set aside was made all the same, and has its tags from its row.
     let runs = standing::all(context)?;
@@ -175,7 +154,6 @@ pub fn write_sheet(context: &Context, plan: &Plan, file: &Path) -> Result<SheetS
         here.is_some() && absolute(&path) == here
     };
     let (own, elsewhere): (Vec<&PlannedRun>, Vec<&PlannedRun>) = plan
-        .runs
         .iter()
         .partition(|run| run.on_sheet.as_deref().is_none_or(is_here));
     let dropped = open
@@ -207,13 +185,7 @@ fn earlier_rows(file: &Path) -> Result<Vec<SheetRow>, PipelineError> {
     let bytes = match fs::read_named(file) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(source) => {
-            return Err(PipelineError::File {
-                path: file.to_owned(),
-                doing: "reading the run sheet that is there",
-                source,
-            });
-        }
+        Err(source) => return Err(failed(file, "reading the run sheet that is there")(source)),
     };
     run_sheet::read(&bytes).map_err(|issue| PipelineError::BadArgument {
         what: "--sheet",
@@ -257,11 +229,7 @@ fn cells(planned: &PlannedRun) -> Vec<(String, String)> {
 
 /// Writes rows under the columns of a sheet and whatever else they state; the file is exchanged whole.
 fn write(file: &Path, rows: &[Vec<(String, String)>]) -> Result<(), PipelineError> {
-    let failed = |source: std::io::Error| PipelineError::File {
-        path: file.to_owned(),
-        doing: "writing the run sheet",
-        source,
-    };
+    let failed = failed(file, "writing the run sheet");
     let mut columns: Vec<&str> = COLUMNS.to_vec();
     for (column, _) in rows.iter().flatten() {
         if !columns.contains(&column.as_str()) {
@@ -287,7 +255,7 @@ fn write(file: &Path, rows: &[Vec<(String, String)>]) -> Result<(), PipelineErro
         .into_inner()
         .map_err(|error| failed(std::io::Error::other(error.to_string())))?;
     if let Some(folder) = file.parent() {
-        fs::create_dir_all(folder).map_err(failed)?;
+        fs::create_dir_all(folder).map_err(&failed)?;
     }
     put_bytes(file, true, &bytes)
 }

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::whole_file::put_own;
-use crate::pipeline::PipelineError;
+use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
 
 /// What was allowed: a file for each campaign folder and command, in a folder of that person outside of all campaigns. A file
@@ -42,10 +42,6 @@ impl AllowedCommands {
             found: "no home folder".to_owned(),
             needed: "HOME or XDG_STATE_HOME, to keep there what you allow".to_owned(),
         })?;
-        let failed = |path: &Path, doing| {
-            let path = path.to_owned();
-            move |source| PipelineError::File { path, doing, source }
-        };
         let campaign = fs::canonicalize(campaign).map_err(failed(campaign, "looking at it"))?;
         fs::create_dir_all(folder).map_err(failed(folder, "making the folder for what you allow"))?;
         let path = folder.join(name(&campaign, command));

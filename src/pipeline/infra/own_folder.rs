@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 
 use crate::ingest::archive::{hash_of_file, is_hash};
-use crate::pipeline::PipelineError;
+use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
 use crate::system::passing::Passing;
 
@@ -144,11 +144,7 @@ impl Fresh {
     pub fn put(mut self, target: &Path, is_earlier: &dyn Fn(&Path) -> bool) -> Result<(), PipelineError> {
         check(target, is_earlier)?;
         self.passing = None;
-        let failed = |source| PipelineError::File {
-            path: target.to_owned(),
-            doing: "putting the folder in place",
-            source,
-        };
+        let failed = failed(target, "putting the folder in place");
         self.exchange_with(target).map_err(failed)
     }
 
@@ -195,11 +191,7 @@ const ASIDE: &str = "old";
 /// # Errors
 /// [`PipelineError::NotOurs`] with the first file that is not ours; or the folder cannot be read.
 pub fn check(folder: &Path, is_earlier: &dyn Fn(&Path) -> bool) -> Result<(), PipelineError> {
-    let found = foreign(folder, is_earlier).map_err(|source| PipelineError::File {
-        path: folder.to_owned(),
-        doing: "looking whose files are in it",
-        source,
-    })?;
+    let found = foreign(folder, is_earlier).map_err(failed(folder, "looking whose files are in it"))?;
     match found {
         None => Ok(()),
         Some(found) => Err(PipelineError::NotOurs {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::ingest::campaign_file;
 use crate::ingest::scan::is_own_product;
-use crate::pipeline::PipelineError;
+use crate::pipeline::{PipelineError, failed};
 use crate::system::{Temporary, fs};
 
 /// Has `fill` write the temporary that becomes `path`, which a user names. A device or a pipe has no name to take and is written
@@ -54,18 +54,14 @@ fn exchanged<T>(
     overwrite: bool,
     fill: impl FnOnce(&Path) -> Result<T, PipelineError>,
 ) -> Result<T, PipelineError> {
-    let failed = |source: io::Error| match source.kind() {
+    let refused = |source: io::Error| match source.kind() {
         io::ErrorKind::AlreadyExists => PipelineError::FileExists {
             path: path.to_owned(),
         },
-        _ => PipelineError::File {
-            path: path.to_owned(),
-            doing: "writing",
-            source,
-        },
+        _ => failed(path, "writing")(source),
     };
     if fs::symlink_metadata(path).is_ok() && !overwrite {
-        return Err(failed(io::ErrorKind::AlreadyExists.into()));
+        return Err(refused(io::ErrorKind::AlreadyExists.into()));
     }
     // A link keeps standing: what it leads to is exchanged.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
@@ -73,19 +69,19 @@ fn exchanged<T>(
     if known.as_ref().is_some_and(|known| !known.is_file()) {
         return fill(&target);
     }
-    let part = temporary_beside(&target).map_err(failed)?;
+    let part = temporary_beside(&target).map_err(refused)?;
     let done = fill(part.path())?;
-    let file = fs::File::open_own(part.path()).map_err(failed)?;
+    let file = fs::File::open_own(part.path()).map_err(refused)?;
     if let Some(known) = known {
-        file.set_permissions(known.permissions()).map_err(failed)?;
+        file.set_permissions(known.permissions()).map_err(refused)?;
     }
-    file.sync_all().map_err(failed)?;
+    file.sync_all().map_err(refused)?;
     let placed = if overwrite {
         part.persist(&target)
     } else {
         part.persist_to_free(&target)
     };
-    placed.map_err(failed)?;
+    placed.map_err(refused)?;
     Ok(done)
 }
 
@@ -100,11 +96,7 @@ pub fn put_bytes(path: &Path, overwrite: bool, bytes: &[u8]) -> Result<(), Pipel
 fn write_all(part: &Path, path: &Path, bytes: &[u8]) -> Result<(), PipelineError> {
     let opened = fs::OpenOptions::new().write(true).open(part);
     let written = opened.and_then(|mut file| file.write_all(bytes));
-    written.map_err(|source| PipelineError::File {
-        path: path.to_owned(),
-        doing: "writing",
-        source,
-    })
+    written.map_err(failed(path, "writing"))
 }
 
 /// Writes a file anew that people write, too, such as campaign.toml: a link to it keeps standing.
@@ -120,11 +112,7 @@ pub fn put_stated(path: &Path, bytes: &[u8]) -> Result<(), PipelineError> {
 /// # Errors
 /// Something else stands there, or the disk refuses.
 pub fn put_own(path: &Path, bytes: &[u8]) -> Result<(), PipelineError> {
-    fs::check_own(path).map_err(|source| PipelineError::File {
-        path: path.to_owned(),
-        doing: "writing",
-        source,
-    })?;
+    fs::check_own(path).map_err(failed(path, "writing"))?;
     exchanged(path, true, |part| write_all(part, path, bytes))
 }
 

@@ -19,7 +19,7 @@ use crate::pipeline::findings::model_free::{WithoutModel, without_model};
 use crate::pipeline::findings::study::{self, Study};
 use crate::pipeline::infra::fault::step;
 use crate::pipeline::infra::whole_file::put_file;
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, failed};
 use crate::show::Frame;
 use crate::system::passing::Passing;
 
@@ -97,11 +97,7 @@ impl Export {
     /// The file that a user knows in place of the temporary.
     fn of_target(&self, error: PipelineError) -> PipelineError {
         match error {
-            PipelineError::Export(ExportError::Write { source, .. }) => PipelineError::File {
-                path: self.path.clone(),
-                doing: "writing",
-                source,
-            },
+            PipelineError::Export(ExportError::Write { source, .. }) => failed(&self.path, "writing")(source),
             error => error,
         }
     }
@@ -115,13 +111,9 @@ impl Export {
         table: Table,
         format: TableFormat,
     ) -> Result<(Vec<u8>, usize), PipelineError> {
-        let failed = |source: std::io::Error| PipelineError::File {
-            path: std::env::temp_dir(),
-            doing: "writing what goes to stdout",
-            source,
-        };
+        let failed = failed(&std::env::temp_dir(), "writing what goes to stdout");
         let made = Passing::made(tempfile::tempdir, |folder| folder.path().to_owned());
-        let (folder, _passing) = made.map_err(failed)?;
+        let (folder, _passing) = made.map_err(&failed)?;
         let export = Export {
             table,
             path: folder.path().join(table.key()),

@@ -15,7 +15,7 @@ use crate::pipeline::campaign::standing;
 use crate::pipeline::fits::plan::{Planned, fit_plan};
 use crate::pipeline::fits::runs::FitRuns;
 use crate::pipeline::infra::own_folder::{self, Fresh};
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, failed};
 use crate::system::fs;
 
 /// Runs written between two looks at memory: a row group.
@@ -49,25 +49,21 @@ impl ExportPartitioned {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
         };
-        let fresh = Fresh::begin(&parent, ".traces-").map_err(|source| self.failed(source))?;
+        let fresh = Fresh::begin(&parent, ".traces-").map_err(self.failed())?;
         let runs = standing::speaking(context)?;
         let tasks = tasks(context)?;
         for (partition, of_partition) in partitions(context, &runs) {
             let path = fresh.path().join(partition);
-            fs::create_dir_all(&path).map_err(|source| self.failed(source))?;
+            fs::create_dir_all(&path).map_err(self.failed())?;
             self.write(context, &of_partition, &tasks, &path.join("part-0.parquet"))?;
         }
-        fresh.finish().map_err(|source| self.failed(source))?;
+        fresh.finish().map_err(self.failed())?;
         fresh.put(&self.folder, &nobodys)?;
         Ok(runs.len())
     }
 
-    fn failed(&self, source: std::io::Error) -> PipelineError {
-        PipelineError::File {
-            path: self.folder.clone(),
-            doing: "writing traces",
-            source,
-        }
+    fn failed(&self) -> impl Fn(std::io::Error) -> PipelineError + use<> {
+        failed(&self.folder, "writing traces")
     }
 
     fn write(
@@ -81,9 +77,9 @@ impl ExportPartitioned {
             .write(true)
             .create_new(true)
             .open(path)
-            .map_err(|source| self.failed(source))?;
+            .map_err(self.failed())?;
         let mut file = fill(context, runs, tasks, BufWriter::new(file))?;
-        file.flush().map_err(|source| self.failed(source))
+        file.flush().map_err(self.failed())
     }
 }
 

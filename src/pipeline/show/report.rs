@@ -34,7 +34,7 @@ use crate::pipeline::infra::own_folder::{self, Altered, Fresh};
 use crate::pipeline::intake::climate::{assess, electrode_courses};
 use crate::pipeline::intake::files::stories;
 use crate::pipeline::intake::ingest::run_window;
-use crate::pipeline::{Context, Observer, PipelineError};
+use crate::pipeline::{Context, Observer, PipelineError, failed};
 use crate::report;
 use crate::report::kept::{self, Earlier, Made};
 use crate::report::moved::{Before, Numbers};
@@ -512,7 +512,7 @@ pub(crate) fn input(
     Ok(report::Input {
         before: Before::default(),
         faults,
-        next_runs: plan.runs,
+        next_runs: plan,
         doubts,
         doubted,
         study,
@@ -614,9 +614,4 @@ fn findings(context: &Context, runs: &[RunRecord], found: CurrentFindings) -> re
             .map(|law| of_effect(&(*law as &dyn Effect)))
             .collect(),
     }
-}
-
-fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::Error) -> PipelineError {
-    let path = path.to_owned();
-    move |source| PipelineError::File { path, doing, source }
 }

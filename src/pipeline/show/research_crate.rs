@@ -18,7 +18,7 @@ use crate::ingest::archive::Archive;
 use crate::ingest::campaign_file::{self, Publication};
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::infra::whole_file::put_file;
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, failed};
 use crate::system::fs;
 
 /// Resolution of figures; they are drawn as SVG, where it does not count.
@@ -42,20 +42,14 @@ pub struct CrateSummary {
 /// # Errors
 /// campaign.toml has no `[publication]` with a licence, an author, a description and a publisher; the disk refuses.
 pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<CrateSummary, PipelineError> {
-    let refused = |path: &Path, doing, source| PipelineError::File {
-        path: path.to_owned(),
-        doing,
-        source,
-    };
     let stated_in = context.folder.join(campaign_file::FILE_NAME);
-    let text = fs::read_stated_text(&context.folder, &stated_in)
-        .map_err(|source| refused(&stated_in, "reading", source))?;
+    let text = fs::read_stated_text(&context.folder, &stated_in).map_err(failed(&stated_in, "reading"))?;
     let publication = campaign_file::publication(&text, &stated_in)?.unwrap_or_default();
     asked_for(&publication)?;
     put_file(path, overwrite, |part| {
-        let failed = |source| refused(path, "writing the crate", source);
+        let failed = failed(path, "writing the crate");
         let file = fs::OpenOptions::new().read(true).write(true).open(part);
-        let mut zip = ZipWriter::new(file.map_err(failed)?);
+        let mut zip = ZipWriter::new(file.map_err(&failed)?);
         let (columns, mut parts, mut left_out) = (columns(context)?, Vec::new(), Vec::new());
         let mut add = |name: &str, about: &str, bytes: &[u8]| {
             let mut part = described(name, about, bytes);
@@ -64,7 +58,7 @@ pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<C
                 part["variableMeasured"] = references(own);
             }
             parts.push(part);
-            put(&mut zip, name, bytes).map_err(failed)
+            put(&mut zip, name, bytes).map_err(&failed)
         };
         add(
             campaign_file::FILE_NAME,
@@ -109,7 +103,7 @@ pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<C
         let files = parts.len() + 2;
         let columns = columns.into_values().flatten();
         for (name, document) in descriptions(context, &publication, parts, columns)? {
-            put(&mut zip, name, format!("{document:#}\n").as_bytes()).map_err(failed)?;
+            put(&mut zip, name, format!("{document:#}\n").as_bytes()).map_err(&failed)?;
         }
         zip.finish().map_err(|error| failed(error.into()))?;
         Ok(CrateSummary { files, left_out })

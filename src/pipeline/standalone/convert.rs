@@ -15,92 +15,35 @@ use crate::pipeline::documents::fits::as_object;
 /// Thickness times curvature from which a strip is no thin beam: strains over the thickness are then beyond 5 %.
 const THIN: f64 = 0.1;
 
-/// A measure by the name that it is typed under.
-struct Measure {
-    name: &'static str,
-    bending: Bending,
-    kind: ValueKind,
-    /// Key in documents, with the unit.
-    key: &'static str,
-    /// Canonical value times this is the value under the key.
-    scale: f64,
-}
-
-const MEASURES: [Measure; 9] = [
-    measure(
-        "curvature",
-        Bending::Curvature,
-        ValueKind::Curvature,
-        "curvature_per_cm",
-        1.0,
-    ),
-    measure("radius", Bending::Radius, ValueKind::Length, "radius_mm", 1.0),
-    measure(
-        "displacement",
-        Bending::Displacement,
-        ValueKind::Length,
-        "displacement_mm",
-        1.0,
-    ),
-    measure(
-        "tip-displacement",
-        Bending::TipDisplacement,
-        ValueKind::Length,
-        "tip_displacement_mm",
-        1.0,
-    ),
-    measure(
-        "tangent-angle",
-        Bending::TangentAngle,
-        ValueKind::Angle,
-        "tangent_angle_deg",
-        DEG,
-    ),
-    measure(
-        "strain-difference",
-        Bending::StrainDifference,
-        ValueKind::Strain,
-        "strain_difference_percent",
-        100.0,
-    ),
-    measure(
-        "bending-strain",
-        Bending::BendingStrain,
-        ValueKind::Strain,
-        "bending_strain_percent",
-        100.0,
-    ),
-    measure(
-        "moment",
-        Bending::Moment,
-        ValueKind::Moment,
-        "bending_moment_mn_mm",
-        1.0,
-    ),
-    measure(
-        "energy",
-        Bending::Energy,
-        ValueKind::Energy,
-        "strain_energy_uj",
-        1.0,
-    ),
-];
-
 const DEG: f64 = 180.0 / std::f64::consts::PI;
 
-const fn measure(
-    name: &'static str,
-    bending: Bending,
-    kind: ValueKind,
-    key: &'static str,
-    scale: f64,
-) -> Measure {
-    Measure {
-        name,
-        bending,
-        kind,
-        key,
-        scale,
+/// The name that a measure is typed under.
+fn name(bending: Bending) -> &'static str {
+    match bending {
+        Bending::Curvature => "curvature",
+        Bending::Radius => "radius",
+        Bending::Displacement => "displacement",
+        Bending::TipDisplacement => "tip-displacement",
+        Bending::TangentAngle => "tangent-angle",
+        Bending::StrainDifference => "strain-difference",
+        Bending::BendingStrain => "bending-strain",
+        Bending::Moment => "moment",
+        Bending::Energy => "energy",
+    }
+}
+
+/// What a measure is typed as, its key in documents, with the unit, and by what the canonical value is multiplied there.
+fn stated(bending: Bending) -> (ValueKind, &'static str, f64) {
+    match bending {
+        Bending::Curvature => (ValueKind::Curvature, "curvature_per_cm", 1.0),
+        Bending::Radius => (ValueKind::Length, "radius_mm", 1.0),
+        Bending::Displacement => (ValueKind::Length, "displacement_mm", 1.0),
+        Bending::TipDisplacement => (ValueKind::Length, "tip_displacement_mm", 1.0),
+        Bending::TangentAngle => (ValueKind::Angle, "tangent_angle_deg", DEG),
+        Bending::StrainDifference => (ValueKind::Strain, "strain_difference_percent", 100.0),
+        Bending::BendingStrain => (ValueKind::Strain, "bending_strain_percent", 100.0),
+        Bending::Moment => (ValueKind::Moment, "bending_moment_mn_mm", 1.0),
+        Bending::Energy => (ValueKind::Energy, "strain_energy_uj", 1.0),
     }
 }
 
@@ -195,13 +138,14 @@ pub struct ConversionDocument {
 /// The measure or its value cannot be read, or no circle has such a bending.
 pub fn convert(given: &str, strip: &MeasuredStrip) -> Result<ConversionDocument, PipelineError> {
     strip.check()?;
-    let names = MEASURES.map(|measure| measure.name).join(", ");
+    let names = Bending::ALL.map(name).join(", ");
     let parts = given.split_once('=');
-    let found = parts.and_then(|(name, text)| {
-        let name = name.trim().replace('_', "-");
-        MEASURES.iter().find(|m| m.name == name).map(|m| (m, text))
+    let found = parts.and_then(|(typed, text)| {
+        let typed = typed.trim().replace('_', "-");
+        let bending = Bending::ALL.into_iter().find(|own| name(*own) == typed);
+        Some((bending?, text))
     });
-    let Some((measure, text)) = found else {
+    let Some((bending, text)) = found else {
         let needed = format!("one of {names}, then = and the value with its unit: displacement=1.2mm");
         return Err(PipelineError::bad_argument(
             "what is converted",
@@ -209,26 +153,28 @@ pub fn convert(given: &str, strip: &MeasuredStrip) -> Result<ConversionDocument,
             &needed,
         ));
     };
-    let typed = measure.kind.parse(text).map_err(|error| PipelineError::Typed {
-        what: measure.name,
+    let (kind, key, scale) = stated(bending);
+    let typed = kind.parse(text).map_err(|error| PipelineError::Typed {
+        what: name(bending),
         error,
     })?;
-    let curvature = |strip: &MeasuredStrip, value| strip.known().to_curvature(measure.bending, value);
+    let curvature = |strip: &MeasuredStrip, value| strip.known().to_curvature(bending, value);
     let curvature_per_cm = curvature(strip, typed.value)
-        .map_err(|error| PipelineError::bad_argument(measure.name, text.to_owned(), needed(error)))?;
-    let values = MEASURES.iter().map(|wanted| {
+        .map_err(|error| PipelineError::bad_argument(name(bending), text.to_owned(), needed(error)))?;
+    let values = Bending::ALL.into_iter().map(|wanted| {
+        let (_, key, scale) = stated(wanted);
         let at = |strip: &MeasuredStrip, value| {
             let curvature_per_cm = curvature(strip, value)?;
-            let number = strip.known().from_curvature(wanted.bending, curvature_per_cm)?;
-            Ok(number * wanted.scale)
+            let number = strip.known().from_curvature(wanted, curvature_per_cm)?;
+            Ok(number * scale)
         };
-        (wanted.key.to_owned(), estimate(strip, typed, at))
+        (key.to_owned(), estimate(strip, typed, at))
     });
     let mut document = ConversionDocument {
         schema: "ieap/convert/1",
-        given: measure.key,
-        value: typed.value * measure.scale,
-        standard_error: (typed.standard_error > 0.0).then_some(typed.standard_error * measure.scale),
+        given: key,
+        value: typed.value * scale,
+        standard_error: (typed.standard_error > 0.0).then_some(typed.standard_error * scale),
         values: values.collect(),
         remarks: remarks(&strip.known(), curvature_per_cm),
     };
@@ -276,11 +222,7 @@ fn estimate(
         variance += half(with(1.0), with(-1.0)).powi(2);
     }
     if variance == 0.0 {
-        return Estimate {
-            value: Some(value),
-            reason: None,
-            ..Estimate::not_determined("")
-        };
+        return Estimate::exact(value);
     }
     let error = variance.sqrt();
     Estimate::determined(value, error, value - NORMAL_95 * error, value + NORMAL_95 * error)
@@ -298,11 +240,7 @@ fn small(strip: &MeasuredStrip, curvature_per_cm: f64, values: &mut Vec<(String,
     }
     let number = without.from_curvature(Bending::StrainDifference, curvature_per_cm);
     let estimate = match number {
-        Ok(number) => Estimate {
-            value: Some(100.0 * number),
-            reason: None,
-            ..Estimate::not_determined("")
-        },
+        Ok(number) => Estimate::exact(100.0 * number),
         Err(error) => Estimate::not_determined(error.to_string()),
     };
     let after = values

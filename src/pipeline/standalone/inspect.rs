@@ -13,12 +13,14 @@ use crate::ingest::run_sheet;
 use crate::ingest::{Reading, RunTable, StartedAt};
 use crate::pipeline::campaign::standing::{self, SetAside};
 use crate::pipeline::documents::lengthwise::LumpedOrDistributedEntry;
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, failed};
 use crate::strip;
 use crate::system::fs;
 
+const SCHEMA: &str = "ieap/inspect/1";
+
 /// A file as a reader sees it.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Inspection {
     /// Always `ieap/inspect/1`.
     pub schema: &'static str,
@@ -31,7 +33,7 @@ pub struct Inspection {
     /// Saved profile that the file was read with; null where none was.
     pub profile: Option<InspectedProfile>,
     /// Every format that may have written it, best first.
-    pub candidates: Vec<CandidateScore>,
+    pub candidates: Vec<Claim>,
     /// Technique as the file names it.
     pub technique: Option<String>,
     /// How the measurement ended; `refused`, `pending`, `sidecar`, `folder` or `frame` where it was not read.
@@ -74,17 +76,6 @@ pub struct InspectedProfile {
     pub version: u32,
     /// BLAKE3 of its text, hexadecimal.
     pub digest: String,
-}
-
-/// A format and how well it fits.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct CandidateScore {
-    /// Format id.
-    pub format: String,
-    /// 1 for a certain match, less for a possible one.
-    pub score: f64,
-    /// Why.
-    pub reason: String,
 }
 
 /// One table.
@@ -138,11 +129,7 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
     if file.is_dir() {
         return Ok(folder(file));
     }
-    let bytes = fs::read(file).map_err(|source| PipelineError::File {
-        path: file.to_owned(),
-        doing: "reading the file",
-        source,
-    })?;
+    let bytes = fs::read(file).map_err(failed(file, "reading the file"))?;
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     let campaign = absolute.parent().and_then(campaign_file::find);
     let profiles = match &campaign {
@@ -216,15 +203,6 @@ pub fn inspect_bytes(file: &Path, bytes: &[u8], profiles: &[Profile], context: &
     }
 }
 
-fn scores(claims: &[Claim]) -> Vec<CandidateScore> {
-    let score = |claim: &Claim| CandidateScore {
-        format: claim.id.clone(),
-        score: claim.score,
-        reason: claim.reason.clone(),
-    };
-    claims.iter().map(score).collect()
-}
-
 /// A run sheet: what it plans is tags, not readings.
 fn sheet(file: String, bytes: &[u8]) -> Inspection {
     let (status, issue) = match run_sheet::read(bytes) {
@@ -273,27 +251,19 @@ fn refused(file: String, claims: &[Claim], error: &ReadError) -> Inspection {
 
 fn not_read(file: String, claims: &[Claim], status: &str, issue: Issue) -> Inspection {
     Inspection {
-        schema: "ieap/inspect/1",
+        schema: SCHEMA,
         file,
-        format: None,
-        reader_version: None,
-        profile: None,
-        candidates: scores(claims),
-        technique: None,
+        candidates: claims.to_vec(),
         status: status.to_owned(),
         status_evidence: issue.message.clone(),
-        encoding: None,
-        started_at: None,
-        header_tags: Vec::new(),
-        runs: Vec::new(),
         issues: vec![issue],
-        stored: None,
+        ..Inspection::default()
     }
 }
 
 fn of_reading(file: String, choice: &Choice<'_>, reading: &Reading) -> Inspection {
     Inspection {
-        schema: "ieap/inspect/1",
+        schema: SCHEMA,
         file,
         format: Some(reading.format.to_owned()),
         reader_version: Some(reading.reader_version),
@@ -305,7 +275,7 @@ fn of_reading(file: String, choice: &Choice<'_>, reading: &Reading) -> Inspectio
             }),
             Reader::Format(_) => None,
         },
-        candidates: scores(&choice.claims),
+        candidates: choice.claims.clone(),
         technique: reading.technique.clone(),
         status: reading.status.key().to_owned(),
         status_evidence: reading.status_evidence.clone(),

@@ -6,8 +6,8 @@ use super::inspect::{Inspection, inspect_bytes};
 use crate::ingest::formats::{self, ReadContext, ReadError};
 use crate::ingest::profiles::{self, FOLDER, StatedColumn};
 use crate::ingest::table::Answers;
-use crate::pipeline::PipelineError;
 use crate::pipeline::infra::whole_file::put_bytes;
+use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
 
 /// A proposed profile and what it makes of its file.
@@ -38,11 +38,7 @@ pub fn propose(
     stated: &[StatedColumn],
     answers: &Answers,
 ) -> Result<ProposedProfile, PipelineError> {
-    let bytes = fs::read(file).map_err(|source| PipelineError::File {
-        path: file.to_owned(),
-        doing: "reading the file",
-        source,
-    })?;
+    let bytes = fs::read(file).map_err(failed(file, "reading the file"))?;
     let file_name = file.file_name().unwrap_or_default().to_string_lossy();
     let proposal = if answers.is_empty() {
         profiles::propose(&file_name, &bytes, stated)
@@ -102,11 +98,7 @@ impl ProposedProfile {
         if let Some(path) = self.of_same_header(&folder, ending, [&path, &taken]) {
             return Err(PipelineError::FileExists { path });
         }
-        fs::create_dir_all(&folder).map_err(|source| PipelineError::File {
-            path: folder.clone(),
-            doing: "making the folder of profiles",
-            source,
-        })?;
+        fs::create_dir_all(&folder).map_err(failed(&folder, "making the folder of profiles"))?;
         put_bytes(&path, false, self.profile.as_bytes())?;
         self.written = Some(path);
         Ok(())

@@ -3,7 +3,7 @@
 mod response;
 pub mod view;
 
-use ieap_domain::{Channel, Drive, Level, Quantity, RunRecord};
+use ieap_domain::{Channel, Drive, Quantity, RunRecord};
 use ieap_numerics::complex::Complex;
 use ieap_numerics::waveform::{LEAST_TURN, Waveform, recognise, turns};
 
@@ -129,9 +129,9 @@ const PERIODS_OF_CHIRP: usize = 2;
 
 /// The voltage's own readings: each stands in the middle of its step. What is held at the end is none of the wave.
 fn course(drive: &Drive) -> (Vec<f64>, Vec<f64>) {
-    let pairs = drive.segments.windows(2).filter_map(|pair| match pair[0].level {
-        Level::Voltage(volts) => Some((0.5 * (pair[0].start_s() + pair[1].start_s()), volts)),
-        Level::OpenCircuit => None,
+    let pairs = drive.segments.windows(2).filter_map(|pair| {
+        let volts = pair[0].level.volts()?;
+        Some((0.5 * (pair[0].start_s() + pair[1].start_s()), volts))
     });
     pairs.unzip()
 }

@@ -15,6 +15,8 @@ use ieap_domain::{Campaign, GroupDiagnosis, RunRecord};
 /// A run that is planned, with the name that its file is to have.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PlannedRun {
+    /// Place in the list, from 1.
+    pub rank: usize,
     /// Planned id, `P01`.
     pub planned: String,
     /// Name to save the file under, without its ending.
@@ -118,7 +120,7 @@ fn named(proposals: Vec<Proposal>, grounds: &Grounds) -> Vec<PlannedRun> {
     let mut open: Vec<&RowOfSheet> = grounds.open.iter().collect();
     let mut cycles = Cycles::of(grounds);
     let mut number = grounds.last_number;
-    let mut planned = Vec::new();
+    let mut list = Vec::new();
     for run in proposals {
         let known = open.iter().position(|row| {
             row.sample.as_deref() == Some(run.sample.as_str())
@@ -127,28 +129,30 @@ fn named(proposals: Vec<Proposal>, grounds: &Grounds) -> Vec<PlannedRun> {
                 && near(row.relative_humidity_percent, run.relative_humidity_percent, 4.0)
                 && near(row.voltage_v, run.voltage_v, 0.01)
         });
-        planned.push(match known.map(|at| open.remove(at)) {
-            Some(row) => PlannedRun {
-                planned: row.planned.clone(),
-                file: row.file.clone(),
-                cycle: row.cycle,
-                on_sheet: Some(row.sheet.clone()),
-                run,
-            },
+        let (planned, file, cycle, on_sheet) = match known.map(|at| open.remove(at)) {
+            Some(row) => (
+                row.planned.clone(),
+                row.file.clone(),
+                row.cycle,
+                Some(row.sheet.clone()),
+            ),
             None => {
                 number += 1;
                 let id = format!("P{number:02}");
-                PlannedRun {
-                    file: stem(&id, &run),
-                    cycle: cycles.next(&run.sample),
-                    planned: id,
-                    on_sheet: None,
-                    run,
-                }
+                let file = stem(&id, &run);
+                (id, file, cycles.next(&run.sample), None)
             }
+        };
+        list.push(PlannedRun {
+            rank: list.len() + 1,
+            planned,
+            file,
+            cycle,
+            run,
+            on_sheet,
         });
     }
-    planned
+    list
 }
 
 /// `P03-CNaf-01-vacuum-rh34-1200mV`: letters, digits and `-`, so that every file system and every bench program keeps

@@ -144,12 +144,10 @@ fn alpha(input: &TableInput, free: &[usize]) -> Estimate {
             high_95,
             ..
         }) => Estimate {
-            value: Some(value),
             standard_error,
             low_95,
             high_95,
-            at_bound: false,
-            reason: None,
+            ..Estimate::exact(value)
         },
         _ => Estimate::not_determined("alpha is not determined"),
     }

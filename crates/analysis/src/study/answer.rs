@@ -250,7 +250,7 @@ impl Answer {
             low_95: self.low_95.or(self.at_least),
             high_95: self.high_95.or(self.at_most),
             reason: self.reason.clone(),
-            ..Estimate::not_determined("")
+            ..Estimate::default()
         }
     }
 

@@ -2,7 +2,7 @@
 
 use ieap_domain::number::fixed;
 use ieap_domain::number::seconds::seconds;
-use ieap_domain::{Drive, Level, NextRun, Segment};
+use ieap_domain::{Drive, NextRun};
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::symmetric::Symmetric;
 
@@ -42,13 +42,7 @@ fn volts(drive: &Drive) -> f64 {
 /// Drives that are known to separate causes, for a sample that was stepped to `v` V for `t` s: in words, as a drive, and
 /// how long it takes, s.
 pub fn proposals(v: f64, t: f64) -> Vec<(String, Drive, f64)> {
-    let of = |levels: &[(f64, Option<f64>)]| Drive {
-        baseline_v: 0.0,
-        segments: levels
-            .iter()
-            .map(|&(start_s, level)| Segment::at(start_s, level.map_or(Level::OpenCircuit, Level::Voltage)))
-            .collect(),
-    };
+    let of = |levels: &[(f64, Option<f64>)]| Drive::of_levels(0.0, levels.iter().copied());
     let t_s = seconds(t);
     let on_s = (t / 30.0).max(1.0);
     let pulses: Vec<(f64, Option<f64>)> = (0..30)

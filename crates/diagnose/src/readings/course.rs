@@ -3,7 +3,7 @@
 //! A level held about a reading is right at the reading's own time only to the square of its length: the charge of a fast
 //! branch has met the level for half of it. What a fit of one run takes up in its parameters, a diagnosis of several runs sees.
 
-use ieap_domain::{Drive, Level, Segment, range_of};
+use ieap_domain::{Drive, Segment, range_of};
 use ieap_numerics::waveform::{LEAST_TURN, finer, turns};
 
 use crate::levels::STEPS_IN_HALF_PERIOD;
@@ -11,11 +11,7 @@ use crate::levels::STEPS_IN_HALF_PERIOD;
 /// The same course in levels that are enough; other drives, and those with an open circuit in them, stay what they are. So does
 /// a course of levels that are stated, each held until the next: it truly goes in steps.
 pub(crate) fn followed(drive: &Drive) -> Drive {
-    let levels: Option<Vec<f64>> = drive
-        .segments
-        .iter()
-        .map(|segment| volts(segment.level))
-        .collect();
+    let levels: Option<Vec<f64>> = drive.levels().map(|(_, volts)| volts).collect();
     match levels {
         Some(levels_v) if drive.moves() => {
             let Some(time_s) = middles_s(drive) else {
@@ -30,13 +26,6 @@ pub(crate) fn followed(drive: &Drive) -> Drive {
             Drive::staircase(&time_s, &levels_v, drive.baseline_v)
         }
         _ => drive.clone(),
-    }
-}
-
-fn volts(level: Level) -> Option<f64> {
-    match level {
-        Level::Voltage(volts) => Some(volts),
-        Level::OpenCircuit => None,
     }
 }
 
@@ -71,6 +60,7 @@ fn is_jump(segment: &Segment) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ieap_domain::Level;
 
     #[test]
     fn a_finer_staircase_goes_through_the_same_readings_and_jumps_where_it_did() {
@@ -84,10 +74,7 @@ mod tests {
         assert!(middles.iter().zip(&time_s).all(|(a, b)| (a - b).abs() < 1e-9));
         let fine = followed(&drive);
         assert!(fine.segments.len() > 1000, "{}", fine.segments.len());
-        let at = |t: f64| {
-            let segment = fine.segments.iter().rev().find(|segment| segment.start_s() <= t);
-            segment.and_then(|segment| volts(segment.level)).unwrap_or(0.0)
-        };
+        let at = |t: f64| fine.level_at(t).volts().unwrap_or(0.0);
         let off = time_s[1..]
             .iter()
             .map(|t| (at(*t) - course(*t)).abs())

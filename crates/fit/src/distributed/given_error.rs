@@ -12,10 +12,7 @@ pub fn given_resistance(ohm_per_sq: f64, error_ohm_per_sq: Option<f64>) -> Estim
             let width = (NORMAL_95 * error / ohm_per_sq).exp();
             Estimate::determined(ohm_per_sq, error, ohm_per_sq / width, ohm_per_sq * width)
         }
-        None => Estimate {
-            value: Some(ohm_per_sq),
-            ..Estimate::not_determined("")
-        },
+        None => Estimate::exact(ohm_per_sq),
     };
     Estimate {
         reason: Some("given with the sample, not fitted".to_owned()),

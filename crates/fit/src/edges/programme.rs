@@ -1,7 +1,7 @@
 //! A train of pulses that one programme gives: a period, and where in it each edge lies. Hundreds of edges that fall between
 //! readings tell these few numbers well.
 
-use ieap_domain::{Drive, Level};
+use ieap_domain::Drive;
 
 use super::{EdgeTimes, Shift};
 use crate::edges::policy::{FEWEST_FOR_PERIOD, MOST_IN_PERIOD, SAME_LEVEL_PART};
@@ -87,15 +87,7 @@ impl Programme {
 
 /// Whether the levels repeat after so many edges.
 fn repeats(drive: &Drive, cycle: usize) -> bool {
-    let level_v = |level: Level| match level {
-        Level::Voltage(volts) => Some(volts),
-        Level::OpenCircuit => None,
-    };
-    let levels: Vec<Option<f64>> = drive
-        .segments
-        .iter()
-        .map(|segment| level_v(segment.level))
-        .collect();
+    let levels: Vec<Option<f64>> = drive.levels().map(|(_, volts)| volts).collect();
     let known = levels.iter().flatten().copied().chain([drive.baseline_v]);
     let (low, high) = ieap_domain::range_of(known);
     let alike = |(a, b): (&Option<f64>, &Option<f64>)| match (a, b) {

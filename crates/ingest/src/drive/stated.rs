@@ -4,7 +4,7 @@ use super::FoundDrive;
 use crate::drive::policy::DEPARTURE_V;
 use ieap_domain::drive::NOMINAL_AGREES_PART;
 use ieap_domain::number::fixed;
-use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Severity};
+use ieap_domain::{Channel, Drive, Issue, Quantity, Severity};
 
 /// The channel that the steps are found in: the stated control where it has a reading for each of the measured
 /// voltage, so that it covers the record, else the measured voltage.
@@ -93,21 +93,9 @@ pub fn contradicted(stated: &Drive, channels: &[Channel]) -> Option<Issue> {
         .iter()
         .fold(stated.nominal_step_v().abs(), |most, v| most.max(v.abs()));
     let off_v = DEPARTURE_V.max(NOMINAL_AGREES_PART * largest_v);
-    let level_v = |t: f64| {
-        let begun = stated
-            .segments
-            .iter()
-            .take_while(|segment| segment.start_s() <= t);
-        begun
-            .last()
-            .map_or(Some(stated.baseline_v), |segment| match segment.level {
-                Level::Voltage(volts) => Some(volts),
-                Level::OpenCircuit => None,
-            })
-    };
     let readings = time_s.iter().zip(values.iter());
     let off: Vec<(f64, f64, f64)> = readings
-        .filter_map(|(&t, &read_v)| Some((t, level_v(t)?, read_v)))
+        .filter_map(|(&t, &read_v)| Some((t, stated.level_at(t).volts()?, read_v)))
         .filter(|(_, stated_v, read_v)| (read_v - stated_v).abs() > off_v)
         .collect();
     let (at_s, stated_v, read_v) = *off.first()?;

@@ -1,5 +1,8 @@
 //! Which reader takes a file: a vendor's format, a saved profile, or the generic ones.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use super::Profile;
 use crate::Reading;
 use crate::formats::recognition::{self, Candidate};
@@ -16,10 +19,11 @@ pub enum Reader<'p> {
     Profile(&'p Profile),
 }
 
-/// One that would read the file.
-#[derive(Debug, Clone, PartialEq)]
+/// A format and how well it fits.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Claim {
-    /// Id of the format, or `profile:ID`.
+    /// Format id, or `profile:ID`.
+    #[serde(rename = "format")]
     pub id: String,
     /// How well it fits: 1 for a vendor's certain mark, 0.8 for a profile, 1.5 for one that goes before vendors.
     pub score: f64,

@@ -214,13 +214,11 @@ fn add(to: &mut [f64], share: f64, mode: &[f64], even: &[f64]) {
 /// Integral of a held drive's voltage from its first segment to `time_s`, V s; zero before it.
 pub fn voltage_time_integral(drive: &Drive, time_s: f64) -> f64 {
     let ends = drive.segments.iter().skip(1).map(|segment| segment.start_s());
-    let of_segment = |(segment, end): (&ieap_domain::Segment, f64)| match segment.level {
-        Level::Voltage(level_v) => level_v * (end.min(time_s) - segment.start_s()).max(0.0),
-        Level::OpenCircuit => 0.0,
+    let of_segment = |((start_s, volts), end): ((f64, Option<f64>), f64)| {
+        volts.unwrap_or(0.0) * (end.min(time_s) - start_s).max(0.0)
     };
     drive
-        .segments
-        .iter()
+        .levels()
         .zip(ends.chain([f64::INFINITY]))
         .map(of_segment)
         .sum()

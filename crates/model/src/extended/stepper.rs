@@ -227,10 +227,7 @@ impl<'a> Stepper<'a> {
     }
 
     fn source(&self, source_v: f64, level: Level, emf_v: f64) -> Option<f64> {
-        match level {
-            Level::Voltage(_) => Some(source_v + emf_v),
-            Level::OpenCircuit => None,
-        }
+        level.volts().map(|_| source_v + emf_v)
     }
 
     /// Lets the laws act on the plain coefficients, into `work.now`.

@@ -48,20 +48,13 @@ impl RunContext<'_> {
         if self.drive.moves() {
             return self.drive.nominal_step_v();
         }
-        match self.drive.segments.first().map(|segment| segment.level) {
-            Some(ieap_domain::Level::Voltage(voltage_v)) => voltage_v,
-            _ => 0.0,
-        }
+        let first = self.drive.segments.first();
+        first.and_then(|segment| segment.level.volts()).unwrap_or(0.0)
     }
 
     /// Largest voltage that the source holds, the baseline's among them, whatever its sign, V.
     pub fn largest_voltage_v(&self) -> f64 {
-        let held = |segment: &ieap_domain::Segment| match segment.level {
-            ieap_domain::Level::Voltage(voltage_v) => voltage_v.abs(),
-            ieap_domain::Level::OpenCircuit => 0.0,
-        };
-        let held = self.drive.segments.iter().map(held);
-        held.fold(self.drive.baseline_v.abs(), f64::max)
+        self.drive.largest_v().max(self.drive.baseline_v.abs())
     }
 }
 

@@ -9,7 +9,7 @@ pub mod prediction;
 pub mod propagation;
 mod size;
 
-pub use carry_over::{ScalingError, carry_over, lumped_model};
+pub use carry_over::{ScalingError, lumped_model};
 pub use prediction::{CarriedBy, Prediction, Series, predict};
 pub use propagation::Identified;
-pub use size::{Dimension, StripSize};
+pub use size::StripSize;

@@ -99,24 +99,24 @@ pub fn predict(
     let found = asked.respond(&model, to)?;
     let changed = |model: &LumpedModel| {
         let carried = lumped_model(model, identified.size, to).ok()?;
-        asked.respond(&carried, to).ok().map(|r| r.series)
+        asked.respond(&carried, to).ok()
     };
-    let slopes = derivatives(identified, &found.series, changed);
-    let by_length = asked.length_slopes(&model, to, &found.series)?;
+    let slopes = derivatives(identified, &found, changed);
+    let by_length = asked.length_slopes(&model, to, &found)?;
     let areas = identified
         .size
         .relative_area_error()
         .hypot(to.relative_area_error());
-    let series: Vec<Series> = (0..found.series.len())
+    let series: Vec<Series> = (0..found.len())
         .map(|which| {
             let of: Vec<&[f64]> = slopes.iter().map(|slope| slope[which].as_slice()).collect();
-            let value = found.series[which].clone();
+            let value = found[which].clone();
             let of_parameters = deviations(identified.covariance, &of, time_s.len());
             let of_size = |k: usize| {
                 if which < PER_AREA {
                     value[k] * areas
                 } else {
-                    by_length[which][k] * to.length.standard_error_mm
+                    by_length[which][k] * to.length_mm.standard_error
                 }
             };
             let error = |k: usize| of_parameters[k].hypot(of_size(k));
@@ -147,11 +147,6 @@ pub fn predict(
 /// Number of the first responses, which follow the area.
 const PER_AREA: usize = 3;
 
-/// Responses in the order of [`Prediction`]: current, charge, leaked charge, curvature, tip, then the links.
-struct Found {
-    series: Vec<Vec<f64>>,
-}
-
 struct Asked<'a> {
     /// Ohm per square; none for the lumped model.
     electrodes: Option<f64>,
@@ -161,8 +156,9 @@ struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// What a strip of that size and model does.
-    fn respond(&self, model: &LumpedModel, of: &StripSize) -> Result<Found, ScalingError> {
+    /// What a strip of that size and model does, in the order of [`Prediction`]: current, charge, leaked charge, curvature,
+    /// tip, then the links.
+    fn respond(&self, model: &LumpedModel, of: &StripSize) -> Result<Vec<Vec<f64>>, ScalingError> {
         let area = of.active_area();
         let (drive, time_s) = (self.drive, self.time_s);
         let link_cm = area.length_cm / LINKS as f64;
@@ -181,7 +177,7 @@ impl Asked<'_> {
                 curvature.iter().map(tip).collect(),
             ];
             series.extend(std::iter::repeat_n(curvature, LINKS));
-            return Ok(Found { series });
+            return Ok(series);
         };
         let strip = BranchedStrip {
             model,
@@ -212,7 +208,7 @@ impl Asked<'_> {
             tips,
         ];
         series.extend(places);
-        Ok(Found { series })
+        Ok(series)
     }
 
     /// Derivatives by the length, per mm, with the charge per area held; zeros where it is exact.
@@ -222,17 +218,17 @@ impl Asked<'_> {
         to: &StripSize,
         at: &[Vec<f64>],
     ) -> Result<Vec<Vec<f64>>, ScalingError> {
-        if to.length.standard_error_mm == 0.0 {
+        if to.length_mm.standard_error == 0.0 {
             return Ok(at.iter().map(|series| vec![0.0; series.len()]).collect());
         }
-        let step_mm = 1e-4 * to.length.value_mm;
+        let step_mm = 1e-4 * to.length_mm.value;
         let with = |change_mm: f64| {
             let mut changed = *to;
-            changed.length.value_mm += change_mm;
+            changed.length_mm.value += change_mm;
             self.respond(&lumped_model(model, to, &changed)?, &changed)
         };
         let (longer, shorter) = (with(step_mm)?, with(-step_mm)?);
-        let pairs = longer.series.iter().zip(&shorter.series);
+        let pairs = longer.iter().zip(&shorter);
         let slope = |(up, down): (&Vec<f64>, &Vec<f64>)| {
             let each = up.iter().zip(down);
             each.map(|(up, down)| (up - down) / (2.0 * step_mm)).collect()

@@ -7,7 +7,7 @@ use super::axis::Axis;
 use super::canvas::{Ink, svg};
 use super::group::series;
 use super::panel::{Margins, panel};
-use ieap_domain::{Drive, Level};
+use ieap_domain::Drive;
 
 /// Size, px: as wide as a response.
 const SIZE: (u32, u32) = (super::shape::PAGE_WIDTH, 160);
@@ -50,14 +50,7 @@ fn held(drive: &Drive, first_s: f64, last_s: f64) -> Vec<Vec<(f64, f64)>> {
     let mut line: Vec<(f64, f64)> = Vec::new();
     let mut level = Some(drive.baseline_v);
     let mut from_s = first_s;
-    let ends = drive.segments.iter().map(|next| {
-        let level = match next.level {
-            Level::Voltage(voltage_v) => Some(voltage_v),
-            Level::OpenCircuit => None,
-        };
-        (next.start_s(), level)
-    });
-    for (until_s, next) in ends.chain([(last_s, None)]) {
+    for (until_s, next) in drive.levels().chain([(last_s, None)]) {
         let until_s = until_s.clamp(from_s, last_s.max(from_s));
         match level {
             Some(voltage_v) => line.extend([(from_s, voltage_v), (until_s, voltage_v)]),
@@ -73,7 +66,7 @@ fn held(drive: &Drive, first_s: f64, last_s: f64) -> Vec<Vec<(f64, f64)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ieap_domain::Segment;
+    use ieap_domain::{Level, Segment};
 
     #[test]
     fn a_voltage_is_a_line_and_an_open_circuit_a_gap() {

@@ -7,7 +7,7 @@ use super::wording::{in_unit, voltage_label};
 use crate::pages::policy::MOST_SEGMENTS;
 use crate::site::Site;
 use ieap_domain::number::{plain, significant};
-use ieap_domain::{ChannelSummary, Drive, Level, Quantity, RunCurve, RunRecord, RunStatus};
+use ieap_domain::{ChannelSummary, Drive, Quantity, RunCurve, RunRecord, RunStatus};
 use ieap_show::{Block, Sheet};
 
 /// Digits of a hash that pages show.
@@ -83,18 +83,12 @@ fn to_millivolt(volts: f64) -> f64 {
 
 /// `from 0 V: 2.5 V at 0 s, open circuit at 600 s`
 fn drive_text(drive: &Drive) -> String {
-    let segment = |segment: &ieap_domain::Segment| {
-        let level = match segment.level {
-            Level::Voltage(voltage_v) => voltage_label(voltage_v),
-            Level::OpenCircuit => "open circuit".to_owned(),
-        };
-        format!("{level} at {} s", plain(segment.start_s()))
+    let segment = |(start_s, volts): (f64, Option<f64>)| {
+        let level = volts.map_or("open circuit".to_owned(), voltage_label);
+        format!("{level} at {} s", plain(start_s))
     };
     if drive.moves() {
-        let volts = drive.segments.iter().filter_map(|segment| match segment.level {
-            Level::Voltage(voltage_v) => Some(voltage_v),
-            Level::OpenCircuit => None,
-        });
+        let volts = drive.levels().filter_map(|(_, volts)| volts);
         let (low_v, high_v) = ieap_domain::range_of(volts);
         return format!(
             "from {}: moving all the time between {} and {} from {} s on, as {} steps",
@@ -105,7 +99,7 @@ fn drive_text(drive: &Drive) -> String {
             drive.segments.len()
         );
     }
-    let shown: Vec<String> = drive.segments.iter().take(MOST_SEGMENTS).map(segment).collect();
+    let shown: Vec<String> = drive.levels().take(MOST_SEGMENTS).map(segment).collect();
     let more = match drive.segments.len().saturating_sub(MOST_SEGMENTS) {
         0 => String::new(),
         more => format!(", and {more} more"),
@@ -232,7 +226,7 @@ fn history(site: &Site, run: usize) -> Option<Block> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ieap_domain::Segment;
+    use ieap_domain::{Level, Segment};
 
     #[test]
     fn drives_in_words() {

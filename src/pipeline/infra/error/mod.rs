@@ -4,7 +4,8 @@ mod backup;
 mod holdings;
 mod spec;
 
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
@@ -183,6 +184,16 @@ pub enum PipelineError {
         /// What may be given.
         needed: String,
     },
+}
+
+/// What is wrong where the system refuses a file: which one, and what was being done.
+pub(crate) fn failed(path: &Path, doing: &'static str) -> impl Fn(io::Error) -> PipelineError + use<> {
+    let path = path.to_owned();
+    move |source| PipelineError::File {
+        path: path.clone(),
+        doing,
+        source,
+    }
 }
 
 impl PipelineError {

@@ -11,11 +11,10 @@ use serde::Serialize;
 use crate::ingest::campaign_file;
 use crate::ingest::frames::{self, FrameFile, FrameSettings};
 use crate::pipeline::infra::own_folder::{self, Fresh};
-use crate::pipeline::{Observer, PipelineError};
+use crate::pipeline::{Observer, PipelineError, failed};
 use crate::system::fs;
 
 pub use stream::{Source, Traced, trace_frames};
-use view::failed;
 pub use view::{RefusedFrame, ViewSummary};
 
 /// Name of the run table in the folder that is written.

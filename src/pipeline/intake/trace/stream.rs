@@ -11,7 +11,7 @@ use super::{RefusedFrame, ViewSummary};
 use crate::ingest::frames::{FrameFile, FrameSettings, InitialShape};
 use crate::ingest::scan::{ReadFileError, read_stable};
 use crate::numerics::interrupt;
-use crate::pipeline::{Observer, PipelineError};
+use crate::pipeline::{Observer, PipelineError, failed};
 use crate::strip::{Gray, Initial, Positive, Scale, Trace, View, decode, overlay, trace};
 use crate::system::fs;
 
@@ -116,7 +116,7 @@ enum Failed {
 fn picture(file: &FrameFile) -> Result<(Gray, String), Failed> {
     let bytes = read_stable(&file.path, LARGEST_FRAME_BYTES).map_err(|error| match error {
         ReadFileError::Denied { path, source } | ReadFileError::Failed { path, source } => {
-            Failed::Disk(super::failed(&path, "reading the frame")(source))
+            Failed::Disk(failed(&path, "reading the frame")(source))
         }
         // The name stands beside it already.
         error => Failed::Frame(
@@ -160,8 +160,7 @@ fn frame(source: &Source, index: usize, initial: &Initial, size_px: (usize, usiz
         );
         let path = folder.join(name);
         let drawn = overlay(&gray, &traced, vectors(source.settings)).map_err(Failed::Frame)?;
-        fs::write(&path, drawn)
-            .map_err(|error| Failed::Disk(super::failed(&path, "writing the overlay")(error)))?;
+        fs::write(&path, drawn).map_err(|error| Failed::Disk(failed(&path, "writing the overlay")(error)))?;
     }
     Ok(Row {
         frame: file.name.clone(),

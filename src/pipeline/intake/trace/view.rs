@@ -1,11 +1,7 @@
 //! What is said of the view of a camera and of frames that were refused.
 
-use std::path::Path;
-
 use schemars::JsonSchema;
 use serde::Serialize;
-
-use crate::pipeline::PipelineError;
 
 /// A frame that was not traced.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -39,9 +35,4 @@ pub struct ViewSummary {
     pub positions_mm: Vec<f64>,
     /// Median of the edges' noise over the frames, pixels.
     pub edge_noise_px: f64,
-}
-
-pub(crate) fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::Error) -> PipelineError {
-    let path = path.to_owned();
-    move |source| PipelineError::File { path, doing, source }
 }

@@ -4,7 +4,7 @@ use crate::analysis::conditions::HUMIDITY_GAP_PERCENT;
 use crate::analysis::laws::Covariate;
 use crate::domain::Sample;
 use crate::domain::typed_value::Measured;
-use crate::model::scaling::{Dimension, StripSize};
+use crate::model::scaling::StripSize;
 use crate::pipeline::PipelineError;
 
 /// A strip of the laminate of a sample.
@@ -55,25 +55,7 @@ const AGE_ALIKE_H: f64 = 0.0;
 impl AskedStrip {
     /// The conditions asked for.
     pub(super) fn conditions(&self) -> Vec<Condition> {
-        let all = [
-            (
-                Covariate::RelativeHumidity,
-                self.humidity_option(),
-                self.humidity_course
-                    .first()
-                    .map(|row| row.1)
-                    .or(self.relative_humidity_percent),
-                HUMIDITY_GAP_PERCENT,
-            ),
-            (
-                Covariate::Temperature,
-                "--temperature",
-                self.temperature_c,
-                TEMPERATURE_ALIKE_C,
-            ),
-            (Covariate::Age, "--age", self.age_h, AGE_ALIKE_H),
-        ];
-        let condition = |(covariate, option, to, alike): (Covariate, &'static str, Option<f64>, f64)| {
+        let condition = |covariate, option, to: Option<f64>, alike| {
             to.map(|to| Condition {
                 covariate,
                 option,
@@ -81,7 +63,28 @@ impl AskedStrip {
                 alike,
             })
         };
-        all.into_iter().filter_map(condition).collect()
+        let all = [
+            condition(
+                Covariate::RelativeHumidity,
+                self.humidity_option(),
+                self.humidity_percent(),
+                HUMIDITY_GAP_PERCENT,
+            ),
+            condition(
+                Covariate::Temperature,
+                "--temperature",
+                self.temperature_c,
+                TEMPERATURE_ALIKE_C,
+            ),
+            condition(Covariate::Age, "--age", self.age_h, AGE_ALIKE_H),
+        ];
+        all.into_iter().flatten().collect()
+    }
+
+    /// The humidity asked for, percent; of one that changes its beginning.
+    pub(super) fn humidity_percent(&self) -> Option<f64> {
+        let begins = self.humidity_course.first().map(|row| row.1);
+        begins.or(self.relative_humidity_percent)
     }
 
     fn humidity_option(&self) -> &'static str {
@@ -99,19 +102,11 @@ impl AskedStrip {
 
     /// Its size; what is not asked for is the sample's.
     pub(super) fn size(&self, of: &StripSize) -> StripSize {
-        let or = |asked: Option<Measured>, else_take: Dimension| asked.map_or(else_take, dimension);
         StripSize {
-            length: or(self.length_mm, of.length),
-            width: or(self.width_mm, of.width),
-            thickness: self.thickness_mm.map(dimension).or(of.thickness),
+            length_mm: self.length_mm.unwrap_or(of.length_mm),
+            width_mm: self.width_mm.unwrap_or(of.width_mm),
+            thickness_mm: self.thickness_mm.or(of.thickness_mm),
         }
-    }
-}
-
-fn dimension(measured: Measured) -> Dimension {
-    Dimension {
-        value_mm: measured.value,
-        standard_error_mm: measured.standard_error,
     }
 }
 
@@ -130,8 +125,8 @@ pub(super) fn size_of(sample: &Sample) -> Result<StripSize, PipelineError> {
         needed: "length_mm and width_mm of the sample in campaign.toml".to_owned(),
     })?;
     Ok(StripSize {
-        length: Dimension::exact(length_mm),
-        width: Dimension::exact(100.0 * area_cm2 / length_mm),
-        thickness: sample.thickness_mm.map(Dimension::exact),
+        length_mm: Measured::exact(length_mm),
+        width_mm: Measured::exact(100.0 * area_cm2 / length_mm),
+        thickness_mm: sample.thickness_mm.map(Measured::exact),
     })
 }

@@ -4,12 +4,14 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::asked::AskedStrip;
-use super::document::{DriveEntry, LeftOutEntry, Predicted, StripEntry, Told};
+use super::document::{DriveEntry, StripEntry, Told, as_entry};
 use super::grounds::{Grounds, applied_until};
-use super::predict::{left_out, model_word, remarks};
+use super::predict::{model_word, remarks};
+use super::source::LeftOutEntry;
+use crate::analysis::forecast::Forecast;
 use crate::domain::number::fixed;
 use crate::domain::typed_value::Measured;
-use crate::domain::{Drive, Estimate, Level, Segment};
+use crate::domain::{Drive, Estimate};
 use crate::model::course::{Course, Pulses, VoltageLimits, WantedAt, course, response};
 use crate::model::geometry::conversion::{curvature_from_tip, tip_displacement_mm};
 use crate::pipeline::{Context, PipelineError};
@@ -99,7 +101,9 @@ pub struct DriveDocument {
     /// What set it.
     pub limited_by: String,
     /// The drive: what the source is to hold from each start on.
-    pub drive: DriveEntry,
+    #[serde(serialize_with = "as_entry")]
+    #[schemars(with = "DriveEntry")]
+    pub drive: Drive,
     /// End of the course, s.
     pub end_s: f64,
     /// Wanted and reached at some times.
@@ -118,16 +122,13 @@ pub struct DriveDocument {
     /// For how long of the course it is near, s.
     pub near_for_s: f64,
     /// Charge that flows through the leak, either way, C.
-    pub leaked_charge_c: Predicted,
+    pub leaked_charge_c: Forecast,
     /// Runs that it is made from.
     pub sources: Vec<Told>,
     /// Runs in the same surroundings that tell nothing.
     pub left_out: Vec<LeftOutEntry>,
     /// What the intervals hold and what is missing for more.
     pub remarks: Vec<String>,
-    /// The drive, as the source takes it.
-    #[serde(skip)]
-    pub found: Drive,
 }
 
 /// Wanted and reached at one time.
@@ -140,7 +141,7 @@ pub struct ReachedRow {
     /// Wanted displacement of the tip, mm.
     pub wanted_mm: f64,
     /// Expected displacement.
-    pub reached_mm: Predicted,
+    pub reached_mm: Forecast,
 }
 
 impl DriveCourse {
@@ -185,9 +186,9 @@ impl DriveCourse {
         let forecasts = grounds.forecasts(&drive, &times)?;
         let row = |(k, time_s): (usize, &f64)| ReachedRow {
             time_s: *time_s,
-            voltage_v: volts(&drive, k),
+            voltage_v: drive.segments[k].level.volts().unwrap_or(0.0),
             wanted_mm: wanted[k],
-            reached_mm: Predicted::from(&forecasts.tip_displacement_mm[k]),
+            reached_mm: forecasts.tip_displacement_mm[k],
         };
         let course: Vec<ReachedRow> = times.iter().enumerate().map(row).collect();
         let misses: Vec<f64> = course
@@ -197,7 +198,7 @@ impl DriveCourse {
         let near = REACHED * wanted.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
         let first = misses.iter().position(|miss| miss.abs() <= near);
         let within = misses.iter().filter(|miss| miss.abs() <= near).count();
-        let leaked = forecasts.leaked_charge_c.last().map(Predicted::from);
+        let leaked = forecasts.leaked_charge_c.last().copied();
         let leaked_charge_c = leaked
             .ok_or_else(|| PipelineError::bad_argument("--for", "0 s".to_owned(), "a longer course"))?;
         let mut remarks = remarks(&grounds, &forecasts, &drive);
@@ -217,7 +218,7 @@ impl DriveCourse {
             model: model_word(&forecasts),
             voltage_limit_v: limit_v,
             limited_by,
-            drive: DriveEntry::of(&drive),
+            drive,
             end_s,
             rows: course.iter().skip(step - 1).step_by(step).copied().collect(),
             rms_error_mm: (misses.iter().map(|miss| miss * miss).sum::<f64>() / samples as f64).sqrt(),
@@ -227,10 +228,9 @@ impl DriveCourse {
             near_for_s: every_s * within as f64,
             leaked_charge_c,
             sources: Told::all(&grounds),
-            left_out: left_out(&grounds),
+            left_out: grounds.left_out.clone(),
             course,
             remarks,
-            found: drive,
         })
     }
 
@@ -278,20 +278,9 @@ fn onset_found(onset: &Estimate) -> Option<(f64, String)> {
     ))
 }
 
-/// Voltage of the sample of that number, V.
-fn volts(drive: &Drive, sample: usize) -> f64 {
-    match drive.segments[sample].level {
-        Level::Voltage(volts) => volts,
-        Level::OpenCircuit => 0.0,
-    }
-}
-
 fn drive_of(course_v: &[f64], every_s: f64) -> Drive {
-    let segment = |(k, volts): (usize, &f64)| Segment::at(every_s * k as f64, Level::Voltage(*volts));
-    Drive {
-        baseline_v: 0.0,
-        segments: course_v.iter().enumerate().map(segment).collect(),
-    }
+    let level = |(k, volts): (usize, &f64)| (every_s * k as f64, Some(*volts));
+    Drive::of_levels(0.0, course_v.iter().enumerate().map(level))
 }
 
 /// The drive whose tip comes nearest to the wanted course, and the sum of squared errors, mm2, that no other within the
@@ -304,7 +293,7 @@ fn search(
     limits: &VoltageLimits,
     every_s: f64,
 ) -> Result<(Drive, f64), PipelineError> {
-    let length_mm = grounds.to.length.value_mm;
+    let length_mm = grounds.to.length_mm.value;
     let (mut reference_v, mut best): (f64, Option<(f64, Drive)>) = (limits.highest_v, None);
     let mut pulses = pulses(grounds, times, (reference_v, every_s))?;
     let mut asked = bent(wanted, length_mm)?;
@@ -368,10 +357,7 @@ fn pulses(
     (reference_v, every_s): (f64, f64),
 ) -> Result<Pulses, PipelineError> {
     let from = |k: usize| -> Result<Vec<f64>, PipelineError> {
-        let step = Drive {
-            baseline_v: 0.0,
-            segments: vec![Segment::at(every_s * k as f64, Level::Voltage(reference_v))],
-        };
+        let step = Drive::of_levels(0.0, [(every_s * k as f64, Some(reference_v))]);
         Ok(grounds.centre(&step, times)?.0)
     };
     if !grounds.changes() {

@@ -3,16 +3,17 @@
 use std::fmt::Write;
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::grounds::{Forecasts, Grounds};
+use super::source::{LeftOutEntry, Source};
 use super::surroundings::BroughtEntry;
 use crate::analysis::forecast::Forecast;
+use crate::domain::Drive;
 use crate::domain::quantiles::NORMAL_95;
-use crate::domain::{Drive, Estimate, Level, Segment};
 use crate::model::geometry::{CrossSection, Shape};
+use crate::model::scaling::StripSize;
 use crate::model::scaling::prediction::LINKS;
-use crate::model::scaling::{Dimension, StripSize};
 use crate::pipeline::findings::strip_modulus::StripModulus;
 
 /// A prediction.
@@ -31,7 +32,9 @@ pub struct PredictionDocument {
     /// The strip.
     pub strip: StripEntry,
     /// The drive.
-    pub drive: DriveEntry,
+    #[serde(serialize_with = "as_entry")]
+    #[schemars(with = "DriveEntry")]
+    pub drive: Drive,
     /// `lumped` or `distributed`.
     pub model: &'static str,
     /// Share by which the lumped model would be wrong at the tip; null where the electrodes' resistance is not known.
@@ -68,9 +71,9 @@ pub struct StripEntry {
 impl StripEntry {
     pub(super) fn of(grounds: &Grounds) -> StripEntry {
         StripEntry {
-            length_mm: grounds.to.length.value_mm,
-            width_mm: grounds.to.width.value_mm,
-            thickness_mm: grounds.to.thickness.map(|thickness| thickness.value_mm),
+            length_mm: grounds.to.length_mm.value,
+            width_mm: grounds.to.width_mm.value,
+            thickness_mm: grounds.to.thickness_mm.map(|thickness| thickness.value),
             is_another: grounds.is_another,
         }
     }
@@ -94,20 +97,17 @@ pub struct SegmentEntry {
     pub voltage_v: Option<f64>,
 }
 
-impl DriveEntry {
-    pub(in crate::pipeline::standalone) fn of(drive: &Drive) -> DriveEntry {
-        let entry = |segment: &Segment| SegmentEntry {
-            start_s: segment.start_s(),
-            voltage_v: match segment.level {
-                Level::Voltage(volts) => Some(volts),
-                Level::OpenCircuit => None,
-            },
-        };
-        DriveEntry {
-            baseline_v: drive.baseline_v,
-            segments: drive.segments.iter().map(entry).collect(),
-        }
-    }
+/// A drive as documents state it.
+pub(in crate::pipeline::standalone) fn as_entry<S: Serializer>(
+    drive: &Drive,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let segment = |(start_s, voltage_v)| SegmentEntry { start_s, voltage_v };
+    let entry = DriveEntry {
+        baseline_v: drive.baseline_v,
+        segments: drive.levels().map(segment).collect(),
+    };
+    entry.serialize(serializer)
 }
 
 /// A run that tells.
@@ -123,26 +123,14 @@ pub struct Told {
 
 impl Told {
     pub(super) fn all(grounds: &Grounds) -> Vec<Told> {
-        let told = grounds
-            .sources
-            .iter()
-            .filter(|source| source.sample == 0 || grounds.is_another);
-        told.map(|source| Told {
+        let told = |source: &Source| Told {
             run: source.run.clone(),
             model: source.fitted_with.clone(),
             voltage_v: source.step_v,
-        })
-        .collect()
+        };
+        let telling = grounds.sources.iter().filter(|source| grounds.tells(source));
+        telling.map(told).collect()
     }
-}
-
-/// A run that tells nothing.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct LeftOutEntry {
-    /// Path of the run.
-    pub run: String,
-    /// Why.
-    pub reason: String,
 }
 
 /// What is predicted at one time.
@@ -151,78 +139,15 @@ pub struct PredictedRow {
     /// Time, s.
     pub time_s: f64,
     /// Current, A.
-    pub current_a: Predicted,
+    pub current_a: Forecast,
     /// Charge on the capacitors, C.
-    pub charge_c: Predicted,
+    pub charge_c: Forecast,
     /// Curvature, the mean over the length, 1/cm.
-    pub curvature_per_cm: Option<Predicted>,
+    pub curvature_per_cm: Option<Forecast>,
     /// Sideways displacement of the tip, mm.
-    pub tip_displacement_mm: Option<Predicted>,
+    pub tip_displacement_mm: Option<Forecast>,
     /// Moment that holds the strip straight, mN mm; null where the stiffness is not known.
-    pub blocked_moment_mn_mm: Option<Predicted>,
-}
-
-/// A number with the interval in which a further run lies in 95 of 100 cases.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
-pub struct Predicted {
-    /// Value.
-    pub value: f64,
-    /// Lower end.
-    pub low_95: f64,
-    /// Upper end.
-    pub high_95: f64,
-    /// Standard deviations by source; null where the runs cannot tell it.
-    pub standard_deviation: Parts,
-}
-
-impl Predicted {
-    /// The number times `scale`, with its interval.
-    pub fn estimate(&self, scale: f64) -> Estimate {
-        let half = scale * (self.high_95 - self.low_95) / 2.0;
-        Estimate::determined(
-            scale * self.value,
-            half / NORMAL_95,
-            scale * self.low_95,
-            scale * self.high_95,
-        )
-    }
-}
-
-/// Standard deviations of a prediction, in its unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
-pub struct Parts {
-    /// From the parameters of the fits and the dimensions.
-    pub parameters: f64,
-    /// From run to run.
-    pub runs: Option<f64>,
-    /// Of the way between voltages.
-    pub voltages: Option<f64>,
-    /// From strip to strip.
-    pub samples: Option<f64>,
-    /// Of the laws that brought runs to the conditions asked for; 0 where none was.
-    pub conditions: f64,
-    /// Of what the model gets wrong.
-    pub misfit: f64,
-}
-
-impl From<&Forecast> for Predicted {
-    fn from(forecast: &Forecast) -> Predicted {
-        let root = |variance: Option<f64>| variance.map(f64::sqrt);
-        let variances = &forecast.variances;
-        Predicted {
-            value: forecast.value,
-            low_95: forecast.low_95,
-            high_95: forecast.high_95,
-            standard_deviation: Parts {
-                parameters: variances.parameters.sqrt(),
-                runs: root(variances.runs),
-                voltages: root(variances.voltages),
-                samples: root(variances.samples),
-                conditions: variances.conditions.sqrt(),
-                misfit: variances.misfit.sqrt(),
-            },
-        }
-    }
+    pub blocked_moment_mn_mm: Option<Forecast>,
 }
 
 /// Rows at every time that was forecast.
@@ -232,10 +157,10 @@ pub(super) fn rows(grounds: &Grounds, forecasts: &Forecasts, time_s: &[f64]) -> 
         let curvature = forecasts.curvature_per_cm.get(k);
         PredictedRow {
             time_s,
-            current_a: Predicted::from(&forecasts.current_a[k]),
-            charge_c: Predicted::from(&forecasts.charge_c[k]),
-            curvature_per_cm: curvature.map(Predicted::from),
-            tip_displacement_mm: forecasts.tip_displacement_mm.get(k).map(Predicted::from),
+            current_a: forecasts.current_a[k],
+            charge_c: forecasts.charge_c[k],
+            curvature_per_cm: curvature.copied(),
+            tip_displacement_mm: forecasts.tip_displacement_mm.get(k).copied(),
             blocked_moment_mn_mm: curvature
                 .zip(stiffness.as_ref())
                 .map(|(c, stiffness)| stiffness.moment(c)),
@@ -252,21 +177,20 @@ struct Stiffness {
 
 impl Stiffness {
     fn of(size: &StripSize, modulus: &StripModulus) -> Option<Stiffness> {
-        let (thickness, modulus_mpa) = size.thickness.zip(modulus.modulus_mpa.value)?;
-        let section = CrossSection::symmetrical(size.width.value_mm, thickness.value_mm);
-        let relative = |dimension: &Dimension| dimension.standard_error_mm / dimension.value_mm;
+        let (thickness, modulus_mpa) = size.thickness_mm.zip(modulus.modulus_mpa.value)?;
+        let section = CrossSection::symmetrical(size.width_mm.value, thickness.value);
         let of_modulus = modulus.modulus_mpa.standard_error.unwrap_or(0.0) / modulus_mpa;
         // I goes with the cube of the thickness.
-        let of_size = relative(&size.width).hypot(3.0 * relative(&thickness));
+        let of_size = (size.width_mm.relative_error()).hypot(3.0 * thickness.relative_error());
         Some(Stiffness {
             moment_per_curvature: section.bending_moment_mn_mm(modulus_mpa, 1.0),
             relative_error: of_modulus.hypot(of_size),
         })
     }
 
-    fn moment(&self, curvature: &Forecast) -> Predicted {
+    fn moment(&self, curvature: &Forecast) -> Forecast {
         let scale = self.moment_per_curvature;
-        let mut moment = Predicted::from(curvature);
+        let mut moment = *curvature;
         let parts = &mut moment.standard_deviation;
         parts.parameters = scale * parts.parameters.hypot(curvature.value * self.relative_error);
         parts.conditions *= scale;
@@ -325,7 +249,7 @@ impl ShapeEntry {
             .map(|link| link.get(k))
             .collect();
         let links = links.filter(|links| links.len() == LINKS)?;
-        let link_mm = grounds.to.length.value_mm / LINKS as f64;
+        let link_mm = grounds.to.length_mm.value / LINKS as f64;
         let curvature_per_cm: Vec<f64> = links.iter().map(|link| link.value).collect();
         let shape = Shape::from_curvature(&curvature_per_cm, link_mm / 10.0);
         let link = |(k, forecast): (usize, &&Forecast)| LinkEntry {

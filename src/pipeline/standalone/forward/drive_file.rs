@@ -4,8 +4,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::domain::{Drive, Level, Segment};
-use crate::pipeline::PipelineError;
+use crate::domain::Drive;
+use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
 
 /// A drive: every row holds its voltage until the next. Before the first row the strip rests, discharged.
@@ -13,12 +13,9 @@ use crate::system::fs;
 /// # Errors
 /// The file cannot be read, or is not such a table.
 pub fn read_drive(path: &Path) -> Result<Drive, PipelineError> {
-    let rows = read(path, "voltage_v")?;
-    let segment = |&(start_s, volts): &(f64, f64)| Segment::at(start_s, Level::Voltage(volts));
-    Ok(Drive {
-        baseline_v: 0.0,
-        segments: rows.iter().map(segment).collect(),
-    })
+    let rows = read(path, "voltage_v")?.into_iter();
+    let levels = rows.map(|(start_s, volts)| (start_s, Some(volts)));
+    Ok(Drive::of_levels(0.0, levels))
 }
 
 /// A wanted course of the tip: times, s, and displacements, mm; between rows it goes straight.
@@ -49,21 +46,17 @@ pub fn read_humidity(path: &Path) -> Result<Vec<(f64, f64)>, PipelineError> {
 /// The drive as such a table.
 pub fn write_drive(drive: &Drive) -> String {
     let mut text = "time_s,voltage_v\n".to_owned();
-    for segment in &drive.segments {
-        if let Level::Voltage(volts) = segment.level {
+    for (start_s, volts) in drive.levels() {
+        if let Some(volts) = volts {
             // Writing to a string does not fail.
-            let _ = writeln!(text, "{},{}", segment.start_s(), volts);
+            let _ = writeln!(text, "{start_s},{volts}");
         }
     }
     text
 }
 
 fn read(path: &Path, column: &'static str) -> Result<Vec<(f64, f64)>, PipelineError> {
-    let text = fs::read_text(path).map_err(|source| PipelineError::File {
-        path: path.to_owned(),
-        doing: "reading",
-        source,
-    })?;
+    let text = fs::read_text(path).map_err(failed(path, "reading"))?;
     parse(&text, column).map_err(|(line, found, needed)| PipelineError::DriveFile {
         path: path.to_owned(),
         place: format!("line {line}"),
@@ -130,11 +123,7 @@ mod tests {
         let text = "# of today\nvoltage_v;time_s\n1.5;0\n-0.25;12.5\n";
         let rows = parse(text, "voltage_v").unwrap();
         assert_eq!(rows, [(0.0, 1.5), (12.5, -0.25)]);
-        let segment = |&(start_s, volts): &(f64, f64)| Segment::at(start_s, Level::Voltage(volts));
-        let drive = Drive {
-            baseline_v: 0.0,
-            segments: rows.iter().map(segment).collect(),
-        };
+        let drive = Drive::of_levels(0.0, rows.iter().map(|row| (row.0, Some(row.1))));
         assert_eq!(parse(&write_drive(&drive), "voltage_v").unwrap(), rows);
     }
 

@@ -1,7 +1,8 @@
 //! Predictions and found drives as figures for print.
 
-use super::document::{Predicted, PredictedRow};
+use super::document::PredictedRow;
 use super::{DriveDocument, PredictionDocument};
+use crate::analysis::forecast::Forecast;
 use crate::pipeline::PipelineError;
 use crate::report::print_figures::{Print, charts_print, figure_format_named};
 use crate::show::{Chart, Ink, Layer, Mark, Panel, Range};
@@ -22,7 +23,7 @@ pub fn prediction_figure(
     format: &str,
 ) -> Result<Vec<u8>, PipelineError> {
     let rows = &document.course;
-    let response = |quantity: &'static str, unit, of: &dyn Fn(&PredictedRow) -> Option<Predicted>| {
+    let response = |quantity: &'static str, unit, of: &dyn Fn(&PredictedRow) -> Option<Forecast>| {
         predicted(
             quantity,
             unit,
@@ -87,7 +88,7 @@ pub fn course_figure(
 fn predicted(
     quantity: &'static str,
     unit: &'static str,
-    values: impl Iterator<Item = (f64, Predicted)>,
+    values: impl Iterator<Item = (f64, Forecast)>,
 ) -> Panel {
     let (mut points, mut band) = (Vec::new(), Vec::new());
     for (time_s, predicted) in values {

@@ -2,7 +2,7 @@
 
 use super::asked::{AskedStrip, size_of};
 use super::misfit::{KnownMisfit, found_onset, known_misfit};
-use super::source::{Source, applied};
+use super::source::{LeftOutEntry, Source, applied};
 use super::surroundings::{BroughtEntry, Surroundings};
 use crate::analysis::forecast::{Applied, Beside, Forecast, Told, forecast};
 use crate::domain::tag::keys;
@@ -25,12 +25,10 @@ pub(in crate::pipeline::standalone) struct Grounds {
     pub humidity_percent: Option<f64>,
     /// Runs that tell; those of the sample first.
     pub sources: Vec<Source>,
-    /// Runs in the same surroundings that tell nothing: path and reason.
-    pub left_out: Vec<(String, String)>,
+    /// Runs in the same surroundings that tell nothing.
+    pub left_out: Vec<LeftOutEntry>,
     /// What brought the runs to conditions in which none was made, as entries and in words.
     pub(super) brought: (Vec<BroughtEntry>, Vec<String>),
-    /// Share with which each of [`Source::variants`] counts.
-    pub(super) weights: Vec<f64>,
     /// Size of the sample.
     pub from: StripSize,
     /// Size of the strip asked for.
@@ -48,7 +46,6 @@ pub(in crate::pipeline::standalone) struct Grounds {
 }
 
 /// Forecasts of every response, one a time.
-#[derive(Default)]
 pub(super) struct Forecasts {
     pub current_a: Vec<Forecast>,
     pub charge_c: Vec<Forecast>,
@@ -58,7 +55,7 @@ pub(super) struct Forecasts {
     pub tip_displacement_mm: Vec<Forecast>,
     /// One list of times a link.
     pub local_curvature_per_cm: Vec<Vec<Forecast>>,
-    pub carried_by: Option<CarriedBy>,
+    pub carried_by: CarriedBy,
     /// Largest share by which the lumped model is wrong at the tip, over the sources.
     pub lumped_error: Option<f64>,
 }
@@ -109,14 +106,17 @@ impl Grounds {
                     surroundings.bring(&mut source);
                     sources.push(source);
                 }
-                Err(reason) => left_out.push((run.path.clone(), reason)),
+                Err(reason) => left_out.push(LeftOutEntry {
+                    run: run.path.clone(),
+                    reason,
+                }),
             }
         }
         sources.sort_by_key(|source| source.sample);
         if sources.first().is_none_or(|source| source.sample != 0) {
-            let why = left_out
-                .first()
-                .map_or(String::new(), |(run, reason)| format!(" ({run}: {reason})"));
+            let why = left_out.first().map_or(String::new(), |entry| {
+                format!(" ({}: {})", entry.run, entry.reason)
+            });
             let found = format!(
                 "{:?}, of which no run in {environment} tells anything{why}",
                 sample.id
@@ -134,18 +134,13 @@ impl Grounds {
         };
         let findings = current_findings(context)?;
         let humidity_percent = asked
-            .humidity_course
-            .first()
-            .map(|row| row.1)
-            .or(asked.relative_humidity_percent)
+            .humidity_percent()
             .or_else(|| mean_humidity(runs, &sample.id));
         let modulus = match asked.modulus_mpa {
             Some(given) => StripModulus {
                 modulus_mpa: Estimate {
-                    value: Some(given.value),
                     standard_error: Some(given.standard_error),
-                    reason: None,
-                    ..Estimate::not_determined("")
+                    ..Estimate::exact(given.value)
                 },
                 source: "modulus as given".to_owned(),
             },
@@ -172,7 +167,6 @@ impl Grounds {
                 surroundings.brought(),
                 surroundings.sentences(&all_keys(&sources)),
             ),
-            weights: surroundings.weights(),
             sources,
             left_out,
         })
@@ -189,11 +183,14 @@ impl Grounds {
         self.brought.0.iter().map(of).collect()
     }
 
+    /// The runs of the sample itself.
+    pub fn own(&self) -> impl Iterator<Item = &Source> {
+        self.sources.iter().filter(|source| source.sample == 0)
+    }
+
     /// Whether any run of the sample tells how it bends.
     pub fn bends(&self) -> bool {
-        self.sources
-            .iter()
-            .any(|source| source.sample == 0 && source.bends)
+        self.own().any(|source| source.bends)
     }
 
     /// Whether the parameters change under the drive.
@@ -203,58 +200,46 @@ impl Grounds {
 
     /// The last time that a run of the sample shows, s after its drive began.
     pub fn longest_s(&self) -> f64 {
-        let own = self.sources.iter().filter(|source| source.sample == 0);
-        own.map(|source| source.lasted_s).fold(0.0, f64::max)
+        self.own().map(|source| source.lasted_s).fold(0.0, f64::max)
     }
 
     /// Largest and smallest voltage of the sample's runs, V.
     pub fn measured_v(&self) -> (f64, f64) {
-        let own = self.sources.iter().filter(|source| source.sample == 0);
-        range_of(own.map(|source| source.step_v))
+        range_of(self.own().map(|source| source.step_v))
     }
 
-    /// What every source says of the drive.
+    /// Whether a run tells of the strip asked for: of another one those of all samples do.
+    pub fn tells(&self, source: &Source) -> bool {
+        source.sample == 0 || self.is_another
+    }
+
+    /// What every one of these says of the drive.
     fn told<'a>(
-        &'a self,
+        &self,
+        sources: &'a [Source],
         drive: &Drive,
         time_s: &[f64],
     ) -> Result<Vec<(&'a Source, Prediction)>, PipelineError> {
-        let relevant = |source: &&'a Source| source.sample == 0 || self.is_another;
         let said = |source: &'a Source| -> Result<(&'a Source, Prediction), PipelineError> {
             let identified = source.identified(self.electrode_resistance_ohm_per_sq);
             let mut to = self.to;
             if source.sample != 0 {
                 // Whether strips of one material are one laminate is what their spread says.
-                to.thickness = source.size.thickness;
+                to.thickness_mm = source.size.thickness_mm;
             }
             Ok((source, predict(&identified, &to, drive, time_s)?))
         };
-        self.sources.iter().filter(relevant).map(said).collect()
-    }
-
-    /// The same of those sources, of which only the centre counts.
-    fn with(&self, sources: Vec<Source>) -> Grounds {
-        Grounds {
-            sources,
-            sample: self.sample.clone(),
-            environment: String::new(),
-            left_out: Vec::new(),
-            brought: Default::default(),
-            weights: Vec::new(),
-            misfit: KnownMisfit::default(),
-            modulus: self.modulus.clone(),
-            onset_v: None,
-            ..*self
-        }
+        let telling = sources.iter().filter(|source| self.tells(source));
+        telling.map(said).collect()
     }
 
     /// Curvature and tip as the centre of all sources has them, without intervals.
     pub fn centre(&self, drive: &Drive, time_s: &[f64]) -> Result<(Vec<f64>, Vec<f64>), PipelineError> {
-        let exact = self.with(self.sources.iter().map(without_errors).collect());
-        let told = exact.told(drive, time_s)?;
+        let exact: Vec<Source> = self.sources.iter().map(without_errors).collect();
+        let told = self.told(&exact, drive, time_s)?;
         let applied = applied_until(drive, time_s);
         let centre = |of: &dyn Fn(&Prediction) -> &Series| {
-            let all = self.of_series(&[(1.0, told.as_slice())], applied, true, 0.0, of);
+            let all = self.of_series(&[told.as_slice()], applied, true, 0.0, of);
             all.iter().map(|forecast| forecast.value).collect()
         };
         Ok((
@@ -268,20 +253,16 @@ impl Grounds {
     /// # Errors
     /// The strip is of another laminate, or charges unevenly under an open circuit.
     pub(super) fn forecasts(&self, drive: &Drive, time_s: &[f64]) -> Result<Forecasts, PipelineError> {
-        let told = self.told(drive, time_s)?;
+        let told = self.told(&self.sources, drive, time_s)?;
         let applied = applied_until(drive, time_s);
-        let others: Vec<Grounds> = (0..self.weights.len()).map(|which| self.variant(which)).collect();
+        let variants = self.sources.first().map_or(0, |source| source.variants.len());
+        let others: Vec<Vec<Source>> = (0..variants).map(|which| self.variant(which)).collect();
         let told_by_others: Vec<Vec<(&Source, Prediction)>> = others
             .iter()
-            .map(|other| other.told(drive, time_s))
+            .map(|other| self.told(other, drive, time_s))
             .collect::<Result<_, _>>()?;
-        let mut all = vec![(1.0, told.as_slice())];
-        all.extend(
-            self.weights
-                .iter()
-                .copied()
-                .zip(told_by_others.iter().map(Vec::as_slice)),
-        );
+        let mut all = vec![told.as_slice()];
+        all.extend(told_by_others.iter().map(Vec::as_slice));
         let of = |bends: bool, share: f64, of: &dyn Fn(&Prediction) -> &Series| {
             self.of_series(&all, applied, bends, share, of)
         };
@@ -299,39 +280,38 @@ impl Grounds {
                 .map(|k| of(true, misfit.curvature, &|p| &p.local_curvature_per_cm[k]))
                 .collect(),
             lumped_error: of_tip.reduce(f64::max),
-            carried_by: Some(if told.iter().any(distributed) {
+            carried_by: if told.iter().any(distributed) {
                 CarriedBy::Distributed
             } else {
                 CarriedBy::Lumped
-            }),
+            },
         })
     }
 
     /// What a variant of the laws makes of the sources.
-    fn variant(&self, which: usize) -> Grounds {
+    fn variant(&self, which: usize) -> Vec<Source> {
         let varied = |source: &Source| Source {
             model: source.variants[which].clone(),
             changes: source.variant_changes.get(which).cloned().unwrap_or_default(),
             ..without_errors(source)
         };
-        self.with(self.sources.iter().map(varied).collect())
+        self.sources.iter().map(varied).collect()
     }
 
     /// Forecasts of one response over its times; what the model gets wrong is a share of its range. First what the sources
-    /// tell, then what each variant of the laws would, with the share with which it counts.
+    /// tell, then what each variant of the laws would.
     fn of_series(
         &self,
-        told: &[(f64, &[(&Source, Prediction)])],
+        told: &[&[(&Source, Prediction)]],
         applied: Applied,
         needs_bending: bool,
         misfit: f64,
         of: &dyn Fn(&Prediction) -> &Series,
     ) -> Vec<Forecast> {
-        let times = told[0].1.first();
+        let times = told[0].first();
         let times = times.map_or(0, |(_, prediction)| of(prediction).value.len());
         let at = |which: usize, k: usize, beside: Beside| {
             let bending = told[which]
-                .1
                 .iter()
                 .filter(|(source, _)| source.bends || !needs_bending);
             let values: Vec<Told> = bending
@@ -349,8 +329,7 @@ impl Grounds {
         let (low, high) = range_of(centres.iter().copied().chain([0.0]));
         let moved_by = |which: usize, k: usize| Some(centre(which, k)? - centres.get(k)?);
         let of_laws = |k: usize| -> f64 {
-            let squares =
-                (1..told.len()).filter_map(|which| Some(told[which].0 * moved_by(which, k)?.powi(2)));
+            let squares = (1..told.len()).filter_map(|which| Some(moved_by(which, k)?.powi(2)));
             squares.sum::<f64>().sqrt()
         };
         let beside = |k: usize| Beside {

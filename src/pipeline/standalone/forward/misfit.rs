@@ -8,7 +8,7 @@ use crate::pipeline::PipelineError;
 const ELECTROLYSIS: &str = "faradaic-leak";
 
 /// Root mean squares beyond the noise, as shares of the range of each response.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct KnownMisfit {
     /// Of the current.
     pub current: f64,

@@ -11,6 +11,7 @@ mod predict;
 pub(super) mod source;
 mod surroundings;
 
+pub use crate::analysis::forecast::Forecast;
 pub use asked::AskedStrip;
 pub use course_drive::{DriveCourse, DriveDocument, ReachedRow, Wanted};
 pub use document::{PredictedRow, PredictionDocument, Told};

@@ -1,7 +1,7 @@
 //! The verb `predict`.
 
 use super::asked::AskedStrip;
-use super::document::{DriveEntry, LeftOutEntry, PredictionDocument, ShapeEntry, StripEntry, Told, rows};
+use super::document::{PredictionDocument, ShapeEntry, StripEntry, Told, rows};
 use super::grounds::{Forecasts, Grounds};
 use crate::domain::Drive;
 use crate::domain::number::seconds::seconds;
@@ -74,7 +74,7 @@ impl Predict {
             environment: grounds.environment.clone(),
             relative_humidity_percent: grounds.humidity_percent,
             strip: StripEntry::of(&grounds),
-            drive: DriveEntry::of(&self.drive),
+            drive: self.drive.clone(),
             model: model_word(&forecasts),
             lumped_error_at_tip: forecasts.lumped_error,
             rows: places.iter().map(|&k| course[k].clone()).collect(),
@@ -82,24 +82,16 @@ impl Predict {
             course,
             brought: grounds.brought.0.clone(),
             sources: Told::all(&grounds),
-            left_out: left_out(&grounds),
+            left_out: grounds.left_out.clone(),
             remarks,
         })
     }
 }
 
-pub(super) fn left_out(grounds: &Grounds) -> Vec<LeftOutEntry> {
-    let entry = |(run, reason): &(String, String)| LeftOutEntry {
-        run: run.clone(),
-        reason: reason.clone(),
-    };
-    grounds.left_out.iter().map(entry).collect()
-}
-
 pub(super) fn model_word(forecasts: &Forecasts) -> &'static str {
     match forecasts.carried_by {
-        Some(CarriedBy::Distributed) => "distributed",
-        _ => "lumped",
+        CarriedBy::Distributed => "distributed",
+        CarriedBy::Lumped => "lumped",
     }
 }
 
@@ -140,7 +132,7 @@ pub(super) fn remarks(grounds: &Grounds, forecasts: &Forecasts, drive: &Drive) -
         ));
     }
     if let Some(first) = forecasts.current_a.last() {
-        let parts = first.variances;
+        let parts = first.standard_deviation;
         if parts.voltages.is_none() {
             remarks.push(
                 "Only one voltage was measured: that the strip answers others in proportion is taken for granted, and no interval holds what it does otherwise."
@@ -191,7 +183,7 @@ fn volts(volts: f64) -> f64 {
 
 fn modulus_in_words(grounds: &Grounds) -> String {
     let modulus = &grounds.modulus;
-    match (&modulus.modulus_mpa.value, &grounds.to.thickness) {
+    match (&modulus.modulus_mpa.value, &grounds.to.thickness_mm) {
         (Some(value), Some(_)) => format!(
             "Blocked moment: E = {} MPa, {}.",
             fixed(*value, 0),
@@ -211,9 +203,9 @@ fn modulus_in_words(grounds: &Grounds) -> String {
 
 /// Which model carries over, by the criterion of the electrodes' resistance.
 fn model_in_words(grounds: &Grounds, forecasts: &Forecasts) -> String {
-    let length_mm = grounds.to.length.value_mm;
+    let length_mm = grounds.to.length_mm.value;
     match (forecasts.carried_by, forecasts.lumped_error) {
-        (Some(CarriedBy::Distributed), Some(error)) => format!(
+        (CarriedBy::Distributed, Some(error)) => format!(
             "Distributed model: at {length_mm} mm the lumped one would be wrong by up to {} at the tip, for the electrodes resist along the strip.",
             percent(error, 1)
         ),
@@ -221,7 +213,7 @@ fn model_in_words(grounds: &Grounds, forecasts: &Forecasts) -> String {
             "Lumped model: at {length_mm} mm it is wrong by at most {} at the tip.",
             percent(error, 1)
         ),
-        (_, None) if length_mm <= LONGER * grounds.from.length.value_mm => {
+        (_, None) if length_mm <= LONGER * grounds.from.length_mm.value => {
             "Lumped model: the strip is no longer than the one that was fitted.".to_owned()
         }
         (_, None) => {

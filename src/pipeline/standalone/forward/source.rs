@@ -1,11 +1,14 @@
 //! A fitted run as a source of predictions: its model, the covariance of its parameters, its strip.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use crate::analysis::forecast::Applied;
 use crate::domain::quantiles::NORMAL_95;
 use crate::domain::{Drive, Estimate, Fit, Level, Quantity, RunCurve, RunRecord};
 use crate::fit::EdgeTimes;
 use crate::model::changing::Change;
-use crate::model::scaling::propagation::{ReadAt, covariance};
+use crate::model::scaling::propagation::{ReadAt, covariance, with_values};
 use crate::model::scaling::{Identified, StripSize};
 use crate::model::{Branch, LumpedModel};
 
@@ -44,6 +47,15 @@ pub(in crate::pipeline::standalone) struct Source {
     pub lasted_s: f64,
     /// Parameters of which only a bound is known.
     pub bounded: Vec<String>,
+}
+
+/// A run that tells nothing.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct LeftOutEntry {
+    /// Path of the run.
+    pub run: String,
+    /// Why.
+    pub reason: String,
 }
 
 impl Source {
@@ -160,7 +172,8 @@ fn correlated(fit: &Fit, read: &Read, drive: &Drive, area_cm2: f64, curves: &[Ru
 }
 
 /// A fit as a lumped model, with the standard errors in the order of the covariance.
-struct Read {
+struct Read<'a> {
+    fit: &'a Fit,
     model: LumpedModel,
     /// Whether its bending is known.
     bends: bool,
@@ -171,45 +184,29 @@ struct Read {
     bounded: Vec<String>,
 }
 
-impl Read {
-    fn of(fit: &Fit) -> Result<Read, String> {
-        let mut reading = Reading {
+impl Read<'_> {
+    fn of(fit: &Fit) -> Result<Read<'_>, String> {
+        let mut read = Read {
             fit,
+            model: with_values(&[0.0; 3]),
+            bends: false,
             keys: Vec::new(),
             errors: Vec::new(),
             bounded: Vec::new(),
         };
-        let branches = reading.branches()?;
-        let steady_state_resistance_ohm_cm2 = reading.steady_state()?;
-        let (coupling, relaxation) = (reading.coupling(), reading.relaxation());
-        let bends = coupling.is_some() && relaxation.is_some();
+        read.model.branches = read.branches()?;
+        read.model.steady_state_resistance_ohm_cm2 = read.steady_state()?;
+        let (coupling, relaxation) = (read.known("alpha_per_c_cm"), read.relaxation());
+        read.bends = coupling.is_some() && relaxation.is_some();
+        let value = |known: Option<(f64, f64)>| known.map_or(0.0, |(value, _)| value);
+        read.model.charge_to_curvature_per_c_cm = value(coupling.filter(|_| read.bends));
+        read.model.relaxation_rate_per_s = value(relaxation);
         for (key, known) in [("alpha_per_c_cm", coupling), ("lambda_per_s", relaxation)] {
-            reading.gather(key, known.map_or(0.0, |(_, error)| error));
+            read.gather(key, known.map_or(0.0, |(_, error)| error));
         }
-        Ok(Read {
-            model: LumpedModel {
-                branches,
-                steady_state_resistance_ohm_cm2,
-                charge_to_curvature_per_c_cm: coupling.filter(|_| bends).map_or(0.0, |(value, _)| value),
-                relaxation_rate_per_s: relaxation.map_or(0.0, |(value, _)| value),
-            },
-            bends,
-            keys: reading.keys,
-            errors: reading.errors,
-            bounded: reading.bounded,
-        })
+        Ok(read)
     }
-}
 
-/// Reads the parameters of a fit, and gathers their standard errors.
-struct Reading<'a> {
-    fit: &'a Fit,
-    keys: Vec<String>,
-    errors: Vec<f64>,
-    bounded: Vec<String>,
-}
-
-impl Reading<'_> {
     fn gather(&mut self, key: &str, error: f64) {
         self.keys.push(key.to_owned());
         self.errors.push(error);
@@ -263,10 +260,6 @@ impl Reading<'_> {
         let middle = 2.0 * bound;
         self.gather(key, middle * middle * UNIFORM / bound);
         Ok(middle)
-    }
-
-    fn coupling(&self) -> Option<(f64, f64)> {
-        self.known("alpha_per_c_cm")
     }
 
     /// Lambda; where only an upper bound is known, it lies anywhere below.

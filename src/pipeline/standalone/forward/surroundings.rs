@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::asked::{AskedStrip, Condition};
-use super::source::Source;
+use super::source::{LeftOutEntry, Source};
 use crate::analysis::laws::Covariate;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::laws::facts::{RunFacts, facts};
@@ -30,8 +30,8 @@ use crate::pipeline::{Context, PipelineError};
 pub(super) struct Surroundings {
     /// The runs.
     pub runs: Vec<RunRecord>,
-    /// Runs that do not state what is asked for: path and reason.
-    pub left_out: Vec<(String, String)>,
+    /// Runs that do not state what is asked for.
+    pub left_out: Vec<LeftOutEntry>,
     /// What brings them there; empty where they were made there.
     ways: Vec<Way>,
     /// How the humidity goes on from there, as [`AskedStrip::humidity_course`] has it.
@@ -143,11 +143,10 @@ impl Surroundings {
         let (stated, unstated): (Vec<_>, Vec<_>) = std::mem::take(&mut self.runs)
             .into_iter()
             .partition(|run| own.contains_key(&run.path));
-        self.left_out.extend(
-            unstated
-                .into_iter()
-                .map(|run| (run.path, format!("it states no {label}"))),
-        );
+        self.left_out.extend(unstated.into_iter().map(|run| LeftOutEntry {
+            run: run.path,
+            reason: format!("it states no {label}"),
+        }));
         self.runs = stated;
         if self.runs.is_empty() {
             Err(PipelineError::bad_argument(
@@ -253,11 +252,6 @@ impl Surroundings {
             directions.map(move |direction| Variant { way, law, direction })
         };
         laws.flat_map(of_law).collect()
-    }
-
-    /// Share with which each variant counts in the variance.
-    pub fn weights(&self) -> Vec<f64> {
-        vec![1.0; self.variants().len()]
     }
 
     /// What was brought where.

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use crate::domain::fault::caught;
 use crate::domain::{Channel, FlaggedStretch, Issue, RunKind, StartedAt};
 use crate::ingest::Reading;
@@ -11,16 +13,17 @@ use crate::ingest::campaign_file;
 use crate::ingest::formats::ReadContext;
 use crate::ingest::profiles;
 use crate::ingest::text::header::Header;
-use crate::pipeline::PipelineError;
 use crate::pipeline::intake::ingest::run_parts;
+use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
 
 /// A table of readings with what its reader saw.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReadTable {
     /// `#TABLE` where the file holds several, else empty.
     pub name: String,
-    /// Readings in canonical units.
+    /// Readings in canonical units; documents have no place for them.
+    #[serde(skip)]
     pub channels: Vec<Channel>,
     /// Rows of the table.
     pub rows: usize,
@@ -54,11 +57,7 @@ pub struct ReadTable {
 /// # Errors
 /// The system cannot give the file, a profile is wrong, or no reader can read it: then the issue says where and why.
 pub fn read(file: &Path) -> Result<Result<Vec<ReadTable>, Issue>, PipelineError> {
-    let bytes = fs::read(file).map_err(|source| PipelineError::File {
-        path: file.to_owned(),
-        doing: "reading the file",
-        source,
-    })?;
+    let bytes = fs::read(file).map_err(failed(file, "reading the file"))?;
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     let campaign = absolute.parent().and_then(campaign_file::find);
     let (profiles, context) = match &campaign {

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use super::read::ReadTable;
 use crate::domain::data_hash::data_hash;
 use crate::domain::number::fixed;
@@ -16,7 +18,7 @@ use crate::pipeline::intake::ingest::tagging::{TaggingInput, conclude};
 use crate::store::FitTask;
 
 /// The strip, as campaign.toml states it of a sample.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Strip {
     /// Active area, cm2; none: length times width.
     pub area_cm2: Option<f64>,
@@ -29,7 +31,7 @@ pub struct Strip {
 }
 
 /// What a caller states of readings.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stated {
     /// The strip.
     pub strip: Strip,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::exact::exact;
 use super::run::{NO_AREA, Strip, sample};
-use crate::domain::{Drive, Issue, Level};
+use crate::domain::Issue;
 use crate::pipeline::standalone::simulate::{Noise, RunSpec, SegmentSpec};
 use crate::truth::noise::NoisyChannel;
 use crate::truth::{HiddenEffect, noise};
@@ -73,20 +73,17 @@ impl Curvature {
 /// # Errors
 /// A parameter, the drive, an effect or the noise makes no sense, or the equations have no solution.
 pub fn simulate(asked: &CurvesAsked) -> Result<Curves, Issue> {
-    if asked.time_s.is_empty() || !asked.time_s.is_sorted_by(|a, b| a < b) {
-        let issue = Issue::error(
-            "bad-value",
-            "the times of the readings do not rise, or there are none",
-        );
-        return Err(issue
-            .at("time_s")
-            .mend("give finite times in s, each later than the one before"));
-    }
-    if !asked.time_s.iter().all(|time| time.is_finite()) {
-        let issue = Issue::error("bad-value", "a time of the readings is no finite number");
-        return Err(issue
-            .at("time_s")
-            .mend("give finite times in s, each later than the one before"));
+    let rise = !asked.time_s.is_empty() && asked.time_s.is_sorted_by(|a, b| a < b);
+    let why = match () {
+        () if !rise => Some("the times of the readings do not rise, or there are none"),
+        () if !asked.time_s.iter().all(|time| time.is_finite()) => {
+            Some("a time of the readings is no finite number")
+        }
+        () => None,
+    };
+    if let Some(why) = why {
+        let issue = Issue::error("bad-value", why).at("time_s");
+        return Err(issue.mend("give finite times in s, each later than the one before"));
     }
     let run = run_spec(asked)?;
     let drive = run.drive();
@@ -113,17 +110,12 @@ pub fn simulate(asked: &CurvesAsked) -> Result<Curves, Issue> {
         ),
         ..own
     };
-    let applied: Vec<Level> = asked.time_s.iter().map(|&time_s| level(&drive, time_s)).collect();
+    let applied = asked.time_s.iter().map(|&time_s| drive.level_at(time_s).volts());
+    let applied: Vec<Option<f64>> = applied.collect();
     Ok(Curves {
         time_s: asked.time_s.clone(),
-        voltage_v: applied
-            .iter()
-            .map(|level| match level {
-                Level::Voltage(voltage_v) => *voltage_v,
-                Level::OpenCircuit => f64::NAN,
-            })
-            .collect(),
-        is_open: applied.iter().map(|level| *level == Level::OpenCircuit).collect(),
+        voltage_v: applied.iter().map(|volts| volts.unwrap_or(f64::NAN)).collect(),
+        is_open: applied.iter().map(Option::is_none).collect(),
         current_a: noisy(&exact.current_a, NoisyChannel::Current, asked.noise.current(), 0),
         curvatures: exact
             .curvatures
@@ -157,13 +149,4 @@ fn run_spec(asked: &CurvesAsked) -> Result<RunSpec, Issue> {
         effect: Vec::new(),
         tags: toml::Table::new(),
     })
-}
-
-fn level(drive: &Drive, time_s: f64) -> Level {
-    let held = drive
-        .segments
-        .iter()
-        .rev()
-        .find(|segment| segment.start_s() <= time_s);
-    held.map_or(Level::Voltage(drive.baseline_v), |segment| segment.level)
 }

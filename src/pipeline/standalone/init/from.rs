@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::look::{ProposedFor, Seen, Taken, files_below, look};
 use super::plan::{NamedSample, PlannedFile, plan};
 use super::text::campaign_text;
+use super::{MAKING, make_folders};
 use crate::domain::DateOrder;
 use crate::domain::pairs::{LoneHalf, Pair};
 use crate::domain::tag::keys;
@@ -18,9 +19,9 @@ use crate::ingest::formats::error::ASKED;
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::profiles;
 use crate::ingest::tags::FROM_NAMES;
-use crate::pipeline::PipelineError;
 use crate::pipeline::infra::mends::together;
 use crate::pipeline::infra::whole_file::put_bytes;
+use crate::pipeline::{PipelineError, failed};
 
 /// The verb `init --from`.
 #[derive(Debug, Clone)]
@@ -187,15 +188,6 @@ fn fill_in(proposed: &Proposed, has_open_dates: bool, no_zone: bool) -> Vec<Stri
     open
 }
 
-fn failed(path: &Path, doing: &'static str) -> impl Fn(std::io::Error) -> PipelineError {
-    let path = path.to_owned();
-    move |source| PipelineError::File {
-        path: path.clone(),
-        doing,
-        source,
-    }
-}
-
 /// Makes the campaign; campaign.toml comes last, so that what is not whole is none.
 fn write(campaign: &Path, proposed: &Proposed) -> Result<(), PipelineError> {
     let mut texts: BTreeMap<PathBuf, String> = BTreeMap::new();
@@ -232,10 +224,7 @@ fn write(campaign: &Path, proposed: &Proposed) -> Result<(), PipelineError> {
     if let Some(path) = taken {
         return Err(PipelineError::FileExists { path: path.clone() });
     }
-    for folder in ["runs", "dma", "ambient"] {
-        let path = campaign.join(folder);
-        fs::create_dir_all(&path).map_err(failed(&path, "making the campaign"))?;
-    }
+    make_folders(campaign)?;
     for (location, to) in &copies {
         make_parent(to)?;
         fs::copy(location, to).map_err(failed(to, "copying a file"))?;
@@ -285,7 +274,7 @@ fn stated(proposed: &Proposed) -> BTreeMap<String, Tags> {
 
 fn make_parent(path: &Path) -> Result<(), PipelineError> {
     let parent = path.parent().unwrap_or(Path::new("."));
-    fs::create_dir_all(parent).map_err(failed(parent, "making the campaign"))
+    fs::create_dir_all(parent).map_err(failed(parent, MAKING))
 }
 
 /// A line of a sidecar: numbers as numbers.

@@ -40,7 +40,7 @@ pub(super) fn tried(
                 every_s: trial.every_s,
                 bending_every_s: trial.bending_every_s,
                 for_s: trial.for_s,
-                largest_voltage_v: trial.largest_v(),
+                largest_voltage_v: trial.drive.largest_v(),
                 parameters,
             });
             if (needs_change && open.is_empty()) || (!needs_change && !stays) {
@@ -63,7 +63,7 @@ fn kinds(plan: &Preflight, needs_change: bool) -> Vec<(&'static str, Vec<Trial>)
         let slower = slower.filter(|slower| slower.check().is_ok()).collect();
         return vec![("slower", slower), ("start", known_start)];
     }
-    let factor = plan.max_voltage_v / trial.largest_v();
+    let factor = plan.max_voltage_v / trial.drive.largest_v();
     let higher = (factor.is_finite() && factor > 1.0 + ANOTHER_VOLTAGE).then(|| trial.at_voltage(factor));
     vec![
         (

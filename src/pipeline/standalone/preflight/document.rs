@@ -3,11 +3,11 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::trial::Trial;
 use crate::domain::Estimate;
 use crate::model::ParameterDescription;
 use crate::numerics::chance::as_few_chance;
 use crate::numerics::robust::median;
-use crate::pipeline::standalone::forward::document::DriveEntry;
 
 /// Share of the draws in which a parameter has to come out determined for a plan to promise it: that of all intervals here.
 const PROMISED: f64 = 0.95;
@@ -27,16 +27,9 @@ pub struct PlanDocument {
     pub model: &'static str,
     /// Active area of the strip, cm2.
     pub area_cm2: f64,
-    /// The drive.
-    pub drive: DriveEntry,
-    /// Time between readings of the current, s.
-    pub every_s: f64,
-    /// Time between readings of the bending, s.
-    pub bending_every_s: f64,
-    /// Length of the record, s.
-    pub for_s: f64,
-    /// Whether the instrument states when the drive begins; else it is known between two readings only.
-    pub start_is_known: bool,
+    /// How the run is to be made.
+    #[serde(flatten)]
+    pub trial: Trial,
     /// Noise of a reading of the current, standard deviation, A.
     pub current_noise_a: f64,
     /// Noise of a reading of the curvature, standard deviation, 1/cm; null where bending is not read.

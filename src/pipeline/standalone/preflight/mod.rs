@@ -16,6 +16,6 @@ mod words;
 
 pub use asked::{DRAWS, Preflight};
 pub use document::{ChangeEntry, PlanDocument, PlannedParameter, Verdict};
-pub use subject::{Named, Subject};
+pub use subject::Subject;
 pub use trial::Trial;
 pub use words::table;

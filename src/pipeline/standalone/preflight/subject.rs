@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use crate::domain::tag::keys;
-use crate::domain::{ChannelNoise as FoundNoise, Drive, Fit, Level, Quantity, RunRecord};
+use crate::domain::{ChannelNoise as FoundNoise, Drive, Fit, Quantity, RunRecord};
 use crate::fit::FitOptions;
 use crate::model::scaling::lumped_model;
+use crate::model::scaling::propagation::values;
 use crate::model::{FitModel, LumpedModel, ParameterDescription, fit_model};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::fits::choice::FitChoice;
@@ -46,36 +47,22 @@ pub struct Subject {
     pub remarks: Vec<String>,
 }
 
-/// How a campaign's strip is named.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Named {
-    /// By an earlier run: its path.
-    Run(String),
-    /// By sample and surroundings: the run whose voltage is nearest tells.
-    Sample(Box<AskedStrip>),
-}
-
 impl Subject {
-    /// From the fits of a campaign, for a strip of that length and width where they are given; of runs of one sample the one
-    /// nearest to `voltage_v` tells.
+    /// From the fits of a campaign, for a strip of the size asked for: an earlier run of that path tells, of its own sample in
+    /// its environment; where none is named, of the runs of the sample asked for the one nearest to `voltage_v`.
     ///
     /// # Errors
     /// The run or the sample is not there, or its fit tells too little.
     pub fn of_campaign(
         context: &Context,
-        named: &Named,
-        size: &AskedStrip,
+        asked: AskedStrip,
+        path: Option<&str>,
         voltage_v: Option<f64>,
     ) -> Result<Subject, PipelineError> {
         let runs = standing::speaking(context)?;
-        let (asked, path) = match named {
-            Named::Sample(asked) => (asked.as_ref().clone(), None),
-            Named::Run(path) => (surroundings(&runs, path)?, Some(path)),
-        };
-        let asked = AskedStrip {
-            length_mm: size.length_mm,
-            width_mm: size.width_mm,
-            ..asked
+        let asked = match path {
+            None => asked,
+            Some(path) => in_surroundings_of(&runs, path, asked)?,
         };
         let grounds = Grounds::of(context, &asked)?;
         let source = match path {
@@ -118,7 +105,7 @@ impl Subject {
             drive: drive.clone(),
             for_s: source.lasted_s,
             start_is_known: drive.segments.first().is_some_and(|first| first.edge.is_stated()),
-            largest_v: own(&grounds)
+            largest_v: (grounds.own())
                 .map(|source| source.step_v.abs())
                 .fold(0.0, f64::max),
             remarks: guessed(fit, &source.bounded, fit_model, &source.model),
@@ -155,11 +142,6 @@ impl Subject {
         })?;
         let bends = model.charge_to_curvature_per_c_cm != 0.0;
         let drive = found.drive();
-        let steps = drive.segments.iter().map(|segment| segment.level);
-        let largest_v = steps.filter_map(|level| match level {
-            Level::Voltage(volts) => Some(volts.abs()),
-            Level::OpenCircuit => None,
-        });
         let hidden = !hidden_effects(&spec, found).is_empty();
         let without =
             "The effects that the file hides in the run are left out: a plan is made with the model alone.";
@@ -174,7 +156,7 @@ impl Subject {
             curvature_noise: bends.then(|| spec.noise.curvature()),
             start_is_known: false,
             for_s: spec.sampling.last().map_or(0.0, |last| last.until_s),
-            largest_v: largest_v.fold(0.0, f64::max),
+            largest_v: drive.largest_v(),
             remarks: hidden.then(|| without.to_owned()).into_iter().collect(),
             model,
             drive,
@@ -184,28 +166,17 @@ impl Subject {
     /// The parameters that are simulated, with their values, in the order of the model.
     pub(super) fn known(&self) -> Vec<(ParameterDescription, f64)> {
         let described = self.options.model.parameters.iter().filter(|of| !of.derived);
-        described
-            .filter_map(|of| Some((*of, self.value(of.key)?)))
-            .collect()
-    }
-
-    fn value(&self, key: &str) -> Option<f64> {
-        let model = &self.model;
-        if let Some(at) = self.branch_of(key) {
-            let branch = model.branches.get(at)?;
-            return Some(if key.starts_with('r') {
-                branch.resistance_ohm_cm2
-            } else {
-                branch.capacitance_f_per_cm2
-            });
-        }
+        let branches = self.model.branches.len();
+        let own = described.filter(|of| self.branch_of(of.key).is_none_or(|at| at < branches));
         let bends = self.curvature_noise.is_some();
-        match key {
-            "rss_ohm_cm2" => Some(model.steady_state_resistance_ohm_cm2).filter(|value| value.is_finite()),
-            "alpha_per_c_cm" => bends.then_some(model.charge_to_curvature_per_c_cm),
-            "lambda_per_s" => Some(model.relaxation_rate_per_s).filter(|rate| bends && *rate > 0.0),
-            _ => None,
-        }
+        let is_known = |(of, value): &(&ParameterDescription, f64)| match of.key {
+            "rss_ohm_cm2" => value.is_finite(),
+            "alpha_per_c_cm" => bends,
+            "lambda_per_s" => bends && *value > 0.0,
+            _ => true,
+        };
+        let known = own.zip(values(&self.model)).filter(is_known);
+        known.map(|(of, value)| (*of, value)).collect()
     }
 
     /// Number (from 0 on) of the branch that a parameter belongs to.
@@ -223,16 +194,11 @@ impl Subject {
     }
 }
 
-/// The runs of the sample itself.
-fn own(grounds: &Grounds) -> impl Iterator<Item = &Source> {
-    grounds.sources.iter().filter(|source| source.sample == 0)
-}
-
 /// The run of that path.
 fn of_run<'a>(grounds: &'a Grounds, path: &str) -> Result<&'a Source, PipelineError> {
-    own(grounds).find(|source| source.run == path).ok_or_else(|| {
-        let left = grounds.left_out.iter().find(|(run, _)| run == path);
-        let why = left.map_or("it is set aside", |(_, reason)| reason);
+    (grounds.own().find(|source| source.run == path)).ok_or_else(|| {
+        let left = grounds.left_out.iter().find(|entry| entry.run == path);
+        let why = left.map_or("it is set aside", |entry| &entry.reason);
         let needed = "a run with a lumped fit that determines a circuit";
         PipelineError::bad_argument("--run", format!("{path}: {why}"), needed)
     })
@@ -241,7 +207,7 @@ fn of_run<'a>(grounds: &'a Grounds, path: &str) -> Result<&'a Source, PipelineEr
 /// The run of the sample whose voltage is nearest.
 fn nearest(grounds: &Grounds, voltage_v: f64) -> Result<&Source, PipelineError> {
     let apart = |source: &Source| (source.step_v - voltage_v).abs();
-    let found = own(grounds).min_by(|a, b| apart(a).total_cmp(&apart(b)));
+    let found = grounds.own().min_by(|a, b| apart(a).total_cmp(&apart(b)));
     found.ok_or_else(|| {
         PipelineError::bad_argument("--sample", grounds.sample.id.clone(), "a sample with fitted runs")
     })
@@ -256,8 +222,8 @@ fn lumped_of(fit: &Fit, run: &str) -> Result<&'static FitModel, PipelineError> {
     })
 }
 
-/// Sample and environment of a run.
-fn surroundings(runs: &[RunRecord], path: &str) -> Result<AskedStrip, PipelineError> {
+/// The strip of that size that a run was made with, in its environment.
+fn in_surroundings_of(runs: &[RunRecord], path: &str, size: AskedStrip) -> Result<AskedStrip, PipelineError> {
     let run = runs.iter().find(|run| run.path == path).ok_or_else(|| {
         PipelineError::bad_argument(
             "--run",
@@ -276,7 +242,7 @@ fn surroundings(runs: &[RunRecord], path: &str) -> Result<AskedStrip, PipelineEr
     Ok(AskedStrip {
         sample,
         environment: tag(keys::ENVIRONMENT),
-        ..AskedStrip::default()
+        ..size
     })
 }
 

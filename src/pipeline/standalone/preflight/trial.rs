@@ -1,8 +1,12 @@
 //! One way to make the run: its drive, its sampling and its length.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use crate::domain::number::digits;
 use crate::domain::{Drive, Edge, Level};
 use crate::pipeline::PipelineError;
+use crate::pipeline::standalone::forward::document::{DriveEntry, as_entry};
 
 /// Readings of a run at most: what twenty fits of take minutes.
 const MOST_READINGS: f64 = 1e6;
@@ -10,9 +14,11 @@ const MOST_READINGS: f64 = 1e6;
 const BEFORE: f64 = 2.0;
 
 /// How a run is to be made.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Trial {
     /// The drive.
+    #[serde(serialize_with = "as_entry")]
+    #[schemars(with = "DriveEntry")]
     pub drive: Drive,
     /// Time between readings of the current, s.
     pub every_s: f64,
@@ -62,9 +68,8 @@ impl Trial {
                 &needed,
             ));
         }
-        let levels = self.drive.segments.iter().map(|segment| segment.level);
-        let moves = |level: Level| !matches!(level, Level::Voltage(volts) if volts == self.drive.baseline_v);
-        if levels.clone().any(moves) {
+        let rest = Some(self.drive.baseline_v);
+        if self.drive.levels().any(|(_, volts)| volts != rest) {
             Ok(())
         } else {
             Err(PipelineError::bad_argument(
@@ -82,19 +87,6 @@ impl Trial {
 
     fn readings(&self) -> f64 {
         self.for_s / self.every_s + self.for_s / self.bending_every_s
-    }
-
-    /// Largest voltage of either sign, V.
-    pub fn largest_v(&self) -> f64 {
-        let size = |level: Level| match level {
-            Level::Voltage(volts) => volts.abs(),
-            Level::OpenCircuit => 0.0,
-        };
-        self.drive
-            .segments
-            .iter()
-            .map(|segment| size(segment.level))
-            .fold(0.0, f64::max)
     }
 
     /// The same with all voltages times `factor`.

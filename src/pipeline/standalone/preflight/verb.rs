@@ -5,7 +5,6 @@ use super::changes::tried;
 use super::document::PlanDocument;
 use super::judged::judged;
 use super::words;
-use crate::pipeline::standalone::forward::document::DriveEntry;
 use crate::pipeline::{Observer, PipelineError};
 
 impl Preflight {
@@ -19,18 +18,14 @@ impl Preflight {
         let parameters = judged(&self.subject, &self.trial, (self.draws, self.seed), observer);
         observer.end();
         let changes = tried(self, &parameters, observer);
-        let (subject, trial) = (&self.subject, &self.trial);
+        let subject = &self.subject;
         Ok(PlanDocument {
             schema: "ieap/plan/1",
             answer: words::answer(self, &parameters, &changes),
             told_by: subject.told_by.clone(),
             model: subject.options.model.id,
             area_cm2: subject.area_cm2,
-            drive: DriveEntry::of(&trial.drive),
-            every_s: trial.every_s,
-            bending_every_s: trial.bending_every_s,
-            for_s: trial.for_s,
-            start_is_known: trial.start_is_known,
+            trial: self.trial.clone(),
             current_noise_a: subject.current_noise.standard_deviation,
             curvature_noise_per_cm: subject.curvature_noise.map(|noise| noise.standard_deviation),
             draws: self.draws,

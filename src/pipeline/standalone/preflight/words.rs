@@ -112,7 +112,7 @@ pub(super) fn change(kind: &str, trial: &Trial) -> String {
     match kind {
         "longer" => format!("a record of {} s", plain(trial.for_s)),
         "start" => "a stated start of the drive".to_owned(),
-        "voltage" => format!("{} V", plain(trial.largest_v())),
+        "voltage" => format!("{} V", plain(trial.drive.largest_v())),
         _ => reading(trial),
     }
 }

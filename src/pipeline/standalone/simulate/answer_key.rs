@@ -4,11 +4,12 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use super::effect_spec::slashed;
 use super::run_spec::RunSpec;
 use super::spec::Spec;
 use super::spec::hidden_effects;
 use super::strip_spec::StripSpec;
-use crate::domain::{Drive, Level};
+use crate::domain::Drive;
 use crate::truth::HiddenEffect;
 use crate::truth::catalogue::known;
 
@@ -29,32 +30,21 @@ pub fn answer_key(spec: &Spec, path: &Path) -> String {
 }
 
 fn strip_key(strip: &StripSpec) -> Value {
-    let given = &strip.parameters;
     json!({
         "file": slashed(&strip.file),
         "written_by": "ladder of cells",
         "baseline_v": strip.baseline_v,
         "drive": segments(&strip.drive()),
-        "parameters": {
-            "re_ohm_per_sq": given.re_ohm_per_sq,
-            "rc_ohm_cm2": given.rc_ohm_cm2,
-            "c_f_per_cm2": given.c_f_per_cm2,
-            "rss_ohm_cm2": given.rss_ohm_cm2,
-            "alpha_per_c_cm": given.alpha_per_c_cm,
-            "lambda_per_s": given.lambda_per_s,
-        },
+        "parameters": strip.parameters,
     })
 }
 
 fn segments(drive: &Drive) -> Vec<Value> {
-    drive
-        .segments
-        .iter()
-        .map(|segment| match segment.level {
-            Level::Voltage(voltage_v) => json!({ "start_s": segment.start_s(), "voltage_v": voltage_v }),
-            Level::OpenCircuit => json!({ "start_s": segment.start_s(), "open_circuit": true }),
-        })
-        .collect()
+    let key = |(start_s, volts): (f64, Option<f64>)| match volts {
+        Some(voltage_v) => json!({ "start_s": start_s, "voltage_v": voltage_v }),
+        None => json!({ "start_s": start_s, "open_circuit": true }),
+    };
+    drive.levels().map(key).collect()
 }
 
 fn run_key(spec: &Spec, run: &RunSpec) -> Value {
@@ -105,8 +95,4 @@ pub fn told(effect: &HiddenEffect) -> String {
         text += &format!(", {key} = {value}");
     }
     text
-}
-
-fn slashed(path: &Path) -> String {
-    path.to_string_lossy().replace('\\', "/")
 }

@@ -3,11 +3,8 @@
 use crate::domain::number::digits;
 use std::fmt::Write;
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-
 use super::dma_spec::{DmaSpec, LogSpec};
+use crate::truth::{ChannelNoise, noise};
 
 /// Random streams of runs stand below this number, those of logs above.
 const FIRST_STREAM: u64 = 1 << 32;
@@ -19,15 +16,19 @@ const FIRST_STREAM: u64 = 1 << 32;
 pub fn dma_log(spec: &DmaSpec, log: &LogSpec, number: usize, seed: u64) -> String {
     let duration_s: f64 = spec.humidity.iter().map(|hold| hold.for_s).sum();
     let count = (duration_s / spec.every_s + 1e-9).floor() as usize + 1;
-    let noise = |stream: u64, sigma: f64| {
-        let mut generator = ChaCha8Rng::seed_from_u64(seed);
-        generator.set_stream(FIRST_STREAM + 4 * number as u64 + stream);
-        correlated(&mut generator, sigma, spec.noise.autocorrelation, count)
+    let errors = |stream: u64, standard_deviation: f64| {
+        let of_channel = ChannelNoise {
+            standard_deviation,
+            autocorrelation: spec.noise.autocorrelation,
+            ..ChannelNoise::default()
+        };
+        let stream = FIRST_STREAM + 4 * number as u64 + stream;
+        noise(&vec![0.0; count], &of_channel, seed, stream)
     };
-    let modulus = noise(0, spec.noise.modulus_percent / 100.0 * log.dry_mpa);
-    let loss = noise(1, spec.noise.loss_factor);
-    let humidity = noise(2, spec.noise.relative_humidity_percent);
-    let temperature = noise(3, spec.noise.temperature_c);
+    let modulus = errors(0, spec.noise.modulus_percent / 100.0 * log.dry_mpa);
+    let loss = errors(1, spec.noise.loss_factor);
+    let humidity = errors(2, spec.noise.relative_humidity_percent);
+    let temperature = errors(3, spec.noise.temperature_c);
     let mut text = String::new();
     for line in &spec.statement {
         let _ = writeln!(text, "# {line}");
@@ -107,18 +108,4 @@ fn state_at(spec: &DmaSpec, log: &LogSpec, time_s: f64) -> State {
         complex_mpa: log.dry_mpa + (log.humid_mpa - log.dry_mpa) * wetness,
         loss_factor: log.loss_factor[0] + (log.loss_factor[1] - log.loss_factor[0]) * wetness,
     }
-}
-
-/// First-order autoregressive noise of standard deviation `sigma`.
-fn correlated(generator: &mut ChaCha8Rng, sigma: f64, autocorrelation: f64, count: usize) -> Vec<f64> {
-    let fresh = (1.0 - autocorrelation * autocorrelation).sqrt();
-    let mut last: f64 = StandardNormal.sample(generator);
-    (0..count)
-        .map(|_| {
-            let noise = sigma * last;
-            let next: f64 = StandardNormal.sample(generator);
-            last = autocorrelation * last + fresh * next;
-            noise
-        })
-        .collect()
 }

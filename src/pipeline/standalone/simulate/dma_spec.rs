@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::wrong::Wrong;
+use super::wrong::{Wrong, above_zero, from_zero};
 
 /// Modulus logs to write, and what holds for all of them.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -80,7 +80,7 @@ pub struct LogSpec {
 impl DmaSpec {
     /// Checks what serde cannot.
     pub(super) fn check(&self) -> Result<(), Wrong> {
-        let above_zero = [
+        let of_spec = [
             ("dma.frequency_hz", self.frequency_hz),
             ("dma.every_s", self.every_s),
         ];
@@ -96,26 +96,17 @@ impl DmaSpec {
             .humidity
             .iter()
             .map(|hold| ("dma.humidity.for_s", hold.for_s));
-        for (place, found) in above_zero.into_iter().chain(of_logs).chain(of_holds) {
-            if !(found.is_finite() && found > 0.0) {
-                return Err(Wrong::new(place, found.to_string(), "a number above 0"));
-            }
-        }
+        let all = of_spec.into_iter().chain(of_logs).chain(of_holds);
+        Wrong::unless_all(all, above_zero, "a number above 0")?;
         if self.humidity.is_empty() {
             let needed = "at least one [[dma.humidity]]";
             return Err(Wrong::new("dma.humidity", "nothing".into(), needed));
         }
-        if !(0.0..1.0).contains(&self.noise.autocorrelation) {
-            let found = self.noise.autocorrelation.to_string();
-            let needed = "a number from 0 to below 1";
-            return Err(Wrong::new("dma.noise.autocorrelation", found, needed));
-        }
-        let lag_s = self.humidity_lag_s;
-        if !(lag_s.is_finite() && lag_s >= 0.0) {
-            let needed = "a time not below 0";
-            return Err(Wrong::new("dma.humidity_lag_s", lag_s.to_string(), needed));
-        }
-        Ok(())
+        let correlation = [("dma.noise.autocorrelation", self.noise.autocorrelation)];
+        let is_below_one = |part: f64| (0.0..1.0).contains(&part);
+        Wrong::unless_all(correlation, is_below_one, "a number from 0 to below 1")?;
+        let lag = [("dma.humidity_lag_s", self.humidity_lag_s)];
+        Wrong::unless_all(lag, from_zero, "a time not below 0")
     }
 
     /// Paths that must stay below the spec's folder.

@@ -1,6 +1,7 @@
 //! An effect of a spec, and which runs it is hidden in.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use glob::Pattern;
 use serde::Deserialize;
@@ -8,7 +9,7 @@ use serde::Deserialize;
 use super::run_spec::RunSpec;
 use super::wrong::Wrong;
 use crate::truth::HiddenEffect;
-use crate::truth::catalogue::known;
+use crate::truth::catalogue::{KnownParameter, known};
 
 /// An effect to hide: `[[effect]]` for the whole spec, `[[run.effect]]` for one run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -34,8 +35,7 @@ impl EffectSpec {
     /// it is resolved.
     pub fn hidden(&self) -> HiddenEffect {
         let mut parameters = self.parameters.clone();
-        let first = known(&self.id).and_then(|known| known.parameters.first());
-        if let (Some(sigma), Some(strength)) = (self.strength_sigma, first) {
+        if let (Some(sigma), Some(strength)) = (self.strength_sigma, self.strength()) {
             let example = strength.example.abs().copysign(sigma);
             parameters.entry(strength.key.to_owned()).or_insert(example);
         }
@@ -48,9 +48,14 @@ impl EffectSpec {
         }
     }
 
+    /// The parameter that is the strength.
+    pub(super) fn strength(&self) -> Option<&'static KnownParameter> {
+        known(&self.id).and_then(|known| known.parameters.first())
+    }
+
     /// Whether it is hidden in that run.
     pub(super) fn meets(&self, run: &RunSpec) -> bool {
-        let file = run.file.to_string_lossy().replace('\\', "/");
+        let file = slashed(&run.file);
         let fits = |pattern: &String| Pattern::new(pattern).is_ok_and(|pattern| pattern.matches(&file));
         self.runs
             .as_ref()
@@ -66,8 +71,7 @@ impl EffectSpec {
         if sigma == 0.0 || !sigma.is_finite() {
             return Err(Wrong::new(&place, sigma.to_string(), "a number other than 0"));
         }
-        let first = known(&self.id).and_then(|known| known.parameters.first());
-        match first {
+        match self.strength() {
             Some(strength) if self.parameters.contains_key(strength.key) => {
                 let found = format!("{} beside it", strength.key);
                 Err(Wrong::new(&place, found, "one of the two: they state the same"))
@@ -91,7 +95,7 @@ impl EffectSpec {
                     &format!("a pattern: {error}"),
                 )
             })?;
-            let named = |run: &RunSpec| compiled.matches(&run.file.to_string_lossy().replace('\\', "/"));
+            let named = |run: &RunSpec| compiled.matches(&slashed(&run.file));
             if !runs.iter().any(named) {
                 let found = format!("{pattern:?}, which no run's file matches");
                 return Err(Wrong::new(
@@ -103,4 +107,9 @@ impl EffectSpec {
         }
         Ok(())
     }
+}
+
+/// A path as patterns and the answer key write it.
+pub(super) fn slashed(path: &Path) -> String {
+    path.to_string_lossy().replace('\\', "/")
 }

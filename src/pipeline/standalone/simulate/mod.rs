@@ -35,7 +35,7 @@ pub use table::{exact_responses, run_table};
 pub use wave::Wave;
 
 use crate::pipeline::infra::whole_file::put_bytes;
-use crate::pipeline::{Observer, PipelineError};
+use crate::pipeline::{Observer, PipelineError, failed};
 
 /// The verb `simulate`.
 #[derive(Debug, Clone)]
@@ -133,11 +133,8 @@ impl Simulate {
 
     fn write(&self, path: &Path, text: &str) -> Result<PathBuf, PipelineError> {
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(|source| PipelineError::File {
-                path: folder.to_owned(),
-                doing: "making the folder of a simulated run",
-                source,
-            })?;
+            std::fs::create_dir_all(folder)
+                .map_err(failed(folder, "making the folder of a simulated run"))?;
         }
         put_bytes(path, self.overwrite, text.as_bytes())?;
         Ok(path.to_owned())

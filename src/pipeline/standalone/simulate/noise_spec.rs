@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::wrong::Wrong;
+use super::wrong::{Wrong, from_zero};
 use crate::truth::ChannelNoise;
 
 /// Gaussian noise with a lag-1 correlation between neighbouring readings, and what else spoils readings.
@@ -70,19 +70,14 @@ impl Noise {
             ("noise.current_autocorrelation", self.current_autocorrelation),
             ("noise.curvature_autocorrelation", self.curvature_autocorrelation),
         ];
-        for (place, value) in correlations {
-            if let Some(value) = value.filter(|value| !(0.0..1.0).contains(value)) {
-                return Err(Wrong::new(place, value.to_string(), "a number from 0 to below 1"));
-            }
-        }
-        if !(0.0..=1.0).contains(&self.outlier_fraction) {
-            let found = self.outlier_fraction.to_string();
-            return Err(Wrong::new(
-                "noise.outlier_fraction",
-                found,
-                "a number from 0 to 1",
-            ));
-        }
+        let given = correlations
+            .into_iter()
+            .filter_map(|(place, own)| Some((place, own?)));
+        let is_below_one = |part: f64| (0.0..1.0).contains(&part);
+        Wrong::unless_all(given, is_below_one, "a number from 0 to below 1")?;
+        let outliers = [("noise.outlier_fraction", self.outlier_fraction)];
+        let is_part = |part: f64| (0.0..=1.0).contains(&part);
+        Wrong::unless_all(outliers, is_part, "a number from 0 to 1")?;
         let sizes = [
             ("noise.current_a", self.current_a),
             ("noise.curvature_per_cm", self.curvature_per_cm),
@@ -92,13 +87,7 @@ impl Noise {
             ("noise.curvature_step_per_cm", self.curvature_step_per_cm),
             ("noise.outlier_size_sigma", self.outlier_size_sigma),
         ];
-        match sizes
-            .into_iter()
-            .find(|(_, size)| !size.is_finite() || *size < 0.0)
-        {
-            Some((place, size)) => Err(Wrong::new(place, size.to_string(), "a number of 0 or above")),
-            None => Ok(()),
-        }
+        Wrong::unless_all(sizes, from_zero, "a number of 0 or above")
     }
 
     /// Noise of the current, A.

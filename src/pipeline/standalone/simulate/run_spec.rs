@@ -8,9 +8,9 @@ use serde::Deserialize;
 use super::effect_spec::EffectSpec;
 use super::noise_spec::Noise;
 use super::wave::Wave;
-use super::wrong::Wrong;
-use crate::domain::{Drive, Issue, Level, Segment};
-use crate::model::{Branch, LumpedModel};
+use super::wrong::{Wrong, above_zero, from_zero};
+use crate::domain::{Drive, Issue};
+use crate::model::{LumpedModel, fit_model};
 use crate::truth::{HiddenEffect, Truth, TruthError};
 
 /// One run.
@@ -57,6 +57,11 @@ pub struct SegmentSpec {
     pub voltage_v: Option<f64>,
 }
 
+/// Whether each segment starts after the one before.
+pub(super) fn rise(segments: &[SegmentSpec]) -> bool {
+    segments.is_sorted_by(|a, b| a.start_s < b.start_s)
+}
+
 /// Pulses of one voltage with 0 V between and after them.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -72,47 +77,30 @@ pub struct Pulses {
 }
 
 impl Pulses {
-    fn segments(&self) -> Vec<Segment> {
-        let held = |start_s: f64, voltage_v: f64| Segment::at(start_s, Level::Voltage(voltage_v));
+    fn levels(&self) -> Vec<(f64, Option<f64>)> {
         let pulse = |k: u32| {
             let start_s = f64::from(k) * (self.on_s + self.off_s);
-            [held(start_s, self.voltage_v), held(start_s + self.on_s, 0.0)]
+            [(start_s, Some(self.voltage_v)), (start_s + self.on_s, Some(0.0))]
         };
         (0..self.count).flat_map(pulse).collect()
     }
 }
 
-/// Parameter keys that a run may give.
-const PARAMETER_KEYS: [&str; 11] = [
-    "r1_ohm_cm2",
-    "c1_f_per_cm2",
-    "r2_ohm_cm2",
-    "c2_f_per_cm2",
-    "r3_ohm_cm2",
-    "c3_f_per_cm2",
-    "r4_ohm_cm2",
-    "c4_f_per_cm2",
-    "rss_ohm_cm2",
-    "alpha_per_c_cm",
-    "lambda_per_s",
-];
+/// Whether a run may give it: a parameter of the lumped model with the most branches.
+fn is_parameter(key: &str) -> bool {
+    let parameters = fit_model("lumped-4").map_or(&[][..], |model| model.parameters);
+    parameters.iter().any(|of| !of.derived && of.key == key)
+}
 
 impl RunSpec {
     pub(super) fn check(&self) -> Result<(), Wrong> {
         let place = |what: &str| format!("run {}: {what}", self.file.display());
-        if let Some(key) = self
-            .parameters
-            .keys()
-            .find(|key| !PARAMETER_KEYS.contains(&key.as_str()))
-        {
+        if let Some(key) = self.parameters.keys().find(|key| !is_parameter(key)) {
             let needed = "one of r1_ohm_cm2 c1_f_per_cm2 (and so on to r4_ohm_cm2 c4_f_per_cm2) rss_ohm_cm2 alpha_per_c_cm lambda_per_s";
             return Err(Wrong::new(&place("parameters"), key.clone(), needed));
         }
         self.check_parameters(&place)?;
-        let ordered = self
-            .drive
-            .windows(2)
-            .all(|pair| pair[0].start_s < pair[1].start_s);
+        let ordered = rise(&self.drive);
         let drives = [
             self.voltage_v.is_some(),
             !self.drive.is_empty(),
@@ -152,14 +140,10 @@ impl RunSpec {
             ("length_cm", self.length_cm),
             ("width_cm", self.width_cm),
         ];
-        for (key, size) in sizes {
-            if let Some(size) = size
-                && !above_zero(size)
-            {
-                return Err(Wrong::new(&place(key), size.to_string(), "a number above 0"));
-            }
-        }
-        Ok(())
+        let sizes = sizes
+            .into_iter()
+            .filter_map(|(key, size)| Some((place(key), size?)));
+        Wrong::unless_all(sizes, above_zero, "a number above 0")
     }
 
     /// Values that a strip can have: without them there would be no current, or none that is a number.
@@ -167,7 +151,7 @@ impl RunSpec {
         for (key, &value) in &self.parameters {
             let (is_possible, needed) = match key.as_str() {
                 "alpha_per_c_cm" => (value.is_finite(), "a number"),
-                "lambda_per_s" => (value.is_finite() && value >= 0.0, "a number of 0 or more"),
+                "lambda_per_s" => (from_zero(value), "a number of 0 or more"),
                 "rss_ohm_cm2" => (value > 0.0, "a number above 0, or none where nothing leaks"),
                 _ => (above_zero(value), "a number above 0"),
             };
@@ -213,27 +197,7 @@ impl RunSpec {
 
     /// The model with the run's parameters. A branch without resistance and capacitance is absent.
     pub fn model(&self) -> LumpedModel {
-        let parameter = |key: &str| self.parameters.get(key).copied();
-        let branch = |r: &str, c: &str| {
-            Some(Branch {
-                resistance_ohm_cm2: parameter(r)?,
-                capacitance_f_per_cm2: parameter(c)?,
-            })
-        };
-        LumpedModel {
-            branches: [
-                branch("r1_ohm_cm2", "c1_f_per_cm2"),
-                branch("r2_ohm_cm2", "c2_f_per_cm2"),
-                branch("r3_ohm_cm2", "c3_f_per_cm2"),
-                branch("r4_ohm_cm2", "c4_f_per_cm2"),
-            ]
-            .into_iter()
-            .flatten()
-            .collect(),
-            steady_state_resistance_ohm_cm2: parameter("rss_ohm_cm2").unwrap_or(f64::INFINITY),
-            charge_to_curvature_per_c_cm: parameter("alpha_per_c_cm").unwrap_or(0.0),
-            relaxation_rate_per_s: parameter("lambda_per_s").unwrap_or(0.0),
-        }
+        LumpedModel::of_parameters(|key| self.parameters.get(key).copied())
     }
 }
 
@@ -244,22 +208,12 @@ pub(super) fn drive_of(
     pulses: Option<Pulses>,
     given: &[SegmentSpec],
 ) -> Drive {
-    let given = given.iter().map(|segment| {
-        Segment::at(
-            segment.start_s,
-            segment.voltage_v.map_or(Level::OpenCircuit, Level::Voltage),
-        )
-    });
-    let segments = match (voltage_v, pulses) {
-        (Some(voltage_v), _) => Drive::step(voltage_v).segments,
-        (None, Some(pulses)) => pulses.segments(),
-        (None, None) => given.collect(),
+    let levels = match (voltage_v, pulses) {
+        (Some(_), _) => vec![(0.0, voltage_v)],
+        (None, Some(pulses)) => pulses.levels(),
+        (None, None) => given.iter().map(|own| (own.start_s, own.voltage_v)).collect(),
     };
-    Drive { baseline_v, segments }
-}
-
-fn above_zero(size: f64) -> bool {
-    size.is_finite() && size > 0.0
+    Drive::of_levels(baseline_v, levels)
 }
 
 /// Refuses a run, noise or effects that make no sense, as those of a spec are refused.

@@ -11,7 +11,7 @@ use super::noise_spec::Noise;
 use super::run_spec::RunSpec;
 use super::sampling::Sampling;
 use super::strip_spec::{NO_EFFECTS, StripSpec};
-use super::wrong::Wrong;
+use super::wrong::{Wrong, above_zero, from_zero};
 use crate::pipeline::infra::error::SpecError;
 use crate::truth::HiddenEffect;
 
@@ -122,12 +122,9 @@ impl Spec {
         self.dma.as_ref().map_or(Ok(()), DmaSpec::check)?;
         self.noise.check()?;
         let own = self.strip.iter().flat_map(|strip| &strip.sampling);
-        for sampling in self.sampling.iter().chain(&self.camera).chain(own) {
-            if sampling.every_s.is_nan() || sampling.every_s <= 0.0 {
-                let found = sampling.every_s.to_string();
-                return Err(Wrong::new("sampling.every_s", found, "a time above 0"));
-            }
-        }
+        let all = self.sampling.iter().chain(&self.camera).chain(own);
+        let all = all.map(|sampling| ("sampling.every_s", sampling.every_s));
+        Wrong::unless_all(all, |every_s| every_s > 0.0, "a time above 0")?;
         self.check_readings()?;
         let safe = |path: &Path| {
             path.components()
@@ -160,8 +157,7 @@ impl Spec {
     fn check_readings(&self) -> Result<(), Wrong> {
         let simulation = &self.simulation;
         let (long_s, every_s) = (simulation.baseline_s, simulation.baseline_every_s);
-        let is_baseline = long_s.is_finite() && long_s >= 0.0 && every_s.is_finite() && every_s > 0.0;
-        if !is_baseline {
+        if !(from_zero(long_s) && above_zero(every_s)) {
             let found = format!("{long_s} s, every {every_s} s");
             let needed = "a time of 0 or above, and an interval above 0";
             return Err(Wrong::new("simulation.baseline_s", found, needed));

@@ -8,7 +8,8 @@ use super::wrong::Wrong;
 use crate::diagnose::{DesignRun, KnownNoise, sigmas_after_refit};
 use crate::domain::number::{fixed, significant};
 use crate::model::extended::Responses;
-use crate::truth::{HiddenEffect, catalogue, simulate};
+use crate::truth::catalogue::KnownParameter;
+use crate::truth::{HiddenEffect, simulate};
 
 /// Steps of the search for a strength, and how near to what was asked for it must come.
 const STEPS: usize = 24;
@@ -41,17 +42,18 @@ impl Spec {
 
     fn strength(&self, effect: &EffectSpec, sigma: f64, runs: &[usize]) -> Result<f64, Wrong> {
         let place = format!("effect {}: strength_sigma", effect.id);
+        let Some(&KnownParameter { key, .. }) = effect.strength() else {
+            return Err(Wrong::new(&place, effect.id.clone(), "an effect with a strength"));
+        };
         let design = self.design(&place, runs)?;
         let size = |strength: f64| -> Result<f64, Wrong> {
             let mut hidden = effect.hidden();
-            hidden
-                .parameters
-                .insert(effect.strength_key(&place)?.to_owned(), strength);
+            hidden.parameters.insert(key.to_owned(), strength);
             let responses = self.responses(&place, &hidden, runs, &design)?;
             let base = self.run[runs[0]].model();
             Ok(sigmas_after_refit(&base, &design, &responses, self.known_noise()))
         };
-        let (key, wanted) = (effect.strength_key(&place)?, sigma.abs());
+        let wanted = sigma.abs();
         let mut strength = effect.hidden().parameters.get(key).copied().unwrap_or(sigma);
         let mut reached = size(strength)?;
         for _ in 0..STEPS {
@@ -144,19 +146,9 @@ impl Spec {
 }
 
 impl EffectSpec {
-    /// Key of the parameter that is the strength.
-    pub(super) fn strength_key(&self, place: &str) -> Result<&'static str, Wrong> {
-        let parameters = catalogue::known(&self.id).map(|known| known.parameters);
-        let first = parameters.and_then(|parameters| parameters.first());
-        let needed = "an effect with a strength";
-        first
-            .map(|parameter| parameter.key)
-            .ok_or_else(|| Wrong::new(place, self.id.clone(), needed))
-    }
-
     fn set_strength(&mut self, strength: f64) {
-        if let Ok(key) = self.strength_key("") {
-            self.parameters.insert(key.to_owned(), strength);
+        if let Some(parameter) = self.strength() {
+            self.parameters.insert(parameter.key.to_owned(), strength);
             self.strength_sigma = None;
         }
     }

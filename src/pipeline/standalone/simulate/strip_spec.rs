@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::run_spec::{SegmentSpec, drive_of};
+use super::run_spec::{SegmentSpec, drive_of, rise};
 use super::sampling::Sampling;
-use super::wrong::Wrong;
-use crate::domain::{Drive, Level};
+use super::wrong::{Wrong, above_zero, from_zero};
+use crate::domain::Drive;
 use crate::model::Branch;
 use crate::model::coupling::{ActiveArea, CurvaturePerTotalCharge};
 use crate::model::distributed::{DistributedModel, Laminate};
@@ -56,7 +56,7 @@ pub struct StripSpec {
 pub(super) const NO_EFFECTS: &str = "no effect in a [[strip]]: effects act on the strip as a whole; hide them in a [[run]], or change the strip's own parameters";
 
 /// Parameters of the distributed model as thesis table 3 states them; R_c, C, R_e positive.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct StripParameters {
     /// Resistance of both electrodes along the strip, Ohm per square.
@@ -93,26 +93,13 @@ impl StripSpec {
             ("c_f_per_cm2", given.c_f_per_cm2),
             ("rss_ohm_cm2", given.rss_ohm_cm2.unwrap_or(1.0)),
         ];
-        let bad = positive
-            .iter()
-            .find(|(_, size)| !(size.is_finite() && *size > 0.0));
-        if let Some((key, size)) = bad {
-            return Err(Wrong::new(&place(key), size.to_string(), "a number above 0"));
-        }
+        let at = |(key, number): (&str, f64)| (place(key), number);
+        Wrong::unless_all(positive.map(at), above_zero, "a number above 0")?;
         let not_negative = [
             ("voltage_noise_v", self.voltage_noise_v),
             ("lambda_per_s", given.lambda_per_s),
         ];
-        let bad = not_negative
-            .iter()
-            .find(|(_, size)| !(size.is_finite() && *size >= 0.0));
-        if let Some((key, size)) = bad {
-            return Err(Wrong::new(
-                &place(key),
-                size.to_string(),
-                "a number of 0 or above",
-            ));
-        }
+        Wrong::unless_all(not_negative.map(at), from_zero, "a number of 0 or above")?;
         if self.voltage_v.is_some() != self.drive.is_empty() {
             let found = format!("voltage_v {:?}, {} segments", self.voltage_v, self.drive.len());
             return Err(Wrong::new(&place("drive"), found, "one of voltage_v and drive"));
@@ -133,28 +120,13 @@ impl StripSpec {
             ("baseline_v", self.baseline_v),
             ("alpha_per_c_cm", self.parameters.alpha_per_c_cm),
         ];
-        let bad = single
-            .into_iter()
-            .chain(segments)
-            .find(|(_, value)| !value.is_finite());
-        match bad {
-            Some((key, value)) => Err(Wrong::new(&place(key), value.to_string(), "a number")),
-            None => Ok(()),
-        }
+        let all = single.into_iter().chain(segments);
+        let all = all.map(|(key, value)| (place(key), value));
+        Wrong::unless_all(all, f64::is_finite, "a number")
     }
 
     fn check_drive_and_places(&self, place: &dyn Fn(&str) -> String) -> Result<(), Wrong> {
-        let ordered = self
-            .drive
-            .windows(2)
-            .all(|pair| pair[0].start_s < pair[1].start_s);
-        if !ordered
-            || self
-                .drive()
-                .segments
-                .iter()
-                .any(|s| s.level == Level::OpenCircuit)
-        {
+        if !rise(&self.drive) || self.drive.iter().any(|own| own.voltage_v.is_none()) {
             let needed = "held voltages in order of time";
             return Err(Wrong::new(&place("drive"), format!("{:?}", self.drive), needed));
         }

@@ -5,7 +5,6 @@ use std::fmt::Write;
 use super::spec::Spec;
 use super::strip_spec::StripSpec;
 use super::table::{printed, times};
-use crate::domain::Level;
 use crate::domain::number::{digits, scientific};
 use crate::model::distributed::{Ladder, LadderResponse, StripField};
 use crate::truth::{ChannelNoise, noise};
@@ -67,15 +66,7 @@ pub fn strip_table(spec: &Spec, strip: &StripSpec, number: usize) -> Result<Stri
         .for_each(|(name, _, _)| text += &format!(",{name}"));
     text += "\n";
     for (row, t) in time_s.iter().enumerate() {
-        let level = drive
-            .segments
-            .iter()
-            .rev()
-            .find(|segment| segment.start_s() <= *t);
-        let applied = match level.map(|segment| segment.level) {
-            Some(Level::Voltage(voltage_v)) => voltage_v,
-            Some(Level::OpenCircuit) | None => drive.baseline_v,
-        };
+        let applied = drive.level_at(*t).volts().unwrap_or(drive.baseline_v);
         let _ = write!(text, "{},{applied}", printed(*t));
         for ((name, _, _), values) in columns.iter().zip(&noisy) {
             let _ = match name.as_str() {

@@ -7,8 +7,8 @@ use super::run_spec::RunSpec;
 use super::sampling::Sampling;
 use super::spec::{Spec, hidden_effects};
 use super::wave::Wave;
+use crate::domain::Level;
 use crate::domain::number::{digits, scientific};
-use crate::domain::{Drive, Level};
 use crate::model::LumpedModel;
 use crate::model::ode::{Responses, integrate_under};
 use crate::truth::noise::NoisyChannel;
@@ -46,10 +46,11 @@ pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> Result<String, Tr
     let open_column = if has_open_circuit { ",open_circuit" } else { "" };
     let _ = writeln!(text, "time_s,voltage_v,current_a,curvature_per_cm{open_column}");
     for (t, row) in merged(&time_s, &camera_s) {
-        let (voltage, open) = match run.wave.filter(|_| t >= 0.0) {
-            Some(wave) => (wave.volts(t).to_string(), false),
-            None => applied(&drive, t),
+        let volts = match run.wave.filter(|_| t >= 0.0) {
+            Some(wave) => Some(wave.volts(t)),
+            None => drive.level_at(t).volts(),
         };
+        let voltage = volts.map(|volts| volts.to_string()).unwrap_or_default();
         let current = row
             .current
             .map(|i| scientific(current_a[i], 5))
@@ -59,7 +60,7 @@ pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> Result<String, Tr
             .map(|i| digits(curvature_per_cm[i], 5))
             .unwrap_or_default();
         let open = if has_open_circuit {
-            format!(",{}", u8::from(open))
+            format!(",{}", u8::from(volts.is_none()))
         } else {
             String::new()
         };
@@ -130,7 +131,7 @@ pub(super) fn times(spec: &Spec, stretches: &[Sampling]) -> Vec<f64> {
 }
 
 /// Which reading of each instrument stands in a row.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Row {
     current: Option<usize>,
     curvature: Option<usize>,
@@ -138,33 +139,14 @@ struct Row {
 
 /// Rows in order of time; readings closer than a microsecond share one.
 fn merged(time_s: &[f64], camera_s: &[f64]) -> Vec<(f64, Row)> {
-    let mut rows: Vec<(f64, Row)> = time_s
-        .iter()
-        .enumerate()
-        .map(|(i, &t)| {
-            (
-                t,
-                Row {
-                    current: Some(i),
-                    curvature: None,
-                },
-            )
-        })
-        .collect();
+    let row = |current, curvature| Row { current, curvature };
+    let of_current = time_s.iter().enumerate();
+    let mut rows: Vec<(f64, Row)> = of_current.map(|(i, &t)| (t, row(Some(i), None))).collect();
     for (i, &t) in camera_s.iter().enumerate() {
         let at = rows.partition_point(|row| row.0 < t - 1e-6);
         match rows.get_mut(at) {
             Some(row) if (row.0 - t).abs() <= 1e-6 => row.1.curvature = Some(i),
-            _ => rows.insert(
-                at,
-                (
-                    t,
-                    Row {
-                        current: None,
-                        curvature: Some(i),
-                    },
-                ),
-            ),
+            _ => rows.insert(at, (t, row(None, Some(i)))),
         }
     }
     rows
@@ -186,19 +168,6 @@ fn under(model: &LumpedModel, wave: Wave, area_cm2: f64, time_s: &[f64]) -> Resp
         current_a: whole(found.current_a),
         charge_c: whole(found.charge_c),
         curvature_per_cm: whole(found.curvature_per_cm),
-    }
-}
-
-/// The voltage cell at a time (empty in an open circuit) and whether the circuit is open.
-fn applied(drive: &Drive, time_s: f64) -> (String, bool) {
-    let segment = drive
-        .segments
-        .iter()
-        .rev()
-        .find(|segment| segment.start_s() <= time_s);
-    match segment.map_or(Level::Voltage(drive.baseline_v), |segment| segment.level) {
-        Level::Voltage(voltage_v) => (voltage_v.to_string(), false),
-        Level::OpenCircuit => (String::new(), true),
     }
 }
 

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::wrong::Wrong;
-use crate::domain::{Drive, Level, Segment};
+use super::wrong::{Wrong, above_zero};
+use crate::domain::Drive;
 
 /// Steps in a period of the staircase under which effects are simulated: a reading lies within a step that is 0.3 % of the
 /// amplitude off at most. Without effects the differential equations are solved under the wave itself.
@@ -31,7 +31,6 @@ pub struct Wave {
 
 impl Wave {
     pub(super) fn check(&self, place: &str) -> Result<(), Wrong> {
-        let above_zero = |value: f64| value.is_finite() && value > 0.0;
         let sizes = [
             self.amplitude_v,
             self.frequency_hz,
@@ -88,13 +87,9 @@ impl Wave {
                 periods / self.frequency_hz
             }
         };
-        let held = |start_s: f64, volts: f64| Segment::at(start_s, Level::Voltage(volts));
-        let step = |step: u32| held(at(f64::from(step)), self.volts(at(f64::from(step) + 0.5)));
+        let step = |step: u32| (at(f64::from(step)), Some(self.volts(at(f64::from(step) + 0.5))));
         let steps = (0..count as u32).map(step);
-        Drive {
-            baseline_v,
-            segments: steps.chain([held(self.lasting_s, self.offset_v)]).collect(),
-        }
+        Drive::of_levels(baseline_v, steps.chain([(self.lasting_s, Some(self.offset_v))]))
     }
 }
 
@@ -115,18 +110,9 @@ mod tests {
         assert!((late - 0.1).abs() < 1e-4, "{late}");
         let drive = wave.drive(0.0);
         assert!(drive.moves());
-        for segment in drive.segments.iter().step_by(97) {
-            let Level::Voltage(volts) = segment.level else {
-                panic!("open")
-            };
-            assert!(
-                (volts - wave.volts(segment.start_s())).abs() < 0.01,
-                "{segment:?}"
-            );
+        for (start_s, volts) in drive.levels().step_by(97) {
+            assert!((volts.unwrap() - wave.volts(start_s)).abs() < 0.01, "{start_s}");
         }
-        assert_eq!(
-            drive.segments.last().map(|last| last.level),
-            Some(Level::Voltage(0.5))
-        );
+        assert_eq!(drive.levels().last(), Some((300.0, Some(0.5))));
     }
 }

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use super::contents::reason;
 use super::manifest::{ENDING, FILE_NAME, LeftOut, Manifest, PREFIX, StoredFile, number_in};
-use super::shelf::{Shelf, failed};
-use crate::pipeline::PipelineError;
+use super::shelf::Shelf;
 use crate::pipeline::infra::error::BackupError;
 use crate::pipeline::infra::whole_file::put_own;
+use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
 
 /// The lists in the folder of a backup.

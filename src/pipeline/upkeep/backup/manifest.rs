@@ -8,8 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::pipeline::PipelineError;
 use crate::pipeline::infra::error::BackupError;
+use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
 
 /// How the name of a list begins; its number follows.
@@ -113,13 +113,7 @@ impl Manifest {
         let text = match fs::read_own(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(source) => {
-                return Err(PipelineError::File {
-                    path,
-                    doing: "reading what the backup holds",
-                    source,
-                });
-            }
+            Err(source) => return Err(failed(&path, "reading what the backup holds")(source)),
         };
         parsed(&text).map(Some).map_err(|detail| {
             let others = String::new();

@@ -23,14 +23,14 @@ use serde::Serialize;
 use crate::ingest::archive::{self, Archive};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::now;
-use crate::pipeline::{Context, Observer, PipelineError};
+use crate::pipeline::{Context, Observer, PipelineError, failed};
 use crate::store::{Found, Store, found};
 use crate::system::fs;
 use contents::{Omitted, Wanted, listed, reason};
 use lists::Lists;
 use manifest::{Head, LeftOut, Manifest, StoredFile};
 use place::place;
-use shelf::{DATABASE, Shelf, UNFINISHED, failed};
+use shelf::{DATABASE, Shelf, UNFINISHED};
 
 pub use crate::pipeline::infra::error::BackupError;
 pub use restore::{Restore, Restored};

@@ -15,11 +15,11 @@ use super::making::Making;
 use super::manifest::JOURNAL;
 use super::manifest::{LeftOut, Manifest, StoredFile};
 use super::place::place;
-use super::shelf::{DATABASE, failed, is_database};
+use super::shelf::{DATABASE, is_database};
 use crate::ingest::archive::{Archive, hash_of_file};
 use crate::pipeline::infra::error::BackupError;
 use crate::pipeline::upkeep::status::{self, Status};
-use crate::pipeline::{Context, Observer, PipelineError};
+use crate::pipeline::{Context, Observer, PipelineError, failed};
 use crate::store::FILE_NAME as DATABASE_NAME;
 use crate::system::fs;
 

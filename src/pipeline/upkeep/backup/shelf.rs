@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::manifest::{self, StoredFile};
 use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming, hash_of_file, is_hash};
-use crate::pipeline::PipelineError;
 use crate::pipeline::infra::error::BackupError;
+use crate::pipeline::{PipelineError, failed};
 use crate::store::InstanceLock;
 use crate::system::fs;
 
@@ -227,9 +227,4 @@ fn databases(folder: &Path) -> Result<Vec<String>, PipelineError> {
         .iter()
         .map(|entry| entry.file_name().to_string_lossy().into_owned());
     Ok(names.filter(|name| is_database(name)).collect())
-}
-
-pub(super) fn failed(path: &Path, doing: &'static str) -> impl FnOnce(io::Error) -> PipelineError {
-    let path = path.to_owned();
-    move |source| PipelineError::File { path, doing, source }
 }

@@ -18,7 +18,7 @@ use crate::pipeline::fits::outcome::{NOT_FITTED, store};
 use crate::pipeline::fits::plan::fit_plan;
 use crate::pipeline::fits::result::FitResult;
 use crate::pipeline::fits::runs::Due;
-use crate::pipeline::{Context, Observer, PipelineError};
+use crate::pipeline::{Context, Observer, PipelineError, failed};
 use crate::store::{NewResult, ResultKind, RunThen, Subject};
 use crate::system::fs;
 use again::Again;
@@ -127,14 +127,10 @@ impl ImportFits {
                 listed.push(given.clone());
                 continue;
             }
-            let failed = |source| PipelineError::File {
-                path: given.clone(),
-                doing: "looking for results in it",
-                source,
-            };
+            let failed = failed(given, "looking for results in it");
             let mut inside = Vec::new();
-            for entry in fs::read_dir(given).map_err(failed)? {
-                let path = entry.map_err(failed)?.path();
+            for entry in fs::read_dir(given).map_err(&failed)? {
+                let path = entry.map_err(&failed)?.path();
                 inside.extend(
                     Some(path).filter(|path| path.extension().is_some_and(|found| found == "parquet")),
                 );

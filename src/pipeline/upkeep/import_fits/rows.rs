@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use super::told::other_told;
 use crate::ingest::parquet_rows;
-use crate::pipeline::PipelineError;
 use crate::pipeline::fits::result::{FitResult, SCHEMA};
+use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
 
 /// Why a row cannot be used, with the run that it names.
@@ -20,11 +20,7 @@ pub type Refusal = (Option<String>, String);
 /// # Errors
 /// It cannot be read at all.
 pub fn read(file: &Path) -> Result<Vec<Result<FitResult, Refusal>>, PipelineError> {
-    let bytes = fs::read(file).map_err(|source| PipelineError::File {
-        path: file.to_owned(),
-        doing: "reading results",
-        source,
-    })?;
+    let bytes = fs::read(file).map_err(failed(file, "reading results"))?;
     let table = parquet_rows::read(&bytes).map_err(|reason| PipelineError::BadArgument {
         what: "FILES",
         found: format!("{}: {reason}", file.display()),

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::pipeline::PipelineError;
+use crate::pipeline::{PipelineError, failed};
 use crate::store::FILE_NAME;
 use crate::system::fs;
 use crate::system::passing::Passing;
@@ -59,14 +59,5 @@ pub fn remove(campaign: &Path) -> Result<(), PipelineError> {
 pub fn clear(campaign: &Path) {
     if fs::symlink_metadata(campaign.join(FILE_NAME)).is_ok() {
         let _ = remove(campaign);
-    }
-}
-
-fn failed(path: &Path, doing: &'static str) -> impl Fn(io::Error) -> PipelineError + use<> {
-    let path = path.to_owned();
-    move |source| PipelineError::File {
-        path: path.clone(),
-        doing,
-        source,
     }
 }

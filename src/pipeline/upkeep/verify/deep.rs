@@ -13,7 +13,7 @@ use crate::ingest::archive::Archive;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
 use crate::pipeline::intake::ingest::{IngestSummary, retag_runs};
 use crate::pipeline::upkeep::rebuild::replay::{Lost, replay};
-use crate::pipeline::{AnalyseModulus, Context, DiagnoseRuns, FitRuns, Observer, PipelineError};
+use crate::pipeline::{AnalyseModulus, Context, DiagnoseRuns, FitRuns, Observer, PipelineError, failed};
 use crate::store::{How, ResultKind, RowDiffers, Store, journal};
 
 /// Makes the database anew and compares: what was stored, and results.
@@ -71,11 +71,10 @@ pub fn parts(
 }
 
 fn in_temporary(source: std::io::Error) -> PipelineError {
-    PipelineError::File {
-        path: std::env::temp_dir(),
-        doing: "making a folder for a copy of the database",
-        source,
-    }
+    failed(
+        &std::env::temp_dir(),
+        "making a folder for a copy of the database",
+    )(source)
 }
 
 /// A database in `folder` of all that the journal says up to where `stored` has it, tagged as the files say now.

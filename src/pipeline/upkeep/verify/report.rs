@@ -5,7 +5,7 @@ use crate::domain::Issue;
 use crate::pipeline::campaign::places::REPORT_FOLDER;
 use crate::pipeline::infra::own_folder::{self, Altered};
 use crate::pipeline::show::report::{is_current, not_ours, report_faults};
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, failed};
 
 /// Holds it against the hashes of its files and its stamp.
 ///
@@ -21,11 +21,8 @@ pub fn part(context: &Context) -> Result<Part, PipelineError> {
     if !folder.exists() {
         return Ok(part("there is none", Vec::new()));
     }
-    let altered = own_folder::altered(&folder).map_err(|source| PipelineError::File {
-        path: folder.clone(),
-        doing: "looking whether it is as it was written",
-        source,
-    })?;
+    let altered =
+        own_folder::altered(&folder).map_err(failed(&folder, "looking whether it is as it was written"))?;
     let of_file = |(name, found): (String, Altered)| {
         let issue = match found {
             Altered::Missing => Issue::error("report-file-missing", "it was written and is not there"),

@@ -103,14 +103,7 @@ mod tests {
         let (base, area, drive) = (base(), context(&drive(levels)).area_cm2, drive(levels));
         let all = times(300);
         let last = all[all.len() - 1];
-        let held = |t: f64| {
-            let begun = drive.segments.iter().rfind(|segment| segment.start_s() <= t);
-            match begun.map(|segment| segment.level) {
-                Some(ieap_domain::Level::Voltage(v)) => Some(v),
-                Some(ieap_domain::Level::OpenCircuit) => None,
-                None => Some(0.0),
-            }
-        };
+        let held = |t: f64| drive.level_at(t).volts();
         let drawn = |t: f64, level: Option<f64>, state: &[f64; 3]| {
             let (mut conductance, mut offset) = (base.steady_state_resistance_ohm_cm2.recip(), 0.0);
             let e = |k: usize| state[k] / base.branches[k].capacitance_f_per_cm2 / (1.0 + by * t / last);

@@ -1,21 +1,21 @@
 //! Predictions against strips that are drawn.
 
-use super::super::Dimension;
 use super::super::propagation::with_values;
 use super::*;
+use ieap_domain::typed_value::Measured;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 fn size(length_mm: f64, width_mm: f64, relative_error: f64) -> StripSize {
-    let dimension = |value_mm| Dimension {
-        value_mm,
-        standard_error_mm: relative_error * value_mm,
+    let measured = |value| Measured {
+        value,
+        standard_error: relative_error * value,
     };
     StripSize {
-        length: dimension(length_mm),
-        width: dimension(width_mm),
-        thickness: None,
+        length_mm: measured(length_mm),
+        width_mm: measured(width_mm),
+        thickness_mm: None,
     }
 }
 
@@ -58,8 +58,8 @@ fn scattered(from: &StripSize, to: &StripSize, draws: usize) -> [Vec<f64>; 3] {
             .map(|k| nominal[k] + (0..7).map(|m| l[k * 7 + m] * white[m]).sum::<f64>())
             .collect();
         let mut real = |size: &StripSize| {
-            let length = size.length.value_mm + size.length.standard_error_mm * normal();
-            let width = size.width.value_mm + size.width.standard_error_mm * normal();
+            let length = size.length_mm.value + size.length_mm.standard_error * normal();
+            let width = size.width_mm.value + size.width_mm.standard_error * normal();
             (length / 10.0, length * width / 100.0)
         };
         let ((_, from_cm2), (to_cm, to_cm2)) = (real(from), real(to));
