@@ -389,9 +389,7 @@ impl Choosing<'_> {
             let start = fitted.len();
             fitted.resize(start + block.len, solution.offset_a);
             for (column, conductance) in columns.iter().zip(&solution.conductances_a_per_v) {
-                for (out, value) in fitted[start..].iter_mut().zip(column) {
-                    *out += conductance * value;
-                }
+                sums::add(&mut fitted[start..], *conductance, column);
             }
         });
         Residuals::new(

@@ -5,9 +5,9 @@ use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::column_memory::LongColumn;
 use ieap_numerics::correlation::{Autoregression, HigherOrder, recurring_excess, slow_excess};
 use ieap_numerics::decay::{BLOCK, Column};
-use ieap_numerics::gram::{CAPACITY, Gram, dot};
+use ieap_numerics::gram::{CAPACITY, Gram};
 use ieap_numerics::student::quantile_95;
-use ieap_numerics::sums;
+use ieap_numerics::sums::{self, dot};
 use ieap_numerics::symmetric::Symmetric;
 
 use super::sampled::Sampled;

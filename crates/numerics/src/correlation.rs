@@ -128,10 +128,7 @@ pub fn yule_walker(lags: &[f64]) -> Option<(Vec<f64>, f64)> {
             return None;
         }
         let turned: Vec<f64> = coefficients.iter().rev().copied().collect();
-        coefficients
-            .iter_mut()
-            .zip(turned)
-            .for_each(|(a, b)| *a -= partial * b);
+        sums::add(&mut coefficients, -partial, &turned);
         coefficients.push(partial);
         variance *= 1.0 - partial * partial;
         share *= 1.0 - partial * partial;

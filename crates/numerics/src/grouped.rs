@@ -1,6 +1,8 @@
 //! Weighted linear regression with an intercept for each group: what is left of a column once groups and other
 //! columns are taken out.
 
+use super::sums::{add, dot};
+
 /// Part of a column's square that must be left after the columns before it for it to count.
 const DEPENDENT_BELOW: f64 = 1e-9;
 
@@ -119,16 +121,9 @@ impl Grouped {
     fn remove_basis(&self, whitened: &mut [f64]) {
         for column in &self.basis {
             let part = dot(column, whitened);
-            for (x, b) in whitened.iter_mut().zip(column) {
-                *x -= part * b;
-            }
+            add(whitened, -part, column);
         }
     }
-}
-
-/// Scalar product.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// Variance that readings share beside their own `variance`, so that the weighted squares left by groups and columns

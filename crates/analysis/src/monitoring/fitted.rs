@@ -2,8 +2,9 @@
 
 use super::policy::{AS_GOOD, LARGEST};
 use super::shape::{self, Bend, Law, Span, at_progress, is_of_amounts, progress};
-use ieap_numerics::grouped::{Grouped, dot};
+use ieap_numerics::grouped::Grouped;
 use ieap_numerics::student::quantile_95;
+use ieap_numerics::sums::dot;
 
 /// Times that the bends about the best one are looked at more finely.
 const FINER: usize = 2;

@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use ieap_numerics::sums::{dot, square};
+use ieap_numerics::sums::{add, dot, square};
 use ieap_numerics::symmetric::Symmetric;
 
 use super::contact_break::ContactBreak;
@@ -220,9 +220,7 @@ impl Asked {
                 .map(|k| self.inverse.get(row, k) * along[k])
                 .sum();
             for (rest, slope) in rest.iter_mut().zip(slope) {
-                rest.iter_mut()
-                    .zip(slope)
-                    .for_each(|(rest, slope)| *rest -= part * slope);
+                add(rest, -part, slope);
             }
         }
         rest
@@ -238,9 +236,7 @@ impl Asked {
                 row.iter_mut().for_each(|value| *value -= level);
                 let norm = square(&shape);
                 let part = if norm > 0.0 { dot(row, &shape) / norm } else { 0.0 };
-                row.iter_mut()
-                    .zip(&shape)
-                    .for_each(|(value, shape)| *value -= part * shape);
+                add(row, -part, &shape);
             }
         }
         column

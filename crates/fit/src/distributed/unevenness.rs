@@ -11,7 +11,7 @@
 
 use ieap_numerics::chance::chi_square_chance;
 use ieap_numerics::student::one_sided_chance;
-use ieap_numerics::sums::{dot, square};
+use ieap_numerics::sums::{add, dot, square};
 
 use super::described::{Described, electrical_parameters};
 use super::identified::Identified;
@@ -178,9 +178,7 @@ fn without_patterns(groups: &[&SeriesGroup], mut columns: Vec<Vec<f64>>) -> Vec<
             } else {
                 0.0
             };
-            row.iter_mut()
-                .zip(&pattern)
-                .for_each(|(value, p)| *value -= part * p);
+            add(row, -part, &pattern);
         }
     }
     columns

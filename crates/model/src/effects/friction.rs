@@ -1,5 +1,7 @@
 //! Dead zone between force and motion: sticking, play, a support that is touched.
 
+use ieap_numerics::sums::add;
+
 use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{Observation, RunContext, System};
 
@@ -96,10 +98,7 @@ impl Observation for Plays {
             let mut seen = own.clone();
             play.observe(clock_s, &mut seen);
             let share = 1.0 / self.0.len() as f64;
-            curvature_per_cm
-                .iter_mut()
-                .zip(seen)
-                .for_each(|(sum, seen)| *sum += share * seen);
+            add(curvature_per_cm, share, &seen);
         }
     }
 }
