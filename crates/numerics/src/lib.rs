@@ -16,6 +16,7 @@ pub mod harmonic;
 pub mod householder;
 pub mod interrupt;
 pub mod least_squares;
+pub mod line;
 pub mod linear;
 pub mod local_parabola;
 pub mod mixed;

@@ -2,6 +2,7 @@
 
 use super::policy::{APART, FEWEST_FOR_RELAXATION, LONGEST_TIME_CONSTANT, MOST_POINTS, SECOND_GAIN};
 use super::relaxation::Stretch;
+use ieap_numerics::line::halved;
 use ieap_numerics::linear::LeastSquares;
 
 /// Trial time constants of one exponential, and of each of two.
@@ -190,13 +191,7 @@ impl Points {
         while outside < 64.0 && at(outside).is_some() {
             (inside, outside) = (outside, 2.0 * outside);
         }
-        for _ in 0..12 {
-            let middle = 0.5 * (inside + outside);
-            match at(middle) {
-                Some(_) => inside = middle,
-                None => outside = middle,
-            }
-        }
+        (inside, _) = halved(inside, outside, 12, |length| at(length).is_some());
         let parts = (1..=RAY_PARTS).map(|k| inside * f64::from(k) / f64::from(RAY_PARTS));
         parts.filter_map(at).collect()
     }

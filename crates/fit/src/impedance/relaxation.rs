@@ -12,6 +12,7 @@ use ieap_domain::impedance::{RelaxationPeak, RelaxationTimes};
 use ieap_domain::{KramersKronig, Spectrum};
 use ieap_numerics::active_set::nonnegative;
 use ieap_numerics::complex::Complex;
+use ieap_numerics::line::halved;
 use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
@@ -37,18 +38,15 @@ pub fn relaxation_times(spectrum: &Spectrum, tested: &KramersKronig) -> Option<R
     let every = vec![true; sought.log_taus.len()];
     let loosest = sought.solution(weakest, &every);
     let target = DISCREPANCY * scatter.max(loosest.rms);
-    let (mut low, mut high) = (weakest.ln(), strongest.ln());
-    let mut found = loosest;
-    let mut lambda = weakest;
-    for _ in 0..REGULARISATION_HALVINGS {
-        let middle = 0.5 * (low + high);
-        let next = sought.solution(middle.exp(), &every);
-        if next.rms <= target {
-            (low, lambda, found) = (middle, middle.exp(), next);
-        } else {
-            high = middle;
+    let (mut lambda, mut found) = (weakest, loosest);
+    halved(weakest.ln(), strongest.ln(), REGULARISATION_HALVINGS, |log| {
+        let next = sought.solution(log.exp(), &every);
+        let is_left = next.rms <= target;
+        if is_left {
+            (lambda, found) = (log.exp(), next);
         }
-    }
+        is_left
+    });
     let found = sought.with_fewest_peaks(found, lambda, (VALLEY_WITHIN * target).max(FINE_RMS));
     let enough = (DESCRIBES_WITHIN * 0.01 * tested.residual_rms_percent).max(FINE_RMS);
     Some(sought.told(&found, scatter, lambda, found.rms <= enough))

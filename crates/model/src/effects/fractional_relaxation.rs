@@ -2,6 +2,7 @@
 
 use super::{About, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RelaxationMode, RunContext, System};
+use ieap_numerics::line;
 
 /// See the module.
 pub(super) struct FractionalRelaxation;
@@ -59,16 +60,7 @@ fn edges(width: f64, far: f64, side: usize) -> Vec<f64> {
     let all = places(far);
     let edge = |k: usize| {
         let wanted = all * (k as f64 + 0.5) / (side as f64 - 0.5);
-        let (mut low, mut high) = (0.0, far);
-        for _ in 0..60 {
-            let middle = (low + high) / 2.0;
-            if places(middle) < wanted {
-                low = middle
-            } else {
-                high = middle
-            }
-        }
-        (low + high) / 2.0
+        line::edge(0.0, far, 60, |u| places(u) < wanted)
     };
     (0..side).map(edge).collect()
 }
