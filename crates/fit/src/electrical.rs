@@ -109,7 +109,7 @@ impl Electrical {
         let last = self.covariance.order().checked_sub(1)?;
         self.offset_a.map(|value| Zero {
             value,
-            standard_error: self.covariance.get(last, last).max(0.0).sqrt(),
+            standard_error: self.covariance.error(last),
         })
     }
 

@@ -29,6 +29,7 @@ pub mod products;
 pub mod random_effects;
 pub mod robust;
 pub mod rosenbrock;
+pub mod slopes;
 pub mod student;
 pub mod sums;
 pub mod symmetric;

@@ -79,7 +79,7 @@ fn foremost(ends: &[(f64, f64)], reach: f64) -> (f64, f64) {
             }
         }
         terms = normal.solve(&right, 1e-9);
-        error = scale * normal.inverse(1e-9).get(0, 0).max(0.0).sqrt();
+        error = scale * normal.inverse(1e-9).error(0);
     }
     if (terms[0] - level).abs() < 1.5 * reach {
         (terms[0], error.max(LEAST_ERROR))

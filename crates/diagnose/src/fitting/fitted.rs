@@ -198,7 +198,7 @@ impl<'g> Fitted<'g> {
                 } else {
                     let place = first;
                     first += 1;
-                    let sd = wider * inverse.get(place, place).max(0.0).sqrt();
+                    let sd = wider * inverse.error(place);
                     estimate(value, sd, quantile, free_effect.slope(k, value), limits)
                         .at_bound(self.problem.at_limit(place, self.at[place]))
                 };
@@ -257,7 +257,6 @@ impl<'g> Fitted<'g> {
     pub(crate) fn base_parameters(&self) -> Vec<(String, f64, f64)> {
         let (slope, _) = self.problem.slope(&self.at);
         let inverse = slope.normal.inverse(1e-12);
-        let sd = |k: usize| inverse.get(k, k).max(0.0).sqrt();
         let base = self.base();
         let n = base.branches.len();
         let mut found = Vec::new();
@@ -266,19 +265,19 @@ impl<'g> Fitted<'g> {
                 base.branches[k].resistance_ohm_cm2,
                 base.branches[k].capacitance_f_per_cm2,
             );
-            found.push((format!("r{}_ohm_cm2", place + 1), r, r * sd(k)));
-            found.push((format!("c{}_f_per_cm2", place + 1), c, c * sd(n + k)));
+            found.push((format!("r{}_ohm_cm2", place + 1), r, r * inverse.error(k)));
+            found.push((format!("c{}_f_per_cm2", place + 1), c, c * inverse.error(n + k)));
         }
         let rss = base.steady_state_resistance_ohm_cm2;
         if rss.is_finite() {
             found.push((
                 "rss_ohm_cm2".into(),
                 rss,
-                rss * sd(2 * n) / self.at[2 * n].max(1e-300),
+                rss * inverse.error(2 * n) / self.at[2 * n].max(1e-300),
             ));
         }
         if self.problem.base_len() > 2 * n + 1 {
-            let unit = |k: usize, value: f64| sd(k) * (value / self.at[k]).abs();
+            let unit = |k: usize, value: f64| inverse.error(k) * (value / self.at[k]).abs();
             let alpha = base.charge_to_curvature_per_c_cm;
             found.push(("alpha_per_c_cm".into(), alpha, unit(2 * n + 1, alpha)));
             let lambda = base.relaxation_rate_per_s;
