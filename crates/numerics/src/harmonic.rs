@@ -51,12 +51,7 @@ pub fn harmonic(phase: &[f64], time_s: &[f64], values: &[f64], degree: usize) ->
     let solved = factor.solve(&right);
     let left = |(row, value): (&Vec<f64>, &f64)| value - sums::dot(row, &solved);
     let residuals: Vec<f64> = rows.iter().zip(values).map(left).collect();
-    let noise = Autoregression::from_sums(
-        sums::square(&residuals),
-        sums::lagged(&residuals),
-        count as f64,
-        terms as f64,
-    );
+    let noise = Autoregression::of(&residuals, terms);
     let variance = noise.long_run_variance().max(noise.variance);
     let inverse = |k: usize| {
         let unit: Vec<f64> = (0..terms).map(|a| f64::from(u8::from(a == k))).collect();

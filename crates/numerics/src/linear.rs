@@ -46,8 +46,7 @@ impl LeastSquares {
 
     /// Noise of the readings, as the residuals show it.
     pub fn noise(&self) -> Autoregression {
-        let (n, p) = (self.residuals.len() as f64, self.columns.len() as f64);
-        Autoregression::from_sums(self.square(), sums::lagged(&self.residuals), n, p)
+        Autoregression::of(&self.residuals, self.columns.len())
     }
 
     /// The weights of the readings in the combination SUM c_k coefficient_k.
