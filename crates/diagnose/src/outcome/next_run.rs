@@ -4,6 +4,8 @@ use ieap_domain::number::fixed;
 use ieap_domain::number::seconds::seconds;
 use ieap_domain::{Drive, Level, NextRun, Segment};
 use ieap_model::extended::ExtendedModel;
+use ieap_numerics::least_squares::Local;
+use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::cause::policy::AS_GOOD;
@@ -161,7 +163,6 @@ fn distance(group: &RunGroup, truth: &Fitted, rival: &Fitted, drive: &Drive, dur
     let there = weighted(&truth.problem.model(&truth.at));
     let miss: Vec<f64> = there.iter().zip(&here).map(|(a, b)| a - b).collect();
     let (slope, _) = rival.tangent();
-    let mut normal: Symmetric = slope.normal;
     let columns: Vec<Vec<f64>> = (0..rival.at.len())
         .map(|k| {
             let mut at = rival.at.clone();
@@ -170,14 +171,9 @@ fn distance(group: &RunGroup, truth: &Fitted, rival: &Fitted, drive: &Drive, dur
             moved.iter().zip(&here).map(|(m, h)| (m - h) / 1e-4).collect()
         })
         .collect();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    for (a, left) in columns.iter().enumerate() {
-        for (b, right) in columns.iter().enumerate() {
-            normal.add(a, b, dot(left, right));
-        }
-    }
-    let right: Vec<f64> = columns.iter().map(|column| dot(column, &miss)).collect();
-    let step = normal.solve(&right, 1e-12);
-    let left = dot(&miss, &miss) - dot(&right, &step);
+    let told = Local::of(&miss, &columns);
+    let both = |a, b| slope.normal.get(a, b) + told.normal.get(a, b);
+    let step = Symmetric::from_fn(columns.len(), both).solve(&told.descent, 1e-12);
+    let left = told.square - dot(&told.descent, &step);
     if left.is_finite() { left } else { f64::INFINITY }
 }

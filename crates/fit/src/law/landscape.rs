@@ -112,17 +112,11 @@ impl Shapes<'_> {
     /// The best couplings, and offset, for these shapes.
     pub(super) fn solve(&self, shapes: &[f64]) -> Solved {
         let columns = self.columns(shapes);
-        let normal = Symmetric::from_fn(columns.len(), |row, column| {
-            sums::dot(&columns[row], &columns[column])
-        });
-        let right: Vec<f64> = columns
-            .iter()
-            .map(|column| sums::dot(column, &self.values))
-            .collect();
+        let Local { normal, descent, .. } = Local::of(&self.values, &columns);
         let coefficients = match normal.cholesky(ALIKE) {
-            Some(factor) => factor.solve(&right),
+            Some(factor) => factor.solve(&descent),
             // Courses that are alike: the first alone says what there is.
-            None => alone(&normal, &right),
+            None => alone(&normal, &descent),
         };
         let mut left = self.values.clone();
         for (coefficient, column) in coefficients.iter().zip(&columns) {
