@@ -59,8 +59,7 @@ impl Gram {
 
     /// Sum of squared residuals for the coefficients `x`, which solve the normal equations where not zero.
     pub fn residual_square(&self, x: &[f64]) -> f64 {
-        let n = self.matrix.order();
-        let explained: f64 = (0..n).map(|k| x[k] * self.right[k]).sum();
+        let explained: f64 = x.iter().zip(&self.right).map(|(x, right)| x * right).sum();
         (self.square - explained).max(0.0)
     }
 }

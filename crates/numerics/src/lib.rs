@@ -21,7 +21,6 @@ pub mod linear;
 pub mod local_parabola;
 pub mod mixed;
 pub mod noise;
-pub mod nonnegative;
 pub mod ode;
 #[cfg(test)]
 mod problems;

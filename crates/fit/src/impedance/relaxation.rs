@@ -24,6 +24,8 @@ use super::policy::{
 
 /// Resistance, inductance and elastance (1/C) in series, which nothing smooths.
 const SERIES: usize = 3;
+/// Pivot, relative to the diagonal, below which columns count as dependent.
+const DEPENDENT: f64 = 1e-13;
 /// Parts of each side of a hat over which its kernel is summed.
 const PARTS: usize = 8;
 
@@ -130,7 +132,7 @@ impl<'a> Sought<'a> {
         let matrix = Symmetric::from_fn(straight.len(), |a, b| sum_of(&straight[b], &parts[a]));
         let right: Vec<f64> = straight.iter().map(|part| sum_of(part, &self.right)).collect();
         let mut x = vec![0.0; order];
-        for (part, own) in straight.iter().zip(nonnegative(&matrix, &right)) {
+        for (part, own) in straight.iter().zip(nonnegative(&matrix, &right, DEPENDENT)) {
             part.iter().for_each(|(k, share)| x[*k] += share * own);
         }
         let left = (0..self.readings.len()).map(|row| {
