@@ -257,11 +257,9 @@ impl Sampled {
         if before.is_empty() {
             return None;
         }
-        let mean = before.iter().sum::<f64>() / before.len() as f64;
-        let off: Vec<f64> = before.iter().map(|value| value - mean).collect();
-        let noise = Autoregression::of(&off, 1);
+        let noise = Autoregression::of(&sums::about_mean(before), 1);
         Some(AtRest {
-            mean,
+            mean: sums::mean(before),
             long_run_variance: noise.long_run_variance().max(noise.variance),
         })
     }

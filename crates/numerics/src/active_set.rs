@@ -1,6 +1,7 @@
 //! Least squares with coefficients that may not be negative, for any number of columns: the active set method of Lawson
 //! and Hanson (Solving Least Squares Problems, 1974, chapter 23), on the normal equations.
 
+use super::sums::peak;
 use super::symmetric::Symmetric;
 
 /// A slope, relative to the largest, below which a column would no longer help.
@@ -17,7 +18,7 @@ pub fn nonnegative(matrix: &Symmetric, right: &[f64], dependent: f64) -> Vec<f64
         return plain;
     }
     let count = matrix.order();
-    let largest = right.iter().fold(0.0_f64, |most, r| most.max(r.abs()));
+    let largest = peak(right);
     let mut x = vec![0.0; count];
     let mut taken = vec![false; count];
     let mut refused = vec![false; count];

@@ -38,6 +38,17 @@ pub fn sum(a: &[f64]) -> f64 {
     over_pairs(a, a, |a, _| a)
 }
 
+/// Mean, summed in order; 0 of none.
+pub fn mean(a: &[f64]) -> f64 {
+    a.iter().sum::<f64>() / a.len().max(1) as f64
+}
+
+/// What each value is above the mean of all.
+pub fn about_mean(a: &[f64]) -> Vec<f64> {
+    let mean = mean(a);
+    a.iter().map(|value| value - mean).collect()
+}
+
 /// `SUM a_k^2`.
 pub fn square(a: &[f64]) -> f64 {
     over_pairs(a, a, |a, _| a * a)

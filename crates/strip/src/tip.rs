@@ -1,10 +1,11 @@
 //! Where the strip ends.
 
 use super::curve::Curve;
-use super::edges::{COVERED, Edges, MARGIN, OUTER, SPACING, mean};
+use super::edges::{COVERED, Edges, MARGIN, OUTER, SPACING};
 use super::gray::Gray;
 use super::ground::{Ground, biweight, median};
 use ieap_numerics::robust::sd_about_median;
+use ieap_numerics::sums::mean;
 use ieap_numerics::symmetric::Symmetric;
 
 /// No end is known better than this, pixels.

@@ -4,6 +4,7 @@ use super::policy::{APART, FEWEST_FOR_RELAXATION, LONGEST_TIME_CONSTANT, MOST_PO
 use super::relaxation::Stretch;
 use ieap_numerics::line::halved;
 use ieap_numerics::linear::LeastSquares;
+use ieap_numerics::sums::mean;
 
 /// Trial time constants of one exponential, and of each of two.
 const TRIALS: usize = 120;
@@ -47,7 +48,6 @@ impl Points {
             ));
         }
         let block = count.div_ceil(MOST_POINTS);
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let times = stretch.time_s[first..end].chunks_exact(block);
         let since_s: Vec<f64> = times.map(|t| mean(t) - stretch.begun.middle_s()).collect();
         let length_s = since_s[since_s.len() - 1] - since_s[0];

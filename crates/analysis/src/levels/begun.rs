@@ -5,7 +5,7 @@
 //! describe the readings (an average over models, Hoeting et al., Statistical Science 14, 382, 1999).
 
 use ieap_numerics::linear::LeastSquares;
-use ieap_numerics::sums;
+use ieap_numerics::sums::{self, mean};
 
 use super::policy::{
     FASTER, FEWEST_TO_BEGIN, MOST_TO_BEGIN, MOST_UNSEEN, PLACES, READINGS_TO_BEGIN, RESOLVED, SEEN, SHORTEST,
@@ -187,7 +187,6 @@ impl First<'_> {
     /// where the current is that of a resistor all the time, so that all that was stored passed unseen.
     fn unseen(&self) -> f64 {
         let (from, to) = self.amperes.split_at(self.amperes.len() / 2);
-        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
         let error = self.noise * (4.0 * self.memory / self.amperes.len() as f64).sqrt();
         if (mean(from) - mean(to)).abs() < TOLD * error {
             return self.step.signum() * f64::INFINITY;

@@ -7,7 +7,7 @@ use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use ieap_numerics::interrupt;
 use ieap_numerics::products::{gram, products};
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{dot, mean};
 
 use crate::fitting::tangent::Tangent;
 use crate::misfit::calibration::Calibration;
@@ -306,11 +306,10 @@ impl Tail {
         let first = draws.len() - (draws.len() as f64 * TAIL_PART) as usize;
         let from = draws.get(first.saturating_sub(1)).copied().unwrap_or(0.0);
         let excess: Vec<f64> = draws[first..].iter().map(|x| x - from).collect();
-        let mean_excess = excess.iter().sum::<f64>() / excess.len().max(1) as f64;
         Tail {
             sorted: draws,
             from,
-            mean_excess: mean_excess.max(f64::MIN_POSITIVE),
+            mean_excess: mean(&excess).max(f64::MIN_POSITIVE),
         }
     }
 

@@ -5,7 +5,7 @@ use ieap_domain::number::seconds::seconds;
 use ieap_domain::{Drive, Level, NextRun, Segment};
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::least_squares::Local;
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{dot, mean};
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::cause::policy::AS_GOOD;
@@ -127,7 +127,7 @@ fn after(
         .zip(&alike)
         .filter(|(_, row)| row.iter().any(|x| !*x))
         .map(|((id, _), _)| (*id).to_owned());
-    (sizes.iter().sum::<f64>() / sizes.len() as f64, splits.collect())
+    (mean(&sizes), splits.collect())
 }
 
 /// Sum of squares by which `rival`, refitted to old and new readings, would miss what `truth` gives on the new run.
@@ -142,8 +142,7 @@ fn distance(group: &RunGroup, truth: &Fitted, rival: &Fitted, drive: &Drive, dur
     let sizes: [f64; 2] = std::array::from_fn(|k| {
         let of_run = |run: &crate::readings::group::GroupRun| {
             let channel = run.channels[k].as_ref()?;
-            let mean = channel.standard_deviation().iter().sum::<f64>() / channel.len() as f64;
-            Some(mean * channel.readings_per_independent().sqrt())
+            Some(mean(channel.standard_deviation()) * channel.readings_per_independent().sqrt())
         };
         group
             .runs

@@ -3,6 +3,7 @@
 use crate::readings::group::GroupRun;
 use crate::readings::policy::{END_PART, KNOWN_FROM_SIGMAS, READINGS_TOGETHER};
 use ieap_fit::WhitenedChannel;
+use ieap_numerics::sums::mean;
 
 /// Names of the quantities, in the order of [`Predicted::relative_errors`].
 pub(crate) const NAMES: [&str; 5] = [
@@ -57,7 +58,7 @@ fn error(measured: f64, fitted: f64, least: f64) -> Option<f64> {
 
 /// Standard error of a mean of so many neighbouring readings.
 fn standard_error(channel: &WhitenedChannel, count: usize) -> f64 {
-    let single = channel.standard_deviation().iter().sum::<f64>() / channel.len().max(1) as f64;
+    let single = mean(channel.standard_deviation());
     let independent = count as f64 / channel.readings_per_independent();
     single / independent.max(1.0).sqrt()
 }
@@ -69,7 +70,6 @@ fn at_end(readings: usize) -> usize {
 
 /// Time and value of the largest mean of neighbouring readings, by size.
 fn peak(time_s: &[f64], values: &[f64]) -> Option<(f64, f64)> {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let means = values
         .windows(READINGS_TOGETHER)
         .zip(time_s.windows(READINGS_TOGETHER));
@@ -82,7 +82,7 @@ fn peak(time_s: &[f64], values: &[f64]) -> Option<(f64, f64)> {
 fn end(values: &[f64]) -> Option<f64> {
     let count = at_end(values.len());
     let last = values.get(values.len().checked_sub(count)?..)?;
-    Some(last.iter().sum::<f64>() / count as f64)
+    Some(mean(last))
 }
 
 /// Integral of the current, C.

@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use ieap_numerics::sums::{add, dot, square};
+use ieap_numerics::sums::{about_mean, add, dot, square};
 use ieap_numerics::symmetric::Symmetric;
 
 use super::contact_break::ContactBreak;
@@ -230,10 +230,8 @@ impl Asked {
         for ((column, pattern), times) in column.iter_mut().zip(&self.patterns).zip(&self.times) {
             let Some(pattern) = pattern else { continue };
             for (row, pattern) in column.chunks_exact_mut(*times).zip(pattern.chunks_exact(*times)) {
-                let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-                let (middle, level) = (mean(pattern), mean(row));
-                let shape: Vec<f64> = pattern.iter().map(|value| value - middle).collect();
-                row.iter_mut().for_each(|value| *value -= level);
+                let shape = about_mean(pattern);
+                row.copy_from_slice(&about_mean(row));
                 let norm = square(&shape);
                 let part = if norm > 0.0 { dot(row, &shape) / norm } else { 0.0 };
                 add(row, -part, &shape);

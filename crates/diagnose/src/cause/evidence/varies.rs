@@ -5,9 +5,10 @@
 //! mean with a spread of its own, one that follows the voltage or a tag lies on a line.
 
 use ieap_domain::quantiles::NORMAL_95;
-use ieap_domain::{Hypothesis, HypothesisKind, Ratio, VaryingParameter, VaryingValue};
+use ieap_domain::{Hypothesis, HypothesisKind, Ratio, VaryingParameter, VaryingValue, range_of};
 use ieap_model::FitModel;
 use ieap_numerics::random_effects::{Form, Shared};
+use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::by_voltage;
@@ -228,9 +229,9 @@ pub(super) fn covariates(group: &RunGroup) -> Vec<Covariate> {
 
 /// None where all runs have the same, or each of two runs its own: two points lie on any line.
 fn scaled(name: String, at: Vec<f64>) -> Option<Covariate> {
-    let low = at.iter().copied().fold(f64::INFINITY, f64::min);
-    let span = at.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low;
-    let mean = at.iter().sum::<f64>() / at.len().max(1) as f64;
+    let (low, high) = range_of(at.iter().copied());
+    let span = high - low;
+    let mean = sums::mean(&at);
     (at.len() > 2 && span > 1e-9).then(|| Covariate {
         at: at.iter().map(|x| (x - mean) / span).collect(),
         name,
