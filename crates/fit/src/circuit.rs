@@ -190,8 +190,11 @@ impl Circuit<'_> {
 
 /// Conductances of the branches and the steady one, none negative, that leave the least sum of squares.
 fn conductances(gram: &Gram, branches: usize) -> Vec<f64> {
-    let own: Vec<usize> = (0..=branches).collect();
-    nonnegative(&gram.matrix.part(&own), &gram.right[..=branches], DEPENDENT)
+    nonnegative(
+        &gram.matrix.first(branches + 1),
+        &gram.right[..=branches],
+        DEPENDENT,
+    )
 }
 
 /// Voltage that the source holds in a segment, V; zero while the circuit is open.

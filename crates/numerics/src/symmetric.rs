@@ -81,6 +81,11 @@ impl Symmetric {
         Symmetric::from_fn(keep.len(), |row, column| self.get(keep[row], keep[column]))
     }
 
+    /// So many rows and columns, from the first.
+    pub fn first(&self, count: usize) -> Symmetric {
+        Symmetric::from_fn(count, |row, column| self.get(row, column))
+    }
+
     /// Product of two symmetric matrices with a third between them: `self * middle * self`.
     pub fn sandwich(&self, middle: &Symmetric) -> Symmetric {
         let columns: Vec<Vec<f64>> = (0..self.order).map(|k| middle.times(self.row(k))).collect();

@@ -189,12 +189,7 @@ impl Simulation {
             let blocks = found.iter().zip(pairs);
             blocks.map(|(found, pair)| found.product(pair)).sum()
         };
-        let mut normal = Symmetric::zero(self.normal.len());
-        for (row, products) in self.normal.iter().enumerate() {
-            for (column, pairs) in products.iter().enumerate() {
-                normal.add(row, column, product(pairs));
-            }
-        }
+        let normal = Symmetric::from_fn(self.normal.len(), |a, b| product(&self.normal[a][b]));
         let inverse = normal.inverse(SINGULAR);
         let gain = |(place, direction): (usize, &Direction)| {
             let absorbed: Vec<f64> = self.absorbed[place].iter().map(&product).collect();

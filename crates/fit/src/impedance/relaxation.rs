@@ -12,8 +12,8 @@ use ieap_domain::impedance::{RelaxationPeak, RelaxationTimes};
 use ieap_domain::{KramersKronig, Spectrum};
 use ieap_numerics::active_set::nonnegative;
 use ieap_numerics::complex::Complex;
+use ieap_numerics::least_squares::Local;
 use ieap_numerics::line::halved;
-use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::policy::{
@@ -102,8 +102,7 @@ impl<'a> Sought<'a> {
             |part: &[f64]| -> Vec<f64> { part.iter().zip(&magnitude).map(|(z, size)| z / size).collect() };
         let mut readings = of(&spectrum.real_ohm);
         readings.extend(of(&spectrum.imaginary_ohm));
-        let gram = Symmetric::from_fn(columns.len(), |a, b| dot(&columns[a], &columns[b]));
-        let right = columns.iter().map(|column| dot(column, &readings)).collect();
+        let told = Local::of(&readings, &columns);
         Some(Sought {
             spectrum,
             scale_ohm,
@@ -112,8 +111,8 @@ impl<'a> Sought<'a> {
             log_taus,
             columns,
             readings,
-            gram,
-            right,
+            gram: told.normal,
+            right: told.descent,
         })
     }
 

@@ -299,34 +299,28 @@ fn along(forms: &[Form], set: &[usize], at: &[f64], spread: f64) -> f64 {
     let n = forms[0].pull.len();
     let all = n + set.len();
     let place = |k: usize| if k < n { k } else { set[k - n] };
-    let mut shared = Symmetric::zero(all);
-    let mut pull = vec![0.0; all];
-    let mut square = 0.0;
-    for (form, at) in forms.iter().zip(at) {
-        let factor = |k: usize| if k < n { 1.0 } else { spread * at };
-        square += form.at_origin;
-        for (a, pull) in pull.iter_mut().enumerate() {
-            *pull += factor(a) * form.pull[place(a)];
-            for b in 0..all {
-                shared.add(
-                    a,
-                    b,
-                    factor(a) * factor(b) * form.precision.get(place(a), place(b)),
-                );
-            }
-        }
-    }
+    let factor = |at: f64, k: usize| if k < n { 1.0 } else { spread * at };
+    let each = || forms.iter().zip(at);
     // Rises in units of their spread have a variance of one; what is shared has its own prior in `concluded`.
-    for k in n..all {
-        shared.add(k, k, 1.0 - KNOWN_BEFORE);
-    }
-    let all = Shared {
-        precision: shared,
-        pull,
-        square,
+    let own = |a: usize, b: usize| if a == b && a >= n { 1.0 - KNOWN_BEFORE } else { 0.0 };
+    let precision = |a: usize, b: usize| {
+        let of = |(form, at): (&Form, &f64)| {
+            factor(*at, a) * factor(*at, b) * form.precision.get(place(a), place(b))
+        };
+        each().map(of).sum::<f64>() + own(a, b)
+    };
+    let pull = |k: usize| {
+        each()
+            .map(|(form, at)| factor(*at, k) * form.pull[place(k)])
+            .sum()
+    };
+    let shared = Shared {
+        precision: Symmetric::from_fn(all, precision),
+        pull: (0..all).map(pull).collect(),
+        square: forms.iter().map(|form| form.at_origin).sum(),
         log_widths: 0.0,
     };
-    all.log_evidence(KNOWN_BEFORE)
+    shared.log_evidence(KNOWN_BEFORE)
 }
 
 #[cfg(test)]
