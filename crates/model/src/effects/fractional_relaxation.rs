@@ -1,6 +1,6 @@
 //! Relaxation by a power law, or by a stretched exponential.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RelaxationMode, RunContext, System};
 use ieap_numerics::line;
 
@@ -113,15 +113,10 @@ fn stretched(order: f64) -> Vec<(f64, f64)> {
     out
 }
 
-impl Effect for FractionalRelaxation {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for FractionalRelaxation {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         if scale.base.relaxation_rate_per_s <= 0.0 {
             return Search::none();
         }

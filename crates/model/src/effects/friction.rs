@@ -2,7 +2,7 @@
 
 use ieap_numerics::sums::add;
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Observation, RunContext, System};
 
 /// See the module.
@@ -103,15 +103,10 @@ impl Observation for Plays {
     }
 }
 
-impl Effect for Friction {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for Friction {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         Search::over(
             0.01 * scale.curvature_per_cm,
             vec![Limits::linear(0.0, 0.3 * scale.curvature_per_cm)],
