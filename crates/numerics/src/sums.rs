@@ -43,6 +43,13 @@ pub fn mean(a: &[f64]) -> f64 {
     a.iter().sum::<f64>() / a.len().max(1) as f64
 }
 
+/// Standard deviation of values about their mean, with one less than their number.
+pub fn standard_deviation(a: &[f64]) -> f64 {
+    let mean = mean(a);
+    let square: f64 = a.iter().map(|value| (value - mean).powi(2)).sum();
+    (square / (a.len() as f64 - 1.0)).sqrt()
+}
+
 /// What each value is above the mean of all.
 pub fn about_mean(a: &[f64]) -> Vec<f64> {
     let mean = mean(a);

@@ -135,15 +135,7 @@ impl Null {
             .zip(&scores)
             .map(|(Drawn { unit, sizes, line }, scores)| {
                 interrupt::check();
-                let square = |k: usize| {
-                    let z = scores[k];
-                    let size: f64 = shares[k]
-                        .iter()
-                        .zip(sizes)
-                        .map(|(share, size)| share * size)
-                        .sum();
-                    (z, z * z * size)
-                };
+                let square = |k: usize| (scores[k], scores[k] * scores[k] * dot(&shares[k], sizes));
                 let mut found = Statistics::default();
                 for k in 0..timed_bins {
                     found.bin = found.bin.max(square(k).1);
@@ -159,14 +151,7 @@ impl Null {
                 }
                 found.candidate = largest(&gains);
                 found.mixture = mixture.log_ratio(&gains);
-                let of_pivot = |(&pivot, x): (&usize, &f64)| {
-                    let size: f64 = shares[pivot]
-                        .iter()
-                        .zip(sizes)
-                        .map(|(share, size)| share * size)
-                        .sum();
-                    x * x * size
-                };
+                let of_pivot = |(&pivot, x): (&usize, &f64)| x * x * dot(&shares[pivot], sizes);
                 found.together = pivots[..from_bins].iter().zip(unit).map(of_pivot).sum();
                 found.line = *line;
                 found

@@ -2,6 +2,7 @@
 
 use crate::readings::group::GroupRun;
 use crate::readings::policy::{END_PART, KNOWN_FROM_SIGMAS, READINGS_TOGETHER};
+use crate::readings::tolerance::passed;
 use ieap_fit::WhitenedChannel;
 use ieap_numerics::sums::mean;
 
@@ -87,9 +88,8 @@ fn end(values: &[f64]) -> Option<f64> {
 
 /// Integral of the current, C.
 fn charge(time_s: &[f64], current_a: &[f64]) -> Option<f64> {
-    let pairs = time_s.windows(2).zip(current_a.windows(2));
-    let sum: f64 = pairs.map(|(t, i)| (t[1] - t[0]) * (i[0] + i[1]) / 2.0).sum();
-    (current_a.len() > READINGS_TOGETHER).then_some(sum)
+    let whole = || passed(time_s, current_a).last();
+    (current_a.len() > READINGS_TOGETHER).then(whole)?
 }
 
 /// Root mean square of each quantity's deviation over all runs, percent; none where no run tells.
